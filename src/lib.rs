@@ -1,27 +1,157 @@
-//! patchcord: a virtual analogue computer.
+//! A virtual analogue computer: patch it, run it, read it, and find what it lacks.
 //!
-//! Patches of summers, integrators, potentiometers, diodes and quarter-squares multipliers, written as JSON,
-//! wired as a graph, stepped in time in volts, read with the instruments of the period. Five types in a row,
-//! each made from the one before: [`patch::Patch`], [`circuit::Circuit`], [`ir::Program`],
-//! [`trace::Trace`], and what [`instruments`] read.
+//! This page is a tutorial. It takes ten minutes and goes from a patch to a run, from a run to readings and pictures,
+//! from one run to many, and from measured data to the effect that a model lacks.
+//!
+//! # Run a patch
+//!
+//! A patch is a JSON document. Five types follow each other, and one function leads from each to the next:
+//! [`Patch`] (the document), [`Circuit`] (checked, with parameter values), [`Program`] (compiled),
+//! [`Machine`] (running) and [`Trace`] (recorded). [`run`] makes the last two steps.
 //!
 //! ```
-//! use patchcord::{circuit::Circuit, ir::Program, patch::Patch, solve};
+//! use patchcord::{Circuit, Patch, Program, RunSettings, run};
 //!
-//! let patch = Patch::read("patches/thesis/fig-8-16.json".as_ref())?;
-//! let circuit = Circuit::new(&patch, &[("VcL".into(), 5.08e-3)])?;
+//! # fn main() -> Result<(), patchcord::Error> {
+//! let patch = Patch::read("patches/lessons/mass-and-spring.json")?;
+//! let circuit = Circuit::with_parameters(&patch, [("m", 4.0)])?;
 //! let program = Program::new(&circuit)?;
-//! let settings = solve::RunSettings::of(&circuit)?.lasting(0.1);
-//! let trace = solve::run(&program, &settings)?;
-//! assert_eq!(trace.track("v_o").unwrap().unit, "m/s");
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! let settings = RunSettings::of(&circuit)?.with_duration(2.0);
+//! let trace = run(&program, &settings)?;
+//!
+//! let position = trace.track("x").expect("the patch records x");
+//! assert_eq!(position.unit, "mm");
+//! assert_eq!(position.values().len(), trace.time.len());
+//! # Ok(())
+//! # }
 //! ```
+//!
+//! If a patch is wrong, the error is a [`Report`](document::Report) with every fault, its position and a hint:
+//!
+//! ```
+//! use patchcord::{Circuit, Patch};
+//!
+//! let patch: Patch = r#"{"patchcord": 1, "elements": {"A1": {"kind": "integrator", "in": {"x1": ["A7"]}}}}"#.parse()?;
+//! let report = Circuit::new(&patch).unwrap_err();
+//! assert!(report.to_string().contains("A7"));
+//! # Ok::<(), patchcord::Error>(())
+//! ```
+//!
+//! # Build a patch in Rust
+//!
+//! [`PatchBuilder`](patch::PatchBuilder) makes the same document without a file:
+//!
+//! ```
+//! use patchcord::patch::{ElementBuilder, PatchBuilder};
+//! use patchcord::{Circuit, Program, RunSettings, run};
+//!
+//! # fn main() -> Result<(), patchcord::Error> {
+//! // dx/dt = -x, from x = 50 V
+//! let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+//! let patch = PatchBuilder::new("Decay").element("A1", decay).run(1.0, 1e-3).record(["A1"]).build()?;
+//! let circuit = Circuit::new(&patch)?;
+//! let trace = run(&Program::new(&circuit)?, &RunSettings::of(&circuit)?)?;
+//! let last = trace.track("A1").and_then(|track| track.values().last()).unwrap();
+//! assert!((last - 50.0 * (-1.0f64).exp()).abs() < 1e-9);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Read and draw a run
+//!
+//! [`instruments`] read quantities from a trace, and [`draw`] makes pictures:
+//!
+//! ```
+//! use patchcord::draw::plot::{Format, Size, render};
+//! use patchcord::{Circuit, Patch, Program, RunSettings, draw, instruments, run};
+//!
+//! # fn main() -> Result<(), patchcord::Error> {
+//! let patch = Patch::read("patches/lessons/mass-and-spring.json")?;
+//! let circuit = Circuit::new(&patch)?;
+//! let trace = run(&Program::new(&circuit)?, &RunSettings::of(&circuit)?)?;
+//!
+//! let readings = instruments::readings(&trace);
+//! let position = readings.iter().find(|reading| reading.signal == "x").unwrap();
+//! assert!(position.least.value < 0.0 && position.most.value > 0.0);
+//!
+//! let specs = circuit.picture_specs(["x"].into_iter());
+//! let picture = draw::picture(&trace, &specs[0], None)?;
+//! let svg = render(&[picture], Format::Svg, Size::default())?;
+//! assert!(svg.starts_with(b"<?xml"));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Run it many times
+//!
+//! A [`sweep`] runs a program for many parameter values and computes measures of each run. It continues an interrupted
+//! file, and its rows do not depend on the number of threads.
+//!
+//! ```
+//! use patchcord::instruments::Measure;
+//! use patchcord::sweep::{Axis, Plan, Sweep};
+//! use patchcord::{Circuit, Patch, Program, RunSettings};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let patch = Patch::read("patches/lessons/mass-and-spring.json")?;
+//! let circuit = Circuit::new(&patch)?;
+//! let program = Program::new(&circuit)?;
+//! let plan = Plan::new(vec![Axis::parse("k=20:80:4")?], &program)?;
+//! let measure = Measure::parse("frequency:x", program.signals())?;
+//! let settings = RunSettings::of(&circuit)?.with_duration(5.0);
+//! let sweep = Sweep::new(&patch, program, settings, plan, vec![measure])?;
+//! let mut csv = Vec::new();
+//! sweep.write(&mut csv, 2, &mut |_| ())?;
+//! let csv = String::from_utf8(csv)?;
+//! assert_eq!(csv.lines().filter(|line| !line.starts_with('#')).count(), 1 + 4);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Find what a model lacks
+//!
+//! [`ident`] fits a patch to measured data and searches for the effect that explains the rest. An
+//! [`Experiment`] names the patch, the data and the parameters to fit.
+//!
+//! ```no_run
+//! use patchcord::Experiment;
+//! use patchcord::ident::effects::Library;
+//! use patchcord::ident::fit::problem::Problem;
+//! use patchcord::ident::report::Report;
+//! use patchcord::ident::search::{SearchSettings, search};
+//!
+//! # fn main() -> Result<(), patchcord::Error> {
+//! let experiment = Experiment::read("examples/05_missing_effect/spring.experiment.json")?;
+//! let problem = Problem::of(&experiment)?;
+//! let settings = SearchSettings { library: &Library::shipped(), threads: 2, seed: 1 };
+//! if let Some(outcome) = search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())? {
+//!     // "...: viscous-friction at A1 is missing", after about 5 seconds
+//!     println!("{}", Report::new(&experiment, &problem, &outcome).sentence());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Where to look next
+//!
+//! * The formats of patches and experiments: `docs/patch-format.md` and `docs/gap.md`.
+//! * Programs to copy from: `examples`.
+//! * How it works: `docs/architecture.md`.
 
 #![forbid(unsafe_code)]
 
+mod error;
+
+pub use error::Error;
 pub use patchcord_analysis::{instruments, linear, sweep};
+pub use patchcord_core::circuit::Circuit;
+pub use patchcord_core::ir::Program;
+pub use patchcord_core::patch::Patch;
+pub use patchcord_core::solve::{Machine, RunSettings, run};
+pub use patchcord_core::trace::Trace;
 pub use patchcord_core::{circuit, document, elements, ir, machines, output, patch, solve, trace};
 pub use patchcord_draw as draw;
 pub use patchcord_expr as expr;
 pub use patchcord_ident as ident;
+pub use patchcord_ident::Experiment;
 pub use patchcord_thesis as thesis;

@@ -1,4 +1,4 @@
-//! The command `patchcord`.
+//! The command-line program `patchcord`.
 
 mod cli;
 

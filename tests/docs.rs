@@ -1,4 +1,4 @@
-//! The documents say what is true: paths exist, patches in them run, generated files are fresh.
+//! The documents are correct: paths exist, patches in them are valid, generated files are up to date.
 
 #[path = "../benches/performance/threads.rs"]
 mod threads;
@@ -9,17 +9,17 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::common::files::check_fresh;
-use crate::known::runs;
+use crate::common::files::assert_up_to_date;
+use crate::known_problems::runs;
 use patchcord::circuit::Circuit;
 use patchcord::draw::plot;
 use patchcord::elements::reference_page;
-use patchcord::ident::effects::{Attachment, Gives, Library, Reads};
+use patchcord::ident::effects::{Attachment, InputRole, Library, OutputRole};
 use patchcord::ir::Program;
 use patchcord::patch::{Patch, json_schema};
 use patchcord::solve::{Backend, RunSettings};
 
-fn documents() -> Vec<PathBuf> {
+pub fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
     let examples = fs::read_dir("examples").unwrap().map(|entry| entry.unwrap().path());
     for folder in examples.chain(["docs".into()]) {
@@ -42,11 +42,11 @@ fn paths_named(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_path_named_exists() {
+fn every_named_path_exists() {
     for document in documents() {
         let text = fs::read_to_string(&document).unwrap();
         for path in paths_named(&text) {
-            // From the root, or as a link from where the document lies; a section's name left out.
+            // The path is relative to the root or to the document. A section name after # is ignored.
             let path = path.split('#').next().unwrap_or_default();
             let exists = Path::new(path).exists() || document.with_file_name(path).exists();
             assert!(exists, "{} names {path}, which does not exist", document.display());
@@ -65,7 +65,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The path of a test module in a package, as `cargo test` filters by it: "cli::replay" for tests/cli/replay.rs.
+/// The path of a test module for the filter of `cargo test`: "cli::replay" for tests/cli/replay.rs.
 fn module(package: &Path, source: &Path) -> String {
     let inside = source.strip_prefix(package).unwrap().with_extension("");
     let parts = inside.iter().skip(1).map(|part| part.to_str().unwrap());
@@ -108,37 +108,38 @@ fn blocks(text: &str) -> impl Iterator<Item = &str> {
     text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next())
 }
 
-/// The patches among them; what names a patch is an experiment.
+/// The patches among the JSON blocks. A block that names a patch is an experiment.
 fn patches_shown(text: &str) -> impl Iterator<Item = &str> {
     blocks(text).filter(|block| !block.contains("\"patch\":") && !block.contains("\"effect\":"))
 }
 
 #[test]
-fn the_effect_shown_is_right() {
+fn the_effect_of_the_page_is_valid() {
     let text = fs::read_to_string("docs/effect-format.md").unwrap();
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("square-stiffness.json"), blocks(&text).next().unwrap()).unwrap();
-    let library = Library::default().and_folder(folder.path()).unwrap_or_else(|error| panic!("{error}"));
+    let library = Library::default().with_folder(folder.path()).unwrap_or_else(|error| panic!("{error}"));
     let effect = library.get("square-stiffness").unwrap();
-    // Every name that the page lists can be met.
+    // Every name that the page lists is valid.
     let listed = ["sum", "own", "signal", "position", "load", "force", "next", "sample", "record"];
-    assert!(effect.forms[0].measures().iter().all(|name| listed.contains(name)));
+    assert!(effect.forms[0].reach_names().iter().all(|name| listed.contains(name)));
     assert!(listed.iter().all(|name| text.contains(&format!("`{name}`"))));
-    let words = Attachment::ALL.iter().map(|own| own.word()).chain(Reads::ALL.iter().map(|own| own.word()));
-    for word in words.chain(Gives::ALL.iter().map(|own| own.word())) {
+    let words =
+        Attachment::ALL.iter().map(|own| own.word()).chain(InputRole::ALL.iter().map(|own| own.word()));
+    for word in words.chain(OutputRole::ALL.iter().map(|own| own.word())) {
         assert!(text.contains(&format!("`{word}`")), "{word}");
     }
 }
 
 #[test]
-fn every_patch_shown_is_right() {
+fn every_patch_in_a_document_is_valid() {
     let mut shown = 0;
     for document in documents() {
         let text = fs::read_to_string(&document).unwrap();
         for block in patches_shown(&text) {
             let name = document.display().to_string();
             let patch = Patch::parse(&name, block).unwrap_or_else(|report| panic!("{report}"));
-            let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
+            let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
             assert_eq!(circuit.warnings().to_string(), "", "{name}");
             Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
             shown += 1;
@@ -148,21 +149,21 @@ fn every_patch_shown_is_right() {
 }
 
 #[test]
-fn the_schema_is_fresh() {
-    check_fresh("docs/patch.schema.json", format!("{:#}\n", json_schema()).as_bytes(), "patchcord");
+fn the_schema_is_up_to_date() {
+    assert_up_to_date("docs/patch.schema.json", format!("{:#}\n", json_schema()).as_bytes(), "patchcord");
 }
 
 #[test]
-fn the_page_of_elements_is_fresh() {
-    check_fresh("docs/elements.md", reference_page().as_bytes(), "patchcord");
+fn the_page_of_elements_is_up_to_date() {
+    assert_up_to_date("docs/elements.md", reference_page().as_bytes(), "patchcord");
 }
 
 #[test]
-fn the_picture_of_all_symbols_is_fresh() {
+fn the_picture_of_all_symbols_is_up_to_date() {
     let path = "docs/pictures/symbols.svg";
     let drawing = patchcord::draw::schematic::legend();
     let fresh = plot::render_drawing(&drawing, plot::Format::Svg, plot::Theme::Light).unwrap();
-    check_fresh(path, &fresh, "patchcord");
+    assert_up_to_date(path, &fresh, "patchcord");
 }
 
 /// The first and the last cell of every row of a page's tables.
@@ -174,23 +175,23 @@ fn rows(page: &str) -> BTreeMap<String, String> {
 }
 
 #[test]
-fn the_search_stands_beside_others_with_its_own_figures() {
+fn the_comparison_quotes_the_measured_numbers() {
     let own = rows("docs/hidden-effects.md");
     let text = fs::read_to_string("docs/side-by-side.md").unwrap();
     let (_, table) = text.split_once("| measure | pysindy | patchcord |\n|---|---|---|\n").unwrap();
-    let beside = table.lines().take_while(|line| line.starts_with("| "));
-    let mut told = 0;
-    for line in beside {
+    let compared = table.lines().take_while(|line| line.starts_with("| "));
+    let mut count = 0;
+    for line in compared {
         let cells: Vec<_> = line.trim_matches(['|', ' ']).split(" | ").collect();
         assert_eq!(own.get(cells[0]).map(String::as_str), Some(cells[2]), "{}", cells[0]);
-        told += 1;
+        count += 1;
     }
-    assert!(told >= 10);
+    assert!(count >= 10);
 }
 
-/// What the page of hidden effects tells stays on the right side of what the search is for, in percent.
+/// The success rates on the page of hidden effects are within these limits, in percent.
 #[test]
-fn the_search_is_as_good_as_it_has_to_be() {
+fn the_success_rates_of_the_search_are_within_limits() {
     let page = rows("docs/hidden-effects.md");
     let limits = [
         ("right name, gap over noise above 3", [90.0, 100.0]),
@@ -206,13 +207,13 @@ fn the_search_is_as_good_as_it_has_to_be() {
         ("data held back, after naming: within 10 % of what the true laws leave", [90.0, 100.0]),
     ];
     for (what, [least, most]) in limits {
-        let told: f64 = page[what].split_once(" %").unwrap().0.parse().unwrap();
-        assert!((least..=most).contains(&told), "{what}: {}", page[what]);
+        let rate: f64 = page[what].split_once(" %").unwrap().0.parse().unwrap();
+        assert!((least..=most).contains(&rate), "{what}: {}", page[what]);
     }
 }
 
 #[test]
-fn every_case_that_a_page_counts_stands_in_its_list() {
+fn the_counts_of_the_page_match_the_list_of_cases() {
     let list = fs::read_to_string("docs/hidden-effects.jsonl").unwrap();
     let cases: Vec<Value> = list.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let page = rows("docs/hidden-effects.md");
@@ -238,36 +239,35 @@ fn every_case_that_a_page_counts_stands_in_its_list() {
 
 /// A table of docs/performance.md.
 fn measured<'p>(page: &'p str, name: &str) -> &'p str {
-    let begun =
-        page.split_once(&format!("<!-- {name} -->\n")).unwrap_or_else(|| panic!("there is no {name}")).1;
+    let begun = page.split_once(&format!("<!-- {name} -->\n")).unwrap_or_else(|| panic!("no table {name}")).1;
     begun.split_once("<!-- end").unwrap().0
 }
 
 #[test]
 fn every_backend_and_every_problem_is_measured() {
     let page = fs::read_to_string("docs/performance.md").unwrap();
-    let told = |name: &str, backends: &[Backend]| {
+    let check = |name: &str, backends: &[Backend]| {
         for backend in backends {
-            let is_told = measured(&page, name).contains(&backend.to_string());
-            assert!(is_told, "the table {name} does not tell of {backend}");
+            let is_listed = measured(&page, name).contains(&backend.to_string());
+            assert!(is_listed, "the table {name} does not list {backend}");
         }
     };
-    // A run alone has no others beside it, and what is chosen automatically is one of the others.
+    // A single run uses no lanes, and the automatic backend selects one of the others.
     for name in ["whole", "accuracy", "elements", "record", "problems"] {
-        told(name, &[Backend::Reference, Backend::Interpreter, Backend::Native]);
+        check(name, &[Backend::Reference, Backend::Interpreter, Backend::Native]);
     }
-    told("sweep", &Backend::ALL);
-    told("lanes", &[Backend::Lanes, Backend::Automatic]);
-    for problem in crate::known::all() {
+    check("sweep", &Backend::ALL);
+    check("lanes", &[Backend::Lanes, Backend::Automatic]);
+    for problem in crate::known_problems::all() {
         let row = format!("\n| {} |", problem.name);
         assert!(measured(&page, "problems").contains(&row), "{} is not measured", problem.name);
     }
 }
 
 #[test]
-fn sweeps_are_measured_on_more_and_more_threads_up_to_the_cores() {
-    let ladders: [&[usize]; 5] = [&[1], &[1, 2], &[1, 2, 3], &[1, 2, 4], &[1, 2, 4, 6]];
-    for (cores, tried) in [1, 2, 3, 4, 6].into_iter().zip(ladders) {
+fn sweeps_are_measured_with_every_number_of_threads() {
+    let series: [&[usize]; 5] = [&[1], &[1, 2], &[1, 2, 3], &[1, 2, 4], &[1, 2, 4, 6]];
+    for (cores, tried) in [1, 2, 3, 4, 6].into_iter().zip(series) {
         assert_eq!(threads::up_to(cores), tried);
     }
     let page = fs::read_to_string("docs/performance.md").unwrap();
@@ -284,12 +284,11 @@ fn sweeps_are_measured_on_more_and_more_threads_up_to_the_cores() {
     }
 }
 
-/// Steps that were tried on the way to a crossing, and the percent of all evaluations that they took, on the first 2 s of
-/// Fig 8.16.
+/// Trial steps per located crossing and their share of all evaluations in percent, for the first 2 s of Fig 8.16.
 fn tried(tolerance: f64) -> [f64; 2] {
     let circuit = runs::circuit("thesis/fig-8-16", &[]);
-    let settings = RunSettings { tolerance: Some(tolerance), ..runs::settings(&circuit).lasting(2.0) };
-    let work = runs::ran_circuit(&circuit, &settings).sweeps[0].work;
+    let settings = RunSettings { tolerance: Some(tolerance), ..runs::settings(&circuit).with_duration(2.0) };
+    let work = runs::run_circuit(&circuit, &settings).sweeps[0].work;
     let [all, steps, crossings] =
         [work.evaluations, work.steps + work.rejections, work.crossings + work.changes].map(|n| n as f64);
     let tried = all - 6.0 * steps;
@@ -297,12 +296,13 @@ fn tried(tolerance: f64) -> [f64; 2] {
 }
 
 #[test]
-fn crossings_take_what_is_told_of_them() {
+fn the_page_states_the_cost_of_crossings() {
     let [[steps, coarse], [same, fine]] = [1e-5, 1e-9].map(tried);
     assert_eq!(steps.round(), same.round());
-    let told = format!(
-        "this takes {steps:.0} steps a crossing: {coarse:.0} % of all evaluations with a tolerance of 1e-5, {fine:.0} % with 1e-9."
+    let sentence = format!(
+        "each crossing takes {steps:.0} steps: {coarse:.0} % of all evaluations with a tolerance of 1e-5, {fine:.0} % with 1e-9."
     );
-    let page = fs::read_to_string("docs/architecture.md").unwrap();
-    assert!(page.contains(&told), "docs/architecture.md does not say that {told}");
+    let page = fs::read_to_string("docs/solver.md").unwrap();
+    let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(page.contains(&sentence), "docs/solver.md lacks the sentence: {sentence}");
 }

@@ -1,4 +1,4 @@
-//! Dependencies point one way: between crates, and between the modules at the top of each crate.
+//! Dependencies between crates, and between the top-level modules of each crate, have one direction.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -8,11 +8,13 @@ use serde_json::Value;
 
 use crate::docs::sources;
 
-/// The crates; each may depend on those before it, except that the last two do not know each other.
+/// The crates in order. Each may depend on earlier ones, except that [`INDEPENDENT`] crates do not depend on each
+/// other.
 const CRATES: [&str; 6] = ["expr", "core", "analysis", "draw", "ident", "thesis"];
-const STRANGERS: [&str; 2] = ["ident", "thesis"];
+/// Crates that do not depend on each other.
+const INDEPENDENT: [&str; 2] = ["ident", "thesis"];
 
-/// The modules at the top of a crate; each may import those before it.
+/// The top-level modules of each crate in order. Each may import earlier ones.
 const MODULES: [(&str, &[&str]); 6] = [
     ("expr", &["function", "units", "formula"]),
     (
@@ -21,7 +23,7 @@ const MODULES: [(&str, &[&str]); 6] = [
             "output",
             "machines",
             "grid",
-            "divided",
+            "divided_differences",
             "delay_line",
             "document",
             "ir",
@@ -35,7 +37,7 @@ const MODULES: [(&str, &[&str]); 6] = [
             "run_settings",
         ],
     ),
-    ("analysis", &["pool", "spare", "instruments", "linear", "sweep"]),
+    ("analysis", &["parallel", "instruments", "linear", "sweep"]),
     (
         "draw",
         &["html", "plot", "family", "scope", "plane", "profile_picture", "sensitivity", "bode", "schematic"],
@@ -47,10 +49,7 @@ const MODULES: [(&str, &[&str]); 6] = [
     ("thesis", &["slideway", "chain", "replay"]),
 ];
 
-/// The two halves of the thread pool import each other until a library replaces them.
-const TANGLED: [(&str, &str); 1] = [("pool", "spare")];
-
-/// Every source file of a crate, with the module at the top that it belongs to.
+/// The top-level module and the code of every source file of a crate.
 fn modules(folder: &Path) -> Vec<(String, String)> {
     let mut found = Vec::new();
     sources(folder, &mut found);
@@ -62,13 +61,13 @@ fn modules(folder: &Path) -> Vec<(String, String)> {
     found.iter().map(|path| (module(path), code(&fs::read_to_string(path).unwrap()))).collect()
 }
 
-/// A source without comments and unit tests.
+/// The source without comments and unit tests.
 fn code(text: &str) -> String {
     let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     text.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + "\n").collect()
 }
 
-/// The modules of its own crate that a source names.
+/// The modules of the same crate that a source imports.
 fn imported(source: &str) -> BTreeSet<&str> {
     let is_word = |letter: char| letter.is_alphanumeric() || letter == '_';
     let rest = source.split("crate::").skip(1);
@@ -76,16 +75,15 @@ fn imported(source: &str) -> BTreeSet<&str> {
 }
 
 #[test]
-fn modules_import_only_those_before_them() {
+fn modules_import_only_earlier_ones() {
     for (name, order) in MODULES {
         let found = modules(Path::new(&format!("crates/{name}/src")));
         let place = |module: &str| order.iter().position(|known| *known == module);
         for (module, source) in found.iter().filter(|(module, _)| module != "lib") {
-            let own = place(module).unwrap_or_else(|| panic!("{name}: where does {module} belong?"));
+            let own = place(module).unwrap_or_else(|| panic!("{name}: MODULES does not list {module}"));
             for other in imported(source).into_iter().filter(|other| other != module) {
                 let Some(theirs) = place(other) else { continue };
-                let is_known = TANGLED.contains(&(module.as_str(), other));
-                assert!(theirs < own || is_known, "{name}: {module} must not import {other}");
+                assert!(theirs < own, "{name}: {module} must not import {other}");
             }
         }
     }
@@ -156,7 +154,7 @@ fn implementations_are_recognised() {
 }
 
 #[test]
-fn crates_depend_only_on_those_before_them() {
+fn crates_depend_only_on_earlier_ones() {
     let output = std::process::Command::new(env!("CARGO"))
         .args(["metadata", "--format-version=1", "--no-deps", "--offline"])
         .output()
@@ -170,8 +168,8 @@ fn crates_depend_only_on_those_before_them() {
                 continue;
             };
             let theirs = CRATES.iter().position(|known| *known == other).unwrap();
-            let are_strangers = STRANGERS.contains(name) && STRANGERS.contains(&other);
-            assert!(theirs < own && !are_strangers, "{name} must not depend on {other}");
+            let are_independent = INDEPENDENT.contains(name) && INDEPENDENT.contains(&other);
+            assert!(theirs < own && !are_independent, "{name} must not depend on {other}");
         }
     }
 }

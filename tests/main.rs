@@ -1,14 +1,15 @@
-//! Tests of the whole program: the command, the pages of docs, the shipped patches.
+//! End-to-end tests: the command line, the pages in docs, the lessons and the shipped patches.
 
 mod cli;
 #[path = "../crates/core/tests/common/mod.rs"]
 mod common;
 mod docs;
-#[path = "../crates/draw/tests/drawn/mod.rs"]
-mod drawn;
 mod imports;
-#[path = "../crates/core/tests/known/mod.rs"]
-mod known;
+#[path = "../crates/core/tests/known_problems/mod.rs"]
+mod known_problems;
 mod lessons;
 mod problems;
+#[path = "../crates/draw/tests/schematic_checks/mod.rs"]
+mod schematic_checks;
 mod shipped_patches;
+mod wording;

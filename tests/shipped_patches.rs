@@ -1,4 +1,4 @@
-//! Every patch that comes with the program can be run as it stands.
+//! Every shipped patch can be checked, run and drawn without changes.
 
 use std::thread;
 
@@ -8,7 +8,7 @@ use patchcord::patch::Patch;
 use patchcord::solve::{self, RunSettings};
 
 fn every_patch() -> Vec<Patch> {
-    crate::common::files::shipped().iter().map(|file| crate::common::patch_of(file)).collect()
+    crate::common::files::shipped_files().iter().map(|file| crate::common::patch_of(file)).collect()
 }
 
 fn circuit(patch: &Patch) -> Circuit {
@@ -28,13 +28,13 @@ fn shipped_patches_run_without_overload() {
     let patches = every_patch();
     thread::scope(|scope| {
         for patch in &patches {
-            scope.spawn(|| runs_without_overload(patch));
+            scope.spawn(|| check_run(patch));
         }
     });
 }
 
-/// Runs a patch as it stands, from beginning to end.
-fn runs_without_overload(patch: &Patch) {
+/// Runs a patch and checks that nothing overloads.
+fn check_run(patch: &Patch) {
     let circuit = circuit(patch);
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     let trace = solve::run(&program, &RunSettings::of(&circuit).unwrap());
@@ -42,17 +42,17 @@ fn runs_without_overload(patch: &Patch) {
     assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.sweeps);
 }
 
-/// Less of no schematic is used: emptiness hides how a circuit hangs together.
-const LEAST_USED: f64 = 0.5;
+/// The smallest fraction of a drawing that a schematic must use. Empty space hides the structure of a circuit.
+const MIN_USED: f64 = 0.5;
 
 #[test]
 fn every_shipped_patch_is_drawn() {
     for patch in every_patch() {
         let circuit = circuit(&patch);
-        crate::drawn::check(&circuit, patch.file());
-        for diagram in crate::drawn::diagrams(&crate::drawn::schematic(&circuit)) {
-            let used = crate::drawn::marks::used_share(diagram);
-            assert!(used > LEAST_USED, "{}: {used} of the drawing is used", patch.file());
+        crate::schematic_checks::check(&circuit, patch.file());
+        for diagram in crate::schematic_checks::diagrams(&crate::schematic_checks::schematic(&circuit)) {
+            let used = crate::schematic_checks::legibility::used_fraction(diagram);
+            assert!(used > MIN_USED, "{}: {used} of the drawing is used", patch.file());
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What was found of cases, kept in a file, a line each, so that a search of all of them may be broken off and taken up again.
+//! The journal: a file with one JSON line per searched case. It permits to interrupt and to continue a run of the benchmark.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
@@ -7,93 +7,103 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::Outcome;
-use crate::hidden::Hidden;
-use crate::judged::{Judged, Judgement, Parameter};
+use crate::case_result::{CaseResult, Judgement, ParameterEstimate};
+use crate::hidden_cases::HiddenCases;
 
-/// Cases that were searched, and the file to which others are added.
+/// The results of searched cases, and the file to which further results are appended.
 pub struct Journal {
-    pub judged: Vec<Judged>,
+    /// In the order of the file, until the caller sorts them.
+    pub results: Vec<CaseResult>,
+    /// `None` if the results are not kept.
     file: Option<File>,
 }
 
 impl Journal {
-    pub fn read(path: Option<&Path>, hidden: &Hidden) -> Outcome<Journal> {
-        let Some(path) = path else { return Ok(Journal { judged: Vec::new(), file: None }) };
+    /// Reads a journal, or begins an empty one if the file does not exist. Without a path nothing is written.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read or appended to, if a line is invalid, or if it belongs to cases of another seed.
+    pub fn read(path: Option<&Path>, cases: &HiddenCases) -> Outcome<Journal> {
+        let Some(path) = path else { return Ok(Journal { results: Vec::new(), file: None }) };
         let text = if path.exists() { std::fs::read_to_string(path)? } else { String::new() };
-        let judged = text.lines().map(|line| judged(&serde_json::from_str(line)?, hidden));
-        let judged = judged.collect::<Outcome<_>>()?;
+        let results = text.lines().map(|line| result_of(&serde_json::from_str(line)?, cases));
+        let results = results.collect::<Outcome<_>>()?;
         let file = OpenOptions::new().create(true).append(true).open(path)?;
-        Ok(Journal { judged, file: Some(file) })
+        Ok(Journal { results, file: Some(file) })
     }
 
-    pub fn add(&mut self, one: Judged) -> Outcome<()> {
+    /// Appends a result.
+    pub fn add(&mut self, result: CaseResult) -> Outcome<()> {
         if let Some(file) = &mut self.file {
-            // In one piece, so that what is broken off leaves no half of a line.
-            file.write_all(format!("{}\n", line(&one)).as_bytes())?;
+            // One write per line, so that an interruption leaves no incomplete line.
+            file.write_all(format!("{}\n", line_of(&result)).as_bytes())?;
         }
-        self.judged.push(one);
+        self.results.push(result);
         Ok(())
     }
 
-    /// Forgets what was searched.
-    pub fn begin_anew(&mut self) -> Outcome<()> {
-        self.judged.clear();
+    /// Discards all results, in the file too.
+    pub fn clear(&mut self) -> Outcome<()> {
+        self.results.clear();
         Ok(self.file.iter().try_for_each(|file| file.set_len(0))?)
     }
 
-    /// All of it, in the order of the cases that it has.
+    /// The text of the file, with the results in their present order.
     pub fn text(&self) -> String {
-        self.judged.iter().map(|one| format!("{}\n", line(one))).collect()
+        self.results.iter().map(|result| format!("{}\n", line_of(result))).collect()
     }
 }
 
-fn line(one: &Judged) -> Value {
-    let parameters =
-        one.parameters.iter().map(|own| json!([own.effect, own.name, own.wanted, own.found, own.interval]));
+/// The JSON line of a result. Scripts and tests read its keys.
+fn line_of(result: &CaseResult) -> Value {
+    let parameters = result.parameters.iter().map(|estimate| {
+        json!([estimate.effect, estimate.name, estimate.truth, estimate.fitted, estimate.interval])
+    });
     json!({
-        "number": one.number,
-        "hidden": one.truth.what,
-        "gap_over_noise": one.truth.egnr,
-        "verdict": one.verdict,
-        "named": one.named,
-        "judgement": one.judgement.as_str(),
+        "number": result.number,
+        "hidden": result.truth.what,
+        "gap_over_noise": result.truth.egnr,
+        "verdict": result.verdict,
+        "named": result.named,
+        "judgement": result.judgement.as_str(),
         "parameters": parameters.collect::<Vec<_>>(),
-        "held_out": one.held_out,
-        "seconds": one.seconds,
+        "held_out": result.test_residual,
+        "seconds": result.seconds,
     })
 }
 
-fn judged(line: &Value, hidden: &Hidden) -> Outcome<Judged> {
-    let word = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+/// The result of a JSON line. The truth is read from the case itself.
+fn result_of(line: &Value, cases: &HiddenCases) -> Outcome<CaseResult> {
+    let string = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let number = line["number"].as_u64().ok_or("a line of the journal has no number")? as usize;
     let list = |name: &str| line[name].as_array().into_iter().flatten();
-    let judgement = Judgement::ALL.into_iter().find(|own| line["judgement"] == own.as_str());
-    let truth = hidden.truth(number)?;
+    let judgement = Judgement::ALL.into_iter().find(|judgement| line["judgement"] == judgement.as_str());
+    let truth = cases.truth(number)?;
     if line["hidden"] != truth.what.as_str() {
-        return Err(
-            format!("case {number} of the journal is of another seed: it hides {}", line["hidden"]).into()
-        );
+        let hidden = &line["hidden"];
+        return Err(format!("case {number} of the journal belongs to another seed: it hides {hidden}").into());
     }
-    Ok(Judged {
+    Ok(CaseResult {
         number,
         truth,
-        verdict: word(&line["verdict"]),
-        named: list("named").map(|own| (word(&own[0]), word(&own[1]))).collect(),
+        verdict: string(&line["verdict"]),
+        named: list("named").map(|pair| (string(&pair[0]), string(&pair[1]))).collect(),
         judgement: judgement.ok_or("a line of the journal has no judgement")?,
         parameters: list("parameters")
-            .map(|own| Parameter {
-                effect: word(&own[0]),
-                name: word(&own[1]),
-                wanted: own[2].as_f64().unwrap_or(f64::NAN),
-                found: own[3].as_f64().unwrap_or(f64::NAN),
+            .map(|cells| ParameterEstimate {
+                effect: string(&cells[0]),
+                name: string(&cells[1]),
+                truth: cells[2].as_f64().unwrap_or(f64::NAN),
+                fitted: cells[3].as_f64().unwrap_or(f64::NAN),
                 interval: [
-                    own[4][0].as_f64().unwrap_or(f64::NEG_INFINITY),
-                    own[4][1].as_f64().unwrap_or(f64::INFINITY),
+                    cells[4][0].as_f64().unwrap_or(f64::NEG_INFINITY),
+                    cells[4][1].as_f64().unwrap_or(f64::INFINITY),
                 ],
             })
             .collect(),
-        held_out: line["held_out"].as_f64().unwrap_or(f64::INFINITY),
+        test_residual: line["held_out"].as_f64().unwrap_or(f64::INFINITY),
         seconds: line["seconds"].as_f64().unwrap_or_default(),
-        tried: String::new(),
+        search_log: String::new(),
     })
 }

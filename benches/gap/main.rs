@@ -1,21 +1,21 @@
-//! The gap search on data in which an effect is hidden: what it names, and how often that is right.
+//! The gap search on data in which an effect is hidden: which effects it names, and how often that is right.
 //!
-//!     cargo bench --bench gap                 the whole: 1000 cases, each as it is found written to docs/hidden-effects.jsonl, where a
-//!                                             search that was broken off goes on (where the file has all of them it begins anew), and
-//!                                             in the end all of them to docs/hidden-effects.md
-//!     cargo bench --bench gap -- page         docs/hidden-effects.md of what has been found so far
-//!     cargo bench --bench gap -- 60           the first 60
-//!     cargo bench --bench gap -- 41-90/7 -v   every seventh of some, each told with what was tried
-//!     cargo bench --bench gap -- 18,37        these
+//!     cargo bench --bench gap                 all 1000 cases. Each result is appended to docs/hidden-effects.jsonl, so that
+//!                                             an interrupted run continues. A complete file is discarded first. At the end
+//!                                             docs/hidden-effects.md is written.
+//!     cargo bench --bench gap -- page         writes docs/hidden-effects.md from the results so far, without a search
+//!     cargo bench --bench gap -- 60           the cases 1 ... 60
+//!     cargo bench --bench gap -- 41-90/7 -v   every seventh case of 41 ... 90, each with its search log
+//!     cargo bench --bench gap -- 18,37        these two cases
 //!     cargo bench --bench gap -- 1-1000/40 threads=2
-//!                                             every fortieth on two threads, so many at a time as there are cores for
-//!     cargo bench --bench gap -- 60 in=FILE   what is found is kept in a file as well, and what stands there is not sought again
+//!                                             every fortieth case, each on two threads. Cases run in parallel on all cores.
+//!     cargo bench --bench gap -- 60 in=FILE   the results are kept in FILE, and the cases in it are not searched again
 //!
-//! The cases are made by the program in benches/hidden, which a C compiler makes first.
+//! The program in benches/hidden makes the cases. It is compiled first, so a C compiler is needed.
 
-mod hidden;
+mod case_result;
+mod hidden_cases;
 mod journal;
-mod judged;
 mod page;
 
 use std::path::{Path, PathBuf};
@@ -23,44 +23,49 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use hidden::Hidden;
+use case_result::CaseResult;
+use hidden_cases::HiddenCases;
 use journal::Journal;
-use judged::Judged;
 use patchcord::ident::effects::Library;
 use patchcord::output;
 
+/// Any error ends the benchmark. Errors cross threads, so they are Send and Sync.
 type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
-/// The seed of the cases that docs/hidden-effects.md tells of.
+/// The seed of the cases of docs/hidden-effects.md.
 const SEED: u64 = 7;
-/// How many there are.
+/// The number of cases of docs/hidden-effects.md.
 const CASES: usize = 1000;
-/// What it tells,
+/// The page with the success rates.
 const PAGE: &str = "docs/hidden-effects.md";
-/// and the cases of which it tells, a line each.
+/// The journal of the page's cases.
 const JOURNAL: &str = "docs/hidden-effects.jsonl";
 
-/// What is asked for.
-struct Asked {
+/// The options of the command line.
+struct Options {
+    /// Numbers of the cases to search.
     numbers: Vec<usize>,
     seed: u64,
+    /// Print the search log of each case.
     verbose: bool,
-    /// How many threads work on each case: one where the page is to be written, which tells of the time that this takes.
+    /// Threads per case. The page states the time of a case on one thread, so it is written only with 1.
     threads: usize,
+    /// Path of the journal. `None` if the results are not kept.
     journal: Option<PathBuf>,
-    /// Whether nothing is searched.
+    /// Write the page without a search.
     only_page: bool,
 }
 
-impl Asked {
-    /// Whether the page is to be written: that of all cases.
-    fn writes(&self) -> bool {
+impl Options {
+    /// Whether docs/hidden-effects.md is written: only with the page's seed and journal, and one thread per case.
+    fn writes_page(&self) -> bool {
         self.seed == SEED && self.threads == 1 && self.journal.as_deref() == Some(Path::new(JOURNAL))
     }
 }
 
-fn asked() -> Outcome<Asked> {
-    let mut asked = Asked {
+/// Reads the command line. Without numbers all cases of the page are searched.
+fn options() -> Outcome<Options> {
+    let mut options = Options {
         numbers: Vec::new(),
         seed: SEED,
         verbose: false,
@@ -70,24 +75,24 @@ fn asked() -> Outcome<Asked> {
     };
     for word in std::env::args().skip(1).filter(|word| word != "--bench") {
         match word.split_once('=') {
-            Some(("seed", seed)) => asked.seed = seed.parse()?,
-            Some(("threads", threads)) => asked.threads = threads.parse::<usize>()?.max(1),
-            Some(("in", file)) => asked.journal = Some(file.into()),
-            _ if word == "-v" => asked.verbose = true,
-            _ if word == "page" => asked.only_page = true,
-            _ => asked.numbers.extend(numbers(&word)?),
+            Some(("seed", seed)) => options.seed = seed.parse()?,
+            Some(("threads", threads)) => options.threads = threads.parse::<usize>()?.max(1),
+            Some(("in", file)) => options.journal = Some(file.into()),
+            _ if word == "-v" => options.verbose = true,
+            _ if word == "page" => options.only_page = true,
+            _ => options.numbers.extend(numbers(&word)?),
         }
     }
-    if asked.numbers.is_empty() {
-        asked.numbers = (1..=CASES).collect();
-        if asked.seed == SEED && asked.threads == 1 {
-            asked.journal.get_or_insert_with(|| JOURNAL.into());
+    if options.numbers.is_empty() {
+        options.numbers = (1..=CASES).collect();
+        if options.seed == SEED && options.threads == 1 {
+            options.journal.get_or_insert_with(|| JOURNAL.into());
         }
     }
-    Ok(asked)
+    Ok(options)
 }
 
-/// So many from the first on, or from one to another, or every so manieth of them, or some by their numbers.
+/// The case numbers of "60" (1 ... 60), "41-90", "41-90/7" (every seventh) or "18,37".
 fn numbers(word: &str) -> Outcome<Vec<usize>> {
     if word.contains(',') {
         return Ok(word.split(',').map(str::parse).collect::<Result<_, _>>()?);
@@ -96,57 +101,59 @@ fn numbers(word: &str) -> Outcome<Vec<usize>> {
     let (first, last) = range.split_once('-').unwrap_or(("1", range));
     let numbers =
         (first.parse()?..=last.parse()?).step_by(every.parse::<usize>()?.max(1)).collect::<Vec<_>>();
-    if numbers.is_empty() { Err(format!("{word} names no case").into()) } else { Ok(numbers) }
+    if numbers.is_empty() { Err(format!("{word} contains no case").into()) } else { Ok(numbers) }
 }
 
 fn main() -> Outcome<()> {
-    let asked = asked()?;
-    let hidden = Hidden::made(asked.seed, asked.numbers.iter().copied().max().unwrap_or_default())?;
-    let mut journal = Journal::read(asked.journal.as_deref(), &hidden)?;
-    if !asked.only_page {
-        if asked.writes() && journal.judged.len() == CASES {
-            journal.begin_anew()?;
+    let options = options()?;
+    let last = options.numbers.iter().copied().max().unwrap_or_default();
+    let cases = HiddenCases::make(options.seed, last)?;
+    let mut journal = Journal::read(options.journal.as_deref(), &cases)?;
+    if !options.only_page {
+        if options.writes_page() && journal.results.len() == CASES {
+            journal.clear()?;
         }
-        search(&asked, &hidden, &mut journal)?;
+        search(&options, &cases, &mut journal)?;
     }
-    journal.judged.sort_by_key(|one| one.number);
-    let page = page::page(&journal.judged, CASES, asked.threads);
+    journal.results.sort_by_key(|result| result.number);
+    let page = page::page(&journal.results, CASES, options.threads);
     println!("{page}");
-    if asked.writes() {
-        output::write_whole(Path::new(JOURNAL), journal.text().as_bytes())?;
-        output::write_whole(Path::new(PAGE), page.as_bytes())?;
+    if options.writes_page() {
+        output::write_atomic(Path::new(JOURNAL), journal.text().as_bytes())?;
+        output::write_atomic(Path::new(PAGE), page.as_bytes())?;
     }
     Ok(())
 }
 
-/// Searches every case that the journal does not have, so many at a time as there are cores for.
-fn search(asked: &Asked, hidden: &Hidden, journal: &mut Journal) -> Outcome<()> {
+/// Searches every case that is not in the journal. Cases run in parallel, as many as there are cores for.
+fn search(options: &Options, cases: &HiddenCases, journal: &mut Journal) -> Outcome<()> {
     let library = Library::shipped();
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    let is_new = |number: &usize| journal.judged.iter().all(|one| one.number != *number);
-    let numbers: Vec<usize> = asked.numbers.iter().copied().filter(is_new).collect();
+    let is_new = |number: &usize| journal.results.iter().all(|result| result.number != *number);
+    let numbers: Vec<usize> = options.numbers.iter().copied().filter(is_new).collect();
     let next = AtomicUsize::new(0);
-    let (tell, told) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     thread::scope(|scope| {
-        for _ in 0..(cores / asked.threads).max(1) {
-            let (tell, next, numbers, library) = (tell.clone(), &next, &numbers, &library);
-            let threads = asked.threads;
+        for _ in 0..(cores / options.threads).max(1) {
+            let (sender, next, numbers, library) = (sender.clone(), &next, &numbers, &library);
+            let threads = options.threads;
             scope.spawn(move || {
                 while let Some(number) = numbers.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if tell.send(Judged::of(*number, hidden, library, threads)).is_err() {
+                    if sender.send(CaseResult::search(*number, cases, library, threads)).is_err() {
                         return;
                     }
                 }
             });
         }
-        drop(tell);
-        for one in told {
-            let one = one?;
-            println!("{}", one.line());
-            if asked.verbose {
-                println!("{}", one.tried);
+        // The loop below ends when the last worker has dropped its sender.
+        drop(sender);
+        for result in receiver {
+            let result = result?;
+            println!("{}", result.line());
+            if options.verbose {
+                println!("{}", result.search_log);
             }
-            journal.add(one)?;
+            journal.add(result)?;
         }
         Ok(())
     })

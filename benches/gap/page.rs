@@ -1,78 +1,90 @@
-//! docs/hidden-effects.md: what the search said of all cases.
+//! The text of docs/hidden-effects.md: success rates, judgements by kind of case, and verdicts by hidden effect.
+//!
+//! tests/docs.rs and benches/pysindy read the rows of the first table by their labels.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::judged::{Judged, Judgement, Parameter};
+use crate::case_result::{CaseResult, Judgement, ParameterEstimate};
 use patchcord::ident::effects::Library;
 
-/// What is told of cases whose gap is so large against the noise.
+/// Bands of gap over noise: label, lower limit, upper limit.
 const BANDS: [(&str, f64, f64); 3] =
-    [("0.3 ... 1", 0.0, 1.0), ("1 ... 3", 1.0, LARGE), ("above 3", LARGE, f64::INFINITY)];
-/// From here on parameters are looked at.
-const LARGE: f64 = 3.0;
+    [("0.3 ... 1", 0.0, 1.0), ("1 ... 3", 1.0, LARGE_GAP), ("above 3", LARGE_GAP, f64::INFINITY)];
+/// Parameters are compared with the truth only if the gap over noise exceeds this limit.
+const LARGE_GAP: f64 = 3.0;
 
-/// The page, of so many cases or those of them that were searched.
-pub fn page(judged: &[Judged], cases: usize, threads: usize) -> String {
+/// The page. `cases` is the number of all cases, of which `results` may be a part; `threads` is the number per case.
+pub fn page(results: &[CaseResult], cases: usize, threads: usize) -> String {
     let effects = Library::shipped().iter().count();
-    let hours = judged.iter().map(|one| one.seconds).sum::<f64>() / 3600.0;
-    let searched = match judged.len() {
+    let hours = results.iter().map(|result| result.seconds).sum::<f64>() / 3600.0;
+    let searched = match results.len() {
         all if all == cases => cases.to_string(),
-        some => format!("{some} of {cases}"),
+        searched => format!("{searched} of {cases}"),
     };
     let mut text = format!(
         "# Hidden effects\n\n\
-         What `patchcord gap` says of {searched} experiments in which an effect is hidden, or none. The data come from a program that shares no code with\n\
-         this one (`benches/hidden`) and holds itself against closed solutions first, with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page;\n\
-         [hidden-effects.jsonl](hidden-effects.jsonl) has every case: what was hidden, what was said, the parameters with their true values and intervals, what was left of the data held back.\n\n\
-         *Gap over noise* is the rms that the best refitted base leaves, over the standard deviation of the noise. *Among two*: the data cannot tell, and of what they cannot tell apart something is hidden, at every step. *An alias*: what is named is another effect, which\n\
-         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others. *What the true laws leave* of the data held back is what they do with their true values, that is, the noise that was drawn for them. Every case has 2400 samples to train on and {effects} effects to try. All of them take {hours:.0} hours on one core:\n\
-         a search of them may be broken off and taken up again, and cases found before and after a change of the program then stand beside one another.\n\n"
+         This page shows how often `patchcord gap` is right: on {searched} experiments with one or two hidden effects, or\n\
+         none. A program that shares no code with patchcord makes the data (`benches/hidden`). It first compares itself\n\
+         with closed solutions, and it uses other shapes of the same laws. The search cannot read the truth. `cargo bench\n\
+         --bench gap` makes the experiments and writes this page.\n\n\
+         [hidden-effects.jsonl](hidden-effects.jsonl) lists every case: the hidden effects, the verdict, the parameters with\n\
+         their true values and intervals, and the residual on the test data.\n\n\
+         *Gap over noise* is the rms residual of the best refitted base, over the standard deviation of the noise. *Among\n\
+         two*: the verdict is ambiguous, and at every step a hidden effect is among the named ones. *An alias*: the named\n\
+         effect is another one, but some data cannot distinguish it from the hidden one ([effects.md](effects.md) says\n\
+         which). *Wrong name*: any other effect is named. *The residual of the true laws* on the test data is that of the\n\
+         true laws with their true values, that is the noise in these data. Every case has 2400 training samples, and the\n\
+         search tries {effects} effects. All cases together take {hours:.0} hours on one core. A run may be interrupted and\n\
+         continued. Then results from before and after a change of the program are on the same page.\n\n"
     );
-    text += &measures(judged, threads);
-    text += "\n## What was said, by what is hidden\n\n";
-    text += &shares(judged);
-    text += "\n## What was said of every effect\n\n";
-    text += &confusion(judged);
+    text += &measure_table(results, threads);
+    text += "\n## Judgements by kind of case\n\n";
+    text += &judgement_table(results);
+    text += "\n## Verdicts by hidden effect\n\n";
+    text += &verdict_table(results);
     text
 }
 
-fn counted(judged: &[&Judged]) -> String {
-    let count = |judgement| judged.iter().filter(|one| one.judgement == judgement).count();
-    let all = judged.len();
+/// The cells of a row: the number of results, and the number of each judgement.
+fn count_cells(results: &[&CaseResult]) -> String {
+    let count = |judgement| results.iter().filter(|result| result.judgement == judgement).count();
+    let all = results.len();
     let cells: Vec<_> = Judgement::ALL.into_iter().map(|judgement| format!("{}", count(judgement))).collect();
     format!("{all} | {}", cells.join(" | "))
 }
 
-fn shares(judged: &[Judged]) -> String {
+/// The number of each judgement, by kind of case and gap over noise.
+fn judgement_table(results: &[CaseResult]) -> String {
     let columns = Judgement::ALL.map(Judgement::as_str).join(" | ");
     let mut text = format!(
         "| hidden | gap over noise | cases | {columns} |\n|---|---|---{}|\n",
         "|---".repeat(Judgement::ALL.len())
     );
     for wanted in [NOTHING, ONE, TWO, UNKNOWN] {
-        let own: Vec<&Judged> = judged.iter().filter(|one| kind(one) == wanted).collect();
+        let of_kind: Vec<&CaseResult> = results.iter().filter(|result| kind(result) == wanted).collect();
         if wanted == NOTHING {
-            let _ = writeln!(text, "| {wanted} | | {} |", counted(&own));
+            let _ = writeln!(text, "| {wanted} | | {} |", count_cells(&of_kind));
             continue;
         }
         for (band, low, high) in BANDS {
-            let those: Vec<&Judged> =
-                own.iter().copied().filter(|one| (low..high).contains(&one.truth.egnr)).collect();
-            let _ = writeln!(text, "| {wanted} | {band} | {} |", counted(&those));
+            let in_band = |result: &&CaseResult| (low..high).contains(&result.truth.egnr);
+            let in_band: Vec<&CaseResult> = of_kind.iter().copied().filter(in_band).collect();
+            let _ = writeln!(text, "| {wanted} | {band} | {} |", count_cells(&in_band));
         }
     }
     text
 }
 
+/// Kind of a case without a hidden effect. This and the next three are labels of the page.
 const NOTHING: &str = "nothing";
 const ONE: &str = "an effect";
 const TWO: &str = "two effects";
 const UNKNOWN: &str = "an effect that the library does not have";
 
-/// What is hidden in a case.
-fn kind(one: &Judged) -> &'static str {
-    match one.truth.what.as_str() {
+/// The kind of a case.
+fn kind(result: &CaseResult) -> &'static str {
+    match result.truth.what.as_str() {
         "none" => NOTHING,
         what if what.starts_with("unknown") => UNKNOWN,
         what if what.contains('+') => TWO,
@@ -80,35 +92,38 @@ fn kind(one: &Judged) -> &'static str {
     }
 }
 
-/// How often what is said is right, how good what is rightly named is, and what it cost.
-fn measures(judged: &[Judged], threads: usize) -> String {
-    let mut rows = names(judged);
-    let right = |one: &&Judged| one.judgement == Judgement::Right && !one.named.is_empty();
-    let named = judged.iter().filter(right);
-    let place = share(judged.iter().filter_map(Judged::is_in_place), |is| *is);
+/// The first table: rates of right names and places, accuracy of parameters and residuals, and the time of a case.
+fn measure_table(results: &[CaseResult], threads: usize) -> String {
+    let mut rows = name_rows(results);
+    let is_right = |result: &&CaseResult| result.judgement == Judgement::Right && !result.named.is_empty();
+    let named = results.iter().filter(is_right);
+    let place = share(results.iter().filter_map(CaseResult::is_in_place), |in_place| *in_place);
     rows.push(("named at the right place".to_owned(), place));
-    rows.extend(parameters(named.clone().filter(|one| one.truth.egnr > LARGE)));
-    for (within, most) in [("10 %", 1.1), ("5 %", 1.05)] {
+    rows.extend(parameter_rows(named.clone().filter(|result| result.truth.egnr > LARGE_GAP)));
+    for (within, factor) in [("10 %", 1.1), ("5 %", 1.05)] {
         let what = format!("data held back, after naming: within {within} of what the true laws leave");
-        rows.push((what, share(named.clone(), |one| one.held_out <= most * one.truth.held_out)));
+        let is_near = |result: &&CaseResult| result.test_residual <= factor * result.truth.true_test_residual;
+        rows.push((what, share(named.clone(), is_near)));
     }
     let on = if threads == 1 { "one core".to_owned() } else { format!("{threads} threads") };
-    rows.push((format!("time for a case, on {on}"), times(judged)));
-    let rows: String = rows.iter().map(|(what, told)| format!("| {what} | {told} |\n")).collect();
+    rows.push((format!("time for a case, on {on}"), time_text(results)));
+    let rows: String = rows.iter().map(|(label, value)| format!("| {label} | {value} |\n")).collect();
     format!("| measure | |\n|---|---|\n{rows}")
 }
 
-fn names(judged: &[Judged]) -> Vec<(String, String)> {
+/// The rows on names: label and rate.
+fn name_rows(results: &[CaseResult]) -> Vec<(String, String)> {
     use Judgement::{Alias, Among, FalseAlarm, Right, Wrong};
-    let of = |kinds: &'static [&str]| judged.iter().filter(|one| kinds.contains(&kind(one)));
-    let is = |wanted: &'static [Judgement]| move |one: &&Judged| wanted.contains(&one.judgement);
+    let of = |kinds: &'static [&str]| results.iter().filter(|result| kinds.contains(&kind(result)));
+    let is =
+        |judgements: &'static [Judgement]| move |result: &&CaseResult| judgements.contains(&result.judgement);
     let mut rows = Vec::new();
     for (band, low, high) in BANDS.into_iter().rev() {
-        let those = of(&[ONE]).filter(|one| (low..high).contains(&one.truth.egnr));
-        rows.push((format!("right name, gap over noise {band}"), share(those.clone(), is(&[Right]))));
-        rows.push((format!("the same, or the truth among two, {band}"), share(those, is(&[Right, Among]))));
+        let in_band = of(&[ONE]).filter(|result| (low..high).contains(&result.truth.egnr));
+        rows.push((format!("right name, gap over noise {band}"), share(in_band.clone(), is(&[Right]))));
+        rows.push((format!("the same, or the truth among two, {band}"), share(in_band, is(&[Right, Among]))));
     }
-    let pairs = of(&[TWO]).filter(|one| one.truth.egnr > LARGE);
+    let pairs = of(&[TWO]).filter(|result| result.truth.egnr > LARGE_GAP);
     let others = [
         ("both of a pair named, gap over noise above 3", share(pairs, is(&[Right]))),
         ("wrong name, aliases merged", share(of(&[ONE, TWO]), is(&[Wrong]))),
@@ -116,87 +131,94 @@ fn names(judged: &[Judged]) -> Vec<(String, String)> {
         ("false alarm when nothing is missing", share(of(&[NOTHING]), is(&[FalseAlarm]))),
         ("unknown effect called by a library name", share(of(&[UNKNOWN]), is(&[Wrong]))),
     ];
-    rows.extend(others.map(|(what, told)| (what.to_owned(), told)));
+    rows.extend(others.map(|(label, rate)| (label.to_owned(), rate)));
     rows
 }
 
-/// How near the parameters of what was rightly named come to the true ones.
-fn parameters<'j>(named: impl Iterator<Item = &'j Judged>) -> Vec<(String, String)> {
-    let own_law = |one: &'j Judged, own: &'j Parameter| (own, one.truth.has_own_law(&own.effect));
-    let all: Vec<_> = named.flat_map(|one| one.parameters.iter().map(move |own| own_law(one, own))).collect();
-    let those = |has: &'static [bool]| all.iter().filter(|(_, is)| has.contains(is)).map(|(own, _)| *own);
-    let mut off: Vec<f64> = all.iter().map(|(own, _)| own.off()).collect();
-    off.sort_by(f64::total_cmp);
-    let near = share(off.iter(), |off| **off <= 0.1);
-    let off = format!("{:.1} % off (median of {}), within 10 % in {near}", 100.0 * median(&off), off.len());
-    let mut rows = vec![("parameter of the named effect, gap over noise above 3".to_owned(), off)];
+/// The rows on the accuracy of parameters of rightly named effects, separately for shapes that the library has.
+fn parameter_rows<'r>(named: impl Iterator<Item = &'r CaseResult>) -> Vec<(String, String)> {
+    let with_law = |result: &'r CaseResult, estimate: &'r ParameterEstimate| {
+        (estimate, result.truth.has_library_law(&estimate.effect))
+    };
+    let all: Vec<_> = named
+        .flat_map(|result| result.parameters.iter().map(move |estimate| with_law(result, estimate)))
+        .collect();
+    let select = |laws: &'static [bool]| {
+        all.iter().filter(|(_, has_law)| laws.contains(has_law)).map(|(estimate, _)| *estimate)
+    };
+    let mut errors: Vec<f64> = all.iter().map(|(estimate, _)| estimate.relative_error()).collect();
+    errors.sort_by(f64::total_cmp);
+    let near = share(errors.iter(), |error| **error <= 0.1);
+    let median = 100.0 * quantile(&errors, 0.5);
+    let accuracy = format!("{median:.1} % off (median of {}), within 10 % in {near}", errors.len());
+    let mut rows = vec![("parameter of the named effect, gap over noise above 3".to_owned(), accuracy)];
     let laws: [(_, &[bool]); 3] = [
         ("the library's law is hidden", &[true]),
         ("its law is hidden in another shape", &[false]),
         ("either is", &[true, false]),
     ];
-    for (whose, has) in laws {
-        let told = [
-            ("within 10 %", share(those(has), |own| own.off() <= 0.1)),
-            ("within 3 %", share(those(has), |own| own.off() <= 0.03)),
-            ("the true value in the interval of 95 %", share(those(has), |own| own.is_covered())),
+    for (law, selected) in laws {
+        let rates = [
+            ("within 10 %", share(select(selected), |estimate| estimate.relative_error() <= 0.1)),
+            ("within 3 %", share(select(selected), |estimate| estimate.relative_error() <= 0.03)),
+            (
+                "the true value in the interval of 95 %",
+                share(select(selected), |estimate| estimate.is_covered()),
+            ),
         ];
-        rows.extend(told.map(|(how, told)| (format!("the same where {whose}: {how}"), told)));
+        rows.extend(rates.map(|(what, rate)| (format!("the same where {law}: {what}"), rate)));
     }
     rows
 }
 
-fn share<T>(all: impl Iterator<Item = T>, is: impl Fn(&T) -> bool) -> String {
-    let (count, own) = all.fold((0, 0), |(all, own), one| (all + 1, own + usize::from(is(&one))));
-    format!("{:.1} % ({own} of {count})", 100.0 * own as f64 / f64::from(count.max(1)))
+/// The share of items for which a condition holds, such as "95.8 % (183 of 191)".
+fn share<T>(items: impl Iterator<Item = T>, holds: impl Fn(&T) -> bool) -> String {
+    let (all, count) = items.fold((0, 0), |(all, count), item| (all + 1, count + usize::from(holds(&item))));
+    format!("{:.1} % ({count} of {all})", 100.0 * count as f64 / f64::from(all.max(1)))
 }
 
-/// A search that takes no more seconds is quick.
-const QUICK: f64 = 10.0;
+/// The page counts the searches that take at most this time, in s.
+const QUICK_SECONDS: f64 = 10.0;
 
-fn times(judged: &[Judged]) -> String {
-    let mut times: Vec<f64> = judged.iter().map(|one| one.seconds).collect();
+/// Median, quick share, 95 % quantile and maximum of the times of all cases.
+fn time_text(results: &[CaseResult]) -> String {
+    let mut times: Vec<f64> = results.iter().map(|result| result.seconds).collect();
     times.sort_by(f64::total_cmp);
-    let [half, most] = [0.5, 0.95].map(|share| quantile(&times, share));
-    let last = times.last().copied().unwrap_or_default();
-    let quick = share(times.iter(), |time| **time <= QUICK);
+    let [median, most] = [0.5, 0.95].map(|share| quantile(&times, share));
+    let longest = times.last().copied().unwrap_or_default();
+    let quick = share(times.iter(), |time| **time <= QUICK_SECONDS);
     format!(
-        "{half:.1} s (median), {QUICK} s or less in {quick}, {most:.0} s or less in 19 of 20, {last:.0} s at most"
+        "{median:.1} s (median), {QUICK_SECONDS} s or less in {quick}, {most:.0} s or less in 19 of 20, {longest:.0} s at most"
     )
 }
 
-/// The middle of numbers in order.
-fn median(sorted: &[f64]) -> f64 {
-    quantile(sorted, 0.5)
-}
-
-/// A quantile of numbers in order.
+/// A quantile of sorted numbers, such as the median for a share of 0.5. 0 without numbers.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = (sorted.len() as f64 * share).ceil() as usize;
-    sorted.get(place.saturating_sub(1)).copied().unwrap_or_default()
+    let rank = (sorted.len() as f64 * share).ceil() as usize;
+    sorted.get(rank.saturating_sub(1)).copied().unwrap_or_default()
 }
 
-/// What was said of every single effect.
-fn confusion(judged: &[Judged]) -> String {
+/// The verdicts for every hidden effect or pair, with their counts.
+fn verdict_table(results: &[CaseResult]) -> String {
     let mut rows: BTreeMap<&str, BTreeMap<String, usize>> = BTreeMap::new();
-    for one in judged {
-        let said = match one.verdict.as_str() {
+    for result in results {
+        let answer = match result.verdict.as_str() {
             "named" | "ambiguous" => {
-                let mut names: Vec<_> = one.named.iter().map(|(name, _)| name.as_str()).collect();
+                let mut names: Vec<_> = result.named.iter().map(|(name, _)| name.as_str()).collect();
                 names.sort_unstable();
-                names.join(if one.verdict == "named" { " + " } else { " or " })
+                names.join(if result.verdict == "named" { " + " } else { " or " })
             }
             verdict => verdict.to_owned(),
         };
-        *rows.entry(one.truth.what.as_str()).or_default().entry(said).or_default() += 1;
+        *rows.entry(result.truth.what.as_str()).or_default().entry(answer).or_default() += 1;
     }
-    let mut text = String::from("| hidden | cases | what was said |\n|---|---|---|\n");
-    for (truth, said) in rows {
-        let mut said: Vec<_> = said.into_iter().collect();
-        said.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-        let all: usize = said.iter().map(|(_, count)| count).sum();
-        let told: Vec<_> = said.iter().map(|(said, count)| format!("{said} {count}")).collect();
-        let _ = writeln!(text, "| {truth} | {all} | {} |", told.join(", "));
+    let mut text = String::from("| hidden | cases | verdicts |\n|---|---|---|\n");
+    for (truth, answers) in rows {
+        let mut answers: Vec<_> = answers.into_iter().collect();
+        answers.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        let all: usize = answers.iter().map(|(_, count)| count).sum();
+        let cells: Vec<_> = answers.iter().map(|(answer, count)| format!("{answer} {count}")).collect();
+        let _ = writeln!(text, "| {truth} | {all} | {} |", cells.join(", "));
     }
     text
 }

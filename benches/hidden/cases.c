@@ -1,47 +1,48 @@
-/* A case from its number: base, drives, what is hidden, clean records, refit of the base, noise. */
+/* Makes a case from its number: base, drives, hidden effects, clean records, refit of the base, noise. */
 #include "hidden.h"
 
 enum { TRAIN = 2400, DRAWS = 4, TRIES = 12, SHRINKS = 8 };
-static const double HIGHEST = 0.75;                /* share of full scale that nothing may pass */
+static const double HIGHEST = 0.75;                /* no signal may exceed this share of full scale */
 static const double LEAST_SIGMA = 1e-6, MOST_SIGMA = 0.03, LEAST_MISFIT = 1e-4;    /* shares of an output's range */
-static const double LEAST_PART = 0.15;             /* of the gap that each of two effects must leave alone */
+static const double LEAST_PART = 0.15;             /* share of the gap that must remain without one of two effects */
 
-/* The lower level alone cannot tell into which tank a constant or periodic flow goes. */
+/* With only the lower level measured, the tank of a constant or periodic inflow cannot be determined. */
 static int flows_into_a_tank(const struct hidden_case *c) {
     if (c->plan.system->family != TANKS || !c->plan.count) return 0;
     const char *name = c->plan.effects[c->plan.count - 1];
     return !strcmp(name, "constant-bias") || !strcmp(name, "drift") || !strcmp(name, "periodic-disturbance");
 }
 
-/* True values of what is fitted, about the middle of the ranges; what is known stands in the patch. */
-static void draw_base(struct hidden_case *c, struct chance *chance) {
+/* Draws the true values of the fitted parameters, near the middle of their ranges. Known parameters have the patch's values. */
+static void draw_base(struct hidden_case *c, struct rng *rng) {
     const struct system *s = c->plan.system;
     int all = params_of(s), known = -1;
     if (c->plan.mass_known) known = 0;
-    else if (s->family == SLIDE && odds(chance, 0.5)) known = 1;
-    c->fit.outputs = s->outputs[1].signal && odds(chance, s->family == TANKS ? 0.6 : s->family == SLIDE ? 0.3 : 0.1) ? 2 : 1;
+    else if (s->family == SLIDE && bernoulli(rng, 0.5)) known = 1;
+    c->fit.outputs = s->outputs[1].signal && bernoulli(rng, s->family == TANKS ? 0.6 : s->family == SLIDE ? 0.3 : 0.1) ? 2 : 1;
     if (flows_into_a_tank(c)) c->fit.outputs = 2;
     c->fit.first_output = c->fit.outputs == 1 && s->second_output_alone;
-    if (c->fit.first_output) known = 1;            /* the lower level alone cannot tell the two outlets apart */
+    if (c->fit.first_output) known = 1;            /* the lower level alone cannot distinguish the two outlets */
     for (int i = 0; i < all; i++) {
-        double drawn = s->params[i].value * scaled(chance, 1 / 1.5, 1.5);
+        double drawn = s->params[i].value * log_uniform(rng, 1 / 1.5, 1.5);
         c->params[i] = i == known ? s->params[i].value : drawn;
         if (i != known) c->fit.params[c->fit.count++] = i;
     }
 }
 
-static void draw_start(struct hidden_case *c, struct chance *chance, struct record *r) {
+static void draw_start(struct hidden_case *c, struct rng *rng, struct record *r) {
     const struct system *s = c->plan.system;
     for (int i = 0; i < s->states; i++) {
-        double full = s->full[s->free[i]], at = even(chance, 0.02, 0.15) * sign_of_chance(chance);
+        double full = s->full[s->free[i]], at = uniform(rng, 0.02, 0.15) * random_sign(rng);
         if (s->family == AXIS) at *= 0.3;
-        if (s->positive) at = even(chance, 0.05, 0.3);
-        if (s->family == TANK) at = even(chance, 0.3, 0.45);
+        if (s->positive) at = uniform(rng, 0.05, 0.3);
+        if (s->family == TANK) at = uniform(rng, 0.3, 0.45);
         r->start[s->free[i]] = at * full;
     }
 }
 
-/* An axis wanders wherever it begins, and so do integrating vessels: there an offset says nothing. Elsewhere a bias looks the same. */
+/* An axis and an integrating vessel have a free initial position, which an offset cannot be distinguished from. With a bias or drift
+ * it cannot be distinguished from the effect. */
 static int may_have_offset(const struct hidden_case *c) {
     const struct system *s = c->plan.system;
     if (s->family == AXIS || s->family == TANK || (s->family == HEATER && s->wanders)) return 0;
@@ -50,40 +51,40 @@ static int may_have_offset(const struct hidden_case *c) {
     return 1;
 }
 
-static void draw_effect(const struct hidden_case *c, struct chance *chance, const struct survey *survey, double size, double inner, const char *name,
+static void draw_effect(const struct hidden_case *c, struct rng *rng, const struct survey *survey, double size, double inner, const char *name,
                         struct plant *plant, struct effect *effect) {
     *effect = (struct effect){.name = name, .shape = "", .junction = c->plan.system->first_junction};
-    struct drawing d = {chance, c->plan.system, survey, size, inner, TRAIN * c->plan.system->dt, c->plan.mass_known, plant, effect};
+    struct draw_context d = {rng, c->plan.system, survey, size, inner, TRAIN * c->plan.system->dt, c->plan.mass_known, plant, effect};
     law_named(name)->draw(&d);
 }
 
-static void draw_effects(struct hidden_case *c, struct chance *chance, const double *sizes) {
+static void draw_effects(struct hidden_case *c, struct rng *rng, const double *sizes) {
     struct record base = c->train;
     struct plant plain = base_plant(c->plan.system, c->params);
     struct effect unused;
-    through_chain(&plain, &base);
+    apply_drive_chain(&plain, &base);
     struct survey survey = simulate(&plain, &base, 2);
     c->plant = c->only[0] = c->only[1] = plain;
     double inner = c->plan.count == 1 ? sizes[1] : 1;
     for (int i = 0; i < c->plan.count; i++) {
-        struct chance again = *chance;
-        draw_effect(c, chance, &survey, sizes[i], inner, c->plan.effects[i], &c->plant, &c->effects[i]);
+        struct rng again = *rng;
+        draw_effect(c, rng, &survey, sizes[i], inner, c->plan.effects[i], &c->plant, &c->effects[i]);
         draw_effect(c, &again, &survey, sizes[i], inner, c->plan.effects[i], &c->only[i], &unused);
     }
 }
 
-/* Nothing begins beyond a stop or above the brim. */
-static void mind_limits(const struct plant *p, struct record *r) {
+/* Moves initial states to the permitted side of a stop or brim. */
+static void respect_limits(const struct plant *p, struct record *r) {
     if (p->stop) r->start[X] = p->stop_side * fmin(p->stop_side * r->start[X], p->stop_at - 0.02 * p->system->full[X]);
     if (p->overflowing) r->start[H1] = fmin(r->start[H1], 0.8 * p->overflow_at);
 }
 
-/* Runs a record with all that is hidden; returns the largest share of full scale. */
-static double run(const struct plant *p, struct chance *chance, struct record *r) {
-    draw_force(chance, p, r);
-    mind_limits(p, r);
-    through_chain(p, r);
-    return simulate(p, r, TRUTH_STEPS).share;
+/* Runs a record with all hidden effects. Returns the largest share of full scale. */
+static double run(const struct plant *p, struct rng *rng, struct record *r) {
+    draw_force(rng, p, r);
+    respect_limits(p, r);
+    apply_drive_chain(p, r);
+    return simulate(p, r, TRUE_RUN_STEPS).share;
 }
 
 static void range_of(const double *y, int n, double *range) {
@@ -92,38 +93,38 @@ static void range_of(const double *y, int n, double *range) {
     *range = high - low;
 }
 
-/* What grows at rest shows only where rests end slowly. */
+/* Friction that grows at rest is visible only if rests end slowly. */
 static int needs_rests(const struct hidden_case *c) {
     return c->plan.count && !strcmp(c->plan.effects[0], "static-friction-growth");
 }
 
 struct attempt { double gain, sizes[MAX_EFFECTS], misfit, rival[MAX_EFFECTS], range[MAX_OUTPUTS]; };
 
-/* Draws everything from the case's own chance, always in the same order. Returns the largest share of full scale. */
-static double attempted(struct hidden_case *c, struct attempt *a, struct chance *chance) {
+/* Draws the whole case, always in the same order. Returns the largest share of full scale. */
+static double attempt_case(struct hidden_case *c, struct attempt *a, struct rng *rng) {
     const struct system *s = c->plan.system;
     c->fit = (struct fit){0};
-    draw_base(c, chance);
+    draw_base(c, rng);
     struct record *records[] = {&c->train, &c->test};
     for (int k = 0; k < 2; k++) {
-        draw_start(c, chance, records[k]);
-        draw_drive(chance, s, c->params, a->gain, needs_rests(c), records[k]);
+        draw_start(c, rng, records[k]);
+        draw_drive(rng, s, c->params, a->gain, needs_rests(c), records[k]);
     }
-    c->fit.offset = odds(chance, 0.1) && may_have_offset(c);
-    c->sigma_given = odds(chance, 0.5);
-    draw_effects(c, chance, a->sizes);
-    struct chance forces = *chance;                 /* a force of chance must not move what is drawn later */
+    c->fit.offset = bernoulli(rng, 0.1) && may_have_offset(c);
+    c->sigma_given = bernoulli(rng, 0.5);
+    draw_effects(c, rng, a->sizes);
+    struct rng forces = *rng;                 /* a copy, so that random forces do not change later numbers */
     double share = fmax(run(&c->plant, &forces, &c->train), run(&c->plant, &forces, &c->test));
     for (int k = 0; k < c->fit.outputs; k++) range_of(c->train.out[c->fit.first_output + k], TRAIN, &a->range[k]);
     return share;
 }
 
-static double left_by(const struct hidden_case *c, const struct attempt *a, const struct plant *with, int coulomb) {
+static double residual_with(const struct hidden_case *c, const struct attempt *a, const struct plant *with, int coulomb) {
     struct job job = {c->plan.system, c->params, &c->fit, &c->train, a->range, with, coulomb, 6};
-    return refitted(&job).misfit;
+    return refit_base(&job).misfit;
 }
 
-/* A friction without what is finer in it: its fall, growth or yielding. */
+/* The friction without its details (fall, growth, presliding): a Coulomb friction. Returns 0 if there is none. */
 static int without_inner(const struct hidden_case *c, struct plant *rough) {
     const struct plant *p = &c->plant;
     double level = p->falling ? p->falling_to + p->falling_by / 2 : p->growth > 0 ? p->coulomb : p->bristle_level;
@@ -133,35 +134,36 @@ static int without_inner(const struct hidden_case *c, struct plant *rough) {
     return 1;
 }
 
-/* What is left when one of two effects is not named and the other has its true numbers; when a friction that falls, grows or yields
- * is called Coulomb's; when a memory is not named. */
+/* The residual without one of two effects, with the other one at its true values; with Coulomb friction in place of a friction
+ * that falls, grows or yields; or without a memory. */
 static void examine_rivals(struct hidden_case *c, struct attempt *a) {
     struct plant rough;
     a->rival[0] = a->rival[1] = 0;
     if (c->plan.count == 2) {
-        for (int i = 0; i < 2; i++) a->rival[i] = left_by(c, a, &c->only[1 - i], 0);
+        for (int i = 0; i < 2; i++) a->rival[i] = residual_with(c, a, &c->only[1 - i], 0);
     } else if (c->plant.memory && c->plant.falling) {
         rough = c->plant, rough.memory = NONE;
-        a->rival[0] = left_by(c, a, &rough, 0);
-    } else if (without_inner(c, &rough)) a->rival[0] = left_by(c, a, &rough, 1);
+        a->rival[0] = residual_with(c, a, &rough, 0);
+    } else if (without_inner(c, &rough)) a->rival[0] = residual_with(c, a, &rough, 1);
 }
 
 static void examine(struct hidden_case *c, struct attempt *a) {
     struct job job = {c->plan.system, c->params, &c->fit, &c->train, a->range, NULL, 0, 30};
-    c->best = refitted(&job);
+    c->best = refit_base(&job);
     a->misfit = c->best.misfit;
     examine_rivals(c, a);
 }
 
-/* Of a pair both effects; of a single one the whole, not what is finer in it. */
+/* Scales both effects of a pair, or the whole of a single effect, not its details. */
 static void resize(const struct hidden_case *c, struct attempt *a, double by) {
     a->sizes[0] *= by;
     if (c->plan.count == 2) a->sizes[1] *= by;
 }
 
-/* Whether the case is as it is wanted; otherwise another size or height of the drive: where something passes full scale, the gap
- * is small, one of two effects or what is finer in a friction is hidden by the rest, or, in the first tries, the gap is too large for the noise that is asked for. */
-static int content(const struct hidden_case *c, struct attempt *a, double share, int try) {
+/* Whether the case is acceptable. If not, changes the sizes or the height of the drive for the next try. A case is not acceptable if
+ * a signal exceeds the limit, if the gap is too small, if one of two effects or the detail of a friction is masked by the rest, or,
+ * in the first tries, if the gap is too large for the target EGNR. */
+static int is_acceptable(const struct hidden_case *c, struct attempt *a, double share, int try) {
     if (!(share <= HIGHEST)) return a->gain *= 0.8, resize(c, a, 0.8), 0;
     if (!c->plan.count) return 1;
     if (a->misfit < LEAST_MISFIT) return resize(c, a, 1.6), 0;
@@ -173,38 +175,38 @@ static int content(const struct hidden_case *c, struct attempt *a, double share,
     return 1;
 }
 
-static void draw_noise(struct hidden_case *c, struct chance *chance, const struct attempt *a) {
-    double plain = scaled(chance, 1e-4, 1e-2);
+static void draw_noise(struct hidden_case *c, struct rng *rng, const struct attempt *a) {
+    double plain = log_uniform(rng, 1e-4, 1e-2);
     double sigma = c->plan.count ? fmax(LEAST_SIGMA, fmin(MOST_SIGMA, a->misfit / c->target)) : plain;
-    int quantised = odds(chance, 0.25);
+    int quantised = bernoulli(rng, 0.25);
     c->egnr = c->plan.count ? a->misfit / sigma : 0;
     for (int i = 0; i < c->plan.count; i++) c->rival[i] = a->rival[i] / sigma;
     for (int k = 0; k < c->fit.outputs; k++) {
         c->sigma[k] = sigma * a->range[k];
-        c->quantum[k] = quantised ? c->sigma[k] * even(chance, 0.2, 1) : 0;
-        c->offset[k] = c->fit.offset ? a->range[k] * even(chance, 0.01, 0.1) * sign_of_chance(chance) : 0;
+        c->quantum[k] = quantised ? c->sigma[k] * uniform(rng, 0.2, 1) : 0;
+        c->offset[k] = c->fit.offset ? a->range[k] * uniform(rng, 0.01, 0.1) * random_sign(rng) : 0;
         struct record *records[] = {&c->train, &c->test};
         for (int r = 0; r < 2; r++)
-            measured(chance, records[r]->out[c->fit.first_output + k], records[r]->n, c->sigma[k], c->quantum[k], c->offset[k], records[r]->noisy[k]);
+            add_noise(rng, records[r]->out[c->fit.first_output + k], records[r]->n, c->sigma[k], c->quantum[k], c->offset[k], records[r]->noisy[k]);
     }
 }
 
-/* Where twelve sizes do not do, other numbers are drawn; the last draw stands as it is, unless it passes full scale: nothing is known
- * then of what it hides. */
-struct hidden_case made(uint64_t seed, int number) {
-    struct hidden_case c = {.number = number, .seed = seed, .plan = planned(seed, number)};
-    struct chance aside = chance_of(seed, 2u << 30 | (uint64_t)number);
+/* If no size of TRIES is acceptable, the case is drawn again. The last of DRAWS is accepted in any case, unless a signal exceeds the
+ * limit, because its gap has not been determined then. */
+struct hidden_case make_case(uint64_t seed, int number) {
+    struct hidden_case c = {.number = number, .seed = seed, .plan = plan_case(seed, number)};
+    struct rng aside = rng_of(seed, 2u << 30 | (uint64_t)number);
     struct attempt a = {0};
-    c.target = scaled(&aside, 0.3, 30);
-    c.train = new_record(TRAIN), c.test = new_record(800 + 100 * below(&aside, 5));
+    c.target = log_uniform(&aside, 0.3, 30);
+    c.train = new_record(TRAIN), c.test = new_record(800 + 100 * random_below(&aside, 5));
     double share = 0;
     for (int draw = 0, good = 0; (draw < DRAWS || !(share <= HIGHEST)) && !good; draw++) {
         a.gain = a.sizes[0] = a.sizes[1] = 1;
         for (int k = 0; k < TRIES && !good; k++) {
-            struct chance chance = chance_of(seed, (uint64_t)draw << 32 | (uint64_t)number);
-            share = attempted(&c, &a, &chance);
+            struct rng rng = rng_of(seed, (uint64_t)draw << 32 | (uint64_t)number);
+            share = attempt_case(&c, &a, &rng);
             if (share <= HIGHEST && c.plan.count) examine(&c, &a);
-            good = content(&c, &a, share, k);
+            good = is_acceptable(&c, &a, share, k);
         }
     }
     draw_noise(&c, &aside, &a);

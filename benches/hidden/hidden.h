@@ -1,4 +1,4 @@
-/* What the files of the simulator share: see main.c for what it is. SI units throughout. */
+/* Types and functions of the simulator of hidden effects. main.c describes the program. All values are in SI units. */
 #ifndef HIDDEN_H
 #define HIDDEN_H
 #define _XOPEN_SOURCE 700 /* M_PI, realpath */
@@ -8,22 +8,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- noise.c: chance */
-struct chance { uint64_t s[4]; int spare_set; double spare; };
-struct chance chance_of(uint64_t seed, uint64_t stream);
-double even(struct chance *c, double low, double high);     /* uniform */
-double scaled(struct chance *c, double low, double high);   /* log-uniform */
-double gauss(struct chance *c);
-int below(struct chance *c, int n);                         /* 0 ... n - 1 */
-int odds(struct chance *c, double share);                   /* 1 with this probability */
-double sign_of_chance(struct chance *c);
-void measured(struct chance *c, const double *clean, int n, double sigma, double quantum, double offset, double *out);
+/* ---- noise.c: random numbers */
+struct rng { uint64_t s[4]; int spare_set; double spare; };
+struct rng rng_of(uint64_t seed, uint64_t stream);
+double uniform(struct rng *c, double low, double high);     /* uniform */
+double log_uniform(struct rng *c, double low, double high);   /* log-uniform */
+double gaussian(struct rng *c);
+int random_below(struct rng *c, int n);                         /* uniform over 0 ... n - 1 */
+int bernoulli(struct rng *c, double share);                   /* 1 with this probability */
+double random_sign(struct rng *c);
+void add_noise(struct rng *c, const double *clean, int n, double sigma, double quantum, double offset, double *out);
 
 /* ---- systems.c: the base systems */
 enum family { SLIDE, AXIS, OSCILLATOR, TANKS, TANK, HEATER };
 enum { MAX_PARAMS = 6, MAX_OUTPUTS = 2, MAX_RATES = 16 };
-/* States of a plant. Mechanical ones: error (in motion.c less the way of the drive), position, velocity, inner state of friction;
- * tanks: two levels; heater: temperature. */
+/* States of a plant. Mechanical plants: position error (in motion.c without the distance of the drive), position, velocity, inner
+ * state of friction. Tanks: two levels. Heater: temperature. */
 enum state { E, X, V, Z, STATES, H1 = 0, H2 = 1, TEMPERATURE = 0 };
 
 struct parameter { const char *name, *unit; double value, low, high; int fitted; };
@@ -33,26 +33,26 @@ struct system {
     enum family family;
     struct parameter params[MAX_PARAMS];
     struct output outputs[MAX_OUTPUTS];
-    double dt, period;               /* s; the slow end of what is quick in the system, in samples */
-    double full_drive, full_force, full[STATES];    /* what 100 V stand for; 0: no such signal in the patch */
-    enum state free[2];              /* states of the base, free at the start */
+    double dt, period;               /* sampling interval in s; period of the slowest fast mode of the system, in samples */
+    double full_drive, full_force, full[STATES];    /* values at 100 V; 0: the patch has no such signal */
+    enum state free[2];              /* states of the base whose initial values are fitted */
     int states;
-    int wanders, positive;           /* the drive must come back; is never below 0 */
-    int second_output_alone;         /* 1: may be measured by its second output alone; 0: by the first alone */
+    int wanders, positive;           /* the drive must return to 0, because the system integrates it; the drive is never negative */
+    int second_output_alone;         /* which output is measured if only one is: 1 the second, 0 the first */
 };
 extern const struct system SYSTEMS[];
 extern const int SYSTEM_COUNT;
 const struct system *system_named(const char *name);
 int params_of(const struct system *s);
 
-/* ---- plant: the base and all that may be hidden in it; 0 or NONE where absent */
+/* ---- plant: the base and all effects that can be hidden in it; 0 or NONE if an effect is absent */
 enum shape { NONE, EXPONENTIAL, GAUSSIAN, LORENTZIAN, THESIS, LEVEL, DISTANCE, DAHL, LUGRE, ELASTOPLASTIC, LOGARITHMIC,
              HARD, SOFT, SPRING, REBOUND, LINEAR, CURVED, ROOT, LIMIT, WEIR };
 enum { BUMPS = 5 };
 struct plant {
     const struct system *system;
     /* base */
-    double M, K, C, k, f, Fc, Fs, VcL;             /* mechanical; Fc: level of a brake; Fs, VcL: of a falling brake */
+    double M, K, C, k, f, Fc, Fs, VcL;             /* mechanical; Fc: Coulomb friction of the base; Fs, VcL: its falling friction */
     double A1, A2, ku, R1, R2, capacity, G;        /* tanks, heater */
     /* friction */
     double coulomb, load, growth, growth_time;
@@ -69,37 +69,37 @@ struct plant {
     /* drive */
     double limit, dead, delay, lag, play, relay, relay_at;
     enum shape limiting, dead_shape;
-    /* not in the library */
+    /* effects that are not in the library */
     double thaw, thaw_time, bump[BUMPS], bump_at[BUMPS], bump_width;
-    double walk, shock;                            /* rms of a random-walk force; height of shocks */
+    double walk, shock;                            /* rms of a random-walk force; height of shock forces */
 };
 struct plant base_plant(const struct system *s, const double *params);
 void set_base(struct plant *p, const double *params);
 int has_brake(const struct plant *p);
 
 /* ---- drive.c */
-enum { FINE = 40 };                                /* points of the drive behind its chain, a sample */
-enum { TRUTH_STEPS = 10 };                         /* steps of a true run, a sample */
+enum { FINE = 40 };                                /* points per sample of the output of the drive's chain */
+enum { TRUE_RUN_STEPS = 10 };                         /* steps per sample of a run that makes data */
 struct record {
     int n;
-    double *u;                                     /* the drive, one a sample, linear between */
-    double *behind;                                /* behind the chain, FINE a sample */
-    double *way;                                   /* slide: the way that the drive has gone behind the chain, FINE a sample */
-    unsigned char *turns;                          /* steps of a true run within which the drive turns sharply */
-    double *force;                                 /* random-walk and shock force, one a sample */
+    double *u;                                     /* the drive, one value per sample, linear between samples */
+    double *chain_output;                          /* the drive after its chain (dead zone, lag ...), FINE values per sample */
+    double *distance;                              /* slide: the integral of the chain's output, FINE values per sample */
+    unsigned char *sharp_steps;                    /* 1 for the steps of a true run with a sharp corner of the drive */
+    double *force;                                 /* random-walk and shock force, one value per sample */
     double start[STATES];
     double *out[MAX_OUTPUTS];                      /* every output of the system */
-    double *noisy[MAX_OUTPUTS];                    /* those that are measured */
+    double *noisy[MAX_OUTPUTS];                    /* the measured outputs, with noise */
 };
 struct record new_record(int n);
 void free_record(struct record *r);
-void draw_drive(struct chance *c, const struct system *s, const double *params, double gain, int rests, struct record *r);
-void draw_force(struct chance *c, const struct plant *p, struct record *r);
-void through_chain(const struct plant *p, struct record *r);
+void draw_drive(struct rng *c, const struct system *s, const double *params, double gain, int rests, struct record *r);
+void draw_force(struct rng *c, const struct plant *p, struct record *r);
+void apply_drive_chain(const struct plant *p, struct record *r);
 
 /* ---- motion.c */
-/* What a run met: the largest share of 100 V; rms of the drive's force, of velocity and of the drive; the drive's peak; states
- * at the start and their ranges. */
+/* Summary of a run: the largest share of full scale of any signal; rms of the drive's force, of velocity and of the drive; the
+ * drive's peak; initial states and the ranges of states. */
 struct survey { double share, force, velocity, drive, drive_peak, first[STATES], top[STATES], low[STATES]; };
 struct survey simulate(const struct plant *p, struct record *r, int fine);
 
@@ -107,40 +107,40 @@ struct survey simulate(const struct plant *p, struct record *r, int fine);
 enum { MAX_QUANTITIES = 18, MAX_EFFECTS = 2 };
 struct quantity { char name[16]; const char *unit; double value; };
 struct effect { const char *name, *shape, *junction; struct quantity q[MAX_QUANTITIES]; int n; };
-struct drawing {                                   /* what a law is drawn from */
-    struct chance *c;
+struct draw_context {                              /* the inputs and outputs of drawing a law's parameters */
+    struct rng *c;
     const struct system *system;
     const struct survey *at;
-    double size, inner, length;                    /* size: of the whole; inner: of what friction has beside its level; s of the train record */
+    double size, inner, length;                    /* size: factor of the whole effect; inner: factor of the details of a friction law; length of the train record in s */
     int mass_known;
     struct plant *plant;
     struct effect *effect;
 };
-struct law { const char *name; void (*draw)(struct drawing *d); };
+struct law { const char *name; void (*draw)(struct draw_context *d); };
 extern const struct law LAWS[];
 extern const int LAW_COUNT;
 const struct law *law_named(const char *name);
 
 /* ---- refit.c */
 struct fit { int params[MAX_PARAMS], count, offset, first_output, outputs; };
-struct job {                                       /* what is fitted to what */
+struct job {                                       /* a fit: the model and the data */
     const struct system *system;
-    const double *params;                          /* where to begin, and what is known */
+    const double *params;                          /* start values of fitted parameters, and values of known ones */
     const struct fit *fit;
     const struct record *data;
-    const double *full;                            /* of every measured output */
-    const struct plant *with;                      /* what acts beside the base; NULL: nothing */
-    int coulomb;                                   /* 1: a Coulomb friction is fitted too, from the one in `with` */
+    const double *full;                            /* full scale of every measured output */
+    const struct plant *with;                      /* effects that act in addition to the base; NULL: none */
+    int coulomb;                                   /* 1: a Coulomb friction is fitted too, beginning with the one in `with` */
     int rounds;
 };
-struct best { double misfit, rms[MAX_OUTPUTS], params[MAX_PARAMS]; };
-struct best refitted(const struct job *job);
+struct fit_result { double misfit, rms[MAX_OUTPUTS], params[MAX_PARAMS]; };
+struct fit_result refit_base(const struct job *job);
 void linear_base(const struct system *s, const double *params, const double *start, const double *u, int n, const struct fit *fit,
                  double *const *out);
 
 /* ---- plan.c */
 struct plan { const struct system *system; const char *effects[MAX_EFFECTS]; int count, mass_known; };
-struct plan planned(uint64_t seed, int number);
+struct plan plan_case(uint64_t seed, int number);
 
 /* ---- cases.c */
 struct hidden_case {
@@ -151,14 +151,14 @@ struct hidden_case {
     struct fit fit;
     struct plant plant;
     struct effect effects[MAX_EFFECTS];
-    struct plant only[MAX_EFFECTS];                /* with one of two effects */
+    struct plant only[MAX_EFFECTS];                /* the plant with only one of two effects */
     struct record train, test;
     double sigma[MAX_OUTPUTS], quantum[MAX_OUTPUTS], offset[MAX_OUTPUTS], target, egnr;
-    double rival[MAX_EFFECTS];                     /* EGNR that is left when all but this effect is named; 0: not examined */
-    struct best best;
+    double rival[MAX_EFFECTS];                     /* EGNR of the best model without this effect; 0: not examined */
+    struct fit_result best;
     int sigma_given;
 };
-struct hidden_case made(uint64_t seed, int number);
+struct hidden_case make_case(uint64_t seed, int number);
 void free_case(struct hidden_case *c);
 
 /* ---- write.c */

@@ -1,34 +1,34 @@
-/* Experiments in which an effect is hidden, for tests of the gap search. This program shares no code with the emulator: C, its
- * own equations in physical units, its own integrator, other shapes of the same laws.
+/* Makes experiments with hidden effects, for tests of the gap search. The program shares no code with patchcord. It is written in
+ * C, and it has independent equations in physical units, an independent integrator and other shapes of the same laws.
  *
  *     cd benches/hidden && cc -O2 *.c -o hidden -lm
- *     hidden --seed 7 --cases 1000 --out DIR --patches ../../tests/gap/systems
+ *     hidden --seed 7 --cases 1000 --out DIR --patches ../../crates/ident/tests/systems
  *
- * Case n is DIR/000n/experiment.json with train.csv and test.csv beside it; its truth lies apart, in DIR/truth/000n.json.
- *   --only n    this case alone; it is the same as among others
- *   --clean     records without noise and offset, to compare runs with
- *   --self-test checks against closed solutions; exit 1 where one fails
- * The same seed gives the same bytes. The base patches are crates/ident/tests/systems.
+ * Case n is DIR/000n/experiment.json, with train.csv and test.csv in the same folder. Its truth is in DIR/truth/000n.json.
+ *   --only n    makes only this case; it does not depend on the other cases
+ *   --clean     writes records without noise and offset
+ *   --self-test compares with closed solutions; the exit status is 1 if a comparison fails
+ * The same seed gives the same bytes. The patches of the base systems are in crates/ident/tests/systems.
  *
- * Of a hundred cases 35 hide nothing, 40 one effect of the library, 13 one that it does not have, 12 two (plan.c). What is
- * hidden is told in laws.c with its source, how it moves in motion.c: ten steps a sample, of which four times as many change a
- * record by a fiftieth of its sigma at most (rms).
+ * Of a hundred cases, 35 hide nothing, 40 one effect of the library, 13 one that the library does not have, and 12 two (plan.c).
+ * laws.c has the laws with their sources, motion.c the equations of motion. A run has ten steps per sample. Four times as many
+ * change a record by at most a fiftieth of its sigma (rms).
  *
- * EGNR, the rms that the best refitted base leaves over sigma, is drawn first, log-uniform over 0.3 ... 30; the base is refitted
- * to the clean train record (refit.c), and sigma follows, within 1e-6 ... 3 % of the output's range. The truth tells the EGNR that
- * came of it.
+ * EGNR is the effect-to-noise ratio: the rms residual of the best refitted base over sigma. It is drawn first, log-uniform over
+ * 0.3 ... 30. The base is refitted to the clean train record (refit.c), and sigma follows, within 1e-6 ... 3 % of the output's
+ * range. The truth contains the resulting EGNR.
  *
- * Truth: "truth" is "none", a name, "unknown:kind" or two names joined by "+". A junction is the integrator at whose input the
- * effect acts, or the drive that it stands behind. Starts are not told to the tool. Laws that depend on time run on the clock of
- * each record; forces of chance are others in every record. With two outputs EGNR is the rms over both, each over its sigma.
- * "egnr_without" of one of two effects is what the best base leaves that has the other, with its true numbers; of a friction that
- * falls, grows or yields, what the best base with Coulomb friction leaves; of a memory, what its friction leaves without it. It is
- * at least 15 % of EGNR, so that the effect is there to be found. "true_laws_leave_of_test" is the rms over sigma of the noise that
- * the test records were given.
+ * Keys of the truth: "truth" is "none", a name, "unknown:kind" or two names joined by "+". A junction is the integrator at whose
+ * input the effect acts, or the drive that it changes. The search does not get the initial states. Laws that depend on time use
+ * the time of each record. Random forces differ from record to record. With two outputs EGNR is the rms over both, each over its
+ * sigma. "egnr_without" is the EGNR without one effect or detail: for one of two effects, that of the best base with the other
+ * one at its true values; for a friction that falls, grows or yields, that of the best base with Coulomb friction; for a memory,
+ * that of its friction without lag. It is at least 15 % of EGNR, so that the effect is detectable. "true_laws_leave_of_test" is
+ * the rms over sigma of the noise in the test record.
  *
- * Names, parameters and signs are those of patches/effects; shapes are others. A friction that the base has acts in the effect: on
- * a base with Coulomb friction Stribeck's is the fall alone, growth and yielding have the base's level, and memory makes the falling
- * friction of slide-falling late.
+ * Names, parameters and signs are those of patches/effects; the shapes may differ. If the base has friction, the effect changes
+ * it: on a base with Coulomb friction, Stribeck friction is only the fall, growth and presliding use the base's level, and memory
+ * delays the falling friction of slide-falling.
  */
 #include "hidden.h"
 
@@ -39,7 +39,7 @@ static const char *value_of(int count, char **words, int *i) {
     return words[++*i];
 }
 
-static struct request requested(int count, char **words) {
+static struct request parse_request(int count, char **words) {
     struct request r = {.seed = 7, .cases = 1000};
     for (int i = 1; i < count; i++) {
         const char *word = words[i];
@@ -58,13 +58,13 @@ static struct request requested(int count, char **words) {
 
 int main(int count, char **words) {
     static char patches[4096];
-    struct request r = requested(count, words);
+    struct request r = parse_request(count, words);
     if (r.test) return self_test();
     if (!realpath(r.set.patches, patches)) perror(r.set.patches), exit(1);
     r.set.patches = patches;
     int first = r.only ? r.only : 1, last = r.only ? r.only : r.cases;
     for (int n = first; n <= last; n++) {
-        struct hidden_case c = made(r.seed, n);
+        struct hidden_case c = make_case(r.seed, n);
         write_case(&c, &r.set);
         free_case(&c);
     }

@@ -1,5 +1,5 @@
-/* Motion of a plant: classical Runge-Kutta with equal steps. Stopping, breaking loose, stops and brims are located by
- * bisection, so that no step reaches across them; in between the equations are smooth but for corners of mild forces. */
+/* Motion of a plant: classical Runge-Kutta with equal steps. Events (coming to rest, breaking loose, stops, brims) are located by
+ * bisection, and a step ends at each. Between events the equations are smooth except for corners of small forces. */
 #include "hidden.h"
 
 enum mode { FREE, SLIDES, STANDS };
@@ -11,11 +11,11 @@ struct motion {
     double mass_share;
     enum mode mode;
     double side;               /* SLIDES: sign of the velocity */
-    int touching;              /* the stop as a spring */
-    int pressed;               /* against the stop, or full to the brim */
+    int touching;              /* the spring of the stop is compressed */
+    int pressed;               /* held at the stop, or the tank is full to the brim */
 };
 
-static double along(const double *table, double at, int last) {
+static double interpolate(const double *table, double at, int last) {
     if (at <= 0) return table[0];
     if (at >= last) return table[last];
     int i = (int)at;
@@ -23,33 +23,33 @@ static double along(const double *table, double at, int last) {
 }
 
 static double drive_at(const struct motion *m, double t) {
-    return along(m->r->behind, t / m->p->system->dt * FINE, FINE * m->r->n - 1);
+    return interpolate(m->r->chain_output, t / m->p->system->dt * FINE, FINE * m->r->n - 1);
 }
 
-/* Constant, slow, periodic and chance forces. Drift: straight, or 1 - exp. */
+/* Sum of the constant, slow, periodic and random forces. The drift is linear, or 1 - exp. */
 static double force_of_time(const struct motion *m, double t) {
     const struct plant *p = m->p;
     double sum = p->bias;
     if (p->drift != 0) sum += p->drift * (p->drifting == CURVED ? 1 - exp(-t / p->drift_time) : t / p->drift_time);
     if (p->wave > 0) sum += p->wave * sin(p->wave_rate * t + p->wave_phase);
-    if (p->walk > 0 || p->shock > 0) sum += along(m->r->force, t / p->system->dt, m->r->n - 1);
+    if (p->walk > 0 || p->shock > 0) sum += interpolate(m->r->force, t / p->system->dt, m->r->n - 1);
     return sum;
 }
 
-/* What a slow thaw makes of a coefficient: it begins at 1 + thaw times its value. */
-static double thawed(const struct plant *p, double t) { return p->thaw > 0 ? 1 + p->thaw * exp(-t / p->thaw_time) : 1; }
+/* Factor of a coefficient under a slow thaw: 1 + thaw at the start, then 1. */
+static double thaw_factor(const struct plant *p, double t) { return p->thaw > 0 ? 1 + p->thaw * exp(-t / p->thaw_time) : 1; }
 
 /* ---- friction */
 
-/* Share of the Stribeck rise that is left at a speed: Tustin exp(-v), Bo and Pavelescu exp(-v^2), Hess and Soom 1 / (1 + v^2). */
-static double fallen(enum shape shape, double ratio) {
+/* Share of the Stribeck rise that remains at a speed: Tustin exp(-v), Bo and Pavelescu exp(-v^2), Hess and Soom 1 / (1 + v^2). */
+static double stribeck_share(enum shape shape, double ratio) {
     if (shape == GAUSSIAN) return exp(-ratio * ratio);
     if (shape == LORENTZIAN) return 1 / (1 + ratio * ratio);
     return exp(-ratio);
 }
 
 /* Falling friction of the base (thesis, Fig 8.14): Fs (1 - |v|/VcL)^2. Memory (Fig 8.16): the share follows 1 - |v|/VcL with the
- * lag Tc and is then squared; or the level itself follows; or the speed that the level belongs to follows over a distance. */
+ * lag Tc and is then squared; or the level itself lags; or the speed in the level lags over a distance. */
 static double steady(const struct plant *p, double speed) {
     double share = fmax(0, 1 - speed / p->VcL);
     return p->Fs * share * share;
@@ -61,9 +61,9 @@ static double falling_level(const struct plant *p, double speed, double z) {
     return steady(p, p->memory == DISTANCE ? z : speed);
 }
 
-/* Stribeck's fall hidden in the plant, of which memory makes the level follow its speed with a lag as well. */
+/* The level of the hidden Stribeck friction at a speed. With memory, the level lags behind this value. */
 static double stribeck(const struct plant *p, double speed) {
-    return p->falling_to + p->falling_by * fallen(p->falling, speed / p->falling_velocity);
+    return p->falling_to + p->falling_by * stribeck_share(p->falling, speed / p->falling_velocity);
 }
 
 /* Level at which solid friction slides; drive: the force that comes from the drive (load-dependent friction: mu |drive|). */
@@ -74,14 +74,14 @@ static double level(const struct plant *p, double speed, double z, double drive)
     return sum;
 }
 
-/* What rest adds: dF (1 - exp(-t/T)), or dF ln(1 + t/T) (Rabinowicz; Dieterich). */
-static double grown(const struct plant *p, double rested) {
+/* Growth of friction at rest: dF (1 - exp(-t/T)), or dF ln(1 + t/T) (Rabinowicz; Dieterich). */
+static double growth_at_rest(const struct plant *p, double rested) {
     if (p->growth == 0) return 0;
     return p->growth * (p->growing == LOGARITHMIC ? log1p(rested / p->growth_time) : 1 - exp(-rested / p->growth_time));
 }
 
 /* Rate of a bristle: Dahl 1968; LuGre (Canudas de Wit 1995) with a level for all speeds, so Dahl's with damping; elastoplastic
- * (Dupont 2002): a bristle bent by less than 0.7 of its most springs back. */
+ * (Dupont 2002): a bristle bent by less than 0.7 of its maximum springs back. */
 static double bristle_rate(const struct plant *p, double v, double z) {
     double most = p->bristle_level / p->bristle_stiffness, bent = z / most;
     if (p->bristle != ELASTOPLASTIC) return v - fabs(v) * bent;
@@ -107,7 +107,7 @@ static double inner_rate(const struct motion *m, double v, double z) {
 
 /* ---- forces on the mass */
 
-/* Stop as a spring: it pushes, never pulls (Kelvin-Voigt, cut off at 0). */
+/* Stop as a spring that pushes and never pulls (Kelvin-Voigt, cut off at 0). */
 static double depth(const struct plant *p, double x) { return p->stop_side * x - p->stop_at; }
 
 static double stop_force(const struct plant *p, double x, double v) {
@@ -123,7 +123,7 @@ static double bumps(const struct plant *p, double x) {
     return sum;
 }
 
-/* Place in the fine tables. */
+/* Position in the fine tables. */
 struct place { int i; double share, step; };
 
 static struct place place_at(const struct motion *m, double t) {
@@ -132,38 +132,39 @@ static struct place place_at(const struct motion *m, double t) {
     return (struct place){i, at - i, step};
 }
 
-/* Velocity of the slide's drive behind its play: all of it or nothing; a mean over the fine step in which it takes the play up. */
-static int goes_with_drive(const struct motion *m, struct place at, double *mean) {
-    const double *way = m->r->way + at.i, *u = m->r->behind + at.i;
-    *mean = (way[1] - way[0]) / at.step;
+/* Whether the slide's drive, after its play, follows the command in a fine step. `mean` is the mean velocity over the step, which
+ * applies in the step in which the play is taken up, and is 0 within the play. */
+static int follows_drive(const struct motion *m, struct place at, double *mean) {
+    const double *distance = m->r->distance + at.i, *u = m->r->chain_output + at.i;
+    *mean = (distance[1] - distance[0]) / at.step;
     return fabs(*mean - (u[0] + u[1]) / 2) < 1e-6 * fabs(u[0] + u[1]);
 }
 
-static double going(const struct motion *m, double t, double u) {
+static double drive_velocity(const struct motion *m, double t, double u) {
     double mean;
-    return goes_with_drive(m, place_at(m, t), &mean) ? u : mean;
+    return follows_drive(m, place_at(m, t), &mean) ? u : mean;
 }
 
-static double way(const struct motion *m, double t) {
+static double drive_distance(const struct motion *m, double t) {
     struct place at = place_at(m, t);
-    double mean, from = m->r->way[at.i], *u = m->r->behind + at.i, s = at.share * at.step;
-    if (!goes_with_drive(m, at, &mean)) return from + mean * s;
+    double mean, from = m->r->distance[at.i], *u = m->r->chain_output + at.i, s = at.share * at.step;
+    if (!follows_drive(m, at, &mean)) return from + mean * s;
     return from + u[0] * s + (u[1] - u[0]) * at.share * s / 2;
 }
 
-/* Force that comes from the drive: the slide's spring and damper, or the drive itself. */
+/* Force of the drive on the mass: that of the slide's spring and damper, or the drive itself. */
 static double from_drive(const struct motion *m, double t, const double *y, double u) {
     const struct plant *p = m->p;
     if (p->system->family != SLIDE) return u;
-    double stretch = y[E] + way(m, t), speed = (p->play > 0 ? going(m, t, u) : u) - y[V];
+    double stretch = y[E] + drive_distance(m, t), speed = (p->play > 0 ? drive_velocity(m, t, u) : u) - y[V];
     return p->K * stretch - p->cubic * stretch * stretch * stretch + p->C * speed;
 }
 
-/* Net force but for the brake. Asymmetry: the viscous coefficient differs by it between the two directions. */
+/* Net force without solid friction. The viscous coefficient is larger by the asymmetry at positive velocity, and smaller at negative. */
 static double net_force(const struct motion *m, double t, const double *y, double drive) {
     const struct plant *p = m->p;
     double x = y[X], v = y[V];
-    double viscous = p->f * thawed(p, t) + (v > 0 ? p->asymmetry : -p->asymmetry);
+    double viscous = p->f * thaw_factor(p, t) + (v > 0 ? p->asymmetry : -p->asymmetry);
     double sum = drive - viscous * v - p->quadratic * v * fabs(v) - p->k * x + force_of_time(m, t);
     if (p->system->family == OSCILLATOR) sum -= p->cubic * x * x * x;
     if (m->touching) sum += stop_force(p, x, v);
@@ -189,30 +190,30 @@ static void mass_rates(const struct motion *m, double t, const double *y, double
 /* ---- tanks and heater */
 
 /* Leak: linear in the level, or Torricelli's root of it. */
-static double leaked(const struct plant *p, double content) {
+static double leak_flow(const struct plant *p, double content) {
     if (p->leaking == ROOT) return p->leak * sqrt(fmax(content, 0));
     return p->leak * content;
 }
 
-/* Over a weir flows what stands above it, times a coefficient, to the power of 3/2. */
-static double over_weir(const struct plant *p, double height) {
+/* Flow over a weir: a coefficient times the height above the weir to the power 3/2. */
+static double weir_flow(const struct plant *p, double height) {
     double above = height - p->overflow_at;
     return p->overflowing == WEIR && above > 0 ? p->weir * above * sqrt(above) : 0;
 }
 
 static void tank_rates(const struct motion *m, double t, const double *y, double *dy) {
     const struct plant *p = m->p;
-    double extra = force_of_time(m, t), over = over_weir(p, y[H1]), out = p->system->family == TANKS ? y[H1] / p->R1 : 0;
-    double first = p->ku * drive_at(m, t) - out - over + (p->second ? 0 : extra - leaked(p, y[H1]));
+    double extra = force_of_time(m, t), over = weir_flow(p, y[H1]), out = p->system->family == TANKS ? y[H1] / p->R1 : 0;
+    double first = p->ku * drive_at(m, t) - out - over + (p->second ? 0 : extra - leak_flow(p, y[H1]));
     if (m->pressed) over = first, first = 0;
     dy[H1] = first / p->A1, dy[H2] = dy[V] = dy[Z] = 0;
     if (p->system->family == TANKS)
-        dy[H2] = (out - y[H2] / (p->R2 * thawed(p, t)) + p->overflow_share * over + (p->second ? extra - leaked(p, y[H2]) : 0)) / p->A2;
+        dy[H2] = (out - y[H2] / (p->R2 * thaw_factor(p, t)) + p->overflow_share * over + (p->second ? extra - leak_flow(p, y[H2]) : 0)) / p->A2;
 }
 
 static void heater_rates(const struct motion *m, double t, const double *y, double *dy) {
     const struct plant *p = m->p;
-    double power = drive_at(m, t) - p->G * thawed(p, t) * y[TEMPERATURE] - leaked(p, y[TEMPERATURE]) + force_of_time(m, t);
+    double power = drive_at(m, t) - p->G * thaw_factor(p, t) * y[TEMPERATURE] - leak_flow(p, y[TEMPERATURE]) + force_of_time(m, t);
     dy[TEMPERATURE] = power / p->capacity, dy[X] = dy[V] = dy[Z] = 0;
 }
 
@@ -225,7 +226,7 @@ static void rates(const struct motion *m, double t, const double *y, double *dy)
     else mass_rates(m, t, y, dy);
 }
 
-static void stepped(const struct motion *m, double t, const double *y, double h, double *to) {
+static void runge_kutta_step(const struct motion *m, double t, const double *y, double h, double *to) {
     double k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES];
     rates(m, t, y, k1);
     for (int i = 0; i < STATES; i++) at[i] = y[i] + h / 2 * k1[i];
@@ -239,11 +240,11 @@ static void stepped(const struct motion *m, double t, const double *y, double h,
 
 enum event { NOTHING, BREAKS_LOOSE, COMES_TO_REST, MEETS, LEAVES, TOUCHES };
 
-/* Force on a mass that stands or is pressed against its stop, and the friction that may hold it. */
-static double held_by(const struct motion *m, double t, const double *y, double *force) {
+/* Force on a mass at rest or at its stop, and the largest friction that can hold it. */
+static double holding_friction(const struct motion *m, double t, const double *y, double *force) {
     double drive = from_drive(m, t, y, drive_at(m, t));
     *force = net_force(m, t, y, drive);
-    return level(m->p, 0, y[Z], drive) + grown(m->p, y[Z]);
+    return level(m->p, 0, y[Z], drive) + growth_at_rest(m->p, y[Z]);
 }
 
 static double inflow(const struct motion *m, double t, const double *y) {
@@ -257,11 +258,11 @@ static enum event mass_event(const struct motion *m, double t, const double *y) 
     const struct plant *p = m->p;
     double force;
     if (m->pressed) {
-        double hold = held_by(m, t, y, &force);
+        double hold = holding_friction(m, t, y, &force);
         return -p->stop_side * force > hold ? LEAVES : NOTHING;
     }
     if (m->mode == STANDS) {
-        double hold = held_by(m, t, y, &force);
+        double hold = holding_friction(m, t, y, &force);
         return fabs(force) > hold ? BREAKS_LOOSE : NOTHING;
     }
     if (p->stop == REBOUND && depth(p, y[X]) > 0 && p->stop_side * y[V] > 0) return MEETS;
@@ -277,20 +278,20 @@ static enum event event(const struct motion *m, double t, const double *y) {
     return y[H1] > m->p->overflow_at ? MEETS : NOTHING;
 }
 
-static void set_off(struct motion *m, double force) { m->mode = m->brake ? SLIDES : FREE, m->side = force < 0 ? -1 : 1; }
+static void start_sliding(struct motion *m, double force) { m->mode = m->brake ? SLIDES : FREE, m->side = force < 0 ? -1 : 1; }
 
-/* Comes to rest, or goes on the other way at once. */
-static void halted(struct motion *m, double t, double *y) {
+/* The mass comes to rest, or reverses at once. */
+static void stop_motion(struct motion *m, double t, double *y) {
     double force;
     y[V] = 0;
     if (m->p->growth > 0) y[Z] = 0;
-    double hold = held_by(m, t, y, &force);
+    double hold = holding_friction(m, t, y, &force);
     if (fabs(force) <= hold) m->mode = STANDS;
-    else set_off(m, force);
+    else start_sliding(m, force);
 }
 
-/* Thrown back with a share of the velocity (Newton); what is slower than a thousandth of full scale stays at the stop. */
-static void met(struct motion *m, double *y) {
+/* Reflection with a share of the velocity (Newton). Below a thousandth of full scale the mass stays at the stop. */
+static void hit_limit(struct motion *m, double *y) {
     const struct plant *p = m->p;
     if (p->overflowing == LIMIT) {
         m->pressed = 1, y[H1] = p->overflow_at;
@@ -301,21 +302,21 @@ static void met(struct motion *m, double *y) {
     else m->side = -p->stop_side;
 }
 
-static void happens(struct motion *m, enum event what, double t, double *y) {
+static void handle_event(struct motion *m, enum event what, double t, double *y) {
     double force;
     if (what == TOUCHES) m->touching = !m->touching;
-    else if (what == MEETS) met(m, y);
-    else if (what == COMES_TO_REST) halted(m, t, y);
+    else if (what == MEETS) hit_limit(m, y);
+    else if (what == COMES_TO_REST) stop_motion(m, t, y);
     else if (m->p->overflowing == LIMIT) m->pressed = 0;
-    else held_by(m, t, y, &force), m->pressed = 0, set_off(m, force);
+    else holding_friction(m, t, y, &force), m->pressed = 0, start_sliding(m, force);
 }
 
-/* The length of step after which something happens, by bisection to the last bits that matter. */
-static double until(const struct motion *m, double t, const double *y, double h, enum event *what) {
+/* The time from t to the first event within h, by bisection (44 halvings). */
+static double time_to_event(const struct motion *m, double t, const double *y, double h, enum event *what) {
     double low = 0, high = h, to[STATES];
     for (int i = 0; i < 44; i++) {
         double middle = (low + high) / 2;
-        stepped(m, t, y, middle, to);
+        runge_kutta_step(m, t, y, middle, to);
         enum event now = event(m, t + middle, to);
         if (now) high = middle, *what = now;
         else low = middle;
@@ -326,27 +327,27 @@ static double until(const struct motion *m, double t, const double *y, double h,
 static void advance(struct motion *m, double t, double *y, double h) {
     double to[STATES];
     for (int count = 0; h > 0 && count < 100; count++) {
-        stepped(m, t, y, h, to);
+        runge_kutta_step(m, t, y, h, to);
         enum event what = event(m, t + h, to);
         if (!what) break;
-        double part = until(m, t, y, h, &what);
-        stepped(m, t, y, part, to);
+        double part = time_to_event(m, t, y, h, &what);
+        runge_kutta_step(m, t, y, part, to);
         t += part, h -= part;
         memcpy(y, to, sizeof to);
-        happens(m, what, t, y);
-        stepped(m, t, y, h, to);
+        handle_event(m, what, t, y);
+        runge_kutta_step(m, t, y, h, to);
     }
     memcpy(y, to, sizeof to);
 }
 
 /* ---- a run */
 
-static void surveyed(struct survey *s, const struct motion *m, double t, const double *y) {
+static void update_survey(struct survey *s, const struct motion *m, double t, const double *y) {
     const struct plant *p = m->p;
     const struct system *sys = p->system;
     double u = drive_at(m, t), drive = u, net = u;
     for (int i = 0; i < STATES; i++) {
-        double at = i == E && sys->family == SLIDE ? y[E] + way(m, t) : y[i];
+        double at = i == E && sys->family == SLIDE ? y[E] + drive_distance(m, t) : y[i];
         if (sys->full[i] > 0) s->share = fmax(s->share, fabs(at) / sys->full[i]);
         s->top[i] = fmax(s->top[i], at), s->low[i] = fmin(s->low[i], at);
     }
@@ -369,18 +370,18 @@ static void begin(struct motion *m, double *y) {
     if (!m->brake) return;
     m->mode = SLIDES, m->side = y[V] < 0 ? -1 : 1;
     if (y[V] != 0) return;
-    double hold = held_by(m, 0, y, &force);
+    double hold = holding_friction(m, 0, y, &force);
     if (fabs(force) <= hold) m->mode = STANDS;
-    else set_off(m, force);
+    else start_sliding(m, force);
 }
 
-/* One step; a step of a true run in which the drive turns sharply is taken in parts. */
-static void over_step(struct motion *m, double t, double *y, double h, int step, int fine) {
-    int parts = fine == TRUTH_STEPS && m->r->turns[step] ? 16 : 1;
+/* One step. A step of a true run with a sharp corner of the drive is divided into 16. */
+static void advance_step(struct motion *m, double t, double *y, double h, int step, int fine) {
+    int parts = fine == TRUE_RUN_STEPS && m->r->sharp_steps[step] ? 16 : 1;
     for (int k = 0; k < parts; k++) advance(m, t + k * h / parts, y, h / parts);
 }
 
-/* Fills the outputs of a record, so many steps a sample. */
+/* Fills the outputs of a record, with `fine` steps per sample. */
 struct survey simulate(const struct plant *p, struct record *r, int fine) {
     const struct system *s = p->system;
     struct motion m = {.p = p, .r = r, .brake = s->family <= OSCILLATOR && has_brake(p), .mass_share = 1};
@@ -393,9 +394,9 @@ struct survey simulate(const struct plant *p, struct record *r, int fine) {
         double t = i * s->dt;
         m.mass_share = p->mass_factor != 1 && t >= p->mass_time ? p->mass_factor : 1;
         for (int k = 0; k < MAX_OUTPUTS && s->outputs[k].signal; k++) r->out[k][i] = y[s->outputs[k].state];
-        if (s->family == SLIDE) r->out[0][i] += way(&m, t);
-        surveyed(&survey, &m, t, y);
-        for (int k = 0; k < fine && i + 1 < r->n; k++) over_step(&m, t + k * s->dt / fine, y, s->dt / fine, i * fine + k, fine);
+        if (s->family == SLIDE) r->out[0][i] += drive_distance(&m, t);
+        update_survey(&survey, &m, t, y);
+        for (int k = 0; k < fine && i + 1 < r->n; k++) advance_step(&m, t + k * s->dt / fine, y, s->dt / fine, i * fine + k, fine);
     }
     survey.force = sqrt(survey.force / r->n), survey.velocity = sqrt(survey.velocity / r->n);
     survey.drive = sqrt(survey.drive / r->n);

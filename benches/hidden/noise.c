@@ -1,4 +1,4 @@
-/* Chance: xoshiro256** (Blackman, Vigna, 2018), seeded by splitmix64; Gaussian numbers by Box and Muller's polar form. */
+/* Random numbers: xoshiro256** (Blackman, Vigna, 2018), seeded by splitmix64. Normal numbers by the polar Box-Muller method. */
 #include "hidden.h"
 
 static uint64_t splitmix(uint64_t *state) {
@@ -8,42 +8,42 @@ static uint64_t splitmix(uint64_t *state) {
     return z ^ (z >> 31);
 }
 
-struct chance chance_of(uint64_t seed, uint64_t stream) {
-    struct chance c = {0};
+struct rng rng_of(uint64_t seed, uint64_t stream) {
+    struct rng c = {0};
     uint64_t state = seed * 0xd1342543de82ef95u + stream;
     for (int i = 0; i < 4; i++) c.s[i] = splitmix(&state);
     return c;
 }
 
-static uint64_t turned(uint64_t x, int k) { return (x << k) | (x >> (64 - k)); }
+static uint64_t rotate_left(uint64_t x, int k) { return (x << k) | (x >> (64 - k)); }
 
-static uint64_t next(struct chance *c) {
-    uint64_t *s = c->s, result = turned(s[1] * 5, 7) * 9, t = s[1] << 17;
+static uint64_t next(struct rng *c) {
+    uint64_t *s = c->s, result = rotate_left(s[1] * 5, 7) * 9, t = s[1] << 17;
     s[2] ^= s[0], s[3] ^= s[1], s[1] ^= s[2], s[0] ^= s[3], s[2] ^= t;
-    s[3] = turned(s[3], 45);
+    s[3] = rotate_left(s[3], 45);
     return result;
 }
 
-double even(struct chance *c, double low, double high) { return low + (high - low) * ((next(c) >> 11) * 0x1p-53); }
-double scaled(struct chance *c, double low, double high) { return low * pow(high / low, even(c, 0, 1)); }
-int below(struct chance *c, int n) { return (int)(next(c) % (uint64_t)n); }
-int odds(struct chance *c, double share) { return even(c, 0, 1) < share; }
-double sign_of_chance(struct chance *c) { return odds(c, 0.5) ? 1 : -1; }
+double uniform(struct rng *c, double low, double high) { return low + (high - low) * ((next(c) >> 11) * 0x1p-53); }
+double log_uniform(struct rng *c, double low, double high) { return low * pow(high / low, uniform(c, 0, 1)); }
+int random_below(struct rng *c, int n) { return (int)(next(c) % (uint64_t)n); }
+int bernoulli(struct rng *c, double share) { return uniform(c, 0, 1) < share; }
+double random_sign(struct rng *c) { return bernoulli(c, 0.5) ? 1 : -1; }
 
-double gauss(struct chance *c) {
+double gaussian(struct rng *c) {
     if (c->spare_set) return c->spare_set = 0, c->spare;
     double a, b, q;
-    do a = even(c, -1, 1), b = even(c, -1, 1), q = a * a + b * b;
+    do a = uniform(c, -1, 1), b = uniform(c, -1, 1), q = a * a + b * b;
     while (q >= 1 || q == 0);
     q = sqrt(-2 * log(q) / q);
     c->spare = b * q, c->spare_set = 1;
     return a * q;
 }
 
-/* What a sensor gives: the signal with an offset and white noise, in steps of the quantum where there is one. */
-void measured(struct chance *c, const double *clean, int n, double sigma, double quantum, double offset, double *out) {
+/* The reading of a sensor: the signal with an offset and white noise, rounded to multiples of the quantum if it is not 0. */
+void add_noise(struct rng *c, const double *clean, int n, double sigma, double quantum, double offset, double *out) {
     for (int i = 0; i < n; i++) {
-        double y = clean[i] + offset + sigma * gauss(c);
+        double y = clean[i] + offset + sigma * gaussian(c);
         out[i] = quantum > 0 ? quantum * round(y / quantum) : y;
     }
 }

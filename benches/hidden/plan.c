@@ -1,4 +1,5 @@
-/* Which case hides what, where. In every hundred: 35 nothing, 40 one effect of the library, 13 one that it does not have, 12 two. */
+/* The plan of the cases: which effects each hides in which system. Of each hundred, 35 hide nothing, 40 one effect of the library,
+ * 13 one that the library does not have, and 12 two. */
 #include "hidden.h"
 
 struct choice { const char *first, *second, *hosts; };
@@ -57,7 +58,7 @@ static const struct choice PAIRS[] = {
 static const char *const NOTHING_HIDDEN = "slide axis oscillator tanks heater slide-coulomb axis-coulomb slide-falling axis-ideal "
                                           "oscillator-undamped tank heater-ideal axis! oscillator!";
 
-/* The n-th word, round and round. A "!" behind a name: its mass is known. */
+/* The system of the n-th word, cyclically. A "!" after a name means that the mass is known. */
 static void host(struct plan *p, const char *words, int n) {
     char name[32];
     int count = 1, length;
@@ -77,14 +78,14 @@ static void chosen(struct plan *p, const struct choice *choices, int count, int 
 }
 #define CHOSEN(p, choices, rank, turn) chosen(p, choices, sizeof choices / sizeof *choices, rank, turn)
 
-/* Every hundred is shuffled on its own, so that a case is the same however many there are. */
-struct plan planned(uint64_t seed, int number) {
+/* Each hundred is shuffled separately, so that a case does not depend on the number of cases. */
+struct plan plan_case(uint64_t seed, int number) {
     enum { NONE_SHARE = 35, SINGLE_SHARE = 40, UNKNOWN_SHARE = 13, PAIR_SHARE = 12 };
     int block = (number - 1) / 100, order[100], turn = (int)(seed % 60);
-    struct chance c = chance_of(seed, 1u << 30 | (uint64_t)block);
+    struct rng c = rng_of(seed, 1u << 30 | (uint64_t)block);
     for (int i = 0; i < 100; i++) order[i] = i;
     for (int i = 99; i > 0; i--) {
-        int other = below(&c, i + 1), kept = order[i];
+        int other = random_below(&c, i + 1), kept = order[i];
         order[i] = order[other], order[other] = kept;
     }
     int slot = order[(number - 1) % 100];

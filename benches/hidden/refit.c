@@ -1,5 +1,5 @@
-/* How well the base alone can explain a record: its parameters, states at the start and offset are fitted to the clean
- * outputs by Levenberg's and Marquardt's method. Linear bases run by their exact transition over a sample. */
+/* The best fit of the base to a record: its parameters, initial states and offsets are fitted to the clean outputs by the
+ * Levenberg-Marquardt method. Linear bases use their exact transition over a sample. */
 #include "hidden.h"
 
 enum { MAX_LINEAR = 4, MAX_UNKNOWNS = MAX_PARAMS + 2 + MAX_OUTPUTS + 1 };
@@ -14,7 +14,7 @@ static void product(int n, matrix a, matrix b, matrix to) {
     memcpy(to, c, sizeof c);
 }
 
-/* exp(a) by Taylor's series of a / 2^k, squared k times. */
+/* exp(a) by the Taylor series of a / 2^k, squared k times. */
 static void exponential(int n, matrix a, matrix to) {
     double size = 0;
     for (int i = 0; i < n; i++)
@@ -34,7 +34,7 @@ static void exponential(int n, matrix a, matrix to) {
     memcpy(to, sum, sizeof sum);
 }
 
-/* Rates of the states that the base frees: a row of the states, then the drive. */
+/* Rates of the base's free states. Each row has the coefficients of the states, then that of the drive. */
 static void linear_rates(const struct plant *p, matrix a) {
     switch (p->system->family) {
     case SLIDE:                                     /* e' = u - v, M v' = K e + C (u - v) - f v */
@@ -53,24 +53,24 @@ static void linear_rates(const struct plant *p, matrix a) {
     }
 }
 
-static int place_of(const struct system *s, enum state state) {
+static int state_index(const struct system *s, enum state state) {
     for (int i = 0; i < s->states; i++)
         if (s->free[i] == state) return i;
     return 0;
 }
 
-/* Outputs of a base without solid friction; start: its free states. */
+/* Outputs of a base without solid friction. `start` has the initial values of its free states. */
 void linear_base(const struct system *s, const double *params, const double *start, const double *u, int n, const struct fit *fit,
                  double *const *out) {
     struct plant p = base_plant(s, params);
     int states = s->states, all = states + 2, places[MAX_OUTPUTS];
     matrix a = {{0}}, over = {{0}};
     linear_rates(&p, a);
-    a[states][states + 1] = 1;                      /* the drive goes straight over a sample */
+    a[states][states + 1] = 1;                      /* the drive is linear over a sample */
     for (int i = 0; i < states; i++)
         for (int j = 0; j <= states; j++) a[i][j] *= s->dt;
     exponential(all, a, over);
-    for (int k = 0; k < fit->outputs; k++) places[k] = place_of(s, s->outputs[fit->first_output + k].state);
+    for (int k = 0; k < fit->outputs; k++) places[k] = state_index(s, s->outputs[fit->first_output + k].state);
     double y[2] = {start[0], states > 1 ? start[1] : 0};
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < fit->outputs; k++) out[k][i] = y[places[k]];
@@ -89,12 +89,12 @@ void linear_base(const struct system *s, const double *params, const double *sta
 struct unknowns { int count; double at[MAX_UNKNOWNS], unit[MAX_UNKNOWNS], low[MAX_UNKNOWNS], high[MAX_UNKNOWNS]; };
 struct work {
     const struct job *job;
-    int stepped;                                    /* runs by steps: solid friction, or what acts beside the base */
+    int stepped;                                    /* runs by steps, because of solid friction or of effects in addition to the base */
     struct record run;
-    double *base, *other, *slopes;                  /* residuals, those beside them, slopes by every unknown */
+    double *base, *other, *slopes;                  /* residuals, residuals of a trial, derivatives by every unknown */
 };
 
-static void unknown(struct unknowns *u, double at, double unit, double low, double high) {
+static void add_unknown(struct unknowns *u, double at, double unit, double low, double high) {
     int i = u->count++;
     u->at[i] = at, u->unit[i] = unit, u->low[i] = low, u->high[i] = high;
 }
@@ -104,11 +104,11 @@ static struct unknowns unknowns_of(const struct job *j) {
     const struct system *s = j->system;
     for (int i = 0; i < j->fit->count; i++) {
         const struct parameter *q = &s->params[j->fit->params[i]];
-        unknown(&u, j->params[j->fit->params[i]], q->value, q->low, q->high);
+        add_unknown(&u, j->params[j->fit->params[i]], q->value, q->low, q->high);
     }
-    for (int i = 0; i < s->states; i++) unknown(&u, j->data->start[s->free[i]], s->full[s->free[i]], -INFINITY, INFINITY);
-    for (int k = 0; j->fit->offset && k < j->fit->outputs; k++) unknown(&u, 0, j->full[k], -INFINITY, INFINITY);
-    if (j->coulomb) unknown(&u, j->with->coulomb, j->with->coulomb, 0, INFINITY);
+    for (int i = 0; i < s->states; i++) add_unknown(&u, j->data->start[s->free[i]], s->full[s->free[i]], -INFINITY, INFINITY);
+    for (int k = 0; j->fit->offset && k < j->fit->outputs; k++) add_unknown(&u, 0, j->full[k], -INFINITY, INFINITY);
+    if (j->coulomb) add_unknown(&u, j->with->coulomb, j->with->coulomb, 0, INFINITY);
     return u;
 }
 
@@ -117,11 +117,11 @@ static void run_by_steps(struct work *w, const double *params, double coulomb, d
     struct plant p = j->with ? *j->with : base_plant(j->system, params);
     set_base(&p, params);
     if (j->coulomb) p.coulomb = coulomb;
-    simulate(&p, &w->run, p.bristle ? TRUTH_STEPS : 2);
+    simulate(&p, &w->run, p.bristle ? TRUE_RUN_STEPS : 2);
     for (int k = 0; k < j->fit->outputs; k++) memcpy(out[k], w->run.out[j->fit->first_output + k], j->data->n * sizeof(double));
 }
 
-/* Residuals in full scales of the outputs, one output behind the other. Returns the sum of their squares. */
+/* Residuals as shares of full scale, one output after the other. Returns the sum of their squares. */
 static double residuals(struct work *w, const struct unknowns *u, double *to) {
     const struct job *j = w->job;
     int n = j->data->n, next = j->fit->count;
@@ -142,8 +142,8 @@ static double residuals(struct work *w, const struct unknowns *u, double *to) {
     return sum;
 }
 
-/* Solves a x = b for a symmetric positive a, by Cholesky's factors. */
-static int solved(int n, double a[MAX_UNKNOWNS][MAX_UNKNOWNS], const double *b, double *x) {
+/* Solves a x = b for a symmetric positive definite a by Cholesky factors. Returns 0 if a is not positive definite. */
+static int cholesky_solve(int n, double a[MAX_UNKNOWNS][MAX_UNKNOWNS], const double *b, double *x) {
     double l[MAX_UNKNOWNS][MAX_UNKNOWNS];
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++) {
@@ -164,8 +164,8 @@ static int solved(int n, double a[MAX_UNKNOWNS][MAX_UNKNOWNS], const double *b, 
     return 1;
 }
 
-/* Slopes of the residuals by differences over a small share of each unknown's unit; normal equations of them. */
-static void normal(struct work *w, const struct unknowns *u, double a[MAX_UNKNOWNS][MAX_UNKNOWNS], double *b) {
+/* Derivatives of the residuals by differences over a small share of each unknown's unit, and their normal equations. */
+static void normal_equations(struct work *w, const struct unknowns *u, double a[MAX_UNKNOWNS][MAX_UNKNOWNS], double *b) {
     int n = w->job->data->n * w->job->fit->outputs;
     double by = w->stepped ? 1e-4 : 1e-6;
     for (int i = 0; i < u->count; i++) {
@@ -186,15 +186,15 @@ static void normal(struct work *w, const struct unknowns *u, double a[MAX_UNKNOW
     }
 }
 
-/* One step downhill: more damping until it leads down. Returns the share by which the sum of squares fell. */
-static double improved(struct work *w, struct unknowns *u, double *sum, double *damping) {
+/* One step: the damping increases until the sum of squares falls. Returns the share by which it fell; 0 if it did not. */
+static double marquardt_step(struct work *w, struct unknowns *u, double *sum, double *damping) {
     double a[MAX_UNKNOWNS][MAX_UNKNOWNS], b[MAX_UNKNOWNS], x[MAX_UNKNOWNS];
-    normal(w, u, a, b);
+    normal_equations(w, u, a, b);
     for (int tries = 0; tries < 8; tries++, *damping *= 10) {
         double damped[MAX_UNKNOWNS][MAX_UNKNOWNS];
         memcpy(damped, a, sizeof a);
         for (int i = 0; i < u->count; i++) damped[i][i] += *damping * a[i][i] + 1e-300;
-        if (!solved(u->count, damped, b, x)) continue;
+        if (!cholesky_solve(u->count, damped, b, x)) continue;
         struct unknowns moved = *u;
         for (int i = 0; i < u->count; i++) moved.at[i] = fmax(u->low[i], fmin(u->high[i], u->at[i] + x[i] * u->unit[i]));
         double now = residuals(w, &moved, w->other);
@@ -207,13 +207,13 @@ static double improved(struct work *w, struct unknowns *u, double *sum, double *
     return 0;
 }
 
-static struct best downhill(struct work *w, struct unknowns u) {
+static struct fit_result minimise(struct work *w, struct unknowns u) {
     const struct job *j = w->job;
     int n = j->data->n;
     double sum = residuals(w, &u, w->base), damping = 1e-6;
-    struct best best = {0};
+    struct fit_result best = {0};
     for (int round = 0; round < j->rounds && sum > 1e-24 * n; round++)
-        if (improved(w, &u, &sum, &damping) < 1e-5) break;
+        if (marquardt_step(w, &u, &sum, &damping) < 1e-5) break;
     best.misfit = sqrt(sum / (n * j->fit->outputs));
     for (int k = 0; k < j->fit->outputs; k++) {
         double squares = 0;
@@ -225,9 +225,9 @@ static struct best downhill(struct work *w, struct unknowns u) {
     return best;
 }
 
-/* What the best model leaves: rms as a share of full, rms of every output in its unit, its parameters. Linear bases begin at the
- * true parameters and at eight places beside them; others, which take a hundred times longer, at the true ones. */
-struct best refitted(const struct job *job) {
+/* The best fit: rms residual as a share of full scale, rms of every output in its unit, parameters. Linear bases start from the true
+ * parameters and from eight neighbouring points. Others take a hundred times longer and start only from the true parameters. */
+struct fit_result refit_base(const struct job *job) {
     struct plant plain = base_plant(job->system, job->params);
     const struct plant *p = job->with ? job->with : &plain;
     struct unknowns u = unknowns_of(job);
@@ -235,13 +235,13 @@ struct best refitted(const struct job *job) {
     struct work w = {job, job->with || has_brake(p), new_record(job->data->n), malloc(n * sizeof(double)), malloc(n * sizeof(double)),
                      malloc(n * u.count * sizeof(double))};
     memcpy(w.run.u, job->data->u, job->data->n * sizeof(double));
-    through_chain(p, &w.run);
-    struct best best = downhill(&w, u);
+    apply_drive_chain(p, &w.run);
+    struct fit_result best = minimise(&w, u);
     for (int start = 0; start < (w.stepped ? 0 : 8); start++) {
-        struct unknowns beside = u;
+        struct unknowns neighbour = u;
         for (int i = 0; i < job->fit->count; i++)
-            beside.at[i] = fmax(u.low[i], fmin(u.high[i], u.at[i] * (start >> i & 1 ? 1.15 : 0.87)));
-        struct best other = downhill(&w, beside);
+            neighbour.at[i] = fmax(u.low[i], fmin(u.high[i], u.at[i] * (start >> i & 1 ? 1.15 : 0.87)));
+        struct fit_result other = minimise(&w, neighbour);
         if (other.misfit < best.misfit) best = other;
     }
     free_record(&w.run), free(w.base), free(w.other), free(w.slopes);

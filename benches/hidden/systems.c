@@ -1,4 +1,4 @@
-/* The base systems: what stands in crates/ident/tests/systems under the same name, as equations. */
+/* The base systems: the equations of the patches of the same names in crates/ident/tests/systems. */
 #include "hidden.h"
 
 #define SLIDE_PARAMS {"M", "kg", 400, 100, 1600, 1}, {"K", "N/m", 18e6, 4e6, 80e6, 1}, {"f", "N s/m", 10e3, 0, 60e3, 1}
@@ -61,7 +61,7 @@ void set_base(struct plant *p, const double *params) {
             if (!strcmp(p->system->params[i].name, names[k].name)) *names[k].place = params[i];
 }
 
-/* Damping of the slide's drive and areas of the tanks are known: they stand in the patches as numbers. */
+/* The plant of a base. The damping of the slide's drive and the areas of the tanks are known numbers in the patches. */
 struct plant base_plant(const struct system *s, const double *params) {
     struct plant p = {.system = s, .mass_factor = 1, .A1 = 0.02, .A2 = 0.03};
     if (s->family == SLIDE) p.C = 12e3;
@@ -69,7 +69,7 @@ struct plant base_plant(const struct system *s, const double *params) {
     return p;
 }
 
-/* Whether solid friction acts that can hold a standing mass; a bristle gives way and is no brake. */
+/* Whether solid friction can hold a mass at rest. A bristle yields, so it cannot. */
 int has_brake(const struct plant *p) {
     return !p->bristle && (p->Fc > 0 || p->Fs > 0 || p->coulomb > 0 || p->falling || p->load > 0);
 }

@@ -1,26 +1,26 @@
-/* Files of a case: the experiment with its two records, and apart from them the truth. */
+/* Writes the files of a case: the experiment with its two records, and the truth in another folder. */
 #include "hidden.h"
 #include <errno.h>
 #include <sys/stat.h>
 
-static void folder(const char *path) {
+static void make_folder(const char *path) {
     if (mkdir(path, 0777) && errno != EEXIST) perror(path), exit(1);
 }
 
-static FILE *opened(const char *path) {
+static FILE *open_file(const char *path) {
     FILE *file = fopen(path, "w");
     if (!file) perror(path), exit(1);
     return file;
 }
 
-static void closed(FILE *file, const char *path) {
+static void close_file(FILE *file, const char *path) {
     if (ferror(file) | fclose(file)) fprintf(stderr, "%s: not written\n", path), exit(1);
 }
 
 static const char *output_name(const struct hidden_case *c, int k) { return c->plan.system->outputs[c->fit.first_output + k].signal; }
 
 static void write_record(const struct hidden_case *c, const struct record *r, const char *path, int clean) {
-    FILE *file = opened(path);
+    FILE *file = open_file(path);
     fprintf(file, "t,%s", c->plan.system->drive);
     for (int k = 0; k < c->fit.outputs; k++) fprintf(file, ",%s", output_name(c, k));
     fprintf(file, "\n");
@@ -32,12 +32,12 @@ static void write_record(const struct hidden_case *c, const struct record *r, co
         }
         fprintf(file, "\n");
     }
-    closed(file, path);
+    close_file(file, path);
 }
 
 static void write_experiment(const struct hidden_case *c, const char *path, const char *patches) {
     const struct system *s = c->plan.system;
-    FILE *file = opened(path);
+    FILE *file = open_file(path);
     fprintf(file, "{\n  \"patch\": \"%s/%s.json\",\n  \"data\": \"train.csv\",\n  \"time\": \"t\",\n", patches, s->name);
     fprintf(file, "  \"drives\": {\"%s\": \"%s\"},\n  \"outputs\": {", s->drive, s->drive);
     for (int k = 0; k < c->fit.outputs; k++) {
@@ -50,7 +50,7 @@ static void write_experiment(const struct hidden_case *c, const char *path, cons
     for (int i = 0; i < c->fit.count; i++) fprintf(file, "%s\"%s\"", i ? ", " : "", s->params[c->fit.params[i]].name);
     fprintf(file, "],\n  \"train\": [0, %.10g],\n", (c->train.n - 1) * s->dt);
     fprintf(file, "  \"test\": {\"data\": \"test.csv\", \"range\": [0, %.10g]}\n}\n", (c->test.n - 1) * s->dt);
-    closed(file, path);
+    close_file(file, path);
 }
 
 static void write_effect(FILE *file, const struct effect *e, double rival, int more) {
@@ -92,19 +92,19 @@ static void write_start(FILE *file, const struct hidden_case *c, const char *nam
     fprintf(file, "},\n");
 }
 
-/* What the true laws leave of a record: rms over its outputs, each over its sigma. */
-static double true_laws_leave(const struct hidden_case *c, const struct record *r) {
+/* The residual of the true laws in a record: rms over its outputs, each over its sigma. */
+static double true_residual(const struct hidden_case *c, const struct record *r) {
     double sum = 0;
     for (int k = 0; k < c->fit.outputs; k++)
         for (int i = 0; i < r->n; i++) {
-            double left = (r->noisy[k][i] - c->offset[k] - r->out[c->fit.first_output + k][i]) / c->sigma[k];
-            sum += left * left;
+            double residual = (r->noisy[k][i] - c->offset[k] - r->out[c->fit.first_output + k][i]) / c->sigma[k];
+            sum += residual * residual;
         }
     return sqrt(sum / (r->n * c->fit.outputs));
 }
 
 static void write_truth(const struct hidden_case *c, const char *path) {
-    FILE *file = opened(path);
+    FILE *file = open_file(path);
     fprintf(file, "{\n  \"case\": %d,\n  \"seed\": %llu,\n  \"system\": \"%s\",\n", c->number, (unsigned long long)c->seed, c->plan.system->name);
     write_names(file, c);
     write_base(file, c);
@@ -115,15 +115,15 @@ static void write_truth(const struct hidden_case *c, const char *path) {
         fprintf(file, "%s\n    \"%s\": {\"sigma\": %.10g, \"quantum\": %.10g, \"offset\": %.10g, \"base_leaves\": %.10g}", k ? "," : "", output_name(c, k),
                 c->sigma[k], c->quantum[k], c->offset[k], c->best.rms[k]);
     fprintf(file, "\n  },\n  \"egnr_asked\": %.6g,\n  \"egnr\": %.6g,\n", c->plan.count ? c->target : 0, c->egnr);
-    fprintf(file, "  \"true_laws_leave_of_test\": %.6g\n}\n", true_laws_leave(c, &c->test));
-    closed(file, path);
+    fprintf(file, "  \"true_laws_leave_of_test\": %.6g\n}\n", true_residual(c, &c->test));
+    close_file(file, path);
 }
 
 void write_case(const struct hidden_case *c, const struct settings *set) {
     char at[4096], path[4200];
-    snprintf(path, sizeof path, "%s", set->out), folder(path);
-    snprintf(path, sizeof path, "%s/truth", set->out), folder(path);
-    snprintf(at, sizeof at, "%s/%04d", set->out, c->number), folder(at);
+    snprintf(path, sizeof path, "%s", set->out), make_folder(path);
+    snprintf(path, sizeof path, "%s/truth", set->out), make_folder(path);
+    snprintf(at, sizeof at, "%s/%04d", set->out, c->number), make_folder(at);
     snprintf(path, sizeof path, "%s/train.csv", at), write_record(c, &c->train, path, set->clean);
     snprintf(path, sizeof path, "%s/test.csv", at), write_record(c, &c->test, path, set->clean);
     snprintf(path, sizeof path, "%s/experiment.json", at), write_experiment(c, path, set->patches);

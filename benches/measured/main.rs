@@ -1,5 +1,7 @@
-//! The gap search on what others measured: `cargo bench --bench measured` searches every experiment of patches/measured whose
-//! data are there, and writes what came of it into docs/measured.md; `-- NAME ...` searches some and writes nothing.
+//! The gap search on data that others measured.
+//!
+//! `cargo bench --bench measured` searches every experiment of patches/measured and writes the table of docs/measured.md.
+//! `-- NAME ...` searches some experiments and only prints their rows. The measured data must be present.
 
 mod velocity;
 
@@ -11,26 +13,30 @@ use std::{fs, thread};
 
 use patchcord::ident::Experiment;
 use patchcord::ident::effects::Library;
-use patchcord::ident::fit::fitted_model::Stage;
+use patchcord::ident::fit::fitted_model::FittedModel;
 use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::report::sentence::verdict_sentence;
 use patchcord::ident::report::values::assignment_text;
-use patchcord::ident::search::{Means, Outcome};
+use patchcord::ident::search::{Outcome, SearchSettings};
 use patchcord::output;
 
+/// Folder of the experiments.
 const FOLDER: &str = "patches/measured";
+/// The page whose last section is written.
 const PAGE: &str = "docs/measured.md";
-/// What stands on the page behind this comes from here.
-const HEADING: &str = "## What the search says of them\n";
+/// Heading of the section. The text of the page from here on is replaced.
+const HEADING: &str = "## Results of the search\n";
+/// The text between the heading and the rows of the table.
 const INTRO: &str = "
-From `cargo bench --bench measured`. Of a slide it tells the error in velocity, of the tanks the rms of what is left: of the
-data it was fitted to, and of the test. *Rejected* are laws that others have proposed for them, with what they leave
-in place of what was named first.
+`cargo bench --bench measured` writes this table. *Before* and *after* are the residuals of the base and of the reported
+model, each on the training data and on the test data. For a slide the residual is the error in velocity, for the tanks
+the rms residual. *Rejected* are effects that others have proposed for these systems, with the residual of each in place
+of the first named effect.
 
-| experiment | what is said | as fitted | before | after | rejected | time |
+| experiment | verdict | fitted values | before | after | rejected | time |
 |---|---|---|---|---|---|---|
 ";
-/// What others have proposed.
+/// Effects that others have proposed for these systems.
 const PROPOSED: [&str; 2] = ["stribeck-friction", "saturation"];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -42,78 +48,83 @@ fn main() -> Result<(), Box<dyn Error>> {
     for path in &files {
         let name = path.file_name().unwrap_or_default().to_string_lossy().replace(".experiment.json", "");
         if chosen.is_empty() || chosen.contains(&name) {
-            rows.push(row(&name, path)?);
+            rows.push(search_row(&name, path)?);
             println!("{}", rows[rows.len() - 1]);
         }
     }
     if chosen.is_empty() {
-        write(&rows)?;
+        write_page(&rows)?;
     }
     Ok(())
 }
 
-/// What is said of an experiment.
-fn row(name: &str, path: &Path) -> Result<String, Box<dyn Error>> {
+/// Searches an experiment with the shipped library and returns its row of the table.
+fn search_row(name: &str, path: &Path) -> Result<String, Box<dyn Error>> {
     let experiment = Experiment::read(path).map_err(|error| error.to_string())?;
     let library = Library::shipped();
     let threads = thread::available_parallelism().map_or(1, usize::from);
-    let with = Means { library: &library, threads, seed: 1 };
+    let settings = SearchSettings { library: &library, threads, seed: 1 };
     let began = Instant::now();
     let problem = Problem::of(&experiment)?;
-    let found =
-        patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())?;
-    let found = found.ok_or(format!("{name} cannot be run"))?;
+    let outcome =
+        patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())?;
+    let outcome = outcome.ok_or(format!("{name} cannot be run"))?;
     let seconds = began.elapsed().as_secs_f64();
-    let [before, after] = [&found.base, found.told()].map(|stage| told(&experiment, &problem, stage));
-    let rejected = rejected(&found, |stage| told(&experiment, &problem, stage));
+    let residuals = |model: &FittedModel| residuals_text(&experiment, &problem, model);
+    let [before, after] = [&outcome.base, outcome.reported_model()].map(residuals);
+    let rejected = rejected_text(&outcome, residuals);
     Ok(format!(
         "| {name} | {} | {} | {before} | {after} | {rejected} | {seconds:.0} s |",
-        verdict_sentence(&found),
-        values(&found)
+        verdict_sentence(&outcome),
+        values_text(&outcome)
     ))
 }
 
-/// What was proposed and is not named, with what it leaves.
-fn rejected(found: &Outcome, told: impl Fn(&Stage) -> String) -> String {
-    let first = found.rounds.iter().find(|round| round.taken);
-    let tried = |name: &&str| {
-        let own = first?.trials.iter().find(|trial| trial.candidate.effect == *name)?;
-        let is_named = found.effects.iter().any(|effect| effect.effect == *name);
-        (!is_named).then(|| format!("{}: {}", own.named(), told(&own.stage)))
+/// The proposed effects that were tried in the first taken round and not named, with their residuals.
+fn rejected_text(outcome: &Outcome, residuals: impl Fn(&FittedModel) -> String) -> String {
+    let first = outcome.rounds.iter().find(|round| round.taken);
+    let rejected = |name: &&str| {
+        let trial = first?.trials.iter().find(|trial| trial.candidate.effect == *name)?;
+        let is_named = outcome.effects.iter().any(|effect| effect.effect == *name);
+        (!is_named).then(|| format!("{}: {}", trial.label(), residuals(&trial.model)))
     };
-    PROPOSED.iter().filter_map(tried).collect::<Vec<_>>().join("; ")
+    PROPOSED.iter().filter_map(rejected).collect::<Vec<_>>().join("; ")
 }
 
-/// What was fitted in the end.
-fn values(found: &Outcome) -> String {
-    let stage = found.told();
-    let all = (0..stage.version.fit.len()).map(|place| assignment_text(stage, place));
-    all.collect::<Vec<_>>().join(", ")
+/// The fitted values of the reported model.
+fn values_text(outcome: &Outcome) -> String {
+    let model = outcome.reported_model();
+    let values = (0..model.variant.fit.len()).map(|index| assignment_text(model, index));
+    values.collect::<Vec<_>>().join(", ")
 }
 
-/// What a patch leaves of what it was fitted to, and of the test: of a slide the error in velocity, else rms in the unit of
-/// the output.
-fn told(experiment: &Experiment, problem: &Problem, stage: &Stage) -> String {
+/// The residuals of a model on the training and the test data, such as "1.49 % / 4.88 %".
+///
+/// A patch with a signal v is a slide: its residual is the error in velocity. That of another patch is the rms residual in
+/// the unit of the output.
+fn residuals_text(experiment: &Experiment, problem: &Problem, model: &FittedModel) -> String {
     let mut text = String::new();
-    let knobs = (stage.version.fit.as_slice(), stage.train.point.knobs.as_slice());
-    let parts = [(&experiment.train, &stage.train), (&experiment.test, &stage.test)];
-    for (place, (records, fitted)) in parts.into_iter().enumerate() {
-        let own = match stage.version.patch().signals.contains_key("v") {
-            true => velocity::error(experiment, stage.version.patch(), knobs, &records[0])
+    let parameters = (model.variant.fit.as_slice(), model.train.estimate.parameters.as_slice());
+    let parts = [(&experiment.train, &model.train), (&experiment.test, &model.test)];
+    for (index, (records, fitted)) in parts.into_iter().enumerate() {
+        let residual = match model.variant.patch().signals.contains_key("v") {
+            true => velocity::error(experiment, model.variant.patch(), parameters, &records[0])
                 .map(|share| format!("{:.2} %", 100.0 * share)),
             false => {
-                Some(format!("{:.3} {}", fitted.over_noise() * problem.sigma[0], experiment.outputs[0].unit))
+                let rms = fitted.normalised_rms() * problem.sigma[0];
+                Some(format!("{rms:.3} {}", experiment.outputs[0].unit))
             }
         };
-        let comma = if place == 0 { "" } else { " / " };
-        let _ = write!(text, "{comma}{}", own.unwrap_or_else(|| "not run".to_owned()));
+        let separator = if index == 0 { "" } else { " / " };
+        let _ = write!(text, "{separator}{}", residual.unwrap_or_else(|| "not run".to_owned()));
     }
     text
 }
 
-fn write(rows: &[String]) -> Result<(), Box<dyn Error>> {
+/// Replaces the last section of the page.
+fn write_page(rows: &[String]) -> Result<(), Box<dyn Error>> {
     let text = fs::read_to_string(PAGE)?;
     let before = text.split_once(HEADING).map_or(text.as_str(), |(before, _)| before).trim_end();
     let page = format!("{before}\n\n{HEADING}{INTRO}{}\n", rows.join("\n"));
-    Ok(output::write_whole(Path::new(PAGE), page.as_bytes())?)
+    Ok(output::write_atomic(Path::new(PAGE), page.as_bytes())?)
 }

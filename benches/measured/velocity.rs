@@ -1,97 +1,101 @@
-//! What a model of a slide is worth: how far off its velocity is in a run over a whole record, driven by the measured force and
-//! begun as was measured (docs/measured.md).
+//! The error in velocity of a model of a slide, the quality measure of docs/measured.md.
+//!
+//! The model runs over a whole record. The measured force drives it, and it starts with the measured position and velocity. The
+//! measured velocity is the difference of the smoothed position.
 
 use std::f64::consts::PI;
 
 use patchcord_core::patch::Patch;
-use patchcord_ident::fit::model::{Choice, FitProgram, Knob, Model};
+use patchcord_ident::fit::model::{FitParameter, FitProgram, Model, RunValues};
 use patchcord_ident::{Experiment, Record};
 
-/// The filter lets through what is slower than this, in Hz.
-const CUTOFF: f64 = 100.0;
-/// So many samples lie before and behind a record while it is filtered, turned about its ends.
-const MARGIN: usize = 500;
+/// Cutoff frequency of the filter in Hz, as in docs/measured.md.
+const CUTOFF_HZ: f64 = 100.0;
+/// Samples of padding at each end of a record while it is filtered. The padding is the record reflected about its end point.
+const PADDING: usize = 500;
 
-/// The error in velocity as a share of the measured velocity, both rms; nothing where the patch cannot be run so.
+/// The rms error in velocity as a share of the rms measured velocity. `None` if the patch cannot be run.
 ///
-/// `fit` names parameters of the patch, `knobs` holds their values.
+/// `fit` has the names of parameters of the patch, `values` their values in the units of the patch. The patch must have the
+/// signal v, and the record's first output must be the position.
 pub fn error(
     experiment: &Experiment,
     patch: &Patch,
-    (fit, knobs): (&[String], &[f64]),
+    (fit, values): (&[String], &[f64]),
     record: &Record,
 ) -> Option<f64> {
     let outputs = ["v".to_owned()];
     let records = std::slice::from_ref(record);
-    let lowered = FitProgram::new(patch, &experiment.drives).ok()?;
-    let model = Model::new(&lowered, patch, records, fit, &[], &outputs, 4).ok()?;
+    let program = FitProgram::new(patch, &experiment.drives).ok()?;
+    let model = Model::new(&program, patch, records, fit, &[], &outputs, 4).ok()?;
     let position = &record.outputs[0];
-    let measured = rates(&smoothed(position, record.interval), record.interval);
+    let measured = derivative(&smooth(position, record.interval), record.interval);
     let volts =
         |scale: &str, value: f64| -value / patch.value()["scales"][scale]["per_volt"].as_f64().unwrap();
-    let begun = |own: &Knob| match own.name.as_str() {
+    let initial_value = |state: &FitParameter| match state.name.as_str() {
         "initial_IX" => volts("position", position[0]),
         "initial_IV" => volts("velocity", measured[0]),
-        _ => own.value,
+        _ => state.value,
     };
-    let initial = model.initial.iter().map(begun).collect();
-    let course = model.run(0, &[Choice { knobs: knobs.to_vec(), initial }]).pop()??;
-    let off: f64 = measured.iter().zip(&course[0]).map(|(datum, own)| (datum - own).powi(2)).sum();
-    Some((off / measured.iter().map(|datum| datum * datum).sum::<f64>()).sqrt())
+    let initial = model.initial.iter().map(initial_value).collect();
+    let outputs = model.run(0, &[RunValues { parameters: values.to_vec(), initial }]).pop()??;
+    let error: f64 = measured.iter().zip(&outputs[0]).map(|(datum, value)| (datum - value).powi(2)).sum();
+    Some((error / measured.iter().map(|datum| datum * datum).sum::<f64>()).sqrt())
 }
 
-/// Differences of neighbours, over two intervals but at the ends.
-fn rates(track: &[f64], interval: f64) -> Vec<f64> {
-    let last = track.len() - 1;
-    let rate = |place: usize| {
-        let (from, to) = (place.saturating_sub(1), (place + 1).min(last));
-        (track[to] - track[from]) / ((to - from) as f64 * interval)
+/// The derivative by central differences, one-sided at both ends.
+fn derivative(samples: &[f64], interval: f64) -> Vec<f64> {
+    let last = samples.len() - 1;
+    let rate = |index: usize| {
+        let (from, to) = (index.saturating_sub(1), (index + 1).min(last));
+        (samples[to] - samples[from]) / ((to - from) as f64 * interval)
     };
-    (0..track.len()).map(rate).collect()
+    (0..samples.len()).map(rate).collect()
 }
 
-/// A track through Butterworth's filter of fourth order, forth and back, which shifts nothing.
-fn smoothed(track: &[f64], interval: f64) -> Vec<f64> {
-    let (first, last) = (track[0], track[track.len() - 1]);
-    let before = track[1..=MARGIN].iter().rev().map(|own| 2.0 * first - own);
-    let behind = track[track.len() - 1 - MARGIN..track.len() - 1].iter().rev().map(|own| 2.0 * last - own);
-    let mut all: Vec<f64> = before.chain(track.iter().copied()).chain(behind).collect();
+/// Filters samples with a fourth-order Butterworth low-pass, forward and backward, so that the phase does not change.
+fn smooth(samples: &[f64], interval: f64) -> Vec<f64> {
+    let (first, last) = (samples[0], samples[samples.len() - 1]);
+    let before = samples[1..=PADDING].iter().rev().map(|sample| 2.0 * first - sample);
+    let end = samples.len() - 1;
+    let after = samples[end - PADDING..end].iter().rev().map(|sample| 2.0 * last - sample);
+    let mut padded: Vec<f64> = before.chain(samples.iter().copied()).chain(after).collect();
     for _ in 0..2 {
         for section in sections(interval) {
-            section.filter(&mut all);
+            section.filter(&mut padded);
         }
-        all.reverse();
+        padded.reverse();
     }
-    all[MARGIN..MARGIN + track.len()].to_vec()
+    padded[PADDING..PADDING + samples.len()].to_vec()
 }
 
-/// A part of the filter with two poles: y = b0 (x + 2 x' + x'') - a1 y' - a2 y''.
+/// A second-order section of the filter: y[n] = b0 (x[n] + 2 x[n-1] + x[n-2]) - a1 y[n-1] - a2 y[n-2].
 struct Section {
     b0: f64,
     a1: f64,
     a2: f64,
 }
 
-/// Both pairs of poles, brought over by the bilinear transform.
+/// The two sections of the filter, by the bilinear transform. Each has one pair of complex poles, at 5/8 and 7/8 of pi.
 fn sections(interval: f64) -> [Section; 2] {
-    let w = (PI * CUTOFF * interval).tan();
-    [5.0, 7.0].map(|place| {
-        let damping = -2.0 * (PI * place / 8.0).cos();
+    let w = (PI * CUTOFF_HZ * interval).tan();
+    [5.0, 7.0].map(|eighths| {
+        let damping = -2.0 * (PI * eighths / 8.0).cos();
         let a0 = 1.0 + damping * w + w * w;
         Section { b0: w * w / a0, a1: 2.0 * (w * w - 1.0) / a0, a2: (1.0 - damping * w + w * w) / a0 }
     })
 }
 
 impl Section {
-    /// In place, begun as if the track had always stood where it begins.
-    fn filter(&self, track: &mut [f64]) {
-        let first = track.first().copied().unwrap_or_default();
-        let (mut given, mut made) = ([first; 2], [first; 2]);
-        for own in track {
-            let sum = *own + 2.0 * given[0] + given[1];
-            let next = self.b0 * sum - self.a1 * made[0] - self.a2 * made[1];
-            (given, made) = ([*own, given[0]], [next, made[0]]);
-            *own = next;
+    /// Filters in place. The section starts in the steady state of the first sample.
+    fn filter(&self, samples: &mut [f64]) {
+        let first = samples.first().copied().unwrap_or_default();
+        let (mut inputs, mut outputs) = ([first; 2], [first; 2]);
+        for sample in samples {
+            let sum = *sample + 2.0 * inputs[0] + inputs[1];
+            let next = self.b0 * sum - self.a1 * outputs[0] - self.a2 * outputs[1];
+            (inputs, outputs) = ([*sample, inputs[0]], [next, outputs[0]]);
+            *sample = next;
         }
     }
 }

@@ -1,5 +1,8 @@
-"""Fig 8.16 wired from PathSim's blocks: pathsim_fig_8_16.py method=RKDP54 setting=1e-6 for=2 out=FILE tells the seconds and
-writes v_o every 1 ms. With method=RK4 the setting is the step. Position in 10 um, velocity in mm/s."""
+"""Fig 8.16 wired from blocks of PathSim.
+
+pathsim_fig_8_16.py method=RKDP54 setting=1e-6 for=2 out=FILE prints the duration of solving in s and writes v_o every 1 ms. The
+setting is the tolerance, or the step in s with method=RK4. The position is in 10 um and the velocity in mm/s.
+"""
 
 import sys
 import time

@@ -1,7 +1,8 @@
-"""Fig 8.16 with SciPy: scipy_fig_8_16.py method=DOP853 setting=1e-8 for=2 out=FILE tells the seconds and writes v_o every 1 ms.
+"""Fig 8.16 with SciPy.
 
-The equations are those of slideway.h; position and velocity are scaled to the size of 1. "located-DOP853" ends a
-solution at every kink and begins the next piece there; the others step over kinks.
+scipy_fig_8_16.py method=DOP853 setting=1e-8 for=2 out=FILE prints the duration of solving in s and writes v_o every 1 ms. The
+setting is the tolerance. The equations are those of slideway.h, with position and velocity scaled to the order of 1.
+"located-DOP853" ends a solution at every kink and starts the next piece there. The other methods ignore kinks.
 """
 
 import sys
@@ -18,7 +19,8 @@ times = np.arange(round(duration / 1e-3)) * 1e-3
 rest = [0.0, 0.0, 1.0]
 
 
-def stepped_over(method):
+def without_location(method):
+    """The velocity in m/s by one solution over all kinks."""
     def rates(t, y):
         w, v, u = K * POSITION * y[0], VELOCITY * y[1], y[2]
         level = FS * max(u, 0.0) ** 2
@@ -29,8 +31,8 @@ def stepped_over(method):
     return solve_ivp(rates, (0, duration), rest, method, times, rtol=setting, atol=setting).y[1] * VELOCITY
 
 
-def located(method):
-    """Between kinks the piece that holds is fixed: side of the dead zone, sign of v, whether it is beyond VcL."""
+def with_location(method):
+    """The velocity in m/s by one solution per piece: side of the dead zone, sign of v, whether |v| exceeds VcL."""
     piece = {"side": 0, "sign": 1, "beyond": False}
 
     def rates(t, y):
@@ -47,7 +49,7 @@ def located(method):
         return K * POSITION * y[0] + FS * y[2] ** 2
 
     def sign(t, y):
-        # A table at rest does not turn.
+        # At rest the table keeps its direction.
         return y[1] or piece["sign"] * 1e-300
 
     def corner(t, y):
@@ -57,41 +59,41 @@ def located(method):
     for kink in kinks:
         kink.terminal = True
 
-    def directions():
+    def set_directions():
         side = piece["side"]
         plus.direction = -1 if side > 0 else 1
         minus.direction = 1 if side < 0 else -1
         sign.direction = -piece["sign"]
         corner.direction = -1 if piece["beyond"] else 1
 
-    t, y, found = 0.0, rest, []
+    t, y, velocities = 0.0, rest, []
     while t < duration:
-        directions()
-        # Longer steps would miss kinks that are met twice within one.
+        set_directions()
+        # Longer steps would miss kinks that are passed twice within one step.
         options = {"max_step": 5e-4, "rtol": setting, "atol": setting}
         part = solve_ivp(rates, (t, duration), y, method, dense_output=True, events=kinks, **options)
         end = part.t[-1]
         inside = times[(times >= t) & (times < end)]
         if len(inside):
-            found.append(part.sol(inside)[1])
+            velocities.append(part.sol(inside)[1])
         t, y = end, part.y[:, -1]
-        met = [index for index, events in enumerate(part.t_events) if len(events)]
+        kinks_met = [index for index, events in enumerate(part.t_events) if len(events)]
         if part.status != 1:
             break
-        if 0 in met:
+        if 0 in kinks_met:
             piece["side"] = 0 if piece["side"] > 0 else 1
-        if 1 in met:
+        if 1 in kinks_met:
             piece["side"] = 0 if piece["side"] < 0 else -1
-        if 2 in met:
+        if 2 in kinks_met:
             piece["sign"] = -piece["sign"]
-        if 3 in met:
+        if 3 in kinks_met:
             piece["beyond"] = not piece["beyond"]
-    return np.concatenate(found) * VELOCITY
+    return np.concatenate(velocities) * VELOCITY
 
 
 method = words["method"]
 start = time.perf_counter()
-velocity = located(method[8:]) if method.startswith("located-") else stepped_over(method)
+velocity = with_location(method[8:]) if method.startswith("located-") else without_location(method)
 seconds = time.perf_counter() - start
 velocity.astype(float).tofile(words["out"])
 print(f'{{"seconds": {seconds:.9f}}}')

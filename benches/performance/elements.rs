@@ -1,21 +1,23 @@
-//! How cost grows with the number of elements: a chain of damped oscillators, each driven by the one before.
+//! The table of cost by number of elements: a chain of damped oscillators, each driven by the one before.
 
 use std::fmt::Write as _;
 
-use crate::clock::{Work, in_turns, three, timed, told};
-use crate::own::{BACKENDS, Backend, ran};
+use crate::backends::{BACKENDS, BackendChoice, run_timed};
+use crate::timing::{Work, format_digits, format_seconds, in_turns, timed};
 use crate::{Outcome, page};
 use patchcord::circuit::Circuit;
 use patchcord::ir::Program;
 use patchcord::patch::Patch;
 use patchcord::solve::RunSettings;
 
-/// Elements times steps of one run.
-const WORK: f64 = 2e6;
-/// The step of the chain, in seconds.
+/// Elements times steps of one run, so that runs of all sizes take about equally long.
+const ELEMENT_STEPS: f64 = 2e6;
+/// Step of the runs in s.
 const STEP: f64 = 1e-3;
+/// Measurements of each work, in turns.
 const ROUNDS: usize = 3;
 
+/// The table.
 pub fn table(quick: bool) -> Outcome<String> {
     let counts: &[usize] = if quick { &[100, 10_000] } else { &[12, 100, 1000, 10_000] };
     let rows = counts.iter().map(|count| row(*count)).collect::<Outcome<Vec<_>>>()?;
@@ -26,7 +28,7 @@ pub fn table(quick: bool) -> Outcome<String> {
     Ok(page::table(&head.iter().map(String::as_str).collect::<Vec<_>>(), &rows))
 }
 
-/// A chain of so many elements, as text.
+/// The patch of a chain as text. `count` is the number of elements; each oscillator has four.
 fn chain(count: usize) -> String {
     let mut elements = String::new();
     for cell in 0..count / 4 {
@@ -50,43 +52,45 @@ fn chain(count: usize) -> String {
     )
 }
 
+/// The row of a chain with this number of elements.
 fn row(count: usize) -> Outcome<Vec<String>> {
-    let (phases, circuit) = made(&chain(count))?;
-    let (steps, own) = ((WORK / count as f64).round(), RunSettings::of(&circuit)?);
-    let settings = |steps: f64, (_, chosen): Backend| {
+    let (phases, circuit) = measured_phases(&chain(count))?;
+    let (steps, defaults) = ((ELEMENT_STEPS / count as f64).round(), RunSettings::of(&circuit)?);
+    let settings = |steps: f64, (_, chosen): BackendChoice| {
         let length = steps * STEP;
-        chosen(RunSettings { every: length, ..own.clone().lasting(length) })
+        chosen(RunSettings { every: length, ..defaults.clone().with_duration(length) })
     };
     let program = Program::new(&circuit)?;
-    // Folding and compiling are part of the first step.
-    let first = |backend: Backend| -> Work<'_> {
+    // The first step of a new program includes specialising and compiling.
+    let first_step = |backend: BackendChoice| -> Work<'_> {
         let (settings, circuit) = (settings(1.0, backend), &circuit);
-        Box::new(move || Ok(ran(&Program::new(circuit)?, &settings)?.0))
+        Box::new(move || Ok(run_timed(&Program::new(circuit)?, &settings)?.0))
     };
-    let long = |backend: Backend| -> Work<'_> {
+    let long_run = |backend: BackendChoice| -> Work<'_> {
         let (settings, program) = (settings(steps, backend), &program);
-        Box::new(move || Ok(ran(program, &settings)?.0))
+        Box::new(move || Ok(run_timed(program, &settings)?.0))
     };
-    let first = in_turns(ROUNDS, BACKENDS.map(first).into())?;
-    let long = in_turns(ROUNDS, BACKENDS.map(long).into())?;
-    let told_long = long.iter().map(|seconds| format!("{} ns", three(seconds / steps / count as f64 * 1e9)));
-    let told_phases = phases.into_iter().chain(first).map(told);
-    Ok([count.to_string()].into_iter().chain(told_phases).chain(told_long).collect())
+    let first = in_turns(ROUNDS, BACKENDS.map(first_step).into())?;
+    let long = in_turns(ROUNDS, BACKENDS.map(long_run).into())?;
+    let per_step =
+        long.iter().map(|seconds| format!("{} ns", format_digits(seconds / steps / count as f64 * 1e9)));
+    let phases = phases.into_iter().chain(first).map(format_seconds);
+    Ok([count.to_string()].into_iter().chain(phases).chain(per_step).collect())
 }
 
-/// The shortest seconds of reading, resolving and lowering, and the circuit.
-fn made(text: &str) -> Outcome<([f64; 3], Circuit)> {
-    let mut least = [f64::INFINITY; 3];
-    let mut made = None;
+/// The shortest durations of reading, resolving and lowering in s, and the circuit.
+fn measured_phases(text: &str) -> Outcome<([f64; 3], Circuit)> {
+    let mut shortest = [f64::INFINITY; 3];
+    let mut last_circuit = None;
     for _ in 0..ROUNDS {
         let (read, patch) = timed(|| Patch::parse("chain.json", text));
         let patch = patch?;
-        let (resolved, circuit) = timed(|| Circuit::new(&patch, &[]));
+        let (resolved, circuit) = timed(|| Circuit::new(&patch));
         let circuit = circuit?;
         let (lowered, program) = timed(|| Program::new(&circuit));
         program?;
-        made = Some(circuit);
-        least = std::array::from_fn(|phase| least[phase].min([read, resolved, lowered][phase]));
+        last_circuit = Some(circuit);
+        shortest = std::array::from_fn(|phase| shortest[phase].min([read, resolved, lowered][phase]));
     }
-    Ok((least, made.ok_or("nothing was made")?))
+    Ok((shortest, last_circuit.ok_or("no round was measured")?))
 }

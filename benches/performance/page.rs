@@ -1,4 +1,4 @@
-//! docs/performance.md: what lies between two markers is replaced.
+//! Writes the tables of docs/performance.md. Each table is between two markers.
 
 use std::fs;
 use std::path::Path;
@@ -6,14 +6,18 @@ use std::path::Path;
 use crate::Outcome;
 use patchcord::output;
 
-/// Puts a table between `<!-- NAME -->` and `<!-- end of NAME -->`.
+/// Replaces the text between `<!-- NAME -->` and `<!-- end of NAME -->` by a table.
+///
+/// # Errors
+///
+/// If the page has no such markers, or cannot be read or written.
 pub fn replace(name: &str, table: &str) -> Outcome<()> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/performance.md");
     let text = fs::read_to_string(&path)?;
     let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->"));
     let (before, rest) = text.split_once(&begin).ok_or(format!("docs/performance.md has no {begin}"))?;
     let (_, after) = rest.split_once(&end).ok_or(format!("docs/performance.md has no {end}"))?;
-    output::write_whole(&path, format!("{before}{begin}{table}{end}{after}").as_bytes())?;
+    output::write_atomic(&path, format!("{before}{begin}{table}{end}{after}").as_bytes())?;
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-"""Sparse regression by pysindy: the rows of a case, in the weak form or by derivatives, and the models that an optimiser finds."""
+"""Sparse regression with pysindy: the equations of a case in weak form or with derivatives, and the models that an optimiser finds."""
 
 import numpy as np
 import pysindy as ps
@@ -7,20 +7,20 @@ from terms import blocks, grids, rate, savgol, states
 
 
 class Weak:
-    """Means over pysindy's test functions in place of values, and of derivatives: its weights, worked out once for a length."""
+    """The weak form: weighted means over test functions of pysindy instead of values and derivatives. `cache` keeps the weights."""
 
-    kept = {}
+    cache = {}
 
     def __init__(self, n, dt, half):
-        if (n, half) not in Weak.kept:
-            np.random.seed(1)                       # centres of the test functions are drawn
+        if (n, half) not in Weak.cache:
+            np.random.seed(1)                       # the centres of the test functions are random
             library = ps.WeakPDELibrary(function_library=ps.IdentityLibrary(), spatiotemporal_grid=np.arange(n) * 1.0, K=3 * n // half,
                                         H_xt=half + 0.01, p=3)
             unit = np.eye(n)
             values = np.asarray(library.fit(unit).transform(ps.AxesArray(unit, {"ax_time": 0, "ax_coord": 1})))
             size = values.sum(axis=1)[:, None]
-            Weak.kept[n, half] = values / size, library.convert_u_dot_integral(unit) / size
-        self.values, rates = Weak.kept[n, half]
+            Weak.cache[n, half] = values / size, library.convert_u_dot_integral(unit) / size
+        self.values, rates = Weak.cache[n, half]
         self.rates = rates / dt
 
     def value(self, columns):
@@ -34,7 +34,7 @@ class Weak:
 
 
 class Plain:
-    """Values and derivatives of smoothed signals; the target's is smoothed over the same window once more."""
+    """Values and derivatives of smoothed signals. The derivative of the target is smoothed a second time over the same window."""
 
     def __init__(self, t, window):
         self.t, self.window = t, window
@@ -49,55 +49,56 @@ class Plain:
         return savgol(block["smooth"], self.t, self.window)[0]
 
 
-def part(s, g, block, form):
-    """Target, base and terms of an equation, without what is at rest: there solid friction balances and obeys no formula."""
+def equation(s, g, block, form):
+    """Target, base and terms of an equation. Samples at rest are omitted, because solid friction balances there without a formula."""
     base = list(block["base"].values())
     rest = (np.abs(s["v"]) < 1.5 * g["slow"]) * 1.0 if "v" in s else 0 * s["t"]
-    every = form.value(np.column_stack(base + list(block["terms"].values()) + [block["beside"], rest]))
+    values = form.value(np.column_stack(base + list(block["terms"].values()) + [block["known_term"], rest]))
     rates = [form.rate(column) for column in block["rates"].values()]
-    moves = every[:, -1] < 0.25
-    if moves.sum() < 30:
-        moves[:] = True
-    terms = np.column_stack([every[:, len(base):-2]] + rates)
-    return (form.target(block) - every[:, -2])[moves], every[moves, :len(base)], terms[moves]
+    is_moving = values[:, -1] < 0.25
+    if is_moving.sum() < 30:
+        is_moving[:] = True
+    terms = np.column_stack([values[:, len(base):-2]] + rates)
+    return (form.target(block) - values[:, -2])[is_moving], values[is_moving, :len(base)], terms[is_moving]
 
 
 def rows(case, s, g, form):
-    """Those of all equations, each in units of what its base leaves."""
-    own = blocks(case, s, g)
-    parts = [part(s, g, block, form) for block in own]
+    """The rows of all equations, each scaled by the residual of its base. The first call also sets up `g` from the training record."""
+    equations = blocks(case, s, g)
+    parts = [equation(s, g, block, form) for block in equations]
     y, base, terms = (np.concatenate([p[k] for p in parts]) for k in range(3))
     if "weights" not in g:
         g["base"] = fitted(base, y)
         g["weights"] = [1 / np.std(y - base @ g["base"]) for y, base, _ in parts]
-        g["peak"] = peak(s, own[0], case.half)
+        g["peak"] = peak(s, equations[0], case.half)
         return rows(case, s, g, form)
     weight = np.concatenate([np.full(len(p[0]), w) for p, w in zip(parts, g["weights"])])
-    keys = list(own[0]["terms"]) + [(name, (at, "rate")) for name, at in own[0]["rates"]]
-    return y * weight, base * weight[:, None], terms * weight[:, None], keys, list(own[0]["base"])
+    keys = list(equations[0]["terms"]) + [(name, (at, "rate")) for name, at in equations[0]["rates"]]
+    return y * weight, base * weight[:, None], terms * weight[:, None], keys, list(equations[0]["base"])
 
 
 def fitted(columns, y):
+    """The coefficients of a least-squares fit, with columns scaled to norm 1."""
     size = np.linalg.norm(columns, axis=0)
     size[size == 0] = 1
     return np.linalg.lstsq(columns / size, y, rcond=None)[0] / size
 
 
 def peak(s, block, half):
-    """The frequency at which the base leaves most of what test functions let through."""
+    """The frequency of the largest residual of the base, weighted by the spectrum of the test functions."""
     base, n, dt = np.column_stack(list(block["base"].values()) or [0 * s["t"]]), len(s["t"]), s["dt"]
-    y = rate(block["smooth"], s["t"]) - block["beside"]
-    left = y - base @ fitted(base, y)
+    y = rate(block["smooth"], s["t"]) - block["known_term"]
+    residual = y - base @ fitted(base, y)
     test = (1 - np.linspace(-1, 1, 2 * half + 1) ** 2) ** 3
-    power = np.abs(np.fft.rfft((left - left.mean()) * np.hanning(n), 8 * n) * np.fft.rfft(test, 8 * n)) ** 2
+    power = np.abs(np.fft.rfft((residual - residual.mean()) * np.hanning(n), 8 * n) * np.fft.rfft(test, 8 * n)) ** 2
     frequency = np.fft.rfftfreq(8 * n, dt)
-    return frequency[12 + np.argmax(power[12:])]      # no slower than one and a half waves in the record
+    return frequency[12 + np.argmax(power[12:])]      # at least one and a half periods in the record
 
 
 # ---- sparse regression
 
 def optimisers(how):
-    """Each gives sparse models of columns of norm 1: along its own path, or for thresholds one after the other."""
+    """The optimisers. Each gives sparse models for columns of norm 1, along its path or for one threshold."""
     greedy = dict(max_iter=4, alpha=1e-9, unbias=False)
     if how == "FROLS":
         return [ps.FROLS(**greedy)]
@@ -111,7 +112,7 @@ def optimisers(how):
 
 
 def supports(terms, y, how):
-    """The sets of terms that the optimiser goes through, of at most six."""
+    """The sets of at most six terms that the optimisers find."""
     found, terms, y = [], terms / np.linalg.norm(terms, axis=0), (y / np.linalg.norm(y))[:, None]
     for optimiser in optimisers(how):
         if how == "SR3":
@@ -119,7 +120,7 @@ def supports(terms, y, how):
         np.random.seed(1)
         optimiser.fit(terms, y)
         models = optimiser.history_ if how in ("FROLS", "SSR") else [optimiser.coef_]
-        if how == "ensemble":                       # terms in the order of how many models have them
+        if how == "ensemble":                       # terms in the order of the number of models that contain them
             often = np.mean(np.array(optimiser.coef_list)[:, 0] != 0, axis=0)
             models = [np.where(often >= np.sort(often)[-k], often, 0) for k in (1, 2, 3, 4)]
         for model in models:
@@ -130,7 +131,7 @@ def supports(terms, y, how):
 
 
 def distinct(terms, left):
-    """Terms of which the base leaves something, and which are not the same as another."""
+    """Indices of terms that the base does not explain and that are not collinear with an earlier term."""
     size, kept = np.linalg.norm(terms, axis=0), []
     rest = np.linalg.norm(left, axis=0)
     unit = left / np.where(rest > 0, rest, 1)
@@ -141,24 +142,25 @@ def distinct(terms, left):
 
 
 def models(case, how):
-    """Every sparse model with its gain on the training record and on the other, and the share that the base leaves."""
-    sides, g = [], None
+    """All sparse models with their gains on the training and the test record, and the residual of the base as a share of the target."""
+    records, g = [], None
     for record in case.records:
         s = states(case, record, how["smooth"], how["form"] == "weak")
         form = Weak(len(s["t"]), s["dt"], case.half) if how["form"] == "weak" else Plain(s["t"], s["window"])
         g = g or grids(case, s)
-        sides.append(rows(case, s, g, form))
-    (y, base, terms, keys, names), (y2, base2, terms2, _, _) = sides
+        records.append(rows(case, s, g, form))
+    (y, base, terms, keys, names), (y2, base2, terms2, _, _) = records
     q = np.linalg.qr(base)[0] if base.shape[1] else np.zeros((len(y), 1))
-    rest, left = y - q @ (q.T @ y), terms - q @ (q.T @ terms)   # the base's own terms are in every model, without a penalty
-    own = distinct(terms, left)
-    before, found = [rest @ rest, np.sum((y2 - base2 @ fitted(base, y)) ** 2)], []
-    for support in supports(left[:, own], rest, how["optimiser"]):
-        chosen = own[list(support)]
-        here, there = np.column_stack([base, terms[:, chosen]]), np.column_stack([base2, terms2[:, chosen]])
-        c = fitted(here, y)
-        after = [np.sum((y - here @ c) ** 2), np.sum((y2 - there @ c) ** 2)]
+    # Projected out of target and terms, because every model contains the base without a penalty.
+    residual, projected = y - q @ (q.T @ y), terms - q @ (q.T @ terms)
+    usable = distinct(terms, projected)
+    before, candidates = [residual @ residual, np.sum((y2 - base2 @ fitted(base, y)) ** 2)], []
+    for support in supports(projected[:, usable], residual, how["optimiser"]):
+        chosen = usable[list(support)]
+        train, test = np.column_stack([base, terms[:, chosen]]), np.column_stack([base2, terms2[:, chosen]])
+        c = fitted(train, y)
+        after = [np.sum((y - train @ c) ** 2), np.sum((y2 - test @ c) ** 2)]
         gain = [len(record["t"]) / case.half * np.log(b / a) for record, b, a in zip(case.records, before, after)]
-        share = np.abs(c[base.shape[1]:]) * np.linalg.norm(left[:, chosen], axis=0)
-        found.append(dict(terms=[keys[i] for i in chosen], c=c[base.shape[1]:], share=share, base=dict(zip(names, c)), gain=gain))
-    return found, np.sqrt(before[0] / (y @ y))
+        share = np.abs(c[base.shape[1]:]) * np.linalg.norm(projected[:, chosen], axis=0)
+        candidates.append(dict(terms=[keys[i] for i in chosen], c=c[base.shape[1]:], share=share, base=dict(zip(names, c)), gain=gain))
+    return candidates, np.sqrt(before[0] / (y @ y))

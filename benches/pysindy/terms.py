@@ -1,9 +1,9 @@
-"""What pysindy gets: states from measured outputs, and the effects of patches/effects as terms of states, drive and time.
+"""The input of pysindy: states from measured outputs, and the effects of patches/effects as terms of states, drive and time.
 
-A term is a column; its key is (effect, number), the number being what lies inside the term (a level, a time, a place), taken from a
-grid. What goes on in the drive (delay, lag, play, limits) is a term, as the drive is known; memory and yielding of friction are worked out
-along the estimated velocity. Static friction that grows at rest holds a mass and moves nothing: it is no term, nor are a stop that throws
-back and a brim that holds a level exactly.
+A term is a column. Its key is (effect, number), where the number is the parameter inside the term (a level, a time, a position) from a
+grid. Effects on the drive (delay, lag, play, limits) are terms, because the drive is known. Memory and presliding of friction are
+computed along the estimated velocity. There are no terms for static friction that grows at rest, a stop with restitution, and a limit
+of a level, because they are not functions of the states.
 """
 
 import json
@@ -14,28 +14,30 @@ import pysindy as ps
 from scipy.interpolate import splev, splrep
 from scipy.signal import lfilter
 
-A1, A2, C = 0.02, 0.03, 12e3                    # known: areas of the tanks, damping of the slide's drive
-HALF = {"slide": 13, "axis": 48, "heater": 38}      # half the width of a test function, in samples; others 32
+A1, A2, C = 0.02, 0.03, 12e3                    # known: areas of the tanks in m2, damping of the slide's drive in N s/m
+HALF = {"slide": 13, "axis": 48, "heater": 38}      # half the width of a test function in samples; 32 for other systems
+# Tried windows of the smoothing filter, in samples.
 WINDOWS = (5, 7, 9, 13, 17, 25, 33, 49, 65, 97)
 
 
 class Case:
-    """An experiment as `patchcord gap` reads it."""
+    """An experiment of `patchcord gap` with its records."""
 
     def __init__(self, folder):
-        told = json.loads((Path(folder) / "experiment.json").read_text())
-        patch = json.loads(Path(told["patch"]).read_text())
-        self.system = Path(told["patch"]).stem
-        self.family, self.drive, self.fit = self.system.split("-")[0], next(iter(told["drives"])), told["fit"]
-        self.outputs = list(told["outputs"])
-        self.sigma = {name: output.get("sigma") for name, output in told["outputs"].items()}
-        self.offset = any(output.get("offset") for output in told["outputs"].values())
+        experiment = json.loads((Path(folder) / "experiment.json").read_text())
+        patch = json.loads(Path(experiment["patch"]).read_text())
+        self.system = Path(experiment["patch"]).stem
+        self.family, self.drive, self.fit = self.system.split("-")[0], next(iter(experiment["drives"])), experiment["fit"]
+        self.outputs = list(experiment["outputs"])
+        self.sigma = {name: output.get("sigma") for name, output in experiment["outputs"].items()}
+        self.offset = any(output.get("offset") for output in experiment["outputs"].values())
         self.value = {name: parameter["value"] for name, parameter in patch["parameters"].items()}
         self.half = HALF.get(self.family, 32)
         self.records = [columns(Path(folder) / name) for name in ("train.csv", "test.csv")]
 
 
 def columns(path):
+    """The columns of a CSV file by name."""
     with open(path) as file:
         names = file.readline().strip().split(",")
     return dict(zip(names, np.loadtxt(path, delimiter=",", skiprows=1).T))
@@ -44,7 +46,7 @@ def columns(path):
 # ---- derivatives
 
 def smoothed(y, t, sigma, kind):
-    """The signal without noise, its derivative, and the window: as much smoothing as leaves residuals no larger than the noise."""
+    """Derivative, smoothed signal and window: the widest smoothing with residuals no larger than the noise."""
     sigma = sigma or np.std(np.diff(y, 4)) / np.sqrt(70)
     if kind == "spline":
         method = ps.SINDyDerivative(kind="spline", s=len(y) * sigma**2, order=4)
@@ -59,16 +61,18 @@ def smoothed(y, t, sigma, kind):
 
 
 def savgol(y, t, window):
+    """Derivative and signal by a Savitzky-Golay filter of third order."""
     method = ps.SmoothedFiniteDifference(smoother_kws={"window_length": window, "polyorder": 3})
     return method._differentiate(y[:, None], t)[:, 0], method.smoothed_x_[:, 0]
 
 
 def rate(y, t):
+    """The derivative by finite differences of sixth order."""
     return ps.FiniteDifference(order=6)._differentiate(y[:, None], t)[:, 0]
 
 
 def states(case, record, kind, weak):
-    """Smoothed states for terms, raw ones (with their noise) for what the weak form integrates; those of linear terms are straight."""
+    """The states of a record: smoothed ones for nonlinear terms, "raw" ones for the left side, "straight" ones for linear terms."""
     t, u = record["t"], record[case.drive]
     s = {"t": t, "u": u, "dt": t[1] - t[0], "end": t[-1]}
     for name in case.outputs:
@@ -91,40 +95,43 @@ def states(case, record, kind, weak):
 # ---- pieces of terms
 
 def play(u, half):
+    """The play operator."""
     out, at = np.empty_like(u), u[0]
     for i, now in enumerate(u):
         at = out[i] = min(max(at, now - half), now + half)
     return out
 
 
-def bristle(way, reach):
-    """Dahl's: bent to its most, 1, over the way `reach`."""
-    out, at = np.zeros_like(way), 0.0
-    for i, step in enumerate(np.diff(way)):
+def bristle(distance, reach):
+    """Dahl friction: approaches +-1 over the distance `reach`."""
+    out, at = np.zeros_like(distance), 0.0
+    for i, step in enumerate(np.diff(distance)):
         at = out[i + 1] = np.sign(step) - (np.sign(step) - at) * np.exp(-abs(step) / reach)
     return out
 
 
 def lagged(u, samples):
-    """First-order lag of what goes straight between samples."""
+    """First-order lag of a signal that is linear between samples."""
     decay = np.exp(-1 / samples)
     now = 1 - samples * (1 - decay)
     return lfilter([now, 1 - now - decay], [1, -decay], u, zi=[u[0] * (1 - now)])[0]
 
 
-def late(u, samples):
+def delayed(u, samples):
+    """The signal delayed by a number of samples."""
     n = np.arange(len(u))
     return np.interp(n - samples, n, u)
 
 
-def way(y, dt):
+def integral(y, dt):
+    """The integral by the trapezoidal rule."""
     return np.concatenate([[0], np.cumsum((y[1:] + y[:-1]) / 2 * dt)])
 
 
 # ---- terms
 
 def drive_terms(case, s, g):
-    """How the drive behind its chain differs from the drive."""
+    """Terms for effects on the drive: the difference between the changed and the measured drive."""
     u, dt, terms = s["u"], s["dt"], {}
     for level in g["u"] * np.array([0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]):
         terms["saturation", level] = np.clip(u, -level, level) - u
@@ -133,15 +140,16 @@ def drive_terms(case, s, g):
         if case.family != "slide":
             terms["backlash", 2 * level] = play(u, level) - u
     for samples in (0.5, 1, 2, 3, 4, 6, 8, 12, 16, 24):
-        terms["time-delay", samples * dt] = late(u, samples) - u
+        terms["time-delay", samples * dt] = delayed(u, samples) - u
         terms["actuator-lag", samples * dt] = lagged(u, samples) - u
     if case.family == "slide":
         for half in g["reach"] * np.array([0.03, 0.06, 0.1, 0.2, 0.3, 0.5]):
-            terms["backlash", 2 * half] = np.gradient(play(way(u, dt), half), dt) - u
+            terms["backlash", 2 * half] = np.gradient(play(integral(u, dt), half), dt) - u
     return terms
 
 
 def time_terms(s, g):
+    """Terms of time: bias, drift, periodic disturbance."""
     t, terms = s["t"], {("constant-bias", 0): np.ones_like(s["t"]), ("drift", 0): s["t"]}
     if "peak" in g:
         terms["periodic-disturbance", g["peak"]] = np.sin(2 * np.pi * g["peak"] * t)
@@ -150,6 +158,7 @@ def time_terms(s, g):
 
 
 def friction_terms(case, s, g, sign, force):
+    """Terms of velocity. `sign` is a smooth sign of the velocity, `force` that of the drive."""
     v, speed, dt, terms = s["v"], np.abs(s["v"]), s["dt"], {}
     falling = "Fs" in case.value
     if not falling:
@@ -166,11 +175,12 @@ def friction_terms(case, s, g, sign, force):
     for samples in (3, 8, 20, 50):
         terms["friction-memory", samples * dt] = -sign * (lagged(level, samples) - level * falling)
     for reach in g["v"] * 100 * dt * np.array([0.003, 0.01, 0.03, 0.1, 0.3]):
-        terms["presliding-stiffness", reach] = -bristle(way(v, dt), reach) + sign * ("Fc" in case.value)
+        terms["presliding-stiffness", reach] = -bristle(integral(v, dt), reach) + sign * ("Fc" in case.value)
     return terms
 
 
-def place_terms(case, s, g):
+def position_terms(case, s, g):
+    """Terms of position: cubic stiffness, stops."""
     if case.family == "slide":
         return {("cubic-stiffness", 0): -s["x_error"] ** 3}
     x, (low, high), terms = s["x"], g["x"], {}
@@ -183,7 +193,7 @@ def place_terms(case, s, g):
 
 
 def mechanical(case, s, g):
-    """M v' = force of the drive - friction. A slide's drive acts on its velocity, so that terms of the drive come with their rates too."""
+    """M v' = force of the drive - friction. The drive of a slide gives a velocity, so the rates of drive terms are terms, too."""
     v, u, base = s["v"], s["u"], {}
     sign, slide = np.tanh(v / g["slow"]), case.family == "slide"
     if slide:
@@ -202,16 +212,16 @@ def mechanical(case, s, g):
     if "Fs" in case.value:
         for fold in (0.5, 1, 2):
             base[f"Fs {fold}"] = -sign * np.clip(1 - np.abs(v) / (fold * case.value["VcL"]), 0, None) ** 2
-    terms = friction_terms(case, s, g, sign, force) | place_terms(case, s, g) | time_terms(s, g)
+    terms = friction_terms(case, s, g, sign, force) | position_terms(case, s, g) | time_terms(s, g)
     known = 1 if "M" in case.fit else case.value["M"]
-    beside = 0 * u if "M" in case.fit else u
+    known_term = 0 * u if "M" in case.fit else u
     if "M" not in case.fit:
         terms["mass-change", 0] = u
     elif "base" in g:
         for share in (0.15, 0.2, 0.25, 0.3, 0.35, 0.4):
             terms["mass-change", share * g["end"]] = (s["t"] > share * g["end"]) * sum(c * b for c, b in zip(g["base"], base.values()))
     drives = drive_terms(case, s, g)
-    return [dict(state=known * s["raw v"], smooth=known * v, beside=beside, base=base, terms=terms | drives, rates=drives if slide else {})]
+    return [dict(state=known * s["raw v"], smooth=known * v, known_term=known_term, base=base, terms=terms | drives, rates=drives if slide else {})]
 
 
 def vessel(case, s, g):
@@ -224,27 +234,27 @@ def vessel(case, s, g):
     else:
         terms["leak", 0] = -h
         terms["leak", 1] = -np.sqrt(np.maximum(s[name], 0))
-    return [dict(state=size * s["raw " + name], smooth=size * s[name], beside=0 * h, base=base, terms=terms, rates={})]
+    return [dict(state=size * s["raw " + name], smooth=size * s[name], known_term=0 * h, base=base, terms=terms, rates={})]
 
 
-def brims(h, top, coming):
-    """Overflow: what stands above a brim leaves, or all that comes while the level is there."""
+def overflow_terms(h, top, inflow):
+    """Overflow: the excess above a brim leaves, or the whole inflow while the level is above it."""
     levels = top * (1 - np.array([0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4]))
-    return {("overflow", x): -np.maximum(h - x, 0) for x in levels} | {("overflow", -x): -1.0 * (h > x) * coming for x in levels}
+    return {("overflow", x): -np.maximum(h - x, 0) for x in levels} | {("overflow", -x): -1.0 * (h > x) * inflow for x in levels}
 
 
 def upper_terms(case, s, g, h):
-    """Of the upper tank; what comes into it is told by the base."""
-    coming, top = s["u"], h.max()
-    if "base" in g:                                 # as fitted to the training record, which comes first
+    """Terms of the upper tank. Its inflow is that of the fitted base."""
+    inflow, top = s["u"], h.max()
+    if "base" in g:                                 # fitted to the training record, which is the first
         top = g.setdefault("h1", top)
         outlet = g["base"][1] if len(case.outputs) == 2 else 1 / case.value["R1"]
-        coming = np.maximum(g["base"][0] * s["u"] - outlet * h, 0)
-    return {("leak", 0): -h, ("leak", 1): -np.sqrt(np.maximum(h, 0))} | brims(h, top, coming) | drive_terms(case, s, g)
+        inflow = np.maximum(g["base"][0] * s["u"] - outlet * h, 0)
+    return {("leak", 0): -h, ("leak", 1): -np.sqrt(np.maximum(h, 0))} | overflow_terms(h, top, inflow) | drive_terms(case, s, g)
 
 
 def two_tanks(case, s, g):
-    """Both levels measured: two balances that share a resistance."""
+    """Both levels are measured: two balances that share a resistance."""
     h1, h2, none = s["h1"], s["h2"], 0 * s["u"]
     upper, time = upper_terms(case, s, g, h1), time_terms(s, g)
     spilt = {(name, (at, "below")): -term for (name, at), term in upper.items() if name == "overflow"}
@@ -252,36 +262,36 @@ def two_tanks(case, s, g):
     first = upper | time | {key: none for key in below}
     second = {key: none for key in upper | time} | below
     base = [{"ku": s["u"], "R1": -s["straight h1"], "R2": none}, {"ku": none, "R1": s["straight h1"], "R2": -s["straight h2"]}]
-    return [dict(state=A1 * s["raw h1"], smooth=A1 * h1, beside=none, base=base[0], terms=first, rates={}),
-            dict(state=A2 * s["raw h2"], smooth=A2 * h2, beside=none, base=base[1], terms=second, rates={})]
+    return [dict(state=A1 * s["raw h1"], smooth=A1 * h1, known_term=none, base=base[0], terms=first, rates={}),
+            dict(state=A2 * s["raw h2"], smooth=A2 * h2, known_term=none, base=base[1], terms=second, rates={})]
 
 
 def lower_tank(case, s, g):
-    """The lower level alone, R1 known: one equation of second order; the upper level is R1 times what flows through."""
+    """Only the lower level is measured, and R1 is known: one equation of second order. The upper level is R1 times the flow."""
     whole, R1 = case.value["A1"] * case.value["A2"] * case.value["R1"], case.value["R1"]
     h, dh, raw = s["h2"], s["dh2"], s["raw h2"]
     h1 = R1 * (A2 * dh + h * g["base"][1]) if "base" in g else h
     base = {"ku": s["u"], "R2": -(A1 * R1 * s["straight dh2"] + s["straight h2"])}
     terms = upper_terms(case, s, g, h1) | time_terms(s, g)
-    return [dict(state=whole * rate(raw, s["t"]) + A2 * raw, smooth=whole * dh + A2 * h, beside=0 * h, base=base, terms=terms, rates={})]
+    return [dict(state=whole * rate(raw, s["t"]) + A2 * raw, smooth=whole * dh + A2 * h, known_term=0 * h, base=base, terms=terms, rates={})]
 
 
 def blocks(case, s, g):
-    """The base's equations, each with its terms: rate of `state` = base + terms + rates of `rates` - `beside`, which is known."""
+    """The equations of the base with their terms: rate of `state` = base + terms + rates of `rates` + `known_term`."""
     if "v" in s:
-        own = mechanical(case, s, g)
+        equations = mechanical(case, s, g)
     elif case.family != "tanks":
-        own = vessel(case, s, g)
+        equations = vessel(case, s, g)
     else:
-        own = two_tanks(case, s, g) if len(case.outputs) == 2 else lower_tank(case, s, g)
-    for k in range(len(own) * case.offset):         # a sensor may be off by a constant, which leaves one in every equation
-        for block in own:
-            block["base"][f"offset {k}"] = np.ones_like(s["t"]) * (block is own[k])
-    return own
+        equations = two_tanks(case, s, g) if len(case.outputs) == 2 else lower_tank(case, s, g)
+    for k in range(len(equations) * case.offset):         # an offset of a sensor adds a constant to each equation
+        for block in equations:
+            block["base"][f"offset {k}"] = np.ones_like(s["t"]) * (block is equations[k])
+    return equations
 
 
 def grids(case, s):
-    """What the numbers inside terms are measured in, from the training record."""
+    """The scales of the numbers inside terms, from the training record."""
     g = {"u": np.max(np.abs(s["u"])), "u rms": np.sqrt(np.mean(s["u"] ** 2)), "end": s["end"]}
     if "v" in s:
         top = np.max(np.abs(s["v"]))

@@ -1,4 +1,4 @@
-//! Builds the patch of a damped oscillator in Rust, runs it, and holds it against the closed solution.
+//! Builds the patch of a damped oscillator in Rust, runs it, and compares it with the closed solution.
 
 use std::error::Error;
 
@@ -8,7 +8,7 @@ use patchcord::patch::{ElementBuilder, PatchBuilder};
 use patchcord::solve::{self, RunSettings};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // x'' = -wn^2 x - 2 zeta wn x', with 1 V for 1 mm and x' / wn in volts too, so that both integrators take wn.
+    // x'' = -wn^2 x - 2 zeta wn x'. One volt is 1 mm of x and of x' / wn, so both integrators have the rate wn.
     let patch = PatchBuilder::new("damped oscillator")
         .machine("solartron-1451")
         .parameter("wn", 8.0, "rad/s", [1.0, 10.0])
@@ -26,16 +26,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         .build()?;
     print!("{}", patch.text());
 
-    let circuit = Circuit::new(&patch, &[])?;
+    let circuit = Circuit::new(&patch)?;
     let program = Program::new(&circuit)?;
     let trace = solve::run(&program, &RunSettings::of(&circuit)?)?;
     let x = trace.values("x").ok_or("x is recorded")?;
-    let worst = trace.time.iter().zip(&x).map(|(t, x)| (x - closed_solution(*t)).abs()).fold(0.0, f64::max);
-    println!("largest difference from the closed solution: {worst:.1e} mm of 50 mm");
+    let largest = trace.time.iter().zip(&x).map(|(t, x)| (x - closed_solution(*t)).abs()).fold(0.0, f64::max);
+    println!("largest difference from the closed solution: {largest:.1e} mm of 50 mm");
     Ok(())
 }
 
-/// 50 mm let go at rest, with wn = 8 rad/s and zeta = 0.1.
+/// Position in mm at a time in s, released at rest from 50 mm, with wn = 8 rad/s and zeta = 0.1.
 fn closed_solution(t: f64) -> f64 {
     let (wn, zeta) = (8.0, 0.1);
     let damped: f64 = wn * f64::sqrt(1.0 - zeta * zeta);

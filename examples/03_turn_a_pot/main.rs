@@ -1,4 +1,4 @@
-//! Turns a pot while the machine runs: the slideway's stiffness falls, and the voltmeter shows what follows.
+//! Turns a pot during a run: the stiffness of the slideway's drive falls, and the voltmeter shows the effect on the velocity.
 
 use std::error::Error;
 use std::path::Path;
@@ -9,8 +9,8 @@ use patchcord::patch::Patch;
 use patchcord::solve::Machine;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let patch = Patch::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json"))?;
-    let circuit = Circuit::new(&patch, &[("v_start".to_owned(), 1e-3), ("v_rate".to_owned(), 0.0)])?;
+    let patch = Patch::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json"))?;
+    let circuit = Circuit::with_parameters(&patch, [("v_start", 1e-3), ("v_rate", 0.0)])?;
     let program = Program::new(&circuit)?;
     let mut machine = Machine::new(&program, 2e-5)?;
     println!("problem check: A1 {} V, M1 {:.3} V", machine.voltage("A1")?, machine.voltage("M1")?);
@@ -24,11 +24,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             (least, most) = (least.min(velocity), most.max(velocity));
         }
         machine.hold();
-        println!("K = {:4.1} MN/m: velocity swings from {least:6.2} V to {most:6.2} V", stiffness / 1e6);
+        println!("K = {:4.1} MN/m: velocity from {least:6.2} V to {most:6.2} V", stiffness / 1e6);
     }
     match machine.set("K", 500e6) {
-        Err(refusal) => println!("refused: {refusal}"),
-        Ok(()) => println!("K = 500 MN/m was taken"),
+        Err(error) => println!("rejected: {error}"),
+        Ok(()) => println!("K = 500 MN/m was accepted"),
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Looks for the muzzle velocity that hits a target: shots flown until they land, each corrected by the one before.
+//! Finds the muzzle velocity that hits a target: a hybrid run of eight shots, each corrected by the landing of the one before.
 
 use std::error::Error;
 
@@ -7,43 +7,45 @@ use patchcord::document::Report;
 use patchcord::draw;
 use patchcord::draw::plot::{Format, Size, render};
 use patchcord::ir::Program;
-use patchcord::output::write_whole;
+use patchcord::output::write_atomic;
 use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord::solve::{self, Phase, RunSettings};
-use patchcord::trace::Deed;
+use patchcord::trace::PhaseKind;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let circuit = Circuit::new(&cannon()?, &[])?;
+    let circuit = Circuit::new(&cannon()?)?;
     let program = Program::new(&circuit)?;
     let shot = vec![
         Phase::InitialCondition,
         Phase::operate_until(10.0, "K1", Some("released")),
-        // Without air the range grows with the square of the velocity.
+        // Without air the range is proportional to the square of the velocity.
         Phase::set_by("v0", "v0 * sqrt(target / x)")?,
     ];
     let phases = vec![Phase::Repeat { times: 8, phases: shot }];
     let trace = solve::run(&program, &RunSettings { phases, ..RunSettings::of(&circuit)? })?;
 
     let x = trace.values("x").ok_or("x is recorded")?;
-    for mark in &trace.marks {
-        if let Deed::Set(values) = &mark.phase {
-            // The sample before the change is that of the landing.
-            let landed = x[mark.sample - 1];
+    for record in &trace.phase_records {
+        if let PhaseKind::Set(values) = &record.phase {
+            // The last sample before the change is the landing.
+            let landed = x[record.sample - 1];
             println!(
                 "landed after {:.4} s at {landed:9.5} m: {} m/s for the next shot",
-                mark.begin, values[0].value
+                record.begin, values[0].value
             );
         }
     }
     let specs = circuit.picture_specs(["y"].into_iter());
     let picture = draw::picture(&trace, &specs[0], None)?;
     let file = std::env::temp_dir().join("shots.svg");
-    write_whole(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
+    write_atomic(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
     println!("wrote {}", file.display());
     Ok(())
 }
 
-/// x'' = -c x', y'' = -g - c y', with 1 V for 1 m and for 1 m/s. Both velocities stand there with their signs turned.
+/// The patch of the shot: x'' = -c x', y'' = -g - c y', at 1 V per m and per m/s.
+///
+/// A1 and A3 are the negative velocities, A2 and A4 the position. K1 drops out when y falls to 0.
 fn cannon() -> Result<Patch, Box<Report>> {
     let drag = |from: &str| ElementBuilder::new("pot").cord("in", from).set("setting", "c");
     let velocity = || ElementBuilder::new("integrator").set("initial", "-v0 / velocity / sqrt(2)");

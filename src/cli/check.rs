@@ -1,15 +1,19 @@
 //! `patchcord check`
+//!
+//! The check runs no time. It reads the patch, compiles it and computes the machine at initial condition, the "problem
+//! check" of the period. So overloads at the start, unsolvable loops and missing run settings appear before the first
+//! run.
 
 use clap::Args;
 use indexmap::IndexMap;
 use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
-use super::load::{Loaded, PatchArguments, parameters_json, problem_check};
-use super::overloads::{overload_json, overload_told};
+use super::load::{LoadedPatch, PatchArguments, parameters_json, problem_check};
+use super::overloads::{overload_json, overload_text};
 use super::table::Table;
 use super::times::advice;
-use super::{say, say_json};
+use super::{print, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::document::Report;
 use patchcord::ir::Program;
@@ -21,60 +25,77 @@ use patchcord::trace::Overload;
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Print the audit of amplitude scaling (computer gain = input scale x block gain / output scale)
+    /// Print the check of amplitude scaling (computer gain = input scale x block gain / output scale)
     #[arg(long)]
     scaling: bool,
-    /// Print the voltages in initial condition (problem check)
+    /// Print the voltages at initial condition (problem check)
     #[arg(long)]
     voltages: bool,
 }
 
+/// Tables of voltages and scaling follow the summary on request. Overloads at initial condition do not fail the
+/// command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let Loaded { circuit, program } = arguments.patch.load()?;
-    let statics =
-        statics(&circuit, &program).map_err(|failure| failure.told_as_json(arguments.patch.json))?;
+    let LoadedPatch { circuit, program } = arguments.patch.load()?;
+    let problem = check_problem(&circuit, &program)
+        .map_err(|failure| failure.with_json_output(arguments.patch.json))?;
     if arguments.patch.json {
-        return say_json(&document(&circuit, &program, &statics));
+        return print_json(&document(&circuit, &program, &problem));
     }
-    say(&summary(&circuit, &program, &statics.overloads))?;
+    print(&summary(&circuit, &program, &problem.overloads))?;
     if arguments.voltages {
-        say(&format!("\n{}", voltage_table(&statics.voltages)))?;
+        print(&format!("\n{}", voltage_table(&problem.voltages)))?;
     }
     if arguments.scaling {
-        say(&format!("\n{}", scaling_table(&circuit.scaling())))?;
+        print(&format!("\n{}", scaling_table(&circuit.scaling())))?;
     }
     Ok(())
 }
 
-/// What the problem check shows.
-struct Statics {
-    voltages: Vec<Static>,
-    /// The lamps that are lit.
+/// The result of the problem check: the machine at initial condition.
+///
+/// Voltages are in the order of the elements of the circuit.
+struct ProblemCheck {
+    /// The output voltages of all elements and drives.
+    voltages: Vec<ElementVoltage>,
+    /// The overloads at initial condition.
     overloads: Vec<Overload>,
 }
 
-/// A voltage of the problem check.
-struct Static {
+/// The voltage of an element at initial condition.
+struct ElementVoltage {
+    /// The name of the element.
     element: String,
+    /// The kind of the element, such as "summer".
     kind: &'static str,
+    /// The voltage of its output.
     volts: f64,
+    /// The position of a relay or switch.
     position: Option<&'static str>,
 }
 
-fn statics(circuit: &Circuit, program: &Program) -> Result<Statics, Failure> {
+/// Computes all voltages at initial condition.
+///
+/// # Errors
+/// If the machine cannot be set to initial condition, for example because a loop has no solution.
+fn check_problem(circuit: &Circuit, program: &Program) -> Result<ProblemCheck, Failure> {
     let machine = problem_check(circuit, program)?;
     let mut voltages = Vec::new();
     for element in circuit.elements() {
         let volts = machine.voltage(&element.name)?;
         let position = machine.position(&element.name);
-        voltages.push(Static { element: element.name.clone(), kind: element.kind.name, volts, position });
+        let (element, kind) = (element.name.clone(), element.kind.name);
+        voltages.push(ElementVoltage { element, kind, volts, position });
     }
-    Ok(Statics { voltages, overloads: machine.overloads() })
+    Ok(ProblemCheck { voltages, overloads: machine.overloads() })
 }
 
+/// The summary: warnings, machine parts, macros, loops, overloads, and why a run is impossible.
+///
+/// Lines that do not apply are left out. The last line, "cannot be run: ...", concerns a run without options.
 fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> String {
     let patch = circuit.patch();
-    let mut text = format!("{}: {}\n", patch.file(), verdict(circuit.warnings().warnings()));
+    let mut text = format!("{}: {}\n", patch.file(), verdict(circuit.warnings().warning_count()));
     if !patch.title.is_empty() {
         text += &format!("{}\n", patch.title);
     }
@@ -93,38 +114,43 @@ fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> Stri
         text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
     }
     for (order, overload) in overloads.iter().enumerate() {
-        text += &format!("{}\n", overload_told(order, overload));
+        text += &format!("{}\n", overload_text(order, overload));
     }
-    if let Some(error) = unready(circuit, program) {
-        text += &format!("cannot be run as it stands: {}\n", what_run_needs(&error));
+    if let Some(error) = run_error(circuit, program) {
+        text += &format!("cannot be run: {}\n", run_error_text(&error));
     }
     text
 }
 
-/// What a run as the patch asks for it would be refused for.
-fn unready(circuit: &Circuit, program: &Program) -> Option<RunError> {
+/// The error of a run as the patch specifies it; None if it can be run.
+///
+/// A patch without run settings is valid, because options can specify them.
+fn run_error(circuit: &Circuit, program: &Program) -> Option<RunError> {
     RunSettings::of(circuit).and_then(|settings| solve::check(program, &settings)).err()
 }
 
-/// What an error says, and which option of another command helps.
-fn what_run_needs(error: &RunError) -> String {
+/// The message of an error, with the option of `patchcord run` that helps.
+fn run_error_text(error: &RunError) -> String {
     match advice(error) {
-        Some(advice) => format!("{error}; to `patchcord run` {advice}"),
+        Some(advice) => format!("{error}; with `patchcord run`, {advice}"),
         None => error.to_string(),
     }
 }
 
 /// The macros that are used, with their instances.
+///
+/// Macros without an instance are left out. The order is that of the document.
 fn instances(circuit: &Circuit) -> Vec<(&str, Vec<(&str, &Instance)>)> {
     let patch = circuit.patch();
     let mut of: IndexMap<&str, Vec<_>> =
         patch.macros.keys().map(|name| (name.as_str(), Vec::new())).collect();
     for (name, instance) in &patch.instances {
-        of[instance.of.as_str()].push((name.as_str(), instance));
+        of[instance.macro_name.as_str()].push((name.as_str(), instance));
     }
     of.into_iter().filter(|(_, instances)| !instances.is_empty()).collect()
 }
 
+/// Errors never reach this function: a patch with errors is not loaded.
 fn verdict(warnings: usize) -> String {
     match warnings {
         0 => "nothing wrong".to_owned(),
@@ -132,7 +158,8 @@ fn verdict(warnings: usize) -> String {
     }
 }
 
-fn voltage_table(voltages: &[Static]) -> String {
+/// The table of voltages, with positions if an element has one.
+fn voltage_table(voltages: &[ElementVoltage]) -> String {
     let heading = if voltages.iter().any(|read| read.position.is_some()) { "position" } else { "" };
     let mut table = Table::new(["element", "kind", "volts", heading]);
     for read in voltages {
@@ -142,9 +169,23 @@ fn voltage_table(voltages: &[Static]) -> String {
     table.text()
 }
 
+/// The table of amplitude scaling.
+///
+/// The computer gain should be input scale x block gain / output scale. The last two columns are empty for elements
+/// whose block gain the patch does not specify.
 fn scaling_table(rows: &[ScalingRow]) -> String {
-    let mut table =
-        Table::new(["at", "from", "to", "computer gain", "block", "unit", "is", "asked for", "difference"]);
+    let headings = [
+        "element",
+        "from",
+        "to",
+        "computer gain",
+        "block gain",
+        "unit",
+        "block",
+        "required gain",
+        "difference",
+    ];
+    let mut table = Table::new(headings);
     for row in rows {
         table.row([
             row.element.clone(),
@@ -154,8 +195,8 @@ fn scaling_table(rows: &[ScalingRow]) -> String {
             format!("{:.6e}", row.block_gain),
             row.unit.clone(),
             row.block.clone().unwrap_or_default(),
-            row.wanted.map(|wanted| format!("{wanted:.6}")).unwrap_or_default(),
-            row.difference()
+            row.expected_gain.map(|wanted| format!("{wanted:.6}")).unwrap_or_default(),
+            row.relative_error()
                 .map(|difference| format!("{:.2} %", 100.0 * difference + 0.0))
                 .unwrap_or_default(),
         ]);
@@ -163,7 +204,12 @@ fn scaling_table(rows: &[ScalingRow]) -> String {
     table.text()
 }
 
-fn document(circuit: &Circuit, program: &Program, statics: &Statics) -> Value {
+/// The result as JSON.
+///
+/// Keys: `ok`, `patch`, `title`, `machine`, `diagnostics`, `parameters`, `parts` (`part`, `used`, `owned`), `macros`,
+/// `loops` (lists of names), `cannot_be_run` (`code` and `error`, or null), `overloads`, `voltages`, `scaling`. It has
+/// all tables, whatever the options.
+fn document(circuit: &Circuit, program: &Program, problem: &ProblemCheck) -> Value {
     let warnings: Report = circuit.warnings();
     json!({
         "ok": true,
@@ -180,16 +226,18 @@ fn document(circuit: &Circuit, program: &Program, statics: &Statics) -> Value {
             "instances": instances.iter().map(|(name, instance)| instance_json(name, instance)).collect::<Value>(),
         })).collect::<Value>(),
         "loops": program.loops().iter().map(|entry| json!(entry.members)).collect::<Value>(),
-        "cannot_be_run": unready(circuit, program)
-            .map(|error| json!({"code": error.code(), "error": what_run_needs(&error)})),
-        "overloads": statics.overloads.iter().map(overload_json).collect::<Value>(),
-        "voltages": statics.voltages.iter().map(|read| json!({
+        "cannot_be_run": run_error(circuit, program)
+            .map(|error| json!({"code": error.code(), "error": run_error_text(&error)})),
+        "overloads": problem.overloads.iter().map(overload_json).collect::<Value>(),
+        "voltages": problem.voltages.iter().map(|read| json!({
             "element": read.element, "kind": read.kind, "volts": read.volts, "position": read.position,
         })).collect::<Value>(),
         "scaling": circuit.scaling().iter().map(row_json).collect::<Value>(),
     })
 }
 
+/// `inputs` maps ports to driving outputs, null for an open port. `outputs` maps ports to elements. `elements` are the
+/// names of its members.
 fn instance_json(name: &str, instance: &Instance) -> Value {
     let inputs = instance.inputs.iter().map(|(port, inlet)| (port.clone(), json!(inlet.driver)));
     let outputs = instance.outputs.iter().map(|(port, element)| (port.clone(), json!(element)));
@@ -201,6 +249,7 @@ fn instance_json(name: &str, instance: &Instance) -> Value {
     })
 }
 
+/// Scales are physical units per volt. `difference` is relative; it is null without a wanted gain.
 fn row_json(row: &ScalingRow) -> Value {
     json!({
         "element": row.element,
@@ -212,7 +261,7 @@ fn row_json(row: &ScalingRow) -> Value {
         "block_gain": row.block_gain,
         "unit": row.unit,
         "block": row.block,
-        "wanted_computer_gain": row.wanted,
-        "difference": row.difference(),
+        "wanted_computer_gain": row.expected_gain,
+        "difference": row.relative_error(),
     })
 }

@@ -8,7 +8,7 @@ use super::{definition, write_out};
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// The shell to complete for
+    /// The shell
     shell: Shell,
 }
 

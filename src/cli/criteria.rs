@@ -1,8 +1,8 @@
-//! What is said where no critical velocity can be read, and which option helps.
+//! Options that help if no critical velocity can be read.
 
 use patchcord::instruments::{CyclesError, NoCriticalVelocity, WindowError};
 
-/// The options that change the criterion, or the command, so that it can be read; `slower` makes the command slower.
+/// The options that change the criterion or the command. `slower` describes a slower command.
 pub(super) fn advice_on(error: &NoCriticalVelocity, slower: &str) -> Option<String> {
     match error {
         NoCriticalVelocity::Window(error) => advice_on_window(*error),
@@ -13,7 +13,7 @@ pub(super) fn advice_on(error: &NoCriticalVelocity, slower: &str) -> Option<Stri
     }
 }
 
-/// The same where it is cycles that cannot be read.
+/// The options that help if cycles cannot be read.
 pub(super) fn advice_on_cycles(error: &CyclesError) -> Option<String> {
     match error {
         CyclesError::Window(error) => advice_on_window(*error),
@@ -22,6 +22,7 @@ pub(super) fn advice_on_cycles(error: &CyclesError) -> Option<String> {
     }
 }
 
+/// The options that help if the window is unsuitable.
 fn advice_on_window(error: WindowError) -> Option<String> {
     match error {
         WindowError::TooCoarse(_) => Some("give a shorter --every or a longer --window".to_owned()),

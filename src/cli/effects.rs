@@ -1,4 +1,7 @@
 //! `patchcord effects`
+//!
+//! The command lists the effects of the library, or describes one. A folder of effects is checked completely, so
+//! `patchcord effects --effects DIR` tests the files of that folder.
 
 use std::path::{Path, PathBuf};
 
@@ -7,16 +10,16 @@ use serde_json::{Map, Value, json};
 
 use super::failure::Failure;
 use super::table::Table;
-use super::{say, say_json, tell};
+use super::{eprint, print, print_json};
 use patchcord::document::suggestion;
 use patchcord::ident::effects::{Effect, Library};
-use patchcord::ident::report::effect_page::{Page, library_markdown};
+use patchcord::ident::report::effect_page::{EffectPage, library_markdown};
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Tell all about this one
+    /// Describe this effect
     name: Option<String>,
-    /// Take the effects of this folder as well: every .json file in it
+    /// Add the effects in this folder: every .json file in it
     #[arg(long, value_name = "DIR")]
     effects: Option<PathBuf>,
     /// Print one JSON document
@@ -27,39 +30,43 @@ pub(super) struct Arguments {
     markdown: bool,
 }
 
+/// Notes on replaced effects go to standard error.
 pub(super) fn effects(arguments: &Arguments) -> Result<(), Failure> {
-    let library =
-        known(arguments.effects.as_deref()).map_err(|failure| failure.told_as_json(arguments.json))?;
+    let library = effect_library(arguments.effects.as_deref())
+        .map_err(|failure| failure.with_json_output(arguments.json))?;
     if arguments.markdown {
-        return say(&library_markdown(&library));
+        return print(&library_markdown(&library));
     }
     let found = match &arguments.name {
         None => library.iter().collect(),
-        Some(name) => vec![find(&library, name).map_err(|failure| failure.told_as_json(arguments.json))?],
+        Some(name) => {
+            vec![find(&library, name).map_err(|failure| failure.with_json_output(arguments.json))?]
+        }
     };
     if arguments.json {
-        return say_json(&found.iter().map(|effect| document(effect)).collect());
+        return print_json(&found.iter().map(|effect| document(effect)).collect());
     }
     match (&arguments.name, found.as_slice()) {
-        (Some(_), [effect]) => say(&text(&Page::of(effect))),
-        _ => say(&catalogue(&found)),
+        (Some(_), [effect]) => print(&text(&EffectPage::of(effect))),
+        _ => print(&catalogue(&found)),
     }
 }
 
-/// The effects of the program, and those of a folder.
-pub(super) fn known(folder: Option<&Path>) -> Result<Library, Failure> {
+/// The built-in effects, and those of a folder.
+pub(super) fn effect_library(folder: Option<&Path>) -> Result<Library, Failure> {
     let library = Library::shipped();
     match folder {
         None => Ok(library),
-        Some(folder) => Ok(library.and_folder(folder).inspect(tell_notes)?),
+        Some(folder) => Ok(library.with_folder(folder).inspect(print_notes)?),
     }
 }
 
-/// Says on standard error what is odd about the effects of a folder.
-fn tell_notes(library: &Library) {
-    library.notes().iter().for_each(|note| tell(&format!("note: {note}")));
+/// Prints the notes on the effects of a folder to standard error.
+fn print_notes(library: &Library) {
+    library.notes().iter().for_each(|note| eprint(&format!("note: {note}")));
 }
 
+/// The effect with this name.
 fn find<'l>(library: &'l Library, name: &str) -> Result<&'l Effect, Failure> {
     library.get(name).ok_or_else(|| {
         let known: Vec<_> = library.iter().map(|effect| effect.name.as_str()).collect();
@@ -68,25 +75,27 @@ fn find<'l>(library: &'l Library, name: &str) -> Result<&'l Effect, Failure> {
     })
 }
 
+/// The table of effects.
 fn catalogue(effects: &[&Effect]) -> String {
     let mut table = Table::new(["effect", "at", "law"]);
     for effect in effects {
-        let mut places: Vec<_> = effect.forms.iter().map(|form| form.at.word()).collect();
+        let mut places: Vec<_> = effect.forms.iter().map(|form| form.attachment.word()).collect();
         places.dedup();
         table.row([effect.name.clone(), places.join(", "), effect.law.clone()]);
     }
-    format!("{}\n`patchcord effects NAME` tells all about one.\n", table.text())
+    format!("{}\n`patchcord effects NAME` describes one of them.\n", table.text())
 }
 
-fn text(page: &Page) -> String {
+/// The page of an effect as text.
+fn text(page: &EffectPage) -> String {
     let mut text = format!("{}: {}\n\n{}\n\n", page.name, page.title, page.physics);
-    for (what, told) in &page.facts {
-        text += &format!("{what:<8}{told}\n");
+    for (what, fact) in &page.facts {
+        text += &format!("{what:<8}{fact}\n");
     }
     let tables = [
-        Table::told(Page::PARAMETERS, &page.parameters),
-        Table::told(Page::FORMS, &page.forms),
-        Table::told(Page::ALIASES, &page.aliases),
+        Table::from_rows(EffectPage::PARAMETERS, &page.parameters),
+        Table::from_rows(EffectPage::FORMS, &page.forms),
+        Table::from_rows(EffectPage::ALIASES, &page.aliases),
     ];
     for table in tables.iter().filter(|table| !table.is_empty()) {
         text += &format!("\n{table}");
@@ -94,17 +103,22 @@ fn text(page: &Page) -> String {
     text
 }
 
+/// The page of an effect as JSON.
+///
+/// Keys: `name`, `title`, `law`, `physics`, `source`, `excitation`, `aliases` (name to condition), `parameters`
+/// (`name`, `reach`, `range`, `none`, `description`) and `forms` (`at`, `reads`, `gives`, `parameters`, `note`). `none`
+/// is the value without effect, in reaches.
 fn document(effect: &Effect) -> Value {
-    let page = Page::of(effect);
+    let page = EffectPage::of(effect);
     let parameters = effect.parameters.iter().map(|(name, own)| {
         json!({
-            "name": name, "reach": own.reach.text(), "range": own.range, "none": own.none, "description": own.description,
+            "name": name, "reach": own.reach.text(), "range": own.range, "none": own.null_value, "description": own.description,
         })
     });
     let forms = effect.forms.iter().map(|form| {
         let reads: Vec<_> = form.reads.iter().map(|reads| reads.word()).collect();
         let gives: Vec<_> = form.gives.iter().map(|(gives, _)| gives.word()).collect();
-        json!({"at": form.at.word(), "reads": reads, "gives": gives, "parameters": form.parameters, "note": form.note})
+        json!({"at": form.attachment.word(), "reads": reads, "gives": gives, "parameters": form.parameters, "note": form.note})
     });
     let aliases = effect.aliases.iter().map(|(name, when)| (name.clone(), json!(when)));
     json!({

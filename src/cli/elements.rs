@@ -1,23 +1,26 @@
 //! `patchcord elements`
+//!
+//! Everything is generated from the table of elements (`REGISTRY`): the catalogue, the page of one element, the JSON
+//! document, the schema and the Markdown reference.
 
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::table::Table;
-use super::{say, say_json};
+use super::{print, print_json};
 use patchcord::document::suggestion;
-use patchcord::elements::{Kind, Page, REGISTRY, reference_page};
+use patchcord::elements::{Kind, KindPage, REGISTRY, reference_page};
 use patchcord::patch::json_schema;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Tell all about this one
+    /// Describe this element or drive
     name: Option<String>,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
-    /// Print the JSON Schema of patch documents, made from the table of elements
+    /// Print the JSON Schema of patch documents, generated from the table of elements
     #[arg(long, conflicts_with_all = ["name", "json"])]
     schema: bool,
     /// Print every page as one Markdown document
@@ -25,26 +28,28 @@ pub(super) struct Arguments {
     markdown: bool,
 }
 
+/// An unknown name is an error in the command line, with the most similar name as a hint.
 pub(super) fn elements(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.schema {
-        return say_json(&json_schema());
+        return print_json(&json_schema());
     }
     if arguments.markdown {
-        return say(&reference_page());
+        return print(&reference_page());
     }
     let kinds = match &arguments.name {
         None => REGISTRY.to_vec(),
-        Some(name) => vec![find(name).map_err(|failure| failure.told_as_json(arguments.json))?],
+        Some(name) => vec![find(name).map_err(|failure| failure.with_json_output(arguments.json))?],
     };
     if arguments.json {
-        return say_json(&kinds.iter().map(|kind| kind_json(kind)).collect());
+        return print_json(&kinds.iter().map(|kind| kind_json(kind)).collect());
     }
     match (&arguments.name, kinds.as_slice()) {
-        (Some(_), [kind]) => say(&text(&Page::of(kind))),
-        _ => say(&catalogue(&kinds)),
+        (Some(_), [kind]) => print(&text(&KindPage::of(kind))),
+        _ => print(&catalogue(&kinds)),
     }
 }
 
+/// The element or drive with this name.
 fn find(name: &str) -> Result<&'static Kind, Failure> {
     let found = REGISTRY.iter().copied().find(|kind| kind.name == name);
     found.ok_or_else(|| {
@@ -54,20 +59,26 @@ fn find(name: &str) -> Result<&'static Kind, Failure> {
     })
 }
 
+/// The table of elements and drives.
 fn catalogue(kinds: &[&Kind]) -> String {
     let mut table = Table::new(["kind", "in", "what it is"]);
     for kind in kinds {
         table.row([kind.name.to_owned(), kind.family.section().to_owned(), kind.summary.to_owned()]);
     }
-    format!("{}\n`patchcord elements NAME` tells all about one.\n", table.text())
+    format!("{}\n`patchcord elements NAME` describes one of them.\n", table.text())
 }
 
-fn text(page: &Page) -> String {
+/// The page of an element as text.
+fn text(page: &KindPage) -> String {
     let mut text = format!("{}: {}\n\n", page.name, page.summary);
-    for (what, told) in &page.facts {
-        text += &format!("{what:<10}{told}\n");
+    for (what, fact) in &page.facts {
+        text += &format!("{what:<10}{fact}\n");
     }
-    for table in [Table::told(Page::INPUTS, &page.inputs), Table::told(Page::SETTINGS, &page.settings)] {
+    let tables = [
+        Table::from_rows(KindPage::INPUTS, &page.inputs),
+        Table::from_rows(KindPage::SETTINGS, &page.settings),
+    ];
+    for table in tables {
         if !table.is_empty() {
             text += &format!("\n{table}");
         }
@@ -75,6 +86,9 @@ fn text(page: &Page) -> String {
     text
 }
 
+/// Keys: `name`, `section` of patches, `summary`, `law`, `overload`, `modes`, `source`, `symbol`, `parts` of the
+/// machine, `inputs` and `settings`. Ranges and defaults are texts, because a default can be a formula. The output
+/// without a name is a list of such objects.
 fn kind_json(kind: &Kind) -> Value {
     json!({
         "name": kind.name,
@@ -90,15 +104,15 @@ fn kind_json(kind: &Kind) -> Value {
         })).collect::<Value>(),
         "inputs": kind.inputs.iter().map(|input| json!({
             "name": input.name,
-            "cords": input.cords_told(),
+            "cords": input.cords_text(),
             "required": input.required,
             "description": input.description,
         })).collect::<Value>(),
         "settings": kind.settings.iter().map(|setting| json!({
             "name": setting.name,
             "unit": setting.unit(),
-            "default": setting.default_told(),
-            "range": setting.range_told(),
+            "default": setting.default_text(),
+            "range": setting.range_text(),
             "description": setting.description,
         })).collect::<Value>(),
     })

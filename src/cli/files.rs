@@ -1,4 +1,8 @@
-//! The files that a run writes.
+//! The files that a command writes: options, checks before the run, writing.
+//!
+//! A command never overwrites its input, and never writes two outputs to the same file. Files are written to a
+//! temporary name and then renamed, so a reader sees the old file or the complete new one. Pipes and devices are
+//! written directly.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -12,18 +16,18 @@ use patchcord::circuit::Circuit;
 use patchcord::draw;
 use patchcord::draw::plot::{self, Format, Picture, Size};
 use patchcord::instruments::parameter_line;
-use patchcord::output::{check_folder_takes_files, check_writable, destination, refusal, write_whole};
+use patchcord::output::{check_folder_writable, check_writable, destination, io_reason, write_atomic};
 use patchcord::trace::Trace;
 
 #[derive(Args)]
 pub(super) struct FileArguments {
-    /// Write what was recorded as CSV, in physical units
+    /// Write the recorded signals as CSV, in physical units
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw the patch's pictures on one sheet; SVG or PNG by the name of the file
+    /// Draw the pictures of the patch on one sheet; the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write table and pictures into this folder, under the patch's name
+    /// Write table and pictures into this folder, under the name of the patch
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -34,48 +38,56 @@ impl FileArguments {
         self.plot.is_some() || self.out.is_some()
     }
 
-    /// The files to write; files that would be written twice, or over the patch, are refused.
+    /// The files to write. An error if two are the same or one is the patch.
+    ///
+    /// `--out` adds NAME.csv and NAME.svg in the folder.
     pub fn files(&self, patch: &Path) -> Result<Files, Failure> {
-        let in_folder = |ending| self.out.as_ref().map(|folder| folder.join(named_like(patch, ending)));
+        let in_folder = |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(patch, ending)));
         let tables = self.csv.clone().into_iter().chain(in_folder(".csv")).collect();
         let sheets = self.plot.clone().into_iter().chain(in_folder(".svg"));
         let sheets: Result<Vec<_>, _> =
             sheets.map(|path| Format::from_path(&path).map(|format| (path, format))).collect();
         let sheets = sheets.map_err(|error| Failure::usage(error.to_string()))?;
         let files = Files { folder: self.out.clone(), tables, sheets };
-        check_apart(patch, files.paths())?;
+        check_distinct_from_patch(patch, files.paths())?;
         Ok(files)
     }
 }
 
-/// The patch's name with another ending; dots within the name stay.
-pub(super) fn named_like(patch: &Path, ending: &str) -> OsString {
+/// The name of the patch with another ending. Dots inside the name remain.
+pub(super) fn name_with_suffix(patch: &Path, ending: &str) -> OsString {
     let mut name = patch.file_stem().unwrap_or_default().to_owned();
     name.push(ending);
     name
 }
 
+/// The output files of a run.
 pub(super) struct Files {
+    /// The folder to create.
     folder: Option<PathBuf>,
+    /// The CSV tables.
     tables: Vec<PathBuf>,
+    /// The sheets of pictures with their formats.
     sheets: Vec<(PathBuf, Format)>,
 }
 
 impl Files {
+    /// The paths of all files.
     pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
     }
 
-    /// Makes the folder, and tells before the run what cannot be written to.
+    /// Creates the folder, and checks before the run that all files can be written.
     pub fn prepare(&self) -> Result<(), Failure> {
-        prepare(self.folder.as_deref(), self.paths())
+        prepare_outputs(self.folder.as_deref(), self.paths())
     }
 
+    /// Writes tables and pictures.
     pub fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
         for path in &self.tables {
             let mut bytes = Vec::new();
             trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
-            put(path, &bytes)?;
+            write_file(path, &bytes)?;
         }
         if self.sheets.is_empty() {
             return Ok(());
@@ -83,42 +95,46 @@ impl Files {
         let pictures = pictures(circuit, trace)?;
         for (path, format) in &self.sheets {
             let bytes = plot::render(&pictures, *format, Size::default());
-            put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+            write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
         }
         Ok(())
     }
 
+    /// The paths as JSON.
     pub fn json(&self) -> Value {
         self.paths().map(|path| path.display().to_string()).collect()
     }
 
-    pub fn told(&self) -> String {
-        let told = written(self.paths());
-        if told.is_empty() { told } else { format!("\n{told}") }
+    /// The list of written files after an empty line; empty if there are none.
+    pub fn text(&self) -> String {
+        let text = written_text(self.paths());
+        if text.is_empty() { text } else { format!("\n{text}") }
     }
 }
 
-/// Which files were written, a line each.
-pub(super) fn written<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
+/// "wrote FILE" for each file, on a line of its own.
+pub(super) fn written_text<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
     paths.map(|path| format!("wrote {}\n", path.display())).collect()
 }
 
-/// Refuses files that would be written twice, or over the patch.
-pub(super) fn check_apart<'a>(
+/// An error if two output files are the same, or one is the patch.
+pub(super) fn check_distinct_from_patch<'a>(
     patch: &'a Path,
     paths: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), Failure> {
-    check_not("the patch", patch, paths)
+    check_distinct_from("the patch", patch, paths)
 }
 
-/// Refuses files that would be written twice, or over a file that is read.
-pub(super) fn check_not<'a>(
+/// An error if two output files are the same, or one is the input file `read`, called `what` in the message.
+///
+/// Paths are compared after links and ".." are resolved.
+pub(super) fn check_distinct_from<'a>(
     what: &str,
     read: &Path,
     paths: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), Failure> {
-    let own = place(read)?;
-    match places(paths)?.iter().find(|(_, place)| *place == own) {
+    let own = resolved_destination(read)?;
+    match distinct_destinations(paths)?.iter().find(|(_, place)| *place == own) {
         Some((path, _)) => {
             let path = path.display();
             Err(Failure::usage(format!("{path} is {what} itself: give another name or folder to write to")))
@@ -127,13 +143,13 @@ pub(super) fn check_not<'a>(
     }
 }
 
-/// Where files would be written; refuses those that would be written twice.
-pub(super) fn places<'a>(
+/// The resolved paths of output files. An error if two are the same. Pipes and devices are omitted.
+pub(super) fn distinct_destinations<'a>(
     paths: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<Vec<(&'a PathBuf, PathBuf)>, Failure> {
     let mut taken: Vec<(&PathBuf, PathBuf)> = Vec::new();
     for path in paths.filter(|path| !is_stream(path)) {
-        let place = place(path)?;
+        let place = resolved_destination(path)?;
         if taken.iter().any(|(_, other)| *other == place) {
             return Err(Failure::usage(format!("{} would be written twice", path.display())));
         }
@@ -142,63 +158,69 @@ pub(super) fn places<'a>(
     Ok(taken)
 }
 
-/// Makes the folder, and tells before the work what cannot be written to.
-pub(super) fn prepare<'a>(
+/// Creates the folder, and checks before the work that all files can be written.
+pub(super) fn prepare_outputs<'a>(
     folder: Option<&Path>,
     paths: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), Failure> {
     if let Some(folder) = folder {
-        make_folder(folder)?;
-        check_folder_takes_files(folder).map_err(|error| {
-            Failure::data(format!("cannot write into the folder {}: {}", folder.display(), refusal(&error)))
+        create_folder(folder)?;
+        check_folder_writable(folder).map_err(|error| {
+            Failure::data(format!("cannot write into the folder {}: {}", folder.display(), io_reason(&error)))
         })?;
     }
     for path in paths {
-        check_writable(path).map_err(|error| unwritable(path, &error))?;
+        check_writable(path).map_err(|error| write_failure(path, &error))?;
     }
     Ok(())
 }
 
-/// Whether something stands there that takes what is written one after the other.
+/// Whether the path is a pipe or a device.
 fn is_stream(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+    fs::metadata(path).is_ok_and(|existing| !existing.is_file() && !existing.is_dir())
 }
 
-fn place(path: &Path) -> Result<PathBuf, Failure> {
-    let no_file = |error| Failure::usage(format!("\"{}\" is no file: {}", path.display(), refusal(&error)));
+/// The path under which a file will exist, without links and "..".
+fn resolved_destination(path: &Path) -> Result<PathBuf, Failure> {
+    let no_file =
+        |error| Failure::usage(format!("\"{}\" is not a file name: {}", path.display(), io_reason(&error)));
     destination(path).map_err(no_file)
 }
 
-/// Makes a folder, and those that it lies in.
-pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let unmade = |error| {
-        let why = in_the_way(folder).unwrap_or_else(|| refusal(&error));
-        Failure::data(format!("cannot make the folder {}: {why}", folder.display()))
+/// Creates a folder and its parents.
+pub(super) fn create_folder(folder: &Path) -> Result<(), Failure> {
+    let failure = |error| {
+        let why = blocking_file(folder).unwrap_or_else(|| io_reason(&error));
+        Failure::data(format!("cannot create the folder {}: {why}", folder.display()))
     };
-    fs::create_dir_all(folder).map_err(unmade)
+    fs::create_dir_all(folder).map_err(failure)
 }
 
-/// What stands where a folder is wanted, or one that it lies in, and is none.
-fn in_the_way(folder: &Path) -> Option<String> {
-    let there = folder.ancestors().find(|place| place.is_file())?;
-    Some(if there == folder {
-        "a file of that name is in the way".to_owned()
+/// A message if the folder or one of its parents is a file.
+///
+/// The message of the file system would only be "not a directory".
+fn blocking_file(folder: &Path) -> Option<String> {
+    let file = folder.ancestors().find(|ancestor| ancestor.is_file())?;
+    Some(if file == folder {
+        "a file with this name exists".to_owned()
     } else {
-        format!("{} is a file", there.display())
+        format!("{} is a file", file.display())
     })
 }
 
-/// Writes a file whole, or tells that it could not be.
-pub(super) fn put(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    write_whole(path, bytes).map_err(|error| unwritable(path, &error))
+/// Writes a file completely, or not at all.
+pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_atomic(path, bytes).map_err(|error| write_failure(path, &error))
 }
 
-/// That a file could not be written.
-pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
-    Failure::data(format!("cannot write {}: {}", path.display(), refusal(error)))
+/// The failure for a file that cannot be written.
+pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
+    Failure::data(format!("cannot write {}: {}", path.display(), io_reason(error)))
 }
 
-/// The patch's pictures; where it asks for none, every recorded signal against time. Then those of derivatives.
+/// The pictures of the patch, or every recorded signal against time if it has none. Pictures of derivatives follow.
+///
+/// The note of each picture has the parameters.
 fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
     let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
     let specs = circuit.picture_specs(signals.map(|track| track.name.as_str()));

@@ -1,4 +1,8 @@
-//! `patchcord gap --check`: what data are like, and where effects would be tried, in words and as a document.
+//! `patchcord gap --check`: properties of the data, places for effects, and detection limits, as text and as JSON.
+//!
+//! The check needs no search. It shows what limits a search: noise that is not white, too coarse a sampling, missing
+//! places and effects that the data cannot show. The text has one section per record, then the places, then the
+//! detection limits.
 
 use indexmap::IndexMap;
 use serde_json::{Value, json};
@@ -6,23 +10,26 @@ use serde_json::{Value, json};
 use super::failure::plural;
 use super::gap_report::weakest;
 use super::table::Table;
-use patchcord::ident::design::detectability::{Limit, Visible};
+use patchcord::ident::design::detectability::{Detectability, DetectionLimit};
 use patchcord::ident::effects::Library;
-use patchcord::ident::effects::places::Places;
+use patchcord::ident::effects::effect_sites::EffectSites;
 use patchcord::ident::report::detection_limits::{DetectionLimitDocument, needs_text};
 use patchcord::ident::report::places::{nameless_sentences, nowhere_sentence};
 use patchcord::ident::report::rounds::{SkippedTrialDocument, skipped_trial_sentence};
-use patchcord::ident::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
-use patchcord::instruments::{Display, number};
+use patchcord::ident::{Experiment, Noise, NoiseKind, POWER_FRACTIONS, Record, RecordColumn, record_columns};
+use patchcord::instruments::{QuantityFormat, format_quantity, number};
 
-/// What a record is for, and the record.
+/// All records, each with its purpose: "train" or "test".
 fn records(experiment: &Experiment) -> impl Iterator<Item = (&'static str, &Record)> {
     let trained = experiment.train.iter().map(|record| ("train", record));
     trained.chain(experiment.test.iter().map(|record| ("test", record)))
 }
 
-pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
-    let mut text = format!("{}: {}\n", experiment.file, verdict(experiment.warnings.warnings()));
+/// The report on the data and on the places for effects.
+///
+/// This part is printed at once. The detection limits follow after a fit, which takes longer.
+pub(super) fn text(experiment: &Experiment, places: &EffectSites) -> String {
+    let mut text = format!("{}: {}\n", experiment.file, verdict(experiment.warnings.warning_count()));
     if !experiment.title.is_empty() {
         text += &format!("{}\n", experiment.title);
     }
@@ -30,62 +37,79 @@ pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
     let fitted = if fit.is_empty() { "nothing".to_owned() } else { fit.join(", ") };
     text += &format!("{}, to fit: {fitted}\n", experiment.patch.file());
     for (part, record) in records(experiment) {
-        let columns = columns(experiment, record);
+        let columns = record_columns(experiment, record);
         text += &format!("\n{}\n\n{}", heading(part, record), table(&columns).text());
         let notes: String = columns.iter().flat_map(notes).map(|note| format!("{note}\n")).collect();
         if !notes.is_empty() {
             text += &format!("\n{notes}");
         }
     }
-    text + "\n" + &tried(places)
+    text + "\n" + &places_text(places)
 }
 
-/// From which strength on the data could show effects.
-pub(super) fn shows(visible: &Visible, experiment: &Experiment, library: &Library) -> String {
-    let Visible { leaves, limits, left_out } = visible;
-    let mut text: String = left_out.iter().map(|own| skipped_trial_sentence(own) + "\n").collect();
+/// The report on the weakest detectable effects.
+///
+/// Limits assume that the residual of the fitted patch is only noise. The text states how far it is from that.
+pub(super) fn limits_text(visible: &Detectability, experiment: &Experiment, library: &Library) -> String {
+    let Detectability { residual_rms, limits, skipped } = visible;
+    let mut text: String = skipped.iter().map(|own| skipped_trial_sentence(own) + "\n").collect();
     if limits.is_empty() {
         return text;
     }
     text += &format!(
-        "\nwhat these data could show beside the patch as fitted, if no more than noise were left (now it leaves {} times that{}), every effect where it shows best of all places and values that were tried\n\n{}",
-        number(*leaves),
-        noiseless(experiment),
-        weakest(limits, "weakest that would show")
+        "\nweakest effects that are detectable in addition to the fitted patch, if the residuals were only \
+         noise (now they are {} times the noise{}); each effect at the place \
+         and values where it is easiest to detect\n\n{}",
+        number(*residual_rms),
+        noiseless_text(experiment),
+        weakest(limits, "weakest detectable")
     );
-    let mut blind: Vec<&Limit> = limits.iter().filter(|own| !own.is_seen()).collect();
-    blind.dedup_by_key(|own| own.named());
-    let blind = blind.into_iter().map(|own| {
-        format!("No strength in its range would show of {}{}.\n", own.named(), needs_text(own, library))
-    });
-    let blind: String = blind.collect();
-    if blind.is_empty() { text } else { text + "\n" + &blind }
+    let mut undetectable: Vec<&DetectionLimit> = limits.iter().filter(|own| !own.is_detectable()).collect();
+    undetectable.dedup_by_key(|own| own.label());
+    let undetectable: String = undetectable
+        .into_iter()
+        .map(|own| {
+            format!(
+                "Not detectable at any strength in its range: {}{}.\n",
+                own.label(),
+                needs_text(own, library)
+            )
+        })
+        .collect();
+    if undetectable.is_empty() { text } else { text + "\n" + &undetectable }
 }
 
-/// What stands for the noise of outputs that show none.
-fn noiseless(experiment: &Experiment) -> String {
-    let shown = experiment.outputs.iter().enumerate().filter(|(place, _)| !experiment.shows_noise(*place));
+/// The assumption for outputs without noise, as part of a sentence; empty if there are none.
+fn noiseless_text(experiment: &Experiment) -> String {
+    let shown =
+        experiment.outputs.iter().enumerate().filter(|(place, _)| !experiment.has_known_noise(*place));
     let names: Vec<&str> = shown.map(|(_, output)| output.signal.as_str()).collect();
     match names.as_slice() {
         [] => String::new(),
-        names => format!("; of {}, without noise, a millionth of its range counts as such", names.join(", ")),
+        names => {
+            format!("; for {}, without noise, a millionth of the range counts as noise", names.join(", "))
+        }
     }
 }
 
-/// Which effects would be tried at which place.
-fn tried(places: &Places) -> String {
+/// The effects to try at each place, and those without a place.
+///
+/// One line per element, with the effects that are tried there, then sentences about effects and integrators without a
+/// place.
+fn places_text(places: &EffectSites) -> String {
     let mut at: IndexMap<&str, Vec<&str>> = IndexMap::new();
     for (effect, own) in &places.effects {
         own.iter().for_each(|place| at.entry(place).or_default().push(effect));
     }
-    let told =
-        |(place, effects): (&str, Vec<&str>)| format!("would be tried at {place}: {}\n", effects.join(", "));
-    let mut text: String = at.into_iter().map(told).collect();
-    let told = nowhere_sentence(places).into_iter().chain(nameless_sentences(places));
-    text.extend(told.map(|own| own + "\n"));
+    let line =
+        |(place, effects): (&str, Vec<&str>)| format!("to be tried at {place}: {}\n", effects.join(", "));
+    let mut text: String = at.into_iter().map(line).collect();
+    let sentences = nowhere_sentence(places).into_iter().chain(nameless_sentences(places));
+    text.extend(sentences.map(|own| own + "\n"));
     text
 }
 
+/// The verdict of the check: warnings do not prevent a search.
 fn verdict(warnings: usize) -> String {
     match warnings {
         0 => "nothing wrong".to_owned(),
@@ -93,9 +117,9 @@ fn verdict(warnings: usize) -> String {
     }
 }
 
-/// "train: a.csv, 0 ... 5 s, 251 samples every 20 ms".
+/// The heading of a record: "train: a.csv, 0 ... 5 s, 251 samples every 20 ms".
 fn heading(part: &str, record: &Record) -> String {
-    let number = |value: f64| Display::new("", 1.0).number(value);
+    let number = |value: f64| QuantityFormat::new("", 1.0).number(value);
     let missing = match record.missing() {
         0 => String::new(),
         some => format!(", {some} of them missing"),
@@ -106,20 +130,21 @@ fn heading(part: &str, record: &Record) -> String {
         number(record.begin),
         number(record.begin + record.duration()),
         plural(record.len() as u64, "sample"),
-        with_unit(record.interval, "s")
+        format_quantity(record.interval, "s")
     )
 }
 
-fn with_unit(value: f64, unit: &str) -> String {
-    Display::new(unit, value).text(value)
-}
-
+/// A share as a percentage with one decimal.
 fn percent(share: f64) -> String {
-    format!("{} %", Display::new("", 1.0).number(0.1 * (1000.0 * share).round()))
+    format!("{} %", QuantityFormat::new("", 1.0).number(0.1 * (1000.0 * share).round()))
 }
 
-fn table(columns: &[Column<'_>]) -> Table {
-    let below = SHARES.map(|share| format!("{} below", percent(share)));
+/// The table of the columns of a record.
+///
+/// Columns: name, meaning, extremes, noise with its kind, quantum, repeated samples, and the frequencies below which
+/// most of the power is.
+fn table(columns: &[RecordColumn<'_>]) -> Table {
+    let below = POWER_FRACTIONS.map(|share| format!("{} below", percent(share)));
     let headings = ["column", "is", "least", "most", "noise", "", "step", "repeated"].map(str::to_owned);
     let mut table = Table::with([headings.as_slice(), below.as_slice()].concat());
     for column in columns {
@@ -128,67 +153,83 @@ fn table(columns: &[Column<'_>]) -> Table {
     table
 }
 
-fn row(column: &Column<'_>) -> Vec<String> {
-    let is = &column.is;
-    let display = Display::new(column.unit, is.most.abs().max(is.least.abs()));
-    let own = |value: f64| with_unit(value, column.unit);
+/// The row of one column.
+///
+/// The prefix of the unit is that of the largest magnitude of the column.
+fn row(column: &RecordColumn<'_>) -> Vec<String> {
+    let is = &column.statistics;
+    let display = QuantityFormat::new(column.unit, is.maximum.abs().max(is.minimum.abs()));
+    let own = |value: f64| format_quantity(value, column.unit);
     let mut cells = vec![
         column.column.to_owned(),
         format!("{} {}", column.noun, column.name),
-        display.text(is.least),
-        display.text(is.most),
+        display.text(is.minimum),
+        display.text(is.maximum),
         is.noise.as_ref().map_or("too few samples".to_owned(), |noise| own(noise.sigma)),
         is.noise.as_ref().map_or("", |noise| noise.kind.as_str()).to_owned(),
         is.quantum.map_or("none".to_owned(), own),
-        percent(is.repeats),
+        percent(is.repeated_fraction),
     ];
-    cells.extend(
-        (0..SHARES.len()).map(|place| is.below.map_or(String::new(), |below| with_unit(below[place], "Hz"))),
-    );
+    cells.extend((0..POWER_FRACTIONS.len()).map(|place| {
+        is.power_frequencies.map_or(String::new(), |below| format_quantity(below[place], "Hz"))
+    }));
     cells
 }
 
-/// Told noise that is so many times larger or smaller than what was found is worth a word.
-const FAR_FROM_TOLD: f64 = 1.5;
-/// Fewer samples a period than this leave the curve between them to guesses.
-const FEW_A_PERIOD: f64 = 10.0;
+/// A note is printed if the specified and the estimated noise differ by more than this factor.
+const NOISE_RATIO: f64 = 1.5;
+/// A note is printed if a tenth of the power has periods of fewer samples than this, too few for interpolation.
+const MIN_SAMPLES_PER_PERIOD: f64 = 10.0;
 
-/// What the table means for the experiment.
-fn notes(column: &Column<'_>) -> Vec<String> {
+/// Notes on a column whose properties may spoil a fit.
+///
+/// Three properties are examined: the kind of the noise, the difference from the specified noise, and the samples per
+/// period.
+fn notes(column: &RecordColumn<'_>) -> Vec<String> {
     let name = column.column;
-    let of_noise = column.is.noise.as_ref().and_then(|noise| noise_note(name, noise));
-    let of_sigma = column.is.noise.as_ref().zip(column.sigma).and_then(|(noise, sigma)| {
-        let is_far = !(sigma / FAR_FROM_TOLD..=sigma * FAR_FROM_TOLD).contains(&noise.sigma);
+    let of_noise = column.statistics.noise.as_ref().and_then(|noise| noise_note(name, noise));
+    let of_sigma = column.statistics.noise.as_ref().zip(column.sigma).and_then(|(noise, sigma)| {
+        let is_far = !(sigma / NOISE_RATIO..=sigma * NOISE_RATIO).contains(&noise.sigma);
         let is_white = noise.kind == NoiseKind::White;
         (is_white && is_far).then(|| {
-            let [found, told] = [noise.sigma, sigma].map(|value| with_unit(value, column.unit));
-            format!("{name}: \"sigma\" is {told}, and {found} is found")
+            let [found, specified] = [noise.sigma, sigma].map(|value| format_quantity(value, column.unit));
+            format!("{name}: \"sigma\" is {specified}, but the data have {found}")
         })
     });
-    let a_period = column.is.samples_a_period(column.interval).filter(|samples| *samples < FEW_A_PERIOD);
-    let of_samples = a_period.map(|samples| {
-        let samples = Display::new("", 1.0).number(samples);
-        format!("{name}: a tenth of its power has periods of fewer than {samples} samples")
+    let per_period = column
+        .statistics
+        .samples_per_period(column.interval)
+        .filter(|samples| *samples < MIN_SAMPLES_PER_PERIOD);
+    let of_samples = per_period.map(|samples| {
+        let samples = QuantityFormat::new("", 1.0).number(samples);
+        format!("{name}: a tenth of the power has periods of fewer than {samples} samples")
     });
     [of_noise, of_sigma, of_samples].into_iter().flatten().collect()
 }
 
+/// A note on noise that is not white; None for white noise and without noise.
 fn noise_note(column: &str, noise: &Noise) -> Option<String> {
-    let told = match noise.kind {
+    let note = match noise.kind {
         NoiseKind::White | NoiseKind::None => return None,
         NoiseKind::Slow => {
-            "what looks like noise is less with every order of differences: it is mostly slow, or the curve is too fast for its samples"
+            "the noise estimate decreases with the order of differences: the noise is mostly slow, or \
+             the sampling is too coarse for the signal"
         }
-        NoiseKind::Fast => "its noise is mostly fast, as of a reading that was differentiated",
-        NoiseKind::Rounding => "no noise is seen but that of rounding to its step",
+        NoiseKind::Fast => "the noise is mostly fast, as in a differentiated reading",
+        NoiseKind::Rounding => "the only noise is rounding to the step",
     };
-    Some(format!("{column}: {told}"))
+    Some(format!("{column}: {note}"))
 }
 
-pub(super) fn document(experiment: &Experiment, places: &Places, visible: &Visible) -> Value {
+/// The report as JSON.
+///
+/// Keys: `ok`, `experiment`, `title`, `patch`, `diagnostics`, `fit`, `records`; `effects`, a list of `name` and
+/// `junctions`; `nowhere`, effects without a place; `nameless`, integrators without a scale; `leaves`, the residual of
+/// the fitted patch in noise; `limits`; `left_out`, skipped trials.
+pub(super) fn document(experiment: &Experiment, places: &EffectSites, visible: &Detectability) -> Value {
     let effects = places.effects.iter().map(|(name, at)| json!({"name": name, "junctions": at}));
     let limits = visible.limits.iter().map(DetectionLimitDocument::from);
-    let left_out = visible.left_out.iter().map(|own| SkippedTrialDocument::of(own, None));
+    let left_out = visible.skipped.iter().map(|own| SkippedTrialDocument::of(own, None));
     json!({
         "ok": true,
         "experiment": experiment.file,
@@ -198,14 +239,15 @@ pub(super) fn document(experiment: &Experiment, places: &Places, visible: &Visib
         "fit": experiment.fit,
         "records": records(experiment).map(|(part, record)| record_json(experiment, part, record)).collect::<Value>(),
         "effects": effects.collect::<Value>(),
-        "nowhere": places.nowhere(),
-        "nameless": places.nameless,
-        "leaves": visible.leaves,
+        "nowhere": places.inapplicable_effects(),
+        "nameless": places.unscaled_integrators,
+        "leaves": visible.residual_rms,
         "limits": limits.collect::<Vec<_>>(),
         "left_out": left_out.collect::<Vec<_>>(),
     })
 }
 
+/// `part` is "train" or "test". Times are in seconds, `jitter` is a fraction of the interval.
 fn record_json(experiment: &Experiment, part: &str, record: &Record) -> Value {
     json!({
         "part": part,
@@ -215,14 +257,17 @@ fn record_json(experiment: &Experiment, part: &str, record: &Record) -> Value {
         "samples": record.len(),
         "missing": record.missing(),
         "jitter": record.jitter,
-        "columns": columns(experiment, record).iter().map(column_json).collect::<Value>(),
+        "columns": record_columns(experiment, record).iter().map(column_json).collect::<Value>(),
     })
 }
 
-fn column_json(column: &Column<'_>) -> Value {
-    let is = &column.is;
-    let below = |below: [f64; SHARES.len()]| -> Value {
-        SHARES
+/// The key "drive" or "signal" names what the column belongs to. `sigma` is the specified noise, `noise` the estimated
+/// one with the estimates by the order of differences. `power_below` is a list of `share` and `frequency` in Hz. Values
+/// are in `unit`.
+fn column_json(column: &RecordColumn<'_>) -> Value {
+    let is = &column.statistics;
+    let below = |below: [f64; POWER_FRACTIONS.len()]| -> Value {
+        POWER_FRACTIONS
             .iter()
             .zip(below)
             .map(|(share, frequency)| json!({"share": share, "frequency": frequency}))
@@ -233,15 +278,15 @@ fn column_json(column: &Column<'_>) -> Value {
         column.noun: column.name,
         "unit": column.unit,
         "sigma": column.sigma,
-        "least": is.least,
-        "most": is.most,
+        "least": is.minimum,
+        "most": is.maximum,
         "rms": is.rms,
         "noise": is.noise.as_ref().map(|noise| json!({
             "sigma": noise.sigma, "kind": noise.kind.as_str(), "by_order": noise.by_order,
         })),
         "step": is.quantum,
-        "repeated": is.repeats,
-        "power_below": is.below.map(below),
-        "samples_a_period": is.samples_a_period(column.interval),
+        "repeated": is.repeated_fraction,
+        "power_below": is.power_frequencies.map(below),
+        "samples_a_period": is.samples_per_period(column.interval),
     })
 }

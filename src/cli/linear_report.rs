@@ -1,152 +1,172 @@
-//! What `patchcord linearise` tells people and programs.
+//! Formats a linear analysis as text and as JSON.
+//!
+//! The text lists states, signals, matrix, roots and response at one operating point. Rates are in volts per second,
+//! so entries of the state matrix are in 1/s. The JSON document is not shortened.
 
 use serde_json::{Value, json};
 
 use super::table::Table;
-use patchcord::instruments::Display;
-use patchcord::ir::{Hold, Port, StateSpace, StateTerm};
-use patchcord::linear::{LinearError, Response, ResponsePoint, Root, Stability, fastest};
+use patchcord::instruments::QuantityFormat;
+use patchcord::ir::{Port, StateHold, StateSpace, StateTerm};
+use patchcord::linear::{FrequencyResponse, LinearError, ResponsePoint, Root, Stability, fastest_state};
 
-/// What was found at an operating point.
+/// The results of a linear analysis.
 pub(super) struct Analysis<'m> {
+    /// The linear model at the operating point.
     pub model: &'m StateSpace,
-    /// When the machine stood there.
+    /// The operating point in words: "at t = 2 s".
     pub instant: String,
-    /// The characteristic roots, or why there are none.
+    /// The characteristic roots, or why they cannot be computed.
     pub roots: Result<Vec<Root>, LinearError>,
-    pub response: Option<Response>,
+    /// The frequency response if it is requested.
+    pub response: Option<FrequencyResponse>,
 }
 
-/// A matrix of more states than this is told by what is not 0 in it.
-const WIDEST: usize = 8;
-/// More states than this are left to `--json`.
-const MOST_TOLD: usize = 40;
-/// A table of a response tells so many frequencies a decade.
-const PER_DECADE: f64 = 3.0;
+/// The largest number of states for which the whole state matrix is printed. Larger matrices are printed without zeros.
+const MAX_MATRIX: usize = 8;
+/// The largest number of rows in a table of states.
+const MAX_ROWS: usize = 40;
+/// The number of frequencies per decade in the table of a response.
+const ROWS_PER_DECADE: f64 = 3.0;
 
-pub(super) fn told(analysis: &Analysis<'_>) -> String {
+/// The report as text.
+pub(super) fn text(analysis: &Analysis<'_>) -> String {
     let model = analysis.model;
-    let mut text = format!("operating point {}: {}\n", analysis.instant, standing(model));
+    let mut text = format!("operating point {}: {}\n", analysis.instant, equilibrium_text(model));
     text += &format!("\n{}", states_table(&model.states));
     text += &format!("\n{}", signals_table(&model.outputs));
     text += &caveats(model);
-    text += &format!("\n{}", matrix_told(model));
-    text += &roots_told(&analysis.roots);
-    text += &analysis.response.as_ref().map(|response| response_told(response, analysis)).unwrap_or_default();
+    text += &format!("\n{}", matrix_text(model));
+    text += &roots_text(&analysis.roots);
+    text += &analysis.response.as_ref().map(|response| response_text(response, analysis)).unwrap_or_default();
     text
 }
 
-/// Whether the point is an equilibrium.
-fn standing(model: &StateSpace) -> String {
-    match fastest(model) {
+/// Whether the point is an equilibrium, and what changes otherwise.
+///
+/// A state that changes fastest is named. A drive can move although all rates are 0.
+fn equilibrium_text(model: &StateSpace) -> String {
+    match fastest_state(model) {
         None if model.moving.is_empty() => "an equilibrium".to_owned(),
         None => format!("all rates are 0, but {} moves", model.moving.join(", ")),
-        Some(state) => format!("no equilibrium, {} moves by {} V/s", state.name, number(state.rate)),
+        Some(state) => format!("no equilibrium, {} changes by {} V/s", state.name, number(state.rate)),
     }
 }
 
+/// The table of states.
+///
+/// Held states do not move, whatever drives them, and are not part of the roots.
 fn states_table(states: &[StateTerm]) -> String {
     let mut table = Table::new(["state", "V", "V/s", ""]);
-    for state in states.iter().take(MOST_TOLD) {
+    for state in states.iter().take(MAX_ROWS) {
         let hold = state.hold.map_or("", |hold| match hold {
-            Hold::Limit => "held at its limit",
-            Hold::Brake => "held by its brake or stop",
+            StateHold::Limit => "held at its limit",
+            StateHold::Brake => "held by its brake or stop",
         });
         table.row([state.name.clone(), number(state.volts), number(state.rate), hold.to_owned()]);
     }
     if states.is_empty() {
-        return "there is no integrator and no lag: nothing moves by itself\n".to_owned();
+        return "the patch has no state: it has no integrator and no lag\n".to_owned();
     }
-    table.text() + &more(states.len())
+    table.text() + &omitted_text(states.len())
 }
 
+/// The table of signals.
 fn signals_table(ports: &[Port]) -> String {
     let mut table = Table::new(["signal", "value", "unit"]);
     for port in ports.iter().filter(|port| port.is_named) {
         let value = port.volts * port.per_volt;
-        let shown = Display::new(&port.unit, value);
-        table.row([port.name.clone(), shown.number(value), shown.unit.clone()]);
+        let format = QuantityFormat::new(&port.unit, value);
+        table.row([port.name.clone(), format.number(value), format.unit.clone()]);
     }
     table.text()
 }
 
-/// What does not take part in small motions.
+/// Notes on states and elements for which the linear model is limited.
+///
+/// A line each for held states, overloaded amplifiers and elements at a kink, if there are any.
 fn caveats(model: &StateSpace) -> String {
     let mut text = String::new();
-    let mut tell = |names: Vec<&str>, what: &str| {
+    let mut note = |names: Vec<&str>, what: &str| {
         if !names.is_empty() {
             text += &format!("\n{}: {what}\n", names.join(", "));
         }
     };
     let held = model.states.iter().filter(|state| state.hold.is_some());
-    tell(held.map(|state| state.name.as_str()).collect(), "held where it is, and left out of the roots");
-    tell(
-        model.overloaded.iter().map(String::as_str).collect(),
-        "asked for more than 100 V: nothing small comes through",
-    );
+    note(held.map(|state| state.name.as_str()).collect(), "held, omitted from the roots");
+    note(model.overloaded.iter().map(String::as_str).collect(), "overloaded, small changes do not pass");
     let kinks: Vec<&str> = model.kinks.iter().map(String::as_str).collect();
-    tell(kinks, "the point is on a kink along it: derivatives by it are those towards higher voltages");
+    note(kinks, "at a kink, derivatives are those towards higher voltages");
     text
 }
 
-fn matrix_told(model: &StateSpace) -> String {
+/// The state matrix.
+///
+/// A large matrix is printed row by row as a list of its terms.
+fn matrix_text(model: &StateSpace) -> String {
     let names = || model.states.iter().map(|state| state.name.clone());
     let matrix = model.state_matrix();
     if model.states.is_empty() {
         return String::new();
     }
-    if model.states.len() <= WIDEST {
+    if model.states.len() <= MAX_MATRIX {
         let mut table = Table::with(["1/s".to_owned()].into_iter().chain(names()).collect::<Vec<_>>());
-        for (name, row) in names().zip(matrix.row_iter()) {
+        for (name, row) in names().zip(&matrix) {
             table.row([name].into_iter().chain(row.iter().map(|slope| number(*slope))).collect::<Vec<_>>());
         }
         return format!("state matrix, d(rate of the row) / d(state of the column)\n{}", table.text());
     }
     let mut table = Table::new(["rate of", "by the states, 1/s"]);
-    for (name, row) in names().zip(matrix.row_iter()).take(MOST_TOLD) {
+    for (name, row) in names().zip(&matrix).take(MAX_ROWS) {
         let terms = row.iter().zip(names()).filter(|(slope, _)| **slope != 0.0);
         let terms: Vec<_> = terms.map(|(slope, by)| format!("{by} {}", number(*slope))).collect();
         table.row([name, terms.join(", ")]);
     }
-    format!("state matrix, without its zeros\n{}{}", table.text(), more(model.states.len()))
+    format!("state matrix, without its zeros\n{}{}", table.text(), omitted_text(model.states.len()))
 }
 
-fn more(count: usize) -> String {
-    match count.saturating_sub(MOST_TOLD) {
+/// A line with the number of omitted rows; empty if there are none.
+fn omitted_text(count: usize) -> String {
+    match count.saturating_sub(MAX_ROWS) {
         0 => String::new(),
-        left => format!("and {left} more: --json tells all\n"),
+        omitted => format!("and {omitted} more: see --json\n"),
     }
 }
 
-fn roots_told(roots: &Result<Vec<Root>, LinearError>) -> String {
+/// The table of roots, and those that are unstable.
+///
+/// A pair of complex roots is one row. The frequency is the undamped natural frequency, the modulus of the root.
+fn roots_text(roots: &Result<Vec<Root>, LinearError>) -> String {
     let roots = match roots {
         Ok(roots) => roots,
         Err(error) => return format!("\n{error}\n"),
     };
     let mut table =
         Table::new(["root, 1/s", "times", "rad/s", "Hz", "damping ratio", "time constant, s", ""]);
-    for root in roots.iter().take(MOST_TOLD) {
-        let given = |value: Option<f64>| value.map(number).unwrap_or_default();
+    for root in roots.iter().take(MAX_ROWS) {
+        let optional = |value: Option<f64>| value.map(number).unwrap_or_default();
         table.row([
-            root_told(root),
-            root.times.to_string(),
+            root_text(root),
+            root.multiplicity.to_string(),
             number(root.natural_frequency()),
             number(root.hertz()),
-            given(root.damping()),
-            given(root.time_constant()),
+            optional(root.damping()),
+            optional(root.time_constant()),
             word(root.stability()).to_owned(),
         ]);
     }
-    format!("\n{}{}{}", table.text(), more(roots.len()), verdict(roots))
+    format!("\n{}{}{}", table.text(), omitted_text(roots.len()), verdict(roots))
 }
 
-fn root_told(root: &Root) -> String {
+/// "-0.5 ± 31.4 j".
+fn root_text(root: &Root) -> String {
     match root.imaginary {
         0.0 => number(root.real),
         imaginary => format!("{} ± {} j", number(root.real), number(imaginary)),
     }
 }
 
+/// The word for tables and for the JSON key `stability`.
 fn word(stability: Stability) -> &'static str {
     match stability {
         Stability::Stable => "stable",
@@ -155,15 +175,17 @@ fn word(stability: Stability) -> &'static str {
     }
 }
 
-/// What grows.
+/// The unstable roots; empty if there are none.
 fn verdict(roots: &[Root]) -> String {
     let growing: Vec<_> =
-        roots.iter().filter(|root| root.stability() == Stability::Unstable).map(root_told).collect();
+        roots.iter().filter(|root| root.stability() == Stability::Unstable).map(root_text).collect();
     if growing.is_empty() { String::new() } else { format!("unstable: {}\n", growing.join("; ")) }
 }
 
-/// A few frequencies a decade, both ends of the band, and the natural frequencies within it.
-fn response_told(response: &Response, analysis: &Analysis<'_>) -> String {
+/// The table of the response: a few frequencies per decade, both limits of the band, and the natural frequencies in it.
+///
+/// The natural frequencies are rows of their own, so that the resonances are in the table.
+fn response_text(response: &FrequencyResponse, analysis: &Analysis<'_>) -> String {
     let unit = if response.unit.is_empty() { "ratio".to_owned() } else { response.unit.clone() };
     let mut table = Table::with(["Hz", &unit, "dB", "degrees"].map(str::to_owned));
     let natural: Vec<f64> = analysis.roots.iter().flatten().map(Root::hertz).collect();
@@ -180,54 +202,63 @@ fn response_told(response: &Response, analysis: &Analysis<'_>) -> String {
             ]);
         }
         if is_next {
-            next = point.frequency * 10f64.powf(1.0 / PER_DECADE) * (1.0 - 1e-9);
+            next = point.frequency * 10f64.powf(1.0 / ROWS_PER_DECADE) * (1.0 - 1e-9);
         }
     }
     format!("\n{}\n{}\n", response.title(), table.text())
 }
 
+/// A number to four digits, without a prefix.
 fn number(value: f64) -> String {
-    Display::new("", 0.0).number(value)
+    QuantityFormat::new("", 0.0).number(value)
 }
 
+/// The report as JSON, without the parts that all commands share.
+///
+/// Keys: `operating_point`, `state_matrix` (rows of numbers in 1/s), `roots` or `no_roots` with the reason, `response`
+/// or null. The operating point has `equilibrium`, `states`, `signals`, and lists of names: `overloaded`, `kinks`,
+/// `moving`.
 pub(super) fn json(analysis: &Analysis<'_>) -> Value {
     let model = analysis.model;
     let roots = analysis.roots.as_ref().map(|roots| roots.iter().map(root_json).collect::<Value>());
     json!({
         "operating_point": {
             "told": analysis.instant,
-            "equilibrium": fastest(model).is_none() && model.moving.is_empty(),
+            "equilibrium": fastest_state(model).is_none() && model.moving.is_empty(),
             "states": model.states.iter().map(state_json).collect::<Value>(),
             "signals": model.outputs.iter().filter(|port| port.is_named).map(signal_json).collect::<Value>(),
             "overloaded": model.overloaded,
             "kinks": model.kinks,
             "moving": model.moving,
         },
-        "state_matrix": model.state_matrix().row_iter()
-            .map(|row| row.iter().copied().collect::<Value>()).collect::<Value>(),
+        "state_matrix": model.state_matrix(),
         "roots": roots.as_ref().ok(),
         "no_roots": roots.as_ref().err().map(ToString::to_string),
         "response": analysis.response.as_ref().map(response_json),
     })
 }
 
+/// `volts`, `rate` in V/s, and `held`: null, "limit" or "brake".
 fn state_json(state: &StateTerm) -> Value {
     let held = state.hold.map(|hold| match hold {
-        Hold::Limit => "limit",
-        Hold::Brake => "brake",
+        StateHold::Limit => "limit",
+        StateHold::Brake => "brake",
     });
     json!({"name": state.name, "volts": state.volts, "rate": state.rate, "held": held})
 }
 
+/// The value is in the unit of the signal.
 fn signal_json(port: &Port) -> Value {
     json!({"name": port.name, "value": port.volts * port.per_volt, "unit": port.unit})
 }
 
+/// `real` and `imaginary` in 1/s, `times` the multiplicity, `natural_frequency` in rad/s. `damping` and `time_constant`
+/// may be null.
 fn root_json(root: &Root) -> Value {
     json!({
         "real": root.real,
         "imaginary": root.imaginary,
-        "times": root.times,
+        "times": root.multiplicity,
         "natural_frequency": root.natural_frequency(),
         "hertz": root.hertz(),
         "damping": root.damping(),
@@ -236,7 +267,8 @@ fn root_json(root: &Root) -> Value {
     })
 }
 
-fn response_json(response: &Response) -> Value {
+/// A point is a list in the order of `columns`. `by` is the drive that moves both signals, if one was used.
+fn response_json(response: &FrequencyResponse) -> Value {
     let point = |point: &ResponsePoint| json!([point.frequency, point.ratio, point.phase]);
     json!({
         "from": response.input,

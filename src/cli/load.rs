@@ -1,17 +1,20 @@
-//! Options that all commands on patches share, and the way from a file to a program.
+//! Options that all commands on patches share, and reading a patch.
+//!
+//! Every command on a patch prints documents with the same first keys: `ok`, `patch`, `title`, `diagnostics` and
+//! `parameters`.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::failure::{Failure, tell_report};
+use super::failure::{Failure, eprint_report};
 use patchcord::circuit::Circuit;
 use patchcord::ir::Program;
 use patchcord::patch::Patch;
 use patchcord::solve::{Machine, RunError};
 
-/// The patch and its parameters.
+// No doc comment: clap would use it as the description of every command.
 #[derive(Args)]
 pub(super) struct PatchArguments {
     /// Patch file (JSON)
@@ -24,7 +27,7 @@ pub(super) struct PatchArguments {
     pub json: bool,
 }
 
-/// NAME=VALUE, as `--set` takes it.
+/// Parses NAME=VALUE.
 pub(super) fn setting(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, such as VcL=2.54e-3")?;
     let number: f64 = value.trim().parse().map_err(|_| format!("\"{value}\" is not a number"))?;
@@ -34,37 +37,40 @@ pub(super) fn setting(text: &str) -> Result<(String, f64), String> {
     Ok((name.trim().to_owned(), number))
 }
 
-/// A patch that can be run.
-pub(super) struct Loaded {
+/// A patch that is ready to run.
+pub(super) struct LoadedPatch {
+    /// The wired patch with the parameters of `--set`.
     pub circuit: Circuit,
+    /// The same, compiled.
     pub program: Program,
 }
 
 impl PatchArguments {
-    /// Reads and checks the patch; warnings go to standard error.
-    pub fn load(&self) -> Result<Loaded, Failure> {
-        let loaded = self.checked().map_err(|failure| failure.told_as_json(self.json))?;
-        tell_report(&loaded.circuit.warnings());
+    /// Reads and compiles the patch, and prints warnings to standard error.
+    pub fn load(&self) -> Result<LoadedPatch, Failure> {
+        let loaded = self.read().map_err(|failure| failure.with_json_output(self.json))?;
+        eprint_report(&loaded.circuit.warnings());
         Ok(loaded)
     }
 
-    fn checked(&self) -> Result<Loaded, Failure> {
+    /// Reads, wires and compiles, without printing.
+    fn read(&self) -> Result<LoadedPatch, Failure> {
         let patch = Patch::read(&self.patch)?;
-        let circuit = Circuit::new(&patch, &self.set)?;
+        let circuit = Circuit::with_parameters(&patch, self.set.iter().cloned())?;
         let program = Program::new(&circuit)?;
-        Ok(Loaded { circuit, program })
+        Ok(LoadedPatch { circuit, program })
     }
 }
 
 /// The parameters for `--json`.
 pub(super) fn parameters_json(circuit: &Circuit) -> Value {
-    let told = circuit.parameters().map(|(name, parameter, value)| {
+    let parameters = circuit.parameters().map(|(name, parameter, value)| {
         json!({"name": name, "value": value, "unit": parameter.unit.text(), "description": parameter.description})
     });
-    told.collect()
+    parameters.collect()
 }
 
-/// The `--json` document of what was made of a patch: of which one, and then `more`.
+/// The `--json` document of a command on a patch: keys about the patch, then those of `more`.
 pub(super) fn document(circuit: &Circuit, more: Value) -> Value {
     let mut document = json!({
         "ok": true,
@@ -79,20 +85,21 @@ pub(super) fn document(circuit: &Circuit, more: Value) -> Value {
     document
 }
 
-/// The step plays no part in initial condition, but delay lines and lags want one.
-const ANY_STEP: f64 = 1e-4;
+/// The step for the problem check of a patch without one. It does not affect the result, but delay lines and lags
+/// need it.
+const DEFAULT_STEP: f64 = 1e-4;
 
-/// The machine in initial condition.
+/// The machine at initial condition.
 pub(super) fn problem_check<'p>(circuit: &Circuit, program: &'p Program) -> Result<Machine<'p>, RunError> {
     match &circuit.run_plan().step {
         Some(step) => Machine::new(program, step.value),
-        None => with_any_step(program),
+        None => machine_with_short_step(program),
     }
 }
 
-/// A machine with a step that no delay and no lag is too short for.
-fn with_any_step(program: &Program) -> Result<Machine<'_>, RunError> {
-    let mut step = ANY_STEP;
+/// The machine with a step that is shorter than every delay and lag.
+fn machine_with_short_step(program: &Program) -> Result<Machine<'_>, RunError> {
+    let mut step = DEFAULT_STEP;
     loop {
         match Machine::new(program, step) {
             Err(RunError::DelayTooShort { delay: time, .. } | RunError::LagTooShort { time, .. })

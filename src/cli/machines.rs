@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 
 use super::failure::Failure;
-use super::{say, say_json};
+use super::{print, print_json};
 use patchcord::machines::{ALL, Machine, Part, REFERENCE};
 
 #[derive(Args)]
@@ -16,18 +16,19 @@ pub(super) struct Arguments {
 
 pub(super) fn machines(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
-        return say_json(&ALL.iter().map(|machine| machine_json(machine)).collect());
+        return print_json(&ALL.iter().map(|machine| machine_json(machine)).collect());
     }
     let pages: Vec<_> = ALL.iter().map(|machine| page(machine)).collect();
-    say(&pages.join("\n"))
+    print(&pages.join("\n"))
 }
 
+/// The description of a machine.
 fn page(machine: &Machine) -> String {
     let parts = match machine.inventory {
         None => "any number".to_owned(),
         Some(parts) => {
-            let told = parts.iter().map(|(part, count)| format!("{count} {}", part.noun()));
-            told.collect::<Vec<_>>().join(", ")
+            let counts = parts.iter().map(|(part, count)| format!("{count} {}", part.noun()));
+            counts.collect::<Vec<_>>().join(", ")
         }
     };
     format!(
@@ -40,6 +41,7 @@ fn page(machine: &Machine) -> String {
     )
 }
 
+/// The available gains of an amplifier's inputs: "x1, x10".
 fn gains(gains: &[f64]) -> String {
     if gains.is_empty() {
         return "any".to_owned();

@@ -7,13 +7,13 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use super::failure::Failure;
-use super::files::{make_folder, put};
-use super::{definition, say, write_out};
+use super::files::{create_folder, write_file};
+use super::{definition, print, write_out};
 use patchcord::document::suggestion;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Print the page of this command instead of patchcord's own
+    /// Print the page of this command (default: the page of patchcord)
     command: Option<String>,
     /// Write every page into this folder, such as ~/.local/share/man/man1
     #[arg(long, value_name = "DIR", conflicts_with = "command")]
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn man(arguments: &Arguments) -> Result<(), Failure> {
-    // The built-in "help" command says nothing that the pages do not.
+    // The built-in "help" command adds nothing to the pages.
     let mut patchcord = definition().disable_help_subcommand(true);
     patchcord.build();
     match (&arguments.out, &arguments.command) {
@@ -31,6 +31,7 @@ pub(super) fn man(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
+/// The command with this name.
 fn find<'a>(patchcord: &'a Command, name: &str) -> Result<&'a Command, Failure> {
     patchcord.find_subcommand(name).ok_or_else(|| {
         let known: Vec<_> = patchcord.get_subcommands().map(Command::get_name).collect();
@@ -44,7 +45,7 @@ fn page(command: &Command) -> Man {
     Man::new(command.clone().override_usage(synopsis(command))).source(source).manual("patchcord manual")
 }
 
-/// The command with its options, each with the value that it takes.
+/// The command with its options and their values, for the synopsis.
 fn synopsis(command: &Command) -> String {
     let name = command.get_bin_name().unwrap_or_else(|| command.get_name());
     let (positional, options): (Vec<_>, Vec<_>) =
@@ -57,6 +58,7 @@ fn synopsis(command: &Command) -> String {
     words.join(" ")
 }
 
+/// The text of a page in roff.
 fn text(page: Man) -> Result<String, Failure> {
     let mut bytes = Vec::new();
     page.render(&mut bytes).map_err(|error: io::Error| Failure::data(error.to_string()))?;
@@ -64,12 +66,12 @@ fn text(page: Man) -> Result<String, Failure> {
 }
 
 fn write_pages(patchcord: &Command, folder: &std::path::Path) -> Result<(), Failure> {
-    make_folder(folder)?;
+    create_folder(folder)?;
     for command in std::iter::once(patchcord).chain(patchcord.get_subcommands()) {
         let page = page(command);
         let path = folder.join(page.get_filename());
-        put(&path, text(page)?.as_bytes())?;
-        say(&format!("wrote {}\n", path.display()))?;
+        write_file(&path, text(page)?.as_bytes())?;
+        print(&format!("wrote {}\n", path.display()))?;
     }
     Ok(())
 }

@@ -1,4 +1,19 @@
-//! The command line: reads options, calls the library, prints what comes back.
+//! The command line: parses options, calls the library and prints the results.
+//!
+//! Each command has a file of its own with its options and its function. `load`, `times` and `files` hold options that
+//! several commands share. Files named `*_report` format results as text and as JSON. `failure` maps errors to messages
+//! and exit codes.
+//!
+//! Every command follows the same order: parse and check the options, read the input, check that the output files can
+//! be written, do the work, write the files, print. A wrong option or an unwritable file is so reported before a long
+//! run.
+//!
+//! With `--json` a command prints one JSON document on standard output. Its key `ok` is true on success. A failure
+//! prints `{"ok": false, ...}` in addition to the message on standard error. Warnings and progress go to standard error
+//! in both cases. Units in documents are SI or are named next to the value; times are seconds; absent numbers are null.
+//!
+//! The doc comments of structs and fields that derive `Args` are the help texts. Everything else is for readers of the
+//! code.
 
 mod check;
 mod completions;
@@ -41,11 +56,11 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use serde_json::Value;
 
 use failure::Failure;
-use patchcord::output::refusal;
+use patchcord::output::io_reason;
 
 /// A virtual analogue computer: patches in JSON, run in volts, read with the instruments of the period
 ///
-/// Exit codes: 0 done, 1 the patch or the data is wrong, 2 the command line is wrong.
+/// Exit codes: 0 success, 1 error in the patch or the data, 2 error in the command line.
 #[derive(Parser)]
 #[command(name = "patchcord", version, arg_required_else_help = true)]
 struct Arguments {
@@ -55,35 +70,35 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write a first patch, with notes, to change into your own
+    /// Write an annotated first patch as a starting point
     New(new::Arguments),
-    /// Check a patch: everything that is wrong with it, all at once
+    /// Check a patch and report all errors at once
     Check(check::Arguments),
-    /// Run a patch: readings, a table, scope pictures
+    /// Run a patch: readings, CSV table, scope pictures
     Run(run::Arguments),
-    /// Run a patch for many settings of its parameters, and measure each run: a row a run
+    /// Run a patch for many parameter values and write one row of measures per run
     Sweep(sweep::Arguments),
-    /// Draw the figures of the study again, and examine what its text claims
+    /// Reproduce the figures of the study and check its claims
     Replay(replay::Arguments),
-    /// From oil, load, stiffness and surface of a slideway to its critical velocity, and what lowers it
+    /// Predict the critical velocity of a slideway from oil, load, stiffness and surface, and test advice to lower it
     Slideway(slideway::Arguments),
-    /// Explain a velocity profile: where it sticks and slips, oscillates and slides, while the command rises
+    /// Explain a velocity profile: sticking, stick-slip, oscillation and smooth sliding along a ramp of the command
     Profile(profile::Arguments),
-    /// Hold a patch against what was measured: what is missing in it, where and when, and a patch that has it
+    /// Compare a patch with measured data: find the missing effect, its place and time, and write an extended patch
     Gap(gap::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
-    /// Small motions about a point: roots, frequencies, damping, Bode plot
+    /// Linearise a patch about an operating point: roots, frequencies, damping, Bode plot
     Linearise(linearise::Arguments),
-    /// List the computing elements and drives, or tell all about one
+    /// List the computing elements and drives, or describe one of them
     Elements(elements::Arguments),
-    /// List the effects that a patch may lack, or tell all about one
+    /// List the effects that a patch may lack, or describe one of them
     Effects(effects::Arguments),
-    /// List the machines that patches can be made for
+    /// List the machines for which patches can be written
     Machines(machines::Arguments),
-    /// Print what a shell needs to complete commands and options
+    /// Print a script that completes commands and options in a shell
     Completions(completions::Arguments),
-    /// Print the manual page, or write those of all commands
+    /// Print a manual page, or write the pages of all commands
     Man(man::Arguments),
 }
 
@@ -92,20 +107,21 @@ fn definition() -> clap::Command {
     Arguments::command()
 }
 
-/// Runs the command line of this process. Exit codes: 0 done, 1 the patch or the data is wrong, 2 the command
-/// line is wrong.
+/// Runs the command line of this process and returns the exit code: 0 success, 1 error in the patch or the data, 2
+/// error in the command line.
 pub fn main() -> ExitCode {
     let outcome = match Arguments::try_parse() {
-        Ok(arguments) => carry_out(&arguments.command),
-        Err(error) => refused(&error),
+        Ok(arguments) => run_command(&arguments.command),
+        Err(error) => report_usage(&error),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.tell(),
+        Err(failure) => failure.report(),
     }
 }
 
-fn carry_out(command: &Command) -> Result<(), Failure> {
+/// Runs one command.
+fn run_command(command: &Command) -> Result<(), Failure> {
     match command {
         Command::New(arguments) => new::new(arguments),
         Command::Check(arguments) => check::check(arguments),
@@ -125,24 +141,29 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
     }
 }
 
-/// Help and the version, or what is wrong with the command line: as a JSON document too where it asks for one.
-fn refused(error: &clap::Error) -> Result<(), Failure> {
+/// Prints help, version or an error of the command line. With `--json` an error is also printed as a JSON document.
+///
+/// Help and version end the process here with exit code 0, an error without `--json` with 2. The JSON document has the
+/// first paragraph of the message as `error`.
+fn report_usage(error: &clap::Error) -> Result<(), Failure> {
     if !error.use_stderr() || !std::env::args_os().any(|argument| argument == "--json") {
         error.exit();
     }
-    let told = error.render().to_string();
-    tell(told.trim_end());
-    let first = told.split("\n\n").next().unwrap_or_default();
-    Err(Failure::told(first.trim_start_matches("error: ")))
+    let message = error.render().to_string();
+    eprint(message.trim_end());
+    let first = message.split("\n\n").next().unwrap_or_default();
+    Err(Failure::already_printed(first.trim_start_matches("error: ")))
 }
 
-/// Writes to standard output. A reader that has gone away is no error of ours.
-fn say(text: &str) -> Result<(), Failure> {
+/// Prints to standard output without control characters. A closed pipe is not an error.
+///
+/// Line feeds stay; tabs become spaces. A title of a patch can therefore not manipulate the terminal.
+fn print(text: &str) -> Result<(), Failure> {
     write_out(&printable(text))
 }
 
-/// Writes a JSON document; control characters in its texts are escaped, so that they read back as they were.
-fn say_json(value: &Value) -> Result<(), Failure> {
+/// Prints a JSON document. Control characters in texts are escaped, so that they are preserved.
+fn print_json(value: &Value) -> Result<(), Failure> {
     let text = format!("{value:#}\n");
     let escaped = text.chars().map(|letter| match letter {
         '\n' => "\n".to_owned(),
@@ -152,23 +173,26 @@ fn say_json(value: &Value) -> Result<(), Failure> {
     write_out(&escaped.collect::<String>())
 }
 
+/// Writes text to standard output. A closed pipe is not an error.
+///
+/// A pipe that closes early, as with `head`, ends the output without a message.
 fn write_out(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::data(format!("cannot write to standard output: {}", refusal(&error))))
+            Err(Failure::data(format!("cannot write to standard output: {}", io_reason(&error))))
         }
         _ => Ok(()),
     }
 }
 
-/// Writes a message to standard error, where nobody may be listening either.
-fn tell(text: &str) {
+/// Prints a message to standard error. Errors are ignored, because there is no other place for a message.
+fn eprint(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", printable(text));
 }
 
-/// Writes a message with colours of our own to standard error.
-fn tell_coloured(text: &str) {
+/// Prints a message with colour codes to standard error, without other control characters.
+fn eprint_coloured(text: &str) {
     let mut parts = text.split("\x1b[");
     let mut shown = printable(parts.next().unwrap_or_default());
     for part in parts {
@@ -180,11 +204,12 @@ fn tell_coloured(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{shown}");
 }
 
-/// A text without the control characters by which a file could play tricks on a terminal.
+/// The text without control characters, which could manipulate a terminal.
 fn printable(text: &str) -> String {
     text.replace('\t', " ").chars().filter(|letter| *letter == '\n' || !letter.is_control()).collect()
 }
 
+/// Whether errors are printed in colour: standard error is a terminal and NO_COLOR is not set.
 fn errors_in_colour() -> bool {
     io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
 }

@@ -1,22 +1,22 @@
-//! Numbers as they are given on the command line.
+//! Parsers for numbers on the command line.
 
-/// A number above 0.
-pub(super) fn above_zero(text: &str) -> Result<f64, String> {
+/// Parses a positive number.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number: f64 =
         text.trim().parse().map_err(|_| format!("\"{text}\" is not a number: leave out its unit"))?;
-    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("a number above 0 is wanted".to_owned()) }
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("must be a positive number".to_owned()) }
 }
 
-/// More threads than this only get in each other's way.
-const MOST_THREADS: usize = 1024;
+/// The largest number of threads. More only slow each other down.
+const MAX_THREADS: usize = 1024;
 
-/// How many threads work at the same time.
+/// Parses a number of threads.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
-    let number = text.trim().parse().ok().filter(|number| (1..=MOST_THREADS).contains(number));
-    number.ok_or_else(|| format!("a whole number from 1 to {MOST_THREADS} is wanted"))
+    let number = text.trim().parse().ok().filter(|number| (1..=MAX_THREADS).contains(number));
+    number.ok_or_else(|| format!("must be an integer from 1 to {MAX_THREADS}"))
 }
 
-/// A number that draws begin with.
+/// Parses the seed of a random number generator.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
-    text.trim().parse().map_err(|_| format!("a whole number from 0 to {} is wanted", u64::MAX))
+    text.trim().parse().map_err(|_| format!("must be an integer from 0 to {}", u64::MAX))
 }

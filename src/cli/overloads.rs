@@ -1,18 +1,18 @@
-//! Overloads as they are told.
+//! Formats overloads as text and as JSON.
 
 use serde_json::{Value, json};
 
 use patchcord::trace::Overload;
 
-/// An overload in a line; `order` is its place among those of its run.
-pub(super) fn overload_told(order: usize, overload: &Overload) -> String {
+/// An overload in one line. `order` is its position among those of its run, from 0.
+pub(super) fn overload_text(order: usize, overload: &Overload) -> String {
     let Overload { element, time, peak, caused_by } = overload;
     let cause = match caused_by {
         Some(cause) => format!("caused by {cause}"),
         None if order == 0 => "first".to_owned(),
-        None => "caused by none of those before".to_owned(),
+        None => "not caused by an earlier one".to_owned(),
     };
-    format!("overload: {element} at t = {time:.6} s, asked for {peak:.1} V ({cause})")
+    format!("overload: {element} at t = {time:.6} s, needs {peak:.1} V ({cause})")
 }
 
 /// An overload for `--json`.

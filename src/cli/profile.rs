@@ -1,4 +1,8 @@
 //! `patchcord profile`
+//!
+//! A profile is read from a run in which the commanded velocity rises, or rises and falls again. Five points and four
+//! sections describe it. The points are the start of motion, the lower critical velocity, the commands at which cycles
+//! with standstill begin and end, and the upper critical velocity.
 
 use std::path::PathBuf;
 
@@ -6,20 +10,20 @@ use clap::Args;
 
 use super::criteria::{advice_on, advice_on_cycles};
 use super::failure::Failure;
-use super::files::{check_apart, prepare, put, written};
-use super::load::{Loaded, PatchArguments, document};
-use super::numbers::above_zero;
-use super::profile_report::{self, Read};
-use super::run::watched;
-use super::times::{TimeArguments, refused};
-use super::{say, say_json};
+use super::files::{check_distinct_from_patch, prepare_outputs, write_file, written_text};
+use super::load::{LoadedPatch, PatchArguments, document};
+use super::numbers::positive;
+use super::profile_report::{self, ProfileReading};
+use super::run::run_with_progress;
+use super::times::{TimeArguments, run_failure};
+use super::{print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
 use patchcord::draw::plot::{self, Format, Size};
-use patchcord::draw::{Drawn, profile_picture};
+use patchcord::draw::{ProfileSignal, profile_picture};
 use patchcord::instruments::{
-    Criterion, Display, NoCriticalVelocity, ProfileCriterion, ProfileError, Way, critical_range,
-    parameter_line, velocity_profile,
+    Criterion, NoCriticalVelocity, ProfileCriterion, ProfileError, QuantityFormat, RampDirection,
+    critical_range, parameter_line, velocity_profile,
 };
 use patchcord::solve::RunSettings;
 use patchcord::trace::{Trace, Track};
@@ -33,100 +37,109 @@ pub(super) struct Arguments {
     /// The commanded and the actual velocity
     #[arg(long, value_name = "COMMAND,VELOCITY", default_value = "v_i,v_o", value_parser = pair)]
     signals: [String; 2],
-    /// It oscillates while the velocity swings by more than this, peak to peak, in the unit of the signals: 0.25e-3 for a patch in m/s
-    /// (without it: 0.25 mm/s)
-    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = above_zero)]
+    /// The velocity oscillates if it swings by more than this, peak to peak, within a window; in the unit of the
+    /// signals: 0.25e-3 for a patch in m/s (default: 0.25 mm/s)
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = positive)]
     threshold: Option<f64>,
-    /// ... within so many seconds (0.04): half a period and more of the slowest oscillation
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = above_zero)]
+    /// Length of the window (default: 0.04): at least half a period of the slowest oscillation
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive)]
     window: Option<f64>,
-    /// A velocity up to this is standstill, in the unit of the signals: 0.1e-3 for a patch in m/s (without it: half of the threshold)
-    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = above_zero)]
+    /// Largest velocity that counts as standstill, in the unit of the signals: 0.1e-3 for a patch in m/s (default: half
+    /// the threshold)
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = positive)]
     standstill: Option<f64>,
-    /// Read the way back, on which the command falls from its largest value
+    /// Read the falling ramp, during which the command falls from its largest value
     #[arg(long)]
     falling: bool,
-    /// Draw the profile with its points and sections; SVG or PNG by the name of the file
+    /// Draw the profile with its points and sections; the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
 }
 
+/// Parses COMMAND,VELOCITY.
 fn pair(text: &str) -> Result<[String; 2], String> {
     let names: Vec<_> = text.split(',').map(|name| name.trim().to_owned()).collect();
     let two = <[String; 2]>::try_from(names).ok().filter(|names| names.iter().all(|name| !name.is_empty()));
-    two.ok_or_else(|| {
-        "two names are wanted, the commanded and the actual velocity, such as v_i,v_o".to_owned()
-    })
+    two.ok_or_else(|| "must be two names, the commanded and the actual velocity, such as v_i,v_o".to_owned())
 }
 
+/// The JSON form of a failure is selected here.
 pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
-    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
+    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
 }
 
-fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+/// Only the two velocities are recorded. The profile is that of the last run, if the patch repeats it.
+fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_ref().map(|path| Format::from_path(path)).transpose();
     let format = format.map_err(|error| Failure::usage(error.to_string()))?;
     let files = || arguments.plot.iter();
-    check_apart(&arguments.patch.patch, files())?;
-    let Loaded { circuit, program } = arguments.patch.load()?;
+    check_distinct_from_patch(&arguments.patch.patch, files())?;
+    let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let settings = arguments.settings(&circuit)?;
-    prepare(None, files())?;
-    let trace = watched(&program, &settings)
-        .map_err(|stopped| refused(&stopped.error, &circuit, arguments.times.is_to_blame(&stopped.error)))?;
-    let read = arguments.read(&trace, &settings.record, &circuit)?;
+    prepare_outputs(None, files())?;
+    let trace = run_with_progress(&program, &settings).map_err(|stopped| {
+        run_failure(&stopped.error, &circuit, arguments.times.is_cause_of(&stopped.error))
+    })?;
+    let reading = arguments.read(&trace, &settings.record, &circuit)?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
-        let picture = picture(&read, &circuit);
+        let picture = picture(&reading, &circuit);
         let bytes = plot::render(&[picture], format, Size::default());
-        put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+        write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
     }
     if arguments.patch.json {
-        let mut more = profile_report::json(&read);
+        let mut more = profile_report::json(&reading);
         more["files"] = files().map(|path| path.display().to_string()).collect();
-        return say_json(&document(&circuit, more));
+        return print_json(&document(&circuit, more));
     }
     let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
-    say(&(head + &profile_report::told(&read)))?;
-    let told = written(files());
-    say(&if told.is_empty() { told } else { format!("\n{told}") })
+    print(&(head + &profile_report::text(&reading)))?;
+    let files = written_text(files());
+    print(&if files.is_empty() { files } else { format!("\n{files}") })
 }
 
 impl Arguments {
-    /// The run of the patch, recording both velocities.
+    /// The run settings of the patch, with both velocities recorded.
+    ///
+    /// # Errors
+    /// If the patch does not have the signals, or the times of the run are wrong.
     fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
         let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
         let mut settings =
-            settings.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
-        let found = self
-            .signals
-            .iter()
-            .map(|name| circuit.recordable(name).map(str::to_owned).ok_or_else(|| missing(name, circuit)));
+            settings.map_err(|error| run_failure(&error, circuit, self.times.is_cause_of(&error)))?;
+        let found = self.signals.iter().map(|name| {
+            circuit.recorded_name(name).map(str::to_owned).ok_or_else(|| unknown_signal(name, circuit))
+        });
         settings.record = found.collect::<Result<_, _>>()?;
         settings.sensitivities.clear();
         let checked = settings.check();
-        checked.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
+        checked.map_err(|error| run_failure(&error, circuit, self.times.is_cause_of(&error)))?;
         Ok(settings)
     }
 
-    /// The profile of the last run, of the command and the velocity that were recorded.
-    fn read(&self, trace: &Trace, recorded: &[String], circuit: &Circuit) -> Result<Read, Failure> {
+    /// Reads the profile of the last run from the two recorded velocities.
+    ///
+    /// # Errors
+    /// If the run has no sample, the velocities have different units, or the command does not rise or fall as required.
+    fn read(&self, trace: &Trace, recorded: &[String], circuit: &Circuit) -> Result<ProfileReading, Failure> {
         let track = |which: usize| recorded.get(which).and_then(|name| trace.track(name));
-        let both = track(0).zip(track(1)).ok_or_else(|| Failure::data("nothing was recorded"));
+        let both = track(0).zip(track(1)).ok_or_else(|| Failure::data("no sample was recorded"));
         let (command, velocity) = both?;
         let criterion = self.criterion(command, velocity)?;
         let first = trace.sweeps.last().map_or(0, |sweep| sweep.first);
         let time = &trace.time[first..];
         let [commands, velocities] =
             [command, velocity].map(|track| track.values().skip(first).collect::<Vec<_>>());
-        let profile = velocity_profile(time, &commands, &velocities, criterion, self.way());
+        let direction = self.direction();
+        let profile = velocity_profile(time, &commands, &velocities, criterion, direction);
         let range = critical_range(time, &commands, &velocities, criterion.oscillation);
-        let [range, other] = self.way().of([[range.rising, range.falling], [range.falling, range.rising]]);
+        let [range, other] = direction.select([[range.rising, range.falling], [range.falling, range.rising]]);
         let profile = profile.map_err(|error| {
             let advice = self.advice(error, circuit, other.err(), &command.unit);
             let advice = advice.map_or_else(String::new, |advice| format!(": {advice}"));
-            Failure::data(format!("no velocity profile: {}{advice}", error.told_in(&command.unit)))
+            Failure::data(format!("no velocity profile: {}{advice}", error.message_in(&command.unit)))
         })?;
-        let early = || ends_early(time, &commands, criterion.standstill, &command.unit);
-        Ok(Read {
+        let early = || early_end_note(time, &commands, criterion.standstill, &command.unit);
+        Ok(ProfileReading {
             names: [command.name.clone(), velocity.name.clone()],
             unit: command.unit.clone(),
             range: range.ok(),
@@ -137,16 +150,19 @@ impl Arguments {
         })
     }
 
+    /// The criterion from the options and their defaults.
+    ///
+    /// The default threshold is 0.25 mm/s. It exists for velocities only, so other units need the option.
     fn criterion(&self, command: &Track, velocity: &Track) -> Result<ProfileCriterion, Failure> {
         if command.unit != velocity.unit {
-            let told = |track: &Track| format!("{} in {}", track.name, track.unit);
-            let message = format!("{} and {} are not in the same unit", told(command), told(velocity));
+            let signal = |track: &Track| format!("{} in {}", track.name, track.unit);
+            let message = format!("{} and {} do not have the same unit", signal(command), signal(velocity));
             return Err(Failure::usage(message));
         }
         let usual = Criterion::usual(&command.unit);
         let threshold = self.threshold.or(usual.map(|usual| usual.threshold)).ok_or_else(|| {
             Failure::usage(format!(
-                "{} is in {}, no velocity: give --threshold VALUE",
+                "{} in {} is not a velocity: give --threshold VALUE",
                 command.name, command.unit
             ))
         })?;
@@ -155,11 +171,12 @@ impl Arguments {
         Ok(ProfileCriterion { standstill: self.standstill.unwrap_or(usual.standstill), ..usual })
     }
 
-    fn way(&self) -> Way {
-        if self.falling { Way::Falling } else { Way::Rising }
+    /// The ramp that is read.
+    fn direction(&self) -> RampDirection {
+        if self.falling { RampDirection::Falling } else { RampDirection::Rising }
     }
 
-    /// The options that help where there is no profile; `other` is why there is none the other way.
+    /// The options that help if there is no profile. `other` is why the other ramp has no critical velocity.
     fn advice(
         &self,
         error: ProfileError,
@@ -168,63 +185,73 @@ impl Arguments {
         unit: &str,
     ) -> Option<String> {
         use NoCriticalVelocity::{Constant, NeverBack, NoFall, NoRise};
-        let turns = circuit.parameters().any(|(name, ..)| name == TURN);
-        let is_there_other = !matches!(other, Some(Constant | NeverBack | NoFall | NoRise));
+        let has_turn = circuit.parameters().any(|(name, ..)| name == TURN);
+        let has_other = !matches!(other, Some(Constant | NeverBack | NoFall | NoRise));
         let advice = match error {
-            ProfileError::Unreadable(NoRise) if is_there_other => "--falling reads one that falls",
-            ProfileError::Unreadable(NoFall) if is_there_other => "without --falling one is read that rises",
-            ProfileError::Unreadable(NeverBack) if turns => {
-                "let it turn with --set v_turn=SECONDS, and run for twice as long with --for"
+            ProfileError::Unreadable(NoRise) if has_other => "use --falling for a command that falls",
+            ProfileError::Unreadable(NoFall) if has_other => "remove --falling for a command that rises",
+            ProfileError::Unreadable(NeverBack) if has_turn => {
+                "make it turn with --set v_turn=SECONDS, and run twice as long with --for"
             }
-            ProfileError::Unreadable(NeverBack) => "run for longer with --for, or read it without --falling",
+            ProfileError::Unreadable(NeverBack) => "give a longer --for, or remove --falling",
             ProfileError::Unreadable(why) => return advice_on(&why, "a slower command"),
             ProfileError::Cycles(why) => return advice_on_cycles(&why),
-            ProfileError::StandsStill { .. } => return Some(self.advice_on_standstill(unit)),
+            ProfileError::Motionless { .. } => return Some(self.advice_on_standstill(unit)),
             ProfileError::BadStandstill(_) => return None,
         };
         Some(advice.to_owned())
     }
 
+    /// A lower standstill or threshold.
+    ///
+    /// The option that the user has given is named, otherwise the threshold, from which the standstill follows.
     fn advice_on_standstill(&self, unit: &str) -> String {
         let usual = Criterion::usual(unit).map(ProfileCriterion::usual);
         let (option, usual) = match self.standstill {
             Some(_) => ("--standstill", usual.map(|usual| usual.standstill)),
             None => ("--threshold", usual.map(|usual| usual.oscillation.threshold)),
         };
-        let such = usual.map_or_else(String::new, |usual| {
-            format!(", such as {option} {}", Display::new("", 1.0).number(usual))
+        let example = usual.map_or_else(String::new, |usual| {
+            format!(", such as {option} {}", QuantityFormat::new("", 1.0).number(usual))
         });
-        format!("give a lower one, in {unit}{such}")
+        format!("give a lower value, in {unit}{example}")
     }
 }
 
-/// The parameter of the study's circuits that tells when the command turns back.
+/// The parameter of the study's circuits that specifies when the command turns back.
 const TURN: &str = "v_turn";
 
-/// That the run ends before the command has come back to 0, and how long it would have to be.
-fn ends_early(time: &[f64], command: &[f64], standstill: f64, unit: &str) -> Option<String> {
+/// A note if the run ends before the command has returned to 0, with the length that the run needs. None otherwise.
+fn early_end_note(time: &[f64], command: &[f64], standstill: f64, unit: &str) -> Option<String> {
     let (&[.., before, end], &[begin, .., earlier, last]) = (command, time) else { return None };
     let largest = command.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let turn = command.iter().position(|value| value.abs() == largest)?;
     if end.abs() <= standstill || command[turn..].iter().any(|value| value * end <= 0.0) {
         return None;
     }
-    let left = end / (before - end) * (last - earlier);
-    let shown = Display::new(unit, end);
-    let told = format!("the run ends at {}, before the command is back at 0", shown.text(end));
-    let advice = format!(": give --for {}", Display::new("", 1.0).number(last + left - begin));
-    Some(if left.is_finite() && left > 0.0 { told + &advice } else { told })
+    let remaining = end / (before - end) * (last - earlier);
+    let format = QuantityFormat::new(unit, end);
+    let note = format!("the run ends at {}, before the command is back at 0", format.text(end));
+    let advice = format!(": give --for {}", QuantityFormat::new("", 1.0).number(last + remaining - begin));
+    Some(if remaining.is_finite() && remaining > 0.0 { note + &advice } else { note })
 }
 
-fn picture(read: &Read, circuit: &Circuit) -> plot::Picture {
-    let drawn =
-        |which: usize| Drawn { name: &read.names[which], unit: &read.unit, values: &read.values[which] };
-    let what = read.profile.way.of(["velocity profile", "command falling"]);
+/// The picture of the profile.
+///
+/// The note has the parameters of the patch, so that the picture is complete by itself.
+fn picture(reading: &ProfileReading, circuit: &Circuit) -> plot::Picture {
+    let drawn = |which: usize| ProfileSignal {
+        name: &reading.names[which],
+        unit: &reading.unit,
+        values: &reading.values[which],
+    };
+    let what = reading.profile.direction.select(["velocity profile", "command falling"]);
     let title = format!("{}: {what}", circuit.patch().title);
-    profile_picture(title, drawn(0), drawn(1), &read.profile, Some(parameter_line(circuit)))
+    profile_picture(title, drawn(0), drawn(1), &reading.profile, Some(parameter_line(circuit)))
 }
 
-fn missing(name: &str, circuit: &Circuit) -> Failure {
+/// The failure for an unknown signal.
+fn unknown_signal(name: &str, circuit: &Circuit) -> Failure {
     let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
     let hint = suggestion(name, &known).unwrap_or_else(|| "it has none".to_owned());
     Failure::usage(format!("the patch has no signal {name}: give --signals COMMAND,VELOCITY; {hint}"))

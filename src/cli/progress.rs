@@ -1,142 +1,145 @@
-//! How far a long run has come, for those who wait for it at a terminal.
+//! The progress of long work, as a status line on a terminal. It is erased when the work ends.
 
-use std::io::{self, IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
-/// Shorter runs tell nothing.
-const PATIENCE: Duration = Duration::from_secs(2);
-const BETWEEN_LINES: Duration = Duration::from_millis(250);
-/// Looking at the clock takes a good part of the time of a step.
-const STEPS_BETWEEN_LOOKS: u32 = 256;
+use indicatif::{ProgressBar as Line, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
-/// A line on standard error, written anew in its place; none where that is no terminal.
-struct Line {
-    shown: bool,
-    next: Instant,
+/// A run that takes less time shows no status line.
+const DELAY: Duration = Duration::from_secs(2);
+/// The time between two updates of the status line.
+const UPDATE_INTERVAL: Duration = Duration::from_millis(250);
+/// The number of solver steps between two readings of the clock, which are slow compared with a step.
+const STEPS_PER_CHECK: u32 = 256;
+/// The status line of countable work.
+const BAR_TEMPLATE: &str = "[{bar:30}] {pos} of {len} {msg}, {eta} left";
+/// The status line of other work.
+const TEXT_TEMPLATE: &str = "{msg}";
+
+/// A status line that is not shown yet.
+fn hidden_line() -> Line {
+    Line::with_draw_target(None, ProgressDrawTarget::hidden()).with_finish(ProgressFinish::AndClear)
 }
 
-impl Line {
-    fn new() -> Option<Self> {
-        let next = Instant::now() + PATIENCE;
-        io::stderr().is_terminal().then_some(Line { shown: false, next })
-    }
+/// Shows a status line on standard error if that is a terminal.
+fn show(line: &Line) {
+    line.set_draw_target(ProgressDrawTarget::stderr());
+    line.enable_steady_tick(UPDATE_INTERVAL);
+}
 
-    /// Writes what is to be told, where the last telling lies far enough back.
-    fn show(&mut self, told: impl FnOnce() -> String) {
-        let now = Instant::now();
-        if now >= self.next {
-            self.next = now + BETWEEN_LINES;
-            self.write(&told());
-        }
-    }
-
-    fn write(&mut self, told: &str) {
-        self.shown = true;
-        let mut terminal = io::stderr().lock();
-        let _ = write!(terminal, "\r{told}\x1b[K").and_then(|()| terminal.flush());
+fn set_template(line: &Line, template: &str) {
+    // Only an invalid template fails. The templates are constants, and tests use them.
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        line.set_style(style.progress_chars("#."));
     }
 }
 
-impl Drop for Line {
-    fn drop(&mut self) {
-        if self.shown {
-            let _ = write!(io::stderr().lock(), "\r\x1b[K");
-        }
-    }
-}
-
-/// How far a run has come.
-pub(super) struct Progress {
+/// The progress of one run, in problem time.
+pub(super) struct RunProgress {
     line: Line,
+    show_from: Instant,
+    is_shown: bool,
     whole: f64,
     steps: u32,
 }
 
-impl Progress {
-    /// The progress of a run of so many seconds of problem time.
-    pub fn new(whole: f64) -> Option<Self> {
-        Some(Progress { line: Line::new()?, whole, steps: 0 })
+impl RunProgress {
+    /// The progress of a run of `whole` problem seconds.
+    pub fn new(whole: f64) -> Self {
+        let line = hidden_line();
+        set_template(&line, TEXT_TEMPLATE);
+        RunProgress { line, show_from: Instant::now() + DELAY, is_shown: false, whole, steps: 0 }
     }
 
-    /// Takes note of a step that ended at this time.
+    /// Reports a solver step that ended at this problem time.
     pub fn step(&mut self, time: f64) {
-        self.steps += 1;
-        if self.steps.is_multiple_of(STEPS_BETWEEN_LOOKS) {
-            self.line.show(|| format!("t = {time:.4} of {} s", self.whole));
+        self.steps = self.steps.wrapping_add(1);
+        if self.steps.is_multiple_of(STEPS_PER_CHECK) && Instant::now() >= self.show_from {
+            if !self.is_shown {
+                self.is_shown = true;
+                show(&self.line);
+            }
+            self.line.set_message(format!("t = {time:.4} of {} s", self.whole));
         }
     }
 }
 
-/// How many of many things are done, with the time that is left.
-pub(super) struct Bar {
+/// The progress of countable work, as a bar with the remaining time.
+pub(super) struct ProgressBar {
     line: Line,
-    /// What is counted.
-    what: String,
-    /// How many were done at the beginning, and when that was.
-    begin: Option<(u64, Instant)>,
+    has_begun: bool,
 }
 
-impl Bar {
-    /// Nothing done yet of what is counted.
-    pub fn new(what: &str) -> Option<Self> {
-        Some(Bar { line: Line::new()?, what: what.to_owned(), begin: None })
+impl ProgressBar {
+    /// A bar that counts `what`, in the plural.
+    pub fn new(what: &str) -> Self {
+        let line = hidden_line().with_message(what.to_owned());
+        show(&line);
+        ProgressBar { line, has_begun: false }
     }
 
-    /// Goes on to count something else.
-    pub fn turn_to(&mut self, what: &str) {
-        if self.what != what {
-            (self.what, self.begin) = (what.to_owned(), None);
+    /// Starts to count something else.
+    pub fn switch_to(&mut self, what: &str) {
+        if self.line.message() != what {
+            self.line.set_message(what.to_owned());
+            self.has_begun = false;
         }
     }
 
-    /// Tells at once of something that is not counted.
+    /// Shows a piece of work that is not counted.
     pub fn busy(&mut self, what: &str) {
-        self.turn_to(what);
-        self.line.write(what);
+        set_template(&self.line, TEXT_TEMPLATE);
+        self.line.set_message(what.to_owned());
+        self.has_begun = false;
     }
 
-    /// Takes note of how many of all are done; first of how many were done before.
+    /// Reports that `done` of `all` are complete. The first call reports what was complete before, so the remaining
+    /// time is extrapolated from later work only.
     pub fn done(&mut self, done: u64, all: u64) {
-        let (before, since) = *self.begin.get_or_insert((done, Instant::now()));
-        let what = &self.what;
-        self.line.show(|| bar_told(done, all, what, done - before, since.elapsed()));
-    }
-}
-
-/// Letters of the bar.
-const LETTERS: u64 = 30;
-
-/// A bar, how many are done of all, and how long the rest takes at the pace of those done now.
-fn bar_told(done: u64, all: u64, what: &str, now: u64, elapsed: Duration) -> String {
-    let full = (done * LETTERS / all.max(1)) as usize;
-    let bar = "#".repeat(full) + &".".repeat(LETTERS as usize - full);
-    let left = match now {
-        0 => String::new(),
-        now => format!(", {} left", time_told(elapsed.as_secs_f64() / now as f64 * (all - done) as f64)),
-    };
-    format!("[{bar}] {done} of {all} {what}{left}")
-}
-
-/// "8 s", "3 min 20 s", "5 h 3 min".
-fn time_told(seconds: f64) -> String {
-    let seconds = seconds.round() as u64;
-    match seconds {
-        0..60 => format!("{seconds} s"),
-        60..3600 => format!("{} min {} s", seconds / 60, seconds % 60),
-        _ => format!("{} h {} min", seconds / 3600, seconds % 3600 / 60),
+        self.line.set_position(done);
+        if !self.has_begun {
+            self.has_begun = true;
+            set_template(&self.line, BAR_TEMPLATE);
+            self.line.set_length(all);
+            self.line.reset_eta();
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use indicatif::{InMemoryTerm, TermLike};
+
     use super::*;
 
+    fn shown(what: impl FnOnce(&mut ProgressBar)) -> String {
+        let terminal = InMemoryTerm::new(2, 120);
+        let mut bar = ProgressBar::new("runs");
+        bar.line.disable_steady_tick();
+        what(&mut bar);
+        bar.line.set_draw_target(ProgressDrawTarget::term_like(Box::new(terminal.clone())));
+        bar.line.tick();
+        let text = terminal.contents();
+        drop(bar);
+        assert_eq!(terminal.contents(), "", "the line is erased");
+        assert!(terminal.flush().is_ok());
+        text
+    }
+
     #[test]
-    fn the_time_left_follows_from_the_runs_done_now() {
-        let told = |done, now| bar_told(done, 1000, "runs", now, Duration::from_secs(10));
-        assert_eq!(told(500, 100), "[###############...............] 500 of 1000 runs, 50 s left");
-        assert_eq!(told(0, 0), format!("[{}] 0 of 1000 runs", ".".repeat(30)));
-        assert_eq!(told(1000, 1), format!("[{}] 1000 of 1000 runs, 0 s left", "#".repeat(30)));
-        assert_eq!([200.0, 18_200.0].map(time_told), ["3 min 20 s", "5 h 3 min"]);
+    fn a_bar_shows_the_count_and_the_remaining_time() {
+        let text = shown(|bar| [0, 500].into_iter().for_each(|done| bar.done(done, 1000)));
+        assert!(text.starts_with("[###############...............] 500 of 1000 runs, "), "{text}");
+        assert!(text.ends_with(" left"), "{text}");
+    }
+
+    #[test]
+    fn the_subject_of_a_bar_can_change() {
+        let switch = |bar: &mut ProgressBar| {
+            bar.done(7, 10);
+            bar.switch_to("effects");
+            bar.done(0, 4);
+        };
+        assert!(shown(switch).contains("] 0 of 4 effects, "));
+        assert_eq!(shown(|bar| bar.busy("fitting the patch")), "fitting the patch");
     }
 }

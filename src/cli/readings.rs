@@ -1,50 +1,55 @@
-//! The readings of a run, told to people and to programs.
+//! Formats the readings of a run as text and as JSON.
+//!
+//! A reading is start, end, minimum and maximum of a signal in one run. Repetitive operation has one reading per signal
+//! and run.
 
 use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
 use super::table::Table;
-use patchcord::instruments::{Display, Reading, Sensitivity, readings, sensitivities};
+use patchcord::instruments::{QuantityFormat, Sensitivity, VoltmeterReading, readings, sensitivities};
 use patchcord::trace::Trace;
 
-/// Of several runs no more lines than this are printed, but one run at least.
-const MOST_TOLD: usize = 40;
+/// The largest number of lines for several runs. At least one run is always printed.
+const MAX_ROWS: usize = 40;
 
-/// Start, end and extremes of every signal; in a line for every run where there are several. Derivatives are told
-/// below, where they are largest.
-pub(super) fn readings_told(trace: &Trace) -> String {
+/// The table of start, end and extremes of every signal, one line per run. The largest derivatives follow in a second
+/// table.
+///
+/// The column of the run is left out if there is only one.
+pub(super) fn readings_text(trace: &Trace) -> String {
     let mut readings = readings(trace);
     let is_signal = |name: &str| trace.track(name).is_some_and(|track| track.derivative.is_none());
     readings.retain(|reading| is_signal(&reading.signal));
     let largest = largest(&readings);
     let runs = trace.sweeps.len();
-    let told = (MOST_TOLD / trace.tracks.len().max(1)).clamp(1, runs.max(1));
+    let shown = (MAX_ROWS / trace.tracks.len().max(1)).clamp(1, runs.max(1));
     let mut table = Table::new(["run", "signal", "unit", "start", "end", "least", "at s", "most", "at s"]);
-    for reading in readings.iter().filter(|reading| reading.run < told) {
+    for reading in readings.iter().filter(|reading| reading.run < shown) {
         table.row(line(reading, largest[reading.signal.as_str()]));
     }
     if runs < 2 {
         table.drop_first();
     }
-    let left = runs - told.min(runs);
-    let more = if left > 0 { format!("and {left} more runs: --json tells all\n") } else { String::new() };
-    table.text() + &more + &sensitivities_told(trace, told)
+    let omitted = runs - shown.min(runs);
+    let more = if omitted > 0 { format!("and {omitted} more runs: see --json\n") } else { String::new() };
+    table.text() + &more + &sensitivities_text(trace, shown)
 }
 
-/// The largest derivatives of so many runs; nothing where none were asked for.
-fn sensitivities_told(trace: &Trace, runs: usize) -> String {
+/// The table of the largest derivatives of the first `runs` runs; empty if none are recorded.
+fn sensitivities_text(trace: &Trace, runs: usize) -> String {
     let mut table = Table::new(["run", "derivative", "unit", "most", "at s", "% per %"]);
-    for told in sensitivities(trace).iter().filter(|told| told.run < runs) {
-        // A prefix in front of a quotient of units would be read wrongly.
-        let number = |value: f64| Display::new("", 1.0).number(value);
+    for sensitivity in sensitivities(trace).iter().filter(|sensitivity| sensitivity.run < runs) {
+        // A prefix before a quotient of units would be ambiguous.
+        let number = |value: f64| QuantityFormat::new("", 1.0).number(value);
         table.row([
-            (told.run + 1).to_string(),
-            told.name.clone(),
-            told.unit.clone(),
-            number(told.most.value),
-            number(told.most.time),
-            told.relative.map_or(String::new(), number),
+            (sensitivity.run + 1).to_string(),
+            sensitivity.name.clone(),
+            sensitivity.unit.clone(),
+            number(sensitivity.most.value),
+            number(sensitivity.most.time),
+            sensitivity.relative.map_or(String::new(), number),
         ]);
     }
     if trace.sweeps.len() < 2 {
@@ -54,8 +59,8 @@ fn sensitivities_told(trace: &Trace, runs: usize) -> String {
     if text.is_empty() { text } else { format!("\n{text}") }
 }
 
-/// The largest value without sign of every signal: its unit is the same in all runs.
-fn largest(readings: &[Reading]) -> HashMap<&str, f64> {
+/// The largest absolute value of every signal over all runs, which selects its unit prefix.
+fn largest(readings: &[VoltmeterReading]) -> HashMap<&str, f64> {
     let mut largest = HashMap::new();
     for reading in readings {
         let value = largest.entry(reading.signal.as_str()).or_insert(0.0);
@@ -64,27 +69,32 @@ fn largest(readings: &[Reading]) -> HashMap<&str, f64> {
     largest
 }
 
-fn line(reading: &Reading, largest: f64) -> [String; 9] {
-    let shown = Display::new(&reading.unit, largest);
-    let seconds = Display::new("", 1.0);
+/// One row of the table.
+///
+/// The largest value of the signal over all runs selects the prefix of the unit.
+fn line(reading: &VoltmeterReading, largest: f64) -> [String; 9] {
+    let format = QuantityFormat::new(&reading.unit, largest);
+    let seconds = QuantityFormat::new("", 1.0);
     [
         (reading.run + 1).to_string(),
         reading.signal.clone(),
-        shown.unit.clone(),
-        shown.number(reading.start),
-        shown.number(reading.end),
-        shown.number(reading.least.value),
+        format.unit.clone(),
+        format.number(reading.start),
+        format.number(reading.end),
+        format.number(reading.least.value),
         seconds.number(reading.least.time),
-        shown.number(reading.most.value),
+        format.number(reading.most.value),
         seconds.number(reading.most.time),
     ]
 }
 
+/// The readings as JSON.
 pub(super) fn readings_json(trace: &Trace) -> Value {
     readings(trace).iter().map(reading_json).collect()
 }
 
-fn reading_json(reading: &Reading) -> Value {
+/// `run` counts from 1. Values are in `unit`, without a prefix; `t` is the time in seconds.
+fn reading_json(reading: &VoltmeterReading) -> Value {
     json!({
         "run": reading.run + 1,
         "signal": reading.signal,
@@ -96,18 +106,21 @@ fn reading_json(reading: &Reading) -> Value {
     })
 }
 
+/// The largest derivatives as JSON.
 pub(super) fn sensitivities_json(trace: &Trace) -> Value {
     sensitivities(trace).iter().map(sensitivity_json).collect()
 }
 
-fn sensitivity_json(told: &Sensitivity) -> Value {
+/// `most` is the largest derivative with its time. `relative` is the percentage change per percent of the parameter, or
+/// null.
+fn sensitivity_json(sensitivity: &Sensitivity) -> Value {
     json!({
-        "run": told.run + 1,
-        "name": told.name,
-        "signal": told.signal,
-        "parameter": told.parameter,
-        "unit": told.unit,
-        "most": {"value": told.most.value, "t": told.most.time},
-        "relative": told.relative,
+        "run": sensitivity.run + 1,
+        "name": sensitivity.name,
+        "signal": sensitivity.signal,
+        "parameter": sensitivity.parameter,
+        "unit": sensitivity.unit,
+        "most": {"value": sensitivity.most.value, "t": sensitivity.most.time},
+        "relative": sensitivity.relative,
     })
 }

@@ -1,4 +1,7 @@
 //! `patchcord replay`
+//!
+//! Without a name the command lists the figures. With names it draws them and examines their claims. `all` examines
+//! every claim of the ledger and takes minutes.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -8,46 +11,52 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
-use super::files::{places, prepare, put, written};
-use super::progress::Bar;
+use super::files::{distinct_destinations, prepare_outputs, write_file, written_text};
+use super::progress::ProgressBar;
 use super::table::Table;
-use super::{say, say_json};
+use super::{print, print_json};
 use patchcord::document::suggestion;
 use patchcord::draw::plot::Format;
-use patchcord::thesis::replay::{self, Claim, Drawn, Examined, Exhibit, Figure, figures};
+use patchcord::thesis::replay::{self, Claim, DrawnFigure, ExaminedClaim, Figure, GalleryFigure, figures};
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// The figures, such as fig-8-24, or all; without any they are listed
+    /// Figures to reproduce, such as fig-8-24, or all (default: list the figures)
     #[arg(value_name = "ID|all")]
     ids: Vec<String>,
-    /// Write pictures, the patches that were run for them, and a page that shows them beside their claims into this folder
+    /// Write pictures, their patches and a page with pictures and claims into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Draw the figure into this file; SVG or PNG by its name
+    /// Draw the figure into this file; the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Print one JSON document and nothing else
+    /// Print one JSON document on standard output, and nothing else there
     #[arg(long)]
     json: bool,
 }
 
+/// The JSON form of a failure is selected here.
 pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
-    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.json))
+    execute(arguments).map_err(|failure| failure.with_json_output(arguments.json))
 }
 
-fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+/// Runs come before any file is written, because the names of the patches are known only then. Folders are checked at
+/// the start.
+fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let figures = arguments.figures()?;
     if figures.is_empty() {
         return arguments.list();
     }
     let plot = arguments.plot(&figures)?;
     let files: Vec<_> = plot.iter().map(|(path, _)| path.clone()).collect();
-    prepare(arguments.out.as_deref(), files.iter())?;
+    prepare_outputs(arguments.out.as_deref(), files.iter())?;
     let claims = arguments.claims(&figures)?;
-    let (drawn, examined) = performed(&figures, &claims)?;
-    let exhibits: Vec<_> =
-        figures.iter().zip(&drawn).map(|(figure, drawn)| Exhibit::new(figure, drawn, &examined)).collect();
+    let (drawn, examined) = perform(&figures, &claims)?;
+    let exhibits: Vec<_> = figures
+        .iter()
+        .zip(&drawn)
+        .map(|(figure, drawn)| GalleryFigure::new(figure, drawn, &examined))
+        .collect();
     let mut outputs: Vec<_> = plot
         .into_iter()
         .map(|(path, format)| Output { path, content: Content::Drawn(&drawn[0], format) })
@@ -56,110 +65,122 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
         outputs.extend(in_folder(folder, &exhibits, &examined));
     }
     let files: Vec<_> = outputs.iter().map(|output| output.path.clone()).collect();
-    places(files.iter())?;
-    prepare(None, files.iter())?;
+    distinct_destinations(files.iter())?;
+    prepare_outputs(None, files.iter())?;
     outputs.iter().try_for_each(Output::write)?;
     if arguments.json {
-        return say_json(&document(&exhibits, &examined, &files));
+        return print_json(&document(&exhibits, &examined, &files));
     }
-    say(&told(&exhibits))?;
-    say(&written(files.iter()))
+    print(&text(&exhibits))?;
+    print(&written_text(files.iter()))
 }
 
 impl Arguments {
-    /// The figures asked for, each once, in the order of the study.
+    /// The requested figures, each once, in the order of the study.
     fn figures(&self) -> Result<Vec<&'static Figure>, Failure> {
         let known: Vec<&str> = figures().map(|figure| figure.id).chain(["all"]).collect();
-        let is_known = |id: &&String| id.as_str() == "all" || figures().any(|figure| goes_by(figure, id));
+        let is_known = |id: &&String| id.as_str() == "all" || figures().any(|figure| has_name(figure, id));
         if let Some(id) = self.ids.iter().find(|id| !is_known(id)) {
             let hint = suggestion(id, &known).unwrap_or_else(|| "patchcord replay lists them".to_owned());
             return Err(Failure::usage(format!("there is no figure {id}; {hint}")));
         }
-        let is_asked = |figure: &&Figure| self.ids.iter().any(|id| id == "all" || goes_by(figure, id));
-        Ok(figures().filter(is_asked).collect())
+        let is_requested = |figure: &&Figure| self.ids.iter().any(|id| id == "all" || has_name(figure, id));
+        Ok(figures().filter(is_requested).collect())
     }
 
+    /// The file of `--plot` with its format.
     fn plot(&self, figures: &[&Figure]) -> Result<Option<(PathBuf, Format)>, Failure> {
         let Some(path) = &self.plot else { return Ok(None) };
         if figures.len() > 1 {
-            let message = "--plot draws one figure: give --out DIR for several";
+            let message = "--plot draws only one figure: give --out DIR for several";
             return Err(Failure::usage(message));
         }
         let format = Format::from_path(path).map_err(|error| Failure::usage(error.to_string()))?;
         Ok(Some((path.clone(), format)))
     }
 
-    /// All claims with all figures; else those that the figures bear on.
+    /// All claims for `all`, otherwise those that concern the requested figures.
     fn claims(&self, figures: &[&Figure]) -> Result<Vec<Claim>, Failure> {
         let mut claims = replay::ledger().map_err(|error| Failure::data(error.to_string()))?;
         if !self.ids.iter().any(|id| id == "all") {
-            claims.retain(|claim| figures.iter().any(|figure| figure.bears_on(claim)));
+            claims.retain(|claim| figures.iter().any(|figure| figure.is_related_to(claim)));
         }
         Ok(claims)
     }
 
-    /// What there is to be drawn.
+    /// Lists the figures.
     fn list(&self) -> Result<(), Failure> {
         if self.out.is_some() || self.plot.is_some() {
-            let message = "which figure? give its name, such as fig-8-24, or all";
+            let message = "no figure is specified: give a name, such as fig-8-24, or all";
             return Err(Failure::usage(message));
         }
         if self.json {
-            let told =
+            let item =
                 |figure: &Figure| json!({"id": figure.id, "where": figure.place, "title": figure.title});
-            return say_json(&json!({"ok": true, "figures": figures().map(told).collect::<Value>()}));
+            return print_json(&json!({"ok": true, "figures": figures().map(item).collect::<Value>()}));
         }
         let mut table = Table::new(["figure", "where", "what it shows"]);
         figures().for_each(|figure| table.row([figure.id, figure.place, figure.title].map(str::to_owned)));
-        say(&table.text())
+        print(&table.text())
     }
 }
 
-/// Whether this is what a figure is called: fig-8-24, 8.24 or "Fig 8.24".
-fn goes_by(figure: &Figure, id: &str) -> bool {
+/// Whether `id` is a name of the figure: fig-8-24, 8.24 or "Fig 8.24".
+fn has_name(figure: &Figure, id: &str) -> bool {
     let number = figure.number();
     id == figure.id || id == number || number.strip_prefix("Fig ") == Some(id)
 }
 
-fn performed(figures: &[&'static Figure], claims: &[Claim]) -> Result<(Vec<Drawn>, Vec<Examined>), Failure> {
-    let mut progress = Bar::new("figures and claims");
+/// Draws the figures and examines the claims, with a progress bar.
+fn perform(
+    figures: &[&'static Figure],
+    claims: &[Claim],
+) -> Result<(Vec<DrawnFigure>, Vec<ExaminedClaim>), Failure> {
+    let mut progress = ProgressBar::new("figures and claims");
     let threads = thread::available_parallelism().map_or(1, usize::from);
-    let outcome = replay::perform(figures, claims, threads, |done, all| {
-        if let Some(progress) = &mut progress {
-            progress.done(done, all);
-        }
-    });
+    let outcome = replay::run_all(figures, claims, threads, |done, all| progress.done(done, all));
     outcome.map_err(|error| Failure::data(error.to_string()))
 }
 
 /// A file to be written.
 struct Output<'a> {
+    /// The path, in the folder of `--out` or as given to `--plot`.
     path: PathBuf,
+    /// What is written.
     content: Content<'a>,
 }
 
-/// What stands in it.
+/// The content of an output file.
 enum Content<'a> {
-    Drawn(&'a Drawn, Format),
+    /// A picture of the figure in a format.
+    Drawn(&'a DrawnFigure, Format),
+    /// A patch or the page.
     Text(Cow<'a, str>),
 }
 
 impl Output<'_> {
+    /// Writes the file.
     fn write(&self) -> Result<(), Failure> {
         match &self.content {
-            Content::Text(text) => put(&self.path, text.as_bytes()),
+            Content::Text(text) => write_file(&self.path, text.as_bytes()),
             Content::Drawn(drawn, format) => {
                 let bytes = drawn.render(*format).map_err(|error| Failure::data(error.to_string()))?;
-                put(&self.path, &bytes)
+                write_file(&self.path, &bytes)
             }
         }
     }
 }
 
-/// Pictures, patches and the page, as they are written into a folder.
-fn in_folder<'a>(folder: &Path, exhibits: &'a [Exhibit<'a>], examined: &[Examined]) -> Vec<Output<'a>> {
+/// The files in the output folder: pictures, patches and the page.
+///
+/// A figure gives one SVG picture and its patches. The page refers to them by name.
+fn in_folder<'a>(
+    folder: &Path,
+    exhibits: &'a [GalleryFigure<'a>],
+    examined: &[ExaminedClaim],
+) -> Vec<Output<'a>> {
     let output = |name: &str, content| Output { path: folder.join(name), content };
-    let of_exhibit = |exhibit: &'a Exhibit<'a>| {
+    let of_exhibit = |exhibit: &'a GalleryFigure<'a>| {
         let picture = output(&exhibit.picture(), Content::Drawn(exhibit.drawn, Format::Svg));
         let patches = exhibit.drawn.patches.iter();
         let patches = patches.map(|patch| output(patch.file(), Content::Text(patch.text().into())));
@@ -169,8 +190,8 @@ fn in_folder<'a>(folder: &Path, exhibits: &'a [Exhibit<'a>], examined: &[Examine
     exhibits.iter().flat_map(of_exhibit).chain([page]).collect()
 }
 
-/// A page of some figures does not take the place of that of all.
-fn page_name(exhibits: &[Exhibit<'_>]) -> String {
+/// The name of the page. Only the page with all figures is index.html, so a page with some does not overwrite it.
+fn page_name(exhibits: &[GalleryFigure<'_>]) -> String {
     match exhibits {
         _ if exhibits.len() == figures().count() => "index.html".to_owned(),
         [one] => format!("{}.html", one.figure.id),
@@ -178,27 +199,39 @@ fn page_name(exhibits: &[Exhibit<'_>]) -> String {
     }
 }
 
-/// Figures with their claims, a few lines each.
-fn told(exhibits: &[Exhibit<'_>]) -> String {
-    let told = |exhibit: &Exhibit<'_>| {
-        let Drawn { settings, reading, .. } = exhibit.drawn;
+/// The figures with their claims as text.
+///
+/// Heading, settings and reading of each figure, then one line per claim: identifier, statement, printed number,
+/// verdict and result.
+fn text(exhibits: &[GalleryFigure<'_>]) -> String {
+    let figure_text = |exhibit: &GalleryFigure<'_>| {
+        let DrawnFigure { settings, reading, .. } = exhibit.drawn;
         let mut text = format!("{}\n  {settings}\n  {reading}\n", exhibit.figure.heading());
         for row in &exhibit.claims {
-            let (claim, printed) = (&row.claim, row.printed());
+            let (claim, printed) = (&row.claim, row.printed_text());
             let printed = if printed.is_empty() { printed } else { format!(": {printed}") };
-            text += &format!("  {} {}{printed}; {}", claim.id, claim.says, row.outcome.verdict);
-            text += &if row.got().is_empty() { "\n".to_owned() } else { format!(", {}\n", row.got()) };
-            if !claim.why.is_empty() {
-                text += &format!("      {}\n", claim.why);
+            text += &format!("  {} {}{printed}; {}", claim.id, claim.statement, row.outcome.verdict);
+            text += &if row.result_text().is_empty() {
+                "\n".to_owned()
+            } else {
+                format!(", {}\n", row.result_text())
+            };
+            if !claim.reason.is_empty() {
+                text += &format!("      {}\n", claim.reason);
             }
         }
         text + "\n"
     };
-    exhibits.iter().map(told).collect()
+    exhibits.iter().map(figure_text).collect()
 }
 
-fn document(exhibits: &[Exhibit<'_>], examined: &[Examined], files: &[PathBuf]) -> Value {
-    let figure = |exhibit: &Exhibit<'_>| {
+/// The result as JSON.
+///
+/// Keys: `ok`, `figures`, `claims` with the keys of [`ExaminedClaim::to_json`], `files`. A figure has `id`, `number`,
+/// `where`, `title`, `settings`, `reading`, `picture`, `commands`, `table` or null, and the names of its `patches` and
+/// `claims`.
+fn document(exhibits: &[GalleryFigure<'_>], examined: &[ExaminedClaim], files: &[PathBuf]) -> Value {
+    let figure = |exhibit: &GalleryFigure<'_>| {
         let (figure, drawn) = (exhibit.figure, exhibit.drawn);
         json!({
             "id": figure.id,
@@ -217,7 +250,7 @@ fn document(exhibits: &[Exhibit<'_>], examined: &[Examined], files: &[PathBuf]) 
     json!({
         "ok": true,
         "figures": exhibits.iter().map(figure).collect::<Value>(),
-        "claims": examined.iter().map(Examined::to_json).collect::<Value>(),
+        "claims": examined.iter().map(ExaminedClaim::to_json).collect::<Value>(),
         "files": files.iter().map(|path| path.display().to_string()).collect::<Value>(),
     })
 }

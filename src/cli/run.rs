@@ -1,24 +1,30 @@
 //! `patchcord run`
+//!
+//! The text output has the title, the parameters, the table of readings, the phases, the work of the solver and the
+//! overloads. An overload does not fail the command. If a run stops with an error, the samples before the error are
+//! still written to the files.
 
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
 use super::files::{FileArguments, Files};
-use super::load::{Loaded, PatchArguments, document};
-use super::overloads::{overload_json, overload_told};
-use super::phases::{phase_told, phases_json, phases_told};
-use super::progress::Progress;
-use super::readings::{readings_json, readings_told, sensitivities_json};
-use super::times::{TimeArguments, given, place_told, refused, times_json, with_advice};
-use super::{say, say_json};
+use super::load::{LoadedPatch, PatchArguments, document};
+use super::overloads::{overload_json, overload_text};
+use super::phases::{phase_prefix, phases_json, phases_text};
+use super::progress::RunProgress;
+use super::readings::{readings_json, readings_text, sensitivities_json};
+use super::times::{
+    TimeArguments, from_command_line, message_with_advice, place_text, run_failure, times_json,
+};
+use super::{print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
 use patchcord::instruments::parameter_line;
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
-use patchcord::solve::{self, RunError, RunSettings, Stopped};
-use patchcord::trace::{Trace, Work};
+use patchcord::solve::{self, RunError, RunSettings, StoppedRun};
+use patchcord::trace::{Trace, WorkCounters};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -29,96 +35,103 @@ pub(super) struct Arguments {
     /// Run this many times from initial condition (repetitive operation)
     #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = times)]
     repeat: Option<u32>,
-    /// Go into hold as soon as an overload lamp lights
+    /// Switch to hold at the first overload
     #[arg(long)]
     hold_on_overload: bool,
-    /// Record these signals, drives or elements instead of those that the patch names
+    /// Record these signals, drives or elements instead of those that the patch specifies
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     record: Vec<String>,
-    /// Record the derivatives of all these signals by these parameters too, and tell which matters
+    /// Also record the derivatives of all recorded signals with respect to these parameters, and list the largest ones
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     sensitivity: Vec<String>,
     #[command(flatten)]
     files: FileArguments,
 }
 
+/// Parses a number of repetitions.
 fn times(text: &str) -> Result<u32, String> {
     let times = text.parse().ok().filter(|times| *times > 0);
-    times.ok_or_else(|| format!("a whole number from 1 to {} is wanted", u32::MAX))
+    times.ok_or_else(|| format!("must be an integer from 1 to {}", u32::MAX))
 }
 
+/// Parses a name in a list.
 fn name(text: &str) -> Result<String, String> {
     let name = text.trim();
     if name.is_empty() { Err("a name is missing".to_owned()) } else { Ok(name.to_owned()) }
 }
 
+/// The JSON form of a failure is selected here, so that `execute` need not care.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
+    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
 }
 
-fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+/// Files are checked before the run and written after it. The JSON document is printed last.
+fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let files = arguments.files.files(&arguments.patch.patch)?;
-    let Loaded { circuit, program } = arguments.patch.load()?;
+    let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let settings = arguments.settings(&circuit)?;
     files.prepare()?;
-    let trace = match watched(&program, &settings) {
+    let trace = match run_with_progress(&program, &settings) {
         Ok(trace) => trace,
-        Err(stopped) => return Err(arguments.stopped(*stopped, &files, &circuit)),
+        Err(stopped) => return Err(arguments.stopped_failure(*stopped, &files, &circuit)),
     };
     files.write(&trace, &circuit)?;
     if arguments.patch.json {
-        return say_json(&run_document(&circuit, &settings, &trace, &files));
+        return print_json(&run_document(&circuit, &settings, &trace, &files));
     }
     let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
-    say(&(head + &readings_told(&trace)))?;
-    say(&phases_told(&trace))?;
-    say(&format!("\n{}{}", work_told(&trace), overloads_told(&trace)))?;
-    say(&files.told())
+    print(&(head + &readings_text(&trace)))?;
+    print(&phases_text(&trace))?;
+    print(&format!("\n{}{}", work_text(&trace), overloads_text(&trace)))?;
+    print(&files.text())
 }
 
-/// Runs with a bar at a terminal.
-pub(super) fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopped>> {
-    let mut progress = Progress::new(settings.whole());
-    let outcome = solve::run_watched(program, settings, &mut |time| {
-        if let Some(progress) = &mut progress {
-            progress.step(time);
-        }
-    });
-    outcome.map_err(Box::new)
+/// Runs a program and shows the progress on a terminal.
+pub(super) fn run_with_progress(program: &Program, settings: &RunSettings) -> Result<Trace, Box<StoppedRun>> {
+    let mut progress = RunProgress::new(settings.total_duration());
+    solve::run_with_progress(program, settings, &mut |time| progress.step(time)).map_err(Box::new)
 }
 
 impl Arguments {
+    /// The run settings from the patch and the options.
+    ///
+    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn.
     fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
         let settings = self.times.settings(&plan, circuit);
-        let mut settings = settings.map_err(|error| self.refused(&error, circuit))?;
+        let mut settings = settings.map_err(|error| self.failure(&error, circuit))?;
         if !self.record.is_empty() {
             settings.record = self.recorded(circuit)?;
         }
         settings.sensitivities = self.parameters(circuit)?;
-        settings.check().map_err(|error| self.refused(&error, circuit))?;
+        settings.check().map_err(|error| self.failure(&error, circuit))?;
         Ok(settings)
     }
 
-    /// The patch's plan with what the options change in it.
+    /// The run plan of the patch with the changes by the options.
+    ///
+    /// Repetition of phases cannot be specified by an option, because the phases of the patch say what is repeated.
     fn plan(&self, patch: &RunPlan) -> Result<RunPlan, Failure> {
         let mut plan = self.times.plan(patch);
         if self.repeat.is_some() && !plan.phases.is_empty() {
-            let message = "the patch's run is a list of phases, which --repeat cannot repeat: write \
-                           {\"repeat\": times, \"phases\": [...]} there, or give --for as well to run without them";
+            let message = "--repeat cannot repeat a run with phases: write {\"repeat\": times, \"phases\": [...]} in \
+                           the patch, or give --for as well to run without phases";
             return Err(Failure::usage(message));
         }
-        plan.repeat = self.repeat.map(|times| given(f64::from(times))).or(plan.repeat);
+        plan.repeat = self.repeat.map(|times| from_command_line(f64::from(times))).or(plan.repeat);
         plan.hold_on_overload |= self.hold_on_overload;
         Ok(plan)
     }
 
-    fn refused(&self, error: &RunError, circuit: &Circuit) -> Failure {
-        refused(error, circuit, self.is_to_blame(error))
+    /// The failure for an error of the run.
+    fn failure(&self, error: &RunError, circuit: &Circuit) -> Failure {
+        run_failure(error, circuit, self.is_cause_of(error))
     }
 
-    /// Whether an error comes from options rather than from the patch.
-    fn is_to_blame(&self, error: &RunError) -> bool {
+    /// Whether options, and not the patch, cause an error.
+    ///
+    /// If an option causes the error, the exit code is 2; if the patch does, it is 1.
+    fn is_cause_of(&self, error: &RunError) -> bool {
         let own = match error {
             RunError::TooManySteps { .. } => self.repeat.is_some(),
             RunError::TooManyNumbers { .. } => {
@@ -127,78 +140,89 @@ impl Arguments {
             RunError::NoDerivative { .. } => true,
             _ => false,
         };
-        own || self.times.is_to_blame(error)
+        own || self.times.is_cause_of(error)
     }
 
-    /// Writes what was recorded before the run stopped, and tells why it did.
-    fn stopped(&self, stopped: Stopped, files: &Files, circuit: &Circuit) -> Failure {
-        let Some(last) = stopped.trace.time.last() else { return self.refused(&stopped.error, circuit) };
-        let (phase, place) = (phase_told(&stopped.trace), place_told(&stopped.error, circuit));
+    /// Writes the samples before the error to the files and returns the failure.
+    ///
+    /// The failure has the keys `code`, and `recorded_until` in seconds and `files` if files were written.
+    fn stopped_failure(&self, stopped: StoppedRun, files: &Files, circuit: &Circuit) -> Failure {
+        let Some(last) = stopped.trace.time.last() else { return self.failure(&stopped.error, circuit) };
+        let (phase, place) = (phase_prefix(&stopped.trace), place_text(&stopped.error, circuit));
         let failure = |more: &str| {
-            let message = format!("{phase}{}{place}{more}", with_advice(&stopped.error));
-            Failure::data(message).with("code", stopped.error.code().into())
+            let message = format!("{phase}{}{place}{more}", message_with_advice(&stopped.error));
+            Failure::data(message).with_detail("code", stopped.error.code().into())
         };
         if files.paths().next().is_none() {
             return failure("");
         }
         if let Err(unwritten) = files.write(&stopped.trace, circuit) {
-            unwritten.tell();
+            unwritten.report();
             return failure("");
         }
-        failure(&format!("\nthe files hold the run up to t = {last} s"))
-            .with("recorded_until", (*last).into())
-            .with("files", files.json())
+        failure(&format!("\nthe files contain the run up to t = {last} s"))
+            .with_detail("recorded_until", (*last).into())
+            .with_detail("files", files.json())
     }
 
-    /// The signals asked for, and those that the pictures show if they are drawn.
+    /// The signals of `--record`, and those of the pictures if they are drawn.
     fn recorded(&self, circuit: &Circuit) -> Result<Vec<String>, Failure> {
-        let found =
-            |name: &String| circuit.recordable(name).map(str::to_owned).ok_or_else(|| missing(name, circuit));
+        let found = |name: &String| {
+            circuit.recorded_name(name).map(str::to_owned).ok_or_else(|| unknown_signal(name, circuit))
+        };
         let mut record = self.record.iter().map(found).collect::<Result<Vec<_>, _>>()?;
         if self.files.draw() {
-            record.extend(circuit.pictured());
+            record.extend(circuit.drawn_signals());
         }
-        Ok(once(record))
+        Ok(unique(record))
     }
 
-    /// The parameters by which to differentiate, and those of the pictures if they are drawn.
+    /// The parameters of `--sensitivity`, and those of the pictures if they are drawn.
+    ///
+    /// Sensitivities that the patch specifies are kept only if all signals of the patch are recorded or pictures are
+    /// drawn.
     fn parameters(&self, circuit: &Circuit) -> Result<Vec<String>, Failure> {
         let known: Vec<&str> = circuit.parameters().map(|(name, ..)| name).collect();
         match self.sensitivity.iter().find(|name| !known.contains(&name.as_str())) {
             None => {
                 let shown = if self.record.is_empty() || self.files.draw() {
-                    circuit.differentiated()
+                    circuit.sensitivity_parameters()
                 } else {
                     vec![]
                 };
-                Ok(once(self.sensitivity.iter().cloned().chain(shown).collect()))
+                Ok(unique(self.sensitivity.iter().cloned().chain(shown).collect()))
             }
             Some(name) => {
-                let hint = suggestion(name, &known).unwrap_or_else(|| "the patch has none".to_owned());
-                Err(Failure::usage(format!("there is no parameter {name} to differentiate by; {hint}")))
+                let hint = suggestion(name, &known).unwrap_or_else(|| "it has none at all".to_owned());
+                Err(Failure::usage(format!("the patch has no parameter {name}; {hint}")))
             }
         }
     }
 }
 
-/// Every name once, in the order of their first appearance.
-fn once(mut names: Vec<String>) -> Vec<String> {
+/// The names without repetitions, in the order of their first occurrence.
+fn unique(mut names: Vec<String>) -> Vec<String> {
     let mut seen = std::collections::HashSet::new();
     names.retain(|name| seen.insert(name.clone()));
     names
 }
 
-fn missing(name: &str, circuit: &Circuit) -> Failure {
+/// The failure for an unknown signal.
+fn unknown_signal(name: &str, circuit: &Circuit) -> Failure {
     let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
     let hint = suggestion(name, &known).unwrap_or_else(|| "name a drive or an element".to_owned());
-    Failure::usage(format!("there is no signal {name} to record; {hint}"))
+    Failure::usage(format!("the patch has no signal {name}; {hint}"))
 }
 
-fn work_told(trace: &Trace) -> String {
-    let total = |count: fn(&Work) -> u64| trace.sweeps.iter().map(|sweep| count(&sweep.work)).sum::<u64>();
+/// The work of the solver: steps, switchings, kinks and evaluations.
+///
+/// Sums over all runs of repetitive operation. Example: "3000 steps, 2 switchings, 1 kink, 12000 evaluations".
+fn work_text(trace: &Trace) -> String {
+    let total =
+        |count: fn(&WorkCounters) -> u64| trace.sweeps.iter().map(|sweep| count(&sweep.work)).sum::<u64>();
     let rejected = match total(|work| work.rejections) {
         0 => String::new(),
-        rejections => format!(" ({rejections} more tried too long)"),
+        rejections => format!(" ({rejections} rejected)"),
     };
     let [steps, switchings, kinks, evaluations] = [
         plural(total(|work| work.steps), "step"),
@@ -209,12 +233,15 @@ fn work_told(trace: &Trace) -> String {
     format!("{steps}{rejected}, {switchings}, {kinks}, {evaluations}\n")
 }
 
-fn overloads_told(trace: &Trace) -> String {
+/// The overloads of all runs, one per line.
+///
+/// The cause is named if an earlier overload explains it. A run that was switched to hold has a line with its time.
+fn overloads_text(trace: &Trace) -> String {
     let mut text = String::new();
     for (number, sweep) in trace.sweeps.iter().enumerate() {
         let which = if trace.sweeps.len() > 1 { format!("run {}: ", number + 1) } else { String::new() };
         for (order, overload) in sweep.overloads.iter().enumerate() {
-            text += &format!("{which}{}\n", overload_told(order, overload));
+            text += &format!("{which}{}\n", overload_text(order, overload));
         }
         if sweep.held {
             text += &format!("{which}held at t = {:.6} s\n", sweep.end);
@@ -223,6 +250,11 @@ fn overloads_told(trace: &Trace) -> String {
     if text.is_empty() { "no overload\n".to_owned() } else { text }
 }
 
+/// The result as JSON.
+///
+/// Keys in addition to those of every command on a patch: `run` (times, `repeat`, `hold_on_overload`), `samples`,
+/// `readings`, `sensitivities`, `sweeps`, `phases`, `files`. A sweep is one run of repetitive operation with `end`, the
+/// counts of work, `held` and `overloads`.
 fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Files) -> Value {
     let mut run = times_json(settings);
     run["repeat"] = trace.sweeps.len().into();

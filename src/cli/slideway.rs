@@ -1,4 +1,7 @@
 //! `patchcord slideway`
+//!
+//! The options are in the units of a workshop: poise, kgf, kN/mm, cm2, um. They are converted to SI units once, in
+//! `inputs` and `settings`.
 
 use std::path::PathBuf;
 
@@ -6,13 +9,13 @@ use clap::Args;
 
 use super::criteria::advice_on;
 use super::failure::Failure;
-use super::files::{places, prepare, put, written};
+use super::files::{distinct_destinations, prepare_outputs, write_file, written_text};
 use super::load::setting;
-use super::numbers::above_zero;
-use super::progress::Bar;
-use super::slideway_report::{self as report, criterion_told, number};
-use super::times::{FinenessArguments, with_advice};
-use super::{say, say_json};
+use super::numbers::positive;
+use super::progress::ProgressBar;
+use super::slideway_report::{self as report, criterion_text, number};
+use super::times::{StepArguments, message_with_advice};
+use super::{print, print_json};
 use patchcord::draw::plot::{self, Format, Size};
 use patchcord::instruments::parameter_line;
 use patchcord::solve::RunError;
@@ -23,92 +26,94 @@ use patchcord::thesis::slideway::units::{CM2, KGF, MM_PER_S, N_PER_MM, POISE, UM
 #[derive(Args)]
 pub(super) struct Arguments {
     /// Viscosity of the oil, in poise (1 P = 0.1 Pa s)
-    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = above_zero)]
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = positive)]
     oil: f64,
     /// The oil has a polar additive
     #[arg(long)]
     polar: bool,
-    /// Weight of the table, in kgf (what so many kg weigh)
-    #[arg(long, value_name = "KGF", allow_hyphen_values = true, value_parser = above_zero)]
+    /// Weight of the table, in kgf (numerically its mass in kg)
+    #[arg(long, value_name = "KGF", allow_hyphen_values = true, value_parser = positive)]
     weight: f64,
     /// Stiffness of the drive, in kN/mm (= MN/m)
-    #[arg(long, value_name = "KN/MM", allow_hyphen_values = true, value_parser = above_zero)]
+    #[arg(long, value_name = "KN/MM", allow_hyphen_values = true, value_parser = positive)]
     stiffness: f64,
     /// Apparent area of the slides, in cm2
-    #[arg(long, value_name = "CM2", default_value = "697", allow_hyphen_values = true, value_parser = above_zero)]
+    #[arg(long, value_name = "CM2", default_value = "697", allow_hyphen_values = true, value_parser = positive)]
     area: f64,
-    /// Width B of the ridges of its ground surfaces, in um
-    #[arg(long, value_name = "UM", default_value = "50", allow_hyphen_values = true, value_parser = above_zero)]
+    /// Width B of the ridges of the ground surfaces, in um
+    #[arg(long, value_name = "UM", default_value = "50", allow_hyphen_values = true, value_parser = positive)]
     ridge_width: f64,
     /// Height Z of the ridges, in um
-    #[arg(long, value_name = "UM", default_value = "2.5", allow_hyphen_values = true, value_parser = above_zero)]
+    #[arg(long, value_name = "UM", default_value = "2.5", allow_hyphen_values = true, value_parser = positive)]
     ridge_height: f64,
-    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units, whatever the chain
-    /// gives it; may be given several times
+    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units,
+    /// instead of the computed value; may be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     set: Vec<(String, f64)>,
-    /// By how many percent every advice changes its quantity
+    /// By how many percent each piece of advice changes its quantity
     #[arg(long = "by", value_name = "PERCENT", default_value = "10", allow_hyphen_values = true, value_parser = percent)]
     percent: f64,
-    /// Velocity counts as oscillating where it swings by more, peak to peak, in mm/s ...
-    #[arg(long, value_name = "MM/S", default_value = "0.25", allow_hyphen_values = true, value_parser = above_zero)]
+    /// The velocity oscillates if it swings by more than this, peak to peak, within a window; in mm/s
+    #[arg(long, value_name = "MM/S", default_value = "0.25", allow_hyphen_values = true, value_parser = positive)]
     threshold: f64,
-    /// ... within this time, in s (without it: 0.04, or the period of the table on its drive if that is longer)
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = above_zero)]
+    /// Length of the window, in s (default: 0.04, or the period of the table on its drive if that is longer)
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive)]
     window: Option<f64>,
     #[command(flatten)]
-    fineness: FinenessArguments,
-    /// Draw the velocity profile; SVG or PNG by the name of the file
+    steps: StepArguments,
+    /// Draw the velocity profile; the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write the circuit as a patch: `patchcord run` makes the same run of it
+    /// Write the circuit as a patch, with which `patchcord run` reproduces the simulation
     #[arg(long, value_name = "FILE.json")]
     out: Option<PathBuf>,
-    /// Print one JSON document on standard output, in SI units, and nothing else there
+    /// Print one JSON document in SI units on standard output, and nothing else there
     #[arg(long)]
     json: bool,
 }
 
+/// Parses a percentage between 0 and 100.
 fn percent(text: &str) -> Result<f64, String> {
-    let percent = above_zero(text)?;
-    if percent < 100.0 { Ok(percent) } else { Err("less than 100 % is wanted".to_owned()) }
+    let percent = positive(text)?;
+    if percent < 100.0 { Ok(percent) } else { Err("must be less than 100 %".to_owned()) }
 }
 
-/// Two pictures one below the other, each of this size.
+/// Size of each of the two pictures, in pixels.
 const PANEL: Size = Size { width: 900, height: 440 };
 
+/// The JSON form of a failure is selected here.
 pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
-    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.json))
+    execute(arguments).map_err(|failure| failure.with_json_output(arguments.json))
 }
 
-fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+/// The chain takes eight runs: the slideway as it is, and one for each piece of advice.
+fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_ref().map(|path| Format::from_path(path)).transpose();
     let format = format.map_err(|error| Failure::usage(error.to_string()))?;
-    places(arguments.files())?;
+    distinct_destinations(arguments.files())?;
     let settings = arguments.settings();
-    let chain = watched(&arguments.inputs(), &settings).map_err(|error| arguments.refused(error))?;
-    prepare(None, arguments.files())?;
+    let chain = run_chain(&arguments.inputs(), &settings).map_err(|error| arguments.failure(error))?;
+    prepare_outputs(None, arguments.files())?;
     arguments.write(&chain, format)?;
     if arguments.json {
         let files = arguments.files().map(|path| path.display().to_string()).collect();
-        return say_json(&report::json(&chain, files));
+        return print_json(&report::json(&chain, files));
     }
-    say(&report::told(&chain))?;
-    let files = written(arguments.files());
-    say(&if files.is_empty() { files } else { format!("\n{files}") })
+    print(&report::text(&chain))?;
+    let files = written_text(arguments.files());
+    print(&if files.is_empty() { files } else { format!("\n{files}") })
 }
 
-/// The chain with a bar at a terminal.
-fn watched(inputs: &Inputs, settings: &Settings) -> Result<Chain, ChainError> {
-    let mut bar = Bar::new("critical velocities");
-    Chain::watched(inputs, settings, |done, all| {
-        if let Some(bar) = &mut bar {
-            bar.done(done, all);
-        }
-    })
+/// Runs the chain with a progress bar.
+///
+/// The bar counts finished runs.
+fn run_chain(inputs: &Inputs, settings: &Settings) -> Result<Chain, ChainError> {
+    let mut bar = ProgressBar::new("critical velocities");
+    Chain::with_progress(inputs, settings, |done, all| bar.done(done, all))
 }
 
 impl Arguments {
+    /// The inputs in SI units.
     fn inputs(&self) -> Inputs {
         Inputs {
             viscosity: self.oil * POISE,
@@ -120,8 +125,9 @@ impl Arguments {
         }
     }
 
+    /// The settings of the simulation in SI units.
     fn settings(&self) -> Settings {
-        let FinenessArguments { step, tolerance, every, backend } = self.fineness;
+        let StepArguments { step, tolerance, every, backend } = self.steps;
         Settings {
             set: self.set.clone(),
             threshold: self.threshold * MM_PER_S,
@@ -135,25 +141,27 @@ impl Arguments {
         }
     }
 
+    /// The files to write.
     fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.out.iter().chain(&self.plot)
     }
 
+    /// Writes the patch and the picture.
     fn write(&self, chain: &Chain, format: Option<Format>) -> Result<(), Failure> {
         if let Some(path) = &self.out {
-            put(path, chain.simulation.patch().text().as_bytes())?;
+            write_file(path, chain.simulation.patch().text().as_bytes())?;
         }
         if let Some((path, format)) = self.plot.as_ref().zip(format) {
             let line = parameter_line(&chain.simulation.circuit);
-            let criterion = criterion_told(&chain.simulation);
+            let criterion = criterion_text(&chain.simulation);
             let bytes = plot::render(&pictures(chain, [&line, &criterion]), format, PANEL);
-            put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+            write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
         }
         Ok(())
     }
 
-    /// What the error says, and which option helps.
-    fn refused(&self, error: ChainError) -> Failure {
+    /// The failure for an error of the chain, with the option that helps.
+    fn failure(&self, error: ChainError) -> Failure {
         match error {
             ChainError::Circuit(report) => report.into(),
             ChainError::Overload { .. } | ChainError::Document(_) => Failure::data(error.to_string()),
@@ -161,11 +169,11 @@ impl Arguments {
                 let message = match error {
                     RunError::TooManySteps { .. } => format!("{error}: give a longer --step"),
                     RunError::TooManyNumbers { .. } => format!("{error}: give a longer --every"),
-                    _ => with_advice(&error),
+                    _ => message_with_advice(&error),
                 };
-                let is_to_blame = self.fineness.is_to_blame(&error);
-                let failure = if is_to_blame { Failure::usage(message) } else { Failure::data(message) };
-                failure.with("code", error.code().into())
+                let is_usage = self.steps.is_cause_of(&error);
+                let failure = if is_usage { Failure::usage(message) } else { Failure::data(message) };
+                failure.with_detail("code", error.code().into())
             }
             error => match self.advice(&error) {
                 Some(advice) => Failure::usage(format!("{error}: {advice}")),
@@ -174,21 +182,21 @@ impl Arguments {
         }
     }
 
-    /// The options that put an error right.
+    /// The option that helps against an error; None if there is none.
     fn advice(&self, error: &ChainError) -> Option<String> {
         let advice = match error {
             ChainError::Input { inputs, .. } => {
                 return Some(inputs.iter().map(|input| option(*input)).collect::<Vec<_>>().join(" and "));
             }
-            ChainError::BeyondCircuit(beyond) | ChainError::BeyondScales { beyond, .. } => {
-                if self.set.iter().any(|(name, _)| *name == beyond.name) {
-                    return Some(format!("it is set by --set {}", beyond.name));
+            ChainError::OutsideCircuitRange(violation) | ChainError::OutsideScaleRange { violation, .. } => {
+                if self.set.iter().any(|(name, _)| *name == violation.name) {
+                    return Some(format!("it is set by --set {}", violation.name));
                 }
-                if beyond.name == "K" {
-                    let bounds = beyond.bounds.map(|bound| number(bound / (1e3 * N_PER_MM)));
+                if violation.name == "K" {
+                    let bounds = violation.bounds.map(|bound| number(bound / (1e3 * N_PER_MM)));
                     return Some(format!("--stiffness takes {} kN/mm", bounds.join(" ... ")));
                 }
-                origin(&beyond.name)?
+                origin(&violation.name)?
             }
             ChainError::NoRise { .. } => "change it with --set",
             ChainError::Unread(error) => return advice_on(error, "a lower v_rate"),
@@ -198,7 +206,7 @@ impl Arguments {
     }
 }
 
-/// The option that gives an input.
+/// The option for an input.
 fn option(input: Input) -> &'static str {
     match input {
         Input::Viscosity => "--oil",
@@ -210,7 +218,9 @@ fn option(input: Input) -> &'static str {
     }
 }
 
-/// The options that a parameter of the circuit follows from.
+/// The options on which a parameter of the circuit depends.
+///
+/// None for a parameter that only `--set` changes.
 fn origin(parameter: &str) -> Option<&'static str> {
     match parameter {
         "M" => Some("it follows from --weight"),

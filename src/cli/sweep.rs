@@ -1,4 +1,7 @@
 //! `patchcord sweep`
+//!
+//! Rows go to standard output as CSV, or to a file. A file is also a journal: a sweep that was interrupted continues
+//! after the last complete row. All combinations of `--vary` are run, and the last one changes fastest.
 
 use std::path::{Path, PathBuf};
 use std::{io, thread};
@@ -7,122 +10,132 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
-use super::files::{check_apart, prepare, written};
-use super::load::{Loaded, PatchArguments, document};
+use super::files::{check_distinct_from_patch, prepare_outputs, written_text};
+use super::load::{LoadedPatch, PatchArguments, document};
 use super::numbers::threads;
-use super::progress::Bar;
-use super::times::{TimeArguments, refused, times_json};
-use super::{say, say_json, tell};
+use super::progress::ProgressBar;
+use super::times::{TimeArguments, run_failure, times_json};
+use super::{eprint, print, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::instruments::{Column, Measure, measures};
+use patchcord::instruments::{Measure, MeasureColumn, measures};
 use patchcord::ir::Program;
 use patchcord::output::destination;
-use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, Tally};
+use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, SweepSummary};
 
 #[derive(Args)]
-#[command(after_help = measures_told())]
+#[command(after_help = measures_text())]
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Vary a parameter, in the unit that the patch declares: NAME=FIRST:LAST:COUNT, the same with :log behind it, or
-    /// NAME=VALUE,VALUE,...; of several every combination is run, the last changing from run to run
+    /// Vary a parameter, in the unit that the patch declares: NAME=FIRST:LAST:COUNT, NAME=FIRST:LAST:COUNT:log or
+    /// NAME=VALUE,VALUE,...; may be given several times: all combinations are run, and the last parameter changes
+    /// fastest
     #[arg(long, value_name = "NAME=VALUES")]
     vary: Vec<String>,
-    /// Take settings row by row from a CSV file with the names of parameters in its first line
+    /// Read parameter values from a CSV file: parameter names in the first line, then one line per run
     #[arg(long, value_name = "FILE.csv")]
     rows: Option<PathBuf>,
-    /// Measure this of every run; may be given several times
+    /// Measure this quantity of every run; may be given several times
     #[arg(long, value_name = "MEASURE")]
     measure: Vec<String>,
     #[command(flatten)]
     times: TimeArguments,
-    /// How many runs are made at the same time; as many as there are cores where it is not given
+    /// Number of threads (default: number of cores)
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = threads)]
     threads: Option<usize>,
-    /// Append the rows to this CSV file; a sweep that was killed goes on where it was
+    /// Append the rows to this CSV file; an interrupted sweep is continued
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-fn measures_told() -> String {
-    let told = measures().map(|(written, meaning)| format!("  {written}\n      {meaning}\n"));
-    format!("Measures:\n{}", told.collect::<String>())
+/// The list of measures for the help text.
+fn measures_text() -> String {
+    let lines = measures().map(|(syntax, meaning)| format!("  {syntax}\n      {meaning}\n"));
+    format!("Measures:\n{}", lines.collect::<String>())
 }
 
+/// The JSON form of a failure is selected here.
 pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
-    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
+    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
 }
 
-fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+/// A failed run is not an error of the command: its row has the reason, and the summary counts it.
+fn execute(arguments: &Arguments) -> Result<(), Failure> {
     arguments.check_files()?;
     let axes = arguments.vary.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>();
-    let axes = axes.map_err(unplanned)?;
-    let Loaded { circuit, program } = arguments.patch.load()?;
+    let axes = axes.map_err(plan_failure)?;
+    let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let sweep = arguments.sweep(axes, &circuit, program)?;
-    let (mut progress, runs) = (Bar::new("runs"), sweep.plan().runs());
-    let mut progress = |done| {
-        if let Some(progress) = &mut progress {
-            progress.done(done, runs);
-        }
-    };
+    let (mut progress, runs) = (ProgressBar::new("runs"), sweep.plan().runs());
+    let mut progress = |done| progress.done(done, runs);
     let Some(out) = &arguments.out else {
-        return told_on_output(sweep.write(&mut io::stdout().lock(), arguments.threads(), &mut progress));
+        return report_output(sweep.write(&mut io::stdout().lock(), arguments.threads(), &mut progress));
     };
-    prepare(None, [out].into_iter())?;
-    let tally = sweep.append_to(out, arguments.threads(), &mut progress).map_err(not_gone_on)?;
+    prepare_outputs(None, [out].into_iter())?;
+    let summary = sweep.append_to(out, arguments.threads(), &mut progress).map_err(journal_failure)?;
     if arguments.patch.json {
-        return say_json(&arguments.document(&circuit, &sweep, tally, out));
+        return print_json(&arguments.document(&circuit, &sweep, summary, out));
     }
-    say(&format!("{}{}", tally_told(tally), written([out].into_iter())))
+    print(&format!("{}{}", summary_text(summary), written_text([out].into_iter())))
 }
 
 impl Arguments {
+    /// Checks that the output file is given if necessary and is not an input file.
     fn check_files(&self) -> Result<(), Failure> {
         let Some(out) = &self.out else {
-            let message = "with --json the rows need a file of their own: give --out FILE";
+            let message = "with --json the rows cannot go to standard output: give --out FILE";
             return if self.patch.json { Err(Failure::usage(message)) } else { Ok(()) };
         };
-        check_apart(&self.patch.patch, [out].into_iter())?;
+        check_distinct_from_patch(&self.patch.patch, [out].into_iter())?;
         let is_out =
             |rows: &PathBuf| destination(rows).ok().zip(destination(out).ok()).is_some_and(|(a, b)| a == b);
         if self.rows.as_ref().is_some_and(is_out) {
-            return Err(Failure::usage(format!("{} holds the settings to run", out.display())));
+            return Err(Failure::usage(format!("{} is the input of --rows", out.display())));
         }
         Ok(())
     }
 
+    /// Creates the sweep from the options.
+    ///
+    /// # Errors
+    /// If a parameter is both set and varied, a measure is unknown, or the times of the run are wrong.
     fn sweep(&self, axes: Vec<Axis>, circuit: &Circuit, program: Program) -> Result<Sweep, Failure> {
         let rows = self.rows.iter().map(|path| Axis::read(path, &program)).collect::<Result<Vec<_>, _>>();
-        // Rows of a file change most slowly.
-        let axes = rows.map_err(unplanned)?.into_iter().chain(axes).collect();
-        let plan = Plan::new(axes, &program).map_err(unplanned)?;
+        // The axis of the file is the first, so it changes slowest.
+        let axes = rows.map_err(plan_failure)?.into_iter().chain(axes).collect();
+        let plan = Plan::new(axes, &program).map_err(plan_failure)?;
         if let Some((name, _)) = self.patch.set.iter().find(|(set, _)| plan.names().any(|name| name == set)) {
-            return Err(Failure::usage(format!("{name} is set and varied: leave out --set {name}=...")));
+            return Err(Failure::usage(format!("{name} is set and varied: remove --set {name}=...")));
         }
         let measures = self.measure.iter().map(|text| Measure::parse(text, program.signals()));
         let measures = measures.collect::<Result<Vec<_>, _>>();
         let measures = measures.map_err(|error| Failure::usage(error.to_string()))?;
         let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
-        let settings = settings.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
+        let settings =
+            settings.map_err(|error| run_failure(&error, circuit, self.times.is_cause_of(&error)))?;
         Sweep::new(circuit.patch(), program, settings, plan, measures)
-            .map_err(|error| self.unmade(error, circuit))
+            .map_err(|error| self.sweep_failure(error, circuit))
     }
 
-    fn unmade(&self, error: SweepError, circuit: &Circuit) -> Failure {
+    /// The failure for an error of the sweep, with the option that helps.
+    fn sweep_failure(&self, error: SweepError, circuit: &Circuit) -> Failure {
         match error {
-            SweepError::Run(error) => refused(&error, circuit, self.times.is_to_blame(&error)),
+            SweepError::Run(error) => run_failure(&error, circuit, self.times.is_cause_of(&error)),
             SweepError::NoMeasure => {
-                Failure::usage(format!("{error}: give --measure MEASURE\n\n{}", measures_told().trim_end()))
+                Failure::usage(format!("{error}: give --measure MEASURE\n\n{}", measures_text().trim_end()))
             }
             SweepError::Phases(_) => Failure::usage(format!(
-                "{error}: measure voltmeter, peak, least or most, or give --for to run without phases"
+                "{error}: use voltmeter, peak, least or most, or give --for to run without phases"
             )),
             SweepError::SameColumn(_) => Failure::usage(error.to_string()),
         }
     }
 
-    fn document(&self, circuit: &Circuit, sweep: &Sweep, tally: Tally, out: &Path) -> Value {
-        let column = |column: Column| json!({"name": column.name, "unit": column.unit});
+    /// Keys in addition to those of every command on a patch: `run`, `sweep` and `files`. `sweep` has `vary` (texts),
+    /// `columns` (`name`, `unit`), `runs`, `threads`, and the counts `kept` of earlier rows, `written`, `failed` and
+    /// `noted`.
+    fn document(&self, circuit: &Circuit, sweep: &Sweep, summary: SweepSummary, out: &Path) -> Value {
+        let column = |column: MeasureColumn| json!({"name": column.name, "unit": column.unit});
         let more = json!({
             "run": times_json(sweep.settings()),
             "sweep": {
@@ -130,40 +143,42 @@ impl Arguments {
                 "columns": sweep.columns().into_iter().map(column).collect::<Value>(),
                 "runs": sweep.plan().runs(),
                 "threads": self.threads(),
-                "kept": tally.kept,
-                "written": tally.written,
-                "failed": tally.failed,
-                "noted": tally.noted,
+                "kept": summary.kept,
+                "written": summary.written,
+                "failed": summary.failed,
+                "noted": summary.noted,
             },
             "files": [out.display().to_string()],
         });
         document(circuit, more)
     }
 
+    /// The number of threads: as given, or the number of cores.
     fn threads(&self) -> usize {
         self.threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
     }
 }
 
-/// A file of rows is data, everything else stands on the command line.
-fn unplanned(error: PlanError) -> Failure {
+/// The failure for an error of the plan. A file of rows is data; everything else is part of the command line.
+fn plan_failure(error: PlanError) -> Failure {
     match error {
         PlanError::Rows { .. } | PlanError::Unread { .. } => Failure::data(error.to_string()),
         PlanError::Nothing => {
-            Failure::usage("nothing is varied: give --vary NAME=FIRST:LAST:COUNT or --rows FILE.csv")
+            Failure::usage("no parameter is varied: give --vary NAME=FIRST:LAST:COUNT or --rows FILE.csv")
         }
         error => Failure::usage(error.to_string()),
     }
 }
 
-fn not_gone_on(error: JournalError) -> Failure {
+/// The file of an earlier sweep with other settings, or one that cannot be written.
+fn journal_failure(error: JournalError) -> Failure {
     Failure::data(error.to_string())
 }
 
-/// Rows on standard output are followed by nothing there. A reader that has gone away is no error of ours.
-fn told_on_output(outcome: io::Result<Tally>) -> Result<(), Failure> {
+/// Reports failed runs on standard error if the rows went to standard output. A closed pipe is not an error.
+fn report_output(outcome: io::Result<SweepSummary>) -> Result<(), Failure> {
     match outcome {
-        Ok(tally) if tally.failed > 0 => tell(tally_told(tally).trim_end()),
+        Ok(summary) if summary.failed > 0 => eprint(summary_text(summary).trim_end()),
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             return Err(Failure::data(format!("cannot write to standard output: {error}")));
         }
@@ -172,11 +187,12 @@ fn told_on_output(outcome: io::Result<Tally>) -> Result<(), Failure> {
     Ok(())
 }
 
-fn tally_told(tally: Tally) -> String {
-    let of_which = match tally.kept {
+/// "2 runs: 0 failed, 0 with a note".
+fn summary_text(summary: SweepSummary) -> String {
+    let existing = match summary.kept {
         0 => ":".to_owned(),
-        kept => format!(", {kept} more were there; of all"),
+        kept => format!(", {kept} more in the file; in total"),
     };
-    let Tally { failed, noted, .. } = tally;
-    format!("{}{of_which} {failed} failed, {noted} with a note\n", plural(tally.written, "run"))
+    let SweepSummary { failed, noted, .. } = summary;
+    format!("{}{existing} {failed} failed, {noted} with a note\n", plural(summary.written, "run"))
 }

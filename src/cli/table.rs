@@ -1,37 +1,40 @@
-//! Tables of text for the terminal.
+//! Text tables for the terminal.
 
-/// Rows of cells under headings, in columns as wide as they need; cells that are numbers stand to the right.
+/// Rows of cells under headings. Each column is as wide as necessary; columns of numbers are aligned right.
 pub(super) struct Table {
+    /// The headings, then the rows.
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
+    /// An empty table with constant headings.
     pub fn new<const N: usize>(headings: [&str; N]) -> Self {
         Table::with(headings.map(str::to_owned))
     }
 
-    /// The same with headings that are made as the table is.
+    /// An empty table with computed headings.
     pub fn with(headings: impl Into<Vec<String>>) -> Self {
         Table { rows: vec![headings.into()] }
     }
 
-    /// The text of a table whose rows are known.
-    pub fn told<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
+    /// The text of a table with these rows.
+    pub fn from_rows<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
         let mut table = Table::new(headings);
         rows.iter().for_each(|row| table.row(row.clone()));
         table.text()
     }
 
+    /// Appends a row with one cell per heading.
     pub fn row(&mut self, cells: impl Into<Vec<String>>) {
         self.rows.push(cells.into());
     }
 
-    /// Takes the first column away.
+    /// Removes the first column.
     pub fn drop_first(&mut self) {
         self.rows.iter_mut().for_each(|row| drop(row.remove(0)));
     }
 
-    /// The table, each line ended; nothing where there are no rows.
+    /// The table as text; empty if it has no rows.
     pub fn text(&self) -> String {
         if self.rows.len() < 2 {
             return String::new();
@@ -42,15 +45,18 @@ impl Table {
         self.rows.iter().map(|row| line(row, &widths, &numeric)).collect()
     }
 
+    /// Width of a column in characters.
     fn width(&self, column: usize) -> usize {
         self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0)
     }
 
+    /// Whether all cells of a column below the heading are numbers or empty.
     fn is_numeric(&self, column: usize) -> bool {
         self.rows[1..].iter().all(|row| row[column].is_empty() || row[column].parse::<f64>().is_ok())
     }
 }
 
+/// Pads the cells to the widths. Two spaces separate columns, and spaces at the end are removed.
 fn line(row: &[String], widths: &[usize], numeric: &[bool]) -> String {
     let cells = row.iter().zip(widths).zip(numeric).map(|((cell, width), numeric)| {
         if *numeric { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
@@ -64,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn columns_line_up() {
+    fn columns_are_aligned() {
         let mut table = Table::new(["name", "volts"]);
         table.row(["A1".into(), "100".into()]);
         table.row(["long".into(), "-5".into()]);

@@ -1,4 +1,4 @@
-//! The options that tell how long and how finely to run, and what is said of runs that cannot be made.
+//! Options for length, step and recording interval of a run, and failures of runs with the options that help.
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -8,62 +8,62 @@ use super::failure::Failure;
 use patchcord::circuit::Circuit;
 use patchcord::document::{Placed, Span};
 use patchcord::patch::RunPlan;
-use patchcord::solve::{Backend, LEAST_TOLERANCE, RunError, RunSettings, TimeSetting};
+use patchcord::solve::{Backend, MIN_TOLERANCE, RunError, RunSettings, TimeSetting};
 
 #[derive(Args)]
 pub(super) struct TimeArguments {
-    /// How long to run, in problem seconds: one initial condition and operate, whatever phases the patch has
+    /// Length of the run in problem seconds: one initial condition and operate, instead of the phases of the patch
     #[arg(long = "for", value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     duration: Option<f64>,
     #[command(flatten)]
-    fineness: FinenessArguments,
+    steps: StepArguments,
 }
 
 #[derive(Args)]
-pub(super) struct FinenessArguments {
+pub(super) struct StepArguments {
     /// Step of the solver, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     pub step: Option<f64>,
-    /// Steps as long as this allows: what the errors of all steps may add up to, as a share of 100 V, say 1e-6
+    /// Choose the step by this tolerance: the sum of the errors of all steps, as a fraction of 100 V, such as 1e-6
     #[arg(long = "tol", value_name = "SHARE", allow_hyphen_values = true, value_parser = share, conflicts_with = "step")]
     pub tolerance: Option<f64>,
     /// Time between recorded samples, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     pub every: Option<f64>,
-    /// What works the steps out; all but the reference give the same bits. Native code is made of up to about 1100
-    /// elements, more are interpreted; with a tolerance the reference takes all steps, whatever is chosen here
+    /// Backend of the solver; all except reference give identical bits. Native code supports up to about 1100 elements,
+    /// larger patches are interpreted. With --tol the reference backend is always used
     #[arg(long, value_name = "BACKEND", value_parser = backend(), default_value_t)]
     pub backend: Backend,
 }
 
-/// The names of backends, which stand in the help and in completions.
+/// Parses the name of a backend. The names are listed in the help and in completions.
 fn backend() -> impl TypedValueParser<Value = Backend> {
     let named = |name: String| Backend::ALL.into_iter().find(|backend| backend.name() == name);
     PossibleValuesParser::new(Backend::ALL.map(Backend::name))
         .map(move |name| named(name).unwrap_or_default())
 }
 
+/// Parses a positive time.
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
     if seconds > 0.0 && seconds.is_finite() {
         Ok(seconds)
     } else {
-        Err("a time above 0 s is wanted".to_owned())
+        Err("must be a positive time in seconds".to_owned())
     }
 }
 
+/// Parses a tolerance.
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
-    if (LEAST_TOLERANCE..1.0).contains(&share) {
+    if (MIN_TOLERANCE..1.0).contains(&share) {
         Ok(share)
     } else {
-        Err(format!(
-            "a number from {LEAST_TOLERANCE:e} to 1 is wanted, say 1e-6: the rounding of numbers is no smaller"
-        ))
+        Err(format!("must be from {MIN_TOLERANCE:e} to 1, such as 1e-6: rounding errors are not smaller"))
     }
 }
 
-/// How long and how finely a run goes, for `--json`.
+/// Length, step and recording interval for `--json`.
 pub(super) fn times_json(settings: &RunSettings) -> Value {
     json!({
         "for": settings.duration(),
@@ -73,58 +73,58 @@ pub(super) fn times_json(settings: &RunSettings) -> Value {
     })
 }
 
-/// A value that stands on the command line.
-pub(super) fn given(value: f64) -> Placed<f64> {
+/// A value from the command line, which has no place in a file.
+pub(super) fn from_command_line(value: f64) -> Placed<f64> {
     Placed { value, span: Span::default() }
 }
 
 impl TimeArguments {
-    /// The patch's plan with what the options change in it.
+    /// The run plan of the patch with the changes by the options.
     pub fn plan(&self, patch: &RunPlan) -> RunPlan {
         let mut plan = patch.clone();
         if self.duration.is_some() {
             plan.phases.clear();
         }
-        let FinenessArguments { step, tolerance, every, .. } = self.fineness;
-        plan.duration = self.duration.map(given).or(plan.duration);
-        plan.step = step.map(given).or(plan.step);
-        // Who gives a step wants equal ones, who gives a tolerance does not.
+        let StepArguments { step, tolerance, every, .. } = self.steps;
+        plan.duration = self.duration.map(from_command_line).or(plan.duration);
+        plan.step = step.map(from_command_line).or(plan.step);
+        // An explicit step means equal steps, so it overrides a tolerance of the patch.
         plan.tolerance = match step {
             Some(_) => None,
-            None => tolerance.map(given).or(plan.tolerance),
+            None => tolerance.map(from_command_line).or(plan.tolerance),
         };
-        plan.every = every.map(given).or(plan.every);
+        plan.every = every.map(from_command_line).or(plan.every);
         plan
     }
 
-    /// How a plan is run.
+    /// The run settings for a plan.
     ///
     /// # Errors
     /// Those of [`RunSettings::new`].
     pub fn settings(&self, plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
-        Ok(RunSettings { backend: self.fineness.backend, ..RunSettings::new(plan, circuit)? })
+        Ok(RunSettings { backend: self.steps.backend, ..RunSettings::new(plan, circuit)? })
     }
 
-    /// Whether an error comes from these options rather than from the patch.
-    pub fn is_to_blame(&self, error: &RunError) -> bool {
-        matches!(error, RunError::Missing(_))
-            || (self.duration.is_some() && is_of_times(error))
-            || self.fineness.is_to_blame(error)
+    /// Whether these options, and not the patch, cause an error.
+    pub fn is_cause_of(&self, error: &RunError) -> bool {
+        matches!(error, RunError::MissingTimes(_))
+            || (self.duration.is_some() && concerns_times(error))
+            || self.steps.is_cause_of(error)
     }
 }
 
-impl FinenessArguments {
-    /// Whether an error comes from these options rather than from what is run.
-    pub fn is_to_blame(&self, error: &RunError) -> bool {
+impl StepArguments {
+    /// Whether these options cause an error.
+    pub fn is_cause_of(&self, error: &RunError) -> bool {
         match error {
             RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => self.step.is_some(),
-            _ => is_of_times(error) && (self.step.is_some() || self.every.is_some()),
+            _ => concerns_times(error) && (self.step.is_some() || self.every.is_some()),
         }
     }
 }
 
-/// Whether the times of a run do not go with each other, or are too many.
-fn is_of_times(error: &RunError) -> bool {
+/// Whether the times of a run are inconsistent, or give too many steps or samples.
+fn concerns_times(error: &RunError) -> bool {
     matches!(
         error,
         RunError::LongerThanRun { .. }
@@ -134,47 +134,48 @@ fn is_of_times(error: &RunError) -> bool {
     )
 }
 
-/// What the error says, which option helps, and where. Who gave options is asked to give others.
-pub(super) fn refused(error: &RunError, circuit: &Circuit, is_to_blame: bool) -> Failure {
-    let message = with_advice(error) + &place_told(error, circuit);
-    let failure = if is_to_blame { Failure::usage(message) } else { Failure::data(message) };
-    failure.with("code", error.code().into())
+/// The failure for an error of a run, with the option that helps and the place in the patch. `is_usage`: options
+/// cause it.
+pub(super) fn run_failure(error: &RunError, circuit: &Circuit, is_usage: bool) -> Failure {
+    let message = message_with_advice(error) + &place_text(error, circuit);
+    let failure = if is_usage { Failure::usage(message) } else { Failure::data(message) };
+    failure.with_detail("code", error.code().into())
 }
 
-/// Where the patch speaks of the element that an error is about.
-pub(super) fn place_told(error: &RunError, circuit: &Circuit) -> String {
-    let guilty = error.element().and_then(|element| Some((element, circuit.place_of(element)?)));
-    let Some((element, (line, column))) = guilty else { return String::new() };
+/// The place in the patch of the element that an error concerns, on a new line. Empty if there is none.
+pub(super) fn place_text(error: &RunError, circuit: &Circuit) -> String {
+    let concerned = error.element().and_then(|element| Some((element, circuit.position_of(element)?)));
+    let Some((element, (line, column))) = concerned else { return String::new() };
     format!("\n  --> {}:{line}:{column}: {element}", circuit.patch().file())
 }
 
-/// What an error says, and which option helps.
-pub(super) fn with_advice(error: &RunError) -> String {
+/// The message of an error and the option that helps.
+pub(super) fn message_with_advice(error: &RunError) -> String {
     match advice(error) {
         Some(advice) => format!("{error}: {advice}"),
         None => error.to_string(),
     }
 }
 
-/// The options that put an error right.
+/// The option that helps against an error; None if there is none.
 pub(super) fn advice(error: &RunError) -> Option<String> {
     let option = |time: &TimeSetting| match time {
         TimeSetting::Step => "--step or --tol".to_owned(),
         _ => format!("--{}", time.key()),
     };
     match error {
-        RunError::Missing(times) => {
+        RunError::MissingTimes(times) => {
             Some(format!("give {}", times.iter().map(option).collect::<Vec<_>>().join(" and ")))
         }
         RunError::LongerThanRun { which, .. } => Some(format!("give a shorter one with {}", option(which))),
         RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => {
-            Some("give one with --step, or a tolerance with --tol".to_owned())
+            Some("give a step with --step, or a tolerance with --tol".to_owned())
         }
         RunError::TooManySteps { .. } => {
-            Some("give a longer --step or a shorter --for, or repeat it less".to_owned())
+            Some("give a longer --step, a shorter --for or fewer repetitions".to_owned())
         }
         RunError::TooManyNumbers { .. } => {
-            Some("give a longer --every or a shorter --for, or repeat it less".to_owned())
+            Some("give a longer --every, a shorter --for or fewer repetitions".to_owned())
         }
         _ => None,
     }

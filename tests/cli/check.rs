@@ -1,10 +1,10 @@
-//! `patchcord check`, and what its problem check and a run say of the same patch.
+//! `patchcord check`, compared with a run of the same patch.
 
 use std::fs;
 
 use crate::cli::{code, json, out, patchcord, path};
 
-/// 30 V at P, and a summer asked for -300 V by it; P is read with factors and without a scale.
+/// P has 30 V, and the summer S would need -300 V. P is read with factors and without a scale.
 fn overdriven(folder: &tempfile::TempDir) -> String {
     let file = path(folder, "overdriven.json");
     let patch = r#"{
@@ -22,15 +22,15 @@ fn overdriven(folder: &tempfile::TempDir) -> String {
 }
 
 #[test]
-fn the_problem_check_tells_lamps_that_are_lit() {
+fn the_problem_check_reports_overloads() {
     let folder = tempfile::tempdir().unwrap();
     let file = overdriven(&folder);
-    let told = patchcord(&["check", &file]);
-    assert_eq!(code(&told), 0);
+    let report = patchcord(&["check", &file]);
+    assert_eq!(code(&report), 0);
     assert!(
-        out(&told).contains("overload: S at t = 0.000000 s, asked for 300.0 V (first)"),
+        out(&report).contains("overload: S at t = 0.000000 s, needs 300.0 V (first)"),
         "{}",
-        out(&told)
+        out(&report)
     );
     let document = json(&patchcord(&["check", &file, "--json"]));
     assert_eq!(document["overloads"][0]["element"], "S");
@@ -39,10 +39,10 @@ fn the_problem_check_tells_lamps_that_are_lit() {
 }
 
 #[test]
-fn the_problem_check_tells_positions() {
+fn the_problem_check_reports_positions() {
     let thermostat = "patches/lessons/relay-thermostat.json";
-    let told = out(&patchcord(&["check", thermostat, "--voltages"]));
-    assert!(told.contains("volts  position") && told.contains("pulled-in"), "{told}");
+    let report = out(&patchcord(&["check", thermostat, "--voltages"]));
+    assert!(report.contains("volts  position") && report.contains("pulled-in"), "{report}");
     let document = json(&patchcord(&["check", thermostat, "--json"]));
     let relay = document["voltages"].as_array().unwrap().iter().find(|read| read["kind"] == "relay");
     assert_eq!(relay.unwrap()["position"], "pulled-in");
@@ -51,7 +51,7 @@ fn the_problem_check_tells_positions() {
 }
 
 #[test]
-fn a_factor_counts_without_a_scale() {
+fn a_factor_applies_without_a_scale() {
     let folder = tempfile::tempdir().unwrap();
     let file = overdriven(&folder);
     let document = json(&patchcord(&["run", &file, "--json"]));
@@ -61,7 +61,7 @@ fn a_factor_counts_without_a_scale() {
 }
 
 #[test]
-fn a_parameter_that_was_set_to_0_is_told() {
+fn a_parameter_set_to_0_is_printed() {
     let folder = tempfile::tempdir().unwrap();
     let file = overdriven(&folder);
     let ran = patchcord(&["run", &file, "--set", "share=0"]);
@@ -72,7 +72,7 @@ fn a_parameter_that_was_set_to_0_is_told() {
 #[test]
 fn a_pure_number_has_no_unit() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = patchcord(&["check", &overdriven(&folder), "--set", "share=2"]);
-    let told = crate::cli::errors(&refused);
-    assert!(told.contains("share = 2 is outside its range 0 ... 1\n"), "{told}");
+    let failed = patchcord(&["check", &overdriven(&folder), "--set", "share=2"]);
+    let report = crate::cli::errors(&failed);
+    assert!(report.contains("share = 2 is outside its range 0 ... 1\n"), "{report}");
 }

@@ -1,4 +1,4 @@
-//! What shells are given to complete commands and options.
+//! `patchcord completions`: scripts that complete commands and options in shells.
 
 use super::{code, errors, out, patchcord};
 
@@ -7,12 +7,12 @@ fn every_shell_gets_every_command_and_option() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let script = out(&patchcord(&["completions", shell]));
         for word in ["check", "run", "elements", "machines", "new", "hold-on-overload", "voltages"] {
-            assert!(script.contains(word), "{shell} is told nothing of {word}");
+            assert!(script.contains(word), "the script for {shell} lacks {word}");
         }
     }
 }
 
-/// What bash offers for the last of some words.
+/// The completions that bash offers for the last word.
 #[cfg(unix)]
 fn offered(words: &str) -> Vec<String> {
     let script = out(&patchcord(&["completions", "bash"]));

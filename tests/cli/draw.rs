@@ -17,15 +17,15 @@ fn a_schematic_is_drawn() {
 }
 
 #[test]
-fn voltages_are_those_of_the_instant() {
+fn voltages_are_those_at_the_requested_time() {
     let folder = tempfile::tempdir().unwrap();
     let png = path(&folder, "a.png");
     let arguments =
         ["draw", FIG_8_16, "--dark", "--values", "0.5", "--plot", &png, "--out", &path(&folder, "")];
     assert_eq!(code(&patchcord(&arguments)), 0);
     assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
-    let told = fs::read_to_string(path(&folder, "fig-8-16.schematic.svg")).unwrap();
-    assert!(told.contains("voltages at t = 0.5 s"));
+    let text = fs::read_to_string(path(&folder, "fig-8-16.schematic.svg")).unwrap();
+    assert!(text.contains("voltages at t = 0.5 s"));
     let data = json(&patchcord(&["draw", FIG_8_16, "--values", "--json"]));
     let symbols = data["schematic"]["symbols"].as_array().unwrap();
     assert_eq!(symbols.len(), 27);
@@ -34,26 +34,26 @@ fn voltages_are_those_of_the_instant() {
 }
 
 #[test]
-fn a_schematic_wants_a_place_to_go() {
+fn a_schematic_needs_an_output_file() {
     let folder = tempfile::tempdir().unwrap();
     let (copy, other) = (path(&folder, "patch.svg"), path(&folder, "other.svg"));
     fs::copy(FIG_8_16, &copy).unwrap();
-    for (arguments, told) in [
-        (vec!["draw", FIG_8_16], "nothing to draw into"),
-        (vec!["draw", FIG_8_16, "--plot", "a.pdf"], ".svg and .png"),
+    for (arguments, text) in [
+        (vec!["draw", FIG_8_16], "no output file"),
+        (vec!["draw", FIG_8_16, "--plot", "a.pdf"], ".svg or .png"),
         (vec!["draw", &copy, "--plot", &copy], "the patch itself"),
         (vec!["draw", FIG_8_16, "--values", "-1", "--plot", &other], "--values"),
         (vec!["draw", FIG_8_16, "--values", "soon", "--plot", &other], "not a number"),
     ] {
-        let refused = patchcord(&arguments);
-        assert_eq!(code(&refused), 2, "{arguments:?}");
-        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+        let failed = patchcord(&arguments);
+        assert_eq!(code(&failed), 2, "{arguments:?}");
+        assert!(errors(&failed).contains(text), "{}", errors(&failed));
     }
     assert!(fs::read_to_string(&copy).unwrap().starts_with('{') && !Path::new(&other).exists());
 }
 
 #[test]
-fn a_later_instant_wants_a_run_that_can_be_made() {
+fn voltages_at_a_later_time_need_a_valid_run() {
     let folder = tempfile::tempdir().unwrap();
     let stepless = path(&folder, "stepless.json");
     let mut patch: serde_json::Value = serde_json::from_str(&fs::read_to_string(FIG_8_16).unwrap()).unwrap();
@@ -62,19 +62,19 @@ fn a_later_instant_wants_a_run_that_can_be_made() {
     let phased = path(&folder, "phased.json");
     patch["run"] = serde_json::json!({"step": 1e-4, "phases": [{"operate": 1.0}, {"hold": 1.0}]});
     fs::write(&phased, patch.to_string()).unwrap();
-    for (patch, seconds, told) in [
-        (FIG_8_16, "1e15", "ask --values for an earlier time"),
-        (FIG_8_16, "1e-9", "ask --values for a later time"),
+    for (patch, seconds, text) in [
+        (FIG_8_16, "1e15", "give an earlier time with --values"),
+        (FIG_8_16, "1e-9", "give a later time with --values"),
         (&stepless, "0.5", "write {\"step\": SECONDS} there"),
-        (&phased, "2.5", "the run ends after 2.000000 s: ask --values for an earlier time"),
+        (&phased, "2.5", "the run ends after 2.000000 s: give an earlier time with --values"),
     ] {
-        let refused = patchcord(&["draw", patch, "--values", seconds, "--json"]);
-        assert_eq!(code(&refused), 2, "{seconds} of {patch}");
+        let failed = patchcord(&["draw", patch, "--values", seconds, "--json"]);
+        assert_eq!(code(&failed), 2, "{seconds} of {patch}");
         assert!(
-            errors(&refused).contains(told) || out(&refused).contains(&told.replace('"', "\\\"")),
+            errors(&failed).contains(text) || out(&failed).contains(&text.replace('"', "\\\"")),
             "{}{}",
-            errors(&refused),
-            out(&refused)
+            errors(&failed),
+            out(&failed)
         );
     }
     for patch in [&stepless, &phased] {
@@ -82,9 +82,9 @@ fn a_later_instant_wants_a_run_that_can_be_made() {
     }
 }
 
-/// The phases of a run are followed: a ramp that is held, set slower, ended by a relay, held, and begun anew.
+/// A ramp that is held, set to a lower rate, ended by a relay, held, and restarted.
 #[test]
-fn voltages_are_those_of_the_phase() {
+fn voltages_follow_the_phases_of_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let patch = path(&folder, "fall.json");
     let fall = serde_json::json!({
@@ -110,16 +110,16 @@ fn voltages_are_those_of_the_phase() {
         ("3.5", -5.0, "pulled-in"),
         ("4.25", -2.5, "pulled-in"),
     ] {
-        let told = json(&patchcord(&["draw", &patch, "--values", seconds, "--json"]));
-        let symbols = told["schematic"]["symbols"].as_array().unwrap();
+        let text = json(&patchcord(&["draw", &patch, "--values", seconds, "--json"]));
+        let symbols = text["schematic"]["symbols"].as_array().unwrap();
         let found = symbols[1]["outputs"][0]["volts"].as_f64().unwrap();
         assert!((found - a).abs() < 1e-9, "{found} V after {seconds} s");
         assert_eq!(symbols[2]["position"], position, "after {seconds} s");
     }
 }
 
-/// What stands where on a sheet, without voltages and positions.
-fn places(mut schematic: serde_json::Value) -> serde_json::Value {
+/// The layout of a sheet without voltages and positions.
+fn layout(mut schematic: serde_json::Value) -> serde_json::Value {
     let symbols = schematic["symbols"].as_array_mut().unwrap().iter_mut();
     for symbol in symbols {
         symbol["texts"].take();
@@ -130,10 +130,10 @@ fn places(mut schematic: serde_json::Value) -> serde_json::Value {
     schematic
 }
 
-/// Sheets of one patch can be laid side by side.
+/// The layout does not depend on voltages, so sheets of one patch can be compared.
 #[test]
-fn every_shipped_patch_is_drawn_with_voltages_in_the_same_places() {
-    for file in crate::common::files::shipped() {
+fn voltages_do_not_change_the_layout_of_shipped_patches() {
+    for file in crate::common::files::shipped_files() {
         let patch = file.to_str().unwrap();
         let drawn = |options: &[&str]| {
             let drawn = patchcord(&[&["draw", patch, "--json"], options].concat());
@@ -143,14 +143,14 @@ fn every_shipped_patch_is_drawn_with_voltages_in_the_same_places() {
         let (bare, read) = (drawn(&[]), drawn(&["--values", "1"]));
         let volts = |symbol: &serde_json::Value| symbol["outputs"][0]["volts"].is_number();
         assert!(read["symbols"].as_array().unwrap().iter().all(volts), "{patch}");
-        assert!(places(bare) == places(read), "{patch} is laid out anew for voltages");
+        assert!(layout(bare) == layout(read), "{patch} has another layout with voltages");
     }
 }
 
 #[test]
 fn a_board_shows_no_voltages() {
-    let refused = patchcord(&["draw", FIG_8_16, "--board", "--values", "--json"]);
-    assert_eq!(code(&refused), 2);
+    let failed = patchcord(&["draw", FIG_8_16, "--board", "--values", "--json"]);
+    assert_eq!(code(&failed), 2);
     let board = &json(&patchcord(&["draw", FIG_8_16, "--board", "--json"]))["board"];
     assert!(
         board["cords"].as_array().unwrap().iter().any(|cord| cord["from"] == "+100" && cord["to"] == "KS1")
@@ -158,7 +158,7 @@ fn a_board_shows_no_voltages() {
 }
 
 #[test]
-fn macros_are_boxes_or_opened() {
+fn macros_are_drawn_as_boxes_or_opened() {
     let rod = "patches/lessons/heat-rod.json";
     let drawn = |options: &[&str]| {
         json(&patchcord(&[&["draw", rod, "--json"], options].concat()))["schematic"].clone()
@@ -178,7 +178,7 @@ fn macros_are_boxes_or_opened() {
     assert_eq!(open["macros"], serde_json::json!([]));
 }
 
-/// A summer with as many inputs as wanted, behind a chain of pots.
+/// A chain of `pots` pots and a summer with `inputs` inputs.
 fn wide_and_tall(pots: usize, inputs: usize) -> String {
     let pot = |index: usize| {
         let from = if index == 0 { "+100".to_owned() } else { format!("P{}", index - 1) };
@@ -192,36 +192,37 @@ fn wide_and_tall(pots: usize, inputs: usize) -> String {
 }
 
 #[test]
-fn what_is_too_large_for_a_sheet_is_told_with_what_to_do() {
+fn a_drawing_that_is_too_large_returns_an_error_with_advice() {
     let folder = tempfile::tempdir().unwrap();
     let patch = path(&folder, "large.json");
-    for (pots, inputs, ending, told) in [
-        (1000, 1, "svg", "1001 symbols are too many for one sheet: 1000 can be drawn; put parts"),
+    for (pots, inputs, ending, text) in [
+        (1000, 1, "svg", "1001 symbols are too many for one sheet; the maximum is 1000; put parts"),
         (1, 4000, "svg", "a side has at most 60000 pixels; put parts of the patch into macros"),
-        (40, 3500, "png", "a PNG has at most 100 million pixels; as SVG it can"),
+        (40, 3500, "png", "a PNG has at most 100 million pixels; an SVG has no such limit"),
     ] {
         fs::write(&patch, wide_and_tall(pots, inputs)).unwrap();
         let drawing = path(&folder, &format!("large.{ending}"));
-        let refused = patchcord(&["draw", &patch, "--plot", &drawing]);
-        assert_eq!(code(&refused), 1);
-        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+        let failed = patchcord(&["draw", &patch, "--plot", &drawing]);
+        assert_eq!(code(&failed), 1);
+        assert!(errors(&failed).contains(text), "{}", errors(&failed));
         assert!(!Path::new(&drawing).exists());
     }
 }
 
 #[test]
-fn more_cords_than_can_be_followed_are_told() {
+fn too_many_cords_return_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let patch = path(&folder, "cords.json");
     fs::write(&patch, wide_and_tall(1, 149)).unwrap();
-    let refused = patchcord(&["draw", &patch, "--board", "--plot", &path(&folder, "cords.svg")]);
-    let told = "151 cords are too many for one panel: 150 can be drawn; the schematic, without --board, may have room";
-    assert!(code(&refused) == 1 && errors(&refused).contains(told), "{}", errors(&refused));
+    let failed = patchcord(&["draw", &patch, "--board", "--plot", &path(&folder, "cords.svg")]);
+    let text =
+        "151 cords are too many for one panel; the maximum is 150; the schematic, without --board, may fit";
+    assert!(code(&failed) == 1 && errors(&failed).contains(text), "{}", errors(&failed));
 }
 
-/// Told from the room that the symbols need one below the other, before they are laid out.
+/// The height of the symbols is estimated before the slow layout.
 #[test]
-fn what_is_too_high_is_told_at_once() {
+fn a_drawing_that_is_too_high_is_reported_quickly() {
     let folder = tempfile::tempdir().unwrap();
     let patch = path(&folder, "high.json");
     let pot = serde_json::json!({"kind": "pot", "in": "+100", "setting": 0.001});
@@ -230,11 +231,11 @@ fn what_is_too_high_is_told_at_once() {
     elements.insert("B".to_owned(), serde_json::json!({"kind": "summer", "in": {"x1": names}}));
     let document = serde_json::json!({"patchcord": 1, "machine": "unlimited", "elements": elements});
     fs::write(&patch, document.to_string()).unwrap();
-    let refused = patchcord(&["draw", &patch, "--json"]);
-    assert_eq!(code(&refused), 1);
-    let told = out(&refused);
+    let failed = patchcord(&["draw", &patch, "--json"]);
+    assert_eq!(code(&failed), 1);
+    let text = out(&failed);
     assert!(
-        told.contains("a drawing at least") && told.contains("put parts of the patch into macros"),
-        "{told}"
+        text.contains("the drawing would be at least") && text.contains("put parts of the patch into macros"),
+        "{text}"
     );
 }

@@ -1,4 +1,4 @@
-//! What a run writes: tables, pictures, folders, and what keeps it from writing.
+//! The files of a run: tables, pictures, folders, and errors when they cannot be written.
 
 use std::fs;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn a_run_writes_table_and_picture() {
 }
 
 #[test]
-fn a_folder_takes_table_and_picture_under_the_patchs_name() {
+fn table_and_picture_in_a_folder_have_the_name_of_the_patch() {
     let folder = tempfile::tempdir().unwrap();
     let inside = path(&folder, "new/results");
     assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.01", "--out", &inside])), 0);
@@ -44,7 +44,7 @@ fn the_same_run_gives_the_same_bytes() {
 }
 
 #[test]
-fn files_that_cannot_be_read_or_written_end_with_1() {
+fn unreadable_and_unwritable_files_give_exit_code_1() {
     let wrong: &[&[&str]] = &[
         &["check", "no-such-file.json"],
         &["run", FIG_8_16, "--for", "0.001", "--csv", "no/such/folder/out.csv"],
@@ -53,8 +53,8 @@ fn files_that_cannot_be_read_or_written_end_with_1() {
     for arguments in wrong {
         let ran = patchcord(arguments);
         assert_eq!(code(&ran), 1, "{arguments:?}");
-        let told = errors(&ran);
-        assert!(told.starts_with("error: cannot") && !told.contains("os error"), "{told}");
+        let message = errors(&ran);
+        assert!(message.starts_with("error: cannot") && !message.contains("os error"), "{message}");
     }
 }
 
@@ -82,7 +82,7 @@ fn no_file_is_written_twice_or_over_the_patch() {
 }
 
 #[test]
-fn a_folder_is_made_for_right_patches_and_keeps_the_dots_of_their_names() {
+fn a_folder_is_created_only_for_valid_patches_and_names_keep_their_dots() {
     let folder = tempfile::tempdir().unwrap();
     let [patch, wrong, out] = ["a.b.json", "wrong.json", "new"].map(|name| path(&folder, name));
     fs::copy(FIG_8_16, &patch).unwrap();
@@ -95,7 +95,7 @@ fn a_folder_is_made_for_right_patches_and_keeps_the_dots_of_their_names() {
 
 #[cfg(unix)]
 #[test]
-fn a_table_on_standard_output_stands_before_the_readings() {
+fn a_table_on_standard_output_precedes_the_readings() {
     let (folder, file) = spring();
     let shown = folder.path().join("shown");
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("patchcord"));
@@ -111,7 +111,7 @@ fn a_table_on_standard_output_stands_before_the_readings() {
 
 #[cfg(unix)]
 #[test]
-fn a_read_only_file_is_refused_before_the_run() {
+fn a_read_only_file_is_reported_before_the_run() {
     use std::os::unix::fs::PermissionsExt as _;
     let (folder, file) = spring();
     let kept = path(&folder, "kept.csv");
@@ -124,18 +124,18 @@ fn a_read_only_file_is_refused_before_the_run() {
 }
 
 #[test]
-fn a_file_where_a_folder_is_wanted_is_named() {
+fn a_file_in_place_of_a_folder_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "taken");
     fs::write(&file, "").unwrap();
     let below = path(&folder, "taken/new");
-    for (wanted, why) in
-        [(&file, "a file of that name is in the way".to_owned()), (&below, format!("{file} is a file"))]
+    for (requested, why) in
+        [(&file, "a file with this name exists".to_owned()), (&below, format!("{file} is a file"))]
     {
-        let ran = patchcord(&["run", FIG_8_16, "--for", "0.01", "--out", wanted]);
+        let ran = patchcord(&["run", FIG_8_16, "--for", "0.01", "--out", requested]);
         assert_eq!(
             (code(&ran), errors(&ran)),
-            (1, format!("error: cannot make the folder {wanted}: {why}\n"))
+            (1, format!("error: cannot create the folder {requested}: {why}\n"))
         );
     }
 }

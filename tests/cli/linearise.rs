@@ -60,52 +60,56 @@ fn a_response_is_printed_drawn_and_written() {
 }
 
 #[test]
-fn a_drive_that_moves_two_signals_is_named_where_there_are_several() {
+fn with_several_drives_the_common_drive_must_be_specified() {
     let oscillator = "patches/lessons/driven-oscillator.json";
-    let told = out(&patchcord(&["linearise", oscillator, "--from", "x", "--to", "v"]));
-    assert!(told.contains("\nv from x, moved by push\n"), "{told}");
+    let text = out(&patchcord(&["linearise", oscillator, "--from", "x", "--to", "v"]));
+    assert!(text.contains("\nv from x, moved by push\n"), "{text}");
     let between = ["linearise", FIG_8_04, "--from", "spring_force", "--to", "v_o"];
-    let refused = patchcord(&between);
-    assert_eq!(code(&refused), 2);
-    let asked = "spring_force is no drive; known here: v_i, x_i; between two signals, --by names the drive";
-    assert!(errors(&refused).contains(asked), "{}", errors(&refused));
-    let told = json(&patchcord(&[&between[..], &["--by", "x_i", "--json"]].concat()));
-    assert_eq!((&told["response"]["by"], &told["response"]["from"]), (&"x_i".into(), &"spring_force".into()));
+    let failed = patchcord(&between);
+    assert_eq!(code(&failed), 2);
+    let expected = "spring_force is not a drive; known here: v_i, x_i; between two signals, --by specifies their common drive";
+    assert!(errors(&failed).contains(expected), "{}", errors(&failed));
+    let document = json(&patchcord(&[&between[..], &["--by", "x_i", "--json"]].concat()));
+    assert_eq!(
+        (&document["response"]["by"], &document["response"]["from"]),
+        (&"x_i".into(), &"spring_force".into())
+    );
 }
 
 #[test]
 fn json_is_one_document() {
-    let told = json(&patchcord(&["linearise", FIG_8_04, "--from", "v_i", "--to", "v_o", "--json"]));
+    let document = json(&patchcord(&["linearise", FIG_8_04, "--from", "v_i", "--to", "v_o", "--json"]));
     let number = |value: &Value| value.as_f64().unwrap();
-    assert_eq!(told["ok"], true);
-    let root = &told["roots"][0];
+    assert_eq!(document["ok"], true);
+    let root = &document["roots"][0];
     assert!((number(&root["natural_frequency"]) - (17.86e6f64 / 454.0).sqrt()).abs() < 1e-9);
     assert_eq!((&root["stability"], &root["time_constant"]), (&"stable".into(), &Value::Null));
-    let point = &told["operating_point"];
+    let point = &document["operating_point"];
     assert_eq!((&point["equilibrium"], &point["kinks"]), (&false.into(), &serde_json::json!([])));
     assert_eq!(point["states"][0]["name"], "A1");
-    assert_eq!(number(&told["state_matrix"][0][1]), -100.0);
-    assert_eq!(told["response"]["points"][0].as_array().unwrap().len(), 3);
+    assert_eq!(number(&document["state_matrix"][0][1]), -100.0);
+    assert_eq!(document["response"]["points"][0].as_array().unwrap().len(), 3);
     let held = json(&patchcord(&["linearise", "patches/thesis/fig-8-16-coulomb.json", "--json"]));
     assert_eq!(held["operating_point"]["states"][1]["held"], "brake");
     assert_eq!(held["operating_point"]["moving"], serde_json::json!(["v_i"]));
 }
 
 #[test]
-fn what_does_not_take_part_is_told() {
+fn limits_of_the_linear_model_are_reported() {
     let rest = out(&patchcord(&["linearise", "patches/thesis/fig-8-16-coulomb.json"]));
-    for part in ["all rates are 0, but v_i moves", "A3: held where it is", "A3: the point is on a kink"] {
+    for part in ["all rates are 0, but v_i moves", "A3: held, omitted from the roots", "A3: at a kink"] {
         assert!(rest.contains(part), "{part}\n{rest}");
     }
-    let late = out(&patchcord(&["linearise", "crates/core/tests/patches/delay-line.json", "--at", "3"]));
+    let delayed = out(&patchcord(&["linearise", "crates/core/tests/patches/delay-line.json", "--at", "3"]));
     assert!(
-        late.contains("at t = 3 s") && late.contains("the loop through D2 has characteristic roots"),
-        "{late}"
+        delayed.contains("at t = 3 s")
+            && delayed.contains("the loop through D2 has infinitely many characteristic roots"),
+        "{delayed}"
     );
 }
 
 #[test]
-fn many_states_are_told_without_their_zeros() {
+fn a_large_state_matrix_is_printed_without_zeros() {
     let folder = tempfile::tempdir().unwrap();
     let patch = path(&folder, "row.json");
     let lag = |n: usize| {
@@ -115,56 +119,58 @@ fn many_states_are_told_without_their_zeros() {
     let elements: serde_json::Map<_, _> = (0..50).map(lag).collect();
     let text = serde_json::json!({"patchcord": 1, "machine": "unlimited", "elements": elements}).to_string();
     fs::write(&patch, text).unwrap();
-    let told = out(&patchcord(&["linearise", &patch]));
-    assert!(
-        told.contains("L1       L0 -2, L1 -2\n") && told.contains("and 10 more: --json tells all"),
-        "{told}"
-    );
-    assert!(told.contains("  -2     50      2"), "{told}");
-    assert!(told.lines().all(|line| line.chars().count() < 100));
+    let text = out(&patchcord(&["linearise", &patch]));
+    assert!(text.contains("L1       L0 -2, L1 -2\n") && text.contains("and 10 more: see --json"), "{text}");
+    assert!(text.contains("  -2     50      2"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() < 100));
 }
 
 #[test]
-fn what_cannot_be_asked_ends_with_2() {
+fn wrong_options_give_exit_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let copy = path(&folder, "patch.svg");
     fs::copy(FIG_8_04, &copy).unwrap();
-    for (patch, options, told) in [
-        (FIG_8_04, "--from v_o --to v_i", "v_o is no drive; did you mean \"v_i\"?"),
-        (FIG_8_04, "--from v_i --to nothing", "there is no signal nothing to read; known here: x_error"),
+    for (patch, options, expected) in [
+        (FIG_8_04, "--from v_o --to v_i", "v_o is not a drive; did you mean \"v_i\"?"),
+        (FIG_8_04, "--from v_i --to nothing", "the patch has no signal nothing; known here: x_error"),
         (FIG_8_04, "--from v_i", "--to"),
         (FIG_8_04, "--plot bode.svg", "--from"),
-        (FIG_8_04, "--at -1", "a time from 0 s on is wanted"),
+        (FIG_8_04, "--at -1", "must be a time of at least 0 s"),
         (FIG_8_04, "--at soon", "\"soon\" is not a number of seconds"),
-        (FIG_8_04, "--at 1e15", "ask --at for an earlier time"),
-        (FIG_8_04, "--at 1e-9", "ask --at for a later time"),
+        (FIG_8_04, "--at 1e15", "give an earlier time with --at"),
+        (FIG_8_04, "--at 1e-9", "give a later time with --at"),
         (FIG_8_04, "--from v_i --to v_o --hz 5", "write LOW:HIGH"),
         (FIG_8_04, "--from v_i --to v_o --hz 5:x", "\"x\" is not a number of Hz"),
-        (FIG_8_04, "--from v_i --to v_o --hz 5:1", "not from 5 to 1 Hz"),
+        (FIG_8_04, "--from v_i --to v_o --hz 5:1", "got 5 to 1 Hz"),
         (
             FIG_8_04,
             "--from v_i --to v_o --hz 1e-300:1e300",
-            "within 1e-100 ... 1e100 Hz, not from 1e-300 to 1e300",
+            "within 1e-100 ... 1e100 Hz, got 1e-300 to 1e300",
         ),
-        (FIG_8_04, "--from v_i --to v_o --hz -5:1", "not from -5 to 1 Hz"),
-        (FIG_8_04, "--from v_i --to v_o --plot bode.gif", ".svg and .png"),
+        (FIG_8_04, "--from v_i --to v_o --hz -5:1", "got -5 to 1 Hz"),
+        (FIG_8_04, "--from v_i --to v_o --plot bode.gif", ".svg or .png"),
         (&copy, &format!("--from v_i --to v_o --plot {copy}"), "the patch itself"),
         ("crates/core/tests/patches/delay-line.json", "--from sine --to late --hz 1:1e9", "turn the phase"),
     ] {
-        let refused =
+        let failed =
             patchcord(&[&["linearise", patch], &options.split(' ').collect::<Vec<_>>()[..]].concat());
-        assert_eq!(code(&refused), 2, "{options}: {}", errors(&refused));
-        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+        assert_eq!(code(&failed), 2, "{options}: {}", errors(&failed));
+        assert!(errors(&failed).contains(expected), "{}", errors(&failed));
     }
     assert!(fs::read_to_string(&copy).unwrap().starts_with('{') && !Path::new("bode.svg").exists());
 }
 
 #[test]
-fn a_signal_that_stays_where_it_is_ends_with_1() {
-    let refused = patchcord(&["linearise", FIG_8_04, "--from", "v_i", "--to", "x_i", "--json"]);
-    assert_eq!(code(&refused), 1);
-    assert!(json(&refused)["error"].as_str().unwrap().starts_with("x_i does not follow v_i here"));
-    // Within its dead zone the slideway does not feel the command.
-    let still = patchcord(&["linearise", FIG_8_16, "--from", "v_i", "--to", "v_o"]);
-    assert_eq!(code(&still), 1, "{}", out(&still));
+fn a_signal_without_influence_gives_exit_code_1() {
+    let failed = patchcord(&["linearise", FIG_8_04, "--from", "v_i", "--to", "x_i", "--json"]);
+    assert_eq!(code(&failed), 1);
+    assert!(
+        json(&failed)["error"]
+            .as_str()
+            .unwrap()
+            .starts_with("x_i does not depend on v_i at this operating point")
+    );
+    // Inside the dead zone the slideway does not depend on the command.
+    let unmoved = patchcord(&["linearise", FIG_8_16, "--from", "v_i", "--to", "v_o"]);
+    assert_eq!(code(&unmoved), 1, "{}", out(&unmoved));
 }

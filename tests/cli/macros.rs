@@ -1,4 +1,4 @@
-//! What `patchcord check` tells of macros.
+//! `patchcord check` on patches with macros.
 
 use super::{code, errors, json, out, patchcord};
 
@@ -9,16 +9,16 @@ fn check_lists_macros_with_their_instances() {
     let checked = patchcord(&["check", LAGS]);
     assert_eq!(code(&checked), 0);
     assert!(errors(&checked).contains("L.B1 has no scale and is recorded in volts"), "{}", errors(&checked));
-    let told = out(&checked);
-    assert!(told.contains("7 summers, 3 integrators, 4 fixed pots"), "{told}");
-    assert!(told.contains("macro lag-8-15: W.first, W.second, L\nmacro two-lags: W\n"), "{told}");
+    let report = out(&checked);
+    assert!(report.contains("7 summers, 3 integrators, 4 fixed pots"), "{report}");
+    assert!(report.contains("macro lag-8-15: W.first, W.second, L\nmacro two-lags: W\n"), "{report}");
 }
 
 #[test]
-fn as_json_instances_have_ports_and_elements() {
-    let told = json(&patchcord(&["check", LAGS, "--json"]));
-    let outer = &told["macros"][1]["instances"][0];
-    assert_eq!((&told["macros"][1]["macro"], &outer["name"]), (&"two-lags".into(), &"W".into()));
+fn json_lists_ports_and_elements_of_instances() {
+    let report = json(&patchcord(&["check", LAGS, "--json"]));
+    let outer = &report["macros"][1]["instances"][0];
+    assert_eq!((&report["macros"][1]["macro"], &outer["name"]), (&"two-lags".into(), &"W".into()));
     assert_eq!(outer["inputs"]["in"], "P");
     assert_eq!(outer["outputs"]["between"], "W.first.A1");
     assert_eq!(outer["elements"].as_array().unwrap().len(), 9);
@@ -27,16 +27,16 @@ fn as_json_instances_have_ports_and_elements() {
 #[test]
 fn parameters_reach_into_macros() {
     let settings = |changes: &[&str]| {
-        let told = json(&patchcord(&[&["check", LAGS, "--json"], changes].concat()));
-        let volts = told["voltages"].as_array().unwrap().clone();
+        let report = json(&patchcord(&[&["check", LAGS, "--json"], changes].concat()));
+        let volts = report["voltages"].as_array().unwrap().clone();
         volts.iter().find(|read| read["element"] == "W.first.PA1").unwrap()["volts"].as_f64().unwrap()
     };
-    // PA1 has -25 V before it, at 0.001 s / T1.
+    // The input of PA1 is -25 V, its setting 0.001 s / T1.
     assert_eq!((settings(&[]), settings(&["--set", "T1=100"])), (-1.25, -0.25));
 }
 
 #[test]
-fn a_port_is_recorded_as_the_element_that_it_is() {
+fn a_port_is_recorded_as_its_element() {
     let ran = json(&patchcord(&[
         "run",
         "patches/lessons/heat-rod.json",

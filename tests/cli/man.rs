@@ -5,12 +5,13 @@ use std::process::{Command, Stdio};
 
 use super::{code, errors, out, patchcord, path};
 
-/// The words that a help text lists first in the lines of a section.
+/// The first word of each line in a section of a help text.
 fn listed(help: &str, section: &str) -> Vec<String> {
     let lines = help.lines().skip_while(|line| *line != section).skip(1).take_while(|line| !line.is_empty());
     lines.filter_map(|line| line.split_whitespace().next().map(str::to_owned)).collect()
 }
 
+/// The commands that the help text lists.
 fn commands() -> Vec<String> {
     let mut commands = listed(&out(&patchcord(&["--help"])), "Commands:");
     commands.retain(|command| command != "help");
@@ -18,7 +19,7 @@ fn commands() -> Vec<String> {
     commands
 }
 
-/// A page's text as a reader sees it, near enough: without the escapes of its hyphens.
+/// The text of a page without the escapes of hyphens.
 fn plain(page: &str) -> String {
     page.replace("\\-", "-")
 }
@@ -36,7 +37,7 @@ fn the_page_of_patchcord_lists_every_command() {
 }
 
 #[test]
-fn a_synopsis_shows_what_options_take() {
+fn a_synopsis_shows_the_values_of_options() {
     let page = plain(&out(&patchcord(&["man", "run"])));
     let synopsis = page.split(".SH SYNOPSIS\n").nth(1).unwrap().lines().next().unwrap();
     for part in ["[--for <SECONDS>] ", "[--set <NAME=VALUE>] ", "[--json] ", " <PATCH>"] {
@@ -45,7 +46,7 @@ fn a_synopsis_shows_what_options_take() {
 }
 
 #[test]
-fn the_page_of_a_command_tells_all_its_options() {
+fn the_page_of_a_command_lists_all_its_options() {
     for command in commands() {
         let page = plain(&out(&patchcord(&["man", &command])));
         let help = out(&patchcord(&[&command, "--help"]));
@@ -67,9 +68,9 @@ fn all_pages_are_written_into_a_folder() {
     assert_eq!(page, out(&patchcord(&["man", "run"])));
 }
 
-/// Where there is a typesetter, it finds nothing to complain of.
+/// Skipped if groff is not installed.
 #[test]
-fn pages_are_set_without_a_complaint() {
+fn groff_formats_all_pages_without_warnings() {
     let folder = tempfile::tempdir().unwrap();
     let pages = path(&folder, "man1");
     assert_eq!(code(&patchcord(&["man", "--out", &pages])), 0);

@@ -1,4 +1,4 @@
-//! The command line as a user meets it: what it prints, what it writes, how it ends.
+//! The command line: printed text, files and exit codes.
 
 mod check;
 mod completions;
@@ -14,9 +14,9 @@ mod phases;
 mod pictures;
 mod profile;
 mod readme;
-mod refused;
 mod replay;
 mod run;
+mod run_errors;
 mod sensitivity;
 mod slideway;
 mod sweep;
@@ -29,34 +29,41 @@ use std::process::Output;
 use assert_cmd::Command;
 use serde_json::Value;
 
+/// The patch of Fig 8.16.
 const FIG_8_16: &str = "patches/thesis/fig-8-16.json";
 
+/// Runs the command with these arguments.
 fn patchcord(arguments: &[&str]) -> Output {
     Command::cargo_bin("patchcord").unwrap().args(arguments).output().unwrap()
 }
 
+/// The exit code.
 fn code(output: &Output) -> i32 {
     output.status.code().unwrap()
 }
 
+/// The text on standard output.
 fn out(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
+/// The text on standard error.
 fn errors(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
+/// The JSON document on standard output.
 fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", out(output)))
 }
 
+/// The path of a file in a folder.
 fn path(folder: &tempfile::TempDir, name: &str) -> String {
     folder.path().join(name).display().to_string()
 }
 
 #[test]
-fn json_is_one_document_and_nothing_else() {
+fn json_output_is_a_single_document() {
     let check = json(&patchcord(&["check", FIG_8_16, "--json"]));
     assert_eq!(check["ok"], true);
     let volts = |name: &str| {
@@ -81,7 +88,7 @@ fn json_is_one_document_and_nothing_else() {
 }
 
 #[test]
-fn a_wrong_patch_ends_with_1_and_its_report() {
+fn a_wrong_patch_gives_exit_code_1_and_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "wrong.json");
     let text = fs::read_to_string(FIG_8_16).unwrap().replace("\"in\": \"B5\"", "\"in\": \"B55\"");
@@ -89,14 +96,14 @@ fn a_wrong_patch_ends_with_1_and_its_report() {
     let checked = patchcord(&["check", &file]);
     assert_eq!((code(&checked), out(&checked).as_str()), (1, ""));
     assert!(errors(&checked).contains("unknown-name") && errors(&checked).contains("did you mean"));
-    let told = patchcord(&["check", &file, "--json"]);
-    assert_eq!(code(&told), 1);
-    let first = json(&told)["diagnostics"][0].clone();
+    let document = patchcord(&["check", &file, "--json"]);
+    assert_eq!(code(&document), 1);
+    let first = json(&document)["diagnostics"][0].clone();
     assert_eq!((&first["code"], first["line"].is_u64()), (&"unknown-name".into(), true));
 }
 
 #[test]
-fn a_wrong_command_line_ends_with_2() {
+fn a_wrong_command_line_gives_exit_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let plot = path(&folder, "out.gif");
     let wrong: &[&[&str]] = &[
@@ -132,12 +139,13 @@ fn a_wrong_command_line_ends_with_2() {
         assert_eq!(code(&ran), 2, "{arguments:?}: {}", errors(&ran));
         assert!(!errors(&ran).is_empty(), "{arguments:?}");
         assert!(!errors(&ran).contains("000000"), "{}", errors(&ran));
-        let told = patchcord(&[arguments, &["--json"][..]].concat());
-        assert_eq!((code(&told), &json(&told)["ok"]), (2, &false.into()), "{arguments:?}");
+        let document = patchcord(&[arguments, &["--json"][..]].concat());
+        assert_eq!((code(&document), &json(&document)["ok"]), (2, &false.into()), "{arguments:?}");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+/// A mass on a spring with a period of 1 s.
 const SPRING: &str = r#"{
   "patchcord": 1,
   "title": "Mass on a spring",
@@ -152,7 +160,7 @@ const SPRING: &str = r#"{
   "run": {"for": 3.25, "step": 1e-3}
 }"#;
 
-/// A small patch in a folder of its own, one thing in it changed.
+/// Writes the patch SPRING with one change into a new folder.
 fn spring_with(before: &str, after: &str) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "spring.json");
@@ -161,12 +169,13 @@ fn spring_with(before: &str, after: &str) -> (tempfile::TempDir, String) {
     (folder, file)
 }
 
+/// Writes the patch SPRING into a new folder.
 fn spring() -> (tempfile::TempDir, String) {
     spring_with("", "")
 }
 
 #[test]
-fn warnings_are_counted_and_leave_an_unknown_parameter_a_wrong_command_line() {
+fn warnings_are_counted_and_do_not_change_exit_codes() {
     let (_folder, file) = spring_with("\n  \"run\"", "\n  \"record\": [\"A1\", \"x\"],\n  \"run\"");
     let checked = patchcord(&["check", &file]);
     assert_eq!(code(&checked), 0);
@@ -182,23 +191,23 @@ fn control_characters_do_not_reach_the_terminal() {
         assert!(shown.contains("Mass[2J1m on a spring\n"), "{shown:?}");
         assert!(shown.chars().all(|letter| letter == '\n' || !letter.is_control()), "{shown:?}");
     }
-    let told = patchcord(&["check", &file, "--json"]);
-    assert_eq!(json(&told)["title"], "Mass\u{1b}[2J\u{7}\u{9b}1m on a spring");
-    assert!(out(&told).chars().all(|letter| letter == '\n' || !letter.is_control()));
+    let document = patchcord(&["check", &file, "--json"]);
+    assert_eq!(json(&document)["title"], "Mass\u{1b}[2J\u{7}\u{9b}1m on a spring");
+    assert!(out(&document).chars().all(|letter| letter == '\n' || !letter.is_control()));
 }
 
 #[test]
-fn the_page_of_elements_is_printed_too() {
+fn the_reference_page_of_elements_is_printed() {
     assert_eq!(out(&patchcord(&["elements", "--markdown"])), patchcord::elements::reference_page());
-    let told = out(&patchcord(&["elements", "integrator"]));
+    let page = out(&patchcord(&["elements", "integrator"]));
     assert!(
-        told.contains("law       d out / dt = ") && told.contains("\nsetting      unit  default"),
-        "{told}"
+        page.contains("law       d out / dt = ") && page.contains("\nsetting      unit  default"),
+        "{page}"
     );
 }
 
 #[test]
-fn help_and_version_end_well() {
+fn help_and_version_give_exit_code_0() {
     for arguments in [["--help"], ["--version"]] {
         assert_eq!(code(&patchcord(&arguments)), 0);
     }

@@ -6,23 +6,24 @@ use assert_cmd::Command;
 
 use super::{code, errors, json, out, patchcord, path};
 
-/// In the folder as a new user is in it.
-fn there(folder: &tempfile::TempDir, arguments: &[&str]) -> std::process::Output {
+/// Runs the command with the folder as working directory.
+fn patchcord_in(folder: &tempfile::TempDir, arguments: &[&str]) -> std::process::Output {
     Command::cargo_bin("patchcord").unwrap().args(arguments).current_dir(folder).output().unwrap()
 }
 
 #[test]
-fn it_checks_without_a_word_runs_and_draws() {
+fn the_first_patch_checks_runs_and_draws() {
     let folder = tempfile::tempdir().unwrap();
-    let made = there(&folder, &["new", "my-spring.json"]);
+    let made = patchcord_in(&folder, &["new", "my-spring.json"]);
     assert_eq!((code(&made), errors(&made).as_str()), (0, ""));
     for (number, line) in out(&made).lines().filter(|line| line.starts_with("  patchcord ")).enumerate() {
         let words: Vec<_> = line.split_whitespace().skip(1).collect();
         assert_eq!(words[0], ["check", "draw", "run"][number]);
-        let ran = there(&folder, &words);
+        let ran = patchcord_in(&folder, &words);
         assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""), "{line}");
-        let told = ["nothing wrong\nMy spring\n", "wrote my-spring.schematic.svg\n", "no overload"][number];
-        assert!(out(&ran).contains(told), "{}", out(&ran));
+        let expected =
+            ["nothing wrong\nMy spring\n", "wrote my-spring.schematic.svg\n", "no overload"][number];
+        assert!(out(&ran).contains(expected), "{}", out(&ran));
     }
     let picture = fs::read_to_string(folder.path().join("my-spring.svg")).unwrap();
     assert!(picture.contains("Position and velocity") && picture.contains("polyline"));
@@ -30,7 +31,7 @@ fn it_checks_without_a_word_runs_and_draws() {
 }
 
 #[test]
-fn it_swings_as_a_damped_mass_does() {
+fn the_first_patch_agrees_with_a_damped_mass() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "spring.json");
     assert_eq!(json(&patchcord(&["new", &file, "--json"]))["files"][0], file.as_str());
@@ -38,13 +39,13 @@ fn it_swings_as_a_damped_mass_does() {
         let ran = json(&patchcord(&[&["run", &file, "--json"], changes].concat()));
         ["value", "t"].map(|key| ran["readings"][0]["least"][key].as_f64().unwrap())
     };
-    // Half a period after it is let go: x0 exp(-zeta w t) with zeta = c / (2 sqrt(k m)), read at steps of 1 ms.
+    // Half a period after release: x0 exp(-zeta w t) with zeta = c / (2 sqrt(k m)), read at steps of 1 ms.
     let damped = 4.0 * (1.0 - 0.01f64).sqrt();
     let half = std::f64::consts::PI / damped;
     let [value, time] = least(&[]);
     assert!((value + 50.0 * (-0.1 * 4.0 * half).exp()).abs() < 1e-3, "{value}");
     assert!((time - half).abs() <= 1e-3, "{time}");
-    // What its notes promise: twice the period at four times the mass; at c = 8 no swing at all.
+    // As the notes say: twice the period at four times the mass, and no oscillation at c = 8.
     assert!(
         (least(&["--set", "m=4", "--set", "c=0"])[1] % std::f64::consts::PI - std::f64::consts::FRAC_PI_2)
             .abs()
@@ -54,13 +55,13 @@ fn it_swings_as_a_damped_mass_does() {
 }
 
 #[test]
-fn it_takes_no_files_place() {
+fn an_existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "kept.json");
     fs::write(&file, "mine").unwrap();
-    let refused = patchcord(&["new", &file]);
-    assert_eq!((code(&refused), out(&refused).as_str()), (2, ""));
-    assert!(errors(&refused).ends_with("is there already: choose another name, or remove it first\n"));
+    let failed = patchcord(&["new", &file]);
+    assert_eq!((code(&failed), out(&failed).as_str()), (2, ""));
+    assert!(errors(&failed).ends_with("already exists: choose another name, or remove it first\n"));
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
     let nowhere = patchcord(&["new", &path(&folder, "no/such.json")]);
     assert_eq!(code(&nowhere), 1);
@@ -71,7 +72,7 @@ fn it_takes_no_files_place() {
 }
 
 #[test]
-fn any_name_gives_a_title_that_reads_back() {
+fn every_file_name_gives_a_valid_title() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "say \"hello\" \\ öl.json");
     assert_eq!(code(&patchcord(&["new", &file])), 0);

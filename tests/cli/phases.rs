@@ -1,4 +1,4 @@
-//! Runs made of phases: what is printed, recorded and drawn of them.
+//! Runs with phases: printed text, records and pictures.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{code, errors, json, out, patchcord, path, spring_with};
 
-/// The spring with a relay that drops out where it passes 0, and these phases.
+/// The spring with a relay that drops out when the position passes 0, and these phases.
 fn spring_with_phases(phases: &str) -> (tempfile::TempDir, String) {
     let relay = r#""K1": {"kind": "relay", "in": "B1", "on": "+100", "off": "-100", "pull_in": 0.01, "drop_out": 0},
     "B1": {"kind""#;
@@ -26,14 +26,14 @@ const QUARTER: &str = r#"{"operate": 5, "until": {"relay": "K1", "becomes": "rel
     {"initial_condition": true}, {"set": {"w": 0.2}}, {"operate": 0.15, "until": "K1"}"#;
 
 #[test]
-fn a_run_of_phases_is_told_recorded_and_marked() {
+fn phases_are_printed_recorded_and_drawn() {
     let (folder, file) = spring_with_phases(QUARTER);
     let [csv, svg] = ["out.csv", "out.svg"].map(|name| path(&folder, name));
     let ran = patchcord(&["run", &file, "--csv", &csv, "--plot", &svg]);
     assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
-    let told = out(&ran);
+    let text = out(&ran);
     let lines: Vec<String> =
-        told.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+        text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
     for line in [
         "1 1 0.000000 0.000000 initial condition",
         "2 1 0.000000 0.250000 operate until K1 becomes released K1 released",
@@ -41,7 +41,7 @@ fn a_run_of_phases_is_told_recorded_and_marked() {
         "5 2 0.000000 0.000000 w = 0.2",
         "warning: phase 6: K1 did not switch within 0.15 s",
     ] {
-        assert!(lines.iter().any(|found| found == line), "{line}\n{told}");
+        assert!(lines.iter().any(|found| found == line), "{line}\n{text}");
     }
     let table = fs::read_to_string(&csv).unwrap();
     let rows: Vec<Vec<&str>> =
@@ -54,10 +54,10 @@ fn a_run_of_phases_is_told_recorded_and_marked() {
 }
 
 #[test]
-fn json_lists_the_phases_with_what_ended_them() {
+fn json_lists_the_phases_with_their_ends() {
     let (_folder, file) = spring_with_phases(QUARTER);
-    let told = json(&patchcord(&["run", &file, "--json"]));
-    let phases = told["phases"].as_array().unwrap();
+    let text = json(&patchcord(&["run", &file, "--json"]));
+    let phases = text["phases"].as_array().unwrap();
     let what: Vec<_> =
         phases.iter().map(|phase| (phase["what"].as_str().unwrap(), &phase["ended_by"])).collect();
     let (none, time, relay) = (&Value::Null, &"time".into(), &"relay".into());
@@ -72,23 +72,23 @@ fn json_lists_the_phases_with_what_ended_them() {
             ("operate", time)
         ]
     );
-    assert!((phases[1]["end"].as_f64().unwrap() - 0.25).abs() < 1e-6, "{told}");
+    assert!((phases[1]["end"].as_f64().unwrap() - 0.25).abs() < 1e-6, "{text}");
     assert_eq!((&phases[1]["until"]["became"], &phases[5]["until"]["became"]), (&"released".into(), none));
     assert_eq!((&phases[4]["set"][0]["name"], &phases[4]["set"][0]["value"]), (&"w".into(), &0.2.into()));
-    assert_eq!((&told["run"]["repeat"], &phases[3]["run"]), (&2.into(), &2.into()));
+    assert_eq!((&text["run"]["repeat"], &phases[3]["run"]), (&2.into(), &2.into()));
     let plain = json(&patchcord(&["run", &file, "--for", "0.2", "--json"]));
     assert_eq!((plain["phases"].as_array().unwrap().len(), &plain["run"]["for"]), (2, &0.2.into()));
 }
 
 #[test]
-fn every_run_has_readings_of_its_own() {
+fn every_run_has_its_own_readings() {
     let (_folder, file) = spring_with_phases(QUARTER);
-    let told = json(&patchcord(&["run", &file, "--json"]));
+    let text = json(&patchcord(&["run", &file, "--json"]));
     let ends: Vec<f64> =
-        told["readings"].as_array().unwrap().iter().map(|reading| reading["end"].as_f64().unwrap()).collect();
+        text["readings"].as_array().unwrap().iter().map(|reading| reading["end"].as_f64().unwrap()).collect();
     // A quarter of a period of 1 s, and 0.15 s with half the stiffness: 50 mm cos(0.15 sqrt(0.2) x 10).
     assert!(ends[0].abs() < 1e-6 && (ends[1] - 50.0 * (1.5 * 0.2f64.sqrt()).cos()).abs() < 1e-6, "{ends:?}");
-    assert_eq!((ends.len(), &told["readings"][1]["run"]), (2, &2.into()));
+    assert_eq!((ends.len(), &text["readings"][1]["run"]), (2, &2.into()));
     let shown = out(&patchcord(&["run", &file]));
     let lines: Vec<Vec<&str>> = shown.lines().map(|line| line.split_whitespace().collect()).collect();
     assert!(
@@ -101,11 +101,11 @@ fn every_run_has_readings_of_its_own() {
     let many = out(&patchcord(&[
         "run", &file, "--for", "0.01", "--step", "0.01", "--every", "0.01", "--repeat", "50",
     ]));
-    assert!(many.contains("\nand 10 more runs: --json tells all\n"), "{many}");
+    assert!(many.contains("\nand 10 more runs: see --json\n"), "{many}");
 }
 
 #[test]
-fn options_that_do_not_go_with_phases_are_refused() {
+fn options_that_conflict_with_phases_return_errors() {
     let (_folder, file) = spring_with_phases(QUARTER);
     let ran = patchcord(&["run", &file, "--repeat", "2"]);
     assert_eq!((code(&ran), out(&ran).as_str()), (2, ""));
@@ -119,7 +119,7 @@ fn options_that_do_not_go_with_phases_are_refused() {
 }
 
 #[test]
-fn a_phase_that_cannot_be_gone_through_is_named() {
+fn a_phase_that_cannot_be_run_is_reported() {
     let (folder, file) = spring_with_phases(
         r#"{"operate": 0.25}, {"set": {"w": "w * x / x"}}, {"operate": 0.25},
         {"set": {"w": "w * (1 + x * x / x / x)"}}, {"operate": 1}"#,
@@ -131,6 +131,6 @@ fn a_phase_that_cannot_be_gone_through_is_named() {
     assert_eq!((code(&ran), out(&ran).as_str()), (1, ""));
     assert!(errors(&ran).contains("\nerror: phase 3 (set): w cannot be set to"), "{}", errors(&ran));
     assert!(errors(&ran).contains("the denominator x is 0"), "{}", errors(&ran));
-    assert!(errors(&ran).contains("the files hold the run up to t = 0.25 s"), "{}", errors(&ran));
+    assert!(errors(&ran).contains("the files contain the run up to t = 0.25 s"), "{}", errors(&ran));
     assert!(fs::read_to_string(&csv).unwrap().lines().last().unwrap().starts_with("0.25,"));
 }

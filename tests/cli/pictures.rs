@@ -1,4 +1,4 @@
-//! The pictures of the documents are what the commands draw.
+//! The pictures in docs equal those that the commands draw.
 
 use std::fs;
 
@@ -14,7 +14,7 @@ const NAKASHIMA: &str = "patches/others/nakashima.json";
 const FOUND: &str = "crates/ident/tests/story/found.json";
 const BOTH: &str = "patches/thesis/fig-8-16-both.json";
 
-/// Commands and the pictures that they draw; those of lessons are held fresh by `tests/lessons`.
+/// Commands and their pictures. `tests/lessons` checks the pictures of the lessons.
 const PICTURES: [(&[&str], &str); 17] = [
     (&["run", FIG_8_16], "fig-8-16.svg"),
     (&["run", COULOMB], "fig-8-16-coulomb.svg"),
@@ -37,7 +37,7 @@ const PICTURES: [(&[&str], &str); 17] = [
 
 #[test]
 #[ignore = "takes several seconds: every picture of the docs"]
-fn the_pictures_of_the_documents_are_fresh() {
+fn the_pictures_in_docs_are_up_to_date() {
     let folder = tempfile::tempdir().unwrap();
     for (command, name) in PICTURES {
         let fresh = path(&folder, name);

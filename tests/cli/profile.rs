@@ -7,17 +7,17 @@ use serde_json::Value;
 use super::{FIG_8_16, code, errors, json, out, patchcord, path};
 
 const PAGE: &str = "docs/profile.md";
-/// Solid friction that falls slowly: oscillation without standstill.
+/// Solid friction that decreases slowly with velocity: oscillation without standstill.
 const SLOW_FALL: [&str; 8] =
     ["profile", FIG_8_16, "--set", "VcL=12.7e-3", "--set", "Tc=0.009", "--set", "v_rate=2.4e-3"];
-/// There and back again.
+/// A rising and a falling ramp.
 const FALLING: [&str; 9] =
     ["profile", FIG_8_16, "--set", "VcL=5.08e-3", "--set", "v_turn=7", "--for", "14", "--falling"];
 
-/// What a command prints of points and sections.
+/// The tables of points and sections that a command prints.
 fn printed(arguments: &[&str]) -> String {
-    let told = out(&patchcord(arguments));
-    told.split_once("\n\n").unwrap().1.to_owned()
+    let text = out(&patchcord(arguments));
+    text.split_once("\n\n").unwrap().1.to_owned()
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn the_page_shows_what_the_command_prints() {
 }
 
 #[test]
-fn points_and_sections_are_drawn_and_told() {
+fn points_and_sections_are_drawn_and_printed() {
     let folder = tempfile::tempdir().unwrap();
     let (svg, png) = (path(&folder, "profile.svg"), path(&folder, "profile.png"));
     let done = patchcord(&["profile", FIG_8_16, "--plot", &svg]);
@@ -64,7 +64,7 @@ fn point(document: &Value, number: usize) -> &Value {
 }
 
 #[test]
-fn a_document_tells_what_is_there_and_why_the_rest_is_not() {
+fn the_document_has_points_and_reasons_for_missing_points() {
     let document = json(&patchcord(&["profile", FIG_8_16, "--json"]));
     let profile = &document["profile"];
     assert_eq!((&profile["unit"], &profile["standstill"]), (&"m/s".into(), &0.125e-3.into()));
@@ -79,17 +79,17 @@ fn a_document_tells_what_is_there_and_why_the_rest_is_not() {
     assert!((frequency - 51.3).abs() < 0.5, "{frequency}");
 
     let document = json(&patchcord(&[&SLOW_FALL[..], &["--json"]].concat()));
-    let why = "no three cycles in a row come down to standstill";
+    let why = "no three cycles in a row reach standstill";
     assert_eq!((&point(&document, 3)["there"], &point(&document, 3)["why"]), (&false.into(), &why.into()));
     assert_eq!(document["profile"]["sections"][1]["there"], true);
 
     let document = json(&patchcord(&["profile", FIG_8_16, "--for", "2", "--json"]));
-    assert_eq!(point(&document, 5)["why"], "it goes on up to the end of the ramp");
+    assert_eq!(point(&document, 5)["why"], "the oscillation continues to the end of the ramp");
     assert!(document["profile"]["critical_velocity"].is_null());
 }
 
 #[test]
-fn the_way_back_has_the_falling_critical_velocity() {
+fn the_falling_ramp_has_the_falling_critical_velocity() {
     let document = json(&patchcord(&[&FALLING[..], &["--json"]].concat()));
     let profile = &document["profile"];
     assert_eq!(
@@ -111,29 +111,29 @@ fn the_way_back_has_the_falling_critical_velocity() {
     assert_eq!((upper["command"].as_f64(), begins, back[4]), (Some(falling), falling, falling));
     assert_eq!((forth[1], forth[4]), (first, rising));
     assert!(profile["critical_velocity"]["value"].as_f64() == Some(falling) && falling < rising);
-    let told = printed(&FALLING[..FALLING.len() - 1]);
+    let text = printed(&FALLING[..FALLING.len() - 1]);
     let page = fs::read_to_string(PAGE).unwrap();
     for number in ["9.92", "5.207"] {
-        assert!(told.contains(number) && page.contains(number), "{told}");
+        assert!(text.contains(number) && page.contains(number), "{text}");
     }
 }
 
 #[test]
-fn a_way_back_that_the_run_cuts_off_tells_how_long_it_takes() {
+fn an_incomplete_falling_ramp_has_a_note_with_its_length() {
     let cut = ["profile", FIG_8_16, "--set", "v_turn=7", "--falling"];
-    let told = printed(&cut);
+    let text = printed(&cut);
     let note = "note: the run ends at 6.641 mm/s, before the command is back at 0: give --for 14\n";
-    assert!(told.ends_with(note), "{told}");
+    assert!(text.ends_with(note), "{text}");
     assert_eq!(printed(&FALLING).matches("note: ").count(), 0);
     let document = json(&patchcord(&[&cut[..], &["--json"]].concat()));
     assert!(document["profile"]["note"].as_str().unwrap().ends_with("give --for 14"));
-    // Three windows after oscillation has begun.
-    let told = printed(&[&FALLING[..4], &["--set", "v_turn=7", "--for", "11.82", "--falling"]].concat());
-    assert!(told.contains("the ramp or the run ends before there are cycles enough to tell"), "{told}");
+    // The run ends three windows after the oscillation starts.
+    let text = printed(&[&FALLING[..4], &["--set", "v_turn=7", "--for", "11.82", "--falling"]].concat());
+    assert!(text.contains("the ramp or the run ends before there are enough cycles to decide"), "{text}");
 }
 
 #[test]
-fn the_picture_of_a_way_back_says_so() {
+fn the_picture_of_a_falling_ramp_is_labelled() {
     let folder = tempfile::tempdir().unwrap();
     let svg = path(&folder, "back.svg");
     assert_eq!(code(&patchcord(&[&FALLING[..], &["--plot", &svg]].concat())), 0);
@@ -147,14 +147,14 @@ fn ports_of_instances_are_signals() {
     let done = patchcord(&[&["profile", lags], &ports[..], &["--json"]].concat());
     let profile = &json(&done)["profile"];
     assert_eq!((&profile["command"], &profile["velocity"]), (&"W.first.A1".into(), &"L.B1".into()));
-    assert_eq!(profile["points"][4]["why"], "it does not oscillate");
+    assert_eq!(profile["points"][4]["why"], "the velocity does not oscillate");
 }
 
 #[test]
-fn an_interval_tells_what_it_had_to_leave_out() {
-    // The command turns before what is left has rested for four windows below half the threshold, or for four double windows.
-    let told = out(&patchcord(&["profile", FIG_8_16, "--set", "v_turn=4", "--for", "8"]));
-    assert!(told.contains(" mm/s, 2 of 4 other criteria not to be read here\n"), "{told}");
+fn an_interval_reports_failed_criteria() {
+    // The command turns too early for two criteria: half the threshold, and twice the window.
+    let text = out(&patchcord(&["profile", FIG_8_16, "--set", "v_turn=4", "--for", "8"]));
+    assert!(text.contains(" mm/s, 2 of 4 other criteria failed\n"), "{text}");
 }
 
 #[test]
@@ -167,84 +167,80 @@ fn other_criteria_find_other_points() {
     assert!(at(4, &["--standstill", "1e-3"]) > at(4, &[]));
 }
 
-#[test]
-fn what_is_no_profile_is_refused_with_what_helps() {
-    let refused = |arguments: &[&str], exit: i32, told: &str| {
-        let done = patchcord(&[&["profile"], arguments].concat());
-        assert!(errors(&done).contains(told), "{arguments:?}: {}", errors(&done));
-        assert_eq!((code(&done), out(&done).as_str()), (exit, ""), "{arguments:?}");
-    };
-    refused(
-        &["patches/lessons/stick-slip.json"],
-        2,
-        "the patch has no signal v_i: give --signals COMMAND,VELOCITY",
-    );
-    refused(&[FIG_8_16, "--signals", "v_i"], 2, "two names are wanted");
-    refused(
-        &[FIG_8_16, "--signals", "v_i,v_p"],
-        2,
-        "no signal v_p: give --signals COMMAND,VELOCITY; did you mean",
-    );
-    refused(
-        &[FIG_8_16, "--signals", "v_i,x_error"],
-        2,
-        "v_i in m/s and x_error in m are not in the same unit",
-    );
-    refused(&[FIG_8_16, "--signals", "x_error,x_error"], 2, "x_error is in m, no velocity: give --threshold");
-    for option in ["--threshold", "--window", "--standstill"] {
-        for value in ["0", "-1", "nan", "inf"] {
-            refused(&[FIG_8_16, option, value], 2, "a number above 0 is wanted");
-        }
-        refused(&[FIG_8_16, option, "1mm"], 2, "\"1mm\" is not a number: leave out its unit");
-    }
-    refused(&[FIG_8_16, "--set", "v_rate=0"], 1, "no velocity profile: the command does not change\n");
-    refused(
-        &[FIG_8_16, "--set", "v_rate=0", "--falling"],
+/// The error of a run in which the command is constant.
+const NO_CHANGE: &str = "no velocity profile: the command does not change\n";
+
+/// Arguments of unusable runs, exit codes, and parts of the messages.
+const UNUSABLE_RUNS: &[(&[&str], i32, &str)] = &[
+    (&["patches/lessons/stick-slip.json"], 2, "the patch has no signal v_i: give --signals COMMAND,VELOCITY"),
+    (&[FIG_8_16, "--signals", "v_i"], 2, "must be two names"),
+    (&[FIG_8_16, "--signals", "v_i,v_p"], 2, "no signal v_p: give --signals COMMAND,VELOCITY; did you mean"),
+    (&[FIG_8_16, "--signals", "v_i,x_error"], 2, "v_i in m/s and x_error in m do not have the same unit"),
+    (&[FIG_8_16, "--signals", "x_error,x_error"], 2, "x_error in m is not a velocity: give --threshold"),
+    (&[FIG_8_16, "--set", "v_rate=0"], 1, NO_CHANGE),
+    (&[FIG_8_16, "--set", "v_rate=0", "--falling"], 1, NO_CHANGE),
+    (
+        &[FIG_8_16, "--set", "v_start=9e-3", "--set", "v_rate=-1e-3"],
         1,
-        "no velocity profile: the command does not change\n",
-    );
-    let falls = ["--set", "v_start=9e-3", "--set", "v_rate=-1e-3"];
-    refused(
-        &[&[FIG_8_16][..], &falls].concat(),
-        1,
-        "does not rise steadily: --falling reads one that falls\n",
-    );
-    refused(
+        "does not rise steadily: use --falling for a command that falls\n",
+    ),
+    (
         &[FIG_8_16, "--falling"],
         1,
-        "the command never comes back in this run: let it turn with --set v_turn=SECONDS, and run for twice as long with --for\n",
-    );
-    refused(
+        "the command never falls in this run: make it turn with --set v_turn=SECONDS, and run twice as \
+         long with --for\n",
+    ),
+    (
         &[FIG_8_16, "--set", "v_rate=0.02"],
         1,
-        "no velocity profile: the command alone changes by 780 µm/s within a window, which is not below the threshold: give a higher \
-         --threshold, or a slower command with --set\n",
-    );
-    refused(
+        "no velocity profile: the command alone changes by 780 µm/s within a window: it must stay below \
+         the threshold: give a higher --threshold, or a slower command with --set\n",
+    ),
+    (
         &[FIG_8_16, "--window", "1e-9"],
         1,
         "at least 8 are needed: give a shorter --every or a longer --window\n",
-    );
-    let still = "no velocity profile: all that the run reaches, 10.16 mm/s, counts as standstill";
-    for (option, such) in [("--threshold", "0.00025"), ("--standstill", "0.000125")] {
-        let told = format!("give a lower one, in m/s, such as {option} {such}\n");
-        refused(&[FIG_8_16, option, "0.25"], 1, &told);
-        refused(&[FIG_8_16, option, "0.25"], 1, still);
-    }
-    refused(
-        &[FIG_8_16, "--window", "9"],
-        1,
-        "the window of 9 s is longer than the run of 8.466 s: give a shorter --window\n",
-    );
-    refused(&[FIG_8_16, "--every", "0.01"], 1, "4 samples stand in a window: at least 8 are needed: give");
-    refused(
+    ),
+    (&[FIG_8_16, "--window", "9"], 1, "window of 9 s exceeds the run of 8.466 s: give a shorter --window\n"),
+    (&[FIG_8_16, "--every", "0.01"], 1, "a window has 4 samples, at least 8 are needed"),
+    (
         &[FIG_8_16, "--every", "0.005", "--window", "0.04"],
         1,
-        "samples in the shortest cycle: at least 8 are needed: give a shorter --every\n",
-    );
-    refused(&[FIG_8_16, "--plot", "profile.txt"], 2, "profile.txt");
-    refused(&[FIG_8_16, "--plot", FIG_8_16], 2, "");
-    refused(&["patches/none.json"], 1, "none.json");
+        "samples, at least 8 are needed: give a shorter --every\n",
+    ),
+    (&[FIG_8_16, "--plot", "profile.txt"], 2, "profile.txt"),
+    (&[FIG_8_16, "--plot", FIG_8_16], 2, ""),
+    (&["patches/none.json"], 1, "none.json"),
+];
+
+/// Asserts that `patchcord profile` with these arguments gives only an error with this exit code and message.
+fn assert_error(arguments: &[&str], exit: i32, message: &str) {
+    let done = patchcord(&[&["profile"], arguments].concat());
+    assert!(errors(&done).contains(message), "{arguments:?}: {}", errors(&done));
+    assert_eq!((code(&done), out(&done).as_str()), (exit, ""), "{arguments:?}");
+}
+
+#[test]
+fn unusable_runs_return_errors_with_advice() {
+    for (arguments, exit, message) in UNUSABLE_RUNS {
+        assert_error(arguments, *exit, message);
+    }
     let document = json(&patchcord(&["profile", FIG_8_16, "--set", "v_rate=0", "--json"]));
     assert_eq!(document["ok"], false);
+}
+
+#[test]
+fn wrong_criteria_return_errors_with_advice() {
+    for option in ["--threshold", "--window", "--standstill"] {
+        for value in ["0", "-1", "nan", "inf"] {
+            assert_error(&[FIG_8_16, option, value], 2, "must be a positive number");
+        }
+        assert_error(&[FIG_8_16, option, "1mm"], 2, "\"1mm\" is not a number: leave out its unit");
+    }
+    let still = "no velocity profile: the run reaches only 10.16 mm/s, and velocities up to";
+    for (option, example) in [("--threshold", "0.00025"), ("--standstill", "0.000125")] {
+        let advice = format!("give a lower value, in m/s, such as {option} {example}\n");
+        assert_error(&[FIG_8_16, option, "0.25"], 1, &advice);
+        assert_error(&[FIG_8_16, option, "0.25"], 1, still);
+    }
 }

@@ -1,4 +1,4 @@
-//! The README and the examples' prose say what the programs do.
+//! Numbers and outputs quoted in the README and in examples are correct.
 
 use std::fs;
 use std::path::Path;
@@ -6,9 +6,10 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::{FIG_8_16, code, errors, json, out, patchcord, path};
+use super::{FIG_8_16, code, errors, out, patchcord, path};
+use crate::common::files::assert_up_to_date;
 
-/// The lines of the README's block after these words.
+/// The lines of the indented block after this text in the README.
 fn readme_block(after: &str) -> Vec<String> {
     let text = fs::read_to_string("README.md").unwrap();
     let block = text.split(after).nth(1).unwrap().trim_start_matches('\n');
@@ -20,9 +21,9 @@ fn readme_block(after: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_readmes_command_ends_as_the_readme_says() {
+fn the_command_of_the_readme_prints_the_quoted_lines() {
     let folder = tempfile::tempdir().unwrap();
-    let command = readme_block("With a Rust toolchain and nothing else:\n")[0].clone();
+    let command = readme_block("This runs the final circuit of the study:\n")[0].clone();
     let arguments: Vec<_> = command.strip_prefix("cargo run --release -- ").unwrap().split(' ').collect();
     let patch = fs::canonicalize(arguments[1]).unwrap();
     let arguments =
@@ -30,24 +31,18 @@ fn the_readmes_command_ends_as_the_readme_says() {
     let ran =
         Command::new(env!("CARGO_BIN_EXE_patchcord")).args(arguments).current_dir(&folder).output().unwrap();
     assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
-    let promised: Vec<String> =
-        readme_block("It ends with\n").into_iter().filter(|line| !line.is_empty()).collect();
+    let quoted: Vec<String> =
+        readme_block("and ends with\n").into_iter().filter(|line| !line.is_empty()).collect();
     let printed: Vec<String> = out(&ran).lines().map(str::to_owned).filter(|line| !line.is_empty()).collect();
-    assert_eq!(printed[printed.len() - promised.len()..], promised);
+    assert_eq!(printed[printed.len() - quoted.len()..], quoted);
     assert!(folder.path().join("fig-8-16.csv").is_file() && folder.path().join("fig-8-16.svg").is_file());
 }
 
-/// What the README has its reader save: the document at a place among those that it shows.
-fn readme_document(place: usize) -> String {
-    let text = fs::read_to_string("README.md").unwrap();
-    text.split("```json\n").nth(1 + place).unwrap().split("```").next().unwrap().to_owned()
-}
-
-/// The period of the README's spring with a mass in kg: between its falls through 0 mm.
+/// The time between the first two falls of the position through 0, with this mass in kg.
 fn period(file: &str, mass: &str) -> f64 {
     let csv = format!("{file}.csv");
     let set = format!("m={mass}");
-    assert_eq!(code(&patchcord(&["run", file, "--set", &set, "--csv", &csv])), 0);
+    assert_eq!(code(&patchcord(&["run", file, "--set", &set, "--set", "c=0", "--csv", &csv])), 0);
     let table = fs::read_to_string(csv).unwrap();
     let rows = table.lines().skip_while(|line| !line.starts_with("t,")).skip(1);
     let points: Vec<Vec<f64>> =
@@ -60,47 +55,49 @@ fn period(file: &str, mass: &str) -> f64 {
 }
 
 #[test]
-fn the_readmes_first_patch_swings_as_the_readme_says() {
+fn four_times_the_mass_has_twice_the_period() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "spring.json");
-    fs::write(&file, readme_document(0)).unwrap();
-    let told = json(&patchcord(&["run", &file, "--json"]));
-    let [least, most] = ["least", "most"].map(|end| told["readings"][0][end]["value"].as_f64().unwrap());
+    assert_eq!(code(&patchcord(&["new", &file])), 0);
     let [light, heavy] = ["1", "4"].map(|mass| period(&file, mass));
-    let promised = format!(
-        "The mass swings between {least:.0} and {most:.0} mm, with a period of {light:.2} s at 1 kg and {heavy:.2} s at 4 kg."
-    );
-    assert!(fs::read_to_string("README.md").unwrap().contains(&promised), "{promised}");
+    assert!((heavy / light - 2.0).abs() < 1e-3, "{light} {heavy}");
+}
+
+/// The pictures at the top of the README are those of the patch that `patchcord new` writes.
+#[test]
+fn the_first_pictures_of_the_readme_are_up_to_date() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, plot, schematic] =
+        ["spring.json", "spring.svg", "schematic.svg"].map(|name| path(&folder, name));
+    assert_eq!(code(&patchcord(&["new", &file])), 0);
+    assert_eq!(code(&patchcord(&["run", &file, "--plot", &plot])), 0);
+    assert_eq!(code(&patchcord(&["draw", &file, "--plot", &schematic])), 0);
+    assert_up_to_date("docs/pictures/spring.svg", &fs::read(plot).unwrap(), "patchcord");
+    assert_up_to_date("docs/pictures/spring.schematic.svg", &fs::read(schematic).unwrap(), "patchcord");
 }
 
 #[test]
 #[ignore = "takes several seconds: a whole search"]
-fn the_readmes_spring_lacks_the_damping_that_the_readme_says() {
+fn the_search_of_the_readme_finds_the_quoted_damping() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("spring.json"), readme_document(0)).unwrap();
-    fs::write(folder.path().join("spring.experiment.json"), readme_document(1)).unwrap();
-    let measured = readme_block("of which `spring.json` above knows nothing.\n");
-    let searched = readme_block("spring.experiment.json --check\n");
-    let commands = measured.into_iter().chain(searched).filter(|line| line.starts_with("patchcord "));
-    let mut printed = String::new();
-    for command in commands {
-        let words = command.split_whitespace().skip(1);
-        let ran = Command::new(env!("CARGO_BIN_EXE_patchcord")).args(words).current_dir(&folder).output();
-        let ran = ran.unwrap();
-        assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""), "{command}");
-        printed = out(&ran);
-    }
-    let promised = readme_block("tries every effect of 22 that finds a place, and says\n");
-    assert_eq!(printed.lines().next(), promised.iter().map(String::as_str).find(|line| !line.is_empty()));
-    let report = fs::read_to_string(folder.path().join("found/report.json")).unwrap();
+    let into = path(&folder, "found");
+    let block = readme_block("To name the effect, run\n");
+    let words = block[0].split(' ').skip(1).map(|word| if word == "found" { &into } else { word });
+    let ran = patchcord(&words.collect::<Vec<_>>());
+    assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
+    let quoted = block.iter().rfind(|line| !line.is_empty()).unwrap();
+    assert_eq!(out(&ran).lines().next(), Some(quoted.as_str()));
+    let report = fs::read_to_string(Path::new(&into).join("report.json")).unwrap();
     let report: Value = serde_json::from_str(&report).unwrap();
-    let [k, c] = ["k", "c"].map(|name| report["parameters"][name]["value"].as_f64().unwrap());
-    let promised = format!("with k = {k:.0} N/m and damping of {c:.1} per second");
-    assert!(fs::read_to_string("README.md").unwrap().contains(&promised), "{promised}");
+    let c = &report["parameters"]["c"];
+    let [low, high] = [0, 1].map(|end| c["interval"][end].as_f64().unwrap());
+    let quoted =
+        format!("a damping of {:.3} ± {:.3} per second", c["value"].as_f64().unwrap(), (high - low) / 2.0);
+    assert!(fs::read_to_string("README.md").unwrap().replace('\n', " ").contains(&quoted), "{quoted}");
 }
 
 #[test]
-fn the_shots_of_the_hybrid_run_land_as_its_page_says() {
+fn the_shots_of_the_hybrid_run_have_the_quoted_errors() {
     let folder = tempfile::tempdir().unwrap();
     let test = std::env::current_exe().unwrap();
     let built = test.parent().and_then(Path::parent).unwrap().join("examples/04_hybrid_run");
@@ -112,6 +109,6 @@ fn the_shots_of_the_hybrid_run_land_as_its_page_says() {
     let nearer = misses.windows(2).map(|pair| pair[0] / pair[1]);
     assert!(nearer.clone().all(|times| (4.5..5.0).contains(&times)), "{misses:?}");
     let page = fs::read_to_string("examples/04_hybrid_run/README.md").unwrap();
-    let promised = format!("the eighth {:.1} mm short", -1e3 * misses[7]);
-    assert!(page.replace('\n', " ").contains(&promised), "{promised}");
+    let quoted = format!("the eighth {:.1} mm short", -1e3 * misses[7]);
+    assert!(page.replace('\n', " ").contains(&quoted), "{quoted}");
 }

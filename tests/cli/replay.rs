@@ -1,12 +1,12 @@
-//! `patchcord replay`: figures of the study drawn again, beside their claims.
+//! `patchcord replay`: reproduced figures of the study and their claims.
 
 use std::fs;
 
 use super::{code, errors, json, out, patchcord, path};
-use crate::common::files::check_fresh;
+use crate::common::files::assert_up_to_date;
 use patchcord::draw::plot::Format;
 use patchcord::patch::Patch;
-use patchcord::thesis::replay::{Sheet, differences, figures, perform};
+use patchcord::thesis::replay::{Sheet, differences_page, figures, run_all};
 
 #[test]
 fn without_a_name_the_figures_are_listed() {
@@ -18,12 +18,12 @@ fn without_a_name_the_figures_are_listed() {
 }
 
 #[test]
-fn a_figure_comes_with_its_picture_its_patch_and_a_page() {
+fn a_figure_has_a_picture_a_patch_and_a_page() {
     let folder = tempfile::tempdir().unwrap();
     let into = path(&folder, "out");
-    let told = patchcord(&["replay", "fig-8-24", "--out", &into]);
-    assert_eq!(code(&told), 0, "{}", errors(&told));
-    assert!(out(&told).contains("oscillation ends at 7.924 mm/s"), "{}", out(&told));
+    let output = patchcord(&["replay", "fig-8-24", "--out", &into]);
+    assert_eq!(code(&output), 0, "{}", errors(&output));
+    assert!(out(&output).contains("oscillation ends at 7.924 mm/s"), "{}", out(&output));
     let written = |name: &str| fs::read_to_string(path(&folder, &format!("out/{name}"))).unwrap();
     assert!(roxmltree::Document::parse(&written("fig-8-24.svg")).is_ok());
     let page = written("fig-8-24.html");
@@ -44,15 +44,15 @@ fn no_file_is_written_twice() {
     assert_eq!((code(&twice), out(&twice).as_str()), (2, ""));
     assert!(errors(&twice).contains("fig-4-10.svg would be written twice"), "{}", errors(&twice));
     assert_eq!(fs::read_dir(&into).unwrap().count(), 0);
-    let beside = patchcord(&["replay", "fig-4-10", "--out", &into, "--plot", &path(&folder, "out/b.png")]);
-    assert_eq!(code(&beside), 0, "{}", errors(&beside));
+    let second = patchcord(&["replay", "fig-4-10", "--out", &into, "--plot", &path(&folder, "out/b.png")]);
+    assert_eq!(code(&second), 0, "{}", errors(&second));
     let names = ["b.png", "fig-4-10.svg", "fig-4-10.html"]
         .map(|name| fs::metadata(path(&folder, &format!("out/{name}"))));
     assert!(names.iter().all(Result::is_ok));
 }
 
 #[test]
-fn what_a_figure_names_can_be_typed() {
+fn a_figure_is_found_by_any_of_its_names() {
     let folder = tempfile::tempdir().unwrap();
     let into = path(&folder, "out");
     let replayed = patchcord(&["replay", "8.14", "Fig 4.8", "fig-8-26", "--out", &into, "--json"]);
@@ -73,7 +73,7 @@ fn what_a_figure_names_can_be_typed() {
 }
 
 #[test]
-fn the_document_holds_figures_and_claims() {
+fn the_document_has_figures_and_claims() {
     let document = json(&patchcord(&["replay", "fig-8-34", "--json"]));
     let figure = &document["figures"][0];
     assert_eq!((&figure["id"], &figure["number"]), (&"fig-8-34".into(), &"Fig 8.34".into()));
@@ -86,16 +86,16 @@ fn the_document_holds_figures_and_claims() {
 }
 
 #[test]
-fn what_cannot_be_replayed_is_told() {
-    let refused = |arguments: &[&str]| {
+fn wrong_requests_return_errors() {
+    let error = |arguments: &[&str]| {
         let output = patchcord(&[&["replay"], arguments].concat());
         assert_eq!(code(&output), 2);
         errors(&output)
     };
-    assert!(refused(&["fig-8-42"]).contains("there is no figure fig-8-42; did you mean"));
-    assert!(refused(&["fig-8-24", "fig-8-25", "--plot", "x.svg"]).contains("--plot draws one figure"));
-    assert!(refused(&["fig-8-24", "--plot", "x.jpg"]).contains("x.jpg"));
-    assert!(refused(&["--out", "x"]).contains("which figure?"));
+    assert!(error(&["fig-8-42"]).contains("there is no figure fig-8-42; did you mean"));
+    assert!(error(&["fig-8-24", "fig-8-25", "--plot", "x.svg"]).contains("--plot draws only one figure"));
+    assert!(error(&["fig-8-24", "--plot", "x.jpg"]).contains("x.jpg"));
+    assert!(error(&["--out", "x"]).contains("no figure is specified"));
 }
 
 #[test]
@@ -103,16 +103,16 @@ fn what_cannot_be_replayed_is_told() {
 fn every_figure_is_drawn_with_a_reading_and_patches_that_check() {
     let figures: Vec<_> = figures().collect();
     assert!(figures.len() >= 60);
-    let (drawn, _) = perform(&figures, &[], 2, |_, _| ()).unwrap_or_else(|error| panic!("{error}"));
-    check_fresh(
+    let (drawn, _) = run_all(&figures, &[], 2, |_, _| ()).unwrap_or_else(|error| panic!("{error}"));
+    assert_up_to_date(
         "docs/differences.md",
-        differences(figures.iter().copied().zip(&drawn)).as_bytes(),
+        differences_page(figures.iter().copied().zip(&drawn)).as_bytes(),
         "cli replay",
     );
     for (figure, drawn) in figures.into_iter().zip(&drawn) {
-        let told = format!("{} {}", drawn.settings, drawn.reading);
+        let output = format!("{} {}", drawn.settings, drawn.reading);
         assert!(!drawn.reading.is_empty() && !drawn.settings.is_empty(), "{}", figure.id);
-        assert!(!told.contains("NaN") && !told.contains("inf"), "{}: {told}", figure.id);
+        assert!(!output.contains("NaN") && !output.contains("inf"), "{}: {output}", figure.id);
         assert!(drawn.render(Format::Svg).unwrap().len() > 1000, "{}", figure.id);
         if let Sheet::Pictures(pictures) = &drawn.sheet {
             let channels = pictures.iter().flat_map(|picture| &picture.channels);
@@ -121,7 +121,7 @@ fn every_figure_is_drawn_with_a_reading_and_patches_that_check() {
         for patch in &drawn.patches {
             assert!(patch.file().starts_with(figure.id), "{}", patch.file());
             let read = Patch::parse(patch.file(), patch.text()).unwrap();
-            patchcord::circuit::Circuit::new(&read, &[]).unwrap_or_else(|report| panic!("{report}"));
+            patchcord::circuit::Circuit::new(&read).unwrap_or_else(|report| panic!("{report}"));
             let is_named = |command: &String| command.contains(patch.file());
             assert!(drawn.commands.iter().any(is_named), "{}", figure.id);
         }

@@ -1,11 +1,11 @@
-//! What a run tells: readings, overloads, why it stopped or could not begin.
+//! `patchcord run`: readings, overloads, and why a run stops or cannot start.
 
 use std::fs;
 
 use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring, spring_with};
 
 #[test]
-fn a_repeated_run_tells_its_runs_apart() {
+fn a_repeated_run_numbers_its_runs() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "out.csv");
     assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.002", "--repeat", "2", "--csv", &csv])), 0);
@@ -19,20 +19,20 @@ fn a_repeated_run_tells_its_runs_apart() {
 }
 
 #[test]
-fn an_overload_is_told_with_what_it_caused() {
+fn overloads_are_printed_with_their_causes() {
     let ran = patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1"]);
     assert_eq!(code(&ran), 0);
-    let told = out(&ran);
-    let lines: Vec<&str> = told.lines().filter(|line| line.starts_with("overload: ")).collect();
-    assert!(lines.len() > 1 && lines[0].ends_with("(first)"), "{told}");
-    assert!(lines[1].contains("caused by"), "{told}");
+    let text = out(&ran);
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("overload: ")).collect();
+    assert!(lines.len() > 1 && lines[0].ends_with("(first)"), "{text}");
+    assert!(lines[1].contains("caused by"), "{text}");
     let held =
         patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1", "--hold-on-overload"]);
     assert!(out(&held).contains("held at t = "), "{}", out(&held));
 }
 
 #[test]
-fn readings_come_from_every_step_and_end_with_the_run() {
+fn readings_use_every_step_of_the_run() {
     let (_folder, file) = spring();
     let coarse = json(&patchcord(&["run", &file, "--every", "1", "--json"]));
     let fine = json(&patchcord(&["run", &file, "--json"]));
@@ -44,10 +44,10 @@ fn readings_come_from_every_step_and_end_with_the_run() {
 }
 
 #[test]
-fn a_run_that_stops_writes_what_it_recorded() {
+fn a_run_that_stops_writes_its_record() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "ball.csv");
-    // A ball that never comes to rest bounces without end.
+    // A ball that never comes to rest bounces infinitely often.
     let endless = [
         "run",
         "crates/core/tests/patches/bouncing-ball.json",
@@ -64,24 +64,28 @@ fn a_run_that_stops_writes_what_it_recorded() {
     let table = fs::read_to_string(&csv).unwrap();
     let last = table.lines().last().unwrap().split(',').next().unwrap();
     assert!(last.parse::<f64>().unwrap() > 1.0, "{last}");
-    assert!(errors(&ran).contains(&format!("the files hold the run up to t = {last} s")), "{}", errors(&ran));
-    let told = json(&patchcord(&[&endless[..], &["--json"]].concat()));
+    assert!(
+        errors(&ran).contains(&format!("the files contain the run up to t = {last} s")),
+        "{}",
+        errors(&ran)
+    );
+    let text = json(&patchcord(&[&endless[..], &["--json"]].concat()));
     assert_eq!(
-        (&told["ok"], &told["code"], &told["files"][0]),
+        (&text["ok"], &text["code"], &text["files"][0]),
         (&false.into(), &"chatter".into(), &csv.into())
     );
-    assert_eq!(told["recorded_until"].to_string(), last);
+    assert_eq!(text["recorded_until"].to_string(), last);
 }
 
 #[test]
-fn a_missing_run_is_told_at_once_and_checks_nevertheless() {
+fn a_patch_without_a_run_checks_but_does_not_run() {
     let delay = r#""B1": {"kind": "summer", "in": {"x1": ["D1"]}}, "D1": {"kind": "delay", "in": "A2", "delay": 1e-6}"#;
     let lag = r#""B1": {"kind": "lag", "in": {"x1": ["A2"]}, "time": 1e-6}"#;
-    [delay, lag].into_iter().for_each(missing_run_is_told);
+    [delay, lag].into_iter().for_each(check_missing_run);
 }
 
-/// The same of a spring whose inverter is made of something that wants a short step.
-fn missing_run_is_told(inverter: &str) {
+/// The test for a spring whose inverter is replaced by elements that need a short step.
+fn check_missing_run(inverter: &str) {
     let (_folder, file) = spring_with(r#""B1": {"kind": "summer", "in": {"x1": ["A2"]}}"#, inverter);
     let text = fs::read_to_string(&file).unwrap();
     fs::write(&file, text.replace(",\n  \"run\": {\"for\": 3.25, \"step\": 1e-3}", "")).unwrap();
@@ -93,14 +97,14 @@ fn missing_run_is_told(inverter: &str) {
     let ran = patchcord(&["run", &file, "--for", "1", "--step", "1e-3"]);
     assert_eq!(code(&ran), 2);
     assert!(
-        errors(&ran).contains("give one with --step, or a tolerance with --tol\n  --> "),
+        errors(&ran).contains("give a step with --step, or a tolerance with --tol\n  --> "),
         "{}",
         errors(&ran)
     );
 }
 
 #[test]
-fn names_to_record_may_stand_apart() {
+fn names_to_record_may_be_separated_by_blanks() {
     let (_folder, file) = spring();
     let ran = json(&patchcord(&["run", &file, "--record", "x, A1", "--json"]));
     let names: Vec<_> =
@@ -110,9 +114,9 @@ fn names_to_record_may_stand_apart() {
 }
 
 #[test]
-fn a_ball_at_rest_reads_0() {
+fn a_ball_at_rest_has_the_reading_0() {
     let ran = patchcord(&["run", "crates/core/tests/patches/bouncing-ball.json", "--set", "e=0.5"]);
-    let told = out(&ran);
-    let height = told.lines().find(|line| line.starts_with("height")).unwrap();
-    assert_eq!(height.split_whitespace().nth(3), Some("0"), "{told}");
+    let text = out(&ran);
+    let height = text.lines().find(|line| line.starts_with("height")).unwrap();
+    assert_eq!(height.split_whitespace().nth(3), Some("0"), "{text}");
 }

@@ -29,11 +29,11 @@ fn derivatives_are_columns_readings_and_pictures() {
         "--sensitivity",
         "e, g,e",
     ];
-    let told = json(&patchcord(&[&arguments[..], &["--json", "--csv", &csv, "--plot", &svg]].concat()));
+    let text = json(&patchcord(&[&arguments[..], &["--json", "--csv", &csv, "--plot", &svg]].concat()));
     let names: Vec<_> =
-        told["readings"].as_array().unwrap().iter().map(|reading| &reading["signal"]).collect();
+        text["readings"].as_array().unwrap().iter().map(|reading| &reading["signal"]).collect();
     assert_eq!(names, ["height", "d height / d e", "d height / d g"]);
-    let first = &told["sensitivities"][0];
+    let first = &text["sensitivities"][0];
     assert_eq!(
         (&first["signal"], &first["parameter"], &first["unit"]),
         (&"height".into(), &"e".into(), &"m".into())
@@ -54,22 +54,27 @@ fn derivatives_are_columns_readings_and_pictures() {
 }
 
 #[test]
-fn what_has_no_derivative_is_told() {
+fn missing_derivatives_return_errors() {
     let noise = "crates/core/tests/patches/memory.json";
-    for (patch, options, told, wanted) in [
-        (FIG_8_16, "--sensitivity m", "there is no parameter m to differentiate by; did you mean \"M\"?", 2),
-        ("patches/problems/bouncing-ball.json", "--sensitivity e", "differentiate by; the patch has none", 2),
+    for (patch, options, text, wanted) in [
+        (FIG_8_16, "--sensitivity m", "the patch has no parameter m; did you mean \"M\"?", 2),
+        (
+            "patches/problems/bouncing-ball.json",
+            "--sensitivity e",
+            "the patch has no parameter e; it has none at all",
+            2,
+        ),
         (FIG_8_16, "--sensitivity M,", "a name is missing", 2),
         (noise, "--sensitivity top --every 1e-8 --step 1e-8", "the run would", 2),
     ] {
-        let refused = patchcord(&[&["run", patch], &options.split(' ').collect::<Vec<_>>()[..]].concat());
-        assert_eq!(code(&refused), wanted, "{options}: {}", errors(&refused));
-        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+        let failed = patchcord(&[&["run", patch], &options.split(' ').collect::<Vec<_>>()[..]].concat());
+        assert_eq!(code(&failed), wanted, "{options}: {}", errors(&failed));
+        assert!(errors(&failed).contains(text), "{}", errors(&failed));
     }
 }
 
 #[test]
-fn a_derivative_that_ends_stops_the_run_with_what_it_has() {
+fn a_derivative_that_ceases_to_exist_stops_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let (patch, csv) = (path(&folder, "late.json"), path(&folder, "late.csv"));
     let text = serde_json::json!({
@@ -87,17 +92,17 @@ fn a_derivative_that_ends_stops_the_run_with_what_it_has() {
     fs::write(&patch, text.to_string()).unwrap();
     let stopped = patchcord(&["run", &patch, "--sensitivity", "mark", "--csv", &csv]);
     assert_eq!(code(&stopped), 1);
-    let told = errors(&stopped);
+    let text = errors(&stopped);
     assert!(
-        told.contains("K2 and K1 switch at the same instant") && told.contains(&format!("{patch}:")),
-        "{told}"
+        text.contains("K2 and K1 switch at the same instant") && text.contains(&format!("{patch}:")),
+        "{text}"
     );
-    assert!(told.contains("the files hold the run up to t = "), "{told}");
+    assert!(text.contains("the files contain the run up to t = "), "{text}");
     assert!(fs::read_to_string(&csv).unwrap().lines().count() > 90);
 }
 
 #[test]
-fn a_patch_may_show_derivatives_in_its_own_pictures() {
+fn a_patch_may_plot_derivatives() {
     let folder = tempfile::tempdir().unwrap();
     let (patch, csv, svg) =
         (path(&folder, "ball.json"), path(&folder, "ball.csv"), path(&folder, "ball.svg"));

@@ -1,9 +1,9 @@
-//! `patchcord slideway`, and docs/slideway.md, which shows what it prints.
+//! `patchcord slideway`, and docs/slideway.md, which shows its output.
 
 use std::fs;
 
 use super::{code, errors, json, out, patchcord, path};
-use crate::common::pages::check_part;
+use crate::common::pages::assert_part_up_to_date;
 
 pub const SLIDEWAY: [&str; 7] = ["slideway", "--oil", "0.34", "--weight", "450", "--stiffness", "20"];
 
@@ -12,14 +12,14 @@ fn slideway(more: &[&str]) -> std::process::Output {
 }
 
 #[test]
-fn the_page_shows_what_is_printed() {
+fn the_page_shows_the_output() {
     let shown = slideway(&[]);
     assert_eq!((code(&shown), errors(&shown).as_str()), (0, ""));
     let indented = out(&shown)
         .lines()
         .map(|line| format!("    {line}").trim_end().to_owned() + "\n")
         .collect::<String>();
-    check_part("docs/slideway.md", "command", &indented, "patchcord");
+    assert_part_up_to_date("docs/slideway.md", "command", &indented, "patchcord");
     let page = fs::read_to_string("docs/slideway.md").unwrap();
     assert!(page.contains(&format!(
         "\n    patchcord {} --plot slideway.svg --out slideway.json\n",
@@ -51,74 +51,79 @@ fn json_is_one_document_in_si_units() {
 
 #[test]
 #[ignore = "takes ten seconds"]
-fn the_patch_that_it_writes_runs_like_any_other() {
+fn the_written_patch_reproduces_the_simulation() {
     let folder = tempfile::tempdir().unwrap();
     let [patch, plot] = ["slideway.json", "slideway.png"].map(|name| path(&folder, name));
-    let told = json(&slideway(&["--out", &patch, "--plot", &plot, "--tol", "1e-7", "--json"]));
-    assert_eq!(told["files"], serde_json::json!([patch, plot]));
+    let report = json(&slideway(&["--out", &patch, "--plot", &plot, "--tol", "1e-7", "--json"]));
+    assert_eq!(report["files"], serde_json::json!([patch, plot]));
     assert!(fs::read(&plot).unwrap().starts_with(b"\x89PNG"));
     assert!(out(&patchcord(&["check", &patch])).contains("nothing wrong\n"));
     let run = json(&patchcord(&["run", &patch, "--json"]));
     let times = ["for", "step", "tolerance", "every"];
-    assert!(times.iter().all(|time| run["run"][time] == told["run"][time]), "{}", told["run"]);
+    assert!(times.iter().all(|time| run["run"][time] == report["run"][time]), "{}", report["run"]);
     assert_eq!(run["run"]["tolerance"], 1e-7);
     let measured = out(&patchcord(&["sweep", &patch, "--vary", "K=20e6", "--measure", "critical_velocity"]));
     let cells: Vec<_> = measured.lines().last().unwrap().split(',').collect();
-    for (cell, way) in cells[1..3].iter().zip(["rising", "falling"]) {
-        assert_eq!(cell.parse::<f64>().unwrap(), told["critical_velocity"][way]["value"].as_f64().unwrap());
+    for (cell, ramp) in cells[1..3].iter().zip(["rising", "falling"]) {
+        assert_eq!(
+            cell.parse::<f64>().unwrap(),
+            report["critical_velocity"][ramp]["value"].as_f64().unwrap()
+        );
     }
 }
 
 #[test]
-fn wrong_inputs_are_told_with_the_option_that_helps() {
+fn wrong_inputs_return_errors_with_the_option_that_helps() {
     let cases: [(&[&str], &str); 17] = [
         (
             &["--set", "M=20"],
-            "M = 20 kg is below what the circuit of Fig 8.16 takes, 180 ... 4000 kg: it is set by --set M",
+            "M = 20 kg is below the range of the circuit of Fig 8.16, 180 ... 4000 kg: it is set by --set M",
         ),
         (&["--set", "v_turn=4000"], "0 ... 3600 s: it is set by --set v_turn"),
         (
             &["--ridge-height", "1e-6"],
-            "height of a ridge is 0.000001 um, and must be 0.001 ... 100000: --ridge-height\n",
+            "height of a ridge must be within 0.001 ... 100000, got 0.000001 um: --ridge-height\n",
         ),
         (
             &["--ridge-width", "1e9"],
-            "width of a ridge is 1000000000 um, and must be 0.001 ... 100000: --ridge-width\n",
+            "width of a ridge must be within 0.001 ... 100000, got 1000000000 um: --ridge-width\n",
         ),
         (&["--ridge-width", "50000"], ": --ridge-width and --ridge-height\n"),
         (&["--set", "q=1"], "the circuit of Fig 8.16 has no parameter q; known here: M, K, f, Fs, VcL, Tc"),
-        (&["--set", "v_turn=-1"], "the velocity command has to rise"),
+        (&["--set", "v_turn=-1"], "the velocity command must rise"),
         (&["--set", "v_rate=0.1"], "give a higher --threshold, or a lower v_rate with --set"),
-        (&["--window", "100"], "is longer than the run of 32 s: give a shorter --window"),
+        (&["--window", "100"], "exceeds the run of 32 s: give a shorter --window"),
         (&["--every", "0.02"], "give a shorter --every or a longer --window"),
-        (&["--area", "1"], "weight / area is 450 kgf/cm2, and must be 0.0001 ... 8: --weight and --area"),
-        (&["--by", "100"], "less than 100 % is wanted"),
+        (&["--area", "1"], "weight / area must be within 0.0001 ... 8, got 450 kgf/cm2: --weight and --area"),
+        (&["--by", "100"], "must be less than 100 %"),
         (&["--area", "700cm2"], "\"700cm2\" is not a number: leave out its unit"),
-        (&["--ridge-height", "-1"], "a number above 0 is wanted"),
+        (&["--ridge-height", "-1"], "must be a positive number"),
         (&["--step", "1e-9"], "at most 1e10 are allowed: give a longer --step\n"),
         (&["--step", "1e-5", "--tol", "1e-6"], "cannot be used with"),
-        (&["--plot", "a.gif"], "names no known picture format"),
+        (&["--plot", "a.gif"], "unknown picture format"),
     ];
     for (more, wanted) in cases {
-        let refused = slideway(more);
-        assert_eq!((code(&refused), out(&refused).as_str()), (2, ""), "{more:?}");
-        assert!(errors(&refused).contains(wanted), "{more:?}: {}", errors(&refused));
-        let told = json(&slideway(&[more, &["--json"]].concat()));
-        assert_eq!(told["ok"], false, "{more:?}");
+        let failed = slideway(more);
+        assert_eq!((code(&failed), out(&failed).as_str()), (2, ""), "{more:?}");
+        assert!(errors(&failed).contains(wanted), "{more:?}: {}", errors(&failed));
+        let document = json(&slideway(&[more, &["--json"]].concat()));
+        assert_eq!(document["ok"], false, "{more:?}");
     }
     let of = |oil: &str, weight: &str, stiffness: &str| {
         errors(&patchcord(&["slideway", "--oil", oil, "--weight", weight, "--stiffness", stiffness]))
     };
-    assert!(of("1e-5", "450", "20").contains("viscosity is 0.00001 P, and must be 0.001 ... 1000: --oil"));
+    assert!(
+        of("1e-5", "450", "20").contains("viscosity must be within 0.001 ... 1000, got 0.00001 P: --oil")
+    );
     assert!(
         of("0.3", "20", "20").contains("M = 20 kg is below") && of("0.3", "20", "20").contains("--weight")
     );
     assert!(of("0.3", "450", "200").contains("5 ... 178 MN/m: --stiffness takes 5 ... 178 kN/mm\n"));
-    assert!(of("0.3", "450", "20e6").contains("K = 2.000e7 MN/m is above what"));
+    assert!(of("0.3", "450", "20e6").contains("K = 2.000e7 MN/m is above the range"));
     assert!(errors(&patchcord(&["slideway", "--oil", "0.3"])).contains("--weight <KGF>"));
 }
 
-/// With the polar additive there is nothing but the ringing behind the first slip.
+/// With the polar additive there is only ringing after the first slip.
 #[test]
 fn ringing_is_no_oscillation_that_advice_could_lower() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,38 +7,38 @@ use super::{FIG_8_16, code, errors, json, out, patchcord, path};
 const SHORT: [&str; 8] =
     ["--vary", "VcL=1e-3,2e-3", "--for", "0.3", "--measure", "peak:v_o", "--measure", "overload"];
 
-fn swept(more: &[&str]) -> std::process::Output {
+fn run_sweep(more: &[&str]) -> std::process::Output {
     patchcord(&[&["sweep", FIG_8_16], &SHORT[..], more].concat())
 }
 
 #[test]
-fn rows_go_to_standard_output_or_into_a_file() {
+fn rows_are_written_to_standard_output_or_to_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "sweep.csv");
-    let shown = swept(&[]);
+    let shown = run_sweep(&[]);
     assert_eq!((code(&shown), errors(&shown).as_str()), (0, ""));
     let lines = out(&shown);
     assert!(lines.starts_with("# patchcord ") && lines.contains("\n# VcL: m/s\n"), "{lines}");
     assert!(lines.contains("\nVcL,peak:v_o,overload,overload_time,error,note\n0.001,0.00"), "{lines}");
-    let written = swept(&["--out", &csv]);
+    let written = run_sweep(&["--out", &csv]);
     assert_eq!(out(&written), format!("2 runs: 0 failed, 0 with a note\nwrote {csv}\n"));
     assert_eq!(fs::read_to_string(&csv).unwrap(), lines);
-    let by_itself = json(&swept(&["--out", &path(&folder, "more.csv"), "--json"]));
-    assert_eq!(by_itself["sweep"]["threads"], std::thread::available_parallelism().unwrap().get());
-    let again = json(&swept(&["--out", &csv, "--json", "--threads", "1"]));
+    let document = json(&run_sweep(&["--out", &path(&folder, "more.csv"), "--json"]));
+    assert_eq!(document["sweep"]["threads"], std::thread::available_parallelism().unwrap().get());
+    let again = json(&run_sweep(&["--out", &csv, "--json", "--threads", "1"]));
     assert_eq!(again["sweep"]["threads"], 1);
-    let tally = ["runs", "kept", "written", "failed"].map(|key| again["sweep"][key].as_u64().unwrap());
-    assert_eq!(tally, [2, 2, 0, 0]);
+    let counts = ["runs", "kept", "written", "failed"].map(|key| again["sweep"][key].as_u64().unwrap());
+    assert_eq!(counts, [2, 2, 0, 0]);
     assert_eq!(again["sweep"]["columns"][1], serde_json::json!({"name": "peak:v_o", "unit": "m/s"}));
     assert_eq!(fs::read_to_string(&csv).unwrap(), lines);
 }
 
 #[test]
-fn rows_of_a_file_are_run_with_every_value_of_an_axis() {
+fn rows_of_a_file_are_combined_with_every_value_of_an_axis() {
     let folder = tempfile::tempdir().unwrap();
     let rows = path(&folder, "rows.csv");
     fs::write(&rows, "# K: N/m\nK,M\n20e6,300\n45e6,433\n").unwrap();
-    let shown = out(&swept(&["--rows", &rows]));
+    let shown = out(&run_sweep(&["--rows", &rows]));
     let begins: Vec<_> =
         shown.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).collect();
     let expected =
@@ -48,20 +48,20 @@ fn rows_of_a_file_are_run_with_every_value_of_an_axis() {
 }
 
 #[test]
-fn a_table_of_another_sweep_is_left_as_it_is() {
+fn the_file_of_another_sweep_is_left_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "sweep.csv");
-    assert_eq!(code(&swept(&["--out", &csv])), 0);
+    assert_eq!(code(&run_sweep(&["--out", &csv])), 0);
     let before = fs::read(&csv).unwrap();
     for other in [&["--set", "K=40e6"][..], &["--tol", "1e-6"], &["--measure", "stick_end"]] {
-        let refused = swept(&[&["--out", &csv], other].concat());
-        assert_eq!(code(&refused), 1, "{other:?}");
-        assert!(errors(&refused).contains("is not the table of this sweep, and was left as it is: line "));
+        let failed = run_sweep(&[&["--out", &csv], other].concat());
+        assert_eq!(code(&failed), 1, "{other:?}");
+        assert!(errors(&failed).contains("does not belong to this sweep: line "));
         assert!(fs::read(&csv).unwrap() == before);
     }
 }
 
-/// A patch whose drive stands in a table beside it, in a folder with a file of rows.
+/// A folder with a patch, the table of its drive, and a file of rows.
 fn driven() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let patch = r#"{"patchcord": 1, "title": "driven", "machine": "unlimited",
@@ -76,8 +76,8 @@ fn driven() -> tempfile::TempDir {
     folder
 }
 
-/// What is told of the table of the driven patch when words in a file have become others, or options are given.
-fn gone_on(file: &str, from: &str, to: &str, options: &str) -> String {
+/// Runs a sweep twice, the second time with a change in a file or with options. Returns the error of the second run.
+fn error_after_change(file: &str, from: &str, to: &str, options: &str) -> String {
     let folder = driven();
     let [patch, rows, csv] = ["driven.json", "k.csv", "out.csv"].map(|name| path(&folder, name));
     let command = ["sweep", &patch, "--rows", &rows, "--measure", "voltmeter:s", "--out", &csv];
@@ -88,44 +88,68 @@ fn gone_on(file: &str, from: &str, to: &str, options: &str) -> String {
     assert!(text.contains(from));
     fs::write(file, text.replace(from, to)).unwrap();
     let options: Vec<_> = options.split_whitespace().collect();
-    let told = errors(&patchcord(&[&command, &options[..]].concat()));
+    let error = errors(&patchcord(&[&command, &options[..]].concat()));
     assert!(fs::read(&csv).unwrap() == before);
-    told
+    error
 }
 
 #[test]
-fn what_changed_since_a_table_was_begun_is_told() {
+fn changed_inputs_of_an_existing_file_are_reported() {
     let cases = [
-        ("driven.json", "inverter", "absolute", "", "left as it is: the patch changed since; line "),
-        ("u.csv", "1,50", "1,60", "", "left as it is: the patch's tables changed since; line "),
-        ("k.csv", "0.2", "0.3", "", "left as it is: the file of rows changed since; line "),
-        ("k.csv", "", "", "--backend reference", "and this sweep has \"# backend: reference\" there"),
-        ("k.csv", "", "", "--backend reference --tol 1e-6", "tolerance 1e-6, recorded every 0.01 s\" there"),
+        (
+            "driven.json",
+            "inverter",
+            "absolute",
+            "",
+            "does not belong to this sweep: the patch changed after the file was started; line ",
+        ),
+        (
+            "u.csv",
+            "1,50",
+            "1,60",
+            "",
+            "does not belong to this sweep: the patch's tables changed after the file was started; line ",
+        ),
+        (
+            "k.csv",
+            "0.2",
+            "0.3",
+            "",
+            "does not belong to this sweep: the file of rows changed after the file was started; line ",
+        ),
+        ("k.csv", "", "", "--backend reference", "expected \"# backend: reference\""),
+        (
+            "k.csv",
+            "",
+            "",
+            "--backend reference --tol 1e-6",
+            "tolerance 1e-6, recorded every 0.01 s\"; the file",
+        ),
     ];
     for (file, from, to, options, wanted) in cases {
-        let told = gone_on(file, from, to, options);
-        assert!(told.contains(wanted), "{told}");
+        let error = error_after_change(file, from, to, options);
+        assert!(error.contains(wanted), "{error}");
     }
-    assert_eq!(gone_on("k.csv", "", "", "--backend interpreter"), "");
+    assert_eq!(error_after_change("k.csv", "", "", "--backend interpreter"), "");
 }
 
 #[test]
-fn a_table_that_another_sweep_is_writing_is_left_to_it() {
+fn a_file_that_another_sweep_is_writing_is_left_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "sweep.csv");
     let other = fs::File::create(&csv).unwrap();
     other.lock().unwrap();
-    let refused = swept(&["--out", &csv]);
-    let told =
-        format!("error: another sweep is writing {csv}: wait until it is done, or give another file\n");
-    assert_eq!((code(&refused), errors(&refused)), (1, told));
+    let failed = run_sweep(&["--out", &csv]);
+    let error =
+        format!("error: another sweep is writing {csv}: wait until it ends, or specify another file\n");
+    assert_eq!((code(&failed), errors(&failed)), (1, error));
     assert_eq!(fs::read(&csv).unwrap(), b"");
     drop(other);
-    assert_eq!(code(&swept(&["--out", &csv])), 0);
+    assert_eq!(code(&run_sweep(&["--out", &csv])), 0);
 }
 
 #[test]
-fn a_wrong_command_line_ends_with_2_before_any_run() {
+fn a_wrong_command_line_gives_exit_code_2_before_any_run() {
     let folder = tempfile::tempdir().unwrap();
     let (csv, rows) = (path(&folder, "sweep.csv"), path(&folder, "rows.csv"));
     fs::write(&rows, "K\n20e6\n").unwrap();
@@ -136,36 +160,39 @@ fn a_wrong_command_line_ends_with_2_before_any_run() {
         (&["--vary", "Tc=1:2"], "\"Tc=1:2\" gives no values"),
         (&["--set", "VcL=1e-3"], "VcL is set and varied"),
         (&["--measure", "peek:v_o"], "did you mean \"peak\"?"),
-        (&["--measure", "peak:v_o"], "two columns would be called peak:v_o"),
+        (&["--measure", "peak:v_o"], "two columns are named peak:v_o"),
         (&["--threads", "0"], "--threads"),
-        (&["--threads", "-1"], "a whole number from 1 to 1024 is wanted"),
-        (&["--tol", "1e-20"], "the rounding of numbers is no smaller"),
-        (&["--tol", "-1e-6"], "a number from 1e-13 to 1 is wanted"),
+        (&["--threads", "-1"], "must be an integer from 1 to 1024"),
+        (&["--tol", "1e-20"], "rounding errors are not smaller"),
+        (&["--tol", "-1e-6"], "must be from 1e-13 to 1"),
         (&["--step", "1"], "longer than the run"),
         (&["--json"], "give --out FILE"),
-        (&["--rows", &rows, "--out", &rows], "holds the settings to run"),
+        (&["--rows", &rows, "--out", &rows], "is the input of --rows"),
     ];
-    for (more, told) in cases {
+    for (more, wanted) in cases {
         let needs_none = more.contains(&"--json") || more.contains(&"--out");
         let into = if needs_none { &[][..] } else { &["--out", &csv] };
-        let refused = swept(&[more, into].concat());
-        assert_eq!((code(&refused), fs::exists(&csv).unwrap()), (2, false), "{more:?}: {}", errors(&refused));
-        assert!(errors(&refused).contains(told), "{more:?}: {}", errors(&refused));
+        let failed = run_sweep(&[more, into].concat());
+        assert_eq!((code(&failed), fs::exists(&csv).unwrap()), (2, false), "{more:?}: {}", errors(&failed));
+        assert!(errors(&failed).contains(wanted), "{more:?}: {}", errors(&failed));
     }
     let thrown = "patches/lessons/projectile.json";
     let phases =
         patchcord(&["sweep", thrown, "--vary", "v0=10,30", "--measure", "amplitude:y", "--out", &csv]);
-    let told = "amplitude:y cannot be read of a run within which a phase waits for a relay or sets a parameter: measure";
+    let wanted =
+        "amplitude:y cannot be read if a phase within a run waits for a relay or sets a parameter: use";
     assert_eq!((code(&phases), fs::exists(&csv).unwrap()), (2, false));
-    assert!(errors(&phases).contains(told), "{}", errors(&phases));
+    assert!(errors(&phases).contains(wanted), "{}", errors(&phases));
     let nothing = patchcord(&["sweep", FIG_8_16, "--measure", "overload"]);
-    assert!(code(&nothing) == 2 && errors(&nothing).contains("nothing is varied"));
+    assert!(code(&nothing) == 2 && errors(&nothing).contains("no parameter is varied"));
     let unmeasured = patchcord(&["sweep", FIG_8_16, "--vary", "VcL=1e-3,2e-3"]);
     assert!(code(&unmeasured) == 2 && errors(&unmeasured).contains("critical_velocity:[v_i,v_o]"));
     fs::write(&rows, "K\nfast\n").unwrap();
-    let unreadable = swept(&["--rows", &rows]);
-    assert!(code(&unreadable) == 1 && errors(&unreadable).contains("line 2 has \"fast\""));
-    let missing = swept(&["--rows", "nofile.csv"]);
-    let told = "error: cannot read nofile.csv: No such file or directory\n";
-    assert_eq!((code(&missing), errors(&missing).as_str()), (1, told));
+    let unreadable = run_sweep(&["--rows", &rows]);
+    assert!(
+        code(&unreadable) == 1 && errors(&unreadable).contains("line 2: \"fast\" is not a finite number")
+    );
+    let missing = run_sweep(&["--rows", "nofile.csv"]);
+    let error = "error: cannot read nofile.csv: No such file or directory\n";
+    assert_eq!((code(&missing), errors(&missing).as_str()), (1, error));
 }

@@ -1,4 +1,4 @@
-//! docs/sweep.md: its command is run, and the table held against what it writes.
+//! docs/sweep.md shows the output of its command.
 
 use std::fs;
 use std::process::Command;
@@ -14,8 +14,8 @@ fn command(page: &str) -> Vec<String> {
     text.split_whitespace().skip(1).map(str::to_owned).collect()
 }
 
-/// Whether two tables are the same, but for the rounding of numbers.
-fn same(one: &str, other: &str) -> bool {
+/// Whether two tables are equal up to rounding errors.
+fn are_equal(one: &str, other: &str) -> bool {
     let cells = |table: &str| table.split_inclusive([',', '\n']).map(str::to_owned).collect::<Vec<_>>();
     let number = |cell: &str| cell.trim_end_matches([',', '\n']).parse::<f64>();
     let (one, other) = (cells(one), cells(other));
@@ -27,7 +27,7 @@ fn same(one: &str, other: &str) -> bool {
 }
 
 #[test]
-fn the_rows_of_the_page_are_those_of_its_command() {
+fn the_page_shows_the_rows_of_its_command() {
     let page = fs::read_to_string(PAGE).unwrap();
     let ran = Command::new(env!("CARGO_BIN_EXE_patchcord")).args(command(&page)).output().unwrap();
     assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
@@ -38,7 +38,7 @@ fn the_rows_of_the_page_are_those_of_its_command() {
         fs::write(PAGE, format!("{before}{}{found}{}{after}", MARKS[0], MARKS[1])).unwrap();
     } else {
         assert!(
-            same(stored, &found),
+            are_equal(stored, &found),
             "{PAGE} is stale: PATCHCORD_BLESS=1 cargo test -p patchcord rewrites it\n{found}"
         );
     }

@@ -1,8 +1,8 @@
-//! Driven oscillator: steady amplitude and phase by the formulas of every textbook.
+//! Driven oscillator: steady amplitude and phase by the textbook formulas.
 
 use std::f64::consts::TAU;
 
-use crate::known::runs::{run, values};
+use crate::known_problems::runs::{run, values};
 use patchcord::instruments::harmonic;
 
 const STEM: &str = "lessons/driven-oscillator";
@@ -20,7 +20,7 @@ fn steady_amplitude_and_phase_follow_the_formulas() {
         let omega = TAU * f;
         let (real, imaginary): (f64, f64) = (k - m * omega * omega, d * omega);
         let amplitude = 1e3 * force / real.hypot(imaginary);
-        // The free oscillation has died down to e^-20 of its beginning.
+        // The free oscillation has decayed to e^-20 of its initial value.
         assert!((x.amplitude / amplitude - 1.0).abs() < 1e-7, "{f} Hz: {} {amplitude}", x.amplitude);
         let lag = (push.phase - x.phase).rem_euclid(TAU);
         assert!((lag - imaginary.atan2(real)).abs() < 1e-7, "{f} Hz: {lag} {}", imaginary.atan2(real));
@@ -28,7 +28,7 @@ fn steady_amplitude_and_phase_follow_the_formulas() {
 }
 
 #[test]
-fn without_damping_at_resonance_the_swing_grows_evenly() {
+fn without_damping_at_resonance_the_amplitude_grows_linearly() {
     // x = F / (2 k) (sin w t - w t cos w t) at w = sqrt(k / m).
     let f = 40.0f64.sqrt() / TAU;
     let trace = run(STEM, &[("f", f), ("d", 0.0), ("F", 0.5)], 2.0);

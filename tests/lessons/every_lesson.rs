@@ -1,4 +1,4 @@
-//! What every lesson must have: a source, units and ranges, well-used voltages, pictures, a section of the page, a test.
+//! Every lesson has a source, units and ranges, well-used voltages, pictures, a section of the page, and a test.
 
 use std::fs;
 use std::path::Path;
@@ -7,9 +7,10 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::common::shipped;
-use crate::known::runs::{circuit, ran_circuit, settings};
+use crate::known_problems::runs::{circuit, run_circuit, settings};
 use patchcord::solve::RunSettings;
 
+/// The names of all lessons, sorted.
 fn stems() -> Vec<String> {
     let files = fs::read_dir("patches/lessons").unwrap().map(|entry| entry.unwrap().path());
     let mut stems: Vec<String> =
@@ -20,7 +21,7 @@ fn stems() -> Vec<String> {
 }
 
 #[test]
-fn every_lesson_says_what_it_is_and_where_it_comes_from() {
+fn every_lesson_has_a_title_a_source_and_described_parameters() {
     for stem in stems() {
         let patch = shipped(&format!("lessons/{stem}"));
         let value = patch.value();
@@ -28,13 +29,14 @@ fn every_lesson_says_what_it_is_and_where_it_comes_from() {
             assert!(!value[key].is_null(), "{stem} has no {key}");
         }
         for (name, parameter) in value["parameters"].as_object().unwrap() {
-            let told = ["unit", "range", "description"].iter().all(|key| !parameter[*key].is_null());
-            assert!(told, "{stem}: {name} lacks unit, range or description");
+            let is_complete = ["unit", "range", "description"].iter().all(|key| !parameter[*key].is_null());
+            assert!(is_complete, "{stem}: {name} lacks unit, range or description");
         }
-        assert!(notes(value) >= 2, "{stem}: notes say what stands at an element");
+        assert!(notes(value) >= 2, "{stem}: at least two elements need notes");
     }
 }
 
+/// The number of elements with a note.
 fn notes(patch: &Value) -> usize {
     let elements = patch["elements"].as_object().unwrap();
     elements.values().filter(|element| element["note"].is_string()).count()
@@ -47,12 +49,12 @@ fn every_lesson_runs_to_its_end_between_20_and_95_volts() {
         let elements = circuit.elements();
         let integrators = elements.iter().filter(|element| element.kind.name == "integrator");
         let record = integrators.map(|element| element.name.clone()).collect();
-        let trace = ran_circuit(&circuit, &RunSettings { record, ..settings(&circuit) });
+        let trace = run_circuit(&circuit, &RunSettings { record, ..settings(&circuit) });
         assert_eq!(trace.overloads().count(), 0, "{stem}: {:?}", trace.sweeps);
         for track in &trace.tracks {
-            let swings = track.courses.iter().map(|course| course.most.volts.max(-course.least.volts));
+            let swings = track.extremes.iter().map(|extremes| extremes.most.volts.max(-extremes.least.volts));
             let swing = swings.fold(0.0, f64::max);
-            assert!((20.0..=95.0).contains(&swing), "{stem}: {} swings to {swing} V", track.name);
+            assert!((20.0..=95.0).contains(&swing), "{stem}: the amplitude of {} is {swing} V", track.name);
         }
     }
 }
@@ -67,11 +69,11 @@ fn every_lesson_has_a_section_of_the_page_and_a_test() {
     }
 }
 
-/// What draws the pictures of a lesson, and how their names end.
+/// The commands that draw the pictures of a lesson, and the suffixes of their names.
 const DRAWN: [(&str, &str); 2] = [("run", ""), ("draw", "-schematic")];
 
 #[test]
-fn every_lesson_shows_its_pictures_as_they_are_drawn() {
+fn the_pictures_of_every_lesson_are_up_to_date() {
     let folder = tempfile::tempdir().unwrap();
     let page = fs::read_to_string("docs/lessons.md").unwrap();
     for (stem, (command, ending)) in stems().iter().flat_map(|stem| DRAWN.map(|drawn| (stem, drawn))) {

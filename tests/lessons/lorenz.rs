@@ -1,10 +1,11 @@
 //! Lorenz: fixed points, symmetry, contraction, and the first peaks.
 
-use crate::common::{ran, voltage};
-use crate::known::runs::{program, run, step_of};
-use crate::lessons::bench::next_rise;
+use crate::common::{run_for, voltage};
+use crate::known_problems::runs::{program, run, step_of};
+use crate::lessons::crossings::next_rise;
 
 const STEM: &str = "lessons/lorenz";
+/// Units of z per volt.
 const PROFILE: f64 = 0.6;
 
 /// Times and heights of the first peaks of z from (1, 1, 20): Taylor series of order 40 in steps of 1/50, with
@@ -23,36 +24,36 @@ const PEAKS: [(f64, f64); 10] = [
 ];
 
 #[test]
-fn the_first_peaks_are_those_of_a_taylor_series() {
+fn the_first_peaks_match_a_taylor_series() {
     let program = program(STEM, &[]);
-    let mut machine = ran(&program, step_of(STEM) / 4.0, 0.0);
+    let mut machine = run_for(&program, step_of(STEM) / 4.0, 0.0);
     let rate_of_z = |machine: &patchcord::solve::Machine<'_>| -machine.rates()[2];
     for (time, height) in PEAKS {
         let found = (next_rise(&mut machine, rate_of_z), voltage(&machine, "A3") * PROFILE);
-        // Errors of order 4 at steps of 1/2000, times what the flow makes of them: e^(0.9 t), up to 1000.
+        // Errors of order 4 at steps of 1/2000, amplified by the flow as e^(0.9 t), up to 1000.
         assert!((found.0 - time).abs() < 1e-7, "{found:?} {time}");
         assert!((found.1 - height).abs() < 1e-6, "{found:?} {height}");
     }
 }
 
 #[test]
-fn at_the_fixed_points_nothing_moves() {
-    let along = (8.0f64 / 3.0 * 27.0).sqrt();
-    for [x, y, z] in [[0.0; 3], [along, along, 27.0], [-along, -along, 27.0]] {
+fn all_rates_are_0_at_the_fixed_points() {
+    let coordinate = (8.0f64 / 3.0 * 27.0).sqrt();
+    for [x, y, z] in [[0.0; 3], [coordinate, coordinate, 27.0], [-coordinate, -coordinate, 27.0]] {
         let program = program(STEM, &[("x0", x), ("y0", y), ("z0", z)]);
-        let rates = ran(&program, step_of(STEM), 0.0).rates().to_vec();
+        let rates = run_for(&program, step_of(STEM), 0.0).rates().to_vec();
         assert!(rates.iter().all(|rate| rate.abs() < 1e-11), "{rates:?}");
     }
 }
 
 #[test]
-fn a_start_turned_round_gives_the_run_turned_round() {
+fn a_rotated_start_gives_the_rotated_run() {
     let (one, other) = (program(STEM, &[]), program(STEM, &[("x0", -1.0), ("y0", -1.0)]));
     for time in [1.0, 10.0, 30.0] {
-        let (one, other) = (ran(&one, step_of(STEM), time), ran(&other, step_of(STEM), time));
-        let told = |machine| ["A1", "A2", "A3"].map(|name| voltage(machine, name));
-        let ([x, y, z], turned) = (told(&one), told(&other));
-        assert_eq!([-x, -y, z], turned, "to the last bit, however long");
+        let (one, other) = (run_for(&one, step_of(STEM), time), run_for(&other, step_of(STEM), time));
+        let voltages = |machine| ["A1", "A2", "A3"].map(|name| voltage(machine, name));
+        let ([x, y, z], rotated) = (voltages(&one), voltages(&other));
+        assert_eq!([-x, -y, z], rotated, "equal bits at every time");
     }
 }
 
@@ -60,33 +61,39 @@ fn a_start_turned_round_gives_the_run_turned_round() {
 fn volumes_shrink_everywhere_at_the_same_rate() {
     let program = program(STEM, &[]);
     for time in [0.0, 3.3, 12.0] {
-        let divergence = ran(&program, step_of(STEM), time).linearise().by_states.trace();
+        let divergence = run_for(&program, step_of(STEM), time)
+            .linearise()
+            .by_states
+            .iter()
+            .enumerate()
+            .map(|(index, row)| row[index])
+            .sum::<f64>();
         assert!((divergence + 10.0 + 1.0 + 8.0 / 3.0).abs() < 1e-12, "{divergence}");
     }
 }
 
 #[test]
-fn it_uses_the_machine_well_and_never_overloads() {
+fn voltages_use_at_least_half_of_full_scale_without_overload() {
     let trace = run(STEM, &[], 200.0);
     assert_eq!(trace.overloads().count(), 0);
     for track in &trace.tracks {
-        let course = track.courses[0];
-        let (least, most) = (course.least.volts, course.most.volts);
+        let extremes = track.extremes[0];
+        let (least, most) = (extremes.least.volts, extremes.most.volts);
         let largest = most.max(-least);
         assert!((50.0..95.0).contains(&largest), "{} goes from {least} V to {most} V", track.name);
     }
 }
 
 #[test]
-fn below_rho_1_it_dies_and_at_20_it_settles_on_a_fixed_point() {
+fn below_rho_1_it_decays_and_at_20_it_settles_on_a_fixed_point() {
     let end = |rho: f64| {
         let program = program(STEM, &[("rho", rho)]);
-        let machine = ran(&program, step_of(STEM), 200.0);
+        let machine = run_for(&program, step_of(STEM), 200.0);
         ["A1", "A3"].map(|name| voltage(&machine, name))
     };
     assert!(end(0.5).iter().all(|volts| volts.abs() < 1e-9), "{:?}", end(0.5));
     let [x, z] = end(20.0);
-    let along = (8.0f64 / 3.0 * 19.0).sqrt() / 0.25;
-    // The slowest way in dies as e^(-0.15 t).
-    assert!((x.abs() - along).abs() < 1e-9 && (z - 19.0 / PROFILE).abs() < 1e-9, "{x} {z}");
+    let coordinate = (8.0f64 / 3.0 * 19.0).sqrt() / 0.25;
+    // The slowest mode decays as e^(-0.15 t).
+    assert!((x.abs() - coordinate).abs() < 1e-9 && (z - 19.0 / PROFILE).abs() < 1e-9, "{x} {z}");
 }

@@ -1,19 +1,19 @@
-//! Mass and spring: period 2 pi sqrt(m / k), and the energy that Runge-Kutta loses.
+//! Mass and spring: the period 2 pi sqrt(m / k), and the energy loss of Runge-Kutta.
 
 use std::f64::consts::TAU;
 
-use crate::common::{order, ran, voltage};
-use crate::known::runs::{program, step_of};
-use crate::lessons::bench::next_rise;
+use crate::common::{convergence_order, run_for, voltage};
+use crate::known_problems::runs::{program, step_of};
+use crate::lessons::crossings::next_rise;
 use patchcord::ir::Program;
 
 const STEM: &str = "lessons/mass-and-spring";
 
 #[test]
-fn the_period_is_that_of_the_formula() {
+fn the_period_matches_the_formula() {
     for (m, k) in [(1.0, 40.0), (4.0, 40.0), (1.0, 100.0), (10.0, 1.0f64)] {
         let program = program(STEM, &[("m", m), ("k", k)]);
-        let mut machine = ran(&program, step_of(STEM), 0.0);
+        let mut machine = run_for(&program, step_of(STEM), 0.0);
         let first = next_rise(&mut machine, |machine| voltage(machine, "B1"));
         let period = next_rise(&mut machine, |machine| voltage(machine, "B1")) - first;
         // The phase error of Runge-Kutta is (omega h)^4 / 120, here 1e-10 at most.
@@ -23,13 +23,13 @@ fn the_period_is_that_of_the_formula() {
 
 /// Energy in J, from the voltages of velocity and position.
 fn energy(program: &Program, step: f64, time: f64) -> f64 {
-    let machine = ran(program, step, time);
+    let machine = run_for(program, step, time);
     let (v, x) = (voltage(&machine, "A1") * 0.01, voltage(&machine, "A2") * 1e-3);
     0.5 * v * v + 0.5 * 40.0 * x * x
 }
 
 #[test]
-fn half_the_step_loses_a_thirtysecond_of_the_energy() {
+fn halving_the_step_divides_the_energy_loss_by_32() {
     let (program, time) = (program(STEM, &[]), 20.0);
     let begin = 0.5 * 40.0 * 0.08 * 0.08;
     let steps = [0.02, 0.01, 0.005];
@@ -42,16 +42,16 @@ fn half_the_step_loses_a_thirtysecond_of_the_energy() {
         assert!((loss - expected).abs() < 1e-11, "{step}: {loss:e} {expected:e}");
         loss
     });
-    let reached = order(&steps, &losses);
-    assert!((4.95..5.05).contains(&reached), "{reached} {losses:?}");
+    let observed = convergence_order(&steps, &losses);
+    assert!((4.95..5.05).contains(&observed), "{observed} {losses:?}");
 }
 
 #[test]
-fn the_multipliers_add_up_to_the_energy_of_the_start() {
+fn the_multipliers_give_the_initial_energy() {
     for (m, k, x0) in [(1.0, 40.0, 80.0), (2.5, 90.0, -90.0), (10.0, 100.0, 60.0)] {
         let program = program(STEM, &[("m", m), ("k", k), ("x0", x0)]);
         for time in [0.0, 0.13, 1.0, 2.9] {
-            let machine = ran(&program, step_of(STEM), time);
+            let machine = run_for(&program, step_of(STEM), time);
             let millijoule = -voltage(&machine, "B2") * 5.0;
             let begin = 0.5e-3 * k * x0 * x0;
             assert!((millijoule / begin - 1.0).abs() < 1e-9, "{m} kg, {k} N/m after {time} s: {millijoule}");

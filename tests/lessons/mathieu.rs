@@ -1,20 +1,20 @@
-//! Mathieu: where the boundaries of stability lie.
+//! Mathieu: the boundaries of stability.
 
 use std::f64::consts::PI;
 
-use crate::common::{ran, voltage};
-use crate::known::runs::{peak, program, run, step_of, values};
+use crate::common::{run_for, voltage};
+use crate::known_problems::runs::{peak, program, run, step_of, values};
 
 const STEM: &str = "lessons/mathieu";
 
-/// Trace of what a period of the pump makes of deflection and velocity: below 2 in size it is stable (Floquet).
+/// Trace of the monodromy matrix over one period of the pump. The solution is stable if its absolute value is below 2.
 fn trace_over_a_period(a: f64, q: f64) -> f64 {
     let after = |y0: f64, v0: f64| {
         let program = program(STEM, &[("a", a), ("q", q), ("y0", y0), ("v0", v0)]);
-        let machine = ran(&program, step_of(STEM), PI);
+        let machine = run_for(&program, step_of(STEM), PI);
         (voltage(&machine, "B1") * 0.01, voltage(&machine, "A1") * 0.02)
     };
-    // Started at a tenth, as an unstable deflection grows beyond 1 within the period.
+    // The start is 0.1, because an unstable deflection exceeds 1 within the period.
     10.0 * (after(0.1, 0.0).0 + after(0.0, 0.1).1)
 }
 
@@ -43,17 +43,17 @@ const BOUNDARIES: [(f64, [f64; 5]); 2] = [
 ];
 
 #[test]
-fn the_boundaries_lie_at_the_characteristic_values() {
+fn the_boundaries_are_the_characteristic_values() {
     for (q, boundaries) in BOUNDARIES {
-        for (a, period_is) in boundaries.iter().zip([2.0, -2.0, -2.0, 2.0, 2.0]) {
+        for (a, trace) in boundaries.iter().zip([2.0, -2.0, -2.0, 2.0, 2.0]) {
             let found = trace_over_a_period(*a, q);
-            assert!((found - period_is).abs() < 1e-8, "a {a}, q {q}: {found}");
+            assert!((found - trace).abs() < 1e-8, "a {a}, q {q}: {found}");
         }
     }
 }
 
 #[test]
-fn between_them_it_is_stable_and_unstable_by_turns() {
+fn stable_and_unstable_regions_alternate() {
     for (q, [a0, b1, a1, b2, a2]) in BOUNDARIES {
         for stable in [0.5 * (a0 + b1), 0.5 * (a1 + b2), a2 + 0.5] {
             assert!(trace_over_a_period(stable, q).abs() < 2.0, "a {stable}, q {q}");
@@ -65,13 +65,13 @@ fn between_them_it_is_stable_and_unstable_by_turns() {
 }
 
 #[test]
-fn the_lesson_shows_one_of_each() {
+fn the_lesson_shows_a_stable_and_an_unstable_case() {
     let stable = run(STEM, &[], 600.0);
     let largest = peak(&values(&stable, "y"));
     assert!(largest < 0.51 && stable.overloads().count() == 0, "{largest}");
     let unstable = run(STEM, &[("a", 1.0)], 60.0);
     assert!(unstable.overloads().count() > 0);
-    // On its head and shaken, it stands; not shaken, it falls.
+    // The inverted pendulum is stable with shaking and unstable without.
     assert_eq!(run(STEM, &[("a", -0.1), ("q", 0.6), ("y0", 0.1)], 600.0).overloads().count(), 0);
     assert!(run(STEM, &[("a", -0.1), ("q", 0.0), ("y0", 0.1)], 60.0).overloads().count() > 0);
 }

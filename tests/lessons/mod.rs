@@ -1,7 +1,7 @@
-//! The lessons of patches/lessons against closed solutions, and against numbers that others worked out.
+//! The lessons of patches/lessons, compared with closed solutions and with independent numerical results.
 
-mod bench;
 mod bouncing_ball;
+mod crossings;
 mod driven_oscillator;
 mod every_lesson;
 mod heat_rod;

@@ -1,17 +1,17 @@
-//! Two-phase oscillator: one amplitude, from wherever it starts.
+//! Two-phase oscillator: the same amplitude from every start.
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 
-use crate::common::{ran, root, voltage};
-use crate::known::runs::{program, step_of};
-use crate::lessons::bench::next_rise;
+use crate::common::{root, run_for, voltage};
+use crate::known_problems::runs::{program, step_of};
+use crate::lessons::crossings::next_rise;
 
 const STEM: &str = "lessons/two-phase-oscillator";
 
-/// Amplitude of the sine (where the cosine is 0) and period, after so many seconds.
+/// Amplitude of the sine (at zeros of the cosine) and period, after `settled` seconds.
 fn steady(changes: &[(&str, f64)], settled: f64) -> (f64, f64) {
     let program = program(STEM, changes);
-    let mut machine = ran(&program, step_of(STEM), settled);
+    let mut machine = run_for(&program, step_of(STEM), settled);
     let begin = next_rise(&mut machine, |machine| voltage(machine, "A1"));
     let amplitude = voltage(&machine, "A2").abs();
     let period = next_rise(&mut machine, |machine| voltage(machine, "A1")) - begin;
@@ -28,22 +28,25 @@ const CYCLES: [(f64, f64, f64, f64); 3] = [
 ];
 
 #[test]
-fn amplitude_and_period_are_those_of_an_independent_solver() {
+fn amplitude_and_period_match_an_independent_solver() {
     for (push, damp, amplitude, period) in CYCLES {
         let found = steady(&[("push", push), ("damp", damp), ("start", 70.0)], 5.0 / push);
-        assert!((found.0 - amplitude).abs() < UNEVEN && (found.1 - period).abs() < 1e-6, "{found:?}");
+        assert!(
+            (found.0 - amplitude).abs() < AMPLITUDE_TOLERANCE && (found.1 - period).abs() < 1e-6,
+            "{found:?}"
+        );
     }
 }
 
-/// What amplitudes may differ by, in V.
-const UNEVEN: f64 = 1e-7;
+/// The largest difference of amplitudes, in V.
+const AMPLITUDE_TOLERANCE: f64 = 1e-7;
 
 #[test]
-fn it_comes_to_the_amplitude_from_below_and_from_above_and_holds_it() {
+fn the_amplitude_is_reached_from_below_and_from_above() {
     let (small, large) = (steady(&[("start", 2.0)], 60.0), steady(&[("start", 90.0)], 60.0));
     let late = steady(&[], 260.0);
     for (found, when) in [(small, "from below"), (large, "from above"), (late, "200 periods later")] {
-        assert!((found.0 - CYCLES[0].2).abs() < UNEVEN, "{when}: {found:?}");
+        assert!((found.0 - CYCLES[0].2).abs() < AMPLITUDE_TOLERANCE, "{when}: {found:?}");
     }
 }
 
@@ -60,10 +63,10 @@ fn a_weak_drive_gives_the_amplitude_of_the_describing_function() {
 }
 
 #[test]
-fn without_feedback_it_is_a_circle() {
+fn an_oscillator_without_feedback_is_a_circle() {
     let program = program(STEM, &[("push", 0.0), ("damp", 0.0), ("start", 60.0)]);
     for time in [0.3, 1.0, 7.7] {
-        let machine = ran(&program, step_of(STEM), time);
+        let machine = run_for(&program, step_of(STEM), time);
         let (cosine, sine) = (voltage(&machine, "A1"), voltage(&machine, "A2"));
         // Runge-Kutta's phase error: (omega h)^4 / 120 of the angle.
         let allowed = 60.0 * TAU * time * (TAU * 2e-3f64).powi(4) / 100.0;

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::{ran, voltage};
-use crate::known::runs::{program, step_of};
-use crate::lessons::bench::next_rise;
+use crate::common::{run_for, voltage};
+use crate::known_problems::runs::{program, step_of};
+use crate::lessons::crossings::next_rise;
 
 const STEM: &str = "lessons/van-der-pol";
 const POSITION: f64 = 0.025;
@@ -12,15 +12,15 @@ const POSITION: f64 = 0.025;
 /// Period and amplitude of the limit cycle.
 fn cycle(mu: f64, settled: f64) -> (f64, f64) {
     let program = program(STEM, &[("mu", mu), ("x0", 2.0)]);
-    let mut machine = ran(&program, step_of(STEM), settled);
-    // Where the velocity falls through 0 the position is largest.
+    let mut machine = run_for(&program, step_of(STEM), settled);
+    // The position is largest when the velocity falls through 0.
     let top = next_rise(&mut machine, |machine| -voltage(machine, "A1"));
     let amplitude = voltage(&machine, "B1") * POSITION;
     (next_rise(&mut machine, |machine| -voltage(machine, "A1")) - top, amplitude)
 }
 
 #[test]
-fn period_and_amplitude_are_those_of_the_literature() {
+fn period_and_amplitude_match_the_literature() {
     // mu = 1: Andersen and Geer, SIAM Journal on Applied Mathematics 42 (1982) 678; the others and the
     // amplitudes: scipy 1.17, DOP853 at 1e-13.
     let known = [
@@ -35,19 +35,19 @@ fn period_and_amplitude_are_those_of_the_literature() {
 }
 
 #[test]
-fn a_weak_one_is_nearly_a_sine_of_amplitude_2() {
+fn with_small_mu_the_cycle_is_nearly_a_sine_of_amplitude_2() {
     let mu = 0.1;
     let (period, amplitude) = cycle(mu, 150.0);
-    // The series of period and amplitude go on with mu^4 (5 / 3072 at most).
+    // The next terms of the series are of order mu^4 (at most 5 / 3072).
     assert!((period - TAU * (1.0 + mu * mu / 16.0)).abs() < TAU * 2e-3 * mu.powi(4), "{period}");
     assert!((amplitude - (2.0 + mu * mu / 96.0)).abs() < 2e-3 * mu.powi(4), "{amplitude}");
 }
 
 #[test]
-fn every_start_but_rest_ends_on_the_same_cycle() {
+fn every_start_except_rest_ends_on_the_same_cycle() {
     let late = |x0: f64| {
         let program = program(STEM, &[("x0", x0)]);
-        let mut machine = ran(&program, step_of(STEM), 60.0);
+        let mut machine = run_for(&program, step_of(STEM), 60.0);
         next_rise(&mut machine, |machine| -voltage(machine, "A1"));
         voltage(&machine, "B1")
     };

@@ -1,4 +1,4 @@
-//! The harmonic of a recorded signal against the response of a first-order lag.
+//! The harmonic of a recorded signal, compared with the response of a first-order lag.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use patchcord_analysis::instruments::harmonic;
 use patchcord_core::solve::{self, RunSettings};
 
 #[test]
-fn a_sine_at_its_corner_comes_out_as_0_7071_and_45_degrees_late() {
+fn a_lag_at_its_corner_frequency_gives_0_7071_and_45_degrees() {
     for time in [0.0065, 0.01, 0.02] {
         let corner = 1.0 / (TAU * time);
         let sine = element("sine").set("amplitude", 10).set("offset", -50).set("frequency", corner);
@@ -16,15 +16,15 @@ fn a_sine_at_its_corner_comes_out_as_0_7071_and_45_degrees_late() {
         let patch = builder.run(30.0 / corner, 2e-5).record(["u", "E"]).build().unwrap();
         let settings = RunSettings::of(&circuit(&patch, &[])).unwrap();
         let trace = solve::run(&program(&patch, &[]), &settings).unwrap();
-        // The first half holds what is left of the start.
+        // The first half contains the transient.
         let half = trace.len() / 2;
-        let read =
+        let harmonic_of =
             |name| harmonic(&trace.time[half..], &trace.values(name).unwrap()[half..], corner).unwrap();
-        let (input, output) = (read("u"), read("E"));
+        let (input, output) = (harmonic_of("u"), harmonic_of("E"));
         assert!((output.amplitude / input.amplitude - 0.5f64.sqrt()).abs() < 1e-5, "{output:?}");
         assert!((output.mean - 50.0).abs() < 1e-6, "{output:?}");
-        // Inverted, it is half a turn away besides.
-        let late = (input.phase - output.phase).to_degrees().rem_euclid(360.0) - 180.0;
-        assert!((late - 45.0).abs() < 1e-3, "{late}");
+        // The lag inverts, which adds half a turn.
+        let phase_lag = (input.phase - output.phase).to_degrees().rem_euclid(360.0) - 180.0;
+        assert!((phase_lag - 45.0).abs() < 1e-3, "{phase_lag}");
     }
 }

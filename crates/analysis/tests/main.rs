@@ -3,8 +3,8 @@
 #[path = "../../core/tests/common/mod.rs"]
 mod common;
 mod harmonic;
-#[path = "../../core/tests/known/mod.rs"]
-mod known;
+#[path = "../../core/tests/known_problems/mod.rs"]
+mod known_problems;
 mod linear;
 mod phases;
 mod sweep;

@@ -1,17 +1,22 @@
-//! Equal steps of time without accumulated rounding.
+//! A grid of equal time steps without accumulated rounding.
+//!
+//! Instant k is computed from k alone, never by adding steps. If the step is one nth of a second, the time is k / n:
+//! this is the double that the decimal notation of the time also gives, so recorded times print as short decimals.
 
-/// Times that differ by less than this share of themselves are the same instant.
-pub(crate) const SAME: f64 = 1e-12;
+/// Two times count as the same instant if they differ by less than this share of themselves.
+pub(crate) const SAME_INSTANT: f64 = 1e-12;
 
-/// The instants 0, step, 2 step, ...
+/// The instants 0, step, 2 step and so on, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Grid {
+    /// Length of a step in seconds.
     step: f64,
-    /// Steps per second, where that is a whole number: k / 1000 is nearer to the truth than k x 0.001.
+    /// Steps per second, if that is a whole number to within 1e-9: k / 1000 is rounded once, k x 0.001 twice.
     per_second: Option<f64>,
 }
 
 impl Grid {
+    /// The grid of a step length in seconds.
     pub fn new(step: f64) -> Self {
         let rate = 1.0 / step;
         let whole = rate.round();
@@ -19,7 +24,7 @@ impl Grid {
         Grid { step, per_second: exact.then_some(whole) }
     }
 
-    /// The time of an instant.
+    /// The time of the instant with this index, in seconds.
     pub fn time(&self, index: u64) -> f64 {
         match self.per_second {
             Some(rate) => index as f64 / rate,
@@ -27,23 +32,24 @@ impl Grid {
         }
     }
 
-    /// The instant nearest to a time.
+    /// Index of the instant nearest to a time; 0 for negative times.
     pub fn nearest(&self, time: f64) -> u64 {
         (time / self.step).round() as u64
     }
 
-    /// What an index is multiplied by, and then divided by, to give its time.
+    /// The pair (a, b) for which `time(k)` is k x a / b. Native code computes times from it.
     #[cfg(feature = "native")]
-    pub fn numbers(&self) -> (f64, f64) {
+    pub fn factors(&self) -> (f64, f64) {
         match self.per_second {
             Some(rate) => (1.0, rate),
             None => (self.step, 1.0),
         }
     }
 
-    /// How many whole steps fit into a length of time, rounding forgiven.
+    /// How many whole steps fit into a length of time in seconds. A length that rounding leaves just short of a whole
+    /// number of steps counts as that number.
     pub fn steps_in(&self, length: f64) -> u64 {
-        ((length / self.step) * (1.0 + SAME) + 1e-9) as u64
+        ((length / self.step) * (1.0 + SAME_INSTANT) + 1e-9) as u64
     }
 }
 

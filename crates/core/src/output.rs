@@ -1,85 +1,152 @@
-//! Files written so that nobody ever sees them half written.
+//! Writes output files so that no reader sees a file half written.
+//!
+//! A file is first written under a temporary name in the same folder and flushed to disk. Then it is renamed to its
+//! final name, which replaces an older file in one step. If anything fails, the older file stays as it was.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Error, ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Writes a file whole: beside its place first, then renamed, so that what stood there before is replaced at
-/// once or not at all. Symbolic links are followed, and a file that is replaced keeps its mode. What is no
-/// regular file (a device, a pipe) is written into.
+/// Writes a file completely or not at all.
+///
+/// The bytes go to a temporary file in the same folder, which is then renamed. Symbolic links are followed, and a
+/// replaced file keeps its mode. A path that is not a regular file, such as a device or a pipe, is opened and written
+/// directly.
 ///
 /// # Errors
-/// When the file system refuses, or the file is read-only; a file that was there is then as it was.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+/// If the file system reports an error, or if the file is read-only. An existing file is then unchanged.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::output::write_atomic;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("trace.csv");
+/// write_atomic(&path, b"t,x\n")?;
+/// write_atomic(&path, b"t,y\n")?;
+/// assert_eq!(std::fs::read(&path)?, b"t,y\n");
+/// let error = write_atomic("no/such/folder/trace.csv", b"").unwrap_err();
+/// assert_eq!(error.to_string(), "no such folder");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
+    let path = path.as_ref();
     check_writable(path)?;
     match fs::metadata(path) {
         Ok(_) if path == Path::new("/dev/stdout") => {
-            // Opened anew, a file behind it would be written from its beginning by whoever writes next.
+            // If standard output is redirected to a file, a second handle would overwrite it from the beginning.
             let mut out = io::stdout().lock();
             out.write_all(bytes).and_then(|()| out.flush())
         }
-        Ok(there) if is_replaced(path, &there) => {
-            replace(&fs::canonicalize(path)?, bytes, Some(there.permissions()))
+        Ok(metadata) if is_replaced(path, &metadata) => {
+            replace(&fs::canonicalize(path)?, bytes, Some(metadata.permissions()))
         }
         Ok(_) => OpenOptions::new().append(true).open(path)?.write_all(bytes),
         Err(_) => replace(&destination(path)?, bytes, None),
     }
 }
 
-/// Writes a file whole where nothing stands yet.
+/// Writes a new file completely or not at all. It never replaces an existing file.
 ///
 /// # Errors
-/// [`ErrorKind::AlreadyExists`] when something stands there, a link to nowhere among it; else when the file
-/// system refuses.
-pub fn write_new(path: &Path, bytes: &[u8]) -> Result<()> {
+/// [`ErrorKind::AlreadyExists`] if the path exists, even as a link that leads nowhere. Otherwise the error of the file
+/// system.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::output::write_new;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("patch.json");
+/// write_new(&path, b"{}")?;
+/// assert_eq!(write_new(&path, b"[]").unwrap_err().kind(), std::io::ErrorKind::AlreadyExists);
+/// assert_eq!(std::fs::read(&path)?, b"{}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_new(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
+    let path = path.as_ref();
     check_folder(path)?;
-    written_beside(folder_of(path), bytes, None)?.persist_noclobber(path)?;
+    write_temporary(folder_of(path), bytes, None)?.persist_noclobber(path)?;
     Ok(())
 }
 
-/// Looks whether a file could be written, as far as that can be told before it is.
+/// Checks whether a file can be written, as far as that is known before writing.
 ///
 /// # Errors
-/// When there is no such folder, a folder stands there, or a file that may not be written to.
+/// If the folder does not exist, if the path is a folder, or if the file is write-protected.
+///
+/// # Examples
+///
+/// ```
+/// use std::path::Path;
+///
+/// use patchcord_core::output::check_writable;
+///
+/// let error = check_writable(Path::new("no/such/folder/trace.csv")).unwrap_err();
+/// assert_eq!(error.to_string(), "no such folder");
+/// ```
 pub fn check_writable(path: &Path) -> Result<()> {
     match fs::metadata(path) {
-        Ok(there) if there.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
-        // Renaming asks nobody whether the file that is replaced may be written to.
-        Ok(there) if is_replaced(path, &there) => check_permitted(path, &there),
+        Ok(metadata) if metadata.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
+        // Renaming does not check the permissions of the file that it replaces.
+        Ok(metadata) if is_replaced(path, &metadata) => check_permitted(path, &metadata),
         Ok(_) => Ok(()),
         Err(error) if error.kind() == ErrorKind::NotFound => check_folder(&destination(path)?),
         Err(error) => Err(error),
     }
 }
 
-/// Looks whether files could be written into a folder, by making one there that goes again.
+/// Checks whether files can be created in a folder, by creating a temporary file and deleting it.
 ///
 /// # Errors
-/// When the system refuses.
-pub fn check_folder_takes_files(folder: &Path) -> Result<()> {
-    open_beside(folder).map(drop).map_err(|error| Error::from(error.kind()))
+/// If the system reports an error.
+pub fn check_folder_writable(folder: &Path) -> Result<()> {
+    create_temporary(folder).map(drop).map_err(|error| Error::from(error.kind()))
 }
 
-/// What the system says of an error, without its number.
-pub fn refusal(error: &Error) -> String {
+/// The system's description of an error, without the error number.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::output::io_reason;
+///
+/// let error = std::io::Error::other("broken pipe (os error 32)");
+/// assert_eq!(io_reason(&error), "broken pipe");
+/// ```
+pub fn io_reason(error: &Error) -> String {
     let text = error.to_string();
     text.split(" (os error ").next().unwrap_or_default().to_owned()
 }
 
+/// Reports an error if the folder of a path does not exist.
 fn check_folder(target: &Path) -> Result<()> {
     if folder_of(target).is_dir() { Ok(()) } else { Err(Error::new(ErrorKind::NotFound, "no such folder")) }
 }
 
-/// Where a path leads to, links followed, whether or not anything stands there yet. Two paths to the same
-/// file have the same destination.
+/// The path that a path leads to after all links are followed. The file need not exist. Two paths to the same file
+/// have the same destination.
 ///
 /// # Errors
-/// When the path is empty, or its links lead in a circle.
+/// If the path is empty, or if its links form a cycle.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::output::destination;
+///
+/// let folder = tempfile::tempdir()?;
+/// let [plain, dotted] = ["new.csv", "./new.csv"].map(|name| destination(&folder.path().join(name)));
+/// assert_eq!(plain?, dotted?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn destination(path: &Path) -> Result<PathBuf> {
-    if let Ok(there) = fs::canonicalize(path) {
-        return Ok(there);
+    if let Ok(metadata) = fs::canonicalize(path) {
+        return Ok(metadata);
     }
-    let target = end_of_links(path)?;
+    let target = follow_links(path)?;
     let Some(name) = target.file_name() else { return std::path::absolute(target) };
     match fs::canonicalize(folder_of(&target)) {
         Ok(folder) => Ok(folder.join(name)),
@@ -87,77 +154,82 @@ pub fn destination(path: &Path) -> Result<PathBuf> {
     }
 }
 
-/// More links one after the other than this lead in a circle.
-const MOST_LINKS: usize = 40;
+/// A chain of more symbolic links than this counts as a cycle. Linux has the same limit.
+const MAX_LINKS: usize = 40;
 
-fn end_of_links(path: &Path) -> Result<PathBuf> {
+/// The end of a chain of symbolic links.
+fn follow_links(path: &Path) -> Result<PathBuf> {
     let mut path = path.to_owned();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         let Ok(next) = fs::read_link(&path) else { return Ok(path) };
         path = folder_of(&path).join(next);
     }
-    Err(Error::other("its links lead in a circle"))
+    Err(Error::other("its links form a cycle"))
 }
 
+/// The folder that contains a path; "." for a bare file name.
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether what stands there gives way to a new file. Streams of this process and other things of the system
-/// do not, even where a regular file lies behind them.
-fn is_replaced(path: &Path, there: &fs::Metadata) -> bool {
-    there.is_file() && !["/dev", "/proc"].iter().any(|folder| path.starts_with(folder))
+/// Whether the path is replaced by a new file. Devices and the streams of this process are not, even if they are
+/// redirected to a regular file.
+fn is_replaced(path: &Path, metadata: &fs::Metadata) -> bool {
+    metadata.is_file() && !["/dev", "/proc"].iter().any(|folder| path.starts_with(folder))
 }
 
-fn check_permitted(path: &Path, there: &fs::Metadata) -> Result<()> {
-    if is_read_only(there) {
+/// Reports an error if an existing file is write-protected.
+fn check_permitted(path: &Path, metadata: &fs::Metadata) -> Result<()> {
+    if is_read_only(metadata) {
         return Err(Error::new(ErrorKind::PermissionDenied, "it is read-only"));
     }
     OpenOptions::new().write(true).open(path).map(drop)
 }
 
-/// Read-only to its owner. The owner may be one whom the system lets write everywhere.
+/// Whether the owner may not write. The mode is tested because root can open any file for writing.
 #[cfg(unix)]
-fn is_read_only(there: &fs::Metadata) -> bool {
+fn is_read_only(metadata: &fs::Metadata) -> bool {
     use std::os::unix::fs::PermissionsExt as _;
-    there.permissions().mode() & 0o200 == 0
+    metadata.permissions().mode() & 0o200 == 0
 }
 
 #[cfg(not(unix))]
-fn is_read_only(there: &fs::Metadata) -> bool {
-    there.permissions().readonly()
+fn is_read_only(metadata: &fs::Metadata) -> bool {
+    metadata.permissions().readonly()
 }
 
+/// Replaces or creates a file by renaming a temporary one.
 fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> Result<()> {
-    written_beside(folder_of(target), bytes, permissions)?.persist(target)?;
+    write_temporary(folder_of(target), bytes, permissions)?.persist(target)?;
     Ok(())
 }
 
-fn written_beside(
+/// A temporary file in a folder with these bytes, flushed to disk.
+fn write_temporary(
     folder: &Path,
     bytes: &[u8],
     permissions: Option<fs::Permissions>,
 ) -> Result<tempfile::NamedTempFile> {
-    // The kind only: the message names the temporary file, which means nothing to anybody.
-    let beside = open_beside(folder).map_err(|error| Error::from(error.kind()))?;
-    let mut file: &File = beside.as_file();
+    // Only the kind of the error is kept: its message names the temporary file, which the user does not know.
+    let temporary = create_temporary(folder).map_err(|error| Error::from(error.kind()))?;
+    let mut file: &File = temporary.as_file();
     file.write_all(bytes)?;
     if let Some(permissions) = permissions {
         file.set_permissions(permissions)?;
     }
     file.sync_all()?;
-    Ok(beside)
+    Ok(temporary)
 }
 
-/// A temporary file with the mode that any new file gets here.
+/// A temporary file with the usual mode of a new file. By default, the library makes it private to the owner.
 #[cfg(unix)]
-fn open_beside(folder: &Path) -> Result<tempfile::NamedTempFile> {
+fn create_temporary(folder: &Path) -> Result<tempfile::NamedTempFile> {
     use std::os::unix::fs::PermissionsExt as _;
     tempfile::Builder::new().permissions(fs::Permissions::from_mode(0o666)).tempfile_in(folder)
 }
 
 #[cfg(not(unix))]
-fn open_beside(folder: &Path) -> Result<tempfile::NamedTempFile> {
+fn create_temporary(folder: &Path) -> Result<tempfile::NamedTempFile> {
     tempfile::NamedTempFile::new_in(folder)
 }
 
@@ -165,33 +237,33 @@ fn open_beside(folder: &Path) -> Result<tempfile::NamedTempFile> {
 mod tests {
     use super::*;
 
-    fn names(folder: &Path) -> usize {
+    fn entry_count(folder: &Path) -> usize {
         fs::read_dir(folder).unwrap().count()
     }
 
     #[test]
     fn a_failed_write_leaves_nothing_behind() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("there");
+        let path = folder.path().join("existing");
         fs::create_dir(&path).unwrap();
-        assert!(write_whole(&path, b"x").is_err());
-        assert_eq!(names(folder.path()), 1);
+        assert!(write_atomic(&path, b"x").is_err());
+        assert_eq!(entry_count(folder.path()), 1);
     }
 
     #[test]
-    fn a_new_file_takes_no_ones_place() {
+    fn a_new_file_never_replaces_another() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new");
         write_new(&path, b"first").unwrap();
         assert_eq!(write_new(&path, b"second").unwrap_err().kind(), ErrorKind::AlreadyExists);
-        assert_eq!((names(folder.path()), fs::read(&path).unwrap()), (1, b"first".to_vec()));
+        assert_eq!((entry_count(folder.path()), fs::read(&path).unwrap()), (1, b"first".to_vec()));
         assert_eq!(write_new(folder.path(), b"x").unwrap_err().kind(), ErrorKind::AlreadyExists);
         assert!(write_new(Path::new(""), b"x").is_err());
     }
 
     #[test]
     fn messages_name_no_temporary_file() {
-        let error = write_whole(Path::new("no/such/folder/out"), b"x").unwrap_err();
+        let error = write_atomic(Path::new("no/such/folder/out"), b"x").unwrap_err();
         assert_eq!(error.to_string(), "no such folder");
     }
 
@@ -203,16 +275,16 @@ mod tests {
         assert_eq!(at("new.csv"), at("inner/../new.csv"));
         assert_eq!(at("later/new.csv"), at("later/new.csv"));
         assert_ne!(at("new.csv"), at("inner/new.csv"));
-        assert!(write_whole(Path::new(""), b"x").is_err());
+        assert!(write_atomic(Path::new(""), b"x").is_err());
     }
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_folder_that_takes_no_files_is_told() {
+    fn a_folder_without_write_access_is_reported() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(check_folder_takes_files(folder.path()).is_ok());
-        assert_eq!(names(folder.path()), 0);
-        assert!(check_folder_takes_files(Path::new("/proc")).is_err());
+        assert!(check_folder_writable(folder.path()).is_ok());
+        assert_eq!(entry_count(folder.path()), 0);
+        assert!(check_folder_writable(Path::new("/proc")).is_err());
     }
 
     #[cfg(unix)]
@@ -230,21 +302,21 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let [link, file] = ["link", "file"].map(|name| folder.path().join(name));
             symlink("file", &link).unwrap();
-            for text in ["dangling", "there"] {
-                write_whole(&link, text.as_bytes()).unwrap();
+            for text in ["dangling", "existing"] {
+                write_atomic(&link, text.as_bytes()).unwrap();
                 assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
                 assert_eq!(fs::read_to_string(&file).unwrap(), text);
             }
             assert_eq!(destination(&link).unwrap(), destination(&file).unwrap());
-            assert_eq!(names(folder.path()), 2);
+            assert_eq!(entry_count(folder.path()), 2);
         }
 
         #[test]
-        fn links_in_a_circle_are_refused() {
+        fn cyclic_links_are_refused() {
             let folder = tempfile::tempdir().unwrap();
             let link = folder.path().join("link");
             symlink("link", &link).unwrap();
-            assert!(write_whole(&link, b"x").is_err());
+            assert!(write_atomic(&link, b"x").is_err());
         }
 
         #[test]
@@ -252,12 +324,12 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let [usual, new, kept] = ["usual", "new", "kept"].map(|name| folder.path().join(name));
             fs::write(&usual, "x").unwrap();
-            write_whole(&new, b"x").unwrap();
+            write_atomic(&new, b"x").unwrap();
             assert_eq!(mode(&new), mode(&usual));
             for wanted in [0o600, 0o664, 0o755] {
                 fs::write(&kept, "old").unwrap();
                 fs::set_permissions(&kept, fs::Permissions::from_mode(wanted)).unwrap();
-                write_whole(&kept, b"new").unwrap();
+                write_atomic(&kept, b"new").unwrap();
                 assert_eq!((mode(&kept), fs::read(&kept).unwrap()), (wanted, b"new".to_vec()));
             }
         }
@@ -268,7 +340,7 @@ mod tests {
             let path = folder.path().join("kept");
             fs::write(&path, "old").unwrap();
             fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
-            assert_eq!(write_whole(&path, b"new").unwrap_err().kind(), ErrorKind::PermissionDenied);
+            assert_eq!(write_atomic(&path, b"new").unwrap_err().kind(), ErrorKind::PermissionDenied);
             assert_eq!(fs::read(&path).unwrap(), b"old");
         }
 
@@ -283,7 +355,7 @@ mod tests {
                 let pipe = pipe.clone();
                 move || fs::read(pipe).unwrap()
             });
-            write_whole(&pipe, b"through").unwrap();
+            write_atomic(&pipe, b"through").unwrap();
             assert_eq!(reader.join().unwrap(), b"through");
             assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
         }

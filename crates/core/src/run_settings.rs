@@ -1,29 +1,33 @@
-//! From what a patch asks for to the settings of a run.
+//! Derives the settings of a run from the run plan of a patch.
+//!
+//! The plan is what the patch says about its run: phases, step, tolerance, recording interval. The settings are
+//! complete: every value that the plan leaves out has its default.
 
 use crate::circuit::Circuit;
-use crate::document::Extent;
+use crate::document::RunExtent;
 use crate::patch::RunPlan;
 use crate::solve::{Backend, RunError, RunSettings, TimeSetting};
 
 impl RunSettings {
-    /// What the patch asks for.
+    /// The settings for the patch's own run plan.
     ///
     /// # Errors
-    /// When the patch does not say how long to run, or neither with which step nor to which tolerance.
+    /// If the plan lacks a duration, or if it has neither a step nor a tolerance.
     pub fn of(circuit: &Circuit) -> Result<RunSettings, RunError> {
         RunSettings::new(circuit.run_plan(), circuit)
     }
 
-    /// What a plan asks for; recorded is what the patch records and what its pictures show, derivatives too.
+    /// The settings for a run plan. The run records the signals that the patch records or draws, and their
+    /// derivatives.
     ///
     /// # Errors
-    /// When the plan does not say how long to run, or neither with which step nor to which tolerance.
+    /// If the plan lacks a duration, or if it has neither a step nor a tolerance.
     pub fn new(plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
         let Some(phases) = plan.all_phases() else { return Err(missing(plan)) };
         let tolerance = plan.tolerance.as_ref().map(|placed| placed.value);
         let step = match (&plan.step, tolerance) {
             (Some(step), _) => step.value,
-            (None, Some(_)) => FIRST_STEP * Extent::of(&phases).longest,
+            (None, Some(_)) => FIRST_STEP * RunExtent::of(&phases).longest_sweep,
             (None, None) => return Err(missing(plan)),
         };
         Ok(RunSettings {
@@ -33,20 +37,21 @@ impl RunSettings {
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
             lamps: true,
-            record: circuit.recorded(),
-            sensitivities: circuit.differentiated(),
+            record: circuit.recorded_signals(),
+            sensitivities: circuit.sensitivity_parameters(),
             backend: Backend::default(),
         })
     }
 }
 
+/// The error that names the times that the plan lacks.
 fn missing(plan: &RunPlan) -> RunError {
     let times = [
         (TimeSetting::Duration, plan.duration.is_some()),
         (TimeSetting::Step, plan.step.is_some() || plan.tolerance.is_some()),
     ];
-    RunError::Missing(times.iter().filter(|(_, given)| !given).map(|(which, _)| *which).collect())
+    RunError::MissingTimes(times.iter().filter(|(_, given)| !given).map(|(which, _)| *which).collect())
 }
 
-/// Of the run: the first step tried where a plan gives a tolerance only.
+/// The first step that is tried if a plan has a tolerance but no step, as a share of the longest phase.
 const FIRST_STEP: f64 = 1e-3;

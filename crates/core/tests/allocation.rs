@@ -1,4 +1,4 @@
-//! A step allocates nothing.
+//! A step of the solver allocates no memory.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -9,7 +9,7 @@ use patchcord_core::patch::Patch;
 use patchcord_core::solve::{self, Backend, Machine, RunSettings};
 
 thread_local! {
-    // Of the thread that looks at it alone: the one that runs the tests allocates beside it.
+    // One counter per thread, because the test harness allocates on other threads at the same time.
     static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
 }
 
@@ -17,9 +17,10 @@ fn count() {
     ALLOCATIONS.set(ALLOCATIONS.get() + 1);
 }
 
+/// The system's allocator with a count of allocations.
 struct Counting;
 
-// SAFETY: hands every call on to the system's allocator; counting touches no memory of the caller's.
+// SAFETY: every call is forwarded to the system's allocator, and the counter is separate from the caller's memory.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
@@ -40,32 +41,40 @@ unsafe impl GlobalAlloc for Counting {
 static COUNTING: Counting = Counting;
 
 fn lesson(stem: &str) -> Patch {
-    Patch::read(format!("../../patches/lessons/{stem}.json").as_ref()).unwrap()
+    Patch::read(format!("../../patches/lessons/{stem}.json")).unwrap()
 }
 
-/// A triangle that a function generator bends, smoothed by a lag that it drives to its limit and back.
+/// A triangle through an odd function generator and a lag, which reaches its limit and leaves it again.
 fn lag_and_generator() -> Program {
     let points = serde_json::json!([[0.0, 0.0], [20.0, 60.0], [80.0, 90.0]]);
     let triangle = element("triangle").set("amplitude", 80).set("frequency", 2);
-    let bent = element("function-generator").cord("in", "u").set("points", points).set("symmetry", "odd");
-    let smoothed = element("lag").cords("x2", ["F"]).set("time", 0.05);
+    let generator =
+        element("function-generator").cord("in", "u").set("points", points).set("symmetry", "odd");
+    let lag = element("lag").cords("x2", ["F"]).set("time", 0.05);
     built(
         volts("lag and function generator")
             .drive("u", "volt", triangle)
-            .element("F", bent)
-            .element("L", smoothed)
+            .element("F", generator)
+            .element("L", lag)
             .signal("l", "L", "volt", 1.0),
     )
 }
 
-/// Allocations of so many steps of a machine that has gone the same way before, so that what is made once for every set of
-/// modes is there; with derivatives by so many parameters.
+/// The number of allocations in `steps` steps with derivatives by the first `parameters` parameters. The machine has
+/// made the same run before, so that everything that is built once for each set of modes exists.
 fn allocations(program: &Program, step: f64, steps: usize, parameters: usize, backend: Backend) -> usize {
-    allocations_of(Machine::new(program, step).unwrap().on(backend), step * steps as f64, program, parameters)
+    allocations_of(
+        Machine::new(program, step).unwrap().with_backend(backend),
+        step * steps as f64,
+        program,
+        parameters,
+    )
 }
 
+/// The number of allocations of the second of two equal runs.
 fn allocations_of(mut machine: Machine<'_>, length: f64, program: &Program, parameters: usize) -> usize {
-    let names: Vec<_> = program.parameters().iter().take(parameters).map(|slot| slot.name.as_str()).collect();
+    let names: Vec<_> =
+        program.parameters().iter().take(parameters).map(|slot| slot.declared.name.as_str()).collect();
     machine.differentiate(&names).unwrap();
     machine.operate(length).unwrap();
     machine.initial_condition().unwrap();
@@ -89,8 +98,9 @@ fn steps_allocate_nothing() {
         ("square-root-and-division", program(&lesson("square-root-and-division"), &[]), 1e-3, 500),
     ];
     for (name, program, step, longest) in &cases {
-        let ways = [Backend::Reference, Backend::Interpreter, Backend::Native].map(|backend| (0, backend));
-        for (parameters, backend) in ways.into_iter().chain([(2, Backend::Reference)]) {
+        let variants =
+            [Backend::Reference, Backend::Interpreter, Backend::Native].map(|backend| (0, backend));
+        for (parameters, backend) in variants.into_iter().chain([(2, Backend::Reference)]) {
             let counts =
                 [*longest / 5, *longest].map(|steps| allocations(program, *step, steps, parameters, backend));
             assert_eq!(counts, [0, 0], "{name}, {backend}, derivatives by {parameters}");
@@ -103,37 +113,37 @@ fn steps_allocate_nothing() {
     }
 }
 
-/// Allocations of runs side by side of so many steps, of which the ends alone are recorded.
-fn allocations_abreast(programs: &[Program], settings: &RunSettings, steps: u32) -> usize {
+/// The number of allocations of a batch of runs of `steps` steps, which records only the first and the last sample.
+fn allocations_of_batch(programs: &[Program], settings: &RunSettings, steps: u32) -> usize {
     let length = settings.step * f64::from(steps);
-    let settings = RunSettings { every: length, ..settings.clone() }.lasting(length);
+    let settings = RunSettings { every: length, ..settings.clone() }.with_duration(length);
     let before = ALLOCATIONS.get();
-    let runs = solve::run_abreast(programs, &settings);
+    let runs = solve::run_batch(programs, &settings);
     let count = ALLOCATIONS.get() - before;
     assert!(runs.iter().all(Result::is_ok));
     count
 }
 
-/// Runs allocate at their beginning, however long they are.
+/// A batch allocates at its beginning. The number of allocations does not depend on the number of steps.
 #[test]
-fn steps_side_by_side_allocate_nothing() {
+fn steps_of_a_batch_allocate_nothing() {
     let cases = [
         ("fig-8-16", slideway(), ("VcL", 2e-3, 1e-4)),
         ("relay-oscillator", patch("relay-oscillator"), ("slope", 80.0, 2.0)),
         ("mass-and-spring", lesson("mass-and-spring"), ("k", 10.0, 5.0)),
         ("delay-line", patch("delay-line"), ("T", 0.8, 0.05)),
     ];
-    for (name, patch, (parameter, least, by)) in &cases {
+    for (name, patch, (parameter, first, increment)) in &cases {
         let mut programs = vec![program(patch, &[]); 16];
         for (run, program) in programs.iter_mut().enumerate() {
-            program.set_parameters([(*parameter, least + by * run as f64)]).unwrap();
+            program.set_parameters([(*parameter, first + increment * run as f64)]).unwrap();
         }
         for backend in [Backend::Lanes, Backend::Automatic] {
             let settings = RunSettings { backend, ..RunSettings::of(&circuit(patch, &[])).unwrap() };
-            // What is made once for every set of modes is made, and native code.
-            allocations_abreast(&programs, &settings, 80_000);
+            // The first run builds the native code and everything that is built once for each set of modes.
+            allocations_of_batch(&programs, &settings, 80_000);
             let [short, long] =
-                [40_000, 80_000].map(|steps| allocations_abreast(&programs, &settings, steps));
+                [40_000, 80_000].map(|steps| allocations_of_batch(&programs, &settings, steps));
             assert_eq!(short, long, "{name}, {backend}");
         }
     }

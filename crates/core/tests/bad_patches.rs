@@ -1,4 +1,4 @@
-//! Bad patches beside the reports that they must get.
+//! Every bad patch of tests/patches/bad gets the report that is stored next to it.
 //!
 //! `PATCHCORD_BLESS=1 cargo test -p patchcord-core` rewrites the reports.
 
@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::common::mutated::{Dice, mutated};
+use crate::common::mutated::{Xorshift, mutated};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, DocumentError, Report};
 use patchcord_core::ir::Program;
@@ -23,26 +23,32 @@ fn bad_patches() -> Vec<(String, String)> {
     patches.iter().map(|path| (name(path), fs::read_to_string(path).unwrap())).collect()
 }
 
-/// What the first phase that refuses the patch says, or else the warnings.
+/// The report of the first phase that refuses the patch, or the warnings if none does.
 fn report(name: &str, text: &str) -> Report {
-    judged(&format!("{name}.json"), text, &[]).unwrap_or_else(|report| *report)
+    check(&format!("{name}.json"), text, &[]).unwrap_or_else(|report| *report)
 }
 
-fn judged(file: &str, text: &str, changes: &[(String, f64)]) -> Result<Report, Box<Report>> {
+/// Checks a patch text through all phases and returns its warnings.
+///
+/// # Errors
+///
+/// The report of the phase that refuses it.
+fn check(file: &str, text: &str, changes: &[(String, f64)]) -> Result<Report, Box<Report>> {
     let patch = Patch::parse_in(Path::new(FOLDER), file, text)?;
-    let circuit = Circuit::new(&patch, changes)?;
+    let circuit = Circuit::with_parameters(&patch, changes.iter().cloned())?;
     Program::new(&circuit)?;
     Ok(circuit.warnings())
 }
 
-/// Holds a text against a file, or writes the file when asked to.
+/// The difference between a text and a file, or None if they are equal. Writes the file first if PATCHCORD_BLESS is
+/// set.
 fn difference(path: &Path, found: &str) -> Option<String> {
     if std::env::var_os("PATCHCORD_BLESS").is_some() {
         fs::write(path, found).unwrap();
     }
     let expected = fs::read_to_string(path).unwrap_or_default();
-    let shown = format!("== {}\n-- expected\n{expected}\n-- found\n{found}", path.display());
-    (expected != found).then_some(shown)
+    let message = format!("== {}\n-- expected\n{expected}\n-- found\n{found}", path.display());
+    (expected != found).then_some(message)
 }
 
 #[test]
@@ -58,9 +64,9 @@ fn every_bad_patch_gets_its_report() {
 }
 
 #[test]
-fn every_report_says_something_and_where() {
+fn every_report_has_findings_with_a_position() {
     let patches = bad_patches();
-    assert!(patches.len() >= 45, "only {} bad patches are left", patches.len());
+    assert!(patches.len() >= 45, "only {} bad patches", patches.len());
     for (name, text) in patches {
         let report = report(&name, &text);
         assert!(!report.findings.is_empty(), "{name} is accepted");
@@ -69,17 +75,20 @@ fn every_report_says_something_and_where() {
 }
 
 #[test]
-fn a_patch_is_called_bad_after_what_is_wrong_with_it() {
+fn the_name_of_a_bad_patch_begins_with_the_code_of_its_report() {
     for (name, text) in bad_patches().iter().filter(|(name, _)| !name.starts_with("many-")) {
         let report = report(name, text);
         let codes: HashSet<_> = report.findings.iter().map(|finding| finding.code.as_str()).collect();
-        assert_eq!(codes.len(), 1, "{name} has one thing wrong, and is told of several:\n{report}");
-        assert!(codes.iter().all(|code| name.starts_with(code)), "{name} is told of {codes:?}");
+        assert_eq!(codes.len(), 1, "the report of {name} must have one code:\n{report}");
+        assert!(
+            codes.iter().all(|code| name.starts_with(code)),
+            "the report of {name} has the codes {codes:?}"
+        );
     }
 }
 
 #[test]
-fn bytes_that_are_not_utf8_are_told_with_their_place() {
+fn bytes_that_are_not_utf8_are_reported_with_their_position() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("latin.json");
     fs::write(&path, b"{\n  \"patchcord\": 1,\n  \"title\": \"\xe9tude\"\n}\n").unwrap();
@@ -91,33 +100,33 @@ fn bytes_that_are_not_utf8_are_told_with_their_place() {
 
 #[test]
 fn a_missing_file_is_named() {
-    let error = Patch::read("no/such/patch.json".as_ref()).unwrap_err();
+    let error = Patch::read("no/such/patch.json").unwrap_err();
     assert!(error.to_string().starts_with("cannot read no/such/patch.json"), "{error}");
 }
 
-/// The codes and messages that changes to the parameters of a good patch get.
-fn told_of_changes(changes: &[(&str, f64)]) -> Vec<(Code, String)> {
+/// The codes and messages of the report on changed parameters of a valid patch.
+fn findings_of_changes(changes: &[(&str, f64)]) -> Vec<(Code, String)> {
     let changes: Vec<_> = changes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let Err(report) = judged("fig-8-16.json", &good_patch(), &changes) else { return Vec::new() };
+    let Err(report) = check("fig-8-16.json", &good_patch(), &changes) else { return Vec::new() };
     assert!(report.findings.iter().all(|finding| finding.hint.is_some()), "{report}");
     report.findings.into_iter().map(|finding| (finding.code, finding.message)).collect()
 }
 
 #[test]
-fn changes_of_parameters_are_judged_like_the_patch() {
-    assert!(told_of_changes(&[("M", 600.0)]).is_empty());
-    let told = told_of_changes(&[("M", f64::NAN), ("Vcl", 1e-3), ("K", 1e12), ("f", f64::INFINITY)]);
-    let codes: Vec<_> = told.iter().map(|(code, _)| *code).collect();
+fn changed_parameters_are_checked_like_the_patch() {
+    assert!(findings_of_changes(&[("M", 600.0)]).is_empty());
+    let findings = findings_of_changes(&[("M", f64::NAN), ("Vcl", 1e-3), ("K", 1e12), ("f", f64::INFINITY)]);
+    let codes: Vec<_> = findings.iter().map(|(code, _)| *code).collect();
     for code in [Code::NotFinite, Code::UnknownName, Code::OutsideRange] {
-        assert!(codes.contains(&code), "{told:?}");
+        assert!(codes.contains(&code), "{findings:?}");
     }
-    assert_eq!(told.len(), 4, "{told:?}");
+    assert_eq!(findings.len(), 4, "{findings:?}");
 }
 
 #[test]
-fn a_change_may_take_a_setting_out_of_its_range() {
+fn a_changed_parameter_can_move_a_setting_out_of_its_range() {
     let text = fs::read_to_string(Path::new(FOLDER).join("setting-range.json")).unwrap();
-    let report = judged("setting-range.json", &text, &[("T".to_owned(), 0.05)]).unwrap_err();
+    let report = check("setting-range.json", &text, &[("T".to_owned(), 0.05)]).unwrap_err();
     let outside = report.findings.iter().filter(|finding| finding.code == Code::SettingOutside);
     assert_eq!(outside.count(), 2, "{report}");
 }
@@ -126,7 +135,7 @@ fn good_patch() -> String {
     fs::read_to_string("../../patches/thesis/fig-8-16.json").unwrap()
 }
 
-/// A report that refuses a patch names an error, and can be printed and sent on.
+/// Asserts that a report that refuses a patch has an error, and that its positions are inside the text.
 fn check_refusal(report: &Report, text: &str) {
     assert!(report.has_errors(), "refused without an error:\n{report}\n{text}");
     assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{report}\n{text}");
@@ -136,13 +145,13 @@ fn check_refusal(report: &Report, text: &str) {
     }
 }
 
-/// Mutates a good patch so many times; at least half of what comes out is refused.
+/// Checks random mutations of a valid patch. At least half of them are refused.
 fn mutate(good: &str, rounds: usize) {
-    let mut dice = Dice(0x9e37_79b9_7f4a_7c15);
+    let mut random = Xorshift(0x9e37_79b9_7f4a_7c15);
     let mut refused = 0;
     for _ in 0..rounds {
-        let text = mutated(good, &mut dice);
-        match judged("mutated.json", &text, &[]) {
+        let text = mutated(good, &mut random);
+        match check("mutated.json", &text, &[]) {
             Err(report) => {
                 refused += 1;
                 check_refusal(&report, &text);

@@ -1,13 +1,15 @@
-//! Loops without an integrator: one solution is taken, several are told and refused.
+//! Loops without an integrator: a single solution is used; several solutions are refused and reported.
 
 use proptest::prelude::*;
 
-use crate::common::{built, check_derivatives, circuit, element, patch, ran, root, source, voltage, volts};
+use crate::common::{
+    built, check_derivatives, circuit, element, patch, root, run_for, source, voltage, volts,
+};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{ElementBuilder, Patch, PatchBuilder};
 
-/// A summer fed back through a pot: out = -(gain_in u + gain_back setting out).
+/// A summer with feedback through a pot: out = -(gain_in u + gain_back setting out).
 fn fed_back(u: f64, gain_in: u32, gain_back: u32, setting: f64) -> PatchBuilder {
     let (input, back) = (format!("x{gain_in}"), format!("x{gain_back}"));
     source(volts("fed back"), "u", u)
@@ -15,14 +17,15 @@ fn fed_back(u: f64, gain_in: u32, gain_back: u32, setting: f64) -> PatchBuilder 
         .element("S1", element("summer").cords(&input, ["u"]).cords(&back, ["P1"]))
 }
 
+/// The voltage of an element in initial condition.
 fn solved(builder: PatchBuilder, element: &str) -> f64 {
-    voltage(&ran(&built(builder), 1e-3, 0.0), element)
+    voltage(&run_for(&built(builder), 1e-3, 0.0), element)
 }
 
 #[test]
-fn a_summer_halved_by_its_own_output_stands_at_two_thirds() {
+fn a_summer_with_half_of_its_output_fed_back_gives_two_thirds() {
     let program = crate::common::program(&patch("summer-loop"), &[]);
-    let machine = ran(&program, 1e-3, 0.01);
+    let machine = run_for(&program, 1e-3, 0.01);
     assert!((voltage(&machine, "S1") + 2.0 / 3.0).abs() < 1e-14);
     assert_eq!(program.loops().len(), 1);
 }
@@ -34,34 +37,34 @@ proptest! {
     fn any_negative_feedback_agrees_with_the_formula(
         u in -100.0..100.0f64, gain_in in 1..20u32, gain_back in 1..20u32, setting in 0.0..1.0f64,
     ) {
-        let asked = -f64::from(gain_in) * u / (1.0 + f64::from(gain_back) * setting);
+        let demand = -f64::from(gain_in) * u / (1.0 + f64::from(gain_back) * setting);
         let found = solved(fed_back(u, gain_in, gain_back, setting), "S1");
-        // Beyond 100 V the amplifier stops, and is not moved by its own feedback.
-        prop_assert!((found - asked.clamp(-100.0, 100.0)).abs() < 1e-11, "{found} {asked}");
+        // At 100 V the amplifier is at its limit, and its feedback has no effect.
+        prop_assert!((found - demand.clamp(-100.0, 100.0)).abs() < 1e-11, "{found} {demand}");
     }
 
     #[test]
     fn positive_feedback_below_one_agrees_with_the_formula(u in -50.0..50.0f64, setting in 0.0..0.98f64) {
-        // Inverted once more, the loop's gain is + setting: out = -u + setting out.
+        // With one more inversion the loop gain is + setting: out = -u + setting out.
         let builder = source(volts("positive"), "u", u)
             .element("P1", element("pot").cord("in", "S2").set("setting", setting))
             .element("S2", element("summer").cords("x1", ["S1"]))
             .element("S1", element("summer").cords("x1", ["u", "P1"]));
-        let asked = (-u / (1.0 - setting)).clamp(-100.0, 100.0);
+        let demand = (-u / (1.0 - setting)).clamp(-100.0, 100.0);
         let found = solved(builder, "S1");
-        prop_assert!((found - asked).abs() < 1e-10, "{found} {asked}");
+        prop_assert!((found - demand).abs() < 1e-10, "{found} {demand}");
     }
 
     #[test]
     fn a_loop_through_diodes_and_limits_agrees_with_bisection(
         u in -40.0..40.0f64, setting in 0.05..0.9f64, level in 1.0..60.0f64, slope in 0.0..1.0f64,
     ) {
-        // Falling in its own output all the way, so that there is one solution.
+        // The loop function is decreasing in its output, so there is one solution.
         let result = |out: f64| {
             let limited = -(u + 2.0 * setting * out);
-            let soft = limited.min(level) + slope * (limited - limited.min(level));
-            let soft = soft.clamp(-100.0, 100.0);
-            let upper = soft.max(0.3 * soft);
+            let soft_limited = limited.min(level) + slope * (limited - limited.min(level));
+            let soft_limited = soft_limited.clamp(-100.0, 100.0);
+            let upper = soft_limited.max(0.3 * soft_limited);
             (upper - 0.5 * out).clamp(-100.0, 100.0) - out
         };
         let found = solved(diodes_and_limits(u, setting, level, slope), "S3");
@@ -74,7 +77,7 @@ proptest! {
     #![proptest_config(crate::common::random_cases(48))]
 
     #[test]
-    fn a_product_with_a_factor_from_outside_is_a_straight_piece(u in -100.0..100.0f64, g in -90.0..100.0f64) {
+    fn a_product_with_a_factor_from_outside_the_loop_is_linear(u in -100.0..100.0f64, g in -90.0..100.0f64) {
         // S1 = -(u + g S1 / 100), so that the summer divides by 1 + g / 100, up to its limit.
         let product = element("multiplier").set("mode", "product").cord("a", "S1").cord("b", "g");
         let divider = source(source(volts("divider"), "u", u), "g", g)
@@ -85,6 +88,7 @@ proptest! {
     }
 }
 
+/// A loop of a summer with a soft limit, a diode pair and two more summers.
 fn diodes_and_limits(u: f64, setting: f64, level: f64, slope: f64) -> PatchBuilder {
     let limit = serde_json::json!({"upper": level, "slope": slope});
     source(volts("diodes"), "u", u)
@@ -96,13 +100,14 @@ fn diodes_and_limits(u: f64, setting: f64, level: f64, slope: f64) -> PatchBuild
         .element("S3", element("summer").cords("x1", ["S2"]).cords("x0.5", ["S3"]))
 }
 
-/// An open amplifier with the square of its output, where that is positive, fed back: the root of an input.
+/// The square root of x: an open amplifier with the square of its positive output fed back.
 fn root_of(x: f64, amplification: f64) -> PatchBuilder {
     source(volts("root"), "u", -x)
         .element("OA", element("open-amplifier").cords("x1", ["u", "M1"]).set("amplification", amplification))
         .element("M1", squares("OA"))
 }
 
+/// A multiplier that squares the positive voltage of an element.
 fn squares(of: &str) -> ElementBuilder {
     element("multiplier").set("mode", "sum-of-squares").cord("a", of).cord("b", "ground")
 }
@@ -113,7 +118,7 @@ proptest! {
     #[test]
     fn a_square_fed_back_gives_the_root(x in 1e-3..100.0f64, decades in 2.0..9.0f64) {
         let gain = 10f64.powf(decades).round();
-        // out = -A (out^2 / 100 - x), its positive root written so that nothing cancels.
+        // The positive root of out = -A (out^2 / 100 - x), in a form without cancellation.
         let expected = 2.0 * gain * x / (1.0 + (1.0 + 4.0 * gain * gain * x / 100.0).sqrt());
         let found = solved(root_of(x, gain), "OA");
         prop_assert!((found - expected.min(100.0)).abs() < 1e-12 * (1.0 + 1.0 / x), "{found} {expected}");
@@ -142,15 +147,16 @@ proptest! {
             .element("M2", squares("S"));
         let expected = root(|r| u - s(r) / 4.0 - r * r / 100.0, 0.0, 100.0);
         let machine = built(builder);
-        let machine = ran(&machine, 1e-3, 0.0);
+        let machine = run_for(&machine, 1e-3, 0.0);
         let found = (voltage(&machine, "R"), voltage(&machine, "S"));
-        // Both squares are out by out / 1e9.
+        // Both squares have an error of out / 1e9.
         prop_assert!((found.0 - expected).abs() < 1e-6, "{found:?} {expected}");
         prop_assert!((found.1 - s(expected)).abs() < 1e-6, "{found:?} {expected}");
     }
 }
 
-/// E = (20 V - F / 10) / 2 nearly, and F divides by E - 50 V: that has one solution where E is below 50 V only.
+/// E is nearly (20 V - F / 10) / 2, and F divides by E - 50 V. The division has one solution only if E is below 50 V.
+/// The element `first` is declared before the other.
 fn divider_in_a_loop(first: &str) -> PatchBuilder {
     let entries = [
         ("E", element("open-amplifier").cords("x1", ["E", "PU"]).cords("x0.1", ["F"])),
@@ -171,7 +177,7 @@ fn divider_in_a_loop(first: &str) -> PatchBuilder {
 }
 
 #[test]
-fn an_inner_loop_with_several_solutions_elsewhere_does_not_spoil_the_outer() {
+fn an_inner_loop_with_one_solution_at_the_operating_point_is_solved() {
     // E + F / 10 = 20 V, F (E + 50 V) = -1000 V2: E^2 + 30 E - 1100 = 0 in V.
     let expected = -15.0 + (225.0f64 + 1100.0).sqrt();
     for first in ["E", "F"] {
@@ -197,34 +203,34 @@ proptest! {
             .element("OA", amplifier.set("amplification", amplification));
         let expected = 12.0 * (x * 1e6).log10();
         let found = solved(builder, "OA");
-        // What the amplification leaves at the sum, by the slope of the exponential.
-        let left = 100.0 / (amplification * f64::from(gain)) * 12.0 / (x * 10f64.ln());
-        prop_assert!((found - expected).abs() < 1e-9 + 1.1 * left, "{found} {expected} {left}");
+        // The error of the finite amplification divided by the slope of the exponential.
+        let gain_error = 100.0 / (amplification * f64::from(gain)) * 12.0 / (x * 10f64.ln());
+        prop_assert!((found - expected).abs() < 1e-9 + 1.1 * gain_error, "{found} {expected} {gain_error}");
     }
 }
 
 #[test]
-fn a_curved_loop_that_follows_itself_is_told_as_such() {
+fn a_curved_loop_with_a_range_of_solutions_is_reported() {
     let builder = volts("follower")
         .element("L", element("log").cord("in", "S"))
         .element("X", element("exp").cord("in", "L"))
         .element("N", element("inverter").cord("in", "X"))
         .element("S", element("inverter").cord("in", "N"));
     let report = Program::new(&circuit(&builder.build().unwrap(), &[])).unwrap_err().to_string();
-    assert!(report.contains("a whole range of solutions"), "{report}");
+    assert!(report.contains("a continuous range of solutions"), "{report}");
 }
 
 #[test]
 fn the_root_of_a_negative_number_overloads() {
     let program = built(root_of(-20.0, 1e6));
-    let machine = ran(&program, 1e-3, 0.0);
+    let machine = run_for(&program, 1e-3, 0.0);
     assert_eq!(voltage(&machine, "OA"), -100.0);
     assert_eq!(machine.overloads()[0].element, "OA");
 }
 
 #[test]
-fn both_roots_of_a_square_are_told() {
-    // With both signs squared, out^2 / 100 = 25 has two roots, and at -100 V the amplifier latches up.
+fn all_solutions_of_a_square_loop_are_reported() {
+    // Both signs are squared, so out^2 / 100 = 25 has two roots. A third solution is the limit of -100 V.
     let builder = source(volts("roots"), "u", -25.0)
         .element("N1", element("summer").cords("x1", ["OA"]))
         .element("M1", squares("OA").cord("b", "N1"))
@@ -234,8 +240,8 @@ fn both_roots_of_a_square_are_told() {
 }
 
 #[test]
-fn derivatives_go_through_curved_loops() {
-    // x' = -10 (root(x + 30) - 40 V): the root's slope changes all along.
+fn derivatives_agree_through_curved_loops() {
+    // x' = -10 (root(x + 30) - 40 V): the slope of the root changes with x.
     let builder = volts("leak")
         .element("A1", element("integrator").cords("x10", ["OA", "P2"]).set("initial", 20))
         .element("P2", element("pot").cord("in", "-100").set("setting", 0.4))
@@ -246,7 +252,7 @@ fn derivatives_go_through_curved_loops() {
     check_derivatives(&built(builder), 1e-3, &[0.0, 0.05]);
 }
 
-/// A loop of positive gain 2 about 0 V: it latches up at either limit, or balances between them.
+/// A loop with a gain of +2. It has a solution at each limit and one at 0 V.
 fn latch() -> Patch {
     let builder = volts("latch")
         .element("S2", element("summer").cords("x2", ["S1"]))
@@ -266,24 +272,24 @@ fn positive_gain_above_one_is_refused_with_its_three_solutions() {
 }
 
 #[test]
-fn an_integrator_fed_by_a_loop_runs_as_the_loop_solved_by_hand() {
-    // x' = -S1, S1 = -(x + S1 / 2): x' = 2/3 x with the sign of the summer, so it is fed through an inverter.
+fn an_integrator_after_a_loop_agrees_with_the_solved_equation() {
+    // x' = -S1 and S1 = -(x + S1 / 2) give x' = 2/3 x. An inverter changes the sign.
     let machine_of = crate::common::program(&patch("loop-lag"), &[]);
-    let machine = ran(&machine_of, 1e-3, 1.0);
+    let machine = run_for(&machine_of, 1e-3, 1.0);
     let expected = 80.0 * (-2.0f64 / 3.0).exp();
     // RK4: (lambda h)^4 t / 120 of the value, under 1e-13; the rest is rounding.
     assert!((voltage(&machine, "A1") - expected).abs() < 1e-11, "{}", voltage(&machine, "A1") - expected);
 }
 
 #[test]
-fn derivatives_go_through_loops() {
+fn derivatives_agree_through_loops() {
     check_derivatives(&crate::common::program(&patch("loop-lag"), &[]), 1e-3, &[0.3, 0.9]);
     check_derivatives(&crate::common::program(&patch("loop-lag"), &[("back", 0.123)]), 1e-3, &[0.5]);
 }
 
 #[test]
-fn a_loop_of_too_many_pieces_is_refused_in_time() {
-    // Every stage folds the voltage once more: 22 of them make four million straight pieces.
+fn a_loop_with_too_many_linear_pieces_is_refused_quickly() {
+    // Every stage doubles the number of linear pieces: 22 stages have four million.
     let stages = 22;
     let builder = (0..stages).fold(volts("folded"), |builder, index| {
         let from = if index == 0 { format!("S{stages}") } else { format!("F{index}") };
@@ -299,6 +305,6 @@ fn a_loop_of_too_many_pieces_is_refused_in_time() {
     let last = format!("F{stages}");
     let builder = builder.element(&format!("S{stages}"), element("summer").cords("x1", [last.as_str()]));
     let patch = builder.build().unwrap();
-    let report = Program::new(&Circuit::new(&patch, &[]).unwrap()).unwrap_err();
+    let report = Program::new(&Circuit::new(&patch).unwrap()).unwrap_err();
     assert_eq!(report.findings[0].code.as_str(), "loop-too-tangled", "{report}");
 }

@@ -10,7 +10,7 @@ mod common;
 mod delay;
 mod edits;
 mod elements;
-mod known;
+mod known_problems;
 mod laws;
 mod limit;
 mod loops;

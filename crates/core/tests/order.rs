@@ -1,31 +1,36 @@
-//! The order of convergence: 4 on smooth patches, and 4 where smooth stretches are joined by located changes; that of the
-//! problems with known solutions is looked at in crates/core/tests/known.rs.
+//! The order of convergence: 4 on smooth patches, and 4 if located events join smooth stretches.
+//! crates/core/tests/problems.rs tests the order on the problems with known solutions.
 
 use std::f64::consts::TAU;
 
-use crate::common::{built, element, order, play, program, ran, root, slideway, source, voltage, volts};
+use crate::common::{
+    built, convergence_order, dead_zone_oscillator, element, program, root, run_for, slideway, source,
+    voltage, volts,
+};
 use patchcord_core::ir::Program;
 use patchcord_core::solve::Machine;
 
+/// Steps in seconds, each half as long as the one before.
 const STEPS: [f64; 5] = [0.05, 0.025, 0.0125, 0.00625, 0.003125];
-/// Not multiples of any step: the run up to each ends with a part of one.
+/// Instants of comparison in seconds. None is a multiple of a step, so each run ends with a partial step.
 const INSTANTS: [f64; 5] = [1.01, 1.93, 2.81, 3.47, 4.39];
 
-/// The largest errors of an element's voltage over the instants, down the ladder of steps.
+/// The largest error of an element's voltage over the instants, for each step.
 fn errors(program: &Program, name: &str, expected: impl Fn(f64) -> f64) -> [f64; 5] {
-    let error = |step: f64, time: f64| (voltage(&ran(program, step, time), name) - expected(time)).abs();
+    let error = |step: f64, time: f64| (voltage(&run_for(program, step, time), name) - expected(time)).abs();
     STEPS.map(|step| INSTANTS.iter().map(|time| error(step, *time)).fold(0.0, f64::max))
 }
 
+/// Asserts that the error of an element's voltage is of order 4.
 fn assert_order_4(program: &Program, name: &str, expected: impl Fn(f64) -> f64) {
     let found = errors(program, name, expected);
-    let reached = order(&STEPS, &found);
-    assert!((3.9..=4.1).contains(&reached), "order {reached} of {name} from {found:?}");
+    let observed = convergence_order(&STEPS, &found);
+    assert!((3.9..=4.1).contains(&observed), "order {observed} of {name} from {found:?}");
 }
 
 /// x'' = -4 x - 0.4 x', released from 50 V.
 #[test]
-fn damped_oscillator() {
+fn a_damped_oscillator_has_order_4() {
     let builder = volts("damped oscillator")
         .element("A1", element("integrator").cords("x4", ["A2"]).cords("x0.4", ["A1"]))
         .element("S1", element("summer").cords("x1", ["A1"]))
@@ -37,21 +42,21 @@ fn damped_oscillator() {
     });
 }
 
-/// Four equal lags in a row, the first at 50 V: 50 t^3 / 3! e^-t at the last, inverted three times.
+/// Four equal lags in series, the first at 50 V. The last is 50 t^3 / 3! e^-t, inverted three times.
 #[test]
-fn chain_of_lags() {
-    let lag = |from: [&str; 1], own: &str| element("integrator").cords("x1", [from[0], own]);
+fn a_chain_of_lags_has_order_4() {
+    let lag = |input: &str, output: &str| element("integrator").cords("x1", [input, output]);
     let builder = volts("chain")
         .element("A1", element("integrator").cords("x1", ["A1"]).set("initial", 50))
-        .element("A2", lag(["A1"], "A2"))
-        .element("A3", lag(["A2"], "A3"))
-        .element("A4", lag(["A3"], "A4"));
+        .element("A2", lag("A1", "A2"))
+        .element("A3", lag("A2", "A3"))
+        .element("A4", lag("A3", "A4"));
     assert_order_4(&built(builder), "A4", |time| -50.0 * time.powi(3) / 6.0 * (-time).exp());
 }
 
 /// x' = -x - 40 sin(2 pi t / 3).
 #[test]
-fn lag_driven_by_a_sine() {
+fn a_lag_driven_by_a_sine_has_order_4() {
     let sine = element("sine").set("amplitude", 40).set("frequency", "1 / 3");
     let builder = volts("driven lag")
         .drive("u", "volt", sine)
@@ -63,23 +68,23 @@ fn lag_driven_by_a_sine() {
     });
 }
 
-/// x' = -x - u, u the straight lines of a table whose corners fall on no step.
+/// x' = -x - u, where u is a table whose corners are not at ends of steps.
 #[test]
-fn lag_driven_by_a_table() {
+fn a_lag_driven_by_a_table_has_order_4() {
     let points = serde_json::json!([[0.313, 0], [1.271, 30], [1.277, -30]]);
     let builder = volts("driven lag")
         .drive("u", "volt", element("table").set("points", points))
         .element("A1", element("integrator").cords("x1", ["A1", "u"]).set("initial", 50));
     assert_order_4(&built(builder), "A1", |time| {
-        // The answer to a ramp of slope 1 that begins at t = 0 is t - 1 + exp(-t).
-        let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+        // The response to a ramp of slope 1 from t = 0 is t - 1 + exp(-t).
+        let ramp = |elapsed: f64| if elapsed > 0.0 { elapsed - 1.0 + (-elapsed).exp() } else { 0.0 };
         let (up, down) = (30.0 / (1.271 - 0.313), -60.0 / (1.277 - 1.271));
-        let answer = up * ramp(time - 0.313) + (down - up) * ramp(time - 1.271) - down * ramp(time - 1.277);
-        50.0 * (-time).exp() - answer
+        let response = up * ramp(time - 0.313) + (down - up) * ramp(time - 1.271) - down * ramp(time - 1.277);
+        50.0 * (-time).exp() - response
     });
 }
 
-/// A ball falling through drag that follows its velocity: v' = -g - c v, h' = v, bounces e.
+/// A ball that falls with viscous drag, v' = -g - c v and h' = v, and bounces with a restitution.
 struct DraggedBall {
     gravity: f64,
     drag: f64,
@@ -87,30 +92,32 @@ struct DraggedBall {
 }
 
 impl DraggedBall {
-    fn flight(&self, velocity: f64, height: f64, time: f64) -> (f64, f64) {
-        let (last, gone) = (-self.gravity / self.drag, (-self.drag * time).exp());
-        let speed = last + (velocity - last) * gone;
-        (speed, height + last * time + (velocity - last) * (1.0 - gone) / self.drag)
+    /// Velocity and height after a time in free fall.
+    fn free_fall(&self, velocity: f64, height: f64, time: f64) -> (f64, f64) {
+        let (terminal, decay) = (-self.gravity / self.drag, (-self.drag * time).exp());
+        let speed = terminal + (velocity - terminal) * decay;
+        (speed, height + terminal * time + (velocity - terminal) * (1.0 - decay) / self.drag)
     }
 
-    fn at(&self, height: f64, until: f64) -> (f64, f64) {
-        let (mut velocity, mut height, mut left) = (0.0, height, until);
+    /// Velocity and height at `time` after a release from `height` at rest.
+    fn at(&self, height: f64, time: f64) -> (f64, f64) {
+        let (mut velocity, mut height, mut remaining) = (0.0, height, time);
         loop {
             let apex = (1.0 + velocity * self.drag / self.gravity).ln() / self.drag;
-            let (_, top) = self.flight(velocity, height, apex);
+            let (_, top) = self.free_fall(velocity, height, apex);
             let longest = apex + (2.0 * top / self.gravity).sqrt() * 2.0;
-            let contact = root(|time| self.flight(velocity, height, time).1, apex, longest);
-            if contact >= left {
-                return self.flight(velocity, height, left);
+            let contact = root(|time| self.free_fall(velocity, height, time).1, apex, longest);
+            if contact >= remaining {
+                return self.free_fall(velocity, height, remaining);
             }
-            velocity = -self.restitution * self.flight(velocity, height, contact).0;
-            (height, left) = (0.0, left - contact);
+            velocity = -self.restitution * self.free_fall(velocity, height, contact).0;
+            (height, remaining) = (0.0, remaining - contact);
         }
     }
 }
 
 #[test]
-fn bounces_joined_by_flight_with_drag() {
+fn a_bouncing_ball_with_drag_has_order_4() {
     let builder = volts("dragged ball")
         .element("PG", element("pot").cord("in", "+100").set("setting", 0.5))
         .element(
@@ -123,39 +130,43 @@ fn bounces_joined_by_flight_with_drag() {
     assert_order_4(&built(builder), "B1", |time| ball.at(30.0, time).1);
 }
 
-/// x'' = -4 dz(x), dz a dead zone of ±10 V: level flight at 30 V/s between half swings of 15 V.
+/// x'' = -4 dz(x) with a dead zone dz of ±10 V: straight lines of 30 V/s between half swings of 15 V.
 #[test]
-fn half_swings_joined_by_a_dead_zone() {
-    let (flight, swing) = (20.0 / 30.0, TAU / 4.0);
-    assert_order_4(&play(), "A2", |time| {
-        let since = time + flight / 2.0;
-        let halves = (since / (flight + swing)).floor();
+fn an_oscillator_with_a_dead_zone_has_order_4() {
+    let (line, swing) = (20.0 / 30.0, TAU / 4.0);
+    assert_order_4(&dead_zone_oscillator(), "A2", |time| {
+        let elapsed = time + line / 2.0;
+        let halves = (elapsed / (line + swing)).floor();
         let sign = if halves.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
-        let gone = since - halves * (flight + swing);
-        sign * if gone < flight { -10.0 + 30.0 * gone } else { 10.0 + 15.0 * (2.0 * (gone - flight)).sin() }
+        let in_half = elapsed - halves * (line + swing);
+        sign * if in_half < line {
+            -10.0 + 30.0 * in_half
+        } else {
+            10.0 + 15.0 * (2.0 * (in_half - line)).sin()
+        }
     });
 }
 
-/// x' = -x + min(160 t, 100) / 2: a summer that is asked for more than 100 V from 0.625 s on.
+/// x' = -x + min(160 t, 100) / 2: a summer that is overloaded from 0.625 s on.
 #[test]
-fn lag_behind_an_amplifier_that_is_clipped() {
+fn a_lag_after_an_overloaded_amplifier_has_order_4() {
     let builder = volts("clipped")
         .drive("u", "volt", element("ramp").set("rate", 40))
         .element("S1", element("summer").cords("x4", ["u"]))
         .element("A1", element("integrator").cords("x1", ["A1"]).cords("x0.5", ["S1"]));
-    // The answer to a ramp of slope 1 that begins at t = 0 is t - 1 + exp(-t).
-    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    // The response to a ramp of slope 1 from t = 0 is t - 1 + exp(-t).
+    let ramp = |elapsed: f64| if elapsed > 0.0 { elapsed - 1.0 + (-elapsed).exp() } else { 0.0 };
     assert_order_4(&built(builder), "A1", |time| 80.0 * (ramp(time) - ramp(time - 0.625)));
 }
 
-/// x' = -x + u / 2, u = 160 t up to 1 s and then back, between -100 V and 100 V: it leaves 100 V at 1.375 s.
+/// x' = -x + u / 2, u = 160 t up to 1 s and then back, limited to 100 V from 0.625 s to 1.375 s.
 #[test]
-fn lag_behind_an_amplifier_that_is_clipped_for_a_while() {
+fn a_lag_after_a_temporarily_overloaded_amplifier_has_order_4() {
     let builder = volts("clipped for a while")
         .drive("u", "volt", element("ramp").set("rate", 40).set("turn", 1))
         .element("S1", element("summer").cords("x4", ["u"]))
         .element("A1", element("integrator").cords("x1", ["A1"]).cords("x0.5", ["S1"]));
-    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    let ramp = |elapsed: f64| if elapsed > 0.0 { elapsed - 1.0 + (-elapsed).exp() } else { 0.0 };
     assert_order_4(&built(builder), "A1", |time| {
         80.0 * (ramp(time) - ramp(time - 0.625) - ramp(time - 1.375) + ramp(time - 2.625))
     });
@@ -163,18 +174,18 @@ fn lag_behind_an_amplifier_that_is_clipped_for_a_while() {
 
 /// x' = -x - min(20 t, 25).
 #[test]
-fn lag_behind_the_lower_of_two() {
+fn a_lag_after_a_diode_lower_of_has_order_4() {
     let builder = source(volts("lower of two"), "level", 25.0)
         .drive("u", "volt", element("ramp").set("rate", 20))
         .element("L", element("diode-lower-of").set("in", serde_json::json!(["u", "level"])))
         .element("A1", element("integrator").cords("x1", ["A1", "L"]));
-    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    let ramp = |elapsed: f64| if elapsed > 0.0 { elapsed - 1.0 + (-elapsed).exp() } else { 0.0 };
     assert_order_4(&built(builder), "A1", |time| -20.0 * (ramp(time) - ramp(time - 1.25)));
 }
 
-/// x' = -x - k, k = 30 V while 20 t lies above 40 sin(2 pi t / 4) by 5 V or more, until it lies below by 5 V.
+/// x' = -x - k. k is 30 V from the time at which 20 t exceeds 40 sin(2 pi t / 4) by 5 V until it is 5 V below.
 #[test]
-fn lag_behind_a_comparator() {
+fn a_lag_after_a_comparator_has_order_4() {
     let (rising, wave) = (element("ramp").set("rate", 20), element("sine").set("amplitude", 40));
     let relay =
         element("relay").cord("in", "u").cord("against", "w").cord("on", "level").cord("off", "ground");
@@ -190,57 +201,57 @@ fn lag_behind_a_comparator() {
     });
 }
 
-/// x' = -x - |40 sin(2 t)|: in every half period an answer to a sine that begins at 0.
+/// x' = -x - |40 sin(2 t)|: in every half period the response to a sine that begins at 0.
 #[test]
-fn lag_behind_a_rectifier() {
+fn a_lag_after_a_rectifier_has_order_4() {
     let builder = volts("rectifier")
         .drive("u", "volt", element("sine").set("amplitude", 40).set("frequency", "1 / pi"))
         .element("AB", element("absolute").cord("in", "u"))
         .element("A1", element("integrator").cords("x1", ["A1", "AB"]));
-    let answer = |from: f64, since: f64| {
-        let ((sine, cosine), gone) = ((2.0 * since).sin_cos(), (-since).exp());
-        from * gone - 40.0 / 5.0 * (sine - 2.0 * cosine + 2.0 * gone)
+    let response = |start: f64, elapsed: f64| {
+        let ((sine, cosine), decay) = ((2.0 * elapsed).sin_cos(), (-elapsed).exp());
+        start * decay - 40.0 / 5.0 * (sine - 2.0 * cosine + 2.0 * decay)
     };
     assert_order_4(&built(builder), "A1", |time| {
         let half = TAU / 4.0;
         let halves = (time / half).floor();
-        let from = (0..halves as usize).fold(0.0, |from, _| answer(from, half));
-        answer(from, time - halves * half)
+        let start = (0..halves as usize).fold(0.0, |start, _| response(start, half));
+        response(start, time - halves * half)
     });
 }
 
-/// x' = -x - f(u), f three straight segments, u a ramp of 20 V/s that meets their corners at 1 s and 2 s.
+/// x' = -x - f(u) with three straight segments f and a ramp u of 20 V/s that reaches their corners at 1 s and 2 s.
 #[test]
-fn lag_behind_a_function_generator() {
+fn a_lag_after_a_function_generator_has_order_4() {
     let points = serde_json::json!([[0, 0], [20, 10], [40, -20], [60, 0]]);
     let builder = volts("generator")
         .drive("u", "volt", element("ramp").set("rate", 20))
         .element("FG", element("function-generator").cord("in", "u").set("points", points))
         .element("A1", element("integrator").cords("x1", ["A1", "FG"]));
-    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    let ramp = |elapsed: f64| if elapsed > 0.0 { elapsed - 1.0 + (-elapsed).exp() } else { 0.0 };
     assert_order_4(&built(builder), "A1", |time| {
         -10.0 * ramp(time) + 40.0 * ramp(time - 1.0) - 50.0 * ramp(time - 2.0)
     });
 }
 
-/// Stick-slip of Fig 8.16 over its first 2 s: 484 kinks, most of them of the dead zone that is its friction.
+/// Stick-slip of Fig 8.16 over its first 2 s has 484 kinks, most of them in the dead zone of its friction.
 #[test]
-fn stick_slip_of_fig_8_16() {
+fn stick_slip_of_fig_8_16_has_order_4() {
     let program = program(&slideway(), &[]);
     let instants: Vec<f64> = (1..=200).map(|hundredth| f64::from(hundredth) / 100.0).collect();
-    let course = |mut machine: Machine<'_>| -> Vec<f64> {
-        let at = |instant: &f64| {
+    let samples = |mut machine: Machine<'_>| -> Vec<f64> {
+        let sample = |instant: &f64| {
             machine.operate(instant - machine.time()).unwrap();
             voltage(&machine, "B3")
         };
-        instants.iter().map(at).collect()
+        instants.iter().map(sample).collect()
     };
-    let exact = course(Machine::adaptive(&program, 1e-11, 2e-5).unwrap());
+    let exact = samples(Machine::adaptive(&program, 1e-11, 2e-5).unwrap());
     let steps = [2e-4, 1e-4, 5e-5, 2.5e-5];
     let errors = steps.map(|step| {
-        let found = course(Machine::new(&program, step).unwrap());
+        let found = samples(Machine::new(&program, step).unwrap());
         found.iter().zip(&exact).map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max)
     });
-    let reached = order(&steps, &errors);
-    assert!((3.9..=4.1).contains(&reached), "order {reached} from {errors:?}");
+    let observed = convergence_order(&steps, &errors);
+    assert!((3.9..=4.1).contains(&observed), "order {observed} from {errors:?}");
 }

@@ -1,77 +1,116 @@
-//! The Bode plot: magnitude in decibels and phase in degrees against frequency.
+//! Bode plots: magnitude in decibels and phase in degrees against frequency.
 
-use crate::plot::{Axis, Channel, Mark, Picture};
-use patchcord_analysis::instruments::Display;
-use patchcord_analysis::linear::{Response, ResponsePoint, Root};
+use crate::plot::{Axis, Channel, Marker, Picture};
+use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_analysis::linear::{FrequencyResponse, ResponsePoint, Root};
 
-/// Two pictures of a response, one to stand below the other, with the natural frequencies of oscillating roots marked.
-/// `note` is a line of small print.
-pub fn bode(response: &Response, roots: &[Root], note: Option<String>) -> [Picture; 2] {
-    let Response { input, output, unit, .. } = response;
+/// Returns the magnitude and the phase of a response as two pictures, to be stacked in this order.
+///
+/// The natural frequencies of oscillating roots within the range are marked. `note` is printed below
+/// the title.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::linear::{FrequencyBand, TransferFunction, roots};
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+/// use patchcord_core::solve::Machine;
+/// use patchcord_draw::bode;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = Patch::read("../../patches/lessons/driven-oscillator.json")?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let model = Machine::new(&program, 1e-3)?.state_space();
+/// let band = FrequencyBand { low: 0.1, high: 100.0 };
+/// let response = TransferFunction::new(&model, "push", "x")?.response(band)?;
+///
+/// let [magnitude, phase] = bode(&response, &roots(&model)?, None);
+/// assert_eq!(magnitude.vertical.unit, "dB (0 dB: 1 mm per N)");
+/// assert_eq!(phase.markers[0].label, "1.007 Hz");
+/// assert!(magnitude.horizontal.logarithmic);
+/// # Ok(())
+/// # }
+/// ```
+pub fn bode(response: &FrequencyResponse, roots: &[Root], note: Option<String>) -> [Picture; 2] {
+    let FrequencyResponse { input, output, unit, .. } = response;
     let decibels = points(response, |point| point.decibels());
     let degrees = points(response, |point| point.phase.to_degrees());
     let reference = if unit.is_empty() { "dB".to_owned() } else { format!("dB (0 dB: 1 {unit})") };
-    let magnitude = Axis::snug(format!("{output} / {input}"), reference, widened(&decibels), Axis::UP);
-    let phase = turns(format!("phase of {output} against {input}"), ordinates(&degrees));
-    let marks = marks(response, roots);
-    // Labels stand below only, where the curve is on its way down.
-    let bare: Vec<Mark> = marks.iter().map(|mark| Mark { label: String::new(), ..mark.clone() }).collect();
+    let magnitude = Axis::fit_tight(
+        format!("{output} / {input}"),
+        reference,
+        widened(&decibels),
+        Axis::VERTICAL_DIVISIONS,
+    );
+    let phase = phase_axis(format!("phase of {output} against {input}"), ordinates(&degrees));
+    let markers = markers(response, roots);
+    // The labels are in the phase plot only; there the curve falls and leaves space for them.
+    let bare: Vec<Marker> =
+        markers.iter().map(|marker| Marker { label: String::new(), ..marker.clone() }).collect();
     let title = format!("Bode plot: {}", response.title());
     [
         picture(response, title, magnitude, decibels, note, &bare),
-        picture(response, String::new(), phase, degrees, None, &marks),
+        picture(response, String::new(), phase, degrees, None, &markers),
     ]
 }
 
+/// Returns one of the two pictures.
+///
+/// The horizontal axis covers the frequencies of the response. `points` are frequencies in Hz and values in the unit of
+/// `vertical`.
 fn picture(
-    response: &Response,
+    response: &FrequencyResponse,
     title: String,
     vertical: Axis,
     points: Vec<(f64, f64)>,
     note: Option<String>,
-    marks: &[Mark],
+    markers: &[Marker],
 ) -> Picture {
     let (low, high) = ends(response.points.iter().map(|point| point.frequency));
-    let horizontal = Axis::ratios("frequency", "Hz", low, high);
+    let horizontal = Axis::logarithmic("frequency", "Hz", low, high);
     let channels = vec![Channel::line(&response.output, points)];
-    Picture { channels, note, marks: marks.to_vec(), ..Picture::new(title, horizontal, vertical) }
+    Picture { channels, note, markers: markers.to_vec(), ..Picture::new(title, horizontal, vertical) }
 }
 
-fn points(response: &Response, value: impl Fn(&ResponsePoint) -> f64) -> Vec<(f64, f64)> {
+/// Returns the frequency and a value of each point of a response.
+fn points(response: &FrequencyResponse, value: impl Fn(&ResponsePoint) -> f64) -> Vec<(f64, f64)> {
     response.points.iter().map(|point| (point.frequency, value(point))).collect()
 }
 
+/// Returns the second coordinate of each point.
 fn ordinates(points: &[(f64, f64)]) -> impl Iterator<Item = f64> {
     points.iter().map(|point| point.1)
 }
 
-/// The ordinates, with room around them where they are level but for rounding.
+/// Returns the ordinates, with a margin so that a constant curve does not show its rounding errors.
 fn widened(points: &[(f64, f64)]) -> impl Iterator<Item = f64> {
     let (low, high) = ends(ordinates(points));
     let middle = 0.5 * (low + high);
-    ordinates(points).chain([middle - ROOM, middle + ROOM])
+    ordinates(points).chain([middle - MARGIN, middle + MARGIN])
 }
 
-/// Decibels to either side of a level curve.
-const ROOM: f64 = 1.0;
+/// The margin around the middle of the magnitude, in decibels.
+const MARGIN: f64 = 1.0;
 
-/// The least and the largest of the finite values.
+/// Returns the lowest and highest finite values; zeros if there are none.
 fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let least_and_most = (f64::INFINITY, f64::NEG_INFINITY);
+    let empty = (f64::INFINITY, f64::NEG_INFINITY);
     let (low, high) = values
         .filter(|value| value.is_finite())
-        .fold(least_and_most, |(low, high), value| (low.min(value), high.max(value)));
+        .fold(empty, |(low, high), value| (low.min(value), high.max(value)));
     if low <= high { (low, high) } else { (0.0, 0.0) }
 }
 
-/// An axis of degrees in divisions that are parts of a turn, or whole turns.
-fn turns(label: String, degrees: impl Iterator<Item = f64>) -> Axis {
+/// Returns an axis in degrees with divisions of 45 degrees times a power of two.
+fn phase_axis(label: String, degrees: impl Iterator<Item = f64>) -> Axis {
     let (low, high) = ends(degrees);
     let mut division = 45.0;
     loop {
-        let (first, last) = ((low / division + SLACK).floor(), (high / division - SLACK).ceil());
+        let (first, last) = ((low / division + OVERSHOOT).floor(), (high / division - OVERSHOOT).ceil());
         let last = last.max(first + 1.0);
-        if last - first <= Axis::UP as f64 {
+        if last - first <= Axis::VERTICAL_DIVISIONS as f64 {
             let (low, high, divisions) = (first * division, last * division, (last - first) as usize);
             return Axis { label, unit: "degrees".to_owned(), low, high, divisions, logarithmic: false };
         }
@@ -79,16 +118,16 @@ fn turns(label: String, degrees: impl Iterator<Item = f64>) -> Axis {
     }
 }
 
-/// Phases this share of a division beyond a line need no further one.
-const SLACK: f64 = 1e-3;
+/// The part of a division by which phases may exceed the axis; it covers rounding.
+const OVERSHOOT: f64 = 1e-3;
 
-/// Natural frequencies within the response at which it can ring.
-fn marks(response: &Response, roots: &[Root]) -> Vec<Mark> {
-    let ringing = roots.iter().filter(|root| root.imaginary > 0.0);
-    let marks = ringing.map(|root| {
-        let label = format!("{} Hz", Display::new("", 1.0).number(root.hertz()));
-        Mark { at: root.hertz(), label }
+/// Returns markers at the natural frequencies of oscillating roots within the frequency range.
+fn markers(response: &FrequencyResponse, roots: &[Root]) -> Vec<Marker> {
+    let oscillating = roots.iter().filter(|root| root.imaginary > 0.0);
+    let markers = oscillating.map(|root| {
+        let label = format!("{} Hz", QuantityFormat::new("", 1.0).number(root.hertz()));
+        Marker { at: root.hertz(), label }
     });
     let (low, high) = ends(response.points.iter().map(|point| point.frequency));
-    marks.filter(|mark| (low..=high).contains(&mark.at)).collect()
+    markers.filter(|marker| (low..=high).contains(&marker.at)).collect()
 }

@@ -1,75 +1,82 @@
-//! Families of curves: what tells the runs of a trace from each other.
+//! Labels for a family of curves: the parameters that distinguish the runs of a trace.
 
 use indexmap::IndexMap;
 
-use patchcord_analysis::instruments::Display;
-use patchcord_core::trace::{Deed, Trace};
+use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_core::trace::{PhaseKind, Trace};
 
-/// In a larger family nothing could be told apart.
-const LARGEST: usize = 50;
+/// The maximum number of labelled runs; labels of more runs would not be readable.
+const MAX_RUNS: usize = 50;
 
-/// For every run the index of its last sample, and the parameters that are not the same in all runs, with what they
-/// were while time went on; runs after each other that are told alike have one label, at the last of them. Nothing
-/// where all are the same.
+/// Returns the labels of the runs, each with the index of the last sample of its run.
+///
+/// A label contains the parameters that differ between runs, with their values in operate and hold:
+/// `k = 10, then 20 N/m`. Consecutive runs with the same label share one, at the last of them. The list
+/// is empty if all runs are equal or if there are more than [`MAX_RUNS`].
 pub(super) fn labels(trace: &Trace) -> Vec<(usize, String)> {
-    if trace.sweeps.len() > LARGEST {
+    if trace.sweeps.len() > MAX_RUNS {
         return Vec::new();
     }
     let runs = runs(trace);
     let differs = |name: &str| runs.iter().any(|run| run.get(name) != runs[0].get(name));
-    let label = |run: &IndexMap<&str, Course<'_>>| {
-        let told = run.iter().filter(|(name, _)| differs(name)).map(|(name, course)| course.told(name));
-        told.collect::<Vec<_>>().join(", ")
+    let label = |run: &IndexMap<&str, ParameterValues<'_>>| {
+        let texts = run.iter().filter(|(name, _)| differs(name)).map(|(name, values)| values.label(name));
+        texts.collect::<Vec<_>>().join(", ")
     };
     let ends = trace.sweeps.iter().skip(1).map(|sweep| sweep.first).chain([trace.len()]);
     let labels: Vec<_> = ends.zip(runs.iter().map(label)).enumerate().collect();
-    let alike = labels.chunk_by(|(_, one), (_, next)| one.1 == next.1);
-    alike.filter(|runs| !runs[0].1.1.is_empty()).filter_map(label_of).collect()
+    let groups = labels.chunk_by(|(_, one), (_, next)| one.1 == next.1);
+    groups.filter(|runs| !runs[0].1.1.is_empty()).filter_map(label_of).collect()
 }
 
-/// The label of runs that are told alike.
+/// Returns the common label of consecutive runs; `runs` are their indices, last samples and labels.
 fn label_of(runs: &[(usize, (usize, String))]) -> Option<(usize, String)> {
     let (first, (last, (end, label))) = (runs.first()?.0 + 1, runs.last()?);
-    let which = if runs.len() > 1 { format!(", runs {first} to {}", last + 1) } else { String::new() };
-    Some((end.saturating_sub(1), format!("{label}{which}")))
+    let suffix = if runs.len() > 1 { format!(", runs {first} to {}", last + 1) } else { String::new() };
+    Some((end.saturating_sub(1), format!("{label}{suffix}")))
 }
 
 /// The values of a parameter in a run, one after the other, in its unit.
 #[derive(Debug, PartialEq)]
-struct Course<'t> {
+struct ParameterValues<'t> {
+    /// The text of the unit in which the patch declares the parameter.
     unit: &'t str,
+    /// The values in order of time; consecutive equal values are listed once.
     values: Vec<f64>,
 }
 
-impl Course<'_> {
-    /// "k = 10, then 20 N/m".
-    fn told(&self, name: &str) -> String {
+impl ParameterValues<'_> {
+    /// Formats the values: `k = 10, then 20 N/m`.
+    fn label(&self, name: &str) -> String {
         let largest = self.values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let display = Display::new(self.unit, largest);
+        let display = QuantityFormat::new(self.unit, largest);
         let numbers: Vec<_> = self.values.iter().map(|value| display.number(*value)).collect();
         format!("{name} = {} {}", numbers.join(", then "), display.unit).trim_end().to_owned()
     }
 }
 
-/// The parameters that phases set, as they stood in every run while time went on.
-fn runs(trace: &Trace) -> Vec<IndexMap<&str, Course<'_>>> {
+/// Returns, for each run, the values of the parameters that phases set.
+///
+/// Only values in operate and hold count, because time advances only then.
+fn runs(trace: &Trace) -> Vec<IndexMap<&str, ParameterValues<'_>>> {
     let mut now: IndexMap<&str, (&str, f64)> = IndexMap::new();
-    for new in trace.marks.iter().flat_map(|mark| mark.phase.new_values()) {
+    for new in trace.phase_records.iter().flat_map(|mark| mark.phase.new_values()) {
         now.entry(&new.parameter).or_insert((&new.unit, new.before));
     }
-    let mut runs: Vec<IndexMap<&str, Course<'_>>> = Vec::new();
-    for mark in &trace.marks {
+    let mut runs: Vec<IndexMap<&str, ParameterValues<'_>>> = Vec::new();
+    for mark in &trace.phase_records {
         for new in mark.phase.new_values() {
             now.insert(&new.parameter, (&new.unit, new.value));
         }
-        if !matches!(mark.phase, Deed::Operate { .. } | Deed::Hold) {
+        if !matches!(mark.phase, PhaseKind::Operate { .. } | PhaseKind::Hold) {
             continue;
         }
         runs.resize_with(runs.len().max(mark.sweep + 1), IndexMap::new);
         for (name, (unit, value)) in &now {
-            let course = runs[mark.sweep].entry(*name).or_insert(Course { unit, values: Vec::new() });
-            if course.values.last() != Some(value) {
-                course.values.push(*value);
+            let values =
+                runs[mark.sweep].entry(*name).or_insert(ParameterValues { unit, values: Vec::new() });
+            if values.values.last() != Some(value) {
+                values.values.push(*value);
             }
         }
     }
@@ -79,66 +86,66 @@ fn runs(trace: &Trace) -> Vec<IndexMap<&str, Course<'_>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use patchcord_core::trace::{Ending, Mark, NewValue, Sweep};
+    use patchcord_core::trace::{NewValue, PhaseEnd, PhaseRecord, Sweep};
 
-    const OPERATE: Deed = Deed::Operate { until: None };
+    const OPERATE: PhaseKind = PhaseKind::Operate { until: None };
 
-    fn set(name: &str, before: f64, value: f64) -> Deed {
+    fn set(name: &str, before: f64, value: f64) -> PhaseKind {
         let unit = "N/m".to_owned();
-        Deed::Set(vec![NewValue { parameter: name.to_owned(), before, value, unit }])
+        PhaseKind::Set(vec![NewValue { parameter: name.to_owned(), before, value, unit }])
     }
 
     /// Runs of ten samples, each with these phases.
-    fn trace(runs: &[&[Deed]]) -> Trace {
+    fn trace(runs: &[&[PhaseKind]]) -> Trace {
         let marks = runs.iter().enumerate().flat_map(|(sweep, deeds)| {
-            deeds.iter().map(move |deed| Mark {
+            deeds.iter().map(move |deed| PhaseRecord {
                 phase: deed.clone(),
                 sweep,
                 begin: 0.0,
                 end: 0.0,
                 problem_time: 0.0,
                 sample: 10 * sweep,
-                ended: Ending::Time,
+                ended: PhaseEnd::Time,
             })
         });
         Trace {
             time: vec![0.0; 10 * runs.len()],
             sweeps: (0..runs.len()).map(|run| Sweep { first: 10 * run, ..Sweep::default() }).collect(),
-            marks: marks.collect(),
+            phase_records: marks.collect(),
             ..Trace::default()
         }
     }
 
     #[test]
-    fn runs_are_told_by_what_differs_between_them() {
-        let runs: [&[Deed]; 3] = [
-            &[Deed::InitialCondition, OPERATE, set("k", 10.0, 20.0), set("c", 1.0, 5.0), OPERATE],
-            &[Deed::InitialCondition, set("c", 5.0, 1.0), OPERATE],
-            &[Deed::InitialCondition, set("k", 20.0, 40.0), OPERATE],
+    fn labels_contain_what_differs_between_runs() {
+        let runs: [&[PhaseKind]; 3] = [
+            &[PhaseKind::InitialCondition, OPERATE, set("k", 10.0, 20.0), set("c", 1.0, 5.0), OPERATE],
+            &[PhaseKind::InitialCondition, set("c", 5.0, 1.0), OPERATE],
+            &[PhaseKind::InitialCondition, set("k", 20.0, 40.0), OPERATE],
         ];
-        let told = [
+        let expected = [
             (9, "k = 10, then 20 N/m, c = 1, then 5 N/m"),
             (19, "k = 20 N/m, c = 1 N/m"),
             (29, "k = 40 N/m, c = 1 N/m"),
         ];
-        assert_eq!(labels(&trace(&runs)), told.map(|(sample, label)| (sample, label.to_owned())));
+        assert_eq!(labels(&trace(&runs)), expected.map(|(sample, label)| (sample, label.to_owned())));
     }
 
     #[test]
-    fn runs_that_are_told_alike_have_one_label() {
-        let corrected = |to: f64| [Deed::InitialCondition, OPERATE, set("k", 10.0, to)];
+    fn equal_labels_are_merged() {
+        let corrected = |to: f64| [PhaseKind::InitialCondition, OPERATE, set("k", 10.0, to)];
         let [first, close, closer] = [20.0, 20.001, 20.000_1].map(corrected);
-        let told = [(9, "k = 10 N/m"), (39, "k = 20 N/m, runs 2 to 4")];
-        let told = told.map(|(sample, label)| (sample, label.to_owned()));
-        assert_eq!(labels(&trace(&[&first, &close, &closer, &closer])), told);
+        let expected = [(9, "k = 10 N/m"), (39, "k = 20 N/m, runs 2 to 4")];
+        let expected = expected.map(|(sample, label)| (sample, label.to_owned()));
+        assert_eq!(labels(&trace(&[&first, &close, &closer, &closer])), expected);
     }
 
     #[test]
-    fn runs_that_are_all_the_same_need_no_label() {
-        let run: &[Deed] = &[Deed::InitialCondition, set("k", 10.0, 10.0), OPERATE];
+    fn equal_runs_have_no_label() {
+        let run: &[PhaseKind] = &[PhaseKind::InitialCondition, set("k", 10.0, 10.0), OPERATE];
         assert_eq!(labels(&trace(&[run, run])), []);
         assert_eq!(labels(&trace(&[])), []);
-        let plain: &[Deed] = &[Deed::InitialCondition, OPERATE];
+        let plain: &[PhaseKind] = &[PhaseKind::InitialCondition, OPERATE];
         assert_eq!(labels(&trace(&[plain; 3])), []);
     }
 }

@@ -1,21 +1,40 @@
-//! What the pages of the program have in common: their frame, their looks, and texts in them.
+//! The common parts of generated HTML pages: the frame and the style sheet.
 
-/// How pages look.
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// The style sheet of every page.
 const STYLE: &str = include_str!("html.css");
 
-/// A page with a title and what stands on it.
-pub fn page(title: &str, body: &str) -> String {
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
-        escaped(title)
-    )
-}
-
-/// A text as it stands on a page.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+/// Returns a complete page with a title and a body.
+///
+/// Texts in the title and in the body are escaped, so they cannot become tags.
+///
+/// # Examples
+///
+/// ```
+/// use maud::html;
+/// use patchcord_draw::html::page;
+///
+/// let page = page("a < b", html! { p { "Results" } });
+/// assert!(page.contains("<title>a &lt; b</title>"));
+/// assert!(page.contains("<p>Results</p>"));
+/// ```
+pub fn page(title: &str, body: Markup) -> String {
+    let page = html! {
+        (DOCTYPE) "\n"
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { "\n" (PreEscaped(STYLE)) }
+            }
+            "\n"
+            body { (body) }
+        }
+        "\n"
+    };
+    page.into_string()
 }
 
 #[cfg(test)]
@@ -24,7 +43,8 @@ mod tests {
 
     #[test]
     fn texts_cannot_become_tags() {
-        assert_eq!(escaped("a < b & \"c\" > d"), "a &lt; b &amp; &quot;c&quot; &gt; d");
-        assert!(page("a < b", "").contains("<title>a &lt; b</title>"));
+        let page = page("a < b", html! { p { ("a < b & \"c\" > d") } });
+        assert!(page.contains("<title>a &lt; b</title>"));
+        assert!(page.contains("<p>a &lt; b &amp; &quot;c&quot; &gt; d</p>"));
     }
 }

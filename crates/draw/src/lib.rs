@@ -1,4 +1,9 @@
-//! Pictures: scope pictures, Bode plots, velocity profiles, schematics and patch panels.
+//! Scope pictures, Bode plots, velocity profiles, schematics and patch panels.
+//!
+//! [`plot`] renders pictures and line drawings as SVG or PNG. [`picture()`], [`bode()`],
+//! [`profile_picture()`] and [`sensitivity_pictures()`] convert results of a run or of an analysis into
+//! pictures. [`schematic`] draws a circuit as a schematic or a patch panel. [`html`] has the frame of
+//! generated pages. Nothing here computes physics; the data come from the crates below.
 
 #![forbid(unsafe_code)]
 
@@ -13,7 +18,7 @@ mod scope;
 mod sensitivity;
 
 pub use bode::bode;
-pub use plane::Plane;
-pub use profile_picture::{Drawn, profile_picture};
+pub use plane::ProfilePlane;
+pub use profile_picture::{ProfileSignal, profile_picture};
 pub use scope::{ScopeError, picture};
 pub use sensitivity::sensitivity_pictures;

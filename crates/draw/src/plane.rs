@@ -1,33 +1,56 @@
-//! The plane of velocity profiles: a velocity upward against its command across.
+//! The axes of velocity profiles: velocity (vertical) against command (horizontal).
 
-use crate::plot::{Axis, Channel, Mark, Picture};
-use patchcord_analysis::instruments::Display;
+use crate::plot::{Axis, Channel, Marker, Picture};
+use patchcord_analysis::instruments::QuantityFormat;
 
-/// Both axes with the scales that lead to them.
-pub struct Plane {
-    /// The axis of the command, and how its values are displayed.
-    pub across: (Axis, Display),
-    /// The axis of the velocity, and how its values are displayed.
-    pub upward: (Axis, Display),
+/// The axes of a velocity profile with the displays that scale values for them.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::QuantityFormat;
+/// use patchcord_draw::ProfilePlane;
+/// use patchcord_draw::plot::Axis;
+///
+/// let axis = |label: &str, divisions: usize| Axis::fit(label, "mm/s", [0.0, 20.0].into_iter(), divisions);
+/// let plane = ProfilePlane {
+///     command_axis: (axis("v_i", 10), QuantityFormat::new("m/s", 0.02)),
+///     velocity_axis: (axis("v_o", 8), QuantityFormat::new("m/s", 0.02)),
+/// };
+/// let line = plane.line("v_o", [(0.0, 0.0), (0.01, 0.02)].into_iter());
+/// assert!((line.points[1].0 - 10.0).abs() < 1e-9, "10 mm/s");
+/// let picture = plane.picture("Profile".to_owned(), vec![line], [(0.01, "1".to_owned())], None);
+/// assert_eq!(picture.markers[0].label, "1");
+/// ```
+pub struct ProfilePlane {
+    /// The axis of the command and the display of its values.
+    pub command_axis: (Axis, QuantityFormat),
+    /// The axis of the velocity and the display of its values.
+    pub velocity_axis: (Axis, QuantityFormat),
 }
 
-impl Plane {
-    /// A line through commands and velocities.
+impl ProfilePlane {
+    /// Returns a line through points (command, velocity).
     pub fn line(&self, name: impl Into<String>, points: impl Iterator<Item = (f64, f64)>) -> Channel {
-        let scaled = |(x, y): (f64, f64)| (self.across.1.value(x), self.upward.1.value(y));
+        let scaled = |(x, y): (f64, f64)| (self.command_axis.1.value(x), self.velocity_axis.1.value(y));
         Channel::line(name, points.map(scaled).collect())
     }
 
-    /// A picture with upright lines at commands.
+    /// Returns a picture with markers at the given commands.
     pub fn picture(
         &self,
         title: String,
         channels: Vec<Channel>,
-        marks: impl IntoIterator<Item = (f64, String)>,
+        markers: impl IntoIterator<Item = (f64, String)>,
         note: Option<String>,
     ) -> Picture {
-        let mark = |(at, label): (f64, String)| Mark { at: self.across.1.value(at), label };
-        let marks = marks.into_iter().map(mark).collect();
-        Picture { channels, marks, note, ..Picture::new(title, self.across.0.clone(), self.upward.0.clone()) }
+        let marker = |(at, label): (f64, String)| Marker { at: self.command_axis.1.value(at), label };
+        let markers = markers.into_iter().map(marker).collect();
+        Picture {
+            channels,
+            markers,
+            note,
+            ..Picture::new(title, self.command_axis.0.clone(), self.velocity_axis.0.clone())
+        }
     }
 }

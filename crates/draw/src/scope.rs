@@ -1,50 +1,82 @@
-//! The storage oscilloscope: Y-t and X-Y pictures of a trace.
+//! The storage oscilloscope: pictures of a trace against time or against another signal.
 
 use std::collections::HashSet;
 
 use crate::family::labels;
-use crate::plot::{Axis, Channel, Mark, Picture};
-use patchcord_analysis::instruments::{Display, deed};
+use crate::plot::{Axis, Channel, Marker, Picture};
+use patchcord_analysis::instruments::{QuantityFormat, phase_description};
 use patchcord_core::patch::PictureSpec;
-use patchcord_core::trace::{Deed, Mark as Phase, Trace, Track};
+use patchcord_core::trace::{PhaseKind, PhaseRecord, Trace, Track};
 
-/// Why a picture cannot be made.
+/// The reasons why a picture of a trace cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScopeError {
-    /// A signal that was not recorded.
+    /// A signal of the picture was not recorded.
     #[error("the picture \"{picture}\" shows {signal}, which was not recorded")]
     NotRecorded {
-        /// Title of the picture.
+        /// The title of the picture.
         picture: String,
-        /// The signal.
+        /// The name of the signal.
         signal: String,
     },
-    /// More units than a picture has axes.
+    /// The signals have more than two units, but a picture has two vertical axes.
     #[error("the picture \"{picture}\" shows signals in more than two units; draw two pictures")]
     TooManyUnits {
-        /// Title of the picture.
+        /// The title of the picture.
         picture: String,
     },
 }
 
-/// A quantity along an axis.
+/// The values of a quantity along an axis.
 pub(super) struct Quantity<'t> {
+    /// Its name, such as `v_o`; "t" for time.
     pub name: &'t str,
+    /// The text of its unit.
     pub unit: &'t str,
+    /// One value for each sample, in that unit.
     pub values: Vec<f64>,
 }
 
 impl<'t> Quantity<'t> {
+    /// Returns the samples of a recorded signal.
     fn of(track: &'t Track) -> Self {
         Quantity { name: &track.name, unit: &track.unit, values: track.values().collect() }
     }
 }
 
-/// The picture that a patch asks for, from what was recorded: channels in one unit share an axis, those in a
-/// second unit are read on the right; every sweep begins a new line. `note` is a line of small print.
+/// Returns the picture that a patch specifies, from the recorded signals.
+///
+/// Channels with the same unit share an axis; those with a second unit use the right axis. Every run
+/// starts a new line. `note` is printed below the title.
 ///
 /// # Errors
-/// When a signal was not recorded, or the channels have more than two units.
+///
+/// If a signal was not recorded or the channels have more than two units.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::{ScopeError, picture};
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::{RunSettings, run};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // dx/dt = -x, from x = 50 V
+/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("Decay").element("A1", decay).run(2.0, 1e-3).record(["A1"]).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let trace = run(&Program::new(&circuit)?, &RunSettings::of(&circuit)?)?;
+///
+/// let specs = circuit.picture_specs(["A1", "A2"].into_iter());
+/// let shown = picture(&trace, &specs[0], None)?;
+/// assert_eq!((shown.title.as_str(), shown.channels[0].name.as_str()), ("A1 against t", "A1"));
+/// assert_eq!(shown.channels[0].points.len(), trace.time.len());
+/// assert!(matches!(picture(&trace, &specs[1], None), Err(ScopeError::NotRecorded { .. })));
+/// # Ok(())
+/// # }
+/// ```
 pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Result<Picture, ScopeError> {
     let along = find(trace, spec, &spec.x.value)?;
     let shown: Result<Vec<_>, _> = spec.y.iter().map(|name| find(trace, spec, &name.value)).collect();
@@ -54,11 +86,11 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
     if right.iter().any(|quantity| quantity.unit != right[0].unit) {
         return Err(ScopeError::TooManyUnits { picture: title(spec) });
     }
-    let (horizontal, across) = axis(&[&along], Axis::ACROSS);
-    let (vertical, up) = axis(&left, Axis::UP);
-    let second = (!right.is_empty()).then(|| axis(&right, Axis::UP));
+    let (horizontal, across) = axis(&[&along], Axis::HORIZONTAL_DIVISIONS);
+    let (vertical, up) = axis(&left, Axis::VERTICAL_DIVISIONS);
+    let second = (!right.is_empty()).then(|| axis(&right, Axis::VERTICAL_DIVISIONS));
     let breaks: Vec<usize> = trace.sweeps.iter().map(|sweep| sweep.first).collect();
-    // One channel carries the labels of a family: the others run beside it.
+    // The first channel has the labels of the family; the other channels would only repeat them.
     let mut labels = labels(trace);
     let channels = shown.iter().map(|quantity| {
         let on_right = quantity.unit != left_unit;
@@ -76,42 +108,45 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
         channels: channels.collect(),
         vertical_right: second.map(|(axis, _)| axis),
         note,
-        marks: marks(trace, &along, &across),
+        markers: markers(trace, &along, &across),
         ..Picture::new(title(spec), horizontal, vertical)
     })
 }
 
-/// Against time: where phases begin within the runs. What begins together has one mark, and what happens at the
-/// same place in several runs too.
-fn marks(trace: &Trace, along: &Quantity<'_>, across: &Display) -> Vec<Mark> {
+/// Returns markers where phases begin within the runs, for a picture against time only.
+///
+/// Phases that begin at the same time share a marker, and so do equal phases of several runs.
+fn markers(trace: &Trace, along: &Quantity<'_>, across: &QuantityFormat) -> Vec<Marker> {
     if along.name != "t" {
         return Vec::new();
     }
-    let at_once = |one: &Phase, next: &Phase| one.sweep == next.sweep && one.begin == next.begin;
-    let is_within = |phase: &Phase| {
+    let is_simultaneous =
+        |one: &PhaseRecord, next: &PhaseRecord| one.sweep == next.sweep && one.begin == next.begin;
+    let is_within = |phase: &PhaseRecord| {
         let end = trace.sweeps.get(phase.sweep).map_or(0.0, |sweep| sweep.end);
         phase.begin > 0.0 && phase.begin < end
     };
     let mut seen = HashSet::new();
-    let together = trace.marks.chunk_by(at_once).filter(|together| is_within(&together[0]));
-    let marks = together.map(|together| {
-        let told: Vec<_> = together.iter().map(label).collect();
-        (across.value(together[0].begin), told.join(", "))
+    let groups = trace.phase_records.chunk_by(is_simultaneous).filter(|group| is_within(&group[0]));
+    let markers = groups.map(|group| {
+        let labels: Vec<_> = group.iter().map(label).collect();
+        (across.value(group[0].begin), labels.join(", "))
     });
-    marks
+    markers
         .filter(|(at, label)| seen.insert((at.to_bits(), label.clone())))
-        .map(|(at, label)| Mark { at, label })
+        .map(|(at, label)| Marker { at, label })
         .collect()
 }
 
-/// What a phase is called on the screen: of operating the first word.
-fn label(phase: &Phase) -> String {
+/// Returns the label of a phase on the screen. The condition of an operate phase is omitted.
+fn label(phase: &PhaseRecord) -> String {
     match phase.phase {
-        Deed::Operate { .. } => "operate".to_owned(),
-        _ => deed(phase),
+        PhaseKind::Operate { .. } => "operate".to_owned(),
+        _ => phase_description(phase),
     }
 }
 
+/// Returns the title that the patch gives, or else the names of the signals: `x, v against t`.
 fn title(spec: &PictureSpec) -> String {
     if !spec.title.is_empty() {
         return spec.title.clone();
@@ -120,6 +155,7 @@ fn title(spec: &PictureSpec) -> String {
     format!("{} against {}", names.join(", "), spec.x.value)
 }
 
+/// Returns the samples of a signal, or the times of the samples for "t".
 fn find<'t>(trace: &'t Trace, spec: &PictureSpec, name: &str) -> Result<Quantity<'t>, ScopeError> {
     if name == "t" {
         return Ok(Quantity { name: "t", unit: "s", values: trace.time.clone() });
@@ -128,21 +164,22 @@ fn find<'t>(trace: &'t Trace, spec: &PictureSpec, name: &str) -> Result<Quantity
     trace.track(name).map(Quantity::of).ok_or_else(missing)
 }
 
-/// An axis for quantities of one unit, and how their values are shown on it.
-pub(super) fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, Display) {
+/// Returns an axis for quantities with the same unit, and the display that scales their values.
+pub(super) fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, QuantityFormat) {
     let all = || quantities.iter().flat_map(|quantity| quantity.values.iter().copied());
-    let largest = all().filter(|value| value.is_finite()).fold(0.0, |most: f64, value| most.max(value.abs()));
-    let display = Display::new(quantities.first().map_or("", |quantity| quantity.unit), largest);
+    let largest =
+        all().filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let display = QuantityFormat::new(quantities.first().map_or("", |quantity| quantity.unit), largest);
     let shown: Vec<f64> = all().map(|value| display.value(value)).collect();
     let names: Vec<_> = quantities.iter().map(|quantity| quantity.name).collect();
-    (Axis::snug(names.join(", "), display.unit.clone(), shown.into_iter(), divisions), display)
+    (Axis::fit_tight(names.join(", "), display.unit.clone(), shown.into_iter(), divisions), display)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use patchcord_core::document::{Placed, Span};
-    use patchcord_core::trace::{Ending, NewValue, Sweep};
+    use patchcord_core::trace::{NewValue, PhaseEnd, Sweep};
 
     fn spec(x: &str, y: &[&str]) -> PictureSpec {
         let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
@@ -155,14 +192,14 @@ mod tests {
             unit: unit.into(),
             per_volt: 1e-3,
             volts: vec![0.0, 2.0, 1.0, 0.0, 2.0, 1.0],
-            courses: Vec::new(),
+            extremes: Vec::new(),
             derivative: None,
         };
         Trace {
             time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
             tracks: vec![track("v", "m/s"), track("w", "m/s"), track("F", "N"), track("p", "Pa")],
             sweeps: vec![Sweep::default(), Sweep { first: 3, ..Sweep::default() }],
-            marks: Vec::new(),
+            phase_records: Vec::new(),
         }
     }
 
@@ -175,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_unit_is_read_on_the_right() {
+    fn a_second_unit_uses_the_right_axis() {
         let picture = picture(&trace(), &spec("v", &["w", "F"]), None).unwrap();
         assert_eq!(picture.vertical_right.unwrap().unit, "mN");
         assert_eq!(picture.channels.iter().map(|channel| channel.right).collect::<Vec<_>>(), [false, true]);
@@ -187,42 +224,43 @@ mod tests {
         assert_eq!(picture.channels[0].breaks, [0, 3]);
     }
 
-    fn phase(phase: Deed, sweep: usize, begin: f64) -> Phase {
-        let (end, sample, ended) = (begin, 3 * sweep, Ending::Time);
-        Phase { phase, sweep, begin, end, problem_time: begin, sample, ended }
+    fn phase(phase: PhaseKind, sweep: usize, begin: f64) -> PhaseRecord {
+        let (end, sample, ended) = (begin, 3 * sweep, PhaseEnd::Time);
+        PhaseRecord { phase, sweep, begin, end, problem_time: begin, sample, ended }
     }
 
     #[test]
     fn phases_within_a_run_are_marked_where_they_begin() {
-        let operate = || Deed::Operate { until: None };
+        let operate = || PhaseKind::Operate { until: None };
         let set = |before: f64, value: f64| {
-            Deed::Set(vec![NewValue { parameter: "k".into(), value, before, unit: "N/m".into() }])
+            PhaseKind::Set(vec![NewValue { parameter: "k".into(), value, before, unit: "N/m".into() }])
         };
         let mut trace = trace();
         trace.sweeps.iter_mut().for_each(|sweep| sweep.end = 2.0);
         for (sweep, first) in [(0, 1.0), (1, 3.0)] {
-            trace.marks.extend([
-                phase(Deed::InitialCondition, sweep, 0.0),
+            trace.phase_records.extend([
+                phase(PhaseKind::InitialCondition, sweep, 0.0),
                 phase(operate(), sweep, 0.0),
-                phase(Deed::Hold, sweep, 0.5),
+                phase(PhaseKind::Hold, sweep, 0.5),
                 phase(set(first, first + 1.0), sweep, 1.0),
                 phase(operate(), sweep, 1.0),
                 phase(set(first + 1.0, 3.0), sweep, 2.0),
             ]);
         }
         let against_time = picture(&trace, &spec("t", &["v", "w"]), None).unwrap();
-        let told: Vec<_> = against_time.marks.iter().map(|mark| (mark.at, mark.label.as_str())).collect();
-        assert_eq!(told, [(0.5, "hold"), (1.0, "k = 2 N/m, operate"), (1.0, "k = 4 N/m, operate")]);
+        let markers: Vec<_> =
+            against_time.markers.iter().map(|marker| (marker.at, marker.label.as_str())).collect();
+        assert_eq!(markers, [(0.5, "hold"), (1.0, "k = 2 N/m, operate"), (1.0, "k = 4 N/m, operate")]);
         let labels = [(2, "k = 1, then 2 N/m".to_owned()), (5, "k = 3, then 4 N/m".to_owned())];
         assert_eq!(
             (&against_time.channels[0].labels[..], against_time.channels[1].labels.len()),
             (&labels[..], 0)
         );
-        assert!(picture(&trace, &spec("v", &["w"]), None).unwrap().marks.is_empty());
+        assert!(picture(&trace, &spec("v", &["w"]), None).unwrap().markers.is_empty());
     }
 
     #[test]
-    fn what_cannot_be_drawn_is_told() {
+    fn invalid_pictures_are_rejected() {
         assert!(matches!(picture(&trace(), &spec("t", &["x"]), None), Err(ScopeError::NotRecorded { .. })));
         let three = spec("t", &["v", "F", "p"]);
         assert!(matches!(picture(&trace(), &three, None), Err(ScopeError::TooManyUnits { .. })));

@@ -1,4 +1,4 @@
-//! All derivatives of a signal in one picture.
+//! Sensitivity pictures: all derivatives of a signal in one picture.
 
 use crate::plot::{Axis, Picture};
 use crate::scope::{ScopeError, picture};
@@ -6,17 +6,46 @@ use patchcord_core::document::{Placed, Span};
 use patchcord_core::patch::PictureSpec;
 use patchcord_core::trace::{Trace, Track};
 
-/// A picture for every signal: its derivatives against time, each times its parameter, so that all are in the
-/// signal's unit. Derivatives by what is 0, and those that are 0, are left out.
+/// Returns a picture for each signal: its derivatives with respect to parameters against time.
+///
+/// Each derivative is multiplied by its parameter, p ds/dp, so that all have the unit of the signal.
+/// Derivatives with respect to parameters of value 0, and derivatives that are 0, are omitted.
 ///
 /// # Errors
-/// Those of [`picture`].
+///
+/// As for [`picture`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::sensitivity_pictures;
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::{RunSettings, run};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // dx/dt = -k x, from x = 50 V
+/// let integrator = ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50);
+/// let pot = ElementBuilder::new("pot").cord("in", "A1").set("setting", "k");
+/// let patch = PatchBuilder::new("Decay").parameter("k", 0.5, "1", [0.0, 1.0]).run(2.0, 1e-3).record(["A1"]);
+/// let patch = patch.element("A1", integrator).element("P1", pot).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let settings = RunSettings::of(&circuit)?.with_sensitivities(["k"]);
+/// let trace = run(&Program::new(&circuit)?, &settings)?;
+///
+/// let pictures = sensitivity_pictures(&trace, None)?;
+/// assert_eq!(pictures.len(), 1);
+/// assert_eq!(pictures[0].title, "What A1 owes to its parameters");
+/// # Ok(())
+/// # }
+/// ```
 pub fn sensitivity_pictures(trace: &Trace, note: Option<&str>) -> Result<Vec<Picture>, ScopeError> {
     let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
-    let weighed = signals.map(|signal| (signal, weighed(trace, signal)));
-    let drawn = weighed.filter(|(_, trace)| !trace.tracks.is_empty()).map(|(signal, trace)| {
+    let scaled = signals.map(|signal| (signal, scaled_derivatives(trace, signal)));
+    let drawn = scaled.filter(|(_, trace)| !trace.tracks.is_empty()).map(|(signal, trace)| {
         let drawn = picture(&trace, &spec(&signal.name, &trace), note.map(str::to_owned))?;
-        // The names of several stand above.
+        // The names of several derivatives are in the legend.
         let several = drawn.channels.len() > 1;
         let label = if several { format!("p d {} / d p", signal.name) } else { drawn.vertical.label };
         Ok(Picture { vertical: Axis { label, ..drawn.vertical }, ..drawn })
@@ -24,8 +53,8 @@ pub fn sensitivity_pictures(trace: &Trace, note: Option<&str>) -> Result<Vec<Pic
     drawn.collect()
 }
 
-/// A trace of what a signal owes to its parameters, but for those that it does not follow.
-fn weighed(trace: &Trace, signal: &Track) -> Trace {
+/// Returns a trace of the nonzero derivatives of a signal, each multiplied by its parameter.
+fn scaled_derivatives(trace: &Trace, signal: &Track) -> Trace {
     let track = |track: &Track| {
         let of = track.derivative.as_ref().filter(|of| of.signal == signal.name && of.value != 0.0)?;
         track.volts.iter().find(|slope| **slope != 0.0)?;
@@ -36,6 +65,7 @@ fn weighed(trace: &Trace, signal: &Track) -> Trace {
     Trace { tracks: trace.tracks.iter().filter_map(track).collect(), ..trace.without_tracks() }
 }
 
+/// Returns the specification of a picture of all tracks of a trace against time.
 fn spec(signal: &str, trace: &Trace) -> PictureSpec {
     let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
     let y = trace.tracks.iter().map(|track| placed(&track.name)).collect();

@@ -1,44 +1,46 @@
-//! The patch panel by its data: every cord of the circuit, one jack each, on as many parts as the machine has.
+//! The patch panel shows every cord of the circuit with its jacks on the parts of the machine.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use crate::common::files::{of_tests, representative, shipped};
+use crate::common::files::{representative_files, shipped_files, test_patch_files};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::elements::{Default, Jacks};
 use patchcord_core::machines::Part;
 use patchcord_core::patch::Patch;
-use patchcord_draw::plot::{Ink, Label, Stroke};
+use patchcord_draw::plot::{Ink, Label, Primitive};
 use patchcord_draw::schematic::{Board, Cord, Module, Point};
 
+/// The panel of a circuit.
 fn board(circuit: &Circuit) -> Board {
     Board::new(circuit, "").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A point to the tenth of a pixel, to be kept in a set.
-fn place(at: Point) -> (i64, i64) {
-    ((10.0 * at.0).round() as i64, (10.0 * at.1).round() as i64)
+/// Rounds a point to tenths of a pixel, as a key of a set.
+fn rounded(point: Point) -> (i64, i64) {
+    ((10.0 * point.0).round() as i64, (10.0 * point.1).round() as i64)
 }
 
-/// A file, its circuit and its board.
-type Boarded = (String, Circuit, Board);
+/// A file, its circuit and its panel.
+type PatchPanel = (String, Circuit, Board);
 
-fn boards(files: Vec<PathBuf>) -> Vec<Boarded> {
-    let boarded = files.into_iter().map(|file| {
+fn boards(files: Vec<PathBuf>) -> Vec<PatchPanel> {
+    let panels = files.into_iter().map(|file| {
         let circuit = crate::common::circuit(&crate::common::patch_of(&file), &[]);
         let board = board(&circuit);
         (file.display().to_string(), circuit, board)
     });
-    boarded.collect()
+    panels.collect()
 }
 
-/// The boards of a few patches.
-static FEW: LazyLock<Vec<Boarded>> = LazyLock::new(|| boards([representative(), of_tests()].concat()));
-/// The boards of all shipped patches.
-static ALL: LazyLock<Vec<Boarded>> = LazyLock::new(|| boards(shipped()));
+/// The panels of a few patches.
+static FEW: LazyLock<Vec<PatchPanel>> =
+    LazyLock::new(|| boards([representative_files(), test_patch_files()].concat()));
+/// The panels of all shipped patches.
+static ALL: LazyLock<Vec<PatchPanel>> = LazyLock::new(|| boards(shipped_files()));
 
-/// A test of every check on a few boards, and one on all of them.
+/// Defines a test of each check on a few panels, and a slow one on all panels.
 macro_rules! on_boards {
     ($($check:ident),* $(,)?) => {
         mod few {
@@ -58,26 +60,26 @@ macro_rules! on_boards {
 }
 
 on_boards!(
-    every_cord_is_drawn_once_and_none_more,
-    every_cord_ends_in_the_jacks_that_it_tells,
-    cords_of_one_output_are_alike_and_neighbours_differ,
-    cords_keep_off_the_texts,
-    no_cord_lies_on_another_for_more_than_a_short_stretch,
-    no_cord_covers_a_foreign_jack,
-    every_setting_that_a_patch_gives_stands_on_the_sheet,
+    every_cord_is_drawn_exactly_once,
+    every_cord_ends_in_its_jacks,
+    cords_of_one_output_share_a_colour_and_neighbours_differ,
+    cords_avoid_texts,
+    cords_overlap_for_short_sections_only,
+    no_cord_covers_another_jack,
+    every_given_setting_is_on_the_sheet,
 );
 
-/// A cord by its output, the element that it goes to, the input and the gain of its jack.
-type Plugged = (String, String, String, Option<String>);
+/// A cord: the driving element, the reading element, the input and the gain of the jack.
+type CordKey = (String, String, String, Option<String>);
 
-/// The cords of a circuit.
-fn wanted(circuit: &Circuit) -> Vec<Plugged> {
-    let mut wanted = Vec::new();
+/// Returns the cords of a circuit in ascending order.
+fn expected_cords(circuit: &Circuit) -> Vec<CordKey> {
+    let mut cords = Vec::new();
     for (index, element) in circuit.elements().into_iter().enumerate() {
         for (from, cord) in circuit.cords(index) {
             let input = &element.kind.inputs[cord.input];
             let gain = (input.jacks == Jacks::Gains).then(|| cord.gain.to_string());
-            wanted.push((
+            cords.push((
                 circuit.element(from).name.clone(),
                 element.name.clone(),
                 input.name.to_owned(),
@@ -85,41 +87,41 @@ fn wanted(circuit: &Circuit) -> Vec<Plugged> {
             ));
         }
     }
-    wanted.sort();
-    wanted
+    cords.sort();
+    cords
 }
 
-fn every_cord_is_drawn_once_and_none_more(boards: &[Boarded]) {
+fn every_cord_is_drawn_exactly_once(boards: &[PatchPanel]) {
     for (file, circuit, board) in boards {
-        let told = |cord: &Cord| {
+        let key = |cord: &Cord| {
             (cord.from.clone(), cord.to.clone(), cord.input.clone(), cord.gain.map(|gain| gain.to_string()))
         };
-        let mut drawn: Vec<Plugged> = board.cords.iter().map(told).collect();
+        let mut drawn: Vec<CordKey> = board.cords.iter().map(key).collect();
         drawn.sort();
-        assert_eq!(drawn, wanted(circuit), "{file}");
-        let lines = board.drawing().marks.into_iter().filter(
-            |mark| matches!(mark, Stroke::Line { ink: Ink::Cord(_), points, .. } if points.len() > 1),
+        assert_eq!(drawn, expected_cords(circuit), "{file}");
+        let lines = board.drawing().primitives.into_iter().filter(
+            |primitive| matches!(primitive, Primitive::Line { ink: Ink::Cord(_), points, .. } if points.len() > 1),
         );
         assert_eq!(lines.count(), drawn.len(), "{file}");
     }
 }
 
-fn every_cord_ends_in_the_jacks_that_it_tells(boards: &[Boarded]) {
+fn every_cord_ends_in_its_jacks(boards: &[PatchPanel]) {
     for (file, circuit, board) in boards {
         for cord in &board.cords {
-            assert_eq!(seen(board, cord), told(circuit, cord), "{file}");
+            assert_eq!(shown_connection(board, cord), expected_connection(circuit, cord), "{file}");
             assert_eq!(
-                [cord.points.first(), cord.points.last()].map(|at| at.map(|at| place(*at))),
-                cord.ends.map(|at| Some(place(at)))
+                [cord.points.first(), cord.points.last()].map(|at| at.map(|at| rounded(*at))),
+                cord.ends.map(|at| Some(rounded(at)))
             );
         }
-        let ends = || board.cords.iter().flat_map(|cord| cord.ends.map(place));
+        let ends = || board.cords.iter().flat_map(|cord| cord.ends.map(rounded));
         assert_eq!(ends().collect::<BTreeSet<_>>().len(), ends().count(), "{file}: a shared jack");
     }
 }
 
-/// Where a cord leaves, where it goes and what stands beside the jack, as the panel shows it.
-fn seen(board: &Board, cord: &Cord) -> [String; 3] {
+/// Returns the driving element, the reading element and the jack label of a cord from the panel.
+fn shown_connection(board: &Board, cord: &Cord) -> [String; 3] {
     let from = board.modules.iter().find(|module| module.outputs.contains(&cord.ends[0])).unwrap();
     let mut jacks = board
         .modules
@@ -131,20 +133,21 @@ fn seen(board: &Board, cord: &Cord) -> [String; 3] {
     [first(&from.name), first(owner), label.clone()]
 }
 
-/// The same, as the cord tells it.
-fn told(circuit: &Circuit, cord: &Cord) -> [String; 3] {
+/// Returns the expected names and label from the data of the cord.
+fn expected_connection(circuit: &Circuit, cord: &Cord) -> [String; 3] {
     let kind = circuit.elements().into_iter().find(|element| element.name == cord.to).unwrap().kind.name;
     let gains = circuit.machine().summer_gains;
     let label = match (kind, cord.input.as_str()) {
         ("diode-lower-of", _) => "cathode".to_owned(),
         ("diode-upper-of", _) => "anode".to_owned(),
         ("inverter", _) if !gains.is_empty() => "1".to_owned(),
-        _ => jack(cord),
+        _ => jack_label(cord),
     };
     [cord.from.clone(), cord.to.clone(), label]
 }
 
-fn jack(cord: &Cord) -> String {
+/// The label of the jack of a cord.
+fn jack_label(cord: &Cord) -> String {
     match (cord.input.as_str(), cord.gain) {
         ("x", Some(gain)) => gain.to_string(),
         (input, Some(gain)) => format!("{} {gain}", input.trim_end_matches("_x")),
@@ -167,25 +170,25 @@ fn each_potentiometer_of_the_dead_zone_has_its_bias_and_its_setting() {
     }
 }
 
-/// Whether two points are less than so far apart.
+/// Whether two points are closer than a distance.
 fn near(one: Point, other: Point, distance: f64) -> bool {
     (one.0 - other.0).hypot(one.1 - other.1) < distance
 }
 
 /// Whether two cords end at one module.
-fn meet(board: &Board, one: &Cord, other: &Cord) -> bool {
+fn share_a_module(board: &Board, one: &Cord, other: &Cord) -> bool {
     let at = |module: &Module, cord: &Cord| module.jacks().any(|jack| cord.ends.contains(&jack));
     board.modules.iter().any(|module| at(module, one) && at(module, other))
 }
 
-fn cords_of_one_output_are_alike_and_neighbours_differ(boards: &[Boarded]) {
+fn cords_of_one_output_share_a_colour_and_neighbours_differ(boards: &[PatchPanel]) {
     for (file, _, board) in boards {
         for (index, cord) in board.cords.iter().enumerate() {
             for other in &board.cords[index + 1..] {
-                let beside = cord.ends.iter().any(|one| other.ends.iter().any(|end| near(*one, *end, 30.0)));
+                let is_near = cord.ends.iter().any(|one| other.ends.iter().any(|end| near(*one, *end, 30.0)));
                 if cord.from == other.from {
                     assert_eq!(cord.colour, other.colour, "{file}");
-                } else if beside || meet(board, cord, other) {
+                } else if is_near || share_a_module(board, cord, other) {
                     assert_ne!(cord.colour, other.colour, "{file}: {} and {}", cord.from, other.from);
                 }
             }
@@ -193,13 +196,13 @@ fn cords_of_one_output_are_alike_and_neighbours_differ(boards: &[Boarded]) {
     }
 }
 
-fn cords_keep_off_the_texts(boards: &[Boarded]) {
+fn cords_avoid_texts(boards: &[PatchPanel]) {
     let mut crossed = Vec::new();
     for (file, _, board) in boards {
-        let marks = board.drawing().marks;
-        let texts: Vec<_> = marks
+        let primitives = board.drawing().primitives;
+        let texts: Vec<_> = primitives
             .iter()
-            .filter_map(|mark| if let Stroke::Text(label) = mark { Some(label) } else { None })
+            .filter_map(|primitive| if let Primitive::Text(label) = primitive { Some(label) } else { None })
             .collect();
         for cord in &board.cords {
             let on = |label: &&&Label| {
@@ -215,8 +218,8 @@ fn cords_keep_off_the_texts(boards: &[Boarded]) {
     assert!(crossed.is_empty(), "{crossed:#?}");
 }
 
-/// The ways of cords and links, with what each is.
-fn ways(board: &Board) -> Vec<(String, [Point; 2], Vec<Point>)> {
+/// Returns the paths of cords and links with a name for each.
+fn paths(board: &Board) -> Vec<(String, [Point; 2], Vec<Point>)> {
     let cords = board.cords.iter();
     let cords = cords.map(|cord| (format!("{} to {}", cord.from, cord.to), cord.ends, dense(&cord.points)));
     let links = board.links.iter();
@@ -224,30 +227,31 @@ fn ways(board: &Board) -> Vec<(String, [Point; 2], Vec<Point>)> {
     cords.chain(links).collect()
 }
 
-/// Points two pixels apart on a line.
+/// Returns points on a line at most two pixels apart.
 fn dense(points: &[Point]) -> Vec<Point> {
     let mut dense = vec![points[0]];
     for pair in points.windows(2) {
         let [from, to] = [pair[0], pair[1]];
-        let pieces = ((to.0 - from.0).hypot(to.1 - from.1) / 2.0).ceil().max(1.0);
-        let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
-        dense.extend((1..=pieces as usize).map(|piece| at(piece as f64 / pieces)));
+        let count = ((to.0 - from.0).hypot(to.1 - from.1) / 2.0).ceil().max(1.0);
+        let point =
+            |fraction: f64| (from.0 + fraction * (to.0 - from.0), from.1 + fraction * (to.1 - from.1));
+        dense.extend((1..=count as usize).map(|index| point(index as f64 / count)));
     }
     dense
 }
 
-fn no_cord_lies_on_another_for_more_than_a_short_stretch(boards: &[Boarded]) {
+fn cords_overlap_for_short_sections_only(boards: &[PatchPanel]) {
     let mut covered = Vec::new();
     for (file, _, board) in boards {
-        let ways = ways(board);
-        for (index, (name, ends, way)) in ways.iter().enumerate() {
-            for (other, others, lying) in &ways[index + 1..] {
+        let paths = paths(board);
+        for (index, (name, ends, path)) in paths.iter().enumerate() {
+            for (other, others, other_path) in &paths[index + 1..] {
                 let shared = |at: &Point| ends.contains(at);
                 let is_free = |at: &&Point| !others.iter().any(|end| shared(end) && near(*end, **at, 24.0));
-                let on = |at: &&Point| lying.iter().any(|point| near(**at, *point, 4.0));
-                let stretch = 2 * way.iter().filter(is_free).filter(on).count();
-                if stretch > 40 {
-                    covered.push(format!("{file}: {name} on {other} for {stretch} px"));
+                let on = |at: &&Point| other_path.iter().any(|point| near(**at, *point, 4.0));
+                let length = 2 * path.iter().filter(is_free).filter(on).count();
+                if length > 40 {
+                    covered.push(format!("{file}: {name} on {other} for {length} px"));
                 }
             }
         }
@@ -255,13 +259,13 @@ fn no_cord_lies_on_another_for_more_than_a_short_stretch(boards: &[Boarded]) {
     assert!(covered.is_empty(), "{covered:#?}");
 }
 
-fn no_cord_covers_a_foreign_jack(boards: &[Boarded]) {
+fn no_cord_covers_another_jack(boards: &[PatchPanel]) {
     let mut covered = Vec::new();
     for (file, _, board) in boards {
-        for (name, ends, way) in ways(board) {
+        for (name, ends, path) in paths(board) {
             for module in &board.modules {
-                let foreign = module.jacks().filter(|jack| !ends.contains(jack));
-                let hidden = foreign.filter(|jack| way.iter().any(|at| near(*at, *jack, 6.0)));
+                let others = module.jacks().filter(|jack| !ends.contains(jack));
+                let hidden = others.filter(|jack| path.iter().any(|at| near(*at, *jack, 6.0)));
                 covered.extend(hidden.map(|jack| format!("{file}: {name} over {}, {jack:?}", module.name)));
             }
         }
@@ -270,23 +274,24 @@ fn no_cord_covers_a_foreign_jack(boards: &[Boarded]) {
 }
 
 #[test]
-fn jacks_and_plugs_are_drawn_in_front_of_all_cords() {
+fn jacks_and_plugs_are_in_front_of_all_cords() {
     let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
-    let marks = board(&circuit).drawing().marks;
-    let is_cord = |mark: &Stroke| matches!(mark, Stroke::Line { ink: Ink::Cord(_), .. });
-    let is_jack = |mark: &Stroke| matches!(mark, Stroke::Ring { .. } | Stroke::Disc { .. });
-    assert!(marks.iter().rposition(is_cord) < marks.iter().position(is_jack));
+    let primitives = board(&circuit).drawing().primitives;
+    let is_cord = |primitive: &Primitive| matches!(primitive, Primitive::Line { ink: Ink::Cord(_), .. });
+    let is_jack =
+        |primitive: &Primitive| matches!(primitive, Primitive::Ring { .. } | Primitive::Disc { .. });
+    assert!(primitives.iter().rposition(is_cord) < primitives.iter().position(is_jack));
 }
 
-/// What the drawing of a patch with one element of a kind shows.
-fn drawn(kind: &str, cords: &str) -> Vec<Stroke> {
+/// Returns the primitives of the panel of a patch with one element of a kind.
+fn drawn(kind: &str, cords: &str) -> Vec<Primitive> {
     let text = format!(r#"{{"patchcord": 1, "elements": {{"A": {{"kind": "{kind}", "in": {cords}}}}}}}"#);
     let patch = Patch::parse("one.json", &text).unwrap_or_else(|report| panic!("{report}"));
-    board(&crate::common::circuit(&patch, &[])).drawing().marks
+    board(&crate::common::circuit(&patch, &[])).drawing().primitives
 }
 
 #[test]
-fn exchanging_the_kind_of_an_element_is_seen() {
+fn modules_of_different_kinds_look_different() {
     let pairs = [
         (["diode-lower-of", "diode-upper-of"], r#"["+100", "ground"]"#),
         (["sin", "cos"], r#""ground""#),
@@ -297,13 +302,13 @@ fn exchanging_the_kind_of_an_element_is_seen() {
         let (first, second) = (drawn(one, cords), drawn(other, cords));
         assert_ne!(first, second, "{one} and {other}");
         let words = other.replace('-', " ");
-        let says = |mark: &Stroke| matches!(mark, Stroke::Text(label) if label.text.starts_with(&words));
-        assert!(second.iter().any(says), "{other}");
+        let has_kind = |primitive: &Primitive| matches!(primitive, Primitive::Text(label) if label.text.starts_with(&words));
+        assert!(second.iter().any(has_kind), "{other}");
     }
 }
 
 #[test]
-fn the_dead_zone_leaves_from_its_diodes_and_the_limiter_is_joined() {
+fn dead_zone_and_limiter_are_linked() {
     let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
     let board = board(&circuit);
     let module = |name: &str| board.modules.iter().find(|module| module.name == name).unwrap();
@@ -322,8 +327,8 @@ fn the_dead_zone_leaves_from_its_diodes_and_the_limiter_is_joined() {
         ("B2", [output("D5D6", 0), junction]),
     ];
     assert!(board.links.iter().map(|link| (link.of.as_str(), link.ends)).eq(expected));
-    let turned = board.lists[0].rows.iter().find(|row| row.name == "PB3").unwrap();
-    assert_eq!(turned.text, "turn until B2 stops at 10 V");
+    let adjustment = board.lists[0].rows.iter().find(|row| row.name == "PB3").unwrap();
+    assert_eq!(adjustment.text, "turn until B2 stops at 10 V");
 }
 
 #[test]
@@ -349,7 +354,7 @@ fn all_modules_of_a_row_have_the_same_jacks() {
 }
 
 #[test]
-fn what_the_modules_leave_out_is_listed() {
+fn settings_that_the_modules_omit_are_listed() {
     let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
     let board = board(&circuit);
     let rows = board
@@ -367,11 +372,12 @@ fn what_the_modules_leave_out_is_listed() {
     ] {
         assert!(rows.contains(&row), "{row:?} is not in {rows:#?}");
     }
-    let text = |mark: Stroke| if let Stroke::Text(label) = mark { Some(label.text) } else { None };
-    assert!(board.drawing().marks.into_iter().filter_map(text).any(|text| text == "sum-of-squares"));
+    let text =
+        |primitive: Primitive| if let Primitive::Text(label) = primitive { Some(label.text) } else { None };
+    assert!(board.drawing().primitives.into_iter().filter_map(text).any(|text| text == "sum-of-squares"));
 }
 
-fn every_setting_that_a_patch_gives_stands_on_the_sheet(boards: &[Boarded]) {
+fn every_given_setting_is_on_the_sheet(boards: &[PatchPanel]) {
     for (file, circuit, board) in boards {
         let rows: BTreeSet<_> =
             board.lists.iter().flat_map(|list| &list.rows).map(|row| row.name.clone()).collect();
@@ -396,11 +402,11 @@ fn every_setting_that_a_patch_gives_stands_on_the_sheet(boards: &[Boarded]) {
 }
 
 #[test]
-fn the_1451_shows_all_its_parts() {
+fn the_panel_shows_all_parts_of_the_machine() {
     let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
     let board = board(&circuit);
     let parts: usize = Part::ALL.iter().filter_map(|part| circuit.machine().count(*part)).sum();
-    // Three references, two drives and a key switch stand beside the parts.
+    // The panel also has three references, two drives and a key switch.
     assert_eq!(board.modules.len(), parts + 6);
     let names: Vec<&str> = board.modules.iter().map(|module| module.name.as_str()).collect();
     for name in ["A6", "PB1", "PB2", "PB3", "DZ D1D2", "U D3D4", "D5D6", "M1", "KS1", "+100"] {
@@ -409,18 +415,18 @@ fn the_1451_shows_all_its_parts() {
 }
 
 #[test]
-fn modules_stand_side_by_side_on_the_sheet() {
+fn modules_do_not_overlap() {
     let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
     let board = board(&circuit);
     let drawing = board.drawing();
     for (index, module) in board.modules.iter().enumerate() {
         let [(left, top), (right, bottom)] = module.corners;
         assert!(left > 0.0 && top > 0.0 && right < drawing.width && bottom < drawing.height, "{module:?}");
-        let apart = |other: &patchcord_draw::schematic::Module| {
+        let is_separate = |other: &patchcord_draw::schematic::Module| {
             let [(l, t), (r, b)] = other.corners;
             r <= left || right <= l || b <= top || bottom <= t
         };
-        assert!(board.modules[index + 1..].iter().all(apart), "{module:?}");
+        assert!(board.modules[index + 1..].iter().all(is_separate), "{module:?}");
         for at in module.inputs.iter().map(|(_, at)| at).chain(&module.outputs) {
             assert!(left < at.0 && at.0 < right && top < at.1 && at.1 < bottom, "{module:?}");
         }

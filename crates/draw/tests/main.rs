@@ -4,5 +4,5 @@ mod board;
 mod bode;
 #[path = "../../core/tests/common/mod.rs"]
 mod common;
-mod drawn;
 mod schematic;
+mod schematic_checks;

@@ -1,4 +1,4 @@
-//! Schematics by their data: every element and every cord is drawn, nothing runs into anything else.
+//! Schematics: every element and every cord is drawn, and nothing overlaps.
 
 use std::collections::BTreeMap;
 
@@ -6,20 +6,20 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use crate::common::element;
-use crate::drawn::{check, schematic};
+use crate::schematic_checks::{check, schematic};
 use patchcord_core::patch::{Patch, PatchBuilder};
-use patchcord_draw::plot::{Format, Stroke, Theme, render_drawing};
+use patchcord_draw::plot::{Format, Primitive, Theme, render_drawing};
 
 #[test]
-fn patches_of_the_tests_are_drawn_rightly() {
-    for file in crate::common::files::of_tests() {
+fn patches_of_the_tests_are_drawn_correctly() {
+    for file in crate::common::files::test_patch_files() {
         let patch = crate::common::patch_of(&file);
         check(&crate::common::circuit(&patch, &[]), patch.file());
     }
 }
 
 #[test]
-fn the_final_circuit_is_drawn_rightly() {
+fn the_final_circuit_is_drawn_correctly() {
     let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
     let drawn = schematic(&circuit);
     check(&circuit, "fig-8-16");
@@ -27,12 +27,12 @@ fn the_final_circuit_is_drawn_rightly() {
     let texts: Vec<_> = dead_zone.labels().map(|label| label.text.as_str()).collect();
     assert!(["DZ", "0.2537", "PB1 PB2 D1D2"].iter().all(|text| texts.contains(text)), "{texts:?}");
     let v_o = drawn.main.symbols.iter().find(|placed| placed.symbol.name == "B3").unwrap();
-    assert_eq!(v_o.symbol.outlets[0].signals, ["v_o"]);
+    assert_eq!(v_o.symbol.outputs[0].signals, ["v_o"]);
 }
 
-/// Of two circuits under one command each has rows of its own.
+/// Two circuits with a common drive have separate rows.
 #[test]
-fn circuits_with_common_drives_only_stand_one_below_the_other() {
+fn circuits_with_common_drives_have_separate_rows() {
     let patch = crate::common::shipped("thesis/fig-8-16-both");
     let drawn = schematic(&crate::common::circuit(&patch, &[]));
     let of = |prefix: &'static str| {
@@ -42,7 +42,7 @@ fn circuits_with_common_drives_only_stand_one_below_the_other() {
     assert!(of("B.").count() > 10 && of("B.").all(|placed| placed.area.top > lowest));
 }
 
-/// Rows of a list that are longer than the sheet is wide.
+/// Rows of a list that are longer than the width of the sheet.
 #[test]
 fn long_texts_stay_on_the_sheet() {
     let name = |index: usize| format!("a_pot_with_a_name_that_is_far_too_long_to_be_read_{index}");
@@ -51,33 +51,33 @@ fn long_texts_stay_on_the_sheet() {
         element("pot")
             .cord("in", "+100")
             .set("setting", setting)
-            .set("note", "what this pot is for ".repeat(index))
+            .set("note", "the purpose of this pot ".repeat(index))
     };
     let builder = PatchBuilder::new("long").machine("unlimited").run(1.0, 1e-3);
     let patch = (0..9).fold(builder, |builder, index| builder.element(&name(index), pot(index))).build();
     check(&crate::common::circuit(&patch.unwrap(), &[]), "long");
 }
 
-/// A list of fifteen goes on in a second column as long as the first.
+/// A list of fifteen rows is divided into columns of equal length.
 #[test]
 fn columns_of_lists_are_balanced() {
     let builder = PatchBuilder::new("notes").machine("unlimited").run(1.0, 1e-3);
     let pot = || element("pot").cord("in", "+100").set("setting", 0.5).set("note", "half");
     let patch = (0..15).fold(builder, |builder, index| builder.element(&format!("P{index}"), pot())).build();
     let drawing = schematic(&crate::common::circuit(&patch.unwrap(), &[])).drawing();
-    let notes = drawing.marks.iter().filter_map(|mark| match mark {
-        Stroke::Text(label) if label.text == "half" => Some(label.at),
+    let notes = drawing.primitives.iter().filter_map(|primitive| match primitive {
+        Primitive::Text(label) if label.text == "half" => Some(label.at),
         _ => None,
     });
     let mut columns: BTreeMap<i64, usize> = BTreeMap::new();
     notes.for_each(|at| *columns.entry(at.0 as i64).or_default() += 1);
-    let (least, most) = (columns.values().min().unwrap(), columns.values().max().unwrap());
-    assert!(columns.len() > 1 && most - least <= 1, "{columns:?}");
+    let (fewest, most) = (columns.values().min().unwrap(), columns.values().max().unwrap());
+    assert!(columns.len() > 1 && most - fewest <= 1, "{columns:?}");
 }
 
-/// The words at jacks of an integrator beside the references in them.
+/// References at integrator jacks do not overlap the texts of the jacks.
 #[test]
-fn flags_leave_the_words_at_their_jacks_free() {
+fn flags_do_not_overlap_texts_at_jacks() {
     let integrator = element("integrator")
         .cords("x1", ["+100", "-100"])
         .cords("gap", ["+100", "ground"])
@@ -98,12 +98,13 @@ fn the_same_circuit_gives_the_same_bytes() {
     roxmltree::Document::parse(&text).unwrap();
 }
 
+/// The patch of a document.
 fn parsed(document: &Value) -> Patch {
     Patch::parse("macros.json", &document.to_string()).unwrap_or_else(|report| panic!("{report}"))
 }
 
 #[test]
-fn macros_are_boxes_with_their_ports_settings_and_what_is_read_inside() {
+fn macros_are_drawn_as_boxes_with_ports_settings_and_inner_signals() {
     let text = std::fs::read_to_string("../core/tests/patches/lags-in-macros.json").unwrap();
     let mut document: Value = serde_json::from_str(&text).unwrap();
     document["signals"]["middle"] = json!({"at": "W.sum", "scale": "volt"});
@@ -115,22 +116,22 @@ fn macros_are_boxes_with_their_ports_settings_and_what_is_read_inside() {
     assert_eq!(opened, [("two-lags", "W"), ("lag-8-15", "W.first")]);
     let w = &drawn.main.symbols[2];
     let texts: Vec<_> = w.labels().map(|label| label.text.as_str()).collect();
-    for wanted in ["W", "two-lags", "in", "level", "out", "between", "T 20 ms", "inside: middle"] {
-        assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
+    for expected in ["W", "two-lags", "in", "level", "out", "between", "T 20 ms", "inside: middle"] {
+        assert!(texts.contains(&expected), "{expected}: {texts:?}");
     }
-    let ports: Vec<_> = w.symbol.outlets.iter().map(|outlet| outlet.port.as_str()).collect();
+    let ports: Vec<_> = w.symbol.outputs.iter().map(|output| output.port.as_str()).collect();
     assert_eq!(ports, ["out", "between"]);
-    assert_eq!(w.symbol.outlets[1].signals, ["between"]);
+    assert_eq!(w.symbol.outputs[1].signals, ["between"]);
     assert!(w.outputs[0].1 < w.outputs[1].1);
     let inside: Vec<_> =
         drawn.macros[0].diagram.symbols.iter().map(|placed| placed.symbol.name.as_str()).collect();
     assert_eq!(inside, ["in", "level", "first", "sum", "second", "out", "between"]);
 }
 
-/// Ports that one output drives, that a reference drives, that the instance itself drives, that lead nowhere else than
-/// into an instance inside; outputs that nothing reads.
+/// Special ports: driven by the same output, by a reference or by the instance itself; connected only to
+/// an inner instance; outputs without readers.
 #[test]
-fn ports_that_are_easily_mistaken_are_told_apart() {
+fn special_ports_are_drawn_correctly() {
     let circuit = crate::common::circuit(
         &parsed(&json!({
             "patchcord": 1,
@@ -169,7 +170,7 @@ fn ports_that_are_easily_mistaken_are_told_apart() {
 }
 
 #[test]
-fn settings_without_a_place_at_the_symbol_are_listed() {
+fn settings_that_the_symbol_omits_are_listed() {
     let kinds = [
         element("integrator")
             .cords("x1", ["+100"])
@@ -216,7 +217,7 @@ fn settings_without_a_place_at_the_symbol_are_listed() {
     }
 }
 
-/// Integrators, summers and pots; cords that go back lead into integrators only.
+/// Returns a patch of integrators, summers, pots and multipliers; feedback leads into integrators only.
 fn random_patch(kinds: &[u8], cords: &[(u16, u16)]) -> Patch {
     let count = kinds.len();
     let name = |index: usize| format!("E{index}");
@@ -228,7 +229,7 @@ fn random_patch(kinds: &[u8], cords: &[(u16, u16)]) -> Patch {
             other => name(other - 1),
         };
         let any = |pick: u16| name(usize::from(pick) % count);
-        let made = match kind % 4 {
+        let new_element = match kind % 4 {
             0 => element("integrator").cords("x1", [&any(first)]).cords("x10", [&any(second)]),
             1 => element("summer").cords("x1", [&earlier(first), &earlier(second)]).cords("x10", ["-100"]),
             2 => element("pot").cord("in", &earlier(first)).set("setting", 0.5),
@@ -237,7 +238,7 @@ fn random_patch(kinds: &[u8], cords: &[(u16, u16)]) -> Patch {
                 .cord("a", &earlier(first))
                 .cord("b", &earlier(second)),
         };
-        builder = builder.element(&name(index), made);
+        builder = builder.element(&name(index), new_element);
     }
     builder.build().unwrap_or_else(|report| panic!("{report}"))
 }
@@ -246,7 +247,7 @@ proptest! {
     #![proptest_config(crate::common::random_cases(40))]
 
     #[test]
-    fn random_circuits_are_drawn_rightly(
+    fn random_circuits_are_drawn_correctly(
         kinds in prop::collection::vec(any::<u8>(), 1..40),
         cords in prop::collection::vec(any::<(u16, u16)>(), 40),
     ) {

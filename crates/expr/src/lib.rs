@@ -1,4 +1,22 @@
-//! Units, dimensions, functions and formulas.
+//! Units, dimensions, functions and formulas, the lowest layer of patchcord.
+//!
+//! A [`Unit`] is read from text such as `N s/m` and has a size in SI units and a [`Dimension`]. A
+//! [`Formula`] is read from text such as `K * position / force`. It can be evaluated and its units
+//! can be checked; a [`Scope`] supplies the values and dimensions of the names. Both readers report
+//! errors with the bytes at fault, so that the caller can place the error in the patch file. A
+//! [`Function`] is a mathematical function that formulas and machine elements share.
+//!
+//! # Examples
+//!
+//! ```
+//! use patchcord_expr::{Formula, Unit};
+//!
+//! let unit = Unit::parse("kN/mm")?;
+//! assert_eq!(unit.factor(), 1e6);
+//! let formula = Formula::parse("K * position / force")?;
+//! assert_eq!(formula.names(), ["K", "position", "force"]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![forbid(unsafe_code)]
 
@@ -6,8 +24,6 @@ mod formula;
 mod function;
 mod units;
 
-pub use formula::{
-    Callee, Expression, Formula, FormulaError, Measure as FormulaMeasure, Node, Operator, Scope,
-};
+pub use formula::{Callee, Expression, Formula, FormulaDimension, FormulaError, Node, Operator, Scope};
 pub use function::Function;
 pub use units::{Dimension, Unit, UnitError, engineering, nearest};

@@ -1,4 +1,6 @@
-//! Experiments that something is wrong with.
+//! The invalid experiments in `tests/bad` and their reports.
+//!
+//! Each file is named after the diagnostic code that it must get. Its expected report is the `.txt` file of the same name.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,24 +8,26 @@ use std::path::{Path, PathBuf};
 use patchcord_core::document::Report;
 use patchcord_ident::{Experiment, ExperimentError};
 
-/// Where they lie.
+/// Folder of the experiments, relative to the package.
 pub const FOLDER: &str = "tests/bad";
 
-/// The file of every one, by name.
-pub fn bad() -> Vec<PathBuf> {
+/// The paths of all bad experiments, in the order of their names.
+pub fn experiments() -> Vec<PathBuf> {
     let paths = fs::read_dir(FOLDER).unwrap().map(|entry| entry.unwrap().path());
-    let mut found: Vec<_> =
-        paths.filter(|path| path.extension().is_some_and(|ending| ending == "json")).collect();
-    found.sort();
-    assert!(found.len() >= 60, "only {} bad experiments are left", found.len());
-    found
+    let mut experiments: Vec<_> =
+        paths.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect();
+    experiments.sort();
+    assert!(experiments.len() >= 60, "{FOLDER} has only {} experiments", experiments.len());
+    experiments
 }
 
-/// Why one is refused, or else its warnings.
+/// The errors of an invalid experiment, or the warnings of one that is only doubtful.
+///
+/// Panics if a file of the experiment cannot be read.
 pub fn report(path: &Path) -> Report {
     match Experiment::read(path) {
         Ok(experiment) => experiment.warnings,
-        Err(ExperimentError::Wrong { experiment, .. }) => *experiment,
+        Err(ExperimentError::Invalid { experiment, .. }) => *experiment,
         Err(error) => panic!("{}: {error}", path.display()),
     }
 }

@@ -1,15 +1,16 @@
-//! A library of a few of the program's effects.
+//! Libraries with a few of the shipped effects. A search with such a library takes seconds instead of minutes.
 
 use std::fs;
 use std::path::Path;
 
 use patchcord_ident::effects::Library;
 
-pub fn of(effects: &[&str]) -> Library {
+/// A library that contains only the shipped effects of these names, such as "coulomb-friction".
+pub fn with_effects(effects: &[&str]) -> Library {
     let folder = tempfile::tempdir().unwrap();
     for effect in effects {
         let file = format!("{effect}.json");
         fs::copy(Path::new("../../patches/effects").join(&file), folder.path().join(&file)).unwrap();
     }
-    Library::default().and_folder(folder.path()).unwrap()
+    Library::default().with_folder(folder.path()).unwrap()
 }

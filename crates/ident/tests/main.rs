@@ -1,32 +1,33 @@
-//! Experiments: what is read of good ones, and bad ones beside the reports that they must get.
+//! Integration tests of patchcord-ident: experiments, effects and searches.
 //!
-//! `PATCHCORD_BLESS=1 cargo test -p patchcord-ident` rewrites the reports.
+//! The tests in this file compare each bad experiment in `tests/bad` with its expected report, the `.txt` file of the same
+//! name. `PATCHCORD_BLESS=1 cargo test -p patchcord-ident` rewrites the reports.
 
 mod bad;
 mod codes;
 #[path = "../../core/tests/common/mod.rs"]
 mod common;
-#[path = "../../core/tests/known/equations.rs"]
+mod custom_effect;
+mod detectability;
+mod discriminating_experiment;
+mod divergence;
+#[path = "../../core/tests/known_problems/equations.rs"]
 mod equations;
+mod experiment_reading;
 mod graft;
-mod integrated;
 mod library;
-mod limits;
+mod localisation;
 mod measured;
-mod mistold;
+mod misspecification;
+mod mutation;
 mod noise;
 mod oscillator;
-mod own;
-mod page;
 mod provenance;
-mod reading;
-mod runaway;
+mod report_page;
+mod residual_analysis;
+mod runge_kutta;
 mod search;
-mod separate;
-mod spoilt;
 mod story;
-mod unrest;
-mod r#where;
 
 use std::collections::HashSet;
 use std::fs;
@@ -34,24 +35,24 @@ use std::fs;
 use patchcord_ident::{Experiment, ExperimentError};
 
 #[test]
-fn every_bad_experiment_gets_its_report() {
-    for path in bad::bad() {
-        let found = match Experiment::read(&path) {
+fn each_bad_experiment_gets_its_expected_report() {
+    for path in bad::experiments() {
+        let report = match Experiment::read(&path) {
             Ok(experiment) => format!("{}\n", experiment.warnings),
             Err(error) => format!("{error}\n"),
         };
-        let beside = path.with_extension("txt");
+        let report_path = path.with_extension("txt");
         if std::env::var_os("PATCHCORD_BLESS").is_some() {
-            fs::write(&beside, &found).unwrap();
+            fs::write(&report_path, &report).unwrap();
         }
-        let expected = fs::read_to_string(&beside).unwrap_or_default();
-        assert_eq!(expected, found, "PATCHCORD_BLESS=1 accepts {}", beside.display());
+        let expected = fs::read_to_string(&report_path).unwrap_or_default();
+        assert_eq!(expected, report, "PATCHCORD_BLESS=1 rewrites {}", report_path.display());
     }
 }
 
 #[test]
-fn an_experiment_is_called_bad_after_what_is_wrong_with_it() {
-    for path in bad::bad() {
+fn the_name_of_each_bad_experiment_begins_with_its_diagnostic_code() {
+    for path in bad::experiments() {
         let name = path.file_stem().unwrap().to_str().unwrap();
         let report = bad::report(&path);
         assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{report}");
@@ -60,24 +61,26 @@ fn an_experiment_is_called_bad_after_what_is_wrong_with_it() {
             assert!(codes.len() > 4, "{report}");
             continue;
         }
-        assert_eq!(codes.len(), 1, "{name} has one thing wrong, and is told of several:\n{report}");
-        assert!(codes.iter().all(|code| name.starts_with(code)), "{name} is told of {codes:?}");
+        assert_eq!(codes.len(), 1, "{name} must get exactly one code:\n{report}");
+        assert!(codes.iter().all(|code| name.starts_with(code)), "{name} gets {codes:?}");
     }
 }
 
 #[test]
-fn the_experiment_of_the_page_is_right() {
+fn the_experiment_of_the_gap_page_is_valid() {
     let page = fs::read_to_string("../../docs/gap.md").unwrap();
-    let shown = page.split("```json\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-    assert_eq!(shown, fs::read_to_string("tests/slide.json").unwrap());
-    let made = Experiment::read("tests/slide.json".as_ref()).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!((made.warnings.to_string().as_str(), made.fit), ("", vec!["M".to_owned(), "f".to_owned()]));
-    assert_eq!((made.train[0].len(), made.test[0].len(), made.outputs[0].sigma), (251, 150, Some(2e-4)));
+    let block = page.split("```json\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(block, fs::read_to_string("tests/slide.json").unwrap());
+    let experiment = Experiment::read("tests/slide.json").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(experiment.warnings.to_string(), "");
+    assert_eq!(experiment.fit, ["M", "f"]);
+    let lengths = [&experiment.train[0], &experiment.test[0]].map(|record| record.len());
+    assert_eq!((lengths, experiment.outputs[0].sigma), ([251, 150], Some(2e-4)));
 }
 
 #[test]
-fn an_experiment_that_is_not_there_is_named() {
-    let error = Experiment::read("no/such/experiment.json".as_ref()).unwrap_err();
+fn the_error_for_a_missing_experiment_names_its_path() {
+    let error = Experiment::read("no/such/experiment.json").unwrap_err();
     assert!(matches!(error, ExperimentError::File(_)));
     assert!(error.to_string().starts_with("cannot read no/such/experiment.json"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Experiments on the oscillator of crates/ident/tests/systems: a force, and where it stands, with noise.
+//! Experiments on the oscillator of crates/ident/tests/systems: a measured force F and a measured position x with noise.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,35 +10,38 @@ use serde_json::json;
 use patchcord_ident::Experiment;
 use patchcord_ident::fit::problem::Problem;
 
-/// Seconds from sample to sample.
+/// Sampling interval in s.
 pub const INTERVAL: f64 = 0.005;
-/// Standard deviation of the noise, in m.
+/// Standard deviation of the position noise in m.
 pub const SIGMA: f64 = 1e-3;
 
+/// The path of the oscillator's patch.
 pub fn patch() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/systems/oscillator.json")
 }
 
-/// The experiment with forces, and where the mass stood but for the noise; half of it is trained on.
-pub fn measured(forces: &[f64], stood: &[f64]) -> (Experiment, Problem) {
-    taken([INTERVAL, SIGMA], forces, stood, "linear")
+/// The experiment with these forces in N and true positions in m, and its fit problem. The first half is training data.
+pub fn measured(forces: &[f64], positions: &[f64]) -> (Experiment, Problem) {
+    measured_with([INTERVAL, SIGMA], forces, positions, "linear")
 }
 
-/// The same with other seconds from sample to sample, other noise, and the force held otherwise between samples.
-pub fn taken(
+/// The same experiment with another sampling interval in s, noise in m, and interpolation of the force.
+///
+/// `hold` is the value of the drive's key "hold": "linear", "smooth" or "previous".
+pub fn measured_with(
     [interval, sigma]: [f64; 2],
     forces: &[f64],
-    stood: &[f64],
+    positions: &[f64],
     hold: &str,
 ) -> (Experiment, Problem) {
     let folder = tempfile::tempdir().unwrap();
-    let mut dice = ChaCha8Rng::seed_from_u64(2);
-    // The sum of twelve has a standard deviation of 1.
-    let mut noise = || (0..12).map(|_| f64::from(dice.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    // The sum of twelve uniform numbers has a standard deviation of 1.
+    let mut noise = || (0..12).map(|_| f64::from(rng.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
     let mut csv = "t,F,x\n".to_owned();
-    for (sample, (force, stood)) in forces.iter().zip(stood).enumerate() {
+    for (sample, (force, position)) in forces.iter().zip(positions).enumerate() {
         let time = interval * sample as f64;
-        writeln!(csv, "{time:e},{force:e},{:e}", stood + sigma * noise()).unwrap();
+        writeln!(csv, "{time:e},{force:e},{:e}", position + sigma * noise()).unwrap();
     }
     std::fs::write(folder.path().join("data.csv"), csv).unwrap();
     let experiment = json!({

@@ -1,12 +1,12 @@
-//! The patches that a search leaves: they begin as the data do, and tell where they come from.
+//! The patches that a search writes: they start in the fitted initial state, and their note names their source.
 
 use std::fs;
 use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 
-use crate::page::HILL;
-use crate::search::searched;
+use crate::report_page::BELL_FORCE_SEARCH;
+use crate::search::search_case;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Phase;
 use patchcord_core::ir::Program;
@@ -18,10 +18,12 @@ use patchcord_ident::report::Report;
 use patchcord_ident::report::provenance::fitted_patch;
 use patchcord_ident::search::Outcome;
 
-/// What a patch leaves of the first training record when it is run as it stands, fed with the data: rms over the noise.
-fn left(patch: Patch, experiment: &Experiment, sigma: &[f64]) -> f64 {
+/// The residual of an unchanged patch in the first training record: rms over the noise.
+///
+/// The drives are tables of the measured data, interpolated as the patch specifies.
+fn residual_over_noise(patch: Patch, experiment: &Experiment, sigma: &[f64]) -> f64 {
     let experiment = Experiment { patch, ..experiment.clone() };
-    let circuit = Circuit::new(&experiment.patch_to_feed().unwrap(), &[]).unwrap();
+    let circuit = Circuit::new(&experiment.patch_with_drive_tables().unwrap()).unwrap();
     let mut program = Program::new(&circuit).unwrap();
     let record = &experiment.train[0];
     for (feed, values) in experiment.drives.iter().zip(&record.drives) {
@@ -46,27 +48,33 @@ fn left(patch: Patch, experiment: &Experiment, sigma: &[f64]) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// A constant inflow into a tank that its patch lacks.
-static BIAS: LazyLock<(Experiment, Problem, Outcome, Value)> = LazyLock::new(|| searched("bias", 2));
+/// The search for a constant inflow into a tank. Several tests use its outcome.
+static BIAS_SEARCH: LazyLock<(Experiment, Problem, Outcome, Value)> =
+    LazyLock::new(|| search_case("bias", 2));
 
+/// The note of a patch.
 fn note(patch: &Patch) -> &str {
     patch.value()["note"].as_str().unwrap()
 }
 
 #[test]
 #[ignore = "takes several seconds: a whole search"]
-fn an_augmented_patch_runs_as_the_data_do_and_says_why() {
-    let (experiment, problem, found, _) = &*BIAS;
-    let report = Report::new(experiment, problem, found);
+fn an_augmented_patch_reproduces_the_fit_and_its_note_names_its_source() {
+    let (experiment, problem, outcome, _) = &*BIAS_SEARCH;
+    let report = Report::new(experiment, problem, outcome);
     let fitted = report.fitted("fitted.json").unwrap();
     let augmented = report.augmented("augmented.json").unwrap().unwrap();
-    let [before, after] = [&fitted, &augmented].map(|own| left(own.clone(), experiment, &problem.sigma));
-    let [wanted_before, wanted_after] = [&found.base, found.told()].map(|stage| stage.train.over_noise());
-    assert!((before / wanted_before - 1.0).abs() < 0.01, "{before} {wanted_before}");
-    assert!((after / wanted_after - 1.0).abs() < 0.01, "{after} {wanted_after}");
-    let (told, own) = (note(&augmented), note(&experiment.patch));
-    for part in [experiment.patch.file(), "train.csv", &found.rounds[0].trials[0].named(), "(95 %: ", own] {
-        assert!(told.contains(part), "{part}: {told}");
+    let [before, after] =
+        [&fitted, &augmented].map(|patch| residual_over_noise(patch.clone(), experiment, &problem.sigma));
+    let [expected_before, expected_after] =
+        [&outcome.base, outcome.reported_model()].map(|model| model.train.normalised_rms());
+    assert!((before / expected_before - 1.0).abs() < 0.01, "{before} {expected_before}");
+    assert!((after / expected_after - 1.0).abs() < 0.01, "{after} {expected_after}");
+    let (augmented_note, original_note) = (note(&augmented), note(&experiment.patch));
+    for part in
+        [experiment.patch.file(), "train.csv", &outcome.rounds[0].trials[0].label(), "(95 %: ", original_note]
+    {
+        assert!(augmented_note.contains(part), "{part}: {augmented_note}");
     }
     assert!(note(&fitted).contains("train.csv") && !note(&fitted).contains("95 %"));
     assert!(report.recovered("recovered.json").unwrap().is_none());
@@ -74,32 +82,32 @@ fn an_augmented_patch_runs_as_the_data_do_and_says_why() {
 
 #[test]
 #[ignore = "takes several seconds: a whole search"]
-fn a_recovered_patch_runs_as_the_data_do_and_nothing_is_augmented() {
-    let (experiment, problem, found) = &*HILL;
-    let report = Report::new(experiment, problem, found);
+fn without_a_named_effect_a_recovered_patch_is_written_instead_of_an_augmented_one() {
+    let (experiment, problem, outcome) = &*BELL_FORCE_SEARCH;
+    let report = Report::new(experiment, problem, outcome);
     assert!(report.augmented("augmented.json").unwrap().is_none());
     let recovered = report.recovered("recovered.json").unwrap().unwrap();
-    let after = left(recovered.clone(), experiment, &problem.sigma);
-    assert!(after < 0.3 * found.base.train.over_noise(), "{after}");
+    let after = residual_over_noise(recovered.clone(), experiment, &problem.sigma);
+    assert!(after < 0.3 * outcome.base.train.normalised_rms(), "{after}");
     assert!(note(&recovered).contains("a function of x"), "{}", note(&recovered));
 }
 
 #[test]
 #[ignore = "takes several seconds: a whole search"]
-fn tables_in_files_are_found_from_where_the_patch_goes() {
-    let (mut experiment, _, mut found, _) = BIAS.clone();
+fn paths_of_table_files_are_adapted_to_the_folder_of_the_written_patch() {
+    let (mut experiment, _, mut outcome, _) = BIAS_SEARCH.clone();
     let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    fs::create_dir(at("found")).unwrap();
-    fs::write(at("pump.csv"), "t,u\n0,1\n60,2\n").unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    fs::create_dir(path("found")).unwrap();
+    fs::write(path("pump.csv"), "t,u\n0,1\n60,2\n").unwrap();
     let drive = &experiment.drives[0].drive;
     let scale = experiment.patch.value()["drives"][drive]["scale"].clone();
     let table = json!({"kind": "table", "scale": scale, "points": {"csv": "pump.csv", "x": "t", "y": "u"}});
-    let edit = Edit { path: ["drives", drive].map(str::to_owned).to_vec(), value: table };
-    experiment.patch = experiment.patch.edited(&at("base.json"), &[edit]).unwrap();
-    found.base.version = found.base.version.with_patch(experiment.patch.clone());
-    let file = at("found/fitted.json");
-    let fitted = fitted_patch(&found, &experiment, &file).unwrap();
+    let edit = Edit::at(["drives", drive], table);
+    experiment.patch = experiment.patch.with_edits(&path("base.json"), &[edit]).unwrap();
+    outcome.base.variant = outcome.base.variant.with_patch(experiment.patch.clone());
+    let file = path("found/fitted.json");
+    let fitted = fitted_patch(&outcome, &experiment, &file).unwrap();
     assert_eq!(fitted.value()["drives"][drive]["points"]["csv"], "../pump.csv");
-    Circuit::new(&fitted, &[]).unwrap_or_else(|report| panic!("{report}"));
+    Circuit::new(&fitted).unwrap_or_else(|report| panic!("{report}"));
 }

@@ -1,8 +1,9 @@
-//! The design chain: from oil, load, stiffness and surface to the critical velocity. The table of docs/slideway.md is worked out here.
+//! Tests of the design chain from oil, load, stiffness and surface to the critical velocity. They also write the
+//! table of docs/slideway.md.
 
 use proptest::prelude::*;
 
-use crate::common::pages::check_part;
+use crate::common::pages::assert_part_up_to_date;
 use crate::common::random_cases;
 use patchcord_analysis::instruments::{Criterion, NoCriticalVelocity, critical_velocity};
 use patchcord_core::circuit::Circuit;
@@ -10,90 +11,96 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{self, Backend, RunSettings};
 use patchcord_thesis::chain::{
-    Chain, ChainError, Compared, Inputs, Parameters, Settings, Simulation, Verdict, table_9_2,
+    AdviceVerdict, Chain, ChainError, Inputs, MeasurementComparison, Parameters, Settings, Simulation,
+    table_9_2,
 };
 use patchcord_thesis::slideway::ridge::Ridge;
 use patchcord_thesis::slideway::units::{CM2, KGF, MM_PER_S, POISE, UM};
 
+/// The page whose table of measured velocities is generated.
 const PAGE: &str = "docs/slideway.md";
 
-/// A table of 450 kgf on the study's slideway, oil of 0.34 P, and a drive of so many kN/mm.
+/// A table of 450 kgf on the study's slideway with oil of 0.34 P, and a drive stiffness in kN/mm.
 fn inputs(stiffness: f64) -> Inputs {
     Inputs::of_study(0.34 * POISE, 450.0 * KGF, stiffness * 1e6)
 }
 
+/// The chain for these inputs with some parameters set, in SI units. Panics if it fails.
 fn chain(inputs: &Inputs, set: &[(&str, f64)]) -> Chain {
-    made(inputs, set).unwrap_or_else(|error| panic!("{error}"))
+    try_chain(inputs, set).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn made(inputs: &Inputs, set: &[(&str, f64)]) -> Result<Chain, ChainError> {
+/// The chain for these inputs with some parameters set, or its error.
+fn try_chain(inputs: &Inputs, set: &[(&str, f64)]) -> Result<Chain, ChainError> {
     let set = set.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     Chain::new(inputs, &Settings { set, ..Settings::default() })
 }
 
-fn near(got: f64, wanted: f64, share: f64) {
-    assert!((got / wanted - 1.0).abs() < share, "{got}, not {wanted}");
+/// Asserts that two numbers agree within a relative tolerance.
+fn assert_close(got: f64, expected: f64, tolerance: f64) {
+    assert!((got / expected - 1.0).abs() < tolerance, "got {got}, expected {expected}");
 }
 
-fn other(chain: &Chain, name: &str) -> f64 {
+/// The value of a parameter by another law.
+fn alternative(chain: &Chain, name: &str) -> f64 {
     let origin = chain.origins.iter().find(|origin| origin.name == name).unwrap();
     origin.other.clone().unwrap().value.unwrap()
 }
 
 #[test]
-fn numbers_of_the_chain_are_those_of_its_equations() {
+fn parameters_agree_with_their_equations() {
     let chain = chain(&inputs(20.0), &[]);
     let parameters = chain.simulation.parameters;
     let pressure: f64 = 450.0 / 697.0;
-    near(
+    assert_close(
         parameters.static_friction,
         6970.0 * (0.009705 * pressure.powf(0.82) * 22.8 + pressure * 0.05),
         1e-5,
     );
     let lift: f64 = 5.47875;
     let base = pressure * lift.powf(2.478) / (18.7 * 0.34f64.powf(0.181));
-    near(parameters.limit, 0.01 * base.powf(1.515), 1e-5);
-    near(parameters.memory, 11.16e-3 * 0.34f64.powf(0.236), 1e-5);
+    assert_close(parameters.limit, 0.01 * base.powf(1.515), 1e-5);
+    assert_close(parameters.memory, 11.16e-3 * 0.34f64.powf(0.236), 1e-5);
     assert_eq!((parameters.mass, parameters.stiffness, parameters.damping), (450.0, 20e6, 10.7e3));
-    near(other(&chain, "Fs"), 450.0 * KGF * 0.2914, 2e-3);
-    near(other(&chain, "VcL"), 57.93e-3, 1e-3);
-    near(other(&chain, "Tc"), 0.0318, 5e-3);
-    near(other(&chain, "f"), 0.034 * 0.0697 * 0.51 * 5.47875f64.powf(0.23) / 5.47875e-6, 1e-3);
+    assert_close(alternative(&chain, "Fs"), 450.0 * KGF * 0.2914, 2e-3);
+    assert_close(alternative(&chain, "VcL"), 57.93e-3, 1e-3);
+    assert_close(alternative(&chain, "Tc"), 0.0318, 5e-3);
+    assert_close(alternative(&chain, "f"), 0.034 * 0.0697 * 0.51 * 5.47875f64.powf(0.23) / 5.47875e-6, 1e-3);
     assert!(chain.notes.is_empty(), "{:?}", chain.notes);
 }
 
-/// With the study's printed pressure, 0.615 kgf/cm2, eq 13-9 and 14-9 give what it prints.
+/// With the study's printed pressure, 0.615 kgf/cm2, eq 13-9 and 14-9 give the printed values.
 #[test]
-fn the_studys_own_pressure_gives_its_own_figures() {
+fn printed_pressure_gives_the_printed_values() {
     let area = 450.0 / 0.615 * CM2;
     let parameters = Parameters::of_design(&Inputs { area, ..inputs(20.0) }.design().unwrap()).unwrap();
-    near(parameters.static_friction * 697.0 / (450.0 / 0.615), 1249.0, 1e-3);
+    assert_close(parameters.static_friction * 697.0 / (450.0 / 0.615), 1249.0, 1e-3);
     // Eq 14-9 rounds its base to 2.23.
-    near(parameters.limit, 45.31e-3, 4e-3);
+    assert_close(parameters.limit, 45.31e-3, 4e-3);
 }
 
 #[test]
-fn surfaces_and_oil_come_in_where_the_text_has_them() {
+fn surfaces_and_oil_enter_as_in_the_text() {
     let rough = Inputs { ridge: Ridge { width: 50.0 * UM, height: 3.0 * UM }, ..inputs(20.0) };
     let (ground, rough) = (inputs(20.0).design().unwrap(), rough.design().unwrap());
-    near(rough.interface.flank, 0.06, 1e-12);
-    // Eq 137-7: a rise of Z by 0.5 um lifts by (2 l - B) / (2 l) of it.
-    near(rough.lift - ground.lift, (2.0 - 0.005) / 2.0 * 0.5 * UM, 1e-9);
+    assert_close(rough.interface.flank, 0.06, 1e-12);
+    // By eq 137-7 a rise of Z by 0.5 um raises the lift by (2 l - B) / (2 l) times 0.5 um.
+    assert_close(rough.lift - ground.lift, (2.0 - 0.005) / 2.0 * 0.5 * UM, 1e-9);
     let polar = Inputs { polar: true, ..inputs(20.0) };
-    near(polar.design().unwrap().interface.polar / ground.interface.polar, 7.87 / 22.8, 1e-12);
+    assert_close(polar.design().unwrap().interface.polar / ground.interface.polar, 7.87 / 22.8, 1e-12);
     let chain = chain(&Inputs { stiffness: 27.6e6, ..polar }, &[]);
-    assert_eq!(chain.simulation.critical.rising, Err(NoCriticalVelocity::Quiet));
+    assert_eq!(chain.simulation.critical.rising, Err(NoCriticalVelocity::NoOscillation));
     assert!(chain.predictions.printed.is_err() && chain.predictions.stability.is_err());
-    assert!(chain.advice.iter().all(|advice| advice.verdict == Verdict::NothingToLower));
+    assert!(chain.advice.iter().all(|advice| advice.verdict == AdviceVerdict::NothingToLower));
     assert!(chain.notes[0].contains("polar"), "{:?}", chain.notes);
 }
 
 #[test]
-fn the_patch_it_writes_gives_the_same_run() {
+fn written_patch_gives_the_same_run() {
     let chain = chain(&inputs(20.0), &[("v_rate", 2e-3)]);
     let file = tempfile::NamedTempFile::new().unwrap();
     chain.simulation.patch().write(file.path()).unwrap();
-    let circuit = Circuit::new(&Patch::read(file.path()).unwrap(), &[]).unwrap();
+    let circuit = Circuit::new(&Patch::read(file.path()).unwrap()).unwrap();
     assert_eq!(circuit.warnings().to_string(), "");
     let trace = solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap()).unwrap();
     assert!(trace == chain.simulation.trace);
@@ -104,7 +111,7 @@ fn the_patch_it_writes_gives_the_same_run() {
 }
 
 #[test]
-fn pots_are_set_as_the_text_sets_them() {
+fn pots_are_set_as_in_the_text() {
     let (inputs, set) = (
         Inputs::of_study(0.34 * POISE, 433.0 * KGF, 45e6),
         [("VcL", 2.54e-3), ("Tc", 0.0065), ("Fs", 771.0)],
@@ -113,7 +120,7 @@ fn pots_are_set_as_the_text_sets_them() {
     assert_eq!(chain.simulation.multiple, 1.0);
     let pots = chain.simulation.pots();
     let setting = |name: &str| pots.iter().find(|pot| pot.name == name).unwrap().setting;
-    for (name, wanted) in [
+    for (name, expected) in [
         ("PC5", 0.252),
         ("PA3", 0.4124),
         ("PA4", 0.0599),
@@ -121,29 +128,29 @@ fn pots_are_set_as_the_text_sets_them() {
         ("PA1", 0.1538),
         ("PC1", 0.5f64.sqrt()),
     ] {
-        near(setting(name), wanted, 1e-3);
+        assert_close(setting(name), expected, 1e-3);
     }
-    near(setting("PB1, PB2"), 771.0 / (771.0 + 50.0 * 45.36), 1e-9);
+    assert_close(setting("PB1, PB2"), 771.0 / (771.0 + 50.0 * 45.36), 1e-9);
     // Fig 8.24 ends at 4.54 mm/s (docs/compromise.md).
-    near(chain.simulation.critical.rising.unwrap(), 4.54e-3, 0.02);
+    assert_close(chain.simulation.critical.rising.unwrap(), 4.54e-3, 0.02);
 }
 
 #[test]
 #[ignore = "takes several seconds: chains of runs"]
-fn larger_scales_leave_the_critical_velocity_and_take_a_limit_of_45_mm_s() {
+fn larger_scales_permit_45_mm_s_with_the_same_critical_velocity() {
     let first = chain(&inputs(20.0), &[("VcL", 45e-3)]);
     let further = chain(&inputs(20.0), &[("VcL", 45e-3), ("v_turn", 40.0)]);
     assert_eq!((first.simulation.multiple, further.simulation.multiple), (1.0, 5.0));
     for chain in [&first, &further] {
         assert_eq!(chain.simulation.trace.overloads().count(), 0);
     }
-    let [one, other] = [first, further].map(|chain| chain.simulation.critical.rising.unwrap());
-    assert!((one - other).abs() < 0.048e-3, "{one}, {other}");
+    let [small, large] = [first, further].map(|chain| chain.simulation.critical.rising.unwrap());
+    assert!((small - large).abs() < 0.048e-3, "{small}, {large}");
 }
 
-/// Velocity overshoots the command so far that the scales which the command fits into are overloaded.
+/// The scales are sufficient for the command, and the overshoot of velocity overloads them.
 #[test]
-fn an_overload_makes_the_scales_larger() {
+fn overload_selects_larger_scales() {
     let chain = chain(&inputs(11.0), &[("v_turn", 18.0), ("Fs", 1990.0)]);
     assert!(chain.simulation.ramp.top() < 0.9 * 25.4e-3);
     assert!(chain.simulation.multiple > 1.0);
@@ -151,29 +158,33 @@ fn an_overload_makes_the_scales_larger() {
 }
 
 #[test]
-fn soft_drives_bear_every_advice_out() {
+fn every_rule_is_confirmed_for_a_soft_drive() {
     let chain = chain(&inputs(20.0), &[]);
     let letters: String = chain.advice.iter().map(|advice| advice.letter).collect();
     assert_eq!(letters, "abcdefg");
     let before = chain.simulation.critical.rising.unwrap();
     for advice in &chain.advice {
         let outcome = advice.outcome.as_ref().unwrap();
-        assert_eq!(advice.verdict, Verdict::Confirmed, "{}", advice.letter);
+        assert_eq!(advice.verdict, AdviceVerdict::Confirmed, "{}", advice.letter);
         assert!(outcome.critical.rising.unwrap() < before);
         assert!((advice.factor - 1.0).abs() - 0.1 < 1e-12);
     }
     let outcome = |letter: usize| chain.advice[letter].outcome.as_ref().unwrap().parameters;
-    let own = chain.simulation.parameters;
+    let unchanged = chain.simulation.parameters;
     let [oil, weight, drive] = [0, 1, 2].map(outcome);
-    assert!(oil.memory > own.memory && oil.limit < own.limit && oil.static_friction == own.static_friction);
-    assert!(weight.memory > own.memory && weight.limit < own.limit && weight.mass == 405.0);
-    assert_eq!(Parameters { stiffness: own.stiffness, ..drive }, own);
-    near(drive.stiffness, 22e6, 1e-9);
+    assert!(
+        oil.memory > unchanged.memory
+            && oil.limit < unchanged.limit
+            && oil.static_friction == unchanged.static_friction
+    );
+    assert!(weight.memory > unchanged.memory && weight.limit < unchanged.limit && weight.mass == 405.0);
+    assert_eq!(Parameters { stiffness: unchanged.stiffness, ..drive }, unchanged);
+    assert_close(drive.stiffness, 22e6, 1e-9);
 }
 
-/// What docs/slideway.md says beside the output of its command.
+/// The statements of docs/slideway.md on its example.
 #[test]
-fn the_example_does_what_is_said_of_it() {
+fn example_agrees_with_the_page() {
     let chain = chain(&inputs(20.0), &[]);
     let heavier = chain.advice[1].outcome.as_ref().unwrap().printed.clone().unwrap();
     assert!(heavier > chain.predictions.printed.clone().unwrap());
@@ -184,22 +195,22 @@ fn the_example_does_what_is_said_of_it() {
     assert!(slow.clone().count() > 1000 && slow.clone().all(|sample| velocity[sample] > 0.0));
     let own_drag = Parameters { damping: 326.0, ..chain.simulation.parameters };
     let run = Simulation::new("", &own_drag, &Settings::default()).unwrap();
-    near(run.critical.rising.unwrap(), 171.07e-3, 1e-3);
+    assert_close(run.critical.rising.unwrap(), 171.07e-3, 1e-3);
 }
 
 #[test]
 #[ignore = "takes several seconds: chains of runs"]
-fn advice_that_a_run_does_not_bear_out_is_told() {
+fn rules_that_a_run_does_not_confirm_are_reported() {
     let heavy = Inputs { weight: 850.0 * KGF, area: 1000.0 * CM2, viscosity: 0.13 * POISE, ..inputs(11.0) };
     let verdicts: Vec<_> = chain(&heavy, &[]).advice.iter().map(|advice| advice.verdict).collect();
-    let mut wanted = [Verdict::Confirmed; 7];
-    (wanted[4], wanted[6]) = (Verdict::NotConfirmed, Verdict::NotConfirmed);
-    assert_eq!(verdicts, wanted);
+    let mut expected = [AdviceVerdict::Confirmed; 7];
+    (expected[4], expected[6]) = (AdviceVerdict::NotConfirmed, AdviceVerdict::NotConfirmed);
+    assert_eq!(verdicts, expected);
 }
 
-/// Without an advice it oscillates up to 16.4 mm/s, beyond where the command turns back.
+/// The unchanged design oscillates up to 16.4 mm/s, which is above the turn of the command.
 #[test]
-fn advice_is_weighed_against_what_is_known_of_an_oscillation_that_has_not_ended() {
+fn rules_are_judged_by_bounds_if_oscillation_has_not_ended() {
     let chain = chain(&inputs(20.0), &[("v_turn", 11.0)]);
     assert_eq!(
         chain.simulation.critical.rising,
@@ -207,39 +218,39 @@ fn advice_is_weighed_against_what_is_known_of_an_oscillation_that_has_not_ended(
     );
     let verdict = |letter| chain.advice.iter().find(|advice| advice.letter == letter).unwrap().verdict;
     let (e, g, a) = (verdict('e'), verdict('g'), verdict('a'));
-    assert_eq!([e, g, a], [Verdict::Confirmed, Verdict::Confirmed, Verdict::NotRead]);
+    assert_eq!([e, g, a], [AdviceVerdict::Confirmed, AdviceVerdict::Confirmed, AdviceVerdict::NotRead]);
 }
 
 #[test]
-fn what_is_set_stays_set() {
+fn set_parameters_are_kept() {
     let chain = chain(&inputs(20.0), &[("K", 21e6), ("v_rate", 2e-3), ("VcL", 40e-3)]);
     let parameters = chain.simulation.parameters;
     assert_eq!((parameters.stiffness, parameters.limit, chain.simulation.ramp.rate), (21e6, 40e-3, 2e-3));
     let verdict = |letter| chain.advice.iter().find(|advice| advice.letter == letter).unwrap().verdict;
-    assert_eq!((verdict('c'), verdict('e')), (Verdict::NothingChanged, Verdict::NothingChanged));
+    assert_eq!((verdict('c'), verdict('e')), (AdviceVerdict::NothingChanged, AdviceVerdict::NothingChanged));
     let origin = chain.origins.iter().find(|origin| origin.name == "K").unwrap();
     assert_eq!((origin.value, origin.from.as_str()), (21e6, "set"));
 }
 
 #[test]
 #[ignore = "takes several seconds: chains of runs"]
-fn the_same_comes_out_whatever_the_threads_and_the_backend() {
-    let with = |threads, backend| {
+fn results_do_not_depend_on_threads_and_backend() {
+    let run_with = |threads, backend| {
         let settings = Settings { threads, backend, ..Settings::default() };
         let chain = Chain::new(&inputs(20.0), &settings).unwrap();
         (format!("{:?}", chain.advice), chain.simulation.trace)
     };
-    let (advice, trace) = with(1, Backend::Automatic);
+    let (advice, trace) = run_with(1, Backend::Automatic);
     for (threads, backend) in [(2, Backend::Automatic), (7, Backend::Interpreter)] {
-        let (again, same) = with(threads, backend);
+        let (again, same) = run_with(threads, backend);
         assert!(again == advice && same == trace, "{threads} {backend}");
     }
 }
 
-/// What dies away too slowly is not run longer and longer.
+/// A run is not extended if oscillation decays too slowly.
 #[test]
 #[ignore = "takes several seconds: chains of runs"]
-fn next_to_no_damping_has_no_end_and_says_so() {
+fn tiny_damping_gives_no_end_and_a_note() {
     for damping in [0.0, 10.0] {
         let chain = chain(&inputs(20.0), &[("f", damping)]);
         let Simulation { ramp, critical, parameters, .. } = &chain.simulation;
@@ -247,105 +258,132 @@ fn next_to_no_damping_has_no_end_and_says_so() {
         assert!((once..once + 0.1 * ramp.rate + 1e-9).contains(&ramp.top()), "{ramp:?}");
         assert_eq!(critical.rising, Err(NoCriticalVelocity::NotEnded(ramp.top())));
         assert!(
-            chain.notes.len() == 1 && chain.notes[0].contains(", beyond VcL, and comes down below VcL, "),
+            chain.notes.len() == 1 && chain.notes[0].contains(", above VcL, and velocity falls below VcL, "),
             "{:?}",
             chain.notes
         );
-        assert!(chain.advice.iter().all(|advice| advice.verdict == Verdict::NotRead), "{:?}", chain.advice);
-        // Friction is gone: what is left shrinks by e in 2 M / f. It swings about the command by as much as that.
-        let least =
+        assert!(
+            chain.advice.iter().all(|advice| advice.verdict == AdviceVerdict::NotRead),
+            "{:?}",
+            chain.advice
+        );
+        // Without friction the amplitude falls by the factor e in 2 M / f. The initial amplitude is about the command.
+        let minimum =
             2.0 * parameters.mass / damping * (ramp.top() / chain.simulation.criterion.threshold).ln();
-        assert!((least..1.3 * least).contains(&chain.simulation.dies_in()) || damping == 0.0);
+        assert!((minimum..1.3 * minimum).contains(&chain.simulation.min_decay_time()) || damping == 0.0);
     }
 }
 
-/// Only what swings above VcL is left to the viscous coefficient.
+/// Only the viscous coefficient damps a swing above VcL.
 #[test]
 #[ignore = "takes several seconds: chains of runs"]
-fn what_swings_above_vcl_is_told_how_long_it_lasts() {
+fn note_gives_the_decay_time_of_swings_above_vcl() {
     let notes = chain(&inputs(20.0), &[("f", 326.0), ("v_rate", 3e-3), ("v_turn", 57.0)]).notes;
-    let told = "oscillation goes on at a command of 171 mm/s, beyond VcL; f = 326 N s/m takes 12.15 s at least to damp it";
-    assert_eq!(notes, [told]);
+    let note = "oscillation continues at a command of 171 mm/s, above VcL; \
+                f = 326 N s/m needs at least 12.15 s to damp it";
+    assert_eq!(notes, [note]);
 }
 
 #[test]
-fn what_was_not_measured_is_extrapolated() {
-    let beyond = chain(&Inputs { weight: 1000.0 * KGF, ..inputs(50.0) }, &[]);
+fn notes_name_extrapolated_inputs() {
+    let extrapolated = chain(&Inputs { weight: 1000.0 * KGF, ..inputs(50.0) }, &[]);
     assert_eq!(
-        beyond.notes[..2],
+        extrapolated.notes[..2],
         [
-            "table is 1000 kgf, and was measured at 450 and 850 kgf only: this extrapolates",
-            "drive is 50 kN/mm, and was measured at 11 ... 45 kN/mm only: this extrapolates",
+            "table is 1000 kgf, measured only at 450 and 850 kgf: the result is extrapolated",
+            "drive is 50 kN/mm, measured only at 11 ... 45 kN/mm: the result is extrapolated",
         ]
     );
 }
 
 #[test]
-fn progress_is_told_up_to_the_end() {
-    let mut told = Vec::new();
+fn progress_is_reported_up_to_the_end() {
+    let mut progress = Vec::new();
     let chain =
-        Chain::watched(&inputs(20.0), &Settings::default(), |done, all| told.push((done, all))).unwrap();
+        Chain::with_progress(&inputs(20.0), &Settings::default(), |done, all| progress.push((done, all)))
+            .unwrap();
     let all = 1 + chain.advice.len() as u64;
-    assert_eq!(told.last(), Some(&(all, all)));
-    assert!(told.is_sorted() && told.contains(&(1, all)), "{told:?}");
+    assert_eq!(progress.last(), Some(&(all, all)));
+    assert!(progress.is_sorted() && progress.contains(&(1, all)), "{progress:?}");
+}
+
+/// Asserts that the chain for these inputs and set parameters fails with a message that begins in this way.
+fn assert_chain_error(inputs: &Inputs, set: &[(&str, f64)], expected: &str) {
+    let got = try_chain(inputs, set).unwrap_err().to_string();
+    assert!(got.starts_with(expected), "got {got}, expected {expected}");
 }
 
 #[test]
-fn what_makes_no_chain_is_told() {
+fn errors_of_inputs_name_quantity_value_and_range() {
     let base = inputs(20.0);
-    let told = |inputs: Inputs, set: &[(&str, f64)]| made(&inputs, set).unwrap_err().to_string();
+    let flat_ridge = Ridge { width: 50.0 * UM, height: 0.0 };
     let cases = [
-        (told(Inputs { viscosity: 0.0, ..base }, &[]), "viscosity is 0 P, and must be 0.001 ... 1000"),
-        (told(Inputs { viscosity: f64::NAN, ..base }, &[]), "viscosity is NaN P, and must be 0.001 ... 1000"),
-        (told(Inputs { weight: -KGF, ..base }, &[]), "weight is -1 kgf, and must be above 0"),
-        (told(Inputs { area: CM2, ..base }, &[]), "weight / area is 450 kgf/cm2, and must be 0.0001 ... 8"),
-        (told(inputs(0.0), &[]), "stiffness is 0 kN/mm, and must be above 0"),
-        (told(inputs(1.0), &[]), "K = 1 MN/m is below what the circuit of Fig 8.16 takes, 5 ... 178 MN/m"),
+        (Inputs { viscosity: 0.0, ..base }, "viscosity must be within 0.001 ... 1000, got 0 P"),
+        (Inputs { viscosity: f64::NAN, ..base }, "viscosity must be within 0.001 ... 1000, got NaN P"),
+        (Inputs { weight: -KGF, ..base }, "weight must be positive, got -1 kgf"),
+        (Inputs { area: CM2, ..base }, "weight / area must be within 0.0001 ... 8, got 450 kgf/cm2"),
+        (inputs(0.0), "stiffness must be positive, got 0 kN/mm"),
+        (inputs(1.0), "K = 1 MN/m is below the range of the circuit of Fig 8.16, 5 ... 178 MN/m"),
         (
-            told(Inputs { weight: 20.0 * KGF, ..base }, &[]),
-            "M = 20 kg is below what the circuit of Fig 8.16 takes, 180 ... 4000 kg",
+            Inputs { weight: 20.0 * KGF, ..base },
+            "M = 20 kg is below the range of the circuit of Fig 8.16, 180 ... 4000 kg",
         ),
-        (
-            told(Inputs { ridge: Ridge { width: 50.0 * UM, height: 0.0 }, ..base }, &[]),
-            "height of a ridge is 0 um, and must be 0.001 ... 100000",
-        ),
-        (told(base, &[("k", 1.0)]), "the circuit of Fig 8.16 has no parameter k; did you mean \"K\"?"),
-        (
-            told(base, &[("v_turn", 4000.0)]),
-            "v_turn = 4000 s is above what the circuit of Fig 8.16 takes, 0 ... 3600 s",
-        ),
-        (
-            told(base, &[("v_rate", -1e-3)]),
-            "the velocity command has to rise from rest or forward motion, which v_start = 0 m/s, v_rate = -0.001 m/s2 and v_turn = ",
-        ),
-        (
-            told(base, &[("v_rate", 0.1)]),
-            "the critical velocity cannot be read: the command alone changes by 3.9 mm/s within a window",
-        ),
-        (told(base, &[("Tc", 1e-4)]), "Tc = 0.1 ms is below what the circuit of Fig 8.16 takes, "),
-        // From the least with the smallest scales to the largest with the largest.
-        (
-            told(base, &[("VcL", 15.0)]),
-            "VcL = 15000 mm/s is above what the circuit of Fig 8.16 takes, 0.254 ... 10000 mm/s",
-        ),
-        (
-            told(base, &[("VcL", 0.3e-3), ("v_turn", 40.0)]),
-            "VcL = 0.3 mm/s is below what the circuit of Fig 8.16 takes with scales 5 times as large, which the command or what \
-             overshoots it asks for: 1.27 ... 250 mm/s",
-        ),
+        (Inputs { ridge: flat_ridge, ..base }, "height of a ridge must be within 0.001 ... 100000, got 0 um"),
     ];
-    for (told, wanted) in cases {
-        assert!(told.starts_with(wanted), "{told}, not {wanted}");
+    for (inputs, expected) in cases {
+        assert_chain_error(&inputs, &[], expected);
     }
-    let wrong = |settings: Settings| Chain::new(&base, &settings).unwrap_err().to_string();
+}
+
+/// Set parameters, and the beginnings of the messages of the errors.
+const WRONG_PARAMETERS: &[(&[(&str, f64)], &str)] = &[
+    (&[("k", 1.0)], "the circuit of Fig 8.16 has no parameter k; did you mean \"K\"?"),
+    (&[("v_turn", 4000.0)], "v_turn = 4000 s is above the range of the circuit of Fig 8.16, 0 ... 3600 s"),
+    (
+        &[("v_rate", -1e-3)],
+        "the velocity command must rise from rest or forward motion (v_start at least 0, v_rate and v_turn \
+         positive), got v_start = 0 m/s, v_rate = -0.001 m/s2 and v_turn = ",
+    ),
+    (
+        &[("v_rate", 0.1)],
+        "the critical velocity cannot be read: the command alone changes by 3.9 mm/s within a window",
+    ),
+    (&[("Tc", 1e-4)], "Tc = 0.1 ms is below the range of the circuit of Fig 8.16, "),
+    // The range goes from the minimum with the smallest scales to the maximum with the largest scales.
+    (
+        &[("VcL", 15.0)],
+        "VcL = 15000 mm/s is above the range of the circuit of Fig 8.16, 0.254 ... 10000 mm/s",
+    ),
+    (
+        &[("VcL", 0.3e-3), ("v_turn", 40.0)],
+        "VcL = 0.3 mm/s is below the range of the circuit of Fig 8.16 with scales 5 times as large, \
+         1.27 ... 250 mm/s: the command or its overshoot needs these scales",
+    ),
+];
+
+#[test]
+fn errors_of_parameters_name_quantity_value_and_range() {
+    for (set, expected) in WRONG_PARAMETERS {
+        assert_chain_error(&inputs(20.0), set, expected);
+    }
+}
+
+#[test]
+fn errors_of_settings_name_quantity_value_and_range() {
+    let wrong = |settings: Settings| Chain::new(&inputs(20.0), &settings).unwrap_err().to_string();
     let settings = Settings::default;
-    assert!(wrong(Settings { share: 1.0, ..settings() }).ends_with("must be between 0 and 1, not 1"));
-    assert!(wrong(Settings { threshold: f64::NAN, ..settings() }).ends_with("must be above 0, not NaN"));
-    assert!(wrong(Settings { window: Some(0.0), ..settings() }).ends_with("must be above 0, not 0"));
+    assert!(wrong(Settings { share: 1.0, ..settings() }).ends_with("must be between 0 and 1, got 1"));
+    assert!(
+        wrong(Settings { threshold: f64::NAN, ..settings() })
+            .ends_with("must be positive and finite, got NaN")
+    );
+    assert!(
+        wrong(Settings { window: Some(0.0), ..settings() }).ends_with("must be positive and finite, got 0")
+    );
     let overloaded = wrong(Settings { step: Some(0.05), ..settings() });
-    // By so long a step nothing is followed: it is rounding that says which amplifier comes first.
+    // With so long a step the first overloaded amplifier depends on rounding.
     assert!(overloaded.contains(" is overloaded even at 25.4 mm/s a volt: the motion"), "{overloaded}");
-    assert!(wrong(Settings { every: Some(0.02), ..settings() }).contains("2 samples stand in a window"));
+    assert!(wrong(Settings { every: Some(0.02), ..settings() }).contains("a window has 2 samples"));
 }
 
 proptest! {
@@ -353,39 +391,43 @@ proptest! {
 
     #[test]
     #[ignore = "takes several seconds: chains of runs"]
-    fn any_slideway_gives_a_chain_without_overload_or_is_refused(
+    fn random_slideways_give_no_overload_or_an_error(
         poise in 0.05..2.0f64, kilograms in 150.0..1500.0f64, stiffness in 4.0..200.0f64, area in 200.0..3000.0f64,
         polar in any::<bool>(), width in 30.0..80.0f64, height in 1.0..5.0f64,
     ) {
         let ridge = Ridge { width: width * UM, height: height * UM };
-        let inputs = Inputs { area: area * CM2, polar, ridge, ..Inputs::of_study(poise * POISE, kilograms * KGF, stiffness * 1e6) };
-        match made(&inputs, &[]) {
+        let study = Inputs::of_study(poise * POISE, kilograms * KGF, stiffness * 1e6);
+        let inputs = Inputs { area: area * CM2, polar, ridge, ..study };
+        match try_chain(&inputs, &[]) {
             Ok(chain) => {
                 prop_assert_eq!(chain.simulation.trace.overloads().count(), 0);
                 prop_assert_eq!(chain.advice.len(), 7);
                 let critical = chain.simulation.critical;
-                // Claim C13: rising above falling.
+                // Claim C13: the rising critical velocity is above the falling one.
                 if let (Ok(rising), Ok(falling)) = (critical.rising, critical.falling) {
                     prop_assert!(rising > falling, "{} {}", rising, falling);
                 }
             }
-            Err(ChainError::BeyondCircuit { .. }) => {}
+            Err(ChainError::OutsideCircuitRange { .. }) => {}
             Err(error) => prop_assert!(false, "{}", error),
         }
     }
 }
 
+/// A critical velocity in mm/s, or "none".
 fn mm(velocity: Result<f64, NoCriticalVelocity>) -> String {
     match velocity {
         Ok(velocity) => format!("{:.2}", velocity / MM_PER_S),
-        Err(NoCriticalVelocity::Quiet) => "none".to_owned(),
+        Err(NoCriticalVelocity::NoOscillation) => "none".to_owned(),
         Err(error) => panic!("{error}"),
     }
 }
 
-fn row(row: &Compared) -> String {
-    let predicted =
-        |said: &Result<f64, _>| said.as_ref().map_or("none".to_owned(), |velocity| mm(Ok(*velocity)));
+/// A row of the table in docs/slideway.md.
+fn row(row: &MeasurementComparison) -> String {
+    let predicted = |prediction: &Result<f64, _>| {
+        prediction.as_ref().map_or("none".to_owned(), |velocity| mm(Ok(*velocity)))
+    };
     let cells = [
         format!("{}", row.cell.stiffness / 1e6),
         format!("{:.3}", row.cell.viscosity / POISE),
@@ -393,33 +435,35 @@ fn row(row: &Compared) -> String {
         predicted(&row.equation),
         predicted(&row.stability),
         mm(row.run.rising),
-        mm(row.nearby[0].rising),
+        mm(row.nearby_thresholds[0].rising),
         mm(row.run.falling),
         mm(row.own_memory.rising),
     ];
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// By what share the worst of these cells misses what was measured.
-fn farthest(rows: &[Compared], got: impl Fn(&Compared) -> f64) -> f64 {
+/// The largest relative deviation from the measured velocity in these cells.
+fn max_deviation(rows: &[MeasurementComparison], got: impl Fn(&MeasurementComparison) -> f64) -> f64 {
     rows.iter().map(|row| (got(row) / row.measured - 1.0).abs()).fold(0.0, f64::max)
 }
 
 #[test]
 #[ignore = "takes several seconds: chains of runs"]
-fn measured_critical_velocities_stand_beside_equation_and_run() {
+fn measured_critical_velocities_are_compared_with_equation_and_run() {
     let rows = table_9_2(&Settings::default()).unwrap();
-    let head = "| kN/mm | P | measured | eq 18-9 | Routh-Hurwitz | run, rising | at half the threshold | run, falling | with its own Tc |\n\
+    let head = "| kN/mm | P | measured | eq 18-9 | Routh-Hurwitz | run, rising | at half the threshold | \
+                run, falling | with the Tc of the cell |\n\
                 |---|---|---|---|---|---|---|---|---|\n";
     let table: String = rows.iter().map(row).collect();
-    check_part(PAGE, "T9-2", &format!("{head}{table}"), "patchcord-thesis");
+    assert_part_up_to_date(PAGE, "T9-2", &format!("{head}{table}"), "patchcord-thesis");
     let (stiff, [middle, soft]) = (&rows[..4], [&rows[4..8], &rows[8..]]);
-    assert!(farthest(middle, |row| row.run.rising.unwrap()) < 0.25);
-    assert!(farthest(middle, |row| row.own_memory.rising.unwrap()) < 0.10);
-    assert!(farthest(middle, |row| row.nearby[0].rising.unwrap()) < 0.19);
+    assert!(max_deviation(middle, |row| row.run.rising.unwrap()) < 0.25);
+    assert!(max_deviation(middle, |row| row.own_memory.rising.unwrap()) < 0.10);
+    assert!(max_deviation(middle, |row| row.nearby_thresholds[0].rising.unwrap()) < 0.19);
     assert!(stiff.iter().all(|row| row.run.rising.unwrap() < 1e-3 && row.stability.is_err()));
-    let missed = rows.iter().filter(|row| (row.equation.clone().unwrap() / row.measured - 1.0).abs() > 0.21);
-    assert_eq!(missed.map(|row| row.cell.viscosity / POISE).collect::<Vec<_>>(), [0.13; 2]);
+    let deviating =
+        rows.iter().filter(|row| (row.equation.clone().unwrap() / row.measured - 1.0).abs() > 0.21);
+    assert_eq!(deviating.map(|row| row.cell.viscosity / POISE).collect::<Vec<_>>(), [0.13; 2]);
     let ratios = soft.iter().map(|row| row.run.rising.unwrap() / row.measured);
     assert!(ratios.clone().all(|ratio| (1.39..4.36).contains(&ratio)), "{:?}", ratios.collect::<Vec<_>>());
 }

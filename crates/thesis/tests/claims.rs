@@ -1,36 +1,42 @@
-//! Every claim of the ledger is examined, and comes out as the ledger expects.
+//! Tests that every claim of the ledger has the verdict that the ledger expects.
 
-use crate::common::files::check_fresh;
-use patchcord_thesis::replay::{Claim, Examined, Verdict, ledger, page, perform};
+use crate::common::files::assert_up_to_date;
+use patchcord_thesis::replay::{Claim, ExaminedClaim, Verdict, claims_page, ledger, run_all};
 
+/// All claims of the ledger.
 fn claims() -> Vec<Claim> {
     ledger().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What is not as the ledger expects, if anything is.
-fn surprise(row: &Examined) -> Option<String> {
-    let (claim, found) = (&row.claim, &row.outcome);
-    (found.verdict != claim.verdict)
-        .then(|| format!("{}: {}, not {}: {:?}", claim.id, found.verdict, claim.verdict, found.finding))
+/// A message if the verdict of a claim differs from the expected one. `None` if it agrees.
+fn unexpected_verdict(row: &ExaminedClaim) -> Option<String> {
+    let (claim, outcome) = (&row.claim, &row.outcome);
+    (outcome.verdict != claim.verdict).then(|| {
+        format!(
+            "{}: verdict {}, expected {}: {:?}",
+            claim.id, outcome.verdict, claim.verdict, outcome.finding
+        )
+    })
 }
 
 #[test]
 #[ignore = "takes two minutes: every row of the ledger"]
-fn every_claim_comes_out_as_expected_and_stands_on_the_page() {
-    let performed = perform(&[], &claims(), 2, |_, _| ());
+fn every_claim_has_its_expected_verdict_and_row_on_the_page() {
+    let performed = run_all(&[], &claims(), 2, |_, _| ());
     let (_, examined) = performed.unwrap_or_else(|error| panic!("{error}"));
-    let surprises: Vec<_> = examined.iter().filter_map(surprise).collect();
-    assert!(surprises.is_empty(), "\n{}", surprises.join("\n"));
-    check_fresh("docs/claims.md", page(&examined).as_bytes(), "patchcord-thesis");
+    let unexpected: Vec<_> = examined.iter().filter_map(unexpected_verdict).collect();
+    assert!(unexpected.is_empty(), "\n{}", unexpected.join("\n"));
+    assert_up_to_date("docs/claims.md", claims_page(&examined).as_bytes(), "patchcord-thesis");
 }
 
 #[test]
-fn a_claim_that_says_something_else_is_noticed() {
-    let of = |id: &str| claims().into_iter().find(|claim| claim.id == id).unwrap();
-    let mut radius = of("7-004");
+fn changed_claims_are_detected() {
+    let claim = |id: &str| claims().into_iter().find(|claim| claim.id == id).unwrap();
+    let mut radius = claim("7-004");
     radius.value.as_mut().unwrap().number *= 1.01;
     assert_eq!(radius.examine().unwrap().verdict, Verdict::Differs);
-    assert!(surprise(&Examined::of(&radius).unwrap()).unwrap().starts_with("7-004: differs, not reproduced"));
+    let message = unexpected_verdict(&ExaminedClaim::new(&radius).unwrap()).unwrap();
+    assert!(message.starts_with("7-004: verdict differs, expected reproduced"), "{message}");
     radius.value = None;
     assert_eq!(radius.examine().unwrap().verdict, Verdict::Unknowable);
 }

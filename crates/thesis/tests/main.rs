@@ -1,11 +1,11 @@
-//! Tests of the slideway study.
+//! Tests of the slideway study: its physics, its design chain, its claims and its circuits.
 
 mod chain;
 mod claims;
 #[path = "../../core/tests/common/mod.rs"]
 mod common;
-#[path = "../../core/tests/known/mod.rs"]
-mod known;
+#[path = "../../core/tests/known_problems/mod.rs"]
+mod known_problems;
 mod others;
 mod slideway;
 mod thesis;

@@ -1,4 +1,4 @@
-//! Whatever is handed to the surface model, it answers with numbers or with an error.
+//! Tests that the surface model returns finite numbers or an error for any arguments.
 
 use proptest::prelude::*;
 
@@ -14,21 +14,22 @@ use patchcord_thesis::slideway::oil::{Oil, thickening, thinning};
 use patchcord_thesis::slideway::ridge::Ridge;
 use patchcord_thesis::slideway::wedge::RangeProfile;
 
-/// Any number at all, and numbers of all sizes that the physics may see.
+/// Any number, and positive numbers of all magnitudes that occur in the physics.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![any::<f64>(), (-16.0..12.0f64).prop_map(|power| 10f64.powf(power)), Just(0.0)]
 }
 
-/// That an answer holds numbers alone, if it is one.
+/// Asserts that a result contains only finite numbers. Returns 1 for a result and 0 for an error.
 fn numbers<const N: usize>(
-    answer: Result<[f64; N], SlidewayError>,
+    result: Result<[f64; N], SlidewayError>,
     of: &str,
 ) -> Result<usize, TestCaseError> {
-    let Ok(answer) = answer else { return Ok(0) };
-    prop_assert!(answer.iter().all(|number| number.is_finite()), "{of}: {answer:?}");
+    let Ok(result) = result else { return Ok(0) };
+    prop_assert!(result.iter().all(|number| number.is_finite()), "{of}: {result:?}");
     Ok(1)
 }
 
+/// Results of a crossing of two ridges.
 fn surfaces([a, b, c, d, e]: [f64; 5]) -> Result<[f64; 8], SlidewayError> {
     let ridge = Ridge { width: a, height: b };
     let material = Material { modulus: c, hardness: d, ..Material::GRADE_17_IRON };
@@ -39,17 +40,20 @@ fn surfaces([a, b, c, d, e]: [f64; 5]) -> Result<[f64; 8], SlidewayError> {
     Ok([major, minor, area, overlap, peak, mean, crossing.yield_overlap(), ridge.radius()?])
 }
 
+/// Results of a range of asperities at an overlap.
 fn range([step, overlap, ..]: [f64; 5]) -> Result<[f64; 3], SlidewayError> {
     let range = AsperityRange { step, ..AsperityRange::of_study()? };
     let pressed = range.pressed(overlap)?;
     Ok([pressed.area, pressed.load, pressed.contacts])
 }
 
+/// Results of a range of asperities under a load.
 fn loaded([load, ..]: [f64; 5]) -> Result<[f64; 2], SlidewayError> {
     let pressed = AsperityRange::of_study()?.under(load)?;
     Ok([pressed.overlap, pressed.area])
 }
 
+/// Results of a joint at rest.
 fn at_rest([pressure, rupture, shear_strength, ..]: [f64; 5]) -> Result<[f64; 5], SlidewayError> {
     let (joint, film) = (Joint::PRINTED, BoundaryFilm { rupture, shear_strength });
     Ok([
@@ -61,12 +65,14 @@ fn at_rest([pressure, rupture, shear_strength, ..]: [f64; 5]) -> Result<[f64; 5]
     ])
 }
 
+/// Results of dry friction.
 fn dry([pressure, stiffening, viscosity, velocity, _]: [f64; 5]) -> Result<[f64; 4], SlidewayError> {
     let dry = DryFriction { joint: Joint::PRINTED, pressure, stiffening, viscosity };
     let at = dry.at_velocity(velocity)?;
     Ok([at.friction, at.penetration, at.damping.unwrap_or(0.0), dry.limit_velocity()?])
 }
 
+/// Results of a lubricated joint.
 fn lubricated([pressure, viscosity, touching_gap, velocity, _]: [f64; 5]) -> Result<[f64; 4], SlidewayError> {
     let oil = Oil { viscosity, ..Oil::ONE };
     let study = LubricatedJoint::of_study(oil, BoundaryFilm::POLAR, pressure)?;
@@ -74,12 +80,14 @@ fn lubricated([pressure, viscosity, touching_gap, velocity, _]: [f64; 5]) -> Res
     Ok([at.lift, at.solid, at.oil, at.total])
 }
 
+/// Results of an oil film.
 fn films_of_oil([viscosity, velocity, gap, pressure, _]: [f64; 5]) -> Result<[f64; 4], SlidewayError> {
     let oil = Oil { viscosity, ..Oil::TWO };
     let carried = oil.film_pressure(velocity, gap)?;
     Ok([carried, oil.drag(velocity, gap)?, oil.gap(velocity, pressure)?, oil.velocity(gap, pressure)?])
 }
 
+/// Results of a wedge between two ranges.
 fn wedge([spacing, fall, gap, ..]: [f64; 5]) -> Result<[f64; 2], SlidewayError> {
     let wedge = RangeProfile { spacing, fall, ..RangeProfile::OF_STUDY }.wedge(gap)?;
     Ok([wedge.pressure_factor(), wedge.drag_factor()])
@@ -89,7 +97,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4096))]
 
     #[test]
-    fn whatever_is_handed_in_the_answer_is_a_number_or_an_error(given in prop::array::uniform5(number())) {
+    fn any_arguments_give_finite_numbers_or_an_error(given in prop::array::uniform5(number())) {
         numbers(surfaces(given), "surfaces")?;
         numbers(range(given), "range")?;
         numbers(loaded(given), "loaded")?;
@@ -107,13 +115,13 @@ proptest! {
     }
 
     #[test]
-    fn what_a_slideway_may_be_is_answered(
+    fn arguments_within_the_ranges_give_numbers(
         pressure in 100.0..5e5f64, viscosity in 0.01..1.0f64, velocity in 1e-6..0.099f64, rupture in 0.0..1.2e9f64,
     ) {
-        let answered = numbers(at_rest([pressure, rupture, 3e7, 0.0, 0.0]), "at rest")?
+        let successes = numbers(at_rest([pressure, rupture, 3e7, 0.0, 0.0]), "at rest")?
             + numbers(dry([pressure, 2.9, 8e9, velocity, 0.0]), "dry")?
             + numbers(lubricated([pressure, viscosity, 5.48e-6, velocity, 0.0]), "lubricated")?
             + numbers(films_of_oil([viscosity, velocity, 5e-6, pressure, 0.0]), "films of oil")?;
-        prop_assert_eq!(answered, 4);
+        prop_assert_eq!(successes, 4);
     }
 }

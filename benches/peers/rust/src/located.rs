@@ -1,12 +1,14 @@
-//! The same with every kink located by hand: between kinks the piece that holds is fixed, and the crate's solver is stopped where it
-//! holds no longer and begun anew there.
+//! Fig 8.16 with hand-written location of kinks.
+//!
+//! Between kinks the active piece of the equations is fixed. The crate's solver stops when the state leaves the piece.
+//! The kink is located on a cubic, and the solver starts again from there with the next piece.
 
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{Dopri5, System};
 
 use crate::{EVERY, MASS, MM, SOLID, STIFFNESS, State, TC, V_RATE, VCL, VISCOUS};
 
-/// Side of the dead zone, direction of motion, whether it is faster than VcL.
+/// The active piece: side of the dead zone (-1, 0, 1), sign of the velocity, whether the speed exceeds VcL.
 #[derive(Clone, Copy)]
 struct Piece {
     side: f64,
@@ -14,10 +16,11 @@ struct Piece {
     beyond: bool,
 }
 
+/// Both edges of the dead zone, zero velocity, and the corner at VcL.
 const KINKS: usize = 4;
 
 impl Piece {
-    /// Each below 0 once the piece holds no longer: the edges of the dead zone, turning, the corner at VcL.
+    /// The distances to the kinks. Each is negative if its kink is passed.
     fn margins(&self, state: &State) -> [f64; KINKS] {
         let level = SOLID / MASS * (state[2] * state[2]);
         let (plus, minus, speed) = (state[0] - level, state[0] + level, self.sign * state[1]);
@@ -30,6 +33,7 @@ impl Piece {
         ]
     }
 
+    /// Changes the piece at a kink.
     fn change(&mut self, kink: usize) {
         match kink {
             0 => self.side = if self.side > 0.0 { 0.0 } else { 1.0 },
@@ -44,10 +48,10 @@ impl System<f64, State> for Piece {
     fn system(&self, time: f64, state: &State, rates: &mut State) {
         let velocity = state[1] * MM;
         let through = if self.side == 0.0 { 0.0 } else { state[0] };
-        let beyond = through - self.side * SOLID / MASS * (state[2] * state[2]);
+        let dead_zone = through - self.side * SOLID / MASS * (state[2] * state[2]);
         let share = if self.beyond { 0.0 } else { 1.0 - self.sign * velocity / VCL };
         rates[0] = STIFFNESS / MASS * (V_RATE * time - velocity);
-        rates[1] = (beyond - VISCOUS / MASS * velocity) / MM;
+        rates[1] = (dead_zone - VISCOUS / MASS * velocity) / MM;
         rates[2] = (share - state[2]) / TC;
     }
 
@@ -56,15 +60,26 @@ impl System<f64, State> for Piece {
     }
 }
 
-/// A step, and the cubic through its ends.
-struct Stretch {
+/// A step with the cubic through its ends and their rates.
+struct CubicStep {
     begin: f64,
     length: f64,
     states: [State; 2],
     rates: [State; 2],
 }
 
-impl Stretch {
+impl CubicStep {
+    /// The step between two times, with the states there.
+    fn between(piece: Piece, times: [f64; 2], states: [State; 2]) -> Self {
+        let rates = [0, 1].map(|end| {
+            let mut rates = State::zeros();
+            piece.system(times[end], &states[end], &mut rates);
+            rates
+        });
+        CubicStep { begin: times[0], length: times[1] - times[0], states, rates }
+    }
+
+    /// The state at a time within the step.
     fn at(&self, time: f64) -> State {
         let x = (time - self.begin) / self.length;
         let y = 1.0 - x;
@@ -73,8 +88,8 @@ impl Stretch {
             + (self.rates[0] * y - self.rates[1] * x) * (self.length * x * y)
     }
 
-    /// When a kink is met, by halving.
-    fn meets(&self, piece: Piece, kink: usize) -> f64 {
+    /// The time of a kink, by bisection.
+    fn kink_time(&self, piece: Piece, kink: usize) -> f64 {
         let (mut low, mut high) = (self.begin, self.begin + self.length);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
@@ -82,13 +97,21 @@ impl Stretch {
         }
         high
     }
+
+    /// The time and the index of the first kink in the step. `None` if no kink is passed at its end.
+    fn first_kink(&self, piece: Piece) -> Option<(f64, usize)> {
+        let passed = piece.margins(&self.states[1]);
+        let kinks = (0..KINKS).filter(|kink| passed[*kink] < 0.0);
+        let located = kinks.map(|kink| (self.kink_time(piece, kink), kink));
+        located.min_by(|kink, other| kink.0.total_cmp(&other.0))
+    }
 }
 
-/// v_o every 1 ms.
-pub fn solved(tolerance: f64, duration: f64) -> Vec<f64> {
+/// The velocity v_o in m/s every 1 ms.
+pub fn solve(tolerance: f64, duration: f64) -> Vec<f64> {
     let mut piece = Piece { side: 0.0, sign: 1.0, beyond: false };
     let (mut time, mut state) = (0.0, State::new(0.0, 0.0, 1.0));
-    // The first step is the crate's own guess, the first after a kink as long as the last before it.
+    // The crate chooses the first step. After a kink, the first step is as long as the last one before it.
     let (mut velocities, mut step) = (Vec::new(), 0.0);
     while time < duration {
         let mut solver = Dopri5::from_param(
@@ -109,32 +132,20 @@ pub fn solved(tolerance: f64, duration: f64) -> Vec<f64> {
             u32::MAX,
             OutputType::Sparse,
         );
-        solver.integrate().expect("the solver goes to the end");
+        solver.integrate().expect("the solver must reach the end");
         let (times, states) = (solver.x_out(), solver.y_out());
         for index in 1..times.len() {
-            let ends = [index - 1, index].map(|end| {
-                let mut rates = State::zeros();
-                piece.system(times[end], &states[end], &mut rates);
-                rates
-            });
-            let stretch = Stretch {
-                begin: times[index - 1],
-                length: times[index] - times[index - 1],
-                states: [states[index - 1], states[index]],
-                rates: ends,
-            };
-            let passed = piece.margins(&states[index]);
-            let met =
-                (0..KINKS).filter(|kink| passed[*kink] < 0.0).map(|kink| (stretch.meets(piece, kink), kink));
-            let first = met.min_by(|one, other| one.0.total_cmp(&other.0));
+            let ends = [index - 1, index];
+            let cubic = CubicStep::between(piece, ends.map(|end| times[end]), ends.map(|end| states[end]));
+            let first = cubic.first_kink(piece);
             let end = first.map_or(times[index], |(end, _)| end);
             while velocities.len() as f64 * EVERY <= end {
-                velocities.push(stretch.at(velocities.len() as f64 * EVERY)[1] * MM);
+                velocities.push(cubic.at(velocities.len() as f64 * EVERY)[1] * MM);
             }
-            (time, state) = (end, stretch.at(end));
+            (time, state) = (end, cubic.at(end));
             if let Some((_, kink)) = first {
                 piece.change(kink);
-                step = stretch.length;
+                step = cubic.length;
                 break;
             }
         }
@@ -142,5 +153,5 @@ pub fn solved(tolerance: f64, duration: f64) -> Vec<f64> {
     velocities
 }
 
-/// Longer steps would miss kinks that are met twice within one, in seconds.
+/// The longest step in s. Longer steps would miss kinks that are passed twice within one step.
 const LONGEST: f64 = 2.5e-4;

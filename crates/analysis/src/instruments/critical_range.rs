@@ -1,4 +1,4 @@
-//! How far a critical velocity depends on its criterion: an interval beside the value.
+//! The uncertainty interval of a critical velocity: how far it depends on its criterion and on the rate of the ramp.
 
 use super::critical_velocity::{
     Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity, first_largest,
@@ -6,45 +6,65 @@ use super::critical_velocity::{
 use super::cut::at;
 use super::cycles::{Cycle, cycles};
 
-/// The critical velocities of a profile with their intervals.
+/// The critical velocities of a run with their intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CriticalRange {
-    /// Where oscillation ends while the command rises.
+    /// Where oscillation ends during the rising ramp.
     pub rising: Result<CriticalInterval, NoCriticalVelocity>,
-    /// Where it begins while the command falls.
+    /// Where oscillation begins during the falling ramp.
     pub falling: Result<CriticalInterval, NoCriticalVelocity>,
 }
 
-/// A critical velocity and how far it moves, in the unit of the command.
+/// A critical velocity and its interval, in the unit of the command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CriticalInterval {
-    /// What is read with the criterion as given.
+    /// The value for the given criterion.
     pub value: f64,
-    /// The least of all readings, less the overrun while the command rises.
+    /// The smallest of the five readings, extended by the overrun of a rising ramp.
     pub least: f64,
-    /// The largest of all readings, with the overrun while the command falls.
+    /// The largest of the five readings, extended by the overrun of a falling ramp.
     pub most: f64,
-    /// How far it moves, either way, with half and double of the threshold.
+    /// The largest change of the value with half or twice the threshold.
     pub by_threshold: f64,
-    /// How far it moves, either way, with half and double of the window.
+    /// The largest change of the value with half or twice the window.
     pub by_window: f64,
-    /// By how much the command changes in the cycle next to it, without sign; nothing where there is no whole cycle to see.
+    /// Absolute change of the command during the cycle next to the value; None if there is no whole cycle.
     pub overrun: Option<f64>,
-    /// How many of the four other readings cannot be had: a criterion that the run is too coarse or too fast for, or
-    /// that finds no critical velocity. The interval leaves them out.
+    /// The number of the four other readings that failed. Their criterion is unusable with the run or finds no critical
+    /// velocity. The interval omits them.
     pub unread: usize,
 }
 
-/// Half and double.
+/// The factors of threshold and window for the other readings.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// Reads critical velocities like [`critical_velocity`], and again with half and double of the threshold and half and double of the window, one
-/// at a time. An interval spans all readings. It goes further by the overrun, to the side on which the
-/// true velocity lies: an oscillation that has begun to die takes cycles to do so and a new one to grow, while the command goes on;
-/// one cycle's worth is the least that a ramp hides. While the command rises the true one lies lower, while it falls higher.
+/// Reads critical velocities like [`critical_velocity`] with five criteria: the given one, and with half and twice the
+/// threshold and half and twice the window.
 ///
-/// What an interval does not hold: a ramp that is quick against the decay overruns by many cycles (run it slower to see), and a
-/// falling critical velocity depends on the disturbance that there is to grow from.
+/// An interval spans all readings and the overrun. An oscillation takes cycles to decay or to grow while the command
+/// continues to change, so a ramp hides at least the change during one cycle. The true value is lower than the reading
+/// while the command rises, and higher while it falls.
+///
+/// The interval does not cover two effects. A ramp that is fast compared with the decay overruns by many cycles; repeat
+/// it more slowly to see this. A falling critical velocity depends on the disturbance from which the oscillation grows.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::{Criterion, NoCriticalVelocity, critical_range};
+///
+/// let time: Vec<f64> = (0..4001).map(|index| 1e-3 * f64::from(index)).collect();
+/// let swing = |t: f64| if t < 3.0 { 0.5 * (100.0 * std::f64::consts::PI * t).sin() } else { 0.0 };
+/// let velocity: Vec<f64> = time.iter().map(|t| t + swing(*t)).collect();
+///
+/// let criterion = Criterion { threshold: 0.2, window: 0.04 };
+/// let interval = critical_range(&time, &time, &velocity, criterion).rising?;
+/// assert!(interval.least <= interval.value && interval.value <= interval.most);
+/// // The command rises by 0.02 during a cycle of 0.02 s.
+/// assert!(interval.overrun.is_some_and(|overrun| (overrun - 0.02).abs() < 1e-3));
+/// assert_eq!(interval.unread, 0);
+/// # Ok::<(), NoCriticalVelocity>(())
+/// ```
 pub fn critical_range(
     time: &[f64],
     command: &[f64],
@@ -52,24 +72,23 @@ pub fn critical_range(
     criterion: Criterion,
 ) -> CriticalRange {
     let read = |criterion| critical_velocity(time, command, velocity, criterion);
-    let usual = read(criterion);
+    let given = read(criterion);
     let thresholds =
         FACTORS.map(|factor| read(Criterion { threshold: factor * criterion.threshold, ..criterion }));
     let windows = FACTORS.map(|factor| read(Criterion { window: factor * criterion.window, ..criterion }));
-    let next = overruns(time, command, velocity, criterion);
+    let overruns = overruns(time, command, velocity, criterion);
     let interval = |of: fn(&CriticalVelocity) -> Result<f64, NoCriticalVelocity>, overrun: Option<f64>| {
         let others = [thresholds, windows].map(|pair| pair.map(|read| of(&read)));
-        of(&usual).map(|value| CriticalInterval::new(value, others, overrun))
+        of(&given).map(|value| CriticalInterval::new(value, others, overrun))
     };
     CriticalRange {
-        rising: interval(|read| read.rising, next[0]),
-        falling: interval(|read| read.falling, next[1]),
+        rising: interval(|read| read.rising, overruns[0]),
+        falling: interval(|read| read.falling, overruns[1]),
     }
 }
 
 impl CriticalInterval {
-    /// The interval of a value, of what is read with other thresholds and with other windows, and of how far the true one lies
-    /// from it.
+    /// Combines the value, the readings with other thresholds and with other windows, and the signed overrun.
     fn new(
         value: f64,
         [thresholds, windows]: [[Result<f64, NoCriticalVelocity>; 2]; 2],
@@ -78,8 +97,8 @@ impl CriticalInterval {
         let moved = |others: &[Result<f64, _>; 2]| {
             others.iter().flatten().map(|other| (other - value).abs()).fold(0.0, f64::max)
         };
-        let beyond = overrun.map(|overrun| value + overrun);
-        let all = || thresholds.iter().chain(&windows).flatten().copied().chain(beyond);
+        let true_value = overrun.map(|overrun| value + overrun);
+        let all = || thresholds.iter().chain(&windows).flatten().copied().chain(true_value);
         CriticalInterval {
             value,
             least: all().fold(value, f64::min),
@@ -92,8 +111,8 @@ impl CriticalInterval {
     }
 }
 
-/// How far before the last cycle on the way to the turn and before the first one on the way back the command stood: it is back there
-/// that the true velocity lies.
+/// The change from the end to the start of a cycle: the last cycle before the turn and the first one after it. Added to
+/// the reading, it gives the command that caused the change.
 fn overruns(time: &[f64], command: &[f64], velocity: &[f64], criterion: Criterion) -> [Option<f64>; 2] {
     let Ok(found) = cycles(time, command, velocity, criterion) else { return [None; 2] };
     let turn = time[first_largest(command)];
@@ -109,46 +128,48 @@ mod tests {
 
     const CRITERION: Criterion = Criterion { threshold: 0.2, window: 0.04 };
 
-    /// Rises by 0.1 a second for 8 s and comes back, swinging at 50 Hz: by 1 at first, from 0.3 on less by e every half second,
-    /// from 0.3 on down more again as quickly.
-    fn profile(way: f64) -> CriticalRange {
+    /// The command rises by 0.1 per second for 8 s and falls back. The velocity swings by 1 at 50 Hz. Above the
+    /// command 0.3 the swing decays by e every half second, and it grows at the same rate on the way back. `sign`
+    /// mirrors it all.
+    fn profile(sign: f64) -> CriticalRange {
         let ramp = |t: f64| 0.1 * t.min(16.0 - t);
-        let (time, command) = sampled(32_001, 5e-4, |t| way * ramp(t));
-        let height = |t: f64| 0.5 * ((0.3 - ramp(t)) / 0.1 / DIES_IN).exp().min(1.0);
+        let (time, command) = sampled(32_001, 5e-4, |t| sign * ramp(t));
+        let height = |t: f64| 0.5 * ((0.3 - ramp(t)) / 0.1 / DECAY_TIME).exp().min(1.0);
         let wave = |t: f64| height(t) * (100.0 * std::f64::consts::PI * t).sin();
-        let (_, velocity) = sampled(32_001, 5e-4, |t| way * (ramp(t) + wave(t)));
+        let (_, velocity) = sampled(32_001, 5e-4, |t| sign * (ramp(t) + wave(t)));
         critical_range(&time, &command, &velocity, CRITERION)
     }
 
-    const DIES_IN: f64 = 0.5;
+    /// The time in which the swing decays by a factor of e, in seconds.
+    const DECAY_TIME: f64 = 0.5;
 
     fn near(got: f64, wanted: f64, within: f64) {
         assert!((got - wanted).abs() < within, "{got} {wanted}");
     }
 
     #[test]
-    fn an_interval_tells_what_the_criterion_does() {
+    fn an_interval_covers_the_influence_of_the_criterion() {
         let found = profile(1.0);
         let (rising, falling) = (found.rising.unwrap(), found.falling.unwrap());
-        // Half the threshold is passed so much later, double of it so much sooner.
-        let step = 0.1 * DIES_IN * 2.0_f64.ln();
+        // Half the threshold is passed later by ln 2 x the decay time, twice the threshold earlier by the same.
+        let step = 0.1 * DECAY_TIME * 2.0_f64.ln();
         for interval in [rising, falling] {
             near(interval.by_threshold, step, 0.003);
             near(interval.overrun.unwrap(), 0.002, 1e-5);
             assert_eq!(interval.unread, 0, "{interval:?}");
             assert!(interval.by_window <= 0.004, "{interval:?}");
         }
-        near(rising.value, 0.3 + 0.1 * DIES_IN * 5.0_f64.ln(), 0.003);
-        for (end, way) in [(rising.most, 1.0), (rising.least, -1.0)] {
-            near(end, rising.value + way * step, 0.003);
+        near(rising.value, 0.3 + 0.1 * DECAY_TIME * 5.0_f64.ln(), 0.003);
+        for (end, sign) in [(rising.most, 1.0), (rising.least, -1.0)] {
+            near(end, rising.value + sign * step, 0.003);
         }
-        for (end, way) in [(falling.most, 1.0), (falling.least, -1.0)] {
-            near(end, falling.value + way * step, 0.003);
+        for (end, sign) in [(falling.most, 1.0), (falling.least, -1.0)] {
+            near(end, falling.value + sign * step, 0.003);
         }
     }
 
     #[test]
-    fn where_the_criterion_does_nothing_the_overrun_is_left() {
+    fn if_all_readings_agree_only_the_overrun_counts() {
         let ends = |value: f64, overrun: Option<f64>| {
             let interval = CriticalInterval::new(value, [[Ok(value); 2]; 2], overrun);
             [interval.least, interval.most]
@@ -159,8 +180,8 @@ mod tests {
     }
 
     #[test]
-    fn backward_the_interval_lies_on_the_other_side() {
-        let [forward, backward] = [1.0, -1.0].map(|way| profile(way).rising.unwrap());
+    fn a_mirrored_run_gives_the_mirrored_interval() {
+        let [forward, backward] = [1.0, -1.0].map(|sign| profile(sign).rising.unwrap());
         assert_eq!(
             (forward.value, forward.least, forward.most),
             (-backward.value, -backward.most, -backward.least)
@@ -168,17 +189,17 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_counted_and_left_out() {
-        // The command rises by 0.04 in a window of 0.04: half of this threshold is passed by it alone.
+    fn failed_readings_are_counted_and_omitted() {
+        // The command rises by 0.04 in a window of 0.04 s, which exceeds half the threshold.
         let (time, command) = sampled(4001, 1e-3, |t| t);
         let swing = |t: f64| if t < 3.0 { 0.5 * (100.0 * std::f64::consts::PI * t).sin() } else { 0.0 };
         let (_, velocity) = sampled(4001, 1e-3, |t| t + swing(t));
         let criterion = Criterion { threshold: 0.07, window: 0.04 };
         let found = critical_range(&time, &command, &velocity, criterion);
-        assert_eq!(found.rising.unwrap().unread, 2, "half the threshold, double of the window");
+        assert_eq!(found.rising.unwrap().unread, 2, "half the threshold, twice the window");
         assert_eq!(found.falling, Err(NoCriticalVelocity::NeverBack));
         let found = critical_range(&time, &command, &command, criterion);
-        assert_eq!(found.rising, Err(NoCriticalVelocity::Quiet));
+        assert_eq!(found.rising, Err(NoCriticalVelocity::NoOscillation));
         assert_eq!(critical_range(&[], &[], &[], criterion).rising, Err(NoCriticalVelocity::NotASignal));
     }
 }

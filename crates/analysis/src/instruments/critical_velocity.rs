@@ -1,29 +1,43 @@
-//! The velocity profile of a slideway: at which command oscillation ends while it rises, and begins while it falls.
+//! Critical velocities: the command at which oscillation ends while the command rises, and begins while it falls.
+//!
+//! Every window of the run is classified as oscillating or not by the peak-to-peak value of the velocity in it. The
+//! last oscillating window of the rising ramp and the first one of the falling ramp give the two critical velocities.
 
 use std::collections::VecDeque;
 
 use super::is_signal;
-use super::quantity::with_unit;
+use super::quantity::format_quantity;
 use super::window::{WindowError, samples_in};
-use patchcord_core::document::told;
+use patchcord_core::document::format_number;
 use patchcord_expr::{Dimension, Unit};
 
-/// When a velocity counts as oscillating: a critical velocity means nothing without it.
+/// Defines when a velocity counts as oscillating. A critical velocity depends on it, so report both together.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::Criterion;
+///
+/// let usual = Criterion::usual("mm/s").expect("a unit of velocity");
+/// assert!((usual.threshold - 0.25).abs() < 1e-12);
+/// assert_eq!(usual.window, Criterion::USUAL.window);
+/// assert_eq!(Criterion::usual("kg"), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
-    /// It oscillates while it swings by more than this, peak to peak, within a window; in its unit, above 0. A lower
-    /// one finds higher rising and higher falling critical velocities.
+    /// The velocity oscillates in a window if its peak-to-peak value there exceeds this; positive, in the unit of the
+    /// velocity. A lower threshold gives higher rising and higher falling critical velocities.
     pub threshold: f64,
-    /// Length of a window in seconds. Half a period and more of the slowest oscillation belongs into it, and the
-    /// command must change by less than the threshold in it.
+    /// Length of a window in seconds. It must contain at least half a period of the slowest oscillation. The command
+    /// must change by less than the threshold in it.
     pub window: f64,
 }
 
 impl Criterion {
-    /// The threshold in m/s, and the window in s, that `docs/compromise.md` measures with.
+    /// The default threshold of 0.25 mm/s and window of 0.04 s, which `docs/compromise.md` derives.
     pub const USUAL: Criterion = Criterion { threshold: 0.25e-3, window: 0.04 };
 
-    /// The usual criterion with its threshold in another unit; nothing where that is no velocity.
+    /// The default criterion with its threshold in `unit`; None if `unit` is no unit of velocity.
     pub fn usual(unit: &str) -> Option<Criterion> {
         let velocity = Dimension::LENGTH.over(Dimension::TIME);
         let unit = Unit::parse(unit).ok().filter(|unit| unit.dimension() == velocity)?;
@@ -31,78 +45,101 @@ impl Criterion {
     }
 }
 
-/// The critical velocities of a profile, in the unit of the command.
+/// The critical velocities of a run, in the unit of the command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CriticalVelocity {
-    /// The command at which the last window that oscillates begins, while the command rises.
+    /// The command at the start of the last oscillating window of the rising ramp.
     pub rising: Result<f64, NoCriticalVelocity>,
-    /// The command at which the first window that oscillates begins, while the command falls. It depends on the
-    /// disturbance that there is to grow from.
+    /// The command at the start of the first oscillating window of the falling ramp. It depends on the disturbance from
+    /// which the oscillation grows.
     pub falling: Result<f64, NoCriticalVelocity>,
 }
 
 /// Why there is no critical velocity.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoCriticalVelocity {
-    /// Times and values do not make signals.
-    #[error("signals have one finite value for each of their times, which rise")]
+    /// Times and values do not form signals.
+    #[error("time must be strictly increasing and every sample finite")]
     NotASignal,
-    /// Threshold and window do not go with the run.
+    /// Threshold and window are unusable with this run.
     #[error(transparent)]
     Window(#[from] WindowError),
-    /// The command alone passes the threshold.
-    #[error("{}", too_fast(&told(*.0)))]
+    /// The command alone changes by more than the threshold within a window. The field is this change.
+    #[error("{}", too_fast(&format_number(*.0)))]
     CommandTooFast(f64),
-    /// The command stays as it is.
+    /// The command is constant.
     #[error("the command does not change")]
     Constant,
-    /// The command is largest at the end.
-    #[error("the command never comes back in this run")]
+    /// The command is largest at the end of the run.
+    #[error("the command never falls in this run")]
     NeverBack,
-    /// The command does not rise all the way to its largest value.
+    /// The command does not rise monotonically to its largest value.
     #[error("the command does not rise steadily")]
     NoRise,
-    /// The command does not fall all the way from its largest value.
+    /// The command does not fall monotonically from its largest value.
     #[error("the command does not fall steadily")]
     NoFall,
-    /// It does not oscillate where it might, or for less than four windows in all as it breaks away.
+    /// No window oscillates, or only those within four windows after breaking away.
     #[error("no oscillation")]
-    Quiet,
-    /// Oscillation goes on up to the end of the rise, or rested there for less than four windows.
-    #[error("{}", not_ended(&told(*.0)))]
+    NoOscillation,
+    /// The oscillation lasts to within four windows of the end of the rising ramp. The field is the command there.
+    #[error("{}", not_ended(&format_number(*.0)))]
     NotEnded(f64),
-    /// It oscillates before the command falls.
-    #[error("it oscillates before the command falls")]
+    /// A window oscillates during the last four windows before the command falls.
+    #[error("the velocity oscillates before the command falls")]
     NotBegun,
 }
 
 impl NoCriticalVelocity {
-    /// Its text with velocities in this unit, as a person reads them.
-    pub fn told_in(self, unit: &str) -> String {
+    /// The message with velocities in `unit`, formatted for people.
+    pub fn message_in(self, unit: &str) -> String {
         match self {
-            NoCriticalVelocity::CommandTooFast(change) => too_fast(&with_unit(change, unit)),
-            NoCriticalVelocity::NotEnded(top) => not_ended(&with_unit(top, unit)),
+            NoCriticalVelocity::CommandTooFast(change) => too_fast(&format_quantity(change, unit)),
+            NoCriticalVelocity::NotEnded(top) => not_ended(&format_quantity(top, unit)),
             error => error.to_string(),
         }
     }
 }
 
+/// The message of [`NoCriticalVelocity::CommandTooFast`]; `change` is the formatted change of the command.
 fn too_fast(change: &str) -> String {
-    format!("the command alone changes by {change} within a window, which is not below the threshold")
+    format!("the command alone changes by {change} within a window: it must stay below the threshold")
 }
 
+/// The message of [`NoCriticalVelocity::NotEnded`]; `top` is the formatted largest command.
 fn not_ended(top: &str) -> String {
     format!("oscillation has not ended at a command of {top}")
 }
 
-/// Oscillation that rests for so many windows has ended, and lasts for as many: slips at a low command lie so far apart.
-pub const REST: usize = 4;
-/// This share of the largest command is rounding.
-const ROUNDING: f64 = 1e-9;
+/// The number of calm windows that end an oscillation, and the fewest windows that an oscillation lasts. At a low
+/// command the slips of one oscillation are up to this far apart.
+pub const REST_WINDOWS: usize = 4;
+/// Differences of the command below this fraction of its largest value are rounding errors.
+const COMMAND_TOLERANCE: f64 = 1e-9;
 
-/// Reads the critical velocities off a velocity profile: the command goes from rest or a run up to its largest value
-/// and may come back, in either direction; the velocity follows it. Samples are evenly spaced, `time` is in seconds.
-/// What the velocity does once the command has changed its sign does not count.
+/// Reads the critical velocities off a run with one rising and possibly one falling ramp.
+///
+/// The command rises from rest or from a constant value to its largest value, in either direction. It may then fall
+/// back. Samples are evenly spaced; `time` is in seconds. Samples after a change of sign of the command are ignored.
+///
+/// # Examples
+///
+/// The velocity oscillates at 50 Hz until the command reaches 3:
+///
+/// ```
+/// use patchcord_analysis::instruments::{Criterion, NoCriticalVelocity, critical_velocity};
+///
+/// let time: Vec<f64> = (0..4001).map(|index| 1e-3 * f64::from(index)).collect();
+/// let swing = |t: f64| if t < 3.0 { 0.5 * (100.0 * std::f64::consts::PI * t).sin() } else { 0.0 };
+/// let velocity: Vec<f64> = time.iter().map(|t| t + swing(*t)).collect();
+///
+/// // The command rises by 1 per second, so it equals the time.
+/// let criterion = Criterion { threshold: 0.2, window: 0.04 };
+/// let found = critical_velocity(&time, &time, &velocity, criterion);
+/// assert!((found.rising? - 3.0).abs() < 0.02);
+/// assert_eq!(found.falling, Err(NoCriticalVelocity::NeverBack));
+/// # Ok::<(), NoCriticalVelocity>(())
+/// ```
 pub fn critical_velocity(
     time: &[f64],
     command: &[f64],
@@ -115,7 +152,7 @@ pub fn critical_velocity(
     CriticalVelocity { rising: at(rising), falling: at(falling) }
 }
 
-/// The samples at which the command is a critical velocity, rising and falling.
+/// The samples at which the command equals a critical velocity, rising and falling.
 pub(super) fn critical_samples(
     time: &[f64],
     command: &[f64],
@@ -126,19 +163,23 @@ pub(super) fn critical_samples(
     Ok([profile.rising(), profile.falling()])
 }
 
+/// A run with its windows classified.
 struct Profile<'a> {
+    /// The command as given, from which the results are taken.
     command: &'a [f64],
-    /// The command without its direction.
+    /// The command, mirrored if its largest value is negative.
     speed: Vec<f64>,
     /// Index of the largest speed.
     turn: usize,
-    /// Whether the window that begins at each sample oscillates.
+    /// For each sample: whether the window that starts there oscillates.
     oscillates: Vec<bool>,
-    /// Samples in a window.
+    /// Samples per window.
     span: usize,
 }
 
 impl<'a> Profile<'a> {
+    /// Checks the run and classifies its windows. Window n starts at sample n, so the last span - 1 samples start no
+    /// window.
     fn new(
         time: &[f64],
         command: &'a [f64],
@@ -159,29 +200,36 @@ impl<'a> Profile<'a> {
         Ok(Profile { command, speed, turn, oscillates, span })
     }
 
-    /// Whether the command stays as it is, but for rounding.
+    /// Whether the command is constant up to rounding.
     fn is_constant(&self) -> bool {
         let least = self.speed.iter().copied().fold(f64::INFINITY, f64::min);
-        self.speed[self.turn] - least <= ROUNDING * self.speed[self.turn]
+        self.speed[self.turn] - least <= COMMAND_TOLERANCE * self.speed[self.turn]
     }
 
+    /// The sample that gives the rising critical velocity.
     fn rising(&self) -> Result<usize, NoCriticalVelocity> {
         if self.is_constant() {
             return Err(NoCriticalVelocity::Constant);
         }
-        if self.turn == 0 || !rises(self.speed[..=self.turn].iter()) {
+        if self.turn == 0 || !is_rising(self.speed[..=self.turn].iter()) {
             return Err(NoCriticalVelocity::NoRise);
         }
         let windows = &self.oscillates[..self.turn.min(self.oscillates.len())];
-        let first = windows.iter().position(|oscillates| *oscillates).ok_or(NoCriticalVelocity::Quiet)?;
+        let first =
+            windows.iter().position(|oscillates| *oscillates).ok_or(NoCriticalVelocity::NoOscillation)?;
         let last = windows.iter().rposition(|oscillates| *oscillates).unwrap_or(first);
-        if windows.len() - 1 - last < REST * self.span {
+        if windows.len() - 1 - last < REST_WINDOWS * self.span {
             return Err(NoCriticalVelocity::NotEnded(self.command[self.turn]));
         }
-        // Breaking away once, and what rings behind it, is no oscillation.
-        if last - first < REST * self.span { Err(NoCriticalVelocity::Quiet) } else { Ok(last) }
+        // A single slip and its ringing are no oscillation.
+        if last - first < REST_WINDOWS * self.span {
+            Err(NoCriticalVelocity::NoOscillation)
+        } else {
+            Ok(last)
+        }
     }
 
+    /// The sample that gives the falling critical velocity.
     fn falling(&self) -> Result<usize, NoCriticalVelocity> {
         if self.is_constant() {
             return Err(NoCriticalVelocity::Constant);
@@ -191,51 +239,57 @@ impl<'a> Profile<'a> {
         }
         let forward = self.speed[self.turn..].iter().take_while(|speed| **speed >= 0.0).count();
         let end = (self.turn + forward).min(self.oscillates.len());
-        let falls = rises(self.speed[self.turn..self.turn + forward].iter().rev());
-        if end <= self.turn || forward < 2 || !falls {
+        let is_falling = is_rising(self.speed[self.turn..self.turn + forward].iter().rev());
+        if end <= self.turn || forward < 2 || !is_falling {
             return Err(NoCriticalVelocity::NoFall);
         }
-        let rest = self.turn.saturating_sub(REST * self.span)..=self.turn;
+        let rest = self.turn.saturating_sub(REST_WINDOWS * self.span)..=self.turn;
         if self.oscillates[rest].contains(&true) {
             return Err(NoCriticalVelocity::NotBegun);
         }
         let first = self.oscillates[self.turn..end].iter().position(|oscillates| *oscillates);
-        first.map(|after| self.turn + after).ok_or(NoCriticalVelocity::Quiet)
+        first.map(|after| self.turn + after).ok_or(NoCriticalVelocity::NoOscillation)
     }
 }
 
-/// The largest of values, without sign.
+/// The largest absolute value.
 pub(super) fn largest_of(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
-/// Where the largest value without sign stands first.
+/// The index of the first value with the largest absolute value; 0 for an empty slice.
 pub(super) fn first_largest(values: &[f64]) -> usize {
     let largest = largest_of(values);
     values.iter().position(|value| value.abs() == largest).unwrap_or(0)
 }
 
-/// Whether values rise, or stay, but for rounding, and do not stay all the way.
-fn rises<'a>(values: impl DoubleEndedIterator<Item = &'a f64> + Clone) -> bool {
+/// Whether values never fall, up to rounding, and the last one is larger than the first.
+fn is_rising<'a>(values: impl DoubleEndedIterator<Item = &'a f64> + Clone) -> bool {
     let (Some(first), Some(last)) = (values.clone().next(), values.clone().next_back()) else { return false };
-    let rounding = ROUNDING * last.abs();
-    let steady = values.clone().zip(values.skip(1)).all(|(before, after)| *after >= before - rounding);
-    steady && last - first > rounding
+    let rounding = COMMAND_TOLERANCE * last.abs();
+    let is_monotonic = values.clone().zip(values.skip(1)).all(|(before, after)| *after >= before - rounding);
+    is_monotonic && last - first > rounding
 }
 
-/// Largest less least value of every so many values in a row.
+/// The peak-to-peak value of every window of `span` consecutive values, in linear time.
 pub(super) fn swings(values: &[f64], span: usize) -> impl Iterator<Item = f64> + '_ {
     let (mut largest, mut least) = (VecDeque::new(), VecDeque::new());
     (0..values.len()).filter_map(move |index| {
-        keep(&mut largest, index, span, |kept| values[kept] <= values[index]);
-        keep(&mut least, index, span, |kept| values[kept] >= values[index]);
+        push_candidate(&mut largest, index, span, |kept| values[kept] <= values[index]);
+        push_candidate(&mut least, index, span, |kept| values[kept] >= values[index]);
         (index + 1 >= span).then(|| values[largest[0]] - values[least[0]])
     })
 }
 
-/// Keeps the indices that may still be the extreme of a window: those within it that no later value outdoes.
-fn keep(candidates: &mut VecDeque<usize>, index: usize, span: usize, outdone: impl Fn(usize) -> bool) {
-    while candidates.back().is_some_and(|kept| outdone(*kept)) {
+/// Appends an index to the candidates for the extreme of a window. Removes those outside the window and those that
+/// `is_worse` than the new value.
+fn push_candidate(
+    candidates: &mut VecDeque<usize>,
+    index: usize,
+    span: usize,
+    is_worse: impl Fn(usize) -> bool,
+) {
+    while candidates.back().is_some_and(|kept| is_worse(*kept)) {
         candidates.pop_back();
     }
     candidates.push_back(index);
@@ -251,8 +305,8 @@ mod tests {
 
     const CRITERION: Criterion = Criterion { threshold: 0.2, window: 0.04 };
 
-    /// Rises by 1 a second up to a turn and falls from there; swings by 1 at 50 Hz up to one command while it rises,
-    /// and from another on while it falls.
+    /// The command rises by 1 per second up to the time `turn` and falls from there. The velocity swings by 1 at 50 Hz
+    /// up to the command `until` while it rises, and from the command `from` on while it falls.
     fn profile(turn: f64, until: f64, from: f64) -> [Vec<f64>; 3] {
         let ramp = move |t: f64| t.min(2.0 * turn - t);
         let (time, command) = sampled(8001, 1e-3, ramp);
@@ -271,12 +325,12 @@ mod tests {
     fn oscillation_ends_rising_and_begins_falling() {
         let found = read(&profile(4.0, 3.0, 1.0));
         assert!((found.rising.unwrap() - 3.0).abs() < 0.011, "{found:?}");
-        // The window that shows it first begins up to its own length before it.
+        // The first window that detects the oscillation starts up to one window before it.
         assert!((0.99..1.041).contains(&found.falling.unwrap()), "{found:?}");
     }
 
     #[test]
-    fn a_profile_backward_gives_the_same_with_its_sign() {
+    fn a_mirrored_run_gives_the_same_values_with_the_opposite_sign() {
         let [time, command, velocity] = profile(4.0, 3.0, 1.0);
         let negative = |values: &[f64]| values.iter().map(|value| -value).collect::<Vec<_>>();
         let forward = critical_velocity(&time, &command, &velocity, CRITERION);
@@ -286,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn swings_of_windows_are_those_of_their_samples() {
+    fn swings_match_a_direct_computation() {
         let (_, values) = sampled(300, 1.0, |t| (t * t).sin() * t);
         for span in [1, 2, 7, 300] {
             let plain = values.windows(span).map(|window| {
@@ -298,13 +352,13 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_critical_velocity_is_told() {
+    fn runs_without_a_critical_velocity_return_errors() {
         use NoCriticalVelocity::*;
         let both = |found: CriticalVelocity| (found.rising.unwrap_err(), found.falling.unwrap_err());
-        assert_eq!(both(read(&profile(4.0, 0.0, 0.0))), (Quiet, Quiet));
-        assert_eq!(read(&profile(4.0, 0.15, 0.0)).rising, Err(Quiet), "it breaks away");
-        let still_on = read(&profile(4.0, 3.9, 1.0));
-        assert_eq!(both(still_on), (NotEnded(4.0), NotBegun));
+        assert_eq!(both(read(&profile(4.0, 0.0, 0.0))), (NoOscillation, NoOscillation));
+        assert_eq!(read(&profile(4.0, 0.15, 0.0)).rising, Err(NoOscillation), "breaking away only");
+        let continues = read(&profile(4.0, 3.9, 1.0));
+        assert_eq!(both(continues), (NotEnded(4.0), NotBegun));
         assert_eq!(read(&profile(9.0, 3.0, 1.0)).falling, Err(NeverBack));
         let [time, command, velocity] = profile(4.0, 3.0, 1.0);
         let with = |criterion| both(critical_velocity(&time, &command, &velocity, criterion)).0;
@@ -313,15 +367,16 @@ mod tests {
         assert_eq!(with(window(9.0)), Window(WindowError::TooLong { window: 9.0, run: 8.0 }));
         assert_eq!(with(Criterion { threshold: 0.0, ..CRITERION }), Window(WindowError::BadCriterion));
         assert!(matches!(with(Criterion { threshold: 0.03, ..CRITERION }), CommandTooFast(_)));
-        let told = "the command alone changes by 1.95 mm/s within a window, which is not below the threshold";
-        assert_eq!(CommandTooFast(1.95e-3).told_in("m/s"), told);
-        assert_eq!(NotEnded(0.02).told_in("m/s"), "oscillation has not ended at a command of 20 mm/s");
-        assert_eq!(NoRise.told_in("m/s"), NoRise.to_string());
+        let message =
+            "the command alone changes by 1.95 mm/s within a window: it must stay below the threshold";
+        assert_eq!(CommandTooFast(1.95e-3).message_in("m/s"), message);
+        assert_eq!(NotEnded(0.02).message_in("m/s"), "oscillation has not ended at a command of 20 mm/s");
+        assert_eq!(NoRise.message_in("m/s"), NoRise.to_string());
         let (time, wave) = sampled(8001, 1e-3, |t| (t.sin() + 0.3 * (9.0 * t).sin()) * (1.0 - t / 8.0));
         assert_eq!(both(critical_velocity(&time, &wave, &velocity, CRITERION)), (NoRise, NoFall));
-        let even = vec![1.0; 8001];
-        assert_eq!(both(critical_velocity(&time, &even, &velocity, CRITERION)), (Constant, Constant));
-        assert_eq!(both(critical_velocity(&time, &even[1..], &velocity, CRITERION)).0, NotASignal);
+        let constant = vec![1.0; 8001];
+        assert_eq!(both(critical_velocity(&time, &constant, &velocity, CRITERION)), (Constant, Constant));
+        assert_eq!(both(critical_velocity(&time, &constant[1..], &velocity, CRITERION)).0, NotASignal);
         assert_eq!(both(critical_velocity(&[], &[], &[], CRITERION)).0, NotASignal);
     }
 }

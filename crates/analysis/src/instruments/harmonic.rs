@@ -1,4 +1,4 @@
-//! The part of a signal that goes with one frequency: amplitude, phase and mean.
+//! One harmonic of a signal at a given frequency: amplitude, phase and mean by least squares over whole periods.
 
 use std::f64::consts::TAU;
 
@@ -6,52 +6,69 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::is_signal;
 
-/// What a signal holds of one frequency, over whole periods.
+/// The component of a signal at one frequency, over whole periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// Height above and below the mean, 0 or more, in the unit of the signal.
+    /// Amplitude about the mean, not negative, in the unit of the signal.
     pub amplitude: f64,
-    /// Lead on sin(2 pi frequency t) at t = 0 of the time given, in radians, -pi ... pi. A difference of two
-    /// phases tells how far one signal lags behind another.
+    /// Phase relative to sin(2 pi frequency t), in radians, -pi ... pi, with t = 0 of the given time. The difference of
+    /// two phases is the phase lag between two signals.
     pub phase: f64,
     /// Mean value, in the unit of the signal.
     pub mean: f64,
-    /// How many whole periods were read.
+    /// The number of whole periods that were fitted.
     pub periods: usize,
 }
 
-/// Why there is no reading.
+/// Why the harmonic cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum HarmonicError {
-    /// The frequency is not a number above 0.
-    #[error("a frequency lies above 0 Hz: {0} Hz does not")]
+    /// The frequency is not a positive finite number.
+    #[error("frequency must be positive, got {0} Hz")]
     Frequency(f64),
-    /// Times and values do not make a signal.
-    #[error("a signal has one finite value for each of its times, which rise")]
+    /// Times and values do not form a signal.
+    #[error("time must be strictly increasing and every sample finite")]
     NotASignal,
-    /// The signal is shorter than a period.
-    #[error("the signal lasts {0:.4} of a period: at least one is needed")]
+    /// The signal is shorter than one period. The field is its length in periods.
+    #[error("the signal lasts {0:.4} periods, at least one is needed")]
     TooShort(f64),
-    /// The samples are too far apart to tell this frequency from others.
-    #[error("samples lie up to {0:.3} of a period apart: at most 1/8 is allowed")]
+    /// The samples are too far apart to distinguish this frequency from others. The field is the largest distance
+    /// between two samples in periods.
+    #[error("samples are up to {0:.3} of a period apart, at most 1/8 is allowed")]
     TooCoarse(f64),
 }
 
-/// Samples may lie this share of a period apart.
+/// The largest allowed distance between two samples, in periods.
 const WIDEST_GAP: f64 = 0.125;
-/// This much of a period, lost to the rounding of times, is forgiven.
-const ROUNDING: f64 = 1e-9;
+/// Whole periods are counted with this tolerance, in periods, because sample times are rounded.
+const PERIOD_TOLERANCE: f64 = 1e-9;
 
-/// Reads mean + amplitude x sin(2 pi frequency t + phase) off a signal by least squares, over the last whole
-/// number of periods, so that a transient at the beginning weighs as little as it can.
+/// Fits mean + amplitude x sin(2 pi frequency t + phase) to a signal by least squares.
 ///
-/// `time` in seconds, rising; `frequency` in Hz, above 0. The phase of a signal without this frequency means
-/// nothing: look at the amplitude first. Other harmonics of the frequency do not disturb the reading where
-/// samples are evenly spaced; drift and other frequencies do.
+/// The fit covers the last whole number of periods, which reduces the influence of an initial transient. `time` is in
+/// seconds and strictly increasing; `frequency` is in Hz and positive. Check the amplitude first: if the signal does
+/// not contain this frequency, the phase is meaningless. With evenly spaced samples, other harmonics of the frequency
+/// do not disturb the result; drift and other frequencies do.
 ///
 /// # Errors
-/// When the frequency is not above 0, the signal is not one, it is shorter than a period, or its samples lie
-/// more than an eighth of a period apart.
+/// If the frequency is not positive or the slices do not form a signal. Also if the signal is shorter than one period,
+/// or its samples are more than an eighth of a period apart.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::{HarmonicError, harmonic};
+///
+/// let time: Vec<f64> = (0..1000).map(|index| 1e-3 * f64::from(index)).collect();
+/// let values: Vec<f64> =
+///     time.iter().map(|t| 50.0 + 7.0 * (std::f64::consts::TAU * 5.0 * t + 0.3).sin()).collect();
+///
+/// let read = harmonic(&time, &values, 5.0)?;
+/// assert!((read.amplitude - 7.0).abs() < 1e-9 && (read.phase - 0.3).abs() < 1e-9);
+/// assert!((read.mean - 50.0).abs() < 1e-9);
+/// assert_eq!(read.periods, 4);
+/// # Ok::<(), HarmonicError>(())
+/// ```
 pub fn harmonic(time: &[f64], values: &[f64], frequency: f64) -> Result<Harmonic, HarmonicError> {
     if !(frequency > 0.0 && frequency.is_finite()) {
         return Err(HarmonicError::Frequency(frequency));
@@ -62,6 +79,10 @@ pub fn harmonic(time: &[f64], values: &[f64], frequency: f64) -> Result<Harmonic
     Ok(Harmonic { amplitude: sine.hypot(cosine), phase: cosine.atan2(sine), mean, periods })
 }
 
+/// Checks that the samples form a signal and are close enough for the frequency.
+///
+/// # Errors
+/// [`HarmonicError::NotASignal`] or [`HarmonicError::TooCoarse`].
 fn check(time: &[f64], values: &[f64], frequency: f64) -> Result<(), HarmonicError> {
     if time.len() < 2 || !is_signal(time, values) {
         return Err(HarmonicError::NotASignal);
@@ -70,20 +91,20 @@ fn check(time: &[f64], values: &[f64], frequency: f64) -> Result<(), HarmonicErr
     if widest > WIDEST_GAP { Err(HarmonicError::TooCoarse(widest)) } else { Ok(()) }
 }
 
-/// Index of the first sample of the last whole periods, and how many they are. A sample a whole number of
-/// periods before the last one is the same place of the wave again, and left out.
+/// Index of the first sample of the last whole periods, and the number of these periods. A sample exactly n periods
+/// before the last sample has the same phase, so it is omitted.
 fn whole_periods(time: &[f64], frequency: f64) -> Result<(usize, usize), HarmonicError> {
     let end = time[time.len() - 1];
-    let lasts = (end - time[0]) * frequency;
-    let periods = (lasts + ROUNDING).floor();
+    let duration = (end - time[0]) * frequency;
+    let periods = (duration + PERIOD_TOLERANCE).floor();
     if periods < 1.0 {
-        return Err(HarmonicError::TooShort(lasts));
+        return Err(HarmonicError::TooShort(duration));
     }
-    let begin = end - (periods - ROUNDING) / frequency;
+    let begin = end - (periods - PERIOD_TOLERANCE) / frequency;
     Ok((time.partition_point(|instant| *instant < begin), periods as usize))
 }
 
-/// Coefficients of 1, sine and cosine.
+/// The coefficients of 1, sine and cosine.
 fn least_squares(time: &[f64], values: &[f64], frequency: f64) -> Result<[f64; 3], HarmonicError> {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for (instant, value) in time.iter().zip(values) {
@@ -125,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_before_the_last_whole_periods_does_not_count() {
+    fn samples_before_the_last_whole_periods_are_ignored() {
         let (time, values) = sampled(2900, 1e-3, |t| if t < 0.8 { 1e3 } else { (TAU * t).cos() });
         let read = harmonic(&time, &values, 1.0).unwrap();
         assert_eq!(read.periods, 2);
@@ -133,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_refused() {
+    fn unusable_signals_and_frequencies_return_errors() {
         let (time, values) = sampled(100, 1e-2, |t| t.sin());
         let read = |frequency| harmonic(&time, &values, frequency);
         assert!(matches!(read(0.0), Err(HarmonicError::Frequency(_))));

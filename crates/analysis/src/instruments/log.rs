@@ -1,47 +1,61 @@
-//! The log book: what was done in each phase of a run, in few words.
+//! The log book: describes each phase of a run, and how it ended, in a few words.
 
-use super::Display;
-use patchcord_core::document::told;
-use patchcord_core::trace::{Deed, Ending, Mark, NewValue};
+use super::QuantityFormat;
+use patchcord_core::document::format_number;
+use patchcord_core::trace::{NewValue, PhaseEnd, PhaseKind, PhaseRecord};
 
-/// What the machine did: "operate until K1 is pulled-in", "k = 20 N/m".
-pub fn deed(mark: &Mark) -> String {
+/// What the machine did in a phase: "operate until K1 is pulled-in", "k = 20 N/m".
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::{phase_description, phase_end_description, unmet_condition};
+/// use patchcord_core::trace::{PhaseEnd, PhaseKind, PhaseRecord};
+///
+/// let (sweep, begin, end, problem_time, sample) = (0, 0.0, 2.0, 0.0, 0);
+/// let record = PhaseRecord { phase: PhaseKind::Hold, sweep, begin, end, problem_time, sample, ended: PhaseEnd::Time };
+/// assert_eq!((phase_description(&record).as_str(), phase_end_description(&record).as_str()), ("hold", "time"));
+/// assert_eq!(unmet_condition(&record), None);
+/// ```
+pub fn phase_description(mark: &PhaseRecord) -> String {
     match &mark.phase {
-        Deed::InitialCondition => "initial condition".to_owned(),
-        Deed::Operate { until: None } => "operate".to_owned(),
-        Deed::Operate { until: Some((relay, None)) } => format!("operate until {relay} switches"),
-        Deed::Operate { until: Some((relay, Some(position))) } => {
+        PhaseKind::InitialCondition => "initial condition".to_owned(),
+        PhaseKind::Operate { until: None } => "operate".to_owned(),
+        PhaseKind::Operate { until: Some((relay, None)) } => format!("operate until {relay} switches"),
+        PhaseKind::Operate { until: Some((relay, Some(position))) } => {
             format!("operate until {relay} becomes {position}")
         }
-        Deed::Hold => "hold".to_owned(),
-        Deed::Set(values) if values.is_empty() => "set".to_owned(),
-        Deed::Set(values) => values.iter().map(new_value).collect::<Vec<_>>().join(", "),
+        PhaseKind::Hold => "hold".to_owned(),
+        PhaseKind::Set(values) if values.is_empty() => "set".to_owned(),
+        PhaseKind::Set(values) => values.iter().map(new_value).collect::<Vec<_>>().join(", "),
     }
 }
 
+/// "k = 20 N/m": a parameter that was set between two phases.
 fn new_value(new: &NewValue) -> String {
-    format!("{} = {}", new.parameter, Display::new(&new.unit, new.value).text(new.value))
+    format!("{} = {}", new.parameter, QuantityFormat::new(&new.unit, new.value).text(new.value))
 }
 
-/// What ended a phase that takes time: "time", "K1 pulled-in", "overload"; nothing for one that takes none.
-pub fn ending(mark: &Mark) -> String {
+/// How a phase with a duration ended: "time", "K1 pulled-in", "overload". Empty for a phase without a duration.
+pub fn phase_end_description(mark: &PhaseRecord) -> String {
     match (&mark.phase, &mark.ended) {
-        (_, Ending::Stopped) => "error".to_owned(),
-        (_, Ending::Overload) => "overload".to_owned(),
-        (Deed::Operate { until: Some((relay, _)) }, Ending::Switched(position)) => {
+        (_, PhaseEnd::Stopped) => "error".to_owned(),
+        (_, PhaseEnd::Overload) => "overload".to_owned(),
+        (PhaseKind::Operate { until: Some((relay, _)) }, PhaseEnd::Switched(position)) => {
             format!("{relay} {position}")
         }
-        (Deed::Operate { .. } | Deed::Hold, _) => "time".to_owned(),
+        (PhaseKind::Operate { .. } | PhaseKind::Hold, _) => "time".to_owned(),
         _ => String::new(),
     }
 }
 
-/// What a phase waited for in vain: "K1 did not switch within 10 s".
-pub fn missed(mark: &Mark) -> Option<String> {
-    let Deed::Operate { until: Some((relay, position)) } = &mark.phase else { return None };
+/// The switching that a phase waited for in vain: "K1 did not switch within 10 s". None if the phase ended as intended.
+pub fn unmet_condition(mark: &PhaseRecord) -> Option<String> {
+    let PhaseKind::Operate { until: Some((relay, position)) } = &mark.phase else { return None };
     let what = match position {
         Some(position) => format!("become {position}"),
         None => "switch".to_owned(),
     };
-    mark.waited_in_vain().then(|| format!("{relay} did not {what} within {} s", told(mark.end - mark.begin)))
+    mark.has_timed_out()
+        .then(|| format!("{relay} did not {what} within {} s", format_number(mark.end - mark.begin)))
 }

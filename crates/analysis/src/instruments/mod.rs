@@ -1,4 +1,8 @@
-//! Instruments: what can be read from a trace.
+//! Instruments: each reads one kind of quantity off the samples of a trace.
+//!
+//! An instrument is a function of plain slices (time, values, settings) in a file of the same name. It returns a struct
+//! of numbers or an error that says why the samples do not show the quantity. `measure` gives the instruments short
+//! names for sweeps ("peak:v_o"). `quantity` and `log` format numbers and phases for people.
 
 mod critical_range;
 mod critical_velocity;
@@ -22,35 +26,36 @@ mod voltmeter;
 mod window;
 
 pub use critical_range::{CriticalInterval, CriticalRange, critical_range};
-pub use critical_velocity::REST;
+pub use critical_velocity::REST_WINDOWS;
 pub use critical_velocity::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
 pub use cycles::{Cycle, CyclesError, cycles};
 pub use first_oscillation::{FirstOscillation, NoFirstOscillation, first_oscillation};
-pub use friction_loop::{FrictionLoop, FrictionLoopError, Turning, friction_loop};
+pub use friction_loop::{FrictionLoop, FrictionLoopError, LoopSense, friction_loop};
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
-pub use log::{deed, ending, missed};
-pub use measure::{Cell, Column, Measure, MeasureError, measures};
+pub use log::{phase_description, phase_end_description, unmet_condition};
+pub use measure::{Measure, MeasureColumn, MeasureError, MeasureValue, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use parameters::parameter_line;
 pub use profile::{
-    Absent, ProfileCriterion, ProfileError, ProfilePoint, Section, VelocityProfile, Way, velocity_profile,
+    AbsenceReason, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
+    VelocityProfile, velocity_profile,
 };
-pub use quantity::with_unit;
-pub use quantity::{Display, number};
+pub use quantity::format_quantity;
+pub use quantity::{QuantityFormat, number};
 pub use ringing::{Ringing, RingingError, ringing};
 pub use sensitivity::{Sensitivity, sensitivities};
 pub use steady_friction::{SteadyFriction, SteadyFrictionError, steady_friction};
 pub use stick::{StickError, stick_end};
-pub use voltmeter::{Extreme, Reading, readings};
+pub use voltmeter::{Extreme, VoltmeterReading, readings};
 pub use window::WindowError;
 
-/// Whether there is one finite value for each of the times, which rise.
+/// Whether the samples form a signal: one value per time, all finite, times strictly increasing.
 fn is_signal(time: &[f64], values: &[f64]) -> bool {
     let finite = time.iter().chain(values).all(|number| number.is_finite());
     time.len() == values.len() && finite && time.windows(2).all(|pair| pair[0] < pair[1])
 }
 
-/// A signal at so many instants, for tests.
+/// `count` samples of a signal, `step` seconds apart from t = 0. For tests.
 #[cfg(test)]
 fn sampled(count: usize, step: f64, signal: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
     let time: Vec<f64> = (0..count).map(|index| index as f64 * step).collect();

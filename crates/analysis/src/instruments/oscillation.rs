@@ -1,51 +1,72 @@
-//! A sustained oscillation, of whatever shape: amplitude and frequency.
+//! Amplitude and frequency of a sustained oscillation of any shape.
 
 use super::is_signal;
 use super::ringing::vertex;
 
-/// What a signal that goes on swinging tells.
+/// Amplitude and frequency of a sustained oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillation {
-    /// Half of the way from its least to its largest value, in the unit of the signal.
+    /// Half the difference of largest and smallest value, in the unit of the signal.
     pub amplitude: f64,
-    /// Whole cycles over the time that they take, in Hz.
+    /// Number of whole cycles divided by their duration, in Hz.
     pub frequency: f64,
-    /// How many whole cycles were read.
+    /// The number of whole cycles.
     pub cycles: usize,
 }
 
-/// Why there is no reading.
+/// Why the oscillation cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum OscillationError {
-    /// Times and values do not make a signal.
-    #[error("a signal has one finite value for each of its times, which rise")]
+    /// Times and values do not form a signal.
+    #[error("time must be strictly increasing and every sample finite")]
     NotASignal,
-    /// It does not go to and fro, or not often enough.
-    #[error("no oscillation: {0} of at least {FEWEST_CYCLES} whole cycles")]
+    /// The signal has too few whole cycles. The field is their number.
+    #[error("no oscillation: {0} whole cycles, at least {FEWEST_CYCLES} are needed")]
     TooFewCycles(usize),
-    /// There are too few samples in a cycle.
-    #[error("{0:.1} samples in a cycle: at least {FEWEST_SAMPLES} are needed")]
+    /// The cycles have too few samples. The field is the mean number per cycle.
+    #[error("{0:.1} samples per cycle, at least {FEWEST_SAMPLES} are needed")]
     TooCoarse(f64),
 }
 
+/// The fewest whole cycles that count as an oscillation.
 const FEWEST_CYCLES: usize = 2;
+/// The fewest samples per cycle that show its shape.
 const FEWEST_SAMPLES: f64 = 8.0;
-/// A cycle goes at least this share of the whole swing to either side of the middle; less is ripple.
+/// A cycle passes the middle by at least this fraction of the whole swing on both sides; less is ripple.
 const BAND: f64 = 0.1;
-/// A swing below this share of the largest value is rounding.
-const ROUNDING: f64 = 1e-9;
+/// A swing below this fraction of the largest absolute value is a rounding error.
+const NEGLIGIBLE_SWING: f64 = 1e-9;
 
-/// Reads amplitude and frequency off a signal, from its rises through the middle between its least and largest value.
-/// The signal must have settled: a drift or a decay counts as amplitude. Extremes are refined by the parabola through
-/// three samples; at a corner, by the straight lines on both sides of it. `time` in seconds, rising.
+/// Reads amplitude and frequency off a signal. Cycles are counted where the signal rises through the middle between its
+/// smallest and largest value.
+///
+/// The signal must be steady: drift and decay increase the amplitude. Extremes are refined by the parabola through
+/// three samples, or at a corner by the straight lines on both sides of it. `time` is in seconds and strictly
+/// increasing.
 ///
 /// # Errors
-/// When the signal is not one, shows fewer than two whole cycles, or fewer than eight samples a cycle.
+/// If the slices do not form a signal, or the signal has fewer than two whole cycles or fewer than eight samples per
+/// cycle.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::{OscillationError, oscillation};
+///
+/// let time: Vec<f64> = (0..2000).map(|index| 1e-3 * f64::from(index)).collect();
+/// let values: Vec<f64> = time.iter().map(|t| 3.0 + 2.0 * (std::f64::consts::TAU * 7.0 * t).sin()).collect();
+///
+/// let read = oscillation(&time, &values)?;
+/// assert!((read.amplitude - 2.0).abs() < 1e-3);
+/// assert!((read.frequency - 7.0).abs() < 1e-2);
+/// assert_eq!(oscillation(&time, &time), Err(OscillationError::TooFewCycles(0)));
+/// # Ok::<(), OscillationError>(())
+/// ```
 pub fn oscillation(time: &[f64], values: &[f64]) -> Result<Oscillation, OscillationError> {
     oscillation_within(time, values, [f64::NEG_INFINITY, f64::INFINITY])
 }
 
-/// The same of a signal of which it is known how far it goes: no corner lies beyond.
+/// Like [`oscillation`], for a signal whose range is known: a corner is not extrapolated beyond it.
 pub(super) fn oscillation_within(
     time: &[f64],
     values: &[f64],
@@ -57,7 +78,7 @@ pub(super) fn oscillation_within(
     let (low, high) = (extreme(time, values, -1.0, least), extreme(time, values, 1.0, most));
     let rises = rises(time, values, (low, high));
     let cycles = rises.len().saturating_sub(1);
-    if cycles < FEWEST_CYCLES || high - low <= ROUNDING * low.abs().max(high.abs()) {
+    if cycles < FEWEST_CYCLES || high - low <= NEGLIGIBLE_SWING * low.abs().max(high.abs()) {
         return Err(OscillationError::TooFewCycles(cycles.min(FEWEST_CYCLES - 1)));
     }
     let (begin, end) = (rises[0], rises[cycles]);
@@ -68,7 +89,7 @@ pub(super) fn oscillation_within(
     Ok(Oscillation { amplitude: 0.5 * (high - low), frequency: cycles as f64 / (end - begin), cycles })
 }
 
-/// The largest value (sign 1) or the least one (sign -1); a corner no further than the limit.
+/// The largest value (sign 1) or the smallest (sign -1), refined between samples. A corner is limited to `limit`.
 pub(super) fn extreme(time: &[f64], values: &[f64], sign: f64, limit: f64) -> f64 {
     let mut best = 0;
     for (index, value) in values.iter().enumerate() {
@@ -76,8 +97,8 @@ pub(super) fn extreme(time: &[f64], values: &[f64], sign: f64, limit: f64) -> f6
             best = index;
         }
     }
-    let inside = best > 0 && best + 1 < values.len();
-    if !inside || values[best - 1] == values[best] || values[best] == values[best + 1] {
+    let is_inside = best > 0 && best + 1 < values.len();
+    if !is_inside || values[best - 1] == values[best] || values[best] == values[best + 1] {
         return values[best];
     }
     match corner(time, values, best) {
@@ -86,7 +107,7 @@ pub(super) fn extreme(time: &[f64], values: &[f64], sign: f64, limit: f64) -> f6
     }
 }
 
-/// At a top that is a corner rather than round: where the straight lines on both sides of it meet.
+/// The value where the straight lines on both sides of an extreme meet; None if the extreme is round.
 fn corner(time: &[f64], values: &[f64], top: usize) -> Option<f64> {
     if top < 2 || top + 2 >= values.len() {
         return None;
@@ -94,10 +115,10 @@ fn corner(time: &[f64], values: &[f64], top: usize) -> Option<f64> {
     let slope = |from: usize| (values[from + 1] - values[from]) / (time[from + 1] - time[from]);
     let bend = |at: usize| ((slope(at) - slope(at - 1)) / (time[at + 1] - time[at - 1])).abs();
     let [before, after] = [bend(top - 1), bend(top + 1)];
-    if before.min(after) > ROUND * bend(top) {
+    if before.min(after) > ROUND_BEND * bend(top) {
         return None;
     }
-    // The top itself lies on the side that is the straighter with it.
+    // The extreme sample belongs to the side that is straighter with it.
     let (left, right) = if before < after { (top - 1, top + 1) } else { (top - 2, top) };
     let (up, down) = (slope(left), slope(right));
     let reach = time[right] - time[left + 1];
@@ -105,10 +126,11 @@ fn corner(time: &[f64], values: &[f64], top: usize) -> Option<f64> {
     (up * down < 0.0).then_some(values[left + 1] + up * beyond)
 }
 
-/// A round top bends beside itself by more than this share of what it bends at itself: a sine of eight samples by 0.41.
-const ROUND: f64 = 0.25;
+/// An extreme is round if the bend at both neighbouring samples exceeds this fraction of its own bend. A sine of eight
+/// samples per period has 0.41.
+const ROUND_BEND: f64 = 0.25;
 
-/// When the signal rises through the middle, on its way from below a band about it to above.
+/// The times at which the signal rises through the middle, coming from below a band about it and continuing to above.
 fn rises(time: &[f64], values: &[f64], (low, high): (f64, f64)) -> Vec<f64> {
     let (middle, band) = (0.5 * (low + high), BAND * (high - low));
     let (mut came_from_below, mut crossed, mut found) = (false, None, Vec::new());
@@ -136,7 +158,7 @@ mod tests {
     use crate::instruments::sampled;
 
     #[test]
-    fn a_sine_is_read() {
+    fn a_sine_gives_its_amplitude_and_frequency() {
         for (frequency, phase) in [(7.0, 0.3), (51.9, -2.0), (0.8, 1.0)] {
             let (time, values) = sampled(10_000, 1e-3, |t| 3.0 + 2.0 * (TAU * frequency * t + phase).sin());
             let read = oscillation(&time, &values).unwrap();
@@ -145,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Heats towards 1 and cools towards -3, from a corner at 0.2 to one at 0.1.
+    /// A relay thermostat that heats towards 1 and cools towards -3, with corners at 0.2 and 0.1.
     fn thermostat(time: f64) -> f64 {
         let (rise, fall) = ((0.9f64 / 0.8).ln(), (3.2f64 / 3.1).ln());
         let phase = time.rem_euclid(rise + fall);
@@ -153,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_are_met_and_not_passed() {
+    fn corners_are_reached_but_not_exceeded() {
         for spacing in [0.003, 0.007, 0.011] {
             let (time, values) = sampled(2000, spacing, |t| thermostat(t + 0.05));
             let read = oscillation(&time, &values).unwrap();
@@ -164,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn ripple_on_slips_is_not_counted() {
+    fn ripple_during_slips_is_not_counted() {
         let slips = |t: f64| (t * 5.0).fract().powi(4) + 0.05 * (TAU * 60.0 * t).sin();
         let (time, values) = sampled(4001, 1e-3, slips);
         let read = oscillation(&time, &values).unwrap();
@@ -173,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_oscillate_is_refused() {
+    fn signals_without_oscillation_return_errors() {
         let read = |signal: &dyn Fn(f64) -> f64| {
             let (time, values) = sampled(1000, 1e-3, signal);
             oscillation(&time, &values)

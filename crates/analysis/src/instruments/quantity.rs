@@ -1,53 +1,85 @@
-//! Quantities as a person reads them: a prefix that keeps numbers short, few digits.
+//! Formats quantities for people: four significant digits, and a unit prefix that keeps the numbers short.
+//!
+//! Example: 0.00254 in "m/s" becomes "2.54 mm/s", and 45e6 in "N/m" becomes "45 MN/m".
 
 use patchcord_expr::{Unit, engineering};
 
-/// How values of one quantity are shown: all of them in the same prefixed unit.
+/// The number format of one quantity. All values are printed in the same prefixed unit, so that they can be compared.
+///
+/// # Examples
+///
+/// The largest value selects the prefix for all values:
+///
+/// ```
+/// use patchcord_analysis::instruments::QuantityFormat;
+///
+/// let format = QuantityFormat::new("m/s", 0.025);
+/// assert_eq!(format.unit, "mm/s");
+/// assert_eq!((format.text(0.025), format.number(0.0005)), ("25 mm/s".to_owned(), "0.5".to_owned()));
+/// assert_eq!(format.number(1e-20), "0");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Display {
+pub struct QuantityFormat {
+    /// Printed value = value * factor.
     factor: f64,
+    /// Largest absolute value of the quantity, in its original unit.
     largest: f64,
-    /// The unit shown; empty for pure numbers.
+    /// The unit that is printed, such as "mm/s"; empty for pure numbers.
     pub unit: String,
 }
 
-/// A smaller share of the largest value is what rounding leaves of 0.
+/// A value below this fraction of the largest value is a rounding error of zero and is printed as 0.
 const NEGLIGIBLE: f64 = 1e-12;
 
-impl Display {
-    /// The display of values in `unit`, the largest of which (without sign) is `largest`.
+impl QuantityFormat {
+    /// The format for values in `unit`, of which `largest` is the largest absolute value. The prefix suits `largest`.
+    /// A unit that cannot be parsed is printed as it is.
     pub fn new(unit: &str, largest: f64) -> Self {
         let (factor, shown) = match Unit::parse(unit) {
             Ok(parsed) => engineering(&parsed, largest.abs()),
             Err(_) => (1.0, unit.to_owned()),
         };
-        Display { factor, largest: largest.abs(), unit: if shown == "1" { String::new() } else { shown } }
+        QuantityFormat {
+            factor,
+            largest: largest.abs(),
+            unit: if shown == "1" { String::new() } else { shown },
+        }
     }
 
-    /// A value in the unit shown.
+    /// Converts a value to the printed unit.
     pub fn value(&self, value: f64) -> f64 {
         value * self.factor
     }
 
-    /// A value in the unit shown, to four digits, without the unit. What is nothing beside the largest value
-    /// is 0.
+    /// A value in the printed unit, to four digits, without the unit. A value that is negligible compared with the
+    /// largest value is printed as 0.
     pub fn number(&self, value: f64) -> String {
         let is_rounding = value.abs() < NEGLIGIBLE * self.largest;
         digits(if is_rounding { 0.0 } else { self.value(value) })
     }
 
-    /// A value with its unit.
+    /// A value followed by its unit.
     pub fn text(&self, value: f64) -> String {
         format!("{} {}", self.number(value), self.unit).trim_end().to_owned()
     }
 }
 
-/// A value with its unit, prefixed as suits it.
-pub fn with_unit(value: f64, unit: &str) -> String {
-    Display::new(unit, value).text(value)
+/// One value with its unit and the prefix that suits it: `format_quantity(0.00254, "m/s")` is "2.54 mm/s".
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::format_quantity;
+///
+/// assert_eq!(format_quantity(0.00254, "m/s"), "2.54 mm/s");
+/// assert_eq!(format_quantity(45e6, "N/m"), "45 MN/m");
+/// assert_eq!(format_quantity(0.123456, "1"), "0.1235");
+/// ```
+pub fn format_quantity(value: f64, unit: &str) -> String {
+    QuantityFormat::new(unit, value).text(value)
 }
 
-/// A number to four digits, in powers of ten where it is very large or small.
+/// A number to four digits; in scientific notation below 1e-5 and from 1e7.
 fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -61,9 +93,19 @@ fn digits(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// A number of no unit, to four digits.
+/// A number without a unit, to four digits.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::number;
+///
+/// assert_eq!(number(1.0 / 3.0), "0.3333");
+/// assert_eq!(number(2e7), "2.000e7");
+/// assert_eq!(number(0.0), "0");
+/// ```
 pub fn number(value: f64) -> String {
-    Display::new("", 1.0).number(value)
+    QuantityFormat::new("", 1.0).number(value)
 }
 
 #[cfg(test)]
@@ -71,8 +113,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantities_are_short() {
-        let shown = |unit: &str, value: f64| Display::new(unit, value).text(value);
+    fn quantities_get_a_prefix_and_few_digits() {
+        let shown = |unit: &str, value: f64| QuantityFormat::new(unit, value).text(value);
         assert_eq!(shown("m/s", 0.00254), "2.54 mm/s");
         assert_eq!(shown("N", 771.0), "771 N");
         assert_eq!(shown("N/m", 45e6), "45 MN/m");
@@ -82,8 +124,8 @@ mod tests {
     }
 
     #[test]
-    fn what_rounding_leaves_of_0_is_0() {
-        let display = Display::new("m", 5.0);
-        assert_eq!((display.number(-3.7e-22), display.number(1e-9)), ("0".into(), "1.000e-9".into()));
+    fn rounding_errors_of_zero_are_printed_as_0() {
+        let format = QuantityFormat::new("m", 5.0);
+        assert_eq!((format.number(-3.7e-22), format.number(1e-9)), ("0".into(), "1.000e-9".into()));
     }
 }

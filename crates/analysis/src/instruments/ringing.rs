@@ -1,72 +1,92 @@
-//! A damped oscillation about its final value: natural frequency and damping ratio.
+//! A damped oscillation about its final value: natural frequency and damping ratio from its peaks.
 
 use std::f64::consts::PI;
 
 use super::is_signal;
 
-/// What an oscillation that dies away tells of the system.
+/// Natural frequency, damping ratio and final value of a damped oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ringing {
     /// Undamped natural frequency, in rad/s: damped frequency / sqrt(1 - damping^2).
     pub natural_frequency: f64,
-    /// Damping ratio; negative where the oscillation grows.
+    /// Damping ratio; negative if the oscillation grows.
     pub damping: f64,
-    /// The value that it rings about, in the unit of the signal.
+    /// The value about which the signal oscillates, in its unit.
     pub final_value: f64,
-    /// How many peaks, upper and lower, the reading stands on.
+    /// The number of peaks, upper and lower, that were used.
     pub peaks: usize,
 }
 
-/// Why there is no reading.
+/// Why the ringing cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum RingingError {
-    /// Times and values do not make a signal.
-    #[error("a signal has one finite value for each of its times, which rise")]
+    /// Times and values do not form a signal.
+    #[error("time must be strictly increasing and every sample finite")]
     NotASignal,
-    /// It does not swing often enough.
-    #[error("{0} peaks stand out: four are needed, upper and lower counted")]
+    /// The signal has too few peaks. The field is their number.
+    #[error("{0} distinct peaks, upper and lower: at least 4 are needed")]
     TooFewPeaks(usize),
-    /// There are too few samples between two peaks to place them.
-    #[error("{0:.1} samples between two peaks: at least 5 are needed")]
+    /// Too few samples between two peaks to locate them. The field is their mean number.
+    #[error("{0:.1} samples between two peaks, at least 5 are needed")]
     TooCoarse(f64),
-    /// Peaks are not evenly spaced, or do not shrink by the same ratio.
-    #[error("not one damped oscillation: its {what} differ by {share:.3} from one that fits them all")]
+    /// The peaks are not evenly spaced, or the swings do not shrink by a constant ratio.
+    #[error("not a single damped oscillation: its {what} deviate by {share:.3} from the best fit")]
     Irregular {
-        /// What does not fit.
+        /// What is irregular: "peak times" or "swings".
         what: &'static str,
-        /// By how much, as a share of a half period or of a swing.
+        /// The largest deviation as a fraction of a half period or of a swing.
         share: f64,
     },
 }
 
-/// Fewer peaks than this leave nothing to check the oscillation against.
+/// The fewest peaks that also test whether the oscillation is regular.
 const FEWEST_PEAKS: usize = 4;
-/// Swings smaller than this share of the largest are left to noise.
+/// Peaks after a swing below this fraction of the largest swing are ignored as noise.
 const SMALLEST_SWING: f64 = 1e-3;
-/// Fewer samples between two peaks than this do not place them.
+/// The fewest samples between two peaks that locate them.
 const FEWEST_SAMPLES: f64 = 5.0;
-/// Peaks may be off the even grid by this share of their spacing, swings off their ratio by this share.
+/// The largest deviation of a peak from even spacing, or of a swing from a constant ratio, as a fraction.
 const TOLERANCE: f64 = 0.02;
 
 /// Reads natural frequency, damping ratio and final value off a step response or any other ringing.
 ///
-/// Peaks, upper and lower, are refined by the parabola through three samples. Their times lie pi / wd apart;
-/// the swings from one to the next shrink by exp(-d), d the logarithmic decrement of a half period:
-/// damping = d / sqrt(pi^2 + d^2), natural frequency = sqrt(pi^2 + d^2) / spacing. Both come from straight
-/// lines through all peaks; swings do not ask for the final value, which then follows from them. Good for
-/// damping up to about 0.7, beyond which fewer than four peaks stand out.
+/// Upper and lower peaks are refined by the parabola through three samples. Peaks are pi / wd apart, where wd is the
+/// damped frequency. Each swing is smaller than the previous one by exp(-d), where d is the logarithmic decrement of a
+/// half period. Then damping = d / sqrt(pi^2 + d^2) and natural frequency = sqrt(pi^2 + d^2) / spacing. Spacing and d
+/// are slopes of straight lines through all peaks. The final value is not needed for this and is computed last. The
+/// method works up to a damping ratio of about 0.7; beyond, fewer than four peaks are distinct.
 ///
-/// `time` in seconds, rising.
+/// `time` is in seconds and strictly increasing.
 ///
 /// # Errors
-/// When the signal is not one, shows fewer than four peaks or fewer than five samples between them, or is not
-/// one damped oscillation: its peaks not evenly spaced, or not shrinking by the same ratio (solid friction
-/// takes off the same amount, two modes beat, a limit cycle has corners).
+/// If the slices do not form a signal, or it has fewer than four peaks or fewer than five samples between them. Also if
+/// it is not a single damped oscillation. Solid friction, two modes and a limit cycle give such signals: the swings
+/// shrink by a constant amount, the modes beat, or the peaks are corners.
+///
+/// # Examples
+///
+/// The step response of a second-order system with 50 rad/s and a damping ratio of 0.1:
+///
+/// ```
+/// use patchcord_analysis::instruments::{RingingError, ringing};
+///
+/// let (natural, damping) = (50.0_f64, 0.1_f64);
+/// let damped = natural * (1.0 - damping * damping).sqrt();
+/// let time: Vec<f64> = (0..1000).map(|index| 1e-3 * f64::from(index)).collect();
+/// let wave = |t: f64| (damped * t).cos() + damping * natural / damped * (damped * t).sin();
+/// let values: Vec<f64> = time.iter().map(|t| 2.0 - 2.0 * (-damping * natural * t).exp() * wave(*t)).collect();
+///
+/// let read = ringing(&time, &values)?;
+/// assert!((read.natural_frequency / natural - 1.0).abs() < 1e-3);
+/// assert!((read.damping - damping).abs() < 1e-3);
+/// assert!((read.final_value - 2.0).abs() < 1e-2);
+/// # Ok::<(), RingingError>(())
+/// ```
 pub fn ringing(time: &[f64], values: &[f64]) -> Result<Ringing, RingingError> {
     if !is_signal(time, values) {
         return Err(RingingError::NotASignal);
     }
-    let peaks = outstanding(peaks(time, values));
+    let peaks = distinct(peaks(time, values));
     if peaks.len() < FEWEST_PEAKS {
         return Err(RingingError::TooFewPeaks(peaks.len()));
     }
@@ -81,13 +101,16 @@ pub fn ringing(time: &[f64], values: &[f64]) -> Result<Ringing, RingingError> {
     })
 }
 
+/// A refined extreme: time in seconds, value in the unit of the signal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Peak {
+    /// Time of the vertex in seconds.
     time: f64,
+    /// Value of the vertex, in the unit of the signal.
     pub value: f64,
 }
 
-/// Every place at which the signal turns; two equal samples on top are one peak.
+/// Every extreme of the signal. Two equal samples at the top are one peak.
 fn peaks(time: &[f64], values: &[f64]) -> Vec<Peak> {
     let turns = (1..values.len().saturating_sub(1)).filter(|index| {
         let before = values[*index] - values[index - 1];
@@ -98,7 +121,7 @@ fn peaks(time: &[f64], values: &[f64]) -> Vec<Peak> {
     turns.map(|index| vertex(&time[index - 1..=index + 1], &values[index - 1..=index + 1])).collect()
 }
 
-/// Top of the parabola through three samples.
+/// The vertex of the parabola through three samples.
 pub(super) fn vertex(time: &[f64], values: &[f64]) -> Peak {
     let slope = |from: usize| (values[from + 1] - values[from]) / (time[from + 1] - time[from]);
     let bend = (slope(1) - slope(0)) / (time[2] - time[0]);
@@ -106,8 +129,8 @@ pub(super) fn vertex(time: &[f64], values: &[f64]) -> Peak {
     Peak { time: top, value: values[0] + (top - time[0]) * (slope(0) + bend * (top - time[1])) }
 }
 
-/// The peaks up to the first swing that noise could be.
-fn outstanding(mut peaks: Vec<Peak>) -> Vec<Peak> {
+/// The peaks before the first swing that may be noise.
+fn distinct(mut peaks: Vec<Peak>) -> Vec<Peak> {
     let swings = swings(&peaks);
     let least = SMALLEST_SWING * swings.iter().copied().fold(0.0, f64::max);
     if let Some(small) = swings.iter().position(|swing| *swing < least) {
@@ -116,12 +139,12 @@ fn outstanding(mut peaks: Vec<Peak>) -> Vec<Peak> {
     peaks
 }
 
-/// From each peak to the next, without sign.
+/// Absolute difference of each peak and the next.
 fn swings(peaks: &[Peak]) -> Vec<f64> {
     peaks.windows(2).map(|pair| (pair[1].value - pair[0].value).abs()).collect()
 }
 
-/// Time from one peak to the next.
+/// Mean time between two peaks, in seconds.
 fn spacing(peaks: &[Peak], time: &[f64]) -> Result<f64, RingingError> {
     let times: Vec<f64> = peaks.iter().map(|peak| peak.time).collect();
     let (spacing, off) = line(&times);
@@ -130,21 +153,22 @@ fn spacing(peaks: &[Peak], time: &[f64]) -> Result<f64, RingingError> {
     if samples < FEWEST_SAMPLES {
         return Err(RingingError::TooCoarse(samples));
     }
-    regular("peak times", off / spacing).map(|()| spacing)
+    check_regular("peak times", off / spacing).map(|()| spacing)
 }
 
-/// Logarithmic decrement of a half period.
+/// The logarithmic decrement of a half period.
 fn decrement(peaks: &[Peak]) -> Result<f64, RingingError> {
     let logarithms: Vec<f64> = swings(peaks).iter().map(|swing| swing.ln()).collect();
     let (slope, off) = line(&logarithms);
-    regular("swings", off.exp_m1()).map(|()| -slope)
+    check_regular("swings", off.exp_m1()).map(|()| -slope)
 }
 
-fn regular(what: &'static str, share: f64) -> Result<(), RingingError> {
+/// An error if a deviation, as a fraction, exceeds the tolerance.
+fn check_regular(what: &'static str, share: f64) -> Result<(), RingingError> {
     if share <= TOLERANCE { Ok(()) } else { Err(RingingError::Irregular { what, share }) }
 }
 
-/// Slope of the straight line through values at 0, 1, 2, ..., and how far the worst of them is off it.
+/// Slope of the least-squares line through values at 0, 1, 2, ..., and the largest deviation from it.
 fn line(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let (middle, mean) = ((count - 1.0) / 2.0, values.iter().sum::<f64>() / count);
@@ -155,11 +179,11 @@ fn line(values: &[f64]) -> (f64, f64) {
     (slope, values.iter().enumerate().map(off).fold(0.0, f64::max))
 }
 
-/// The mean of what each pair of peaks says: it divides their swing as 1 to exp(-decrement).
+/// The mean estimate from all pairs of peaks. The final value divides each swing in the ratio 1 : exp(-decrement).
 fn final_value(peaks: &[Peak], decrement: f64) -> f64 {
     let share = 1.0 / (1.0 + (-decrement).exp());
-    let told = peaks.windows(2).map(|pair| pair[0].value + share * (pair[1].value - pair[0].value));
-    told.sum::<f64>() / (peaks.len() - 1) as f64
+    let estimates = peaks.windows(2).map(|pair| pair[0].value + share * (pair[1].value - pair[0].value));
+    estimates.sum::<f64>() / (peaks.len() - 1) as f64
 }
 
 #[cfg(test)]
@@ -174,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_response_gives_back_what_made_it() {
+    fn a_step_response_gives_its_parameters() {
         for (wn, zeta) in [(198.3, 0.0992), (322.4, 0.0383), (50.0, 0.0), (50.0, 0.4), (50.0, 0.7)] {
             let (time, values) = sampled(4000, 1e-4, response(wn, zeta));
             let read = ringing(&time, &values).unwrap();
@@ -191,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn solid_friction_beats_and_noise_are_not_one_damped_oscillation() {
+    fn solid_friction_beats_and_noise_are_not_a_single_damped_oscillation() {
         let constant_loss = |t: f64| {
             let half = (t / PI).floor();
             let side = if half % 2.0 == 0.0 { 0.06 } else { -0.06 };
@@ -212,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_refused() {
+    fn unusable_signals_return_errors() {
         let (time, values) = sampled(1000, 1e-3, response(50.0, 0.9));
         assert!(matches!(ringing(&time, &values), Err(RingingError::TooFewPeaks(_))));
         assert_eq!(ringing(&time, &vec![1.0; 1000]), Err(RingingError::TooFewPeaks(0)));

@@ -1,51 +1,56 @@
-//! Where a velocity slides along with its command, without oscillating.
+//! Detects where a velocity follows its command without oscillating.
 
 use std::ops::Range;
 
-use super::critical_velocity::{REST, swings};
+use super::critical_velocity::{REST_WINDOWS, swings};
 
-/// The windows of a run in which the velocity slides steadily: less the command it swings by no more than a threshold,
-/// peak to peak, and its mean is within a tenth of the mean command. Standing still is not sliding.
+/// The windows of a run in which the velocity slides steadily.
+///
+/// In such a window velocity minus command varies by at most a threshold, peak to peak, and the mean velocity is within
+/// a tenth of the mean command. Standstill under a moving command is not steady sliding.
 pub(super) struct Steadiness {
-    /// Whether the window that begins at each sample is steady.
+    /// For each sample: whether the window that starts there is steady.
     steady: Vec<bool>,
-    /// How many windows in a row are steady from each sample on, one beginning at each sample.
-    lasting: Vec<usize>,
-    /// Samples in a window.
+    /// For each sample: the number of consecutive steady windows, one starting at each sample from here on.
+    consecutive: Vec<usize>,
+    /// Samples per window.
     span: usize,
 }
 
-/// The mean velocity of a steady window is off the mean command by less than this share of it.
-const FOLLOWS: f64 = 0.1;
+/// The largest deviation of the mean velocity from the mean command in a steady window, as a fraction of the command.
+const FOLLOWING_TOLERANCE: f64 = 0.1;
 
 impl Steadiness {
+    /// Evaluates every window of `span` samples. `threshold` is in the unit of the velocity.
     pub fn new(command: &[f64], velocity: &[f64], span: usize, threshold: f64) -> Self {
-        let off: Vec<f64> = velocity.iter().zip(command).map(|(actual, wanted)| actual - wanted).collect();
-        let follows =
-            sums(&off, span).zip(sums(command, span)).map(|(off, wanted)| off.abs() < FOLLOWS * wanted.abs());
-        let calm = swings(&off, span).map(|swing| swing <= threshold);
+        let deviation: Vec<f64> =
+            velocity.iter().zip(command).map(|(actual, wanted)| actual - wanted).collect();
+        let follows = sums(&deviation, span)
+            .zip(sums(command, span))
+            .map(|(off, wanted)| off.abs() < FOLLOWING_TOLERANCE * wanted.abs());
+        let calm = swings(&deviation, span).map(|swing| swing <= threshold);
         let steady: Vec<bool> = follows.zip(calm).map(|(follows, calm)| follows && calm).collect();
-        let mut lasting = vec![0; steady.len() + 1];
+        let mut consecutive = vec![0; steady.len() + 1];
         for index in (0..steady.len()).rev() {
-            lasting[index] = if steady[index] { lasting[index + 1] + 1 } else { 0 };
+            consecutive[index] = if steady[index] { consecutive[index + 1] + 1 } else { 0 };
         }
-        Steadiness { steady, lasting, span }
+        Steadiness { steady, consecutive, span }
     }
 
-    /// Whether the window that begins at a sample is steady.
+    /// Whether the window that starts at a sample is steady; false if no whole window starts there.
     pub fn is_steady(&self, sample: usize) -> bool {
         self.steady.get(sample) == Some(&true)
     }
 
-    /// Where, among these samples, the velocity first is steady for four windows.
+    /// The first of these samples from which the velocity is steady for [`REST_WINDOWS`] windows.
     pub fn first_rest(&self, samples: Range<usize>) -> Option<usize> {
-        let rest = (REST - 1) * self.span + 1;
-        let end = (samples.end + 1).saturating_sub(REST * self.span);
-        (samples.start..end.min(self.steady.len())).find(|start| self.lasting[*start] >= rest)
+        let rest = (REST_WINDOWS - 1) * self.span + 1;
+        let end = (samples.end + 1).saturating_sub(REST_WINDOWS * self.span);
+        (samples.start..end.min(self.steady.len())).find(|start| self.consecutive[*start] >= rest)
     }
 }
 
-/// The sum of every so many values in a row.
+/// The sum of every `span` consecutive values.
 fn sums(values: &[f64], span: usize) -> impl Iterator<Item = f64> {
     let total = |sum: &mut f64, value: &f64| {
         *sum += value;
@@ -60,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sliding_along_is_steady_and_standing_still_is_not() {
+    fn following_is_steady_and_standstill_is_not() {
         let command: Vec<f64> = (0..200).map(|index| 1.0 + 0.01 * f64::from(index)).collect();
         let steady = |actual: &dyn Fn(usize) -> f64| {
             let velocity: Vec<f64> = (0..200).map(|index| command[index] + actual(index)).collect();
@@ -77,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_are_those_of_windows() {
+    fn sums_match_their_windows() {
         let values = [1.0, 2.0, 4.0, 8.0];
         assert_eq!(sums(&values, 2).collect::<Vec<_>>(), [3.0, 6.0, 12.0]);
         assert_eq!(sums(&values, 5).count(), 0);

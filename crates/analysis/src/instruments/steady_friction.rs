@@ -1,55 +1,73 @@
-//! The steady friction characteristic, traced by a command that creeps: friction against velocity.
+//! The steady friction characteristic: friction against velocity, read during a slow ramp of the command.
 
 use super::critical_velocity::Criterion;
 use super::is_signal;
 use super::steadiness::Steadiness;
 use super::window::{WindowError, samples_in};
 
-/// A point of the characteristic: means over a window in which nothing oscillates.
+/// One point of the characteristic: means over a window without oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyFriction {
-    /// The middle of the window, in seconds.
+    /// Mean time of the window, in seconds.
     pub time: f64,
-    /// Velocity, in the unit of its signal.
+    /// Mean velocity, in the unit of its signal.
     pub velocity: f64,
-    /// Friction: the force that drives less what accelerates the mass, in the unit of the force.
+    /// Friction: the driving force minus mass x acceleration, in the unit of the force.
     pub friction: f64,
 }
 
-/// Why there is no characteristic.
+/// Why the characteristic cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SteadyFrictionError {
-    /// Times and values do not make signals.
-    #[error("signals have one finite value for each of their times, which rise")]
+    /// Times and values do not form signals.
+    #[error("time must be strictly increasing and every sample finite")]
     NotASignal,
-    /// The mass is below 0, or not a number.
-    #[error("a mass of {0} is none")]
+    /// The mass is negative or not finite.
+    #[error("mass must be finite and at least 0, got {0}")]
     BadMass(f64),
-    /// Threshold and window do not go with the run.
+    /// Threshold and window are unusable with this run.
     #[error(transparent)]
     Window(#[from] WindowError),
-    /// It slides steadily in no window.
-    #[error("it never slides along with the command without oscillating")]
+    /// No window shows steady sliding.
+    #[error("the velocity never follows the command without oscillating")]
     NeverSteady,
 }
 
-/// Reads friction against velocity off a run whose command creeps, window after window.
+/// Reads friction against velocity off a run with a slow ramp of the command, one window after the other.
 ///
-/// A window counts where the velocity slides steadily: less the command it swings by no more than the criterion's threshold,
-/// peak to peak, and its mean lies within a tenth of the mean command. Friction is the mean of `force`, which drives the
-/// mass, less `mass` x the slope of the velocity in that window (least squares). `mass` is 0 or more, in
-/// unit of force x s / unit of velocity (kg, with N and m/s); with 0 the acceleration is left out. Points stand in the order
-/// of time; where the command comes back there are two of one velocity.
+/// A window counts if the velocity slides steadily in it. Velocity minus command then varies by at most the
+/// criterion's threshold, peak to peak, and the mean velocity is within a tenth of the mean command. Friction is the
+/// mean of `force`, which drives the mass, minus `mass` x the least-squares slope of the velocity in that window.
+/// `mass` is at least 0, in unit of force x s / unit of velocity (kg for N and m/s); 0 ignores the acceleration.
+/// Points are in order of time. If the command returns, there are two points for the same velocity.
 ///
-/// What a ramp traces is the steady friction of a moment ago: friction that follows velocity late by Tc stands off the
-/// curve by its slope x rate of the command x Tc. What still swings below the threshold weighs on a mean over
-/// part of a cycle. Both shrink with the rate of the command and the threshold.
+/// A ramp shows friction with a delay. If friction follows velocity with the lag Tc, each point deviates from the
+/// characteristic by its slope x rate of the command x Tc. Oscillation below the threshold disturbs the mean over a
+/// fraction of a cycle. Both errors decrease with the rate of the command and with the threshold.
 ///
-/// `time` is in seconds and evenly spaced, command and velocity are in one unit.
+/// `time` is in seconds and evenly spaced; command and velocity have the same unit.
 ///
 /// # Errors
-/// When signals or the mass are none, the window has fewer than eight samples or is longer than the run, or no window is
-/// steady.
+/// If the slices do not form signals, or the mass is negative or not finite. Also if the window has fewer than eight
+/// samples or is longer than the run, or if no window is steady.
+///
+/// # Examples
+///
+/// A mass of 400 kg slides with a friction of 100 N + 10 N s/m x velocity:
+///
+/// ```
+/// use patchcord_analysis::instruments::{Criterion, SteadyFrictionError, steady_friction};
+///
+/// let time: Vec<f64> = (0..1000).map(|index| 1e-3 * f64::from(index)).collect();
+/// let velocity: Vec<f64> = time.iter().map(|t| 0.1 + 0.1 * t).collect();
+/// let force: Vec<f64> = velocity.iter().map(|v| 100.0 + 10.0 * v + 400.0 * 0.1).collect();
+///
+/// let criterion = Criterion { threshold: 0.01, window: 0.05 };
+/// let points = steady_friction(&time, &velocity, &velocity, &force, 400.0, criterion)?;
+/// assert_eq!(points.len(), 20);
+/// assert!(points.iter().all(|point| (point.friction - 100.0 - 10.0 * point.velocity).abs() < 1e-6));
+/// # Ok::<(), SteadyFrictionError>(())
+/// ```
 pub fn steady_friction(
     time: &[f64],
     command: &[f64],
@@ -76,13 +94,14 @@ pub fn steady_friction(
     if points.is_empty() { Err(SteadyFrictionError::NeverSteady) } else { Ok(points) }
 }
 
+/// The point of one window.
 fn point(time: &[f64], velocity: &[f64], force: &[f64], mass: f64) -> SteadyFriction {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (middle, level) = (mean(time), mean(velocity));
-    let off = || time.iter().map(|instant| instant - middle);
-    let moment: f64 = off().zip(velocity).map(|(off, value)| off * (value - level)).sum();
+    let (mean_time, mean_velocity) = (mean(time), mean(velocity));
+    let off = || time.iter().map(|instant| instant - mean_time);
+    let moment: f64 = off().zip(velocity).map(|(off, value)| off * (value - mean_velocity)).sum();
     let slope = moment / off().map(|off| off * off).sum::<f64>();
-    SteadyFriction { time: middle, velocity: level, friction: mean(force) - mass * slope }
+    SteadyFriction { time: mean_time, velocity: mean_velocity, friction: mean(force) - mass * slope }
 }
 
 #[cfg(test)]
@@ -95,12 +114,12 @@ mod tests {
     const CRITERION: Criterion = Criterion { threshold: 0.01, window: 0.05 };
     const MASS: f64 = 400.0;
 
-    /// Friction that falls with the square of velocity to 0 at 2, and a viscous part.
+    /// Friction that falls quadratically with velocity and is 0 at 2, plus a viscous term.
     fn law(velocity: f64) -> f64 {
         700.0 * (1.0 - velocity / 2.0).max(0.0).powi(2) + 10.0 * velocity
     }
 
-    /// Sticks until the command is at 0.3, slides along with it, and oscillates from 1.5 to 1.8.
+    /// Sticks until the command is 0.3, then slides with it, and oscillates from 1.5 to 1.8.
     fn run() -> [Vec<f64>; 4] {
         let (time, command) = sampled(30_001, 1e-3, |t| 0.1 * t);
         let swing = |t: f64| if (15.0..18.0).contains(&t) { 0.2 * (TAU * 20.0 * t).sin() } else { 0.0 };
@@ -115,11 +134,11 @@ mod tests {
     }
 
     #[test]
-    fn the_law_is_traced_where_it_slides() {
+    fn points_follow_the_friction_law_during_sliding() {
         let points = read(&run(), MASS);
         for point in &points {
             assert!((point.velocity - 0.1 * point.time).abs() < 1e-12, "{point:?}");
-            // The mean over a window of a curve is off it by its bend.
+            // The mean over a window of a curved function deviates from the value at its middle.
             assert!((point.friction - law(point.velocity)).abs() < 2e-3, "{point:?}");
         }
         let is_within = |range: std::ops::Range<f64>| {
@@ -140,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_told() {
+    fn unusable_runs_return_errors() {
         use SteadyFrictionError::*;
         let [time, command, velocity, force] = run();
         let with = |velocity: &[f64], mass, criterion| {

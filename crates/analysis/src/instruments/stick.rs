@@ -1,36 +1,51 @@
-//! Stick at the beginning of a run: when sliding begins.
+//! The end of sticking: the time at which a velocity that starts at zero begins to move.
 
 use super::is_signal;
 
-/// Why no end of sticking was seen.
+/// Why the end of sticking cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum StickError {
-    /// Times and values do not make a signal.
-    #[error("a signal has one finite value for each of its times, which rise")]
+    /// Times and values do not form a signal.
+    #[error("time must be strictly increasing and every sample finite")]
     NotASignal,
-    /// It moves at the beginning.
-    #[error("it does not stand still at the beginning")]
+    /// The velocity exceeds the threshold at the first sample.
+    #[error("the velocity is not zero at the beginning")]
     Moves,
-    /// It never moves.
-    #[error("it never begins to slide")]
+    /// The velocity never exceeds the threshold.
+    #[error("the velocity never exceeds the threshold")]
     Sticks,
 }
 
-/// A velocity below this share of the largest one is standstill.
-const STANDSTILL: f64 = 1e-6;
+/// The default threshold as a fraction of the largest absolute velocity.
+const DEFAULT_THRESHOLD: f64 = 1e-6;
 
-/// When a velocity that stands still at the beginning first passes a threshold, in either direction: a millionth of its
-/// largest value where none is given. On the straight line between two samples, so no closer than they lie to each
-/// other. `time` in seconds, rising.
+/// The time at which a velocity that starts at zero first exceeds a threshold, in either direction.
+///
+/// The default threshold is a millionth of the largest absolute velocity. The result is interpolated linearly, so its
+/// accuracy is that of the sample spacing. `time` is in seconds and strictly increasing.
 ///
 /// # Errors
-/// When the signal is not one, moves from the beginning, or never moves.
+/// If the slices do not form a signal, or the velocity moves from the beginning or never.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::{StickError, stick_end};
+///
+/// // The velocity is zero up to 0.4 s and then rises by 1 per second.
+/// let time: Vec<f64> = (0..1000).map(|index| 1e-3 * f64::from(index)).collect();
+/// let velocity: Vec<f64> = time.iter().map(|t| (t - 0.4).max(0.0)).collect();
+///
+/// assert!((stick_end(&time, &velocity, Some(0.1))? - 0.5).abs() < 1e-9);
+/// assert_eq!(stick_end(&time, &velocity, Some(5.0)), Err(StickError::Sticks));
+/// # Ok::<(), StickError>(())
+/// ```
 pub fn stick_end(time: &[f64], velocity: &[f64], threshold: Option<f64>) -> Result<f64, StickError> {
     if time.is_empty() || !is_signal(time, velocity) {
         return Err(StickError::NotASignal);
     }
     let largest = velocity.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    let threshold = threshold.unwrap_or(STANDSTILL * largest);
+    let threshold = threshold.unwrap_or(DEFAULT_THRESHOLD * largest);
     match velocity.iter().position(|value| value.abs() > threshold) {
         None => Err(StickError::Sticks),
         Some(0) => Err(StickError::Moves),
@@ -48,14 +63,14 @@ mod tests {
     use crate::instruments::sampled;
 
     #[test]
-    fn the_end_lies_where_the_threshold_is_passed() {
+    fn the_end_is_where_the_threshold_is_passed() {
         let (time, velocity) = sampled(1000, 1e-3, |t| if t < 0.4005 { 0.0 } else { -2.0 * (t - 0.4005) });
         assert!((stick_end(&time, &velocity, None).unwrap() - 0.4).abs() < 1e-5);
         assert!((stick_end(&time, &velocity, Some(0.1)).unwrap() - 0.4505).abs() < 1e-12);
     }
 
     #[test]
-    fn what_does_not_stick_or_never_moves_is_told() {
+    fn moving_from_the_start_or_never_returns_an_error() {
         let (time, velocity) = sampled(10, 1e-3, |t| 1.0 + t);
         assert_eq!(stick_end(&time, &velocity, None), Err(StickError::Moves));
         assert_eq!(stick_end(&time, &velocity, Some(5.0)), Err(StickError::Sticks));

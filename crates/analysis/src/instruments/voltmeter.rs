@@ -1,27 +1,27 @@
-//! The digital voltmeter: what a signal was at the start and the end, and how far it went.
+//! The digital voltmeter: start, end, minimum and maximum of every recorded signal.
 
-use patchcord_core::trace::{Course, Moment, Trace, Track};
+use patchcord_core::trace::{Extremum, SignalExtremes, Trace, Track};
 
-/// A signal's reading in one run, in the signal's unit.
+/// The readings of one signal in one run, in the unit of the signal.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
-    /// The run, counted from 0.
+pub struct VoltmeterReading {
+    /// Index of the run, from 0.
     pub run: usize,
     /// Name of the signal.
     pub signal: String,
-    /// Text of its unit.
+    /// Its unit as text, such as "m/s".
     pub unit: String,
-    /// Value at its beginning.
+    /// Value at the start of the run.
     pub start: f64,
-    /// Value at its end.
+    /// Value at the end of the run.
     pub end: f64,
-    /// Its least value.
+    /// Smallest value.
     pub least: Extreme,
-    /// Its largest value.
+    /// Largest value.
     pub most: Extreme,
 }
 
-/// An extreme value of a signal and when it was met first.
+/// An extreme value of a signal and the first time at which it occurs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extreme {
     /// In the signal's unit.
@@ -30,27 +30,54 @@ pub struct Extreme {
     pub time: f64,
 }
 
-impl Reading {
-    /// The largest value without sign.
+impl VoltmeterReading {
+    /// The largest absolute value.
     pub fn largest(&self) -> f64 {
         self.least.value.abs().max(self.most.value.abs())
     }
 }
 
-/// Reads every recorded signal in every run, one run after the other, between its samples too; nothing where
-/// nothing was seen.
-pub fn readings(trace: &Trace) -> Vec<Reading> {
-    let of_run =
-        |run| trace.tracks.iter().filter_map(move |track| Some(reading(run, track, track.courses.get(run)?)));
+/// Reads every recorded signal in every run, run by run. Extremes between samples count if the solver located them.
+/// A signal without samples in a run has no reading.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::readings;
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::{RunSettings, run};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // dx/dt = -x, from x = 50 V
+/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("Decay").element("A1", decay).run(1.0, 1e-3).record(["A1"]).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let program = Program::new(&circuit)?;
+/// let trace = run(&program, &RunSettings::of(&circuit)?)?;
+///
+/// let reading = &readings(&trace)[0];
+/// assert_eq!((reading.signal.as_str(), reading.unit.as_str()), ("A1", "V"));
+/// assert_eq!((reading.start, reading.most.value, reading.most.time), (50.0, 50.0, 0.0));
+/// assert!((reading.end - 50.0 * (-1.0f64).exp()).abs() < 1e-6);
+/// # Ok(())
+/// # }
+/// ```
+pub fn readings(trace: &Trace) -> Vec<VoltmeterReading> {
+    let of_run = |run| {
+        trace.tracks.iter().filter_map(move |track| Some(reading(run, track, track.extremes.get(run)?)))
+    };
     (0..trace.sweeps.len()).flat_map(of_run).collect()
 }
 
-fn reading(run: usize, track: &Track, course: &Course) -> Reading {
-    let extreme = |moment: Moment| Extreme { time: moment.time, value: moment.volts * track.per_volt };
+/// The reading of one track in one run, converted to the unit of the track.
+fn reading(run: usize, track: &Track, course: &SignalExtremes) -> VoltmeterReading {
+    let extreme = |moment: Extremum| Extreme { time: moment.time, value: moment.volts * track.per_volt };
     let (lower, upper) = (extreme(course.least), extreme(course.most));
-    // A scale below 0 turns what is up down.
+    // A negative scale exchanges minimum and maximum.
     let (least, most) = if track.per_volt < 0.0 { (upper, lower) } else { (lower, upper) };
-    Reading {
+    VoltmeterReading {
         run,
         signal: track.name.clone(),
         unit: track.unit.clone(),
@@ -67,12 +94,12 @@ mod tests {
     use patchcord_core::trace::Sweep;
 
     fn trace(track: Track) -> Trace {
-        let sweeps = vec![Sweep::default(); track.courses.len()];
+        let sweeps = vec![Sweep::default(); track.extremes.len()];
         Trace { tracks: vec![track], sweeps, ..Trace::default() }
     }
 
     #[test]
-    fn extremes_are_found_with_their_first_time() {
+    fn extremes_have_the_time_of_their_first_occurrence() {
         let mut track = Track::new("x", "m", -2.0);
         for (time, volts) in [(0.0, 0.0), (1.0, 3.0), (2.0, -1.0), (3.0, 3.0)] {
             track.record(0, time, volts);
@@ -84,25 +111,29 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_between_samples_counts() {
+    fn extremes_between_samples_count() {
         let mut track = Track::new("x", "m", 1.0);
         track.record(0, 0.0, 1.0);
-        track.see(0, 0.5, 7.0);
+        track.observe(0, 0.5, 7.0);
         track.record(0, 1.0, 1.0);
-        track.see(0, 1.5, 2.0);
+        track.observe(0, 1.5, 2.0);
         let reading = &readings(&trace(track))[0];
         assert_eq!((reading.most.value, reading.most.time, reading.end), (7.0, 0.5, 2.0));
     }
 
     #[test]
-    fn every_run_is_read_by_itself() {
+    fn every_run_is_read_separately() {
         let mut track = Track::new("x", "m", 1.0);
         for (run, time, volts) in [(0, 0.0, 5.0), (0, 1.0, 9.0), (1, 0.0, 4.0), (1, 2.0, -3.0)] {
             track.record(run, time, volts);
         }
         let readings = readings(&trace(track));
-        let told = |reading: &Reading| (reading.run, reading.start, reading.end, reading.most.value);
-        assert_eq!(readings.iter().map(told).collect::<Vec<_>>(), [(0, 5.0, 9.0, 9.0), (1, 4.0, -3.0, 4.0)]);
+        let values =
+            |reading: &VoltmeterReading| (reading.run, reading.start, reading.end, reading.most.value);
+        assert_eq!(
+            readings.iter().map(values).collect::<Vec<_>>(),
+            [(0, 5.0, 9.0, 9.0), (1, 4.0, -3.0, 4.0)]
+        );
     }
 
     #[test]

@@ -1,19 +1,19 @@
-//! Windows in which a signal is looked at: how many samples they hold.
+//! Windows: short stretches of a run in which a velocity is classified. Converts their length to samples.
 
 use super::critical_velocity::Criterion;
-use patchcord_core::document::told;
+use patchcord_core::document::format_number;
 
-/// Why there are no windows to look through.
+/// Why a run cannot be divided into windows.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WindowError {
-    /// The threshold or the window is not above 0.
-    #[error("threshold and window must lie above 0")]
+    /// The threshold or the window is not positive.
+    #[error("threshold and window must be positive")]
     BadCriterion,
-    /// Too few samples stand in a window.
-    #[error("{0} samples stand in a window: at least {FEWEST_SAMPLES} are needed")]
+    /// A window has too few samples. The field is their number.
+    #[error("a window has {0} samples, at least {FEWEST_SAMPLES} are needed")]
     TooCoarse(usize),
-    /// The run ends before a window does.
-    #[error("the window of {} s is longer than the run of {} s", told(*.window), told(*.run))]
+    /// The window is longer than the run.
+    #[error("window of {} s exceeds the run of {} s", format_number(*.window), format_number(*.run))]
     TooLong {
         /// Length of the window in seconds.
         window: f64,
@@ -22,10 +22,10 @@ pub enum WindowError {
     },
 }
 
-/// Fewer samples in a window than this do not show a swing.
+/// The fewest samples in a window that show a swing.
 const FEWEST_SAMPLES: usize = 8;
 
-/// Samples in a window; there are two instants at least, evenly spaced.
+/// The number of samples per window. `time` has at least two evenly spaced entries, in seconds.
 pub(super) fn samples_in(
     time: &[f64],
     Criterion { threshold, window }: Criterion,

@@ -1,16 +1,22 @@
-//! Eigenvalues of a real matrix, block by block, with what rounding splits put together again.
+//! Eigenvalues of a real matrix, with multiplicities.
+//!
+//! The matrix is first divided into blocks of states that act on each other. Each block is balanced and brought to
+//! Schur form. Rounding splits a multiple eigenvalue into a cluster. Clusters whose mean is an eigenvalue to rounding
+//! are merged.
 
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector, Matrix2, Schur, Vector2};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::DiGraph;
 
-/// An eigenvalue with the number of times that it stands in its block.
-pub(super) type Counted = (Complex<f64>, usize);
+/// An eigenvalue and its multiplicity within its block.
+pub(super) type Eigenvalue = (Complex<f64>, usize);
 
-/// Eigenvalues of the blocks of states that act on each other, or the states of a block for which they were not
-/// found. A row of blocks that act one way only has those of the blocks: no rounding goes from one to the next.
-pub(super) fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Counted>, Vec<usize>> {
+/// The eigenvalues of all blocks. The error has the states of a block whose iteration does not converge.
+///
+/// Blocks that act on each other in one direction only are independent, so rounding errors of one do not affect
+/// another.
+pub(super) fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Eigenvalue>, Vec<usize>> {
     let mut all = Vec::new();
     for mut block in blocks(matrix) {
         block.sort_unstable();
@@ -21,7 +27,7 @@ pub(super) fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Counted>, Vec<usi
     Ok(all)
 }
 
-/// The groups of indices that act on each other, by way of others too.
+/// Groups of indices that act on each other directly or through others (strongly connected components).
 pub(super) fn blocks(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let mut graph = DiGraph::<(), ()>::new();
     let nodes: Vec<_> = (0..matrix.nrows()).map(|_| graph.add_node(())).collect();
@@ -36,32 +42,33 @@ pub(super) fn blocks(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     groups.map(|group| group.into_iter().map(|node| node.index()).collect()).collect()
 }
 
-/// Iterations for each row, beyond which the method does not converge.
-const MOST_ITERATIONS: usize = 100;
+/// The largest number of iterations per row before the method counts as not converging.
+const MAX_ITERATIONS: usize = 100;
 
-fn of_block(mut matrix: DMatrix<f64>) -> Option<Vec<Counted>> {
+/// The eigenvalues of one block; None if the iteration does not converge.
+fn of_block(mut matrix: DMatrix<f64>) -> Option<Vec<Eigenvalue>> {
     if matrix.nrows() == 1 {
         return Some(vec![(Complex::from(matrix[(0, 0)]), 1)]);
     }
     balance_parlett_reinsch(&mut matrix);
-    let most = MOST_ITERATIONS * matrix.nrows();
-    let schur = Schur::try_new(matrix.clone(), f64::EPSILON, most)
-        .or_else(|| Schur::try_new(reflected(&matrix), f64::EPSILON, most))?;
+    let limit = MAX_ITERATIONS * matrix.nrows();
+    let schur = Schur::try_new(matrix.clone(), f64::EPSILON, limit)
+        .or_else(|| Schur::try_new(reflected(&matrix), f64::EPSILON, limit))?;
     let (_, triangle) = schur.unpack();
     let triangle = upper(&triangle);
-    Some(merged(&triangle, triangle.diagonal().iter().map(|one| (*one, 1)).collect()))
+    Some(merge_clusters(&triangle, triangle.diagonal().iter().map(|one| (*one, 1)).collect()))
 }
 
-/// The same matrix in mirrored coordinates. Equal gains around a ring can make the iteration run in circles, which
-/// ends once they are not equal any more.
+/// The matrix in reflected coordinates, with the same eigenvalues. If all gains around a ring are equal, the iteration
+/// can cycle forever. The reflection makes them unequal.
 fn reflected(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let axis = DVector::from_fn(matrix.nrows(), |row, _| 1.0 / (1.0 + row as f64)).normalize();
     let mirror = DMatrix::identity(matrix.nrows(), matrix.nrows()) - 2.0 * &axis * axis.transpose();
     &mirror * matrix * &mirror
 }
 
-/// A triangle with blocks of two rows along its diagonal, turned until it has none: eigenvalues stand on the diagonal,
-/// those of a block conjugate to each other.
+/// Converts a real Schur form, with 2 x 2 blocks on the diagonal, to a complex upper triangle. The eigenvalues are on
+/// the diagonal, and those of a block are exactly conjugate.
 fn upper(triangle: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
     let mut turned = triangle.map(Complex::from);
     for row in (1..triangle.nrows()).filter(|row| triangle[(*row, row - 1)] != 0.0) {
@@ -69,7 +76,7 @@ fn upper(triangle: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
         let (c, d) = (triangle[(row, row - 1)], triangle[(row, row)]);
         let root = Complex::from(0.25 * (a - d) * (a - d) + b * c).sqrt();
         let (middle, slant) = (Complex::from(0.5 * (a + d)), Complex::from(0.5 * (a - d)));
-        // The longer of the eigenvector's two forms is (slant + root, c) with the root that does not cancel.
+        // (slant + root, c) is an eigenvector. The sign of the root avoids cancellation.
         let root = if (slant.conj() * root).re < 0.0 { -root } else { root };
         let vector = Vector2::new(slant + root, Complex::from(c)).normalize();
         let turn = Matrix2::new(vector.x, -vector.y.conj(), vector.y, vector.x.conj());
@@ -83,69 +90,72 @@ fn upper(triangle: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
     turned
 }
 
-/// What a rounded matrix can be off, as a share of its size and of its rows.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Eigenvalues farther from each other than this share of the matrix are not one that rounding has split.
-const SPLIT: f64 = 1e-2;
+/// Relative rounding error of a matrix, per row.
+const MATRIX_ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// The largest distance of eigenvalues that may be merged, as a fraction of the norm of the matrix.
+const MAX_SPLIT: f64 = 1e-2;
 
-/// Eigenvalues of which the mean is an eigenvalue to rounding are one that stands there several times: rounding
-/// splits it by the root of their number of itself, and leaves their mean alone. Neighbours are put together until none
-/// are one any more. Parts smaller than rounding are 0.
-fn merged(triangle: &DMatrix<Complex<f64>>, mut all: Vec<Counted>) -> Vec<Counted> {
+/// Merges eigenvalues that rounding has split.
+///
+/// Rounding splits an n-fold eigenvalue by the n-th root of the rounding error, but hardly moves the mean. Neighbours
+/// are merged as long as their mean is an eigenvalue to rounding. Real and imaginary parts below rounding become 0.
+fn merge_clusters(triangle: &DMatrix<Complex<f64>>, mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
     let size = triangle.norm();
-    let rounding = ROUNDING * triangle.nrows() as f64 * size;
-    let (mut at, mut apart) = (0, 0);
-    while apart < all.len() {
+    let rounding = MATRIX_ROUNDING * triangle.nrows() as f64 * size;
+    let (mut at, mut unmerged) = (0, 0);
+    while unmerged < all.len() {
         let one = all[at];
         let neighbour = nearest(&all, at).filter(|other| {
-            (one.0 - all[*other].0).norm() <= SPLIT * size
-                && has_eigenvalue(triangle, together(one, all[*other]).0, rounding)
+            (one.0 - all[*other].0).norm() <= MAX_SPLIT * size
+                && has_eigenvalue(triangle, weighted_mean(one, all[*other]).0, rounding)
         });
         match neighbour {
             Some(other) => {
-                all[at] = together(one, all[other]);
+                all[at] = weighted_mean(one, all[other]);
                 all.remove(other);
-                (at, apart) = (at - usize::from(other < at), 0);
+                (at, unmerged) = (at - usize::from(other < at), 0);
             }
-            None => (at, apart) = ((at + 1) % all.len(), apart + 1),
+            None => (at, unmerged) = ((at + 1) % all.len(), unmerged + 1),
         }
     }
     let clean = |part: f64| if part.abs() <= rounding { 0.0 } else { part };
     all.into_iter().map(|(one, times)| (Complex::new(clean(one.re), clean(one.im)), times)).collect()
 }
 
-/// The one that lies nearest to that of an index.
-fn nearest(all: &[Counted], at: usize) -> Option<usize> {
+/// The index of the eigenvalue nearest to that at `at`; None if there is no other.
+fn nearest(all: &[Eigenvalue], at: usize) -> Option<usize> {
     let distance = |other: usize| (all[at].0 - all[other].0).norm();
     let others = (0..all.len()).filter(|other| *other != at);
     others.min_by(|one, other| distance(*one).total_cmp(&distance(*other)))
 }
 
-/// Two as one that is there as often as both: their mean.
-fn together(one: Counted, other: Counted) -> Counted {
-    let times = one.1 + other.1;
-    ((one.0 * one.1 as f64 + other.0 * other.1 as f64) / times as f64, times)
+/// The mean of two eigenvalues, weighted by multiplicity, with the sum of their multiplicities.
+fn weighted_mean(one: Eigenvalue, other: Eigenvalue) -> Eigenvalue {
+    let multiplicity = one.1 + other.1;
+    ((one.0 * one.1 as f64 + other.0 * other.1 as f64) / multiplicity as f64, multiplicity)
 }
 
-/// Rounds of the iteration: the first finds the scale, the others the rest of it.
-const ROUNDS: usize = 4;
+/// The number of inverse iterations. The first one finds the order of magnitude, the others refine it.
+const INVERSE_ITERATIONS: usize = 4;
 
-/// Whether a triangle is as near as `rounding` to one with this eigenvalue: its least singular value without it is, by
-/// inverse iteration, no larger.
+/// Whether a triangle within the distance `rounding` of the given one has this eigenvalue. Inverse iteration estimates
+/// the smallest singular value of the shifted triangle, which is this distance.
 fn has_eigenvalue(triangle: &DMatrix<Complex<f64>>, eigenvalue: Complex<f64>, rounding: f64) -> bool {
     let mut shifted = triangle.clone();
     (0..shifted.nrows()).for_each(|row| shifted[(row, row)] -= eigenvalue);
     let mut vector = DVector::from_element(shifted.nrows(), Complex::from(1.0)).normalize();
-    for _ in 0..ROUNDS {
-        let back = shifted.ad_solve_upper_triangular(&vector);
-        // A zero on the diagonal: it is an eigenvalue.
-        let Some(forth) = back.and_then(|back| shifted.solve_upper_triangular(&back)) else { return true };
-        let growth = forth.norm();
-        let is_apart = growth.sqrt() * rounding < 1.0;
-        if !is_apart {
+    for _ in 0..INVERSE_ITERATIONS {
+        let backward = shifted.ad_solve_upper_triangular(&vector);
+        // A solution does not exist if the diagonal has a zero, so this is an eigenvalue.
+        let Some(forward) = backward.and_then(|backward| shifted.solve_upper_triangular(&backward)) else {
+            return true;
+        };
+        let growth = forward.norm();
+        let is_distinct = growth.sqrt() * rounding < 1.0;
+        if !is_distinct {
             return true;
         }
-        vector = forth / Complex::from(growth);
+        vector = forward / Complex::from(growth);
     }
     false
 }

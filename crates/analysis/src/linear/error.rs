@@ -1,71 +1,71 @@
-use patchcord_core::document::told;
+use patchcord_core::document::format_number;
 
 /// Why a linear analysis has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LinearError {
-    /// A derivative that is not a number, such as that of a root at 0.
-    #[error("{element} has no derivative here: a slope is not a finite number; linearise at another point")]
+    /// A derivative is not finite, such as that of a square root at 0.
+    #[error("{element} has no finite derivative at this point: linearise at another point")]
     NoDerivative {
-        /// The state, delay line or signal.
+        /// The state, delay line or signal with this derivative.
         element: String,
     },
-    /// The iteration for the eigenvalues of these states did not end.
-    #[error("the eigenvalues of {states} were not found")]
+    /// The eigenvalue iteration did not converge.
+    #[error("the eigenvalues of {states} cannot be computed: the iteration does not converge")]
     NoEigenvalues {
-        /// Names of the states.
+        /// Names of the states of the block.
         states: String,
     },
-    /// Delay lines whose output comes back to their input.
+    /// The output of a delay line is fed back to its input. The field has the names of these delay lines.
     #[error(
-        "the loop through {} has characteristic roots without end: they are not worked out; a frequency response \
-         takes the delay as it is", .0.join(", ")
+        "the loop through {} has infinitely many characteristic roots, which are not computed; the frequency response \
+         treats delays exactly", .0.join(", ")
     )]
     DelayInLoop(Vec<String>),
-    /// A signal that does not exist.
-    #[error("there is no signal {name} to read; {hint}")]
+    /// There is no signal with this name.
+    #[error("the patch has no signal {name}; {hint}")]
     UnknownSignal {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// A similar name, or all names.
         hint: String,
     },
-    /// A drive that does not exist.
-    #[error("{name} is no drive; {hint}")]
+    /// There is no drive with this name.
+    #[error("{name} is not a drive; {hint}")]
     NotADrive {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// A similar name, or all names.
         hint: String,
     },
-    /// A drive that does nothing to a signal.
-    #[error("{output} does not follow {input} here: a small change of {input} does nothing to it")]
-    NotMoved {
-        /// The drive.
+    /// The drive has no influence on the signal at this operating point.
+    #[error("{output} does not depend on {input} at this operating point")]
+    NoInfluence {
+        /// Name of the drive.
         input: String,
-        /// The signal.
+        /// Name of the signal.
         output: String,
     },
-    /// Frequencies that are none.
+    /// The frequency band is invalid.
     #[error(
-        "frequencies go from one to a higher one, within 1e-100 ... 1e100 Hz, not from {} to {} Hz",
-        told(*low), told(*high)
+        "a frequency band must rise from a lower to a higher frequency within 1e-100 ... 1e100 Hz, got {} to {} Hz",
+        format_number(*low), format_number(*high)
     )]
-    NotABand {
-        /// Lower end in Hz.
+    BadBand {
+        /// Lower limit in Hz.
         low: f64,
-        /// Upper end in Hz.
+        /// Upper limit in Hz.
         high: f64,
     },
-    /// So high a frequency that the phase of the delay lines turns too often.
+    /// The delay lines turn the phase too often within the band.
     #[error(
-        "up to {high} Hz the delay lines turn the phase {turns:.0} times; at most {most} turns are drawn"
+        "up to {high} Hz the delay lines turn the phase {turns:.0} times, at most {most} turns are possible"
     )]
     TooManyTurns {
-        /// Upper end in Hz.
+        /// Upper limit of the band in Hz.
         high: f64,
-        /// Frequency times delays.
+        /// Upper limit times the sum of all delays.
         turns: f64,
-        /// The limit.
+        /// The largest possible number of turns.
         most: f64,
     },
 }

@@ -1,5 +1,8 @@
-//! Linear analysis about an operating point: characteristic roots and frequency response, pure functions of a
-//! [`StateSpace`](patchcord_core::ir::StateSpace), which [`Machine::state_space`](patchcord_core::solve::Machine::state_space) gives.
+//! Linear analysis about an operating point: characteristic roots and frequency response.
+//!
+//! All functions are pure functions of a [`StateSpace`](patchcord_core::ir::StateSpace), which
+//! [`Machine::state_space`](patchcord_core::solve::Machine::state_space) computes. `roots` gives the natural modes,
+//! `eigenvalues` does the numerical work for them, and `response` gives gain and phase over a band of frequencies.
 
 mod eigenvalues;
 mod error;
@@ -7,5 +10,5 @@ mod response;
 mod roots;
 
 pub use error::LinearError;
-pub use response::{Band, Response, ResponsePoint, Transfer};
-pub use roots::{Root, Stability, fastest, roots};
+pub use response::{FrequencyBand, FrequencyResponse, ResponsePoint, TransferFunction};
+pub use roots::{Root, Stability, fastest_state, roots};

@@ -1,4 +1,8 @@
-//! Frequency response from a drive to a signal, or between two signals that a drive moves.
+//! Frequency response from a drive to a signal, or between two signals that depend on the same drive.
+//!
+//! A transfer function is evaluated exactly at each frequency, with delays, by solving a complex linear system. The
+//! frequencies start as an even logarithmic grid with the natural frequencies added. Intervals in which the response
+//! changes quickly are halved.
 
 use std::f64::consts::{PI, TAU};
 use std::io::Write;
@@ -6,33 +10,66 @@ use std::io::Write;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearError;
-use super::roots::{Root, Stability, check, roots};
+use super::roots::{Root, Stability, check_finite, roots};
 use patchcord_core::document::suggestion;
 use patchcord_core::ir::{Port, StateSpace};
 
-/// The way from a drive to a signal of a linear model.
+/// The transfer function from a drive to a signal of a linear model, or the quotient of two of them.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::linear::{FrequencyBand, LinearError, TransferFunction};
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+/// use patchcord_core::solve::Machine;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = Patch::read("../../patches/lessons/driven-oscillator.json")?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let model = Machine::new(&program, 1e-3)?.state_space();
+///
+/// let transfer = TransferFunction::new(&model, "push", "x")?;
+/// let response = transfer.response(FrequencyBand { low: 0.1, high: 10.0 })?;
+/// assert_eq!((response.title().as_str(), response.unit.as_str()), ("x from push", "mm per N"));
+///
+/// // |x / F| = 1 / |k - m w^2 + j d w|, in mm per N
+/// let (first, omega) = (response.points[0], 0.2 * std::f64::consts::PI);
+/// assert!((first.ratio * (40.0 - omega * omega).hypot(2.0 * omega) - 1e3).abs() < 1e-6);
+/// assert!(matches!(TransferFunction::new(&model, "x", "x"), Err(LinearError::NotADrive { .. })));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
-pub struct Transfer<'m> {
+pub struct TransferFunction<'m> {
+    /// The linear model.
     model: &'m StateSpace,
+    /// Index of the drive.
     input: usize,
-    /// The part of the model that is fed back, column by column through states and delay lines.
+    /// The square part of the model's matrix for states and delay lines.
     inner: DMatrix<Complex<f64>>,
-    /// What the drive does to states and delay lines.
+    /// Influence of the drive on states and delay lines.
     from_drive: DVector<Complex<f64>>,
-    output: Outlet<'m>,
-    /// The signal that the other is held against, where it is not the drive.
-    against: Option<Outlet<'m>>,
+    /// The signal in the numerator.
+    output: OutputRow<'m>,
+    /// The signal in the denominator; None if the denominator is the drive.
+    denominator: Option<OutputRow<'m>>,
 }
 
-/// A signal, with what states, delay lines and the drive do to it.
+/// A signal as a linear function of states, delay lines and the drive.
 #[derive(Debug, Clone)]
-struct Outlet<'m> {
+struct OutputRow<'m> {
+    /// Name, unit and scale of the signal.
     port: &'m Port,
+    /// Influence of states and delay lines, in volts per volt.
     by_inner: DVector<Complex<f64>>,
+    /// Direct influence of the drive, in volts per volt.
     direct: f64,
 }
 
-impl<'m> Outlet<'m> {
+impl<'m> OutputRow<'m> {
+    /// The row of a signal, by name. `input` is the index of the drive.
     fn new(model: &'m StateSpace, input: usize, signal: &str) -> Result<Self, LinearError> {
         let output = model.outputs.iter().position(|port| port.name == signal).ok_or_else(|| {
             LinearError::UnknownSignal {
@@ -41,72 +78,100 @@ impl<'m> Outlet<'m> {
             }
         })?;
         let inner = model.states.len() + model.delays.len();
-        let row = model.matrix.row(inner + output);
+        let row = &model.matrix[inner + output];
         let by_inner = DVector::from_fn(inner, |column, _| Complex::from(row[column]));
-        Ok(Outlet { port: &model.outputs[output], by_inner, direct: row[inner + input] })
+        Ok(OutputRow { port: &model.outputs[output], by_inner, direct: row[inner + input] })
     }
 
-    fn swing(&self, inner: &DVector<Complex<f64>>) -> Complex<f64> {
+    /// Complex amplitude of the signal for given amplitudes of states and delay lines and a unit drive.
+    fn amplitude(&self, inner: &DVector<Complex<f64>>) -> Complex<f64> {
         self.by_inner.dot(inner) + self.direct
     }
 }
 
-/// A stretch of frequencies, in Hz.
+/// A band of frequencies, in Hz.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::linear::{FrequencyBand, LinearError};
+///
+/// assert!(FrequencyBand { low: 0.1, high: 100.0 }.check().is_ok());
+/// let reversed = FrequencyBand { low: 10.0, high: 1.0 };
+/// assert_eq!(reversed.check(), Err(LinearError::BadBand { low: 10.0, high: 1.0 }));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
-    /// The lowest, 1e-100 or above.
+pub struct FrequencyBand {
+    /// Lower limit, at least 1e-100.
     pub low: f64,
-    /// The highest, above the lowest, 1e100 or below.
+    /// Upper limit, above the lower limit, at most 1e100.
     pub high: f64,
 }
 
-/// How a signal follows a drive that swings, over a band of frequencies.
+/// The frequency response of a signal over a band.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::linear::{FrequencyResponse, ResponsePoint};
+///
+/// let (input, output) = ("force".to_owned(), "x".to_owned());
+/// let points = vec![ResponsePoint { frequency: 1.0, ratio: 10.0, phase: 0.0 }];
+/// let response = FrequencyResponse { input, output, by: Some("E1".to_owned()), unit: "m/N".to_owned(), points };
+/// assert_eq!(response.title(), "x from force, moved by E1");
+/// assert!((response.points[0].decibels() - 20.0).abs() < 1e-12);
+///
+/// let mut csv = Vec::new();
+/// response.write_csv(&mut csv)?;
+/// assert!(csv.starts_with(b"# frequency: Hz\n"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response {
-    /// Name of the drive, of the signal that reads it, or of the signal that the other is held against.
+pub struct FrequencyResponse {
+    /// Name of the drive, of the signal that reads it, or of the signal in the denominator.
     pub input: String,
-    /// Name of the drive that moves both, where that is another.
+    /// Name of the drive if `input` is a signal that depends on it. None if `input` is the drive.
     pub by: Option<String>,
     /// Name of the signal.
     pub output: String,
-    /// What the ratio is in: the signal's unit per the input's, empty where these are the same.
+    /// Unit of the ratio, such as "m per V"; empty if both units are equal.
     pub unit: String,
-    /// By rising frequency.
+    /// The points in order of frequency.
     pub points: Vec<ResponsePoint>,
 }
 
-/// The response at one frequency.
+/// The frequency response at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResponsePoint {
-    /// In Hz.
+    /// Frequency in Hz.
     pub frequency: f64,
-    /// Amplitude of the signal over that of the input, in the response's unit; not finite at an undamped resonance,
-    /// or where the input stands still.
+    /// Amplitude of the output divided by that of the input, in the unit of the response. Not finite at an undamped
+    /// resonance, or if the input does not move.
     pub ratio: f64,
-    /// Lead of the signal on the input in radians, going on without jumps from the first point, which lies within
-    /// -pi ... pi. Across an undamped resonance it falls by pi.
+    /// Phase lead of the output in radians, continuous over frequency. The first point is within -pi ... pi. The phase
+    /// falls by pi at an undamped resonance. NaN if the ratio is 0 or not finite.
     pub phase: f64,
 }
 
 impl ResponsePoint {
-    /// 20 log10 of the ratio.
+    /// The ratio in decibels: 20 log10(ratio).
     pub fn decibels(&self) -> f64 {
         20.0 * self.ratio.log10()
     }
 }
 
-impl Response {
-    /// What it is of, in words.
+impl FrequencyResponse {
+    /// A title such as "x from force, moved by E1".
     pub fn title(&self) -> String {
         let by = self.by.as_ref().map(|drive| format!(", moved by {drive}")).unwrap_or_default();
         format!("{} from {}{by}", self.output, self.input)
     }
 
-    /// Writes a table: units in `#` comment lines, then the columns `frequency` in Hz, `ratio`, `decibels` and `phase`
-    /// in degrees. Numbers read back to the same bits.
+    /// Writes CSV: units in `#` comment lines, then the columns `frequency` in Hz, `ratio`, `decibels` and `phase` in
+    /// degrees. Numbers are exact.
     ///
     /// # Errors
-    /// When the writer refuses.
+    /// If the writer returns an error.
     pub fn write_csv(&self, mut to: impl Write) -> std::io::Result<()> {
         let unit = if self.unit.is_empty() { "1" } else { &self.unit };
         writeln!(to, "# frequency: Hz\n# ratio, {}: {unit}\n# decibels: dB\n# phase: deg", self.title())?;
@@ -119,50 +184,50 @@ impl Response {
     }
 }
 
-impl<'m> Transfer<'m> {
-    /// The way between a drive and a signal, by name; the signal may be an element or a drive, and the drive a
-    /// signal that reads it.
+impl<'m> TransferFunction<'m> {
+    /// The transfer function from a drive to a signal, by name. An element or a drive may be used as the signal, and a
+    /// signal that reads a drive as the drive.
     ///
     /// # Errors
-    /// When one of them does not exist, or a derivative is not a number.
+    /// If a name does not exist, or a derivative is not finite.
     pub fn new(model: &'m StateSpace, drive: &str, signal: &str) -> Result<Self, LinearError> {
         let input = model.inputs.iter().position(|port| port.name == drive).ok_or_else(|| {
             LinearError::NotADrive { name: drive.to_owned(), hint: hint(drive, &model.inputs, "no drive") }
         })?;
-        let output = Outlet::new(model, input, signal)?;
-        check(model)?;
+        let output = OutputRow::new(model, input, signal)?;
+        check_finite(model)?;
         let inner = model.states.len() + model.delays.len();
-        let matrix = model.matrix.map(Complex::from);
-        Ok(Transfer {
+        Ok(TransferFunction {
             model,
             input,
-            inner: matrix.view((0, 0), (inner, inner)).into_owned(),
-            from_drive: matrix.view((0, inner + input), (inner, 1)).column(0).into_owned(),
+            inner: DMatrix::from_fn(inner, inner, |row, column| Complex::from(model.matrix[row][column])),
+            from_drive: DVector::from_fn(inner, |row, _| Complex::from(model.matrix[row][inner + input])),
             output,
-            against: None,
+            denominator: None,
         })
     }
 
-    /// The way between two signals that the drive moves, by names as for [`Transfer::new`]: the quotient of the ways to
-    /// the second and to the first.
+    /// The transfer function from a first to a second signal: the quotient of the transfer functions from the drive to
+    /// both. Names are as for [`TransferFunction::new`].
     ///
     /// # Errors
-    /// When one of them does not exist, or a derivative is not a number.
+    /// If a name does not exist, or a derivative is not finite.
     pub fn between(
         model: &'m StateSpace,
         drive: &str,
         first: &str,
         second: &str,
     ) -> Result<Self, LinearError> {
-        let to_second = Transfer::new(model, drive, second)?;
-        let against = Some(Outlet::new(model, to_second.input, first)?);
-        Ok(Transfer { against, ..to_second })
+        let to_second = TransferFunction::new(model, drive, second)?;
+        let denominator = Some(OutputRow::new(model, to_second.input, first)?);
+        Ok(TransferFunction { denominator, ..to_second })
     }
 
-    /// The complex ratio at s = j omega, in volts per volt: `by_inner (P - inner)^-1 from_drive + direct`, with s for
-    /// every state and e^(s T) for every delay line on the diagonal of P; between two signals the quotient of theirs.
-    /// Exact for delays, also within loops. Not finite at an undamped resonance, or where the first signal stands still.
-    /// `omega` in rad/s, above 0.
+    /// The complex ratio at s = j omega, in volts per volt.
+    ///
+    /// It is `by_inner (P - inner)^-1 from_drive + direct`. P is diagonal with s for every state and e^(s T) for every
+    /// delay line, so delays are exact, also within loops. Between two signals it is the quotient of two such terms.
+    /// Not finite at an undamped resonance, or if the first signal does not move. `omega` is in rad/s, positive.
     pub fn volts_per_volt(&self, omega: f64) -> Complex<f64> {
         let mut system = -self.inner.clone();
         let states = self.model.states.iter().map(|_| Complex::new(0.0, omega));
@@ -173,64 +238,66 @@ impl<'m> Transfer<'m> {
         let Some(inner) = system.lu().solve(&self.from_drive) else {
             return Complex::new(f64::INFINITY, 0.0);
         };
-        let swing = self.output.swing(&inner);
-        self.against.as_ref().map_or(swing, |against| swing / against.swing(&inner))
+        let output = self.output.amplitude(&inner);
+        self.denominator.as_ref().map_or(output, |denominator| output / denominator.amplitude(&inner))
     }
 
-    /// The response over a band: both ends, 60 points a decade, natural frequencies, and more where it turns quickly.
+    /// The frequency response over a band: both limits, 60 points per decade, the natural frequencies, and more points
+    /// where the response changes quickly.
     ///
     /// # Errors
-    /// When the band is none, delays turn the phase too often within it, or a signal does not follow the drive.
-    pub fn over(&self, band: Band) -> Result<Response, LinearError> {
+    /// If the band is invalid, delays turn the phase too often within it, or a signal does not depend on the drive.
+    pub fn response(&self, band: FrequencyBand) -> Result<FrequencyResponse, LinearError> {
         band.check()?;
         let drive = &self.model.inputs[self.input];
-        let (from, to) = (self.against.as_ref().map_or(drive, |against| against.port), self.output.port);
+        let (from, to) =
+            (self.denominator.as_ref().map_or(drive, |denominator| denominator.port), self.output.port);
         let factor = to.per_volt / from.per_volt;
         let mut points = Vec::new();
-        let mut phase = Unwrapped::default();
+        let mut phase = PhaseUnwrapper::default();
         for (frequency, ratio) in self.sampled(band)? {
             let ratio = ratio * factor;
             points.push(ResponsePoint { frequency, ratio: ratio.norm(), phase: phase.next(ratio) });
         }
-        let stands = |still: &Port| {
-            Err(LinearError::NotMoved { input: drive.name.clone(), output: still.name.clone() })
+        let no_influence = |constant: &Port| {
+            Err(LinearError::NoInfluence { input: drive.name.clone(), output: constant.name.clone() })
         };
-        if self.against.is_some() && points.iter().all(|point| !point.ratio.is_finite()) {
-            return stands(from);
+        if self.denominator.is_some() && points.iter().all(|point| !point.ratio.is_finite()) {
+            return no_influence(from);
         }
         if points.iter().all(|point| point.ratio == 0.0) {
-            return stands(to);
+            return no_influence(to);
         }
         let unit =
             if from.unit == to.unit { String::new() } else { format!("{} per {}", to.unit, from.unit) };
         let by = (from.name != drive.name).then(|| drive.name.clone());
-        Ok(Response { input: from.name.clone(), by, output: to.name.clone(), unit, points })
+        Ok(FrequencyResponse { input: from.name.clone(), by, output: to.name.clone(), unit, points })
     }
 
-    /// The ratios at frequencies, in Hz, so near to each other that a curve can be drawn through them.
-    fn sampled(&self, band: Band) -> Result<Vec<(f64, Complex<f64>)>, LinearError> {
+    /// Frequencies in Hz and complex ratios, dense enough for a curve through them.
+    fn sampled(&self, band: FrequencyBand) -> Result<Vec<(f64, Complex<f64>)>, LinearError> {
         let grid = self.grid(band)?;
         let at = |frequency: f64| (frequency, self.volts_per_volt(TAU * frequency));
         let mut all = vec![at(grid[0])];
         for frequency in &grid[1..] {
             let begin = all[all.len() - 1];
-            self.refine(begin, at(*frequency), MOST_HALVINGS, &mut all);
+            self.refine(begin, at(*frequency), MAX_HALVINGS, &mut all);
         }
         Ok(all)
     }
 
-    /// Frequencies by equal ratios and those at which it rings, but with no more than an eighth of a turn of the delays
-    /// between two.
-    fn grid(&self, band: Band) -> Result<Vec<f64>, LinearError> {
-        let Band { low, high } = band;
+    /// The initial frequencies: equal ratios and the natural frequencies. Further points limit the phase that the delay
+    /// lines turn between two of them to an eighth of a turn.
+    fn grid(&self, band: FrequencyBand) -> Result<Vec<f64>, LinearError> {
+        let FrequencyBand { low, high } = band;
         let seconds: f64 = self.model.delays.iter().map(|delay| delay.seconds).sum();
         let turns = high * seconds;
-        if turns > MOST_TURNS {
-            return Err(LinearError::TooManyTurns { high, turns, most: MOST_TURNS });
+        if turns > MAX_TURNS {
+            return Err(LinearError::TooManyTurns { high, turns, most: MAX_TURNS });
         }
-        let count = (PER_DECADE * (high / low).log10()).ceil().max(1.0);
+        let count = (POINTS_PER_DECADE * (high / low).log10()).ceil().max(1.0);
         let even = (0..count as usize).map(|index| low * (high / low).powf(index as f64 / count));
-        let mut wanted: Vec<f64> = even.chain([high]).chain(self.ringing(band)).collect();
+        let mut wanted: Vec<f64> = even.chain([high]).chain(self.natural_frequencies(band)).collect();
         wanted.sort_by(f64::total_cmp);
         let mut grid: Vec<f64> = Vec::new();
         for frequency in wanted {
@@ -242,14 +309,14 @@ impl<'m> Transfer<'m> {
         Ok(grid)
     }
 
-    /// The natural frequencies within a band at which it rings; of what is not damped there is no response there.
-    fn ringing(&self, Band { low, high }: Band) -> impl Iterator<Item = f64> {
+    /// The natural frequencies within a band. Undamped ones are omitted, because the response is not finite there.
+    fn natural_frequencies(&self, FrequencyBand { low, high }: FrequencyBand) -> impl Iterator<Item = f64> {
         let damped = |root: &Root| root.imaginary > 0.0 && root.stability() != Stability::Neutral;
         let natural = roots(self.model).unwrap_or_default().into_iter().filter(damped);
         natural.map(|root| root.hertz()).filter(move |frequency| low < *frequency && *frequency < high)
     }
 
-    /// Adds the point at the end of a stretch, and before it those in between as long as the curve bends within it.
+    /// Appends the point at the end of an interval, after points inside it if the response changes quickly.
     fn refine(
         &self,
         begin: (f64, Complex<f64>),
@@ -268,69 +335,74 @@ impl<'m> Transfer<'m> {
     }
 }
 
-const PER_DECADE: f64 = 60.0;
-/// Frequencies, in Hz, of which the squares are numbers, by which complex numbers are divided.
+/// Points per decade of the initial grid.
+const POINTS_PER_DECADE: f64 = 60.0;
+/// Limits of a frequency band in Hz. Squares of frequencies in between do not overflow in complex division.
 const LOWEST: f64 = 1e-100;
+/// The upper limit of a frequency band in Hz, see [`LOWEST`].
 const HIGHEST: f64 = 1e100;
-/// The phase of delays may turn so often within a band.
-const MOST_TURNS: f64 = 1e4;
-/// A stretch between two frequencies of the grid is halved so often at most: to 1e-5 of a frequency.
-const MOST_HALVINGS: usize = 12;
-/// Neighbouring points are as near as this, as a ratio of their difference to the larger: about 1 dB, 6 degrees.
-const NEAR: f64 = 0.1;
+/// The largest number of turns of the phase by delay lines within a band.
+const MAX_TURNS: f64 = 1e4;
+/// The largest number of times that an interval of the grid is halved. This resolves 1e-5 of a frequency.
+const MAX_HALVINGS: usize = 12;
+/// The largest difference of neighbouring points as a fraction of the larger one: about 1 dB or 6 degrees.
+const MAX_CHANGE: f64 = 0.1;
 
+/// Whether two neighbouring ratios differ too much for a curve through them.
 fn is_far(one: Complex<f64>, other: Complex<f64>) -> bool {
     let largest = one.norm().max(other.norm());
-    (one - other).norm() > NEAR * largest
+    (one - other).norm() > MAX_CHANGE * largest
 }
 
-/// Phases that go on without jumps.
+/// Makes phases continuous over frequency.
 #[derive(Default)]
-struct Unwrapped {
+struct PhaseUnwrapper {
+    /// The previous phase in radians; None before the first finite ratio.
     last: Option<f64>,
 }
 
-/// Half a turn, but for rounding, is counted downward: which way it goes is not to hang on rounding.
-const HALF_TURN: f64 = 1e-6;
+/// Tolerance in radians. A step of half a turn counts as downward, so that rounding does not decide its direction.
+const HALF_TURN_TOLERANCE: f64 = 1e-6;
 
-impl Unwrapped {
+impl PhaseUnwrapper {
+    /// The phase of the next ratio; NaN if the ratio is 0 or not finite.
     fn next(&mut self, ratio: Complex<f64>) -> f64 {
         if ratio.norm() == 0.0 || !ratio.is_finite() {
             return f64::NAN;
         }
         let phase = match self.last {
-            None => first(ratio.arg()),
-            Some(last) => last + turned(ratio.arg() - last),
+            None => first_phase(ratio.arg()),
+            Some(last) => last + wrapped(ratio.arg() - last),
         };
         self.last = Some(phase);
         phase
     }
 }
 
-/// Half a turn at the beginning is one ahead.
-fn first(phase: f64) -> f64 {
-    if phase + PI < HALF_TURN { phase + TAU } else { phase }
+/// The phase of the first point. Half a turn counts as lead.
+fn first_phase(phase: f64) -> f64 {
+    if phase + PI < HALF_TURN_TOLERANCE { phase + TAU } else { phase }
 }
 
-/// The same angle within -pi ... pi.
-fn turned(angle: f64) -> f64 {
-    angle - TAU * ((angle + PI + HALF_TURN) / TAU).floor()
+/// The angle plus a multiple of 2 pi, within -pi ... pi.
+fn wrapped(angle: f64) -> f64 {
+    angle - TAU * ((angle + PI + HALF_TURN_TOLERANCE) / TAU).floor()
 }
 
-impl Band {
-    /// Whether there are frequencies in it.
+impl FrequencyBand {
+    /// Checks the limits.
     ///
     /// # Errors
-    /// When it does not go from a frequency to a higher one, both within 1e-100 ... 1e100 Hz.
+    /// If the upper limit is not above the lower one, or a limit is outside 1e-100 ... 1e100 Hz.
     pub fn check(self) -> Result<(), LinearError> {
-        let Band { low, high } = self;
+        let FrequencyBand { low, high } = self;
         let is_band = LOWEST <= low && low < high && high <= HIGHEST;
-        if is_band { Ok(()) } else { Err(LinearError::NotABand { low, high }) }
+        if is_band { Ok(()) } else { Err(LinearError::BadBand { low, high }) }
     }
 
-    /// A decade beyond the slowest and the fastest root and delay line, in whole decades; 0.01 ... 100 Hz where there
-    /// are neither.
-    pub fn around(roots: &[Root], model: &StateSpace) -> Band {
+    /// The default band: a decade beyond the slowest and the fastest root and delay line, rounded to whole decades.
+    /// 0.01 ... 100 Hz if there are neither.
+    pub fn around(roots: &[Root], model: &StateSpace) -> FrequencyBand {
         let natural = roots.iter().map(Root::hertz);
         let delays = model.delays.iter().map(|delay| 1.0 / (TAU * delay.seconds));
         let (low, high) = natural
@@ -341,10 +413,11 @@ impl Band {
             });
         let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 10.0) };
         let decade = |exponent: f64| 10f64.powi(exponent as i32);
-        Band { low: decade(low.log10().floor() - 1.0), high: decade(high.log10().ceil() + 1.0) }
+        FrequencyBand { low: decade(low.log10().floor() - 1.0), high: decade(high.log10().ceil() + 1.0) }
     }
 }
 
+/// A hint for an unknown name: a similar one, or all names.
 fn hint(name: &str, ports: &[Port], none: &str) -> String {
     let known: Vec<&str> = ports.iter().map(|port| port.name.as_str()).collect();
     suggestion(name, &known).unwrap_or_else(|| format!("the patch has {none}"))

@@ -1,4 +1,4 @@
-//! Characteristic roots: the natural modes of small motions.
+//! Characteristic roots: the natural modes of small motions about an operating point.
 
 use std::f64::consts::TAU;
 
@@ -8,25 +8,36 @@ use super::LinearError;
 use super::eigenvalues::{blocks, eigenvalues};
 use patchcord_core::ir::{StateSpace, StateTerm};
 
-/// A characteristic root, or a conjugate pair of them.
+/// A real characteristic root, or a conjugate pair of roots.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::linear::{Root, Stability};
+///
+/// // A pair at -3 +- 4j
+/// let pair = Root { real: -3.0, imaginary: 4.0, multiplicity: 1 };
+/// assert_eq!((pair.natural_frequency(), pair.damping()), (5.0, Some(0.6)));
+/// assert_eq!((pair.time_constant(), pair.stability()), (None, Stability::Stable));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Root {
-    /// Real part, in 1 per second: growth.
+    /// Real part, in 1/s: the rate of growth.
     pub real: f64,
-    /// Imaginary part, in rad/s, 0 or above: above 0 it stands for a pair.
+    /// Imaginary part, in rad/s, not negative. A positive value represents a conjugate pair.
     pub imaginary: f64,
-    /// How often the root, or the pair, is there.
-    pub times: usize,
+    /// Multiplicity of the root or of the pair.
+    pub multiplicity: usize,
 }
 
-/// What becomes of a motion that is left to itself.
+/// How a free motion in one mode develops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stability {
-    /// It dies away.
+    /// The motion decays.
     Stable,
-    /// It stays: neither grows nor dies away, as far as rounding can tell.
+    /// The motion neither grows nor decays, up to rounding.
     Neutral,
-    /// It grows.
+    /// The motion grows.
     Unstable,
 }
 
@@ -36,25 +47,25 @@ impl Root {
         self.real.hypot(self.imaginary)
     }
 
-    /// The same in Hz.
+    /// The undamped natural frequency in Hz.
     pub fn hertz(&self) -> f64 {
         self.natural_frequency() / TAU
     }
 
-    /// -real / natural frequency of a pair; below 0 where it grows. A real root has none.
+    /// Damping ratio -real / natural frequency; negative if the motion grows. None for a real root.
     pub fn damping(&self) -> Option<f64> {
-        // Rounding must not leave a minus before 0.
+        // 0.0 - x avoids the result -0.
         (self.imaginary > 0.0).then(|| 0.0 - self.real / self.natural_frequency())
     }
 
-    /// The time, in seconds, within which a real root shrinks (or grows) a motion to (from) its e-th part; a pair
-    /// and a root at 0 have none.
+    /// Time in seconds in which the motion of a real root changes by a factor of e. None for a pair and for a root at
+    /// 0.
     pub fn time_constant(&self) -> Option<f64> {
         (self.imaginary == 0.0 && self.real != 0.0).then(|| 1.0 / self.real.abs())
     }
 
-    /// Whether it dies away. A root at 0 or on the imaginary axis that is there several times may grow all the
-    /// same, as time and not as an exponential: that is neutral too.
+    /// Whether the motion decays. A multiple root at 0 or on the imaginary axis also counts as neutral, although its
+    /// motion may grow as a power of time.
     pub fn stability(&self) -> Stability {
         match self.real {
             real if real < 0.0 => Stability::Stable,
@@ -64,13 +75,38 @@ impl Root {
     }
 }
 
-/// The characteristic roots, slowest first: eigenvalues of the state matrix, without the states that a mode holds.
-/// Those that rounding alone tells apart are one root, there several times.
+/// The characteristic roots, slowest first: the eigenvalues of the state matrix without states in hold.
+/// Roots that differ only by rounding are merged into one multiple root.
 ///
 /// # Errors
-/// When a derivative is not a number, the iteration does not end, or a delay line stands in a loop.
+/// If a derivative is not finite, the iteration does not converge, or a delay line is part of a loop.
+///
+/// # Examples
+///
+/// A mass of 1 kg on a spring of 40 N/m with a damping of 2 N s/m:
+///
+/// ```
+/// use patchcord_analysis::linear::{Stability, roots};
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+/// use patchcord_core::solve::Machine;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = Patch::read("../../patches/lessons/driven-oscillator.json")?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let model = Machine::new(&program, 1e-3)?.state_space();
+///
+/// let roots = roots(&model)?;
+/// assert_eq!(roots.len(), 1, "one conjugate pair");
+/// assert!((roots[0].natural_frequency() - 40f64.sqrt()).abs() < 1e-9);
+/// assert!(roots[0].damping().is_some_and(|zeta| (zeta - 1.0 / 40f64.sqrt()).abs() < 1e-9));
+/// assert_eq!(roots[0].stability(), Stability::Stable);
+/// # Ok(())
+/// # }
+/// ```
 pub fn roots(model: &StateSpace) -> Result<Vec<Root>, LinearError> {
-    check(model)?;
+    check_finite(model)?;
     let delays = delays_in_loops(model);
     if !delays.is_empty() {
         return Err(LinearError::DelayInLoop(delays));
@@ -78,50 +114,68 @@ pub fn roots(model: &StateSpace) -> Result<Vec<Root>, LinearError> {
     let free: Vec<usize> =
         (0..model.states.len()).filter(|state| model.states[*state].hold.is_none()).collect();
     let matrix =
-        DMatrix::from_fn(free.len(), free.len(), |row, column| model.matrix[(free[row], free[column])]);
+        DMatrix::from_fn(free.len(), free.len(), |row, column| model.matrix[free[row]][free[column]]);
     let found = eigenvalues(&matrix).map_err(|block| {
         let states: Vec<_> = block.iter().map(|index| model.states[free[*index]].name.as_str()).collect();
         LinearError::NoEigenvalues { states: states.join(", ") }
     })?;
     let upper = found.into_iter().filter(|(root, _)| root.im >= 0.0);
     let mut roots: Vec<Root> =
-        upper.map(|(root, times)| Root { real: root.re, imaginary: root.im, times }).collect();
+        upper.map(|(root, multiplicity)| Root { real: root.re, imaginary: root.im, multiplicity }).collect();
     roots.sort_by(|one, other| order(one).partial_cmp(&order(other)).unwrap_or(std::cmp::Ordering::Equal));
     roots.dedup_by(|next, kept| {
         let is_same = (next.real, next.imaginary) == (kept.real, kept.imaginary);
-        kept.times += if is_same { next.times } else { 0 };
+        kept.multiplicity += if is_same { next.multiplicity } else { 0 };
         is_same
     });
     Ok(roots)
 }
 
-/// The free state that moves fastest, where the point is no equilibrium: where a rate is above what 1e-9 V in every
-/// state make of it.
-pub fn fastest(model: &StateSpace) -> Option<&StateTerm> {
+/// The state with the largest rate of change if the operating point is no equilibrium. None at an equilibrium: every
+/// rate is then at most the rate that 1e-9 V in every state causes.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::linear::fastest_state;
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::Machine;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // dx/dt = -x, from x = 50 V
+/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("Decay").element("A1", decay).run(1.0, 1e-3).build()?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+///
+/// let model = Machine::new(&program, 1e-3)?.state_space();
+/// let state = fastest_state(&model).expect("50 V is no equilibrium");
+/// assert_eq!(state.name, "A1");
+/// assert!((state.rate + 50.0).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// ```
+pub fn fastest_state(model: &StateSpace) -> Option<&StateTerm> {
     let is_moving = |(row, state): &(usize, &StateTerm)| {
-        let slopes = model
-            .matrix
-            .row(*row)
-            .columns(0, model.states.len())
-            .iter()
-            .map(|slope| slope.abs())
-            .sum::<f64>();
-        state.rate.abs() > EQUILIBRIUM * slopes
+        let slopes = model.matrix[*row][..model.states.len()].iter().map(|slope| slope.abs()).sum::<f64>();
+        state.rate.abs() > EQUILIBRIUM_TOLERANCE * slopes
     };
     let moving = model.states.iter().enumerate().filter(is_moving).map(|(_, state)| state);
     moving.max_by(|one, other| one.rate.abs().total_cmp(&other.rate.abs()))
 }
 
-/// Volts by which rounding may miss an equilibrium.
-const EQUILIBRIUM: f64 = 1e-9;
+/// Deviation of a state from equilibrium, in volts, that counts as rounding.
+const EQUILIBRIUM_TOLERANCE: f64 = 1e-9;
 
+/// The sort key of a root.
 fn order(root: &Root) -> (f64, f64, f64) {
     (root.natural_frequency(), root.real, root.imaginary)
 }
 
-/// That every derivative is a number.
-pub(super) fn check(model: &StateSpace) -> Result<(), LinearError> {
-    let bad = model.matrix.row_iter().position(|row| row.iter().any(|slope| !slope.is_finite()));
+/// An error if a derivative is not finite.
+pub(super) fn check_finite(model: &StateSpace) -> Result<(), LinearError> {
+    let bad = model.matrix.iter().position(|row| row.iter().any(|slope| !slope.is_finite()));
     let Some(row) = bad else { return Ok(()) };
     let states = model.states.iter().map(|state| &state.name);
     let delays = model.delays.iter().map(|delay| &delay.name);
@@ -129,10 +183,10 @@ pub(super) fn check(model: &StateSpace) -> Result<(), LinearError> {
     Err(LinearError::NoDerivative { element: names.nth(row).cloned().unwrap_or_default() })
 }
 
-/// Names of the delay lines whose output comes back to their input.
+/// Names of the delay lines whose output is fed back to their input.
 fn delays_in_loops(model: &StateSpace) -> Vec<String> {
     let (states, all) = (model.states.len(), model.states.len() + model.delays.len());
-    let loops = model.matrix.view((0, 0), (all, all)).into_owned();
+    let loops = DMatrix::from_fn(all, all, |row, column| model.matrix[row][column]);
     let mut found = Vec::new();
     for block in blocks(&loops) {
         let is_loop = block.len() > 1 || loops[(block[0], block[0])] != 0.0;

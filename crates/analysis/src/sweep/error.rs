@@ -1,131 +1,131 @@
-//! Why a sweep cannot be made.
+//! Errors of a sweep: a bad plan, or a file that cannot be continued.
 
 use std::path::PathBuf;
 
-use patchcord_core::document::{RangeViolation, told};
+use patchcord_core::document::{RangeViolation, format_number};
 use patchcord_core::ir::SettingError;
 
-/// What is wrong with a plan.
+/// Why a plan is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// Nothing is varied.
-    #[error("nothing is varied")]
+    /// The plan has no axis.
+    #[error("no parameter is varied")]
     Nothing,
-    /// A text that gives no values.
+    /// The text is not in one of the three forms of an axis.
     #[error(
         "\"{0}\" gives no values: write NAME=FIRST:LAST:COUNT, NAME=FIRST:LAST:COUNT:log or NAME=VALUE,VALUE,..."
     )]
     NotAnAxis(String),
-    /// A value that is no number.
-    #[error("\"{text}\" is not a finite number, for {name}")]
+    /// A value is not a finite number.
+    #[error("{name}: \"{text}\" is not a finite number")]
     NotANumber {
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// What was given.
+        /// The text that was given.
         text: String,
     },
-    /// A count of points that is none.
-    #[error("\"{text}\" points cannot be spaced for {name}: write a whole number from 2 to {}", told(*.most as f64))]
+    /// The number of points is invalid.
+    #[error("{name}: number of points must be an integer from 2 to {}, got \"{text}\"", format_number(*.most as f64))]
     BadCount {
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// What was given.
+        /// The text that was given.
         text: String,
-        /// The limit.
+        /// The largest allowed number.
         most: u64,
     },
-    /// Logarithmic spacing from or to 0 or below.
-    #[error("{0} has a logarithm above 0 only: space it without \":log\"")]
+    /// An end of a logarithmic axis is not positive. The field is the parameter.
+    #[error("{0}: logarithmic spacing needs positive ends: remove \":log\" or change them")]
     NotAboveZero(String),
-    /// A parameter that does not exist.
+    /// The patch has no such parameter.
     #[error(transparent)]
     Unknown(#[from] SettingError),
-    /// A value that the patch does not allow.
-    #[error("{0}: vary it within, or widen the range in the patch")]
+    /// A value is outside the range that the patch declares.
+    #[error("{0}: choose a value in the range, or widen it in the patch")]
     OutsideRange(#[from] RangeViolation),
-    /// A parameter that two axes vary.
+    /// Two axes vary the same parameter. The field is its name.
     #[error("{0} is varied twice")]
     Twice(String),
-    /// More runs than anybody will wait for.
-    #[error("the plan has more than {most} runs: vary in fewer points")]
+    /// The number of combinations is too large.
+    #[error("the plan has more than {most} runs: use fewer points")]
     TooMany {
-        /// The limit.
+        /// The largest allowed number.
         most: u64,
     },
-    /// A file of rows that the system does not give.
+    /// The file with the values cannot be read.
     #[error("cannot read {}: {why}", .file.display())]
     Unread {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// The message of the operating system.
         why: String,
     },
-    /// A file of rows that is no such table.
+    /// The file with the values is not a valid table.
     #[error("{}: {message}", .file.display())]
     Rows {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong, with its line.
+        /// What is wrong, with the line.
         message: String,
     },
 }
 
-/// Why a table of rows cannot be gone on with.
+/// Why a sweep file cannot be written or continued.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// The file system refuses.
+    /// The file cannot be read or written.
     #[error("cannot write {}: {error}", .file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         #[source]
         error: std::io::Error,
     },
-    /// Another sweep writes to it at this moment.
-    #[error("another sweep is writing {}: wait until it is done, or give another file", .file.display())]
+    /// Another sweep has locked the file.
+    #[error("another sweep is writing {}: wait until it ends, or specify another file", .file.display())]
     Busy {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
     },
-    /// It is of another sweep, or no sweep at all.
+    /// The file is the result of another sweep, or no sweep file.
     #[error(
-        "{} is not the table of this sweep, and was left as it is: {change}line {line} is \"{found}\", and this sweep has \
-         \"{wanted}\" there; give another file, or remove this one",
+        "{} does not belong to this sweep: {change}line {line} is \"{found}\", expected \"{wanted}\"; the file is \
+         unchanged: specify another file, or remove this one",
         .file.display()
     )]
-    OfAnother {
-        /// The file.
+    OtherSweep {
+        /// Path of the file.
         file: PathBuf,
-        /// What changed since it was written, where that can be told; empty, or ending in "; ".
+        /// What has changed since the file was written, ending in "; ". Empty if unknown.
         change: String,
-        /// The first line that differs, from 1.
+        /// Number of the first line that differs, from 1.
         line: u64,
-        /// What stands there.
+        /// The line in the file.
         found: String,
-        /// What would.
+        /// The line that this sweep writes.
         wanted: String,
     },
-    /// Another version of the program began the file.
+    /// Another version of the program wrote the file.
     #[error(
-        "{} was written by another version of patchcord (its first line is \"{found}\", this version writes \"{wanted}\"), \
-         and was left as it is: finish it with the version that began it, or give another file",
+        "{} was written by another version of patchcord (its first line is \"{found}\", this version writes \
+         \"{wanted}\"); the file is unchanged: complete it with the version that started it, or specify another file",
         .file.display()
     )]
     OtherVersion {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// The first line of the file, which names the version.
         found: String,
         /// The first line that this version writes.
         wanted: String,
     },
-    /// It has more lines than the sweep.
-    #[error("{} goes on after the last row of this sweep, in line {line}; it was left as it is", .file.display())]
+    /// The file has lines after the last row of the sweep.
+    #[error("{} continues after the last row of this sweep, in line {line}; the file is unchanged", .file.display())]
     TooLong {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The line, from 1.
+        /// Number of the first such line, from 1.
         line: u64,
     },
 }

@@ -26,7 +26,7 @@ pub(super) fn of_text(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().as_str()[..DIGITS].to_owned()
 }
 
-/// The patch, its parameters and the phases of the run as one canonical text. Parameters in `varied` are left out.
+/// The patch, its parameters and the phases of the run as one canonical text. Parameters in `varied` are omitted.
 pub(super) fn canonical_run(
     patch: &Patch,
     program: &Program,
@@ -34,14 +34,14 @@ pub(super) fn canonical_run(
     varied: &[&str],
 ) -> String {
     let mut text = format!("{}\n", canonical_document(patch.value()));
-    for slot in program.parameters().iter().filter(|slot| !varied.contains(&slot.name.as_str())) {
-        text += &format!("parameter {} {:016x}\n", slot.name, slot.value.to_bits());
+    for slot in program.parameters().iter().filter(|slot| !varied.contains(&slot.declared.name.as_str())) {
+        text += &format!("parameter {} {:016x}\n", slot.declared.name, slot.value.to_bits());
     }
     settings.phases.iter().for_each(|phase| push_phase(&mut text, phase));
     text + if settings.hold_on_overload { "hold on overload\n" } else { "" }
 }
 
-/// The points of all tables and curves, with the names of their elements; `None` if there are none.
+/// The points of all tables and curves, with the names of their elements. None if there are none.
 pub(super) fn canonical_tables(patch: &Patch) -> Option<String> {
     let mut text = String::new();
     for (name, entry) in patch.drives.iter().chain(&patch.elements) {
@@ -52,12 +52,13 @@ pub(super) fn canonical_tables(patch: &Patch) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// Numbers by their bits, so that no two different rows have the same text.
+/// The numbers as hexadecimal bit patterns, so that different rows have different texts. None if there are no rows.
 pub(super) fn canonical_rows<'a>(rows: impl Iterator<Item = &'a [f64]>) -> Option<String> {
     let lines: Vec<String> = rows.map(canonical_numbers).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
+/// The points of a table or curve; None for other settings.
 fn points_of(amount: &Amount) -> Option<&[[f64; 2]]> {
     match amount {
         Amount::Points(points) => Some(points),
@@ -65,27 +66,30 @@ fn points_of(amount: &Amount) -> Option<&[[f64; 2]]> {
     }
 }
 
+/// The points as hexadecimal bit patterns: x and y of each point in turn.
 fn canonical_points(points: &[[f64; 2]]) -> String {
     canonical_numbers(points.as_flattened())
 }
 
+/// Numbers as hexadecimal bit patterns, separated by blanks. No rounding can make two different numbers equal.
 fn canonical_numbers(numbers: &[f64]) -> String {
     numbers.iter().map(|number| format!("{:016x}", number.to_bits())).collect::<Vec<_>>().join(" ")
 }
 
-/// The document without white space and without what no row depends on.
+/// The document without white space and without the parts that do not affect a row.
 fn canonical_document(document: &Value) -> Value {
     let Value::Object(sections) = document else { return document.clone() };
     let kept = sections.iter().filter(|(name, _)| !IGNORED_SECTIONS.contains(&name.as_str()));
     Value::Object(kept.map(|(name, section)| (name.clone(), canonical_section(section))).collect())
 }
 
+/// A section with its entries reduced to what affects a row.
 fn canonical_section(section: &Value) -> Value {
     let Value::Object(entries) = section else { return section.clone() };
     Value::Object(entries.iter().map(|(name, entry)| (name.clone(), canonical_entry(entry))).collect())
 }
 
-/// An entry without its remarks. A macro has elements of its own.
+/// An entry without its remarks. A macro contains elements, which are treated in the same way.
 fn canonical_entry(entry: &Value) -> Value {
     let Value::Object(keys) = entry else { return entry.clone() };
     let mut kept = Map::new();
@@ -96,7 +100,7 @@ fn canonical_entry(entry: &Value) -> Value {
     Value::Object(kept)
 }
 
-/// One line for each phase, times by their bits.
+/// One line per phase, with times as bit patterns.
 fn push_phase(text: &mut String, phase: &Phase) {
     match phase {
         Phase::InitialCondition => *text += "initial condition\n",
@@ -134,19 +138,19 @@ mod tests {
 
     fn canonical(text: &str, changes: &[(String, f64)]) -> String {
         let patch = Patch::parse("p.json", text).unwrap();
-        let circuit = Circuit::new(&patch, changes).unwrap();
+        let circuit = Circuit::with_parameters(&patch, changes.iter().cloned()).unwrap();
         let program = Program::new(&circuit).unwrap();
         canonical_run(&patch, &program, &RunSettings::of(&circuit).unwrap(), &[])
     }
 
     #[test]
-    fn the_hash_is_that_of_its_authors() {
+    fn the_hash_matches_published_test_vectors() {
         assert_eq!(of_text(""), "af1349b9f5f9a1a6a0404dea36dcc949");
         assert_eq!(of_text("abc"), "6437b3ac38465133ffb63b75273a8db5");
     }
 
     #[test]
-    fn remarks_and_white_space_do_not_count() {
+    fn remarks_and_white_space_do_not_change_the_text() {
         let patch = canonical(PATCH, &[]);
         assert_eq!(patch, canonical(&PATCH.replace("a pot", "another title"), &[]));
         assert_eq!(patch, canonical(&PATCH.replace("wiper", "slider"), &[]));
@@ -155,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_changes_a_row_counts() {
+    fn everything_that_affects_a_row_changes_the_text() {
         let patch = canonical(PATCH, &[]);
         for (from, to) in
             [("+100", "-100"), ("\"for\": 1", "\"for\": 2"), ("\"value\": 0.5", "\"value\": 0.6")]

@@ -1,9 +1,9 @@
-//! The table of a sweep on disk: rows are appended, so that a sweep that was killed goes on where it was.
+//! The CSV file of a sweep. Rows are appended, so an interrupted sweep can be continued.
 //!
-//! Every other file is written beside its place and renamed. This one grows in place, because what was worked out for
-//! hours must not be lost with the process. It begins with a head of comment lines and the names of the columns that
-//! says which sweep it belongs to, to the bit. Whoever opens it again finds the head, whole rows, and at most one part
-//! of a row, which is cut off; the rows are those that the sweep writes anew, so that the file ends with the same bytes.
+//! Other files are written to a temporary name and renamed. This file grows in place, because hours of results must
+//! survive the end of the process. Its head of comment lines and column names identifies the sweep exactly. When the
+//! file is opened again, it must contain this head, complete rows of this sweep, and at most one incomplete row. The
+//! incomplete row is removed, so the completed file is identical to that of an uninterrupted sweep.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
@@ -12,56 +12,64 @@ use std::path::{Path, PathBuf};
 use super::error::JournalError;
 use super::fingerprint::FORMAT_VERSION;
 
-/// A table that rows can be appended to.
+/// An open sweep file, locked for other sweeps.
 pub(super) struct Journal {
+    /// Path of the file, for error messages.
     path: PathBuf,
+    /// The open file. New rows are appended at its end.
     file: File,
-    /// Rows that it holds.
+    /// The number of complete rows in the file.
     pub rows: u64,
 }
 
 impl Journal {
-    /// Opens a table, or makes it. One that is there must have this head, and rows of which each begins as told for
-    /// its number, and no more of them than there are runs; each is shown to `look`. It is locked until it is closed.
+    /// Opens a sweep file, or creates it. An existing file must have this head and at most `runs` rows. Row n must
+    /// start with `beginning(n)`. Each existing row is passed to `inspect`. The file stays locked until it is closed.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, is locked, or is not the beginning of this sweep. It is then unchanged.
     pub fn open(
         path: &Path,
         head: &str,
         runs: u64,
         beginning: impl Fn(u64) -> String,
-        look: impl FnMut(&[u8]),
+        inspect: impl FnMut(&[u8]),
     ) -> Result<Journal, JournalError> {
-        let refused = |error| JournalError::Io { file: path.to_owned(), error };
-        if path.metadata().is_ok_and(|there| !there.is_file()) {
-            // A pipe or a device has no past.
-            let file = OpenOptions::new().write(true).open(path).map_err(refused)?;
+        let io_error = |error| JournalError::Io { file: path.to_owned(), error };
+        if path.metadata().is_ok_and(|existing| !existing.is_file()) {
+            // A pipe or a device has no existing content.
+            let file = OpenOptions::new().write(true).open(path).map_err(io_error)?;
             let mut journal = Journal { path: path.to_owned(), file, rows: 0 };
             journal.append(head)?;
             return Ok(journal);
         }
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
-        let file = file.map_err(refused)?;
+        let file = file.map_err(io_error)?;
         lock(&file, path)?;
         let mut reader = Reader { path, lines: BufReader::new(&file), line: 0, whole: 0 };
-        let rows = if reader.head(head)? { reader.rows(runs, beginning, look)? } else { 0 };
+        let rows = if reader.head(head)? { reader.rows(runs, beginning, inspect)? } else { 0 };
         let whole = reader.whole;
-        file.set_len(whole).map_err(refused)?;
+        file.set_len(whole).map_err(io_error)?;
         let mut journal = Journal { path: path.to_owned(), file, rows };
-        journal.file.seek(SeekFrom::End(0)).map_err(refused)?;
+        journal.file.seek(SeekFrom::End(0)).map_err(io_error)?;
         if whole == 0 {
             journal.append(head)?;
         }
         Ok(journal)
     }
 
-    /// Appends whole rows.
+    /// Appends complete rows.
+    ///
+    /// # Errors
+    /// If the file cannot be written, for example because the disk is full.
     pub fn append(&mut self, text: &str) -> Result<(), JournalError> {
         let written = self.file.write_all(text.as_bytes());
         written.map_err(|error| JournalError::Io { file: self.path.clone(), error })
     }
 }
 
-/// Keeps other sweeps out. The system takes the lock away with the process, however that ends; where it has no locks,
-/// nobody is kept out.
+/// Locks the file against other sweeps. The operating system releases the lock when the process ends. A system without
+/// locks gives no protection.
 fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(JournalError::Busy { file: path.to_owned() }),
@@ -69,49 +77,52 @@ fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
     }
 }
 
-/// Reads what is there.
+/// Reads and checks the existing content.
 struct Reader<'a> {
+    /// Path of the file, for error messages.
     path: &'a Path,
+    /// The content of the file.
     lines: BufReader<&'a File>,
-    /// Lines that were read.
+    /// The number of lines read so far.
     line: u64,
-    /// Bytes of head and whole rows.
+    /// Size of the head and all complete rows, in bytes.
     whole: u64,
 }
 
-/// Of a line that belongs to something else so much is read, and less shown.
-const LONGEST: u64 = 1 << 20;
-const SHOWN: usize = 200;
+/// The longest line that is read, in bytes. A longer line is no row.
+const MAX_LINE: u64 = 1 << 20;
+/// The longest text of a line in an error message, in characters.
+const MAX_SHOWN: usize = 200;
 
 impl Reader<'_> {
-    /// The next line with its end, or what there is of it.
+    /// The next line with its line end. It is incomplete at the end of the file, and empty after it.
     fn next(&mut self) -> Result<Vec<u8>, JournalError> {
         let mut line = Vec::new();
-        let read = self.lines.by_ref().take(LONGEST).read_until(b'\n', &mut line);
+        let read = self.lines.by_ref().take(MAX_LINE).read_until(b'\n', &mut line);
         read.map_err(|error: io::Error| JournalError::Io { file: self.path.to_owned(), error })?;
         self.line += 1;
         Ok(line)
     }
 
-    /// Whether the head stands there whole; what was killed while it wrote the head begins anew.
+    /// Whether the file has the complete head. False if only the beginning of the head was written: then start again.
     fn head(&mut self, head: &str) -> Result<bool, JournalError> {
         for wanted in head.split_inclusive('\n') {
             let found = self.next()?;
             if found != wanted.as_bytes() {
                 let is_cut = !found.ends_with(b"\n") && wanted.as_bytes().starts_with(&found);
-                return if is_cut { Ok(false) } else { Err(self.of_another(&found, wanted)) };
+                return if is_cut { Ok(false) } else { Err(self.mismatch(&found, wanted)) };
             }
         }
         self.whole = head.len() as u64;
         Ok(true)
     }
 
-    /// How many whole rows there are.
+    /// The number of complete rows.
     fn rows(
         &mut self,
         runs: u64,
         beginning: impl Fn(u64) -> String,
-        mut look: impl FnMut(&[u8]),
+        mut inspect: impl FnMut(&[u8]),
     ) -> Result<u64, JournalError> {
         let mut rows = 0;
         loop {
@@ -126,20 +137,21 @@ impl Reader<'_> {
             let is_whole = found.ends_with(b"\n");
             let compared = found.len().min(wanted.len());
             let is_no_row =
-                if is_whole { found.len() <= wanted.len() } else { found.len() as u64 == LONGEST };
+                if is_whole { found.len() <= wanted.len() } else { found.len() as u64 == MAX_LINE };
             if is_no_row || found[..compared] != wanted.as_bytes()[..compared] {
-                return Err(self.of_another(&found, &format!("{wanted}...")));
+                return Err(self.mismatch(&found, &format!("{wanted}...")));
             }
             if !is_whole {
                 return Ok(rows);
             }
-            look(&found);
+            inspect(&found);
             self.whole += found.len() as u64;
             rows += 1;
         }
     }
 
-    fn of_another(&self, found: &[u8], wanted: &str) -> JournalError {
+    /// The error for a line that does not belong to this sweep.
+    fn mismatch(&self, found: &[u8], wanted: &str) -> JournalError {
         let found = String::from_utf8_lossy(found);
         if self.line == 1 && !found.contains('\r') && is_first_line(&found) && is_first_line(wanted) {
             let version = |line: &str| line["# ".len()..].trim_end().to_owned();
@@ -150,8 +162,8 @@ impl Reader<'_> {
             };
         }
         let shown =
-            |text: &str| text.trim_end_matches('\n').replace('\r', "\\r").chars().take(SHOWN).collect();
-        JournalError::OfAnother {
+            |text: &str| text.trim_end_matches('\n').replace('\r', "\\r").chars().take(MAX_SHOWN).collect();
+        JournalError::OtherSweep {
             file: self.path.to_owned(),
             change: change(&found, wanted),
             line: self.line,
@@ -161,33 +173,34 @@ impl Reader<'_> {
     }
 }
 
-/// What happened since the file was written, where two lines tell.
+/// The change since the file was written, if the two lines show it. Ends in "; ", or is empty.
 fn change(found: &str, wanted: &str) -> String {
     if found.strip_suffix("\r\n").is_some_and(|found| wanted.strip_suffix('\n') == Some(found)) {
-        return "another program has ended its lines with carriage returns; ".to_owned();
+        return "its line ends were changed to carriage returns; ".to_owned();
     }
-    let print = wanted.strip_prefix(FINGERPRINT).and_then(|print| print.split_once(':'));
-    match print.filter(|(what, _)| found.starts_with(&format!("{FINGERPRINT}{what}:"))) {
-        Some((what, _)) => format!("{what} changed since; "),
+    let fingerprint = wanted.strip_prefix(FINGERPRINT).and_then(|rest| rest.split_once(':'));
+    match fingerprint.filter(|(what, _)| found.starts_with(&format!("{FINGERPRINT}{what}:"))) {
+        Some((what, _)) => format!("{what} changed after the file was started; "),
         None => String::new(),
     }
 }
 
-/// The line of the head with the fingerprint of an input, without its "# ".
-pub(super) fn fingerprint_line(of: &str, print: &str) -> String {
-    format!("{}{of}: {print}", &FINGERPRINT["# ".len()..])
+/// The head line with the fingerprint of an input, without the leading "# ".
+pub(super) fn fingerprint_line(of: &str, fingerprint: &str) -> String {
+    format!("{}{of}: {fingerprint}", &FINGERPRINT["# ".len()..])
 }
 
-/// The first line of the head, without its "# ". A file with another one was written by another version.
+/// The first head line, without the leading "# ". It contains the version of the program and of the file format.
 pub(super) fn first_line() -> String {
     format!("patchcord {} sweep, format {FORMAT_VERSION}", env!("CARGO_PKG_VERSION"))
 }
 
-/// What the first line of every version's sweep files looks like: "# patchcord 0.1.0 sweep".
+/// Whether a line looks like the first line of a sweep file of any version: "# patchcord 0.1.0 sweep".
 fn is_first_line(line: &str) -> bool {
     line.strip_prefix("# patchcord ").is_some_and(|rest| rest.contains(" sweep"))
 }
 
+/// The start of a fingerprint line.
 const FINGERPRINT: &str = "# fingerprint of ";
 
 #[cfg(test)]
@@ -203,15 +216,15 @@ mod tests {
         format!("{index},{}\n", ["zero", "one", "two"][index as usize])
     }
 
-    /// What a sweep makes of a file with this text in it.
-    fn gone_on(text: &str) -> Result<String, String> {
+    /// Continues a sweep whose file has this text, and returns the final text or the error.
+    fn continued(text: &str) -> Result<String, String> {
         let file = tempfile::NamedTempFile::new().unwrap();
         fs::write(file.path(), text).unwrap();
         let journal = Journal::open(file.path(), HEAD, 3, |row| format!("{row},"), |_| ());
         let mut journal = match journal {
             Ok(journal) => journal,
             Err(error) => {
-                assert_eq!(fs::read_to_string(file.path()).unwrap(), text, "it was left as it is");
+                assert_eq!(fs::read_to_string(file.path()).unwrap(), text, "the file is unchanged");
                 let named = file.path().display().to_string();
                 return Err(error.to_string().replace(&named, "FILE"));
             }
@@ -221,54 +234,51 @@ mod tests {
     }
 
     #[test]
-    fn cut_anywhere_it_ends_with_the_same_bytes() {
+    fn a_file_cut_anywhere_is_completed_to_the_same_bytes() {
         for cut in 0..=WHOLE.len() {
-            assert_eq!(gone_on(&WHOLE[..cut]).as_deref(), Ok(WHOLE), "cut at {cut}");
+            assert_eq!(continued(&WHOLE[..cut]).as_deref(), Ok(WHOLE), "cut at {cut}");
         }
     }
 
     #[test]
-    fn what_is_another_table_is_left_as_it_is() {
+    fn another_file_is_left_unchanged() {
         let cases = [
-            (
-                "t,x\n",
-                "FILE is not the table of this sweep, and was left as it is: line 1 is \"t,x\", and this",
-            ),
-            ("# a sweep\n# of m\n", "FILE is not the table of this sweep, and was left as it is: line 2 is"),
+            ("t,x\n", "FILE does not belong to this sweep: line 1 is \"t,x\", expected \"# a sweep\""),
+            ("# a sweep\n# of m\n", "FILE does not belong to this sweep: line 2 is"),
             (
                 "# a sweep\r\n# of k\r\n",
-                "FILE is not the table of this sweep, and was left as it is: another program has ended its lines with \
-                 carriage returns; line 1 is \"# a sweep\\r\", and this sweep has \"# a sweep\" there",
+                "FILE does not belong to this sweep: its line ends were changed to carriage returns; line 1 is \
+                 \"# a sweep\\r\", expected \"# a sweep\"; the file is unchanged",
             ),
-            ("# a sweep\n# of k\nk,x\n1,one\n", "FILE is not the table of this sweep"),
-            ("# a sweep\n# of k\nk,x\n0\n", "FILE is not the table of this sweep"),
+            ("# a sweep\n# of k\nk,x\n1,one\n", "FILE does not belong to this sweep"),
+            ("# a sweep\n# of k\nk,x\n0\n", "FILE does not belong to this sweep"),
             ("# a sweep\n# of k\nk,x\n0,zero\n1,", ""),
-            ("notes", "FILE is not the table of this sweep, and was left as it is: line 1 is \"notes\""),
+            ("notes", "FILE does not belong to this sweep: line 1 is \"notes\""),
         ];
         for (text, expected) in cases {
-            match gone_on(text) {
+            match continued(text) {
                 Ok(whole) => assert_eq!((whole.as_str(), expected), (WHOLE, "")),
                 Err(error) => assert!(!expected.is_empty() && error.starts_with(expected), "{text}: {error}"),
             }
         }
-        let error = gone_on(&format!("{WHOLE}3,three\n")).unwrap_err();
-        assert!(error.starts_with("FILE goes on after the last row of this sweep, in line 7"), "{error}");
+        let error = continued(&format!("{WHOLE}3,three\n")).unwrap_err();
+        assert!(error.starts_with("FILE continues after the last row of this sweep, in line 7"), "{error}");
     }
 
     #[test]
-    fn a_file_of_another_version_is_left_as_it_is() {
+    fn a_file_of_another_version_is_left_unchanged() {
         let file = tempfile::NamedTempFile::new().unwrap();
         fs::write(file.path(), "# patchcord 0.1.0 sweep\n# patch: a.json\n").unwrap();
         let head = format!("# {}\n", first_line());
         let error = Journal::open(file.path(), &head, 3, row, |_| ()).err().unwrap().to_string();
         let expected = "was written by another version of patchcord (its first line is \"patchcord 0.1.0 sweep\", this \
-             version writes \"patchcord 0.1.0 sweep, format 2\"), and was left as it is: finish it with the version that began \
-             it, or give another file";
+             version writes \"patchcord 0.1.0 sweep, format 2\"); the file is unchanged: complete it with the version \
+             that started it, or specify another file";
         assert!(error.ends_with(expected), "{error}");
     }
 
     #[test]
-    fn a_folder_is_refused() {
+    fn a_folder_returns_an_error() {
         let folder = tempfile::tempdir().unwrap();
         assert!(matches!(Journal::open(folder.path(), HEAD, 3, row, |_| ()), Err(JournalError::Io { .. })));
     }

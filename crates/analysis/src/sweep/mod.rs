@@ -1,104 +1,146 @@
-//! Sweeps: one run for every combination of parameters, on all cores, a row of measures for each.
+//! Sweeps: one run for every combination of parameter values, on all cores, with one row of measures per run.
 //!
-//! The rows are the same to the bit whatever the number of threads, and whether or not the sweep was killed and gone
-//! on with in between.
+//! `plan` and `table` define the parameter values of each run. `runner` computes runs, in groups whose size
+//! `group_size` chooses. `row` formats the results and `journal` appends them to a CSV file. `fingerprint` identifies
+//! the inputs, so that an interrupted sweep is only continued with the same inputs. The rows are identical, bit for
+//! bit, for any number of threads and after any interruption.
 
-mod bench;
 mod error;
 mod fingerprint;
+mod group_size;
 mod journal;
-mod pace;
 mod plan;
 mod row;
+mod runner;
 mod table;
 
-pub use bench::Bench;
 pub use error::{JournalError, PlanError};
 pub use plan::{Axis, Plan};
-pub use row::Row;
+pub use row::SweepRow;
+pub use runner::SweepRunner;
 
 use std::io;
 use std::path::Path;
 
-use crate::instruments::{Column, Measure};
-use crate::pool;
+use crate::instruments::{Measure, MeasureColumn};
+use crate::parallel;
 use fingerprint::{canonical_rows, canonical_run, canonical_tables, of_text};
+use group_size::GroupSizer;
 use journal::{Journal, fingerprint_line, first_line};
-use pace::Pace;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::LANES;
 use patchcord_core::solve::{Backend, Phase, RunError, RunSettings};
-use patchcord_core::trace::number;
+use patchcord_core::trace::format_exact;
 
-/// Which runs are made, how, and what is measured of each.
+/// A sweep: the runs, their settings, and the measures of each run.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::Measure;
+/// use patchcord_analysis::sweep::{Axis, Plan, Sweep};
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::RunSettings;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // dx/dt = -k x, from x = 50 V
+/// let integrator = ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50);
+/// let pot = ElementBuilder::new("pot").cord("in", "A1").set("setting", "k");
+/// let patch = PatchBuilder::new("Decay").parameter("k", 0.5, "1", [0.0, 1.0]).run(1.0, 1e-3).record(["A1"]);
+/// let patch = patch.element("A1", integrator).element("P1", pot).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let program = Program::new(&circuit)?;
+///
+/// let plan = Plan::new(vec![Axis::parse("k=0,1")?], &program)?;
+/// let measures = vec![Measure::parse("voltmeter:A1", program.signals())?];
+/// let sweep = Sweep::new(&patch, program, RunSettings::of(&circuit)?, plan, measures)?;
+/// let mut csv = Vec::new();
+/// let summary = sweep.write(&mut csv, 1, &mut |_| ())?;
+/// assert_eq!((summary.written, summary.failed), (2, 0));
+/// let csv = String::from_utf8(csv)?;
+/// let rows: Vec<&str> = csv.lines().filter(|line| !line.starts_with('#')).collect();
+/// assert_eq!(rows[..2], ["k,voltmeter:A1,error,note", "0,50,,"]);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct Sweep {
+    /// The patch, for the name of its file and for the fingerprints.
     patch: Patch,
+    /// The compiled patch, with the values of the parameters that are not varied.
     program: Program,
+    /// The settings of each run. They record only the signals that the measures need.
     settings: RunSettings,
+    /// The parameter values of each run.
     plan: Plan,
+    /// The measures in the order of their columns.
     measures: Vec<Measure>,
 }
 
-/// Why there is no sweep.
+/// Why a sweep is invalid.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// Nothing is measured.
-    #[error("nothing is measured")]
+    /// The sweep has no measure.
+    #[error("no measure is specified")]
     NoMeasure,
-    /// Two columns would have the same name.
-    #[error("two columns would be called {0}: measure it once, or name the parameter otherwise")]
+    /// Two columns have the same name. The field is the name.
+    #[error("two columns are named {0}: remove the duplicate measure, or rename the parameter")]
     SameColumn(String),
-    /// A measure of samples that rise in time, of runs in which two stand at one instant.
-    #[error("{0} cannot be read of a run within which a phase waits for a relay or sets a parameter")]
+    /// A measure uses samples, but a run has two samples at the same time. The field is the measure.
+    #[error("{0} cannot be read if a phase within a run waits for a relay or sets a parameter")]
     Phases(String),
-    /// The settings make no run.
+    /// The run settings are invalid.
     #[error(transparent)]
     Run(#[from] RunError),
 }
 
-/// What was done by one call.
+/// The number of rows that one call found and wrote.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Tally {
-    /// Rows that stood there already.
+pub struct SweepSummary {
+    /// Rows that the file already had.
     pub kept: u64,
-    /// Rows written.
+    /// Rows that were written.
     pub written: u64,
-    /// Rows among all these of runs that failed.
+    /// Rows, kept or written, of runs that failed.
     pub failed: u64,
-    /// Rows among them of other runs of which something could not be read, or in which something was overloaded.
+    /// Rows, kept or written, of other runs with a note: a value could not be read, or an amplifier was overloaded.
     pub noted: u64,
 }
 
-impl Tally {
-    fn add(&mut self, row: &Row) {
+impl SweepSummary {
+    /// Counts a row that was written.
+    fn add(&mut self, row: &SweepRow) {
         self.written += 1;
         self.count([row.error.is_some(), !row.notes.is_empty()]);
     }
 
-    /// Counts a run by whether it failed, and whether there is a note on it.
+    /// Counts a row by whether its run failed and whether it has a note.
     fn count(&mut self, [failed, noted]: [bool; 2]) {
         self.failed += u64::from(failed);
         self.noted += u64::from(noted && !failed);
     }
 }
 
-/// So many runs for each thread may wait in memory for a slower one before them.
+/// The largest number of results per worker that wait in memory for a slower run.
 const AHEAD: u64 = 64;
-/// What is recorded of all runs that a thread makes side by side comes to no more numbers, unless that of one does.
-const MOST_NUMBERS: f64 = 1e7;
+/// Workers per thread. While one waits for its next runs, the thread continues with the other.
+const WORKERS_PER_THREAD: u64 = 2;
+/// The largest number of recorded values that the runs of one group hold in memory. A single run may exceed it.
+const MAX_RECORDED: f64 = 1e7;
 
-/// The last two columns: the code of what went wrong, and in words why cells are empty and what to know of the rest.
+/// The last two columns: the error code of a failed run, and the reasons for missing values and other warnings.
 const LAST_COLUMNS: [&str; 2] = ["error", "note"];
 
 impl Sweep {
-    /// A sweep of the runs of a plan. `program` is made from `patch`, perhaps with other parameters. Only the signals that the
-    /// measures read are recorded, whatever the settings say.
+    /// Creates a sweep. `program` is compiled from `patch`, possibly with other parameter values. Only the signals that
+    /// the measures need are recorded, whatever the settings specify.
     ///
     /// # Errors
-    /// When nothing is measured, a measure cannot be read of such runs, two columns would have the same name, or the
-    /// settings make no run.
+    /// If there is no measure, a measure does not suit such runs, two columns have the same name, or the settings are
+    /// invalid.
     pub fn new(
         patch: &Patch,
         program: Program,
@@ -109,7 +151,8 @@ impl Sweep {
         if measures.is_empty() {
             return Err(SweepError::NoMeasure);
         }
-        if let Some(measure) = measures.iter().find(|measure| measure.is_sampled() && jumps(&settings.phases))
+        if let Some(measure) =
+            measures.iter().find(|measure| measure.is_sampled() && has_double_samples(&settings.phases))
         {
             return Err(SweepError::Phases(measure.text()));
         }
@@ -124,50 +167,50 @@ impl Sweep {
         let sweep = Sweep { patch: patch.clone(), program, settings, plan, measures };
         let names = sweep.column_names();
         match names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
-            Some((_, twice)) => Err(SweepError::SameColumn(twice.clone())),
+            Some((_, duplicate)) => Err(SweepError::SameColumn(duplicate.clone())),
             None => Ok(sweep),
         }
     }
 
-    /// How it is run.
+    /// The settings of each run.
     pub fn settings(&self) -> &RunSettings {
         &self.settings
     }
 
-    /// Its plan.
+    /// The plan of the sweep.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// The columns: the parameters varied, and what is measured. Behind them stand "error" and "note".
-    pub fn columns(&self) -> Vec<Column> {
+    /// The columns of varied parameters and measures. The columns "error" and "note" follow them in the file.
+    pub fn columns(&self) -> Vec<MeasureColumn> {
         let unit = |name: &str| {
-            let slot = self.program.parameters().iter().find(|slot| slot.name == name);
-            slot.map_or_else(String::new, |slot| slot.unit.clone())
+            let slot = self.program.parameters().iter().find(|slot| slot.declared.name == name);
+            slot.map_or_else(String::new, |slot| slot.declared.unit.clone())
         };
-        let varied = self.plan.names().map(|name| Column { name: name.to_owned(), unit: unit(name) });
+        let varied = self.plan.names().map(|name| MeasureColumn { name: name.to_owned(), unit: unit(name) });
         varied.chain(self.measures.iter().flat_map(Measure::columns)).collect()
     }
 
+    /// The names of all columns, including "error" and "note".
     fn column_names(&self) -> Vec<String> {
         let last = LAST_COLUMNS.map(str::to_owned);
         self.columns().into_iter().map(|column| column.name).chain(last).collect()
     }
 
-    /// A bench on which its runs are made, one after the other.
-    pub fn bench(&self) -> Bench<'_> {
-        Bench::new(self)
+    /// A runner that computes single runs of this sweep.
+    pub fn runner(&self) -> SweepRunner<'_> {
+        SweepRunner::new(self)
     }
 
-    /// What stands above the rows: comment lines that tell of which sweep they are, units, and the names of the
-    /// columns.
+    /// The head of the file: comment lines that identify the sweep, units, and the names of the columns.
     pub fn head(&self) -> String {
         let name = Path::new(self.patch.file()).file_name().unwrap_or_default().to_string_lossy();
         let mut lines = vec![first_line(), format!("patch: {name}")];
         lines.extend(self.plan.texts().iter().map(|axis| format!("vary: {axis}")));
-        lines.push(format!("with: {}", self.kept_parameters()));
-        lines.push(format!("run: {}", self.run_told()));
-        lines.extend(self.backend_told());
+        lines.push(format!("with: {}", self.constant_parameters()));
+        lines.push(format!("run: {}", self.run_text()));
+        lines.extend(self.backend_text());
         lines.extend(self.measures.iter().map(|measure| format!("measure: {}", measure.text())));
         lines.extend(self.fingerprints());
         let units = self.columns().into_iter().filter(|column| !column.unit.is_empty());
@@ -178,36 +221,42 @@ impl Sweep {
     }
 
     /// The parameters that are not varied, in their declared units.
-    fn kept_parameters(&self) -> String {
-        let kept =
-            self.program.parameters().iter().filter(|slot| self.plan.names().all(|name| name != slot.name));
-        let told = kept.map(|slot| format!("{}={}", slot.name, number(slot.value / slot.per_unit)));
-        told.collect::<Vec<_>>().join(",")
+    fn constant_parameters(&self) -> String {
+        let constant = self
+            .program
+            .parameters()
+            .iter()
+            .filter(|slot| self.plan.names().all(|name| name != slot.declared.name));
+        let texts = constant.map(|slot| {
+            format!("{}={}", slot.declared.name, format_exact(slot.value / slot.declared.per_unit))
+        });
+        texts.collect::<Vec<_>>().join(",")
     }
 
-    fn run_told(&self) -> String {
+    /// Length, step and recording interval of the runs.
+    fn run_text(&self) -> String {
         let RunSettings { step, tolerance, every, .. } = &self.settings;
         let step = match tolerance {
-            Some(tolerance) => format!("tolerance {}", number(*tolerance)),
-            None => format!("step {} s", number(*step)),
+            Some(tolerance) => format!("tolerance {}", format_exact(*tolerance)),
+            None => format!("step {} s", format_exact(*step)),
         };
         let length = match self.settings.phases.as_slice() {
             [Phase::InitialCondition, Phase::Operate { time, until: None }] => {
-                format!("for {} s", number(*time))
+                format!("for {} s", format_exact(*time))
             }
-            _ => format!("phases, {} s at most", number(self.settings.whole())),
+            _ => format!("phases, {} s at most", format_exact(self.settings.total_duration())),
         };
-        format!("{length}, {step}, recorded every {} s", number(*every))
+        format!("{length}, {step}, recorded every {} s", format_exact(*every))
     }
 
-    /// All backends but the reference give the same bits, and with a tolerance all do.
-    fn backend_told(&self) -> Option<String> {
+    /// The backend if it affects the rows. Only the reference backend with a fixed step gives different bits.
+    fn backend_text(&self) -> Option<String> {
         let RunSettings { backend, tolerance, .. } = self.settings;
-        let decides = backend == Backend::Reference && tolerance.is_none();
-        decides.then(|| format!("backend: {backend}"))
+        let matters = backend == Backend::Reference && tolerance.is_none();
+        matters.then(|| format!("backend: {backend}"))
     }
 
-    /// Fingerprints of everything that the rows depend on and that no other line of the head contains.
+    /// Fingerprints of all inputs that affect the rows and that no other line of the head contains.
     fn fingerprints(&self) -> impl Iterator<Item = String> {
         let varied: Vec<&str> = self.plan.names().collect();
         let prints = [
@@ -219,108 +268,111 @@ impl Sweep {
         prints.into_iter().filter_map(text)
     }
 
-    /// Makes all runs on so many threads, and writes head and rows. `progress` is told what [`Sweep::append_to`] tells it.
+    /// Computes all runs on `threads` threads, and writes head and rows. For `progress` see [`Sweep::append_to`].
     ///
     /// # Errors
-    /// When the writer refuses.
+    /// If the writer returns an error.
     pub fn write(
         &self,
         out: &mut dyn io::Write,
         threads: usize,
         progress: &mut dyn FnMut(u64),
-    ) -> io::Result<Tally> {
+    ) -> io::Result<SweepSummary> {
         out.write_all(self.head().as_bytes())?;
-        let none = Tally::default();
-        self.rows_behind(none, threads, progress, |line| {
+        let none = SweepSummary::default();
+        self.compute_remaining(none, threads, progress, |line| {
             out.write_all(line.as_bytes()).and_then(|()| out.flush())
         })
     }
 
-    /// Makes the runs that a file does not hold yet, on so many threads, and appends their rows; makes the file where
-    /// there is none. `progress` is told how many rows there are: at the beginning, with every row, and every second that brings
-    /// none.
+    /// Computes the runs that a file does not have yet on `threads` threads, and appends their rows. Creates the file
+    /// if it does not exist. `progress` receives the number of rows: at the start, after every row, and every second
+    /// without a row.
     ///
     /// # Errors
-    /// When the file is of another sweep or cannot be written. What was there is then as it was.
+    /// If the file belongs to another sweep or cannot be written. The existing rows are then unchanged.
     pub fn append_to(
         &self,
         path: &Path,
         threads: usize,
         progress: &mut dyn FnMut(u64),
-    ) -> Result<Tally, JournalError> {
+    ) -> Result<SweepSummary, JournalError> {
         let beginning = |run| row::beginning(&self.plan.values(run));
-        let mut there = Tally::default();
-        let look = |line: &[u8]| there.count(row::error_and_note(line));
-        let mut journal = Journal::open(path, &self.head(), self.plan.runs(), beginning, look)?;
-        there.kept = journal.rows;
-        self.rows_behind(there, threads, progress, |line| journal.append(line))
+        let mut existing = SweepSummary::default();
+        let inspect = |line: &[u8]| existing.count(row::error_and_note(line));
+        let mut journal = Journal::open(path, &self.head(), self.plan.runs(), beginning, inspect)?;
+        existing.kept = journal.rows;
+        self.compute_remaining(existing, threads, progress, |line| journal.append(line))
     }
 
-    /// How many runs a thread makes side by side at most; the first it makes alone.
-    fn abreast(&self, left: u64, threads: u64) -> u64 {
-        if !self.settings.go_abreast(&self.program) {
+    /// The largest number of runs that a thread computes together. Its first run is computed alone.
+    fn largest_group(&self, remaining: u64, threads: u64) -> u64 {
+        if !self.settings.is_batchable(&self.program) {
             return 1;
         }
-        let room = (MOST_NUMBERS / self.settings.numbers()) as u64;
-        evenly(left.saturating_sub(threads), threads, room.clamp(1, LANES as u64))
+        let limit = (MAX_RECORDED / self.settings.recorded_numbers()) as u64;
+        even_group(remaining.saturating_sub(threads), threads, limit.clamp(1, LANES as u64))
     }
 
-    /// Makes the runs behind those that are there, and gives their rows to the writer in order.
-    fn rows_behind<E>(
+    /// Computes the runs after the existing rows, and passes their rows to `write` in order.
+    fn compute_remaining<E>(
         &self,
-        there: Tally,
+        existing: SweepSummary,
         threads: usize,
         progress: &mut dyn FnMut(u64),
         mut write: impl FnMut(&str) -> Result<(), E>,
-    ) -> Result<Tally, E> {
-        let first = there.kept;
-        let left = self.plan.runs().saturating_sub(first);
-        let threads = (threads.max(1) as u64).min(left.max(1));
-        let abreast = self.abreast(left, threads);
-        let benches = (0..threads).map(|_| (self.bench(), Pace::new(abreast))).collect();
-        let mut tally = there;
+    ) -> Result<SweepSummary, E> {
+        let first = existing.kept;
+        let remaining = self.plan.runs().saturating_sub(first);
+        let threads = (threads.max(1) as u64).min(remaining.max(1));
+        let group = self.largest_group(remaining, threads);
+        let workers =
+            (0..threads * WORKERS_PER_THREAD).map(|_| (self.runner(), GroupSizer::new(group))).collect();
+        let mut summary = existing;
         progress(first);
-        pool::in_order(
-            0..left,
+        parallel::run_in_order(
+            0..remaining,
             AHEAD,
-            benches,
-            |(_, pace)| pace.runs(),
-            |(bench, pace), runs| {
+            threads as usize,
+            workers,
+            |(_, sizer)| sizer.size(),
+            |(runner, sizer), runs| {
                 let count = runs.end - runs.start;
                 let values: Vec<_> = runs.map(|run| self.plan.values(first + run)).collect();
-                pace.make(count, || bench.rows(&values))
+                sizer.timed(count, || runner.rows(&values))
             },
-            |row: Option<Row>| {
+            |row: Option<SweepRow>| {
                 row.iter().try_for_each(|row| {
-                    tally.add(row);
+                    summary.add(row);
                     write(&row.line())
                 })?;
-                progress(first + tally.written);
+                progress(first + summary.written);
                 Ok(())
             },
         )?;
-        Ok(tally)
+        Ok(summary)
     }
 }
 
-/// How many runs make a group, so many at most, that every thread gets as many groups.
-fn evenly(runs: u64, threads: u64, most: u64) -> u64 {
-    let groups = runs.div_ceil(most).next_multiple_of(threads);
+/// The group size, at most `max`, that gives every thread the same number of groups.
+fn even_group(runs: u64, threads: u64, max: u64) -> u64 {
+    let groups = runs.div_ceil(max).next_multiple_of(threads);
     runs.div_ceil(groups.max(1)).max(1)
 }
 
-/// Whether a relay or a hand ends a phase within the last run, where the record then has two samples.
-fn jumps(phases: &[Phase]) -> bool {
-    let (mut ran, mut jumps) = (false, false);
-    let mut look = |phase: &Phase| match phase {
-        Phase::InitialCondition => (ran, jumps) = (false, false),
-        Phase::Operate { until, .. } => (ran, jumps) = (true, jumps || until.is_some()),
-        Phase::Hold { .. } => ran = true,
-        Phase::Set { .. } => jumps |= ran,
+/// Whether a relay ends a phase, or a parameter is set, within the last run. The record then has two samples at that
+/// time.
+fn has_double_samples(phases: &[Phase]) -> bool {
+    let (mut is_running, mut found) = (false, false);
+    let mut inspect = |phase: &Phase| match phase {
+        Phase::InitialCondition => (is_running, found) = (false, false),
+        Phase::Operate { until, .. } => (is_running, found) = (true, found || until.is_some()),
+        Phase::Hold { .. } => is_running = true,
+        Phase::Set { .. } => found |= is_running,
         Phase::Repeat { .. } => (),
     };
-    phases.iter().for_each(|phase| phase.for_each(&mut look));
-    jumps
+    phases.iter().for_each(|phase| phase.for_each(&mut inspect));
+    found
 }
 
 #[cfg(test)]
@@ -328,8 +380,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_are_shared_out_evenly() {
+    fn groups_are_of_even_size() {
         let shares = [(1000, 2), (100, 2), (20, 4), (3, 8), (0, 1), (1_000_000, 64)];
-        assert_eq!(shares.map(|(runs, threads)| evenly(runs, threads, 16)), [16, 13, 5, 1, 1, 16]);
+        assert_eq!(shares.map(|(runs, threads)| even_group(runs, threads, 16)), [16, 13, 5, 1, 1, 16]);
     }
 }

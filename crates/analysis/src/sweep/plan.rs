@@ -1,45 +1,82 @@
-//! The plan of a sweep: which parameters take which values, in which order.
+//! The plan of a sweep: the values of each parameter and the order of their combinations.
 
 use super::error::PlanError;
 use patchcord_core::ir::{ParameterSlot, Program, SettingError};
-use patchcord_core::trace::number;
+use patchcord_core::trace::format_exact;
 use patchcord_expr::Function;
 
-/// Every combination of the values of its axes. The last axis changes from run to run, the first most slowly.
+/// All combinations of the values of its axes. The last axis changes fastest, the first slowest.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::sweep::{Axis, Plan};
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = Patch::read("../../patches/lessons/mass-and-spring.json")?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+///
+/// let plan = Plan::new(vec![Axis::parse("k=20:80:3")?, Axis::parse("m=1,2")?], &program)?;
+/// assert_eq!(plan.runs(), 6);
+/// assert_eq!(plan.names().collect::<Vec<_>>(), ["k", "m"]);
+/// assert_eq!((plan.values(0), plan.values(1), plan.values(2)), (vec![20.0, 1.0], vec![20.0, 2.0], vec![50.0, 1.0]));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
+    /// The axes, slowest first.
     axes: Vec<Axis>,
+    /// The number of combinations.
     runs: u64,
 }
 
-/// Parameters that take values together, in their declared units.
+/// One axis: one or several parameters that change together, in their declared units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
+    /// Names of the parameters of the axis; only an axis from a file has several.
     pub(super) names: Vec<String>,
-    pub(super) values: Values,
+    /// Their values.
+    pub(super) values: AxisValues,
 }
 
+/// The values of an axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Values {
-    /// Evenly spaced, both ends among them.
+pub(super) enum AxisValues {
+    /// `count` values with equal differences, both ends included.
     Linear { first: f64, last: f64, count: u64 },
-    /// With an even ratio from one to the next, both ends among them.
+    /// `count` values with equal ratios, both ends included.
     Logarithmic { first: f64, last: f64, count: u64 },
-    /// One after the other.
+    /// An explicit list.
     List(Vec<f64>),
-    /// Those of all parameters of the axis, row by row, from a file of this name.
+    /// Rows of a file with one value per parameter of the axis, row by row.
     Rows { file: String, values: Vec<f64> },
 }
 
-/// More runs than this are a slip of the pen.
+/// The largest number of runs. More are assumed to be a typing error.
 const MOST_RUNS: u64 = 1_000_000_000;
 
 impl Axis {
-    /// Reads `NAME=FIRST:LAST:COUNT` (evenly spaced), `NAME=FIRST:LAST:COUNT:log` (by an even ratio) or
+    /// Parses `NAME=FIRST:LAST:COUNT` (equal differences), `NAME=FIRST:LAST:COUNT:log` (equal ratios) or
     /// `NAME=VALUE,VALUE,...`.
     ///
     /// # Errors
-    /// When it is none of these, a number is not finite, or there are no two points to space.
+    /// If the text has none of these forms, a number is not finite, or the count is less than 2.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_analysis::sweep::Axis;
+    ///
+    /// assert!(Axis::parse("k=20:80:4").is_ok());
+    /// assert!(Axis::parse("k=0.001:1:7:log").is_ok());
+    /// assert!(Axis::parse("k=1,2,5").is_ok());
+    /// let error = Axis::parse("k=1:fast:3").unwrap_err();
+    /// assert_eq!(error.to_string(), "k: \"fast\" is not a finite number");
+    /// ```
     pub fn parse(text: &str) -> Result<Axis, PlanError> {
         let unreadable = || PlanError::NotAnAxis(text.to_owned());
         let (name, values) = text.split_once('=').ok_or_else(unreadable)?;
@@ -50,33 +87,33 @@ impl Axis {
         };
         let parts: Vec<_> = values.split(':').collect();
         let values = match parts[..] {
-            [list] => Values::List(list.split(',').map(number).collect::<Result<_, _>>()?),
+            [list] => AxisValues::List(list.split(',').map(number).collect::<Result<_, _>>()?),
             [first, last, count] => {
                 let count = count_of(name, count)?;
-                Values::Linear { first: number(first)?, last: number(last)?, count }
+                AxisValues::Linear { first: number(first)?, last: number(last)?, count }
             }
             [first, last, count, "log"] => {
                 let (first, last) = (number(first)?, number(last)?);
                 if !(first > 0.0 && last > 0.0) {
                     return Err(PlanError::NotAboveZero(name.trim().to_owned()));
                 }
-                Values::Logarithmic { first, last, count: count_of(name, count)? }
+                AxisValues::Logarithmic { first, last, count: count_of(name, count)? }
             }
             _ => return Err(unreadable()),
         };
         Ok(Axis { names: vec![name.trim().to_owned()], values })
     }
 
-    /// How many points it has.
+    /// The number of points.
     fn count(&self) -> u64 {
         match &self.values {
-            Values::Linear { count, .. } | Values::Logarithmic { count, .. } => *count,
-            Values::List(values) => values.len() as u64,
-            Values::Rows { values, .. } => (values.len() / self.names.len()) as u64,
+            AxisValues::Linear { count, .. } | AxisValues::Logarithmic { count, .. } => *count,
+            AxisValues::List(values) => values.len() as u64,
+            AxisValues::Rows { values, .. } => (values.len() / self.names.len()) as u64,
         }
     }
 
-    /// The value of one of its parameters at a point.
+    /// The value of the axis's parameter number `parameter` at point number `index`.
     fn value(&self, index: u64, parameter: usize) -> f64 {
         let at = |first, last, count, between: fn(f64, f64, f64) -> f64| match index {
             0 => first,
@@ -84,37 +121,37 @@ impl Axis {
             _ => between(first, last, index as f64 / (count - 1) as f64),
         };
         match &self.values {
-            Values::Linear { first, last, count } => at(*first, *last, *count, evenly),
-            Values::Logarithmic { first, last, count } => at(*first, *last, *count, by_ratio),
-            Values::List(values) => values[index as usize],
-            Values::Rows { values, .. } => values[index as usize * self.names.len() + parameter],
+            AxisValues::Linear { first, last, count } => at(*first, *last, *count, interpolate_linearly),
+            AxisValues::Logarithmic { first, last, count } => at(*first, *last, *count, interpolate_by_ratio),
+            AxisValues::List(values) => values[index as usize],
+            AxisValues::Rows { values, .. } => values[index as usize * self.names.len() + parameter],
         }
     }
 
-    /// What was asked for, numbers read back to the same bits.
+    /// The axis in the form that [`Axis::parse`] reads. Numbers are exact.
     pub(super) fn text(&self) -> String {
         let name = self.names.join(",");
         match &self.values {
-            Values::Linear { first, last, count } => {
-                format!("{name}={}:{}:{count}", number(*first), number(*last))
+            AxisValues::Linear { first, last, count } => {
+                format!("{name}={}:{}:{count}", format_exact(*first), format_exact(*last))
             }
-            Values::Logarithmic { first, last, count } => {
-                format!("{name}={}:{}:{count}:log", number(*first), number(*last))
+            AxisValues::Logarithmic { first, last, count } => {
+                format!("{name}={}:{}:{count}:log", format_exact(*first), format_exact(*last))
             }
-            Values::List(values) => {
-                let told: Vec<_> = values.iter().map(|value| number(*value)).collect();
-                format!("{name}={}", told.join(","))
+            AxisValues::List(values) => {
+                let values: Vec<_> = values.iter().map(|value| format_exact(*value)).collect();
+                format!("{name}={}", values.join(","))
             }
-            Values::Rows { file, .. } => format!("{name} from {} rows of {file}", self.count()),
+            AxisValues::Rows { file, .. } => format!("{name} from {} rows of {file}", self.count()),
         }
     }
 
-    /// Whether every value is one that its parameter may take. What lies between two ends needs no look.
+    /// An error if a value is outside the range of its parameter. Only the ends of a spaced axis need a check.
     fn check(&self, program: &Program) -> Result<(), PlanError> {
         let slots: Result<Vec<_>, _> = self.names.iter().map(|name| slot(program, name)).collect();
         let ends = [0, self.count() - 1];
         let points = match self.values {
-            Values::Linear { .. } | Values::Logarithmic { .. } => ends.to_vec(),
+            AxisValues::Linear { .. } | AxisValues::Logarithmic { .. } => ends.to_vec(),
             _ => (0..self.count()).collect(),
         };
         let slots = slots?;
@@ -125,14 +162,14 @@ impl Axis {
     }
 }
 
-/// The value at this share of the way; ends so far apart that their difference is no number are weighed one by one.
-fn evenly(first: f64, last: f64, share: f64) -> f64 {
-    let way = last - first;
-    if way.is_finite() { first + share * way } else { first * (1.0 - share) + last * share }
+/// Linear interpolation. If the difference of the ends overflows, the ends are weighted separately.
+fn interpolate_linearly(first: f64, last: f64, share: f64) -> f64 {
+    let difference = last - first;
+    if difference.is_finite() { first + share * difference } else { first * (1.0 - share) + last * share }
 }
 
-/// The same by ratios: ends of which the ratio is too large or too small for a number take their roots one by one.
-fn by_ratio(first: f64, last: f64, share: f64) -> f64 {
+/// Interpolation with equal ratios. If the ratio of the ends overflows, the powers are computed separately.
+fn interpolate_by_ratio(first: f64, last: f64, share: f64) -> f64 {
     let (ratio, power) = (last / first, |base, exponent| Function::Power.apply(base, exponent));
     if ratio.is_normal() {
         first * power(ratio, share)
@@ -141,6 +178,7 @@ fn by_ratio(first: f64, last: f64, share: f64) -> f64 {
     }
 }
 
+/// Parses the number of points of the axis `name`.
 fn count_of(name: &str, text: &str) -> Result<u64, PlanError> {
     let count = text.trim().parse().ok().filter(|count| (2..=MOST_RUNS).contains(count));
     count.ok_or_else(|| PlanError::BadCount {
@@ -150,17 +188,17 @@ fn count_of(name: &str, text: &str) -> Result<u64, PlanError> {
     })
 }
 
-/// The parameter of a program that has this name.
+/// The parameter with this name.
 pub(super) fn slot<'p>(program: &'p Program, name: &str) -> Result<&'p ParameterSlot, SettingError> {
     Ok(&program.parameters()[program.parameter_index(name)?])
 }
 
 impl Plan {
-    /// The plan of these axes, for a program whose parameters they vary.
+    /// Combines axes. `program` has the parameters that they vary.
     ///
     /// # Errors
-    /// When there is no axis, a parameter is not known or varied twice, a value is outside the range that the patch
-    /// declares, or there are too many runs.
+    /// If there is no axis, a parameter is unknown or varied twice, a value is outside its declared range, or there are
+    /// too many runs.
     pub fn new(axes: Vec<Axis>, program: &Program) -> Result<Plan, PlanError> {
         if axes.is_empty() {
             return Err(PlanError::Nothing);
@@ -175,30 +213,30 @@ impl Plan {
         Ok(Plan { axes, runs })
     }
 
-    /// How many runs there are.
+    /// The number of runs.
     pub fn runs(&self) -> u64 {
         self.runs
     }
 
-    /// The names of the parameters that are varied.
+    /// The names of the varied parameters, in the order of the axes.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.axes.iter().flat_map(|axis| axis.names.iter().map(String::as_str))
     }
 
-    /// The axes as they were asked for.
+    /// The axes in the form in which they are specified.
     pub fn texts(&self) -> Vec<String> {
         self.axes.iter().map(Axis::text).collect()
     }
 
-    /// The values of its axes that stand in files.
+    /// The values of the axes that were read from files.
     pub(super) fn rows(&self) -> impl Iterator<Item = &[f64]> {
         self.axes.iter().filter_map(|axis| match &axis.values {
-            Values::Rows { values, .. } => Some(values.as_slice()),
+            AxisValues::Rows { values, .. } => Some(values.as_slice()),
             _ => None,
         })
     }
 
-    /// The values of a run, counted from 0, in the order of the names and in declared units.
+    /// The parameter values of a run, counted from 0. Order of the names, declared units.
     pub fn values(&self, run: u64) -> Vec<f64> {
         let mut points = vec![0; self.axes.len()];
         let mut rest = run;
@@ -219,14 +257,14 @@ mod tests {
     use patchcord_core::patch::Patch;
 
     fn plan(axes: &[&str]) -> Result<Plan, String> {
-        let patch = Patch::read("../../patches/thesis/fig-8-16.json".as_ref()).unwrap();
-        let program = Program::new(&Circuit::new(&patch, &[]).unwrap()).unwrap();
+        let patch = Patch::read("../../patches/thesis/fig-8-16.json").unwrap();
+        let program = Program::new(&Circuit::new(&patch).unwrap()).unwrap();
         let axes: Result<Vec<_>, _> = axes.iter().map(|text| Axis::parse(text)).collect();
         axes.and_then(|axes| Plan::new(axes, &program)).map_err(|error| error.to_string())
     }
 
     #[test]
-    fn the_last_axis_changes_from_run_to_run() {
+    fn the_last_axis_changes_fastest() {
         let plan = plan(&["VcL=1e-3:3e-3:3", "Tc=0.01,0.02"]).unwrap();
         assert_eq!((plan.runs(), plan.names().collect::<Vec<_>>()), (6, vec!["VcL", "Tc"]));
         let all: Vec<_> = (0..6).map(|run| plan.values(run)).collect();
@@ -235,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ends_are_met_exactly_and_logarithms_have_an_even_ratio() {
+    fn ends_are_exact_and_spacing_is_regular() {
         let values = |axis: &str| {
             let plan = plan(&[axis]).unwrap();
             (0..plan.runs()).map(|run| plan.values(run)[0]).collect::<Vec<_>>()
@@ -250,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_may_be_as_far_apart_as_numbers_are() {
+    fn the_range_between_the_ends_may_overflow() {
         let values = |axis: &str| {
             let axis = Axis::parse(axis).unwrap();
             (0..axis.count()).map(|index| axis.value(index, 0)).collect::<Vec<_>>()
@@ -259,25 +297,22 @@ mod tests {
         for axis in ["k=1e300:1e-300:3:log", "k=1e-300:1e300:3:log"] {
             assert!((values(axis)[1] - 1.0).abs() < 1e-12, "{axis}: {:?}", values(axis));
         }
-        // As exact as the decimals are: not 1.2999999999999998.
+        // Decimal steps are exact: not 1.2999999999999998.
         assert_eq!(values("k=1:2:11")[3], 1.3);
     }
 
     #[test]
-    fn what_makes_no_plan_is_told() {
+    fn bad_plans_return_errors() {
         let cases: [(&[&str], &str); 13] = [
-            (&[], "nothing is varied"),
+            (&[], "no parameter is varied"),
             (&["VcL"], "\"VcL\" gives no values: write NAME=FIRST:LAST:COUNT"),
             (&["VcL=1:2:3:4"], "\"VcL=1:2:3:4\" gives no values"),
-            (&["VcL=1e-3:fast:3"], "\"fast\" is not a finite number, for VcL"),
-            (&["VcL=1e-3,NaN"], "\"NaN\" is not a finite number"),
-            (
-                &["VcL=1e-3:2e-3:1"],
-                "\"1\" points cannot be spaced for VcL: write a whole number from 2 to 1e9",
-            ),
-            (&["VcL=1e-3:2e-3:1e12"], "\"1e12\" points cannot be spaced"),
-            (&["VcL=1e-3:2e-3:2.5:log"], "\"2.5\" points cannot be spaced"),
-            (&["VcL=0:2e-3:5:log"], "VcL has a logarithm above 0 only"),
+            (&["VcL=1e-3:fast:3"], "VcL: \"fast\" is not a finite number"),
+            (&["VcL=1e-3,NaN"], "VcL: \"NaN\" is not a finite number"),
+            (&["VcL=1e-3:2e-3:1"], "VcL: number of points must be an integer from 2 to 1e9, got \"1\""),
+            (&["VcL=1e-3:2e-3:1e12"], "VcL: number of points must be an integer"),
+            (&["VcL=1e-3:2e-3:2.5:log"], "VcL: number of points must be an integer"),
+            (&["VcL=0:2e-3:5:log"], "VcL: logarithmic spacing needs positive ends"),
             (&["VLc=1e-3:2e-3:5"], "there is no parameter VLc; did you mean \"VcL\"?"),
             (&["VcL=1e-3:1:5"], "VcL = 1 m/s is outside its range 0.000254 ... 0.05 m/s"),
             (&["Tc=1e-2,2e-2", "VcL=1e-3,2e-3", "Tc=3e-2"], "Tc is varied twice"),

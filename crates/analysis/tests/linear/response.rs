@@ -1,4 +1,4 @@
-//! Frequency responses: closed solutions, the machine's own swing, SciPy.
+//! Frequency responses compared with closed solutions, runs of the machine, and SciPy.
 
 use std::f64::consts::{PI, TAU};
 use std::fs;
@@ -6,11 +6,12 @@ use std::fs;
 use crate::common::{built, circuit, element, volts};
 use crate::linear::{model, near, response, shipped};
 use patchcord_analysis::instruments::harmonic;
-use patchcord_analysis::linear::{Band, LinearError, Transfer, roots};
+use patchcord_analysis::linear::{FrequencyBand, LinearError, TransferFunction, roots};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::PatchBuilder;
 use patchcord_core::solve::{self, RunSettings};
 
+/// A lag L with the time constant in s and the drive u.
 fn lag(time: f64) -> PatchBuilder {
     let lag = element("lag").cords("x1", ["u"]).set("time", time);
     volts("lag").drive("u", "volt", element("step").set("height", 1)).element("L", lag)
@@ -23,7 +24,7 @@ fn a_lag_at_its_corner_gives_7_07_of_10_volts_45_degrees_late() {
         let found = response(&built(lag(time)), "u", "L", [corner, 1e3 * corner]);
         let first = found.points[0];
         assert!(near(10.0 * first.ratio, 50f64.sqrt(), 1e-12), "{first:?}");
-        // It inverts: half a turn ahead, 45 degrees late.
+        // The lag inverts: half a turn of lead minus 45 degrees.
         assert!(near(first.phase, 0.75 * PI, 1e-12), "{first:?}");
         assert!(near(first.decibels(), -10.0 * 2f64.log10(), 1e-12), "{first:?}");
         let last = found.points[found.points.len() - 1];
@@ -44,16 +45,16 @@ fn a_driven_oscillator_follows_its_formula() {
         assert!(near(point.phase, -imaginary.atan2(real), 1e-10), "{point:?}");
     }
     let steps = found.points.windows(2).map(|pair| (pair[1].phase - pair[0].phase).abs());
-    assert!(steps.fold(0.0, f64::max) < 0.15, "near enough to draw a curve");
+    assert!(steps.fold(0.0, f64::max) < 0.15, "points are close enough for a curve");
 }
 
-/// Amplitude ratio and lead of x on the push, as the machine swings.
+/// The amplitude ratio and the phase lead of x relative to the push, measured in a run.
 fn measured(frequency: f64, changes: &[(&str, f64)]) -> (f64, f64) {
     let changes: Vec<_> = [&[("f", frequency), ("F", 0.5)], changes].concat();
     let patch = crate::common::shipped("lessons/driven-oscillator");
     let circuit = circuit(&patch, &changes);
     let program = Program::new(&circuit).unwrap();
-    let settings = RunSettings::of(&circuit).unwrap().lasting(20.0 + 10.0 / frequency);
+    let settings = RunSettings::of(&circuit).unwrap().with_duration(20.0 + 10.0 / frequency);
     let trace = solve::run(&program, &settings).unwrap();
     let from = trace.time.partition_point(|time| *time < 20.0 - 1e-9);
     let read =
@@ -63,16 +64,16 @@ fn measured(frequency: f64, changes: &[(&str, f64)]) -> (f64, f64) {
 }
 
 #[test]
-fn the_machine_swings_as_the_response_says() {
+fn a_run_has_the_amplitude_and_phase_of_the_response() {
     for frequency in [0.3, 1.0, 1.5, 4.0] {
         let changes = [("d", 3.0), ("k", 55.0)];
         let program = shipped("lessons/driven-oscillator", &changes);
-        let told = response(&program, "push", "x", [frequency, 10.0 * frequency]).points[0];
+        let predicted = response(&program, "push", "x", [frequency, 10.0 * frequency]).points[0];
         let (ratio, lead) = measured(frequency, &changes);
-        // Steps of 2 ms, and what is left of the start: 1e-7 in the lesson's own test.
-        assert!(near(ratio, told.ratio, 1e-6), "{frequency} Hz: {ratio} {told:?}");
-        let off = (lead - told.phase + PI).rem_euclid(TAU) - PI;
-        assert!(off.abs() < 1e-6, "{frequency} Hz: {lead} {told:?}");
+        // Errors by steps of 2 ms and by the transient: 1e-7 in the test of the lesson.
+        assert!(near(ratio, predicted.ratio, 1e-6), "{frequency} Hz: {ratio} {predicted:?}");
+        let phase_error = (lead - predicted.phase + PI).rem_euclid(TAU) - PI;
+        assert!(phase_error.abs() < 1e-6, "{frequency} Hz: {lead} {predicted:?}");
     }
 }
 
@@ -90,15 +91,15 @@ fn the_linear_slideway_agrees_with_scipy() {
     for (column, (from, to)) in
         [("v_i", "v_o"), ("v_i", "spring_force"), ("x_i", "x_o")].into_iter().enumerate()
     {
-        let transfer = Transfer::new(&model, from, to).unwrap();
+        let transfer = TransferFunction::new(&model, from, to).unwrap();
         let frequencies = rows.iter().map(|row| row[0]);
         for (row, frequency) in rows.iter().zip(frequencies) {
-            let band = Band { low: frequency, high: 1.01 * frequency };
-            let point = transfer.over(band).unwrap().points[0];
+            let band = FrequencyBand { low: frequency, high: 1.01 * frequency };
+            let point = transfer.response(band).unwrap().points[0];
             let (ratio, phase) = (row[1 + 2 * column], row[2 + 2 * column]);
             assert!(near(point.ratio, ratio, 1e-9), "{to} {frequency} Hz: {point:?} {ratio}");
-            let off = (point.phase - phase + PI).rem_euclid(TAU) - PI;
-            assert!(off.abs() < 1e-9, "{to} {frequency} Hz: {point:?} {phase}");
+            let phase_error = (point.phase - phase + PI).rem_euclid(TAU) - PI;
+            assert!(phase_error.abs() < 1e-9, "{to} {frequency} Hz: {point:?} {phase}");
         }
     }
 }
@@ -113,75 +114,80 @@ fn an_undamped_resonance_turns_the_phase_down_by_half_a_turn() {
 }
 
 #[test]
-fn between_two_signals_stands_what_lies_between_them() {
-    // M v' = spring force - f v, whichever drive swings: the spring does not come in.
+fn the_response_between_two_signals_depends_only_on_the_path_between_them() {
+    // M v' = spring force - f v for either drive, so the spring has no influence.
     let (m, f) = (454.0, 17.86e3);
     let program = shipped("thesis/fig-8-04", &[]);
     let model = model(&program);
     for drive in ["v_i", "x_i"] {
-        let transfer = Transfer::between(&model, drive, "spring_force", "v_o").unwrap();
-        let found = transfer.over(Band { low: 0.1, high: 1000.0 }).unwrap();
+        let transfer = TransferFunction::between(&model, drive, "spring_force", "v_o").unwrap();
+        let found = transfer.response(FrequencyBand { low: 0.1, high: 1000.0 }).unwrap();
         assert_eq!(found.unit, "m/s per N");
         assert_eq!(found.title(), format!("v_o from spring_force, moved by {drive}"));
         for point in &found.points {
-            let swing = m * TAU * point.frequency;
-            assert!(near(point.ratio, 1.0 / swing.hypot(f), 1e-10), "{point:?}");
-            assert!(near(point.phase, -swing.atan2(f), 1e-10), "{point:?}");
+            let reactance = m * TAU * point.frequency;
+            assert!(near(point.ratio, 1.0 / reactance.hypot(f), 1e-10), "{point:?}");
+            assert!(near(point.phase, -reactance.atan2(f), 1e-10), "{point:?}");
         }
     }
-    let still = Transfer::between(&model, "v_i", "x_i", "v_o").unwrap().over(Band { low: 1.0, high: 10.0 });
-    assert_eq!(
-        still.unwrap_err().to_string(),
-        "x_i does not follow v_i here: a small change of v_i does nothing to it"
-    );
-    let unknown = Transfer::between(&model, "v_i", "spring_forse", "v_o").unwrap_err().to_string();
-    assert_eq!(unknown, "there is no signal spring_forse to read; did you mean \"spring_force\"?");
+    let unaffected = TransferFunction::between(&model, "v_i", "x_i", "v_o")
+        .unwrap()
+        .response(FrequencyBand { low: 1.0, high: 10.0 });
+    assert_eq!(unaffected.unwrap_err().to_string(), "x_i does not depend on v_i at this operating point");
+    let unknown = TransferFunction::between(&model, "v_i", "spring_forse", "v_o").unwrap_err().to_string();
+    assert_eq!(unknown, "the patch has no signal spring_forse; did you mean \"spring_force\"?");
 }
 
 #[test]
-fn a_drive_reads_itself_as_it_is() {
+fn the_response_of_a_drive_to_itself_is_1() {
     let found = response(&built(lag(0.1)), "u", "u", [1.0, 10.0]);
     assert!(found.points.iter().all(|point| (point.ratio, point.phase) == (1.0, 0.0)));
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused() {
+fn invalid_requests_return_errors() {
     let program = shipped("thesis/fig-8-04", &[]);
     let model = model(&program);
-    let refused = |from: &str, to: &str| Transfer::new(&model, from, to).unwrap_err().to_string();
-    assert_eq!(refused("v_j", "v_o"), "v_j is no drive; did you mean \"v_i\"?");
-    assert_eq!(refused("v_o", "v_i"), "v_o is no drive; did you mean \"v_i\"?");
-    assert!(refused("+100", "v_i").starts_with("+100 is no drive; known here: v_i, x_i"));
-    assert_eq!(refused("v_i", "v_p"), "there is no signal v_p to read; did you mean \"v_o\"?");
-    let unmoved = Transfer::new(&model, "v_i", "x_i").unwrap();
-    let band = Band { low: 1.0, high: 10.0 };
-    let unmoved = unmoved.over(band);
-    assert!(matches!(unmoved, Err(LinearError::NotMoved { .. })), "{unmoved:?}");
-    let moved = Transfer::new(&model, "v_i", "v_o").unwrap();
+    let error = |from: &str, to: &str| TransferFunction::new(&model, from, to).unwrap_err().to_string();
+    assert_eq!(error("v_j", "v_o"), "v_j is not a drive; did you mean \"v_i\"?");
+    assert_eq!(error("v_o", "v_i"), "v_o is not a drive; did you mean \"v_i\"?");
+    assert!(error("+100", "v_i").starts_with("+100 is not a drive; known here: v_i, x_i"));
+    assert_eq!(error("v_i", "v_p"), "the patch has no signal v_p; did you mean \"v_o\"?");
+    let uninfluenced = TransferFunction::new(&model, "v_i", "x_i").unwrap();
+    let band = FrequencyBand { low: 1.0, high: 10.0 };
+    let uninfluenced = uninfluenced.response(band);
+    assert!(matches!(uninfluenced, Err(LinearError::NoInfluence { .. })), "{uninfluenced:?}");
+    let transfer = TransferFunction::new(&model, "v_i", "v_o").unwrap();
     let infinite = f64::INFINITY;
-    let upside_down = [(0.0, 1.0), (-1.0, 1.0), (2.0, 2.0), (2.0, 1.0)];
+    let reversed = [(0.0, 1.0), (-1.0, 1.0), (2.0, 2.0), (2.0, 1.0)];
     for (low, high) in
-        upside_down.into_iter().chain([(1.0, infinite), (f64::NAN, 1.0), (1e-300, 1e300), (1.0, 1e101)])
+        reversed.into_iter().chain([(1.0, infinite), (f64::NAN, 1.0), (1e-300, 1e300), (1.0, 1e101)])
     {
-        assert!(matches!(moved.over(Band { low, high }), Err(LinearError::NotABand { .. })), "{low} {high}");
+        assert!(
+            matches!(transfer.response(FrequencyBand { low, high }), Err(LinearError::BadBand { .. })),
+            "{low} {high}"
+        );
     }
-    let widest = moved.over(Band { low: 1e-100, high: 1e100 }).unwrap().points;
+    let widest = transfer.response(FrequencyBand { low: 1e-100, high: 1e100 }).unwrap().points;
     assert!(widest.len() > 12_000 && widest.iter().all(|point| point.ratio.is_finite()));
 }
 
 #[test]
-fn the_band_lies_around_the_roots() {
+fn the_default_band_contains_the_roots() {
     let program = shipped("thesis/fig-8-04", &[]);
     let model = model(&program);
     // 31.57 Hz
-    let band = Band::around(&roots(&model).unwrap(), &model);
-    assert_eq!(band, Band { low: 1.0, high: 1000.0 });
+    let band = FrequencyBand::around(&roots(&model).unwrap(), &model);
+    assert_eq!(band, FrequencyBand { low: 1.0, high: 1000.0 });
     let program = built(volts("none").drive("u", "volt", element("step").set("height", 1)));
-    assert_eq!(Band::around(&[], &crate::linear::model(&program)), Band { low: 0.01, high: 100.0 });
+    assert_eq!(
+        FrequencyBand::around(&[], &crate::linear::model(&program)),
+        FrequencyBand { low: 0.01, high: 100.0 }
+    );
 }
 
 #[test]
-fn a_table_reads_back_to_the_same_numbers() {
+fn a_csv_table_has_exact_numbers() {
     let found = response(&built(lag(0.1)), "u", "L", [1.0, 2.0]);
     let mut table = Vec::new();
     found.write_csv(&mut table).unwrap();

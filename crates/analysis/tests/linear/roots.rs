@@ -9,18 +9,18 @@ use crate::linear::{near, roots_of, shipped};
 use patchcord_analysis::linear::{LinearError, Root, Stability};
 use patchcord_core::patch::PatchBuilder;
 
-/// What rounding may do to a simple root.
-const ROUNDING: f64 = 1e-12;
+/// Relative rounding error of a simple root.
+const ROOT_TOLERANCE: f64 = 1e-12;
 
 #[test]
-fn a_mass_on_a_spring_swings_at_the_root_of_k_over_m() {
+fn a_mass_on_a_spring_has_the_frequency_sqrt_k_over_m() {
     for (m, k) in [(1.0, 40.0), (2.5, 7.0), (10.0, 100.0)] {
         let found = roots_of(&shipped("lessons/mass-and-spring", &[("m", m), ("k", k)]));
         let [root] = found[..] else { panic!("{found:?}") };
-        assert!(near(root.natural_frequency(), (k / m).sqrt(), ROUNDING), "{root:?}");
-        assert!(near(root.hertz(), (k / m).sqrt() / TAU, ROUNDING), "{root:?}");
+        assert!(near(root.natural_frequency(), (k / m).sqrt(), ROOT_TOLERANCE), "{root:?}");
+        assert!(near(root.hertz(), (k / m).sqrt() / TAU, ROOT_TOLERANCE), "{root:?}");
         assert_eq!((root.damping(), root.time_constant()), (Some(0.0), None));
-        assert_eq!((root.stability(), root.times), (Stability::Neutral, 1));
+        assert_eq!((root.stability(), root.multiplicity), (Stability::Neutral, 1));
     }
 }
 
@@ -31,7 +31,7 @@ proptest! {
     fn a_damped_oscillator_has_its_textbook_roots(m in 1.0..5.0f64, k in 10.0..100.0f64, d in 0.01..10.0f64) {
         let found = roots_of(&shipped("lessons/driven-oscillator", &[("m", m), ("k", k), ("d", d)]));
         let (omega, zeta) = ((k / m).sqrt(), d / (2.0 * (k * m).sqrt()));
-        // Near zeta = 1 roots move as the square root of what rounding does.
+        // Near zeta = 1 the error of a root is the square root of the rounding error.
         prop_assume!((zeta - 1.0).abs() > 1e-3);
         if zeta < 1.0 {
             prop_assert_eq!(found.len(), 1);
@@ -39,49 +39,51 @@ proptest! {
             prop_assert!(near(found[0].damping().unwrap(), zeta, 1e-10), "{:?}", found);
         } else {
             let spread = (zeta * zeta - 1.0).sqrt();
-            let wanted = [zeta - spread, zeta + spread].map(|share| 1.0 / (omega * share));
-            let told: Vec<_> = found.iter().map(|root| root.time_constant().unwrap()).collect();
-            prop_assert!(told.iter().zip(&wanted).all(|(told, wanted)| near(*told, *wanted, 1e-9)), "{:?}", found);
+            let expected = [zeta - spread, zeta + spread].map(|factor| 1.0 / (omega * factor));
+            let constants: Vec<_> = found.iter().map(|root| root.time_constant().unwrap()).collect();
+            let agree = constants.iter().zip(&expected).all(|(constant, expected)| near(*constant, *expected, 1e-9));
+            prop_assert!(agree, "{:?}", found);
             prop_assert!(found.iter().all(|root| root.damping().is_none()));
         }
     }
 }
 
 #[test]
-fn at_critical_damping_a_root_is_there_twice() {
+fn at_critical_damping_there_is_a_double_root() {
     for (m, k) in [(1.0, 25.0), (2.0, 12.5), (1.0, 16.0)] {
         let d = 2.0 * f64::sqrt(k * m);
         let found = roots_of(&shipped("lessons/driven-oscillator", &[("m", m), ("k", k), ("d", d)]));
         let [root] = found[..] else { panic!("{found:?}") };
-        assert_eq!((root.times, root.imaginary), (2, 0.0));
-        assert!(near(root.real, -(k / m).sqrt(), ROUNDING), "{root:?}");
+        assert_eq!((root.multiplicity, root.imaginary), (2, 0.0));
+        assert!(near(root.real, -(k / m).sqrt(), ROOT_TOLERANCE), "{root:?}");
     }
 }
 
 #[test]
-fn fig_8_4_swings_at_198_34_rad_s_with_a_damping_of_0_09917() {
+fn fig_8_4_has_198_34_rad_s_and_a_damping_of_0_09917() {
     let found = roots_of(&shipped("thesis/fig-8-04", &[]));
     let [root] = found[..] else { panic!("{found:?}") };
     let (m, k, f) = (454.0, 17.86e6, 17.86e3);
-    assert!(near(root.natural_frequency(), f64::sqrt(k / m), ROUNDING), "{root:?}");
-    assert!(near(root.damping().unwrap(), f / (2.0 * f64::sqrt(k * m)), ROUNDING), "{root:?}");
+    assert!(near(root.natural_frequency(), f64::sqrt(k / m), ROOT_TOLERANCE), "{root:?}");
+    assert!(near(root.damping().unwrap(), f / (2.0 * f64::sqrt(k * m)), ROOT_TOLERANCE), "{root:?}");
     assert!((root.natural_frequency() - 198.34).abs() < 0.005, "{root:?}");
     assert!((root.damping().unwrap() - 0.09917).abs() < 5e-6, "{root:?}");
 }
 
 #[test]
-fn van_der_pols_origin_throws_out_what_comes_near() {
+fn the_origin_of_van_der_pol_is_unstable() {
     for mu in [0.0, 0.5, 1.0, 1.5] {
         let found = roots_of(&shipped("lessons/van-der-pol", &[("mu", mu), ("x0", 0.0)]));
         let [root] = found[..] else { panic!("{found:?}") };
-        assert!(near(root.natural_frequency(), 1.0, ROUNDING), "{root:?}");
-        assert!((root.damping().unwrap() + 0.5 * mu).abs() < ROUNDING, "{root:?}");
+        assert!(near(root.natural_frequency(), 1.0, ROOT_TOLERANCE), "{root:?}");
+        assert!((root.damping().unwrap() + 0.5 * mu).abs() < ROOT_TOLERANCE, "{root:?}");
         let stability = if mu > 0.0 { Stability::Unstable } else { Stability::Neutral };
         assert_eq!(root.stability(), stability);
     }
 }
 
-/// Equal masses between walls, joined by equal springs: V`n` is a velocity, A`n` the position inverted, I`n` the position.
+/// Equal masses between walls, joined by equal springs. V`n` is a velocity, A`n` the inverted position, I`n` the
+/// position.
 fn chain(masses: usize) -> PatchBuilder {
     let mut builder = volts("chain");
     for n in 1..=masses {
@@ -105,26 +107,26 @@ fn a_chain_of_three_masses_has_its_three_frequencies() {
         assert_eq!(found.len(), masses, "{found:?}");
         for (mode, root) in found.iter().enumerate() {
             let angle = (mode + 1) as f64 * PI / (2.0 * (masses + 1) as f64);
-            let wanted = 2.0 * 5f64.sqrt() * angle.sin();
-            assert!(near(root.natural_frequency(), wanted, 1e-11), "{root:?} {wanted}");
+            let expected = 2.0 * 5f64.sqrt() * angle.sin();
+            assert!(near(root.natural_frequency(), expected, 1e-11), "{root:?} {expected}");
             assert_eq!((root.stability(), root.damping()), (Stability::Neutral, Some(0.0)));
         }
     }
 }
 
 #[test]
-fn integrators_in_a_row_have_a_root_at_0_as_often_as_they_are() {
-    let builder = volts("row")
+fn integrators_in_series_have_a_multiple_root_at_0() {
+    let builder = volts("series")
         .element("A1", element("integrator").cords("x1", ["+100"]))
         .element("A2", element("integrator").cords("x10", ["A1"]))
         .element("A3", element("integrator").cords("x100", ["A2"]));
     let found = roots_of(&built(builder));
-    assert_eq!(found, [Root { real: 0.0, imaginary: 0.0, times: 3 }]);
+    assert_eq!(found, [Root { real: 0.0, imaginary: 0.0, multiplicity: 3 }]);
     assert_eq!((found[0].stability(), found[0].time_constant()), (Stability::Neutral, None));
 }
 
 #[test]
-fn equal_lags_in_a_row_have_one_root_as_often_as_they_are() {
+fn equal_lags_in_series_have_one_multiple_root() {
     let mut builder = volts("lags").time_scale(10.0);
     for n in 0..6 {
         let from = if n == 0 { "+100".to_owned() } else { format!("L{}", n - 1) };
@@ -132,10 +134,10 @@ fn equal_lags_in_a_row_have_one_root_as_often_as_they_are() {
             builder.element(&format!("L{n}"), element("lag").cords("x1", [from.as_str()]).set("time", 2));
     }
     // A time constant of 2 machine seconds is 0.2 problem seconds.
-    assert_eq!(roots_of(&built(builder)), [Root { real: -5.0, imaginary: 0.0, times: 6 }]);
+    assert_eq!(roots_of(&built(builder)), [Root { real: -5.0, imaginary: 0.0, multiplicity: 6 }]);
 }
 
-/// A row of integrators with feedback from each: s^n + c_1 s^(n-1) + ... + c_n.
+/// Integrators in series with feedback from each: s^n + c_1 s^(n-1) + ... + c_n.
 fn companion(coefficients: &[f64]) -> PatchBuilder {
     let mut builder = volts("companion");
     let mut first = element("integrator");
@@ -154,18 +156,18 @@ fn companion(coefficients: &[f64]) -> PatchBuilder {
 }
 
 #[test]
-fn a_root_that_rounding_splits_is_one() {
-    // (s + 1)^n: without a word about it, the iteration gives roots 1e-16^(1/n) apart.
+fn a_root_that_rounding_splits_is_merged() {
+    // (s + 1)^n: the iteration alone gives roots that are 1e-16^(1/n) apart.
     for powers in [&[2.0, 1.0][..], &[3.0, 3.0, 1.0], &[4.0, 6.0, 4.0, 1.0]] {
         let found = roots_of(&built(companion(powers)));
         let [root] = found[..] else { panic!("{found:?}") };
-        assert_eq!((root.times, root.imaginary), (powers.len(), 0.0));
+        assert_eq!((root.multiplicity, root.imaginary), (powers.len(), 0.0));
         assert!(near(root.real, -1.0, 1e-12), "{root:?}");
     }
-    // (s^2 + s + 4)^2: a pair, twice.
+    // (s^2 + s + 4)^2: a double pair.
     let found = roots_of(&built(companion(&[2.0, 9.0, 8.0, 16.0])));
     let [root] = found[..] else { panic!("{found:?}") };
-    assert_eq!(root.times, 2);
+    assert_eq!(root.multiplicity, 2);
     assert!(
         near(root.natural_frequency(), 2.0, 1e-12) && near(root.damping().unwrap(), 0.25, 1e-12),
         "{root:?}"
@@ -173,7 +175,7 @@ fn a_root_that_rounding_splits_is_one() {
 }
 
 #[test]
-fn roots_that_are_only_near_stay_apart() {
+fn close_roots_are_not_merged() {
     // (s + 1) (s + 1.001)
     let found = roots_of(&built(companion(&[2.001, 1.001])));
     assert_eq!(found.len(), 2, "{found:?}");
@@ -181,7 +183,7 @@ fn roots_that_are_only_near_stay_apart() {
 }
 
 #[test]
-fn a_mean_that_is_another_root_joins_nothing() {
+fn roots_are_not_merged_if_their_mean_is_another_root() {
     // A rod of cells: -2 + 2 cos(k pi / 102) in 1/s, the middle ones evenly spaced.
     let cells = 101;
     let mut builder = volts("rod");
@@ -195,8 +197,8 @@ fn a_mean_that_is_another_root_joins_nothing() {
     let found = roots_of(&built(builder));
     assert_eq!(found.len(), cells);
     for (mode, root) in found.iter().enumerate() {
-        let wanted = -4.0 * (0.5 * (mode + 1) as f64 * PI / (cells + 1) as f64).sin().powi(2);
-        assert!((root.real - wanted).abs() < 1e-12 && root.times == 1, "{root:?} {wanted}");
+        let expected = -4.0 * (0.5 * (mode + 1) as f64 * PI / (cells + 1) as f64).sin().powi(2);
+        assert!((root.real - expected).abs() < 1e-12 && root.multiplicity == 1, "{root:?} {expected}");
     }
 }
 
@@ -208,7 +210,7 @@ fn a_ring_of_equal_integrators_has_roots_on_a_circle() {
             let from = format!("A{}", (n + count - 1) % count);
             builder = builder.element(&format!("A{n}"), element("integrator").cords("x2", [from.as_str()]));
         }
-        // s^n = (-2)^n: the roots of 1 turned to -2.
+        // s^n = (-2)^n.
         let found = roots_of(&built(builder));
         assert_eq!(found.iter().map(|root| if root.imaginary > 0.0 { 2 } else { 1 }).sum::<usize>(), count);
         for root in &found {
@@ -221,8 +223,8 @@ fn a_ring_of_equal_integrators_has_roots_on_a_circle() {
 }
 
 #[test]
-fn rounding_of_the_fast_does_not_reach_the_slow() {
-    // 1e6 between them, and the fast one drives the slow one.
+fn rounding_errors_of_a_fast_root_do_not_affect_a_slow_one() {
+    // The roots differ by a factor of 1e6, and the fast state drives the slow one.
     let builder = volts("far apart")
         .element("A1", element("integrator").cords("x1000", ["A1"]))
         .element("A2", element("integrator").cords("x1000", ["A1"]).cords("x0.001", ["A2"]));
@@ -231,8 +233,8 @@ fn rounding_of_the_fast_does_not_reach_the_slow() {
 }
 
 #[test]
-fn a_loop_without_an_integrator_acts_as_its_solution() {
-    // S = -(A + S / 2): S = -2/3 A, and A' = -3 S: unstable. With the inverter in between it dies away.
+fn a_loop_without_an_integrator_is_eliminated() {
+    // S = -(A + S / 2): S = -2/3 A, and A' = -3 S: unstable. With the inverter in between it decays.
     let builder = |back: &str| {
         volts("loop")
             .element("P", element("pot").cord("in", "S").set("setting", 0.5))
@@ -242,10 +244,10 @@ fn a_loop_without_an_integrator_acts_as_its_solution() {
     };
     for (back, real) in [("S", 2.0), ("I", -2.0)] {
         let found = roots_of(&built(builder(back)));
-        assert!(near(found[0].real, real, ROUNDING), "{found:?}");
+        assert!(near(found[0].real, real, ROOT_TOLERANCE), "{found:?}");
         let stability = if real > 0.0 { Stability::Unstable } else { Stability::Stable };
         assert_eq!((found[0].stability(), found.len()), (stability, 1));
-        assert!(near(found[0].time_constant().unwrap(), 0.5, ROUNDING), "{found:?}");
+        assert!(near(found[0].time_constant().unwrap(), 0.5, ROOT_TOLERANCE), "{found:?}");
     }
 }
 
@@ -255,9 +257,9 @@ fn a_circuit_without_memory_has_no_roots() {
 }
 
 #[test]
-fn a_slope_that_is_no_number_is_told_with_its_place() {
+fn an_infinite_derivative_returns_an_error_with_its_element() {
     let mut model = crate::linear::model(&built(companion(&[2.0, 1.0])));
-    model.matrix[(1, 0)] = f64::INFINITY;
-    let told = LinearError::NoDerivative { element: model.states[1].name.clone() };
-    assert_eq!(patchcord_analysis::linear::roots(&model), Err(told));
+    model.matrix[1][0] = f64::INFINITY;
+    let error = LinearError::NoDerivative { element: model.states[1].name.clone() };
+    assert_eq!(patchcord_analysis::linear::roots(&model), Err(error));
 }

@@ -1,32 +1,34 @@
-//! Runs made of phases: held against closed solutions, fresh patches, and the same run written another way.
+//! Runs with phases, compared with closed solutions, with new patches, and with equivalent runs.
 
-mod refused;
+mod errors;
 
 use crate::common::{element, patch, source, volts};
-use patchcord_analysis::instruments::missed;
+use patchcord_analysis::instruments::unmet_condition;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Patch, PatchBuilder};
-use patchcord_core::solve::{self, Change, Phase, RunSettings, Stopped};
-use patchcord_core::trace::{Deed, Ending, Mark, Trace};
+use patchcord_core::solve::{self, ParameterChange, Phase, RunSettings, StoppedRun};
+use patchcord_core::trace::{PhaseEnd, PhaseKind, PhaseRecord, Trace};
 use patchcord_expr::Formula;
 
-const OPERATE: Deed = Deed::Operate { until: None };
+/// The kind of an operate phase without a condition.
+const OPERATE: PhaseKind = PhaseKind::Operate { until: None };
 
-/// The record of a patch in steps of 1 ms, or why it stopped.
-fn tried(patch: &Patch, phases: &[Phase], every: f64, record: &[&str]) -> Result<Trace, Stopped> {
-    let circuit = Circuit::new(patch, &[]).unwrap_or_else(|report| panic!("{report}"));
+/// Runs a patch with a step of 1 ms.
+fn try_run(patch: &Patch, phases: &[Phase], every: f64, record: &[&str]) -> Result<Trace, StoppedRun> {
+    let circuit = Circuit::new(patch).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     let record = record.iter().map(|name| (*name).to_owned()).collect();
-    let own = RunSettings::of(&circuit).unwrap();
-    solve::run(&program, &RunSettings { phases: phases.to_vec(), every, record, ..own })
+    let base = RunSettings::of(&circuit).unwrap();
+    solve::run(&program, &RunSettings { phases: phases.to_vec(), every, record, ..base })
 }
 
+/// The trace of a run that must succeed.
 fn run(patch: &Patch, phases: &[Phase], every: f64, record: &[&str]) -> Trace {
-    tried(patch, phases, every, record).unwrap_or_else(|stopped| panic!("{stopped}"))
+    try_run(patch, phases, every, record).unwrap_or_else(|stopped| panic!("{stopped}"))
 }
 
-fn made(builder: PatchBuilder) -> Patch {
+fn built(builder: PatchBuilder) -> Patch {
     builder.build().unwrap_or_else(|report| panic!("{report}"))
 }
 
@@ -38,11 +40,12 @@ fn hold(time: f64) -> Phase {
     Phase::Hold { time }
 }
 
+/// A phase of initial condition.
 const INITIAL: Phase = Phase::InitialCondition;
 
-/// 80 V that decay with the rate `a`; K1 releases at 20 V.
+/// A decay from 80 V with the rate `a`. The relay K1 releases at 20 V.
 fn decay() -> Patch {
-    made(
+    built(
         volts("decay")
             .parameter("a", 1.0, "1/s", [0.1, 10.0])
             .parameter("start", 80.0, "V", [1.0, 99.0])
@@ -53,6 +56,7 @@ fn decay() -> Patch {
     )
 }
 
+/// A relay between -100 V and 100 V.
 fn relay(input: &str, drop_out: f64, pull_in: f64) -> patchcord_core::patch::ElementBuilder {
     let thresholds = element("relay").set("drop_out", drop_out).set("pull_in", pull_in);
     thresholds.cord("in", input).cord("on", "+100").cord("off", "-100")
@@ -62,24 +66,24 @@ fn relay(input: &str, drop_out: f64, pull_in: f64) -> patchcord_core::patch::Ele
 fn driven() -> Patch {
     let sine = element("sine").set("amplitude", 30).set("frequency", 1);
     let builder = volts("driven").drive("u", "volt", sine);
-    made(builder.element("A1", element("integrator").cords("x1", ["u"])))
+    built(builder.element("A1", element("integrator").cords("x1", ["u"])))
 }
 
-/// Kind, begin and end of every phase.
-fn told(trace: &Trace) -> Vec<(Deed, f64, f64)> {
-    trace.marks.iter().map(|mark| (mark.phase.clone(), mark.begin, mark.end)).collect()
+/// Kind, start and end of every phase.
+fn phases_of(trace: &Trace) -> Vec<(PhaseKind, f64, f64)> {
+    trace.phase_records.iter().map(|record| (record.phase.clone(), record.begin, record.end)).collect()
 }
 
 /// The samples of the first signal that belong to a phase.
 fn samples_of(trace: &Trace, phase: usize) -> Vec<(f64, f64)> {
-    let those = (0..trace.len()).filter(|sample| trace.phase_of(*sample) == phase);
-    those.map(|sample| (trace.time[sample], trace.tracks[0].volts[sample])).collect()
+    let samples = (0..trace.len()).filter(|sample| trace.phase_of(*sample) == phase);
+    samples.map(|sample| (trace.time[sample], trace.tracks[0].volts[sample])).collect()
 }
 
 #[test]
-fn a_phase_ends_at_the_instant_at_which_its_relay_switches() {
+fn a_phase_ends_when_its_relay_switches() {
     for step in [1e-3, 1e-2] {
-        let circuit = Circuit::new(&decay(), &[]).unwrap();
+        let circuit = Circuit::new(&decay()).unwrap();
         let settings = RunSettings {
             phases: vec![Phase::operate_until(10.0, "K1", None)],
             step,
@@ -87,45 +91,45 @@ fn a_phase_ends_at_the_instant_at_which_its_relay_switches() {
             ..RunSettings::of(&circuit).unwrap()
         };
         let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
-        let mark = &trace.marks[1];
-        // 80 e^-t = 20. The order of the step leaves 1e-9 s at 1e-2 s.
-        assert!((mark.end - 4.0_f64.ln()).abs() < 1e-9, "{step}: {}", mark.end - 4.0_f64.ln());
-        assert_eq!(mark.ended, Ending::Switched("released".to_owned()));
+        let record = &trace.phase_records[1];
+        // 80 e^-t = 20. The method has an error of 1e-9 s at a step of 1e-2 s.
+        assert!((record.end - 4.0_f64.ln()).abs() < 1e-9, "{step}: {}", record.end - 4.0_f64.ln());
+        assert_eq!(record.ended, PhaseEnd::Switched("released".to_owned()));
         let (time, volts) = *samples_of(&trace, 1).last().unwrap();
-        assert!(time == mark.end && (volts - 20.0).abs() < 1e-9, "{volts} at {time}");
+        assert!(time == record.end && (volts - 20.0).abs() < 1e-9, "{volts} at {time}");
     }
 }
 
 #[test]
-fn a_phase_may_wait_for_one_position_of_two() {
+fn a_phase_can_wait_for_either_position_of_a_relay() {
     // A triangle from 0 that switches at 0.25 s, at 20 V, and at 0.625 s, at -10 V.
     let oscillator = patch("relay-oscillator");
-    for (becomes, at, position) in [
+    for (becomes, time, position) in [
         (None, 0.25, "pulled-in"),
         (Some("pulled-in"), 0.25, "pulled-in"),
         (Some("released"), 0.625, "released"),
     ] {
         let trace = run(&oscillator, &[Phase::operate_until(5.0, "K1", becomes)], 1e-2, &["triangle"]);
-        assert!((trace.marks[1].end - at).abs() < 1e-12, "{:?}", trace.marks[1]);
-        assert_eq!(trace.marks[1].ended, Ending::Switched(position.to_owned()));
+        assert!((trace.phase_records[1].end - time).abs() < 1e-12, "{:?}", trace.phase_records[1]);
+        assert_eq!(trace.phase_records[1].ended, PhaseEnd::Switched(position.to_owned()));
     }
     let twice = [Phase::operate_until(5.0, "K1", None), Phase::operate_until(5.0, "K1", None)];
     let trace = run(&oscillator, &twice, 1e-2, &["triangle"]);
-    assert!((trace.marks[2].end - 0.625).abs() < 1e-12, "each phase waits for the next switching");
+    assert!((trace.phase_records[2].end - 0.625).abs() < 1e-12, "each phase waits for the next switching");
 }
 
 #[test]
-fn a_relay_that_a_jump_switches_ends_its_phase_there() {
+fn a_jump_that_switches_a_relay_ends_the_phase() {
     let jump = element("step").set("height", 50).set("at", 0.55);
     let builder = volts("jump").drive("u", "volt", jump).element("K1", relay("u", 20.0, 30.0));
-    let trace = run(&made(builder), &[Phase::operate_until(2.0, "K1", None)], 0.1, &["u"]);
-    assert!((trace.marks[1].end - 0.55).abs() < 1e-12, "{:?}", trace.marks);
+    let trace = run(&built(builder), &[Phase::operate_until(2.0, "K1", None)], 0.1, &["u"]);
+    assert!((trace.phase_records[1].end - 0.55).abs() < 1e-12, "{:?}", trace.phase_records);
 }
 
 #[test]
-fn what_jumps_where_a_phase_ends_is_written_down_before_and_after() {
+fn a_jump_at_the_end_of_a_phase_is_recorded_before_and_after() {
     let until = || Phase::operate_until(5.0, "K1", None);
-    // The relay switches from -10 V to 10 V at 0.25 s; both where a sample is due there and where none is.
+    // The relay switches from -10 V to 10 V at 0.25 s, with and without a sample due at that time.
     for every in [0.25, 0.1] {
         let trace = run(&patch("relay-oscillator"), &[until(), hold(0.1)], every, &["K1"]);
         let (end, begin) = (*samples_of(&trace, 1).last().unwrap(), samples_of(&trace, 2)[0]);
@@ -133,33 +137,39 @@ fn what_jumps_where_a_phase_ends_is_written_down_before_and_after() {
         assert!((end.0 - 0.25).abs() < 1e-12 && (begin.0 - 0.25).abs() < 1e-12, "{end:?} {begin:?}");
         let alone = run(&patch("relay-oscillator"), &[until()], every, &["K1"]);
         assert_eq!(alone.tracks[0].volts[alone.len() - 2..], [-10.0, 10.0], "{every}");
-        assert_eq!(alone.tracks[0].courses[0].end, 10.0);
+        assert_eq!(alone.tracks[0].extremes[0].end, 10.0);
     }
 }
 
 #[test]
-fn a_relay_that_never_switches_leaves_the_phase_its_time() {
+fn a_phase_without_a_switching_lasts_its_full_time() {
     let trace = run(&decay(), &[Phase::operate_until(0.5, "K1", None), hold(0.1)], 0.1, &["level"]);
-    let mark = &trace.marks[1];
-    assert_eq!((mark.end, &mark.ended, mark.waited_in_vain()), (0.5, &Ending::Time, true));
-    assert_eq!(missed(mark).unwrap(), "K1 did not switch within 0.5 s");
-    assert_eq!((trace.marks[2].waited_in_vain(), missed(&trace.marks[2])), (false, None));
+    let record = &trace.phase_records[1];
+    assert_eq!((record.end, &record.ended, record.has_timed_out()), (0.5, &PhaseEnd::Time, true));
+    assert_eq!(unmet_condition(record).unwrap(), "K1 did not switch within 0.5 s");
+    assert_eq!(
+        (trace.phase_records[2].has_timed_out(), unmet_condition(&trace.phase_records[2])),
+        (false, None)
+    );
 }
 
 #[test]
-fn hold_keeps_every_voltage_and_the_drives_while_the_clock_runs_on() {
+fn hold_keeps_all_voltages_and_drives_while_record_time_continues() {
     let phases = [Phase::operate(0.4), hold(0.35), Phase::operate(0.4)];
     let trace = run(&driven(), &phases, 0.1, &["u", "A1"]);
-    assert_eq!(told(&trace)[1..], [(OPERATE, 0.0, 0.4), (Deed::Hold, 0.4, 0.75), (OPERATE, 0.75, 1.15)]);
-    assert_eq!(trace.marks[3].problem_time, 0.4);
-    let held = trace.marks[2].sample..=trace.marks[3].sample;
+    assert_eq!(
+        phases_of(&trace)[1..],
+        [(OPERATE, 0.0, 0.4), (PhaseKind::Hold, 0.4, 0.75), (OPERATE, 0.75, 1.15)]
+    );
+    assert_eq!(trace.phase_records[3].problem_time, 0.4);
+    let held = trace.phase_records[2].sample..=trace.phase_records[3].sample;
     assert_eq!(trace.time[held.clone()], [0.4, 0.5, 0.6, 0.7, 0.75]);
     for track in &trace.tracks {
         assert!(track.volts[held.clone()].iter().all(|volts| *volts == track.volts[*held.start()]));
     }
     let plain = run(&driven(), &[Phase::operate(0.4), Phase::operate(0.4)], 0.05, &["u", "A1"]);
     for (track, plain) in trace.tracks.iter().zip(&plain.tracks) {
-        // 0.8 s of the record are 0.45 s of the problem.
+        // 0.8 s of record time are 0.45 s of problem time.
         let after = &track.volts[*held.end() + 1..];
         let expected: Vec<f64> = plain.volts[9..=15].iter().copied().step_by(2).collect();
         assert_eq!(after, expected, "{}", track.name);
@@ -167,18 +177,18 @@ fn hold_keeps_every_voltage_and_the_drives_while_the_clock_runs_on() {
 }
 
 #[test]
-fn a_hold_in_between_changes_no_step() {
+fn a_hold_does_not_change_the_steps() {
     let halves = [Phase::operate(0.5), Phase::operate(0.5)];
     let held = [Phase::operate(0.5), hold(1.0), Phase::operate(0.5)];
     let [plain, held] = [&halves[..], &held].map(|phases| run(&driven(), phases, 0.5, &["u", "A1"]));
     assert_eq!(plain.sweeps[0].work, held.sweeps[0].work);
     for (plain, held) in plain.tracks.iter().zip(&held.tracks) {
-        assert_eq!(plain.courses[0].end, held.courses[0].end);
+        assert_eq!(plain.extremes[0].end, held.extremes[0].end);
     }
 }
 
 #[test]
-fn initial_condition_begins_a_run_like_the_first() {
+fn initial_condition_starts_an_identical_run() {
     let once = [INITIAL, Phase::operate(0.3), hold(0.2)];
     let trace = run(&driven(), &[&once[..], &once].concat(), 0.1, &["u", "A1"]);
     let half = trace.len() / 2;
@@ -188,17 +198,17 @@ fn initial_condition_begins_a_run_like_the_first() {
 }
 
 #[test]
-fn a_run_begins_in_initial_condition_whether_it_says_so_or_not() {
+fn initial_condition_is_the_default_start_of_a_run() {
     let phases = [Phase::operate(0.3)];
-    let said = [&[INITIAL][..], &phases].concat();
-    assert_eq!(run(&driven(), &phases, 0.1, &["A1"]), run(&driven(), &said, 0.1, &["A1"]));
-    let settings = RunSettings::of(&Circuit::new(&driven(), &[]).unwrap()).unwrap().lasting(0.3);
-    assert_eq!(settings.phases, said);
+    let explicit = [&[INITIAL][..], &phases].concat();
+    assert_eq!(run(&driven(), &phases, 0.1, &["A1"]), run(&driven(), &explicit, 0.1, &["A1"]));
+    let settings = RunSettings::of(&Circuit::new(&driven()).unwrap()).unwrap().with_duration(0.3);
+    assert_eq!(settings.phases, explicit);
 }
 
 #[test]
-fn a_parameter_set_in_initial_condition_is_as_if_the_patch_had_it() {
-    let circuit = Circuit::new(&decay(), &[("start".to_owned(), 60.0), ("a".to_owned(), 2.5)]).unwrap();
+fn a_parameter_set_in_initial_condition_equals_one_of_the_patch() {
+    let circuit = Circuit::with_parameters(&decay(), [("start", 60.0), ("a", 2.5)]).unwrap();
     let settings = RunSettings { every: 0.1, ..RunSettings::of(&circuit).unwrap() };
     let fresh = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
     let phases = [INITIAL, Phase::set("start", 60.0), Phase::set("a", 2.5), Phase::operate(1.0)];
@@ -208,20 +218,20 @@ fn a_parameter_set_in_initial_condition_is_as_if_the_patch_had_it() {
 }
 
 #[test]
-fn a_pot_turned_while_it_runs_turns_the_slope_and_not_the_level() {
+fn a_pot_set_during_the_run_changes_the_slope_but_not_the_level() {
     let phases = [Phase::operate(0.5), Phase::set("a", 4.0), Phase::operate(0.5)];
     let trace = run(&decay(), &phases, 0.25, &["level"]);
-    // The instant of the change is there twice, before and after it.
+    // The trace has two samples at the time of the change, before and after it.
     assert_eq!(trace.time, [0.0, 0.25, 0.5, 0.5, 0.75, 1.0]);
     let closed = [0.0, 0.25, 0.5, 0.5, 1.5, 2.5].map(|power: f64| 80.0 * (-power).exp());
     for (found, closed) in trace.values("level").unwrap().iter().zip(closed) {
-        assert!((found - closed).abs() < 1e-9, "{found} against {closed}");
+        assert!((found - closed).abs() < 1e-9, "{found}, expected {closed}");
     }
-    assert_eq!(trace.marks[2].sample, 3);
+    assert_eq!(trace.phase_records[2].sample, 3);
 }
 
 #[test]
-fn formulas_see_parameters_and_signals_as_they_stood_before() {
+fn formulas_use_parameters_and_signals_from_before_the_change() {
     let builder = volts("exchange")
         .parameter("p", 10.0, "V", [0.0, 90.0])
         .parameter("q", 40.0, "V", [0.0, 90.0])
@@ -229,61 +239,62 @@ fn formulas_see_parameters_and_signals_as_they_stood_before() {
         .element("A2", element("integrator").cords("x1", ["ground"]).set("initial", "q"))
         .signal("a", "A1", "volt", 1.0)
         .signal("twice", "A2", "volt", 2.0);
-    let by = |name: &str, formula: &str| Change::new(name, Formula::parse(formula).unwrap());
+    let by = |name: &str, formula: &str| ParameterChange::new(name, Formula::parse(formula).unwrap());
     let exchange = Phase::Set { changes: vec![by("p", "q"), by("q", "p")] };
     let read = Phase::Set { changes: vec![by("p", "twice / 2 + a"), by("q", "a + volt * 5")] };
     let once = [INITIAL, Phase::operate(0.1)];
     let phases = [&once[..], &[exchange], &once, &[read], &once].concat();
-    let trace = run(&made(builder), &phases, 0.1, &["A1", "A2"]);
+    let trace = run(&built(builder), &phases, 0.1, &["A1", "A2"]);
     let starts: Vec<_> =
         trace.sweeps.iter().map(|sweep| [0, 1].map(|track| trace.tracks[track].volts[sweep.first])).collect();
     assert_eq!(starts, [[10.0, 40.0], [40.0, 10.0], [50.0, 45.0]]);
 }
 
 #[test]
-fn what_is_set_stays_set_until_the_run_ends() {
-    let turn = Phase::set_by("a", "2 * a").unwrap();
-    let trace = run(&decay(), &[repeat(3, &[INITIAL, turn, Phase::operate(0.5)])], 0.5, &["level"]);
+fn a_set_parameter_keeps_its_value_until_the_run_ends() {
+    let increase = Phase::set_by("a", "2 * a").unwrap();
+    let trace = run(&decay(), &[repeat(3, &[INITIAL, increase, Phase::operate(0.5)])], 0.5, &["level"]);
     let ends: Vec<f64> = trace.tracks[0].volts.iter().skip(1).step_by(2).copied().collect();
     for (end, rate) in ends.iter().zip([2.0, 4.0, 8.0]) {
         let closed = 80.0 * f64::exp(-0.5 * rate);
-        assert!((end - closed).abs() < 1e-7, "{end} against {closed}");
+        assert!((end - closed).abs() < 1e-7, "{end}, expected {closed}");
     }
     assert_eq!(ends.len(), 3);
 }
 
 #[test]
-fn a_repetition_is_the_list_written_out() {
-    let turn = Phase::set_by("a", "1.25 * a").unwrap();
-    let inner = [Phase::operate_until(3.0, "K1", None), hold(0.07), turn];
+fn a_repetition_equals_the_explicit_phases() {
+    let increase = Phase::set_by("a", "1.25 * a").unwrap();
+    let inner = [Phase::operate_until(3.0, "K1", None), hold(0.07), increase];
     let body = [&[INITIAL][..], &inner, &inner, &[Phase::operate(0.123)]].concat();
     let repeated = [repeat(3, &[INITIAL, repeat(2, &inner), Phase::operate(0.123)])];
-    let written_out = [&body[..], &body, &body].concat();
+    let explicit = [&body[..], &body, &body].concat();
     let [short, long] =
-        [&repeated[..], &written_out].map(|phases| run(&decay(), phases, 0.05, &["level", "K1"]));
+        [&repeated[..], &explicit].map(|phases| run(&decay(), phases, 0.05, &["level", "K1"]));
     assert_eq!(short, long);
     assert_eq!(short.sweeps.len(), 3);
 }
 
 #[test]
-fn recording_does_not_change_phases_or_steps() {
-    let turn = Phase::set_by("a", "1.5 * a").unwrap();
-    let phases = [repeat(2, &[Phase::operate_until(3.0, "K1", None), hold(0.3), turn, Phase::operate(0.4)])];
+fn the_sampling_interval_changes_neither_phases_nor_steps() {
+    let increase = Phase::set_by("a", "1.5 * a").unwrap();
+    let phases =
+        [repeat(2, &[Phase::operate_until(3.0, "K1", None), hold(0.3), increase, Phase::operate(0.4)])];
     let [coarse, fine] = [0.5, 0.003].map(|every| run(&decay(), &phases, every, &["level"]));
-    assert_eq!(told(&coarse), told(&fine));
+    assert_eq!(phases_of(&coarse), phases_of(&fine));
     assert_eq!(coarse.sweeps[0].work, fine.sweeps[0].work);
-    assert_eq!(coarse.tracks[0].courses, fine.tracks[0].courses);
-    let at_mark = |trace: &Trace, mark: &Mark| trace.tracks[0].volts.get(mark.sample).copied();
-    for (wide, close) in coarse.marks.iter().zip(&fine.marks) {
-        assert_eq!(at_mark(&coarse, wide), at_mark(&fine, close), "{wide:?}");
+    assert_eq!(coarse.tracks[0].extremes, fine.tracks[0].extremes);
+    let sample_at = |trace: &Trace, record: &PhaseRecord| trace.tracks[0].volts.get(record.sample).copied();
+    for (wide, close) in coarse.phase_records.iter().zip(&fine.phase_records) {
+        assert_eq!(sample_at(&coarse, wide), sample_at(&fine, close), "{wide:?}");
     }
 }
 
 #[test]
-fn a_patchs_repeat_is_a_repetition_of_initial_condition_and_operate() {
+fn repeat_in_a_patch_repeats_initial_condition_and_operate() {
     let csv = |run: &str| {
         let text = driven().text().replace("\"for\": 1.0,", run);
-        let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap(), &[]).unwrap();
+        let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap()).unwrap();
         let program = Program::new(&circuit).unwrap();
         let trace = solve::run(&program, &RunSettings::of(&circuit).unwrap()).unwrap();
         let mut bytes = Vec::new();
@@ -298,7 +309,7 @@ fn a_patchs_repeat_is_a_repetition_of_initial_condition_and_operate() {
     assert!(short.contains("u,A1,run\n") && short.lines().count() == 4 + 3 * 13, "{short}");
 }
 
-/// Shooting: y'' = -y, y(0) = 0, y(1 s) = 30 V, corrected run by run by what it misses.
+/// Shooting method: y'' = -y, y(0) = 0, y(1 s) = 30 V. Each run corrects the initial slope by its error.
 #[test]
 fn an_iteration_finds_the_boundary_value() {
     let builder = volts("shooting")
@@ -310,24 +321,24 @@ fn an_iteration_finds_the_boundary_value() {
         .signal("y", "A2", "volt", 1.0);
     let correct = Phase::set_by("v0", "v0 - (y - target)").unwrap();
     let shots = repeat(25, &[INITIAL, Phase::operate(1.0), correct]);
-    let trace = run(&made(builder), &[shots, INITIAL, Phase::operate(1.0)], 1.0, &["y", "A1"]);
+    let trace = run(&built(builder), &[shots, INITIAL, Phase::operate(1.0)], 1.0, &["y", "A1"]);
     let found = -trace.tracks[1].volts[trace.sweeps[25].first];
-    // The step of 1 ms leaves h^4 / 120 of the solution; the iteration shrinks by 0.16 a shot.
+    // The step of 1 ms gives a relative error of h^4 / 120; the iteration reduces its error by 0.16 per shot.
     assert!((found - 30.0 / 1.0_f64.sin()).abs() < 1e-11, "{found}");
     assert!((trace.tracks[0].volts.last().unwrap() - 30.0).abs() < 1e-12);
 }
 
-/// -100 V/s from 80 V: the limit is met at 1.8 s.
+/// -100 V/s from 80 V: the limit is reached at 1.8 s.
 fn steep() -> Patch {
     let builder = source(volts("steep"), "u", 100.0);
-    made(builder.element("A1", element("integrator").cords("x1", ["u"]).set("initial", 80)))
+    built(builder.element("A1", element("integrator").cords("x1", ["u"]).set("initial", 80)))
 }
 
 #[test]
-fn an_overload_passes_over_what_takes_time_until_the_next_initial_condition() {
+fn an_overload_skips_phases_until_the_next_initial_condition() {
     let once = [INITIAL, Phase::operate(2.5), hold(1.0), Phase::operate(1.0)];
     let phases = [&once[..], &[INITIAL, Phase::operate(0.5), hold(0.5)]].concat();
-    let circuit = Circuit::new(&steep(), &[]).unwrap();
+    let circuit = Circuit::new(&steep()).unwrap();
     let settings = RunSettings {
         phases,
         every: 0.1,
@@ -336,16 +347,16 @@ fn an_overload_passes_over_what_takes_time_until_the_next_initial_condition() {
         ..RunSettings::of(&circuit).unwrap()
     };
     let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
-    let deeds: Vec<_> = trace.marks.iter().map(|mark| (&mark.phase, &mark.ended)).collect();
-    let (initial, time) = (&Deed::InitialCondition, &Ending::Time);
+    let phases: Vec<_> = trace.phase_records.iter().map(|record| (&record.phase, &record.ended)).collect();
+    let (initial, time) = (&PhaseKind::InitialCondition, &PhaseEnd::Time);
     assert_eq!(
-        deeds,
+        phases,
         [
             (initial, time),
-            (&OPERATE, &Ending::Overload),
+            (&OPERATE, &PhaseEnd::Overload),
             (initial, time),
             (&OPERATE, time),
-            (&Deed::Hold, time)
+            (&PhaseKind::Hold, time)
         ]
     );
     assert_eq!(trace.sweeps.iter().map(|sweep| sweep.held).collect::<Vec<_>>(), [true, false]);
@@ -353,20 +364,20 @@ fn an_overload_passes_over_what_takes_time_until_the_next_initial_condition() {
 }
 
 #[test]
-fn an_overload_after_a_hold_is_told_by_the_clock_of_the_record() {
+fn the_time_of_an_overload_after_a_hold_includes_the_hold() {
     let trace = run(&steep(), &[Phase::operate(1.0), hold(3.0), Phase::operate(1.0)], 0.1, &["A1"]);
     let overload = &trace.sweeps[0].overloads[0];
     assert!((overload.time - 4.8).abs() < 2e-3, "{overload:?}");
 }
 
-/// An amplifier that is asked for -200 V as soon as the machine is switched on.
+/// An amplifier that needs -200 V at initial condition.
 fn overloaded() -> Patch {
     let amplifier = element("summer").cords("x2", ["+100"]);
-    made(volts("overloaded").element("S", amplifier).signal("s", "S", "volt", 1.0))
+    built(volts("overloaded").element("S", amplifier).signal("s", "S", "volt", 1.0))
 }
 
 #[test]
-fn an_overload_in_initial_condition_is_told_at_0_whatever_comes_first() {
+fn an_overload_in_initial_condition_has_the_time_0() {
     for phases in [[hold(3.0), Phase::operate(1.0)], [Phase::operate(1.0), hold(3.0)]] {
         let trace = run(&overloaded(), &phases, 0.1, &["s"]);
         let times: Vec<f64> = trace.sweeps[0].overloads.iter().map(|overload| overload.time).collect();
@@ -374,33 +385,33 @@ fn an_overload_in_initial_condition_is_told_at_0_whatever_comes_first() {
     }
 }
 
-/// The record of a patch that is held as soon as a lamp lights, in steps of 0.1 s.
+/// Runs a patch that is held at the first overload, with a step of 0.1 s.
 fn held_on_overload(patch: &Patch, phases: &[Phase]) -> Trace {
-    let circuit = Circuit::new(patch, &[]).unwrap();
-    let own = RunSettings::of(&circuit).unwrap();
+    let circuit = Circuit::new(patch).unwrap();
+    let base = RunSettings::of(&circuit).unwrap();
     let phases = phases.to_vec();
-    let settings = RunSettings { phases, step: 0.1, every: 0.1, hold_on_overload: true, ..own };
+    let settings = RunSettings { phases, step: 0.1, every: 0.1, hold_on_overload: true, ..base };
     solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap()
 }
 
 #[test]
-fn an_overload_in_the_last_step_of_a_phase_passes_over_the_hold_after_it() {
+fn an_overload_in_the_last_step_of_a_phase_skips_the_following_hold() {
     let ramp = element("ramp").set("rate", 100.1);
     let builder = volts("last").drive("u", "volt", ramp).element("S", element("inverter").cord("in", "u"));
-    let patch = made(builder.signal("s", "S", "volt", 1.0));
-    // 100 V are met at 0.999 s, within the last whole step, whether or not time is left beyond it.
+    let patch = built(builder.signal("s", "S", "volt", 1.0));
+    // 100 V are reached at 0.999 s, in the last whole step, with and without a shorter step after it.
     for time in [1.0, 1.05] {
         let trace = held_on_overload(&patch, &[Phase::operate(time), hold(5.0)]);
-        let (sweep, last) = (&trace.sweeps[0], trace.marks.last().unwrap());
-        assert_eq!((&last.phase, &last.ended, sweep.held), (&OPERATE, &Ending::Overload, true));
+        let (sweep, last) = (&trace.sweeps[0], trace.phase_records.last().unwrap());
+        assert_eq!((&last.phase, &last.ended, sweep.held), (&OPERATE, &PhaseEnd::Overload, true));
         assert!((sweep.end - 1.0).abs() < 1e-12, "{}", sweep.end);
     }
 }
 
 #[test]
-fn a_first_hold_is_passed_over_by_a_machine_that_is_overloaded_already() {
+fn a_machine_overloaded_at_initial_condition_skips_the_first_hold() {
     let trace = held_on_overload(&overloaded(), &[hold(3.0), Phase::operate(1.0)]);
     assert_eq!((trace.sweeps[0].held, trace.sweeps[0].end, trace.len()), (true, 0.0, 1));
     assert_eq!(trace.sweeps[0].overloads[0].time, 0.0);
-    assert_eq!(trace.marks.last().map(|mark| &mark.ended), Some(&Ending::Overload));
+    assert_eq!(trace.phase_records.last().map(|record| &record.ended), Some(&PhaseEnd::Overload));
 }

@@ -1,105 +1,109 @@
-//! Runs side by side are those that each is alone, to the last bit.
+//! Runs that are computed together have the same bits as single runs.
 
 use std::path::PathBuf;
 
-use super::{near, program, rows, sweep};
-use crate::common::dice::Dice;
-use crate::common::files::{representative, shipped};
+use super::{program, rows, sweep, towards_range_ends};
+use crate::common::files::{representative_files, shipped_files};
+use crate::common::random::SplitMix64;
 use crate::common::traces::bits;
 use crate::common::{element, slideway, volts};
 use patchcord_core::document::Phase;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
-use patchcord_core::solve::{self, Backend, RunSettings, Stopped};
+use patchcord_core::solve::{self, Backend, RunSettings, StoppedRun};
 use patchcord_core::trace::Trace;
 
-/// Everything that a run leaves.
-fn left(outcome: &Result<Trace, Stopped>) -> (Option<String>, &Trace) {
+/// The error and the trace of a run.
+fn error_and_trace(outcome: &Result<Trace, StoppedRun>) -> (Option<String>, &Trace) {
     match outcome {
         Ok(trace) => (None, trace),
         Err(stopped) => (Some(stopped.error.to_string()), &stopped.trace),
     }
 }
 
-/// Runs programs abreast and alone; how many of the runs had to stop.
-fn compared(programs: &[Program], settings: &RunSettings, told: &str) -> usize {
+/// Asserts that a batch of runs equals single runs, and returns the number of runs that stopped.
+fn stopped_runs(programs: &[Program], settings: &RunSettings, name: &str) -> usize {
     let on = |backend| RunSettings { backend, ..settings.clone() };
-    let alone: Vec<_> =
+    let single: Vec<_> =
         programs.iter().map(|program| solve::run(program, &on(Backend::Interpreter))).collect();
     for backend in [Backend::Lanes, Backend::Automatic] {
-        let abreast = solve::run_abreast(programs, &on(backend));
-        assert_eq!(abreast.len(), alone.len());
-        for (index, (abreast, alone)) in abreast.iter().zip(&alone).enumerate() {
-            let [(error, trace), (expected, other)] = [left(abreast), left(alone)];
-            assert_eq!(error, expected, "{told} by {backend}: run {index}");
-            assert!(trace == other && bits(trace) == bits(other), "{told} by {backend}: run {index}");
+        let together = solve::run_batch(programs, &on(backend));
+        assert_eq!(together.len(), single.len());
+        for (index, (together, single)) in together.iter().zip(&single).enumerate() {
+            let [(error, trace), (expected, other)] = [error_and_trace(together), error_and_trace(single)];
+            assert_eq!(error, expected, "{name} by {backend}: run {index}");
+            assert!(trace == other && bits(trace) == bits(other), "{name} by {backend}: run {index}");
         }
     }
-    alone.iter().filter(|outcome| outcome.is_err()).count()
+    single.iter().filter(|outcome| outcome.is_err()).count()
 }
 
-/// So many steps of what a patch asks for, recorded within steps too.
-fn some_of(settings: RunSettings, steps: f64) -> RunSettings {
+/// The settings shortened to this number of steps, with samples also within steps.
+fn shortened(settings: RunSettings, steps: f64) -> RunSettings {
     let settings = RunSettings { tolerance: None, sensitivities: Vec::new(), ..settings };
-    let asked = settings.whole() / settings.step;
-    let settings = if asked > steps { settings.clone().lasting(steps * settings.step) } else { settings };
+    let all = settings.total_duration() / settings.step;
+    let settings = if all > steps { settings.clone().with_duration(steps * settings.step) } else { settings };
     RunSettings { every: (7.3 * settings.step).min(settings.duration()), ..settings }
 }
 
 #[test]
-fn representative_patches() {
-    assert!(runs_compared(representative()) > 30);
+fn batches_of_representative_patches_equal_single_runs() {
+    assert!(runs_stopped_runs(representative_files()) > 30);
 }
 
 #[test]
 #[ignore = "takes twenty seconds"]
-fn every_shipped_patch() {
-    assert!(runs_compared(shipped()) > 120);
+fn batches_of_every_shipped_patch_equal_single_runs() {
+    assert!(runs_stopped_runs(shipped_files()) > 120);
 }
 
-/// Compares runs side by side with runs alone, and counts them.
-fn runs_compared(files: Vec<PathBuf>) -> usize {
+/// Compares batches of these patches with single runs, and returns the number of runs.
+fn runs_stopped_runs(files: Vec<PathBuf>) -> usize {
     let mut runs = 0;
     for file in files {
         let patch = crate::common::patch_of(&file);
-        let (circuit, own) = program(&patch, &[]).unwrap();
-        let turned = [0.05, 0.3, 0.0, 0.15, 0.02, 0.5].map(|toward| {
-            let (changes, mut turned) = (near(&patch, toward), own.clone());
+        let (circuit, base) = program(&patch, &[]).unwrap();
+        let changed = [0.05, 0.3, 0.0, 0.15, 0.02, 0.5].map(|fraction| {
+            let (changes, mut program) = (towards_range_ends(&patch, fraction), base.clone());
             let named: Vec<_> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-            turned.set_parameters(named).ok().map(|()| turned)
+            program.set_parameters(named).ok().map(|()| program)
         });
-        let programs: Vec<_> = turned.into_iter().flatten().collect();
-        let settings = some_of(RunSettings::of(&circuit).unwrap(), 6000.0);
-        compared(&programs, &settings, &file.display().to_string());
+        let programs: Vec<_> = changed.into_iter().flatten().collect();
+        let settings = shortened(RunSettings::of(&circuit).unwrap(), 6000.0);
+        stopped_runs(&programs, &settings, &file.display().to_string());
         runs += programs.len();
     }
     runs
 }
 
-/// More circuits than there are lanes, of everything that bends, switches, stops and remembers.
+/// There are more runs than lanes. The random circuits have curves, switches, stops and elements with memory.
 #[test]
-fn random_circuits() {
-    let mut dice = Dice(32);
+fn batches_of_random_circuits_equal_single_runs() {
+    let mut random = SplitMix64(32);
     for number in 0..25 {
-        let (circuit, own) = program(&crate::common::circuits::circuit(&mut dice), &[]).unwrap();
+        let (circuit, base) = program(&crate::common::circuits::random_circuit(&mut random), &[]).unwrap();
         let record = ["A0", "A1", "A2", "N0", "N3", "u", "w"].map(str::to_owned).to_vec();
         let settings = RunSettings { step: 1.3e-3, record, ..RunSettings::of(&circuit).unwrap() };
-        let programs: Vec<_> = (0..19).map(|_| turned(&own, &mut dice)).collect();
-        compared(&programs, &some_of(settings.lasting(2.0), f64::INFINITY), &format!("circuit {number}"));
+        let programs: Vec<_> = (0..19).map(|_| with_random_parameters(&base, &mut random)).collect();
+        stopped_runs(
+            &programs,
+            &shortened(settings.with_duration(2.0), f64::INFINITY),
+            &format!("circuit {number}"),
+        );
     }
 }
 
-/// The same program with its parameters set by chance.
-fn turned(program: &Program, dice: &mut Dice) -> Program {
-    let mut turned = program.clone();
-    let values = crate::common::circuits::PARAMETERS.map(|name| (name, dice.even(0.3, 0.9)));
-    turned.set_parameters(values).unwrap();
-    turned
+/// The program with random parameters.
+fn with_random_parameters(program: &Program, random: &mut SplitMix64) -> Program {
+    let mut changed = program.clone();
+    let values = crate::common::circuits::PARAMETERS.map(|name| (name, random.uniform(0.3, 0.9)));
+    changed.set_parameters(values).unwrap();
+    changed
 }
 
-/// Without lamps, beyond ±100 V: every lane comes there, and back, at another step.
+/// Without overload lamps, beyond ±100 V: every lane leaves and re-enters the range at a different step.
 #[test]
-fn runs_beyond_their_range() {
+fn batches_beyond_full_scale_equal_single_runs() {
     let sine = element("sine").set("amplitude", 60).set("frequency", 1);
     let patch = volts("beyond its range")
         .parameter("g", 0.5, "1", [0.0, 1.0])
@@ -110,61 +114,68 @@ fn runs_beyond_their_range() {
         .run(2.0, 1e-3)
         .build()
         .unwrap();
-    let (circuit, own) = program(&patch, &[]).unwrap();
+    let (circuit, base) = program(&patch, &[]).unwrap();
     let record = ["S", "A"].map(str::to_owned).to_vec();
     let settings = RunSettings { lamps: false, record, ..RunSettings::of(&circuit).unwrap() };
-    let programs: Vec<_> = (0..19).map(|run| set(&own, &[("g", f64::from(run) / 18.0)])).collect();
-    assert_eq!(compared(&programs, &settings, "beyond its range"), 0);
+    let programs: Vec<_> = (0..19).map(|run| set(&base, &[("g", f64::from(run) / 18.0)])).collect();
+    assert_eq!(stopped_runs(&programs, &settings, "beyond its range"), 0);
 }
 
-/// Curves through points, whose corners the lanes cross together.
+/// All lanes cross the corners of the tables at the same time.
 #[test]
-fn runs_driven_by_points() {
-    let (circuit, own) = program(&crate::common::driven_by_points("L"), &[]).unwrap();
+fn batches_with_table_drives_equal_single_runs() {
+    let (circuit, base) = program(&crate::common::driven_by_points("L"), &[]).unwrap();
     let record = ["u", "S", "A1", "A2"].map(str::to_owned).to_vec();
-    let programs: Vec<_> = (0..19).map(|run| set(&own, &[("g", f64::from(run) / 20.0)])).collect();
+    let programs: Vec<_> = (0..19).map(|run| set(&base, &[("g", f64::from(run) / 20.0)])).collect();
     for every in [1e-3, 2.3e-3] {
         let settings = RunSettings { record: record.clone(), every, ..RunSettings::of(&circuit).unwrap() };
-        assert_eq!(compared(&programs, &settings, "driven by points"), 0);
+        assert_eq!(stopped_runs(&programs, &settings, "driven by points"), 0);
     }
-    // Some go through other points, and share their kernels with the rest.
-    let mut other = own.clone();
+    // Some programs have other points and share the kernel of the rest.
+    let mut other = base.clone();
     solve::set_drive_table(
         &mut other,
         "u",
-        (0..200).map(|place| [0.005 * f64::from(place), 0.3 * f64::from(place)]).collect(),
+        (0..200).map(|index| [0.005 * f64::from(index), 0.3 * f64::from(index)]).collect(),
     )
     .unwrap();
     let some =
-        |run: u32| set(if run.is_multiple_of(3) { &other } else { &own }, &[("g", f64::from(run) / 20.0)]);
+        |run: u32| set(if run.is_multiple_of(3) { &other } else { &base }, &[("g", f64::from(run) / 20.0)]);
     let programs: Vec<_> = (0..19).map(some).collect();
-    assert_eq!(compared(&programs, &RunSettings { record, ..RunSettings::of(&circuit).unwrap() }, "fed"), 0);
+    assert_eq!(
+        stopped_runs(
+            &programs,
+            &RunSettings { record, ..RunSettings::of(&circuit).unwrap() },
+            "replaced table"
+        ),
+        0
+    );
 }
 
-/// Delays of whole steps and of others, short and long, another in every lane.
+/// Delays of whole and of fractional steps, short and long, different in every lane.
 #[test]
-fn runs_with_delays() {
-    let (circuit, own) = program(&crate::common::late_and_bent(), &[]).unwrap();
+fn batches_with_delays_equal_single_runs() {
+    let (circuit, base) = program(&crate::common::delay_loop_with_diode(), &[]).unwrap();
     let record = ["D1", "D2", "S", "A2"].map(str::to_owned).to_vec();
     for (step, every) in [(1e-3, 1e-3), (2.5e-3, 1e-2), (7e-4, 2.3e-3)] {
         let settings =
             RunSettings { step, every, record: record.clone(), ..RunSettings::of(&circuit).unwrap() };
         let times =
             |run: u32| [1.0 + 0.31 * f64::from(run), 1.0 + f64::from(run * run)].map(|steps| steps * step);
-        let all: Vec<_> = (0..19).map(times).map(|[t, f]| set(&own, &[("T", t), ("F", f)])).collect();
-        assert_eq!(compared(&all, &settings, "late"), 0);
-        // Hardly another, as where a fit takes differences.
-        let near = |run: u32| set(&own, &[("T", 0.0123 + 1e-7 * f64::from(run)), ("F", 0.01)]);
-        let all: Vec<_> = (0..16).map(near).collect();
-        assert_eq!(compared(&all, &settings, "nearly as late"), 0);
+        let all: Vec<_> = (0..19).map(times).map(|[t, f]| set(&base, &[("T", t), ("F", f)])).collect();
+        assert_eq!(stopped_runs(&all, &settings, "delays"), 0);
+        // Tiny differences, as in the finite differences of a fit.
+        let slightly_different = |run: u32| set(&base, &[("T", 0.0123 + 1e-7 * f64::from(run)), ("F", 0.01)]);
+        let all: Vec<_> = (0..16).map(slightly_different).collect();
+        assert_eq!(stopped_runs(&all, &settings, "nearly equal delays"), 0);
     }
 }
 
-/// An integrator that its own relay turns back: with hysteresis it swings, without it the relay chatters once it is met. A
-/// second one follows it.
-fn kept_by_a_relay() -> Patch {
+/// An integrator that a relay reverses, and a second integrator of its output. With hysteresis the first oscillates;
+/// without, the relay chatters.
+fn relay_controlled() -> Patch {
     let relay = element("relay").cord("in", "A1").cord("on", "+100").cord("off", "-100");
-    let builder = volts("kept by a relay")
+    let builder = volts("controlled by a relay")
         .parameter("start", 40.0, "1", [-90.0, 90.0])
         .parameter("hysteresis", 1.0, "1", [1e-9, 10.0])
         .element("K1", relay.set("pull_in", "hysteresis").set("drop_out", "-hysteresis"))
@@ -173,6 +184,7 @@ fn kept_by_a_relay() -> Patch {
     builder.build().unwrap()
 }
 
+/// The program with these parameter values.
 fn set(program: &Program, values: &[(&str, f64)]) -> Program {
     let mut program = program.clone();
     program.set_parameters(values.iter().copied()).unwrap();
@@ -180,24 +192,25 @@ fn set(program: &Program, values: &[(&str, f64)]) -> Program {
 }
 
 #[test]
-fn runs_that_stop_leave_the_others_alone() {
-    let (circuit, own) = program(&kept_by_a_relay(), &[]).unwrap();
+fn runs_that_stop_do_not_affect_the_others() {
+    let (circuit, base) = program(&relay_controlled(), &[]).unwrap();
     let record = vec!["A1".to_owned(), "K1".to_owned()];
-    let settings = RunSettings { record, every: 0.013, ..RunSettings::of(&circuit).unwrap() }.lasting(1.0);
-    // Every third chatters, each at another time; one from the beginning.
+    let settings =
+        RunSettings { record, every: 0.013, ..RunSettings::of(&circuit).unwrap() }.with_duration(1.0);
+    // Every third run chatters, each from a different time, one of them from the start.
     let programs: Vec<_> = (0..16)
         .map(|run| {
             let hysteresis = if run % 3 == 0 { 1e-9 } else { 0.5 + f64::from(run) / 10.0 };
-            set(&own, &[("start", f64::from(5 * run)), ("hysteresis", hysteresis)])
+            set(&base, &[("start", f64::from(5 * run)), ("hysteresis", hysteresis)])
         })
         .collect();
-    assert_eq!(compared(&programs, &settings, "kept by a relay"), 6);
+    assert_eq!(stopped_runs(&programs, &settings, "controlled by a relay"), 6);
 }
 
-/// Phases that end for every run in its own time, by a relay or by an overload, so that the others are elsewhere.
+/// Phases that end at a different time in every run, by a relay or by an overload.
 #[test]
-fn runs_that_part_stay_what_they_are() {
-    let (circuit, own) = program(&kept_by_a_relay(), &[]).unwrap();
+fn batches_in_different_phases_equal_single_runs() {
+    let (circuit, base) = program(&relay_controlled(), &[]).unwrap();
     let phases = vec![
         Phase::operate_until(0.6, "K1", None),
         Phase::Hold { time: 0.1 },
@@ -209,64 +222,64 @@ fn runs_that_part_stay_what_they_are() {
     let record = ["A1", "A2", "K1"].map(str::to_owned).to_vec();
     let settings = RunSettings { record, every: 0.01, phases, ..RunSettings::of(&circuit).unwrap() };
     let start = |run: u32| [("start", f64::from(6 * run) - 20.0)];
-    let programs: Vec<_> = (0..16).map(|run| set(&own, &start(run))).collect();
+    let programs: Vec<_> = (0..16).map(|run| set(&base, &start(run))).collect();
     for hold_on_overload in [false, true] {
         let settings = RunSettings { hold_on_overload, ..settings.clone() };
-        assert_eq!(compared(&programs, &settings, "phases"), 0);
+        assert_eq!(stopped_runs(&programs, &settings, "phases"), 0);
         let traces = programs.iter().map(|program| solve::run(program, &settings).unwrap());
         let overloaded = traces.filter(|trace| trace.overloads().next().is_some()).count();
         assert!((4..12).contains(&overloaded), "{overloaded}");
     }
 }
 
-/// What is too small to matter becomes 0 at the same step in every lane.
+/// Tiny states are flushed to 0 at the same step as in a single run.
 #[test]
-fn small_voltages_become_nothing() {
+fn tiny_voltages_are_flushed_at_the_same_step_in_a_batch() {
     let decaying = element("integrator").cords("x10", ["A1"]).set("initial", "start");
     let builder = volts("decay").parameter("start", 1.0, "1", [-100.0, 100.0]).element("A1", decaying);
-    let (circuit, own) = program(&builder.build().unwrap(), &[]).unwrap();
+    let (circuit, base) = program(&builder.build().unwrap(), &[]).unwrap();
     let record = vec!["A1".to_owned()];
     let settings = RunSettings { step: 0.02, every: 0.02, record, ..RunSettings::of(&circuit).unwrap() };
-    let programs: Vec<_> = (0..16).map(|run| set(&own, &[("start", 10f64.powi(run) * 1e-14)])).collect();
-    let settings = settings.lasting(40.0);
-    assert_eq!(compared(&programs, &settings, "decay"), 0);
+    let programs: Vec<_> = (0..16).map(|run| set(&base, &[("start", 10f64.powi(run) * 1e-14)])).collect();
+    let settings = settings.with_duration(40.0);
+    assert_eq!(stopped_runs(&programs, &settings, "decay"), 0);
     let trace = solve::run(&programs[0], &settings).unwrap();
     assert!(trace.tracks[0].volts.last().is_some_and(|volts| volts.abs() < 1e-110));
 }
 
 #[test]
-fn the_table_is_the_same_on_any_number_of_threads() {
-    let with = |backend| {
+fn rows_do_not_depend_on_backend_or_threads() {
+    let sweep_on = |backend| {
         sweep(
             &slideway(),
             &["VcL=1.27e-3:25.4e-3:5:log", "Tc=0.006:0.025:9"],
             &["peak:v_o", "stick_end", "frequency:v_o,last=0.1"],
-            |own| RunSettings { backend, ..own.lasting(0.25) },
+            |base| RunSettings { backend, ..base.with_duration(0.25) },
         )
     };
-    let alone = rows(&with(Backend::Interpreter), 1);
-    assert_eq!(alone.len(), 45);
+    let single = rows(&sweep_on(Backend::Interpreter), 1);
+    assert_eq!(single.len(), 45);
     for backend in [Backend::Lanes, Backend::Automatic] {
         for threads in [1, 2, 3, 20] {
-            assert_eq!(rows(&with(backend), threads), alone, "{backend}, {threads} threads");
+            assert_eq!(rows(&sweep_on(backend), threads), single, "{backend}, {threads} threads");
         }
     }
 }
 
-/// A sample next to the end of a step is taken there by everyone or by no one, whoever flies beside whom.
+/// Whether a sample is taken at the end of a step does not depend on the other runs.
 #[test]
-fn samples_next_to_the_ends_of_steps_are_the_same_in_any_company() {
+fn samples_near_the_ends_of_steps_do_not_depend_on_other_runs() {
     let lesson = crate::common::shipped("lessons/mass-and-spring");
-    let with = |backend| {
-        sweep(&lesson, &["k=5:8:16"], &["frequency:x,last=12"], |own| {
-            let settings = RunSettings { backend, step: 1e-3, ..own.lasting(12.0) };
+    let sweep_on = |backend| {
+        sweep(&lesson, &["k=5:8:16"], &["frequency:x,last=12"], |base| {
+            let settings = RunSettings { backend, step: 1e-3, ..base.with_duration(12.0) };
             RunSettings { every: 0.149_999_999_999_81, ..settings }
         })
     };
-    let alone = rows(&with(Backend::Interpreter), 1);
+    let single = rows(&sweep_on(Backend::Interpreter), 1);
     for backend in [Backend::Interpreter, Backend::Native, Backend::Lanes, Backend::Automatic] {
         for threads in [1, 2, 8, 16] {
-            assert_eq!(rows(&with(backend), threads), alone, "{backend}, {threads} threads");
+            assert_eq!(rows(&sweep_on(backend), threads), single, "{backend}, {threads} threads");
         }
     }
 }

@@ -1,18 +1,19 @@
-//! Sweeps: the same rows whatever turned the pots, however many threads work, whenever it was killed.
+//! Sweeps give the same rows for changed and new programs, for any number of threads, and after an interruption.
 
 mod lanes;
 mod measures;
 
 use crate::common::slideway;
 use patchcord_analysis::instruments::Measure;
-use patchcord_analysis::sweep::{Axis, Plan, Sweep, Tally};
+use patchcord_analysis::sweep::{Axis, Plan, Sweep, SweepSummary};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord_core::solve::{self, RunSettings};
 
+/// The circuit and the program of a patch, or None if the patch is refused with these parameter values.
 fn program(patch: &Patch, changes: &[(String, f64)]) -> Option<(Circuit, Program)> {
-    let circuit = Circuit::new(patch, changes).ok()?;
+    let circuit = Circuit::with_parameters(patch, changes.iter().cloned()).ok()?;
     let program = Program::new(&circuit).ok()?;
     Some((circuit, program))
 }
@@ -31,7 +32,7 @@ fn sweep(
     Sweep::new(patch, program, settings, plan, measures).unwrap()
 }
 
-/// Every row, without the lines above them.
+/// All rows, without the head.
 fn rows(sweep: &Sweep, threads: usize) -> Vec<String> {
     let mut bytes = Vec::new();
     sweep.write(&mut bytes, threads, &mut |_| ()).unwrap();
@@ -40,38 +41,42 @@ fn rows(sweep: &Sweep, threads: usize) -> Vec<String> {
     rows.map(str::to_owned).collect()
 }
 
-/// Settings of a patch near those of its own: all of its parameters with a range, each by another share.
-fn near(patch: &Patch, toward: f64) -> Vec<(String, f64)> {
+/// Changes of all parameters with a range, each towards one end of its range by a different fraction.
+fn towards_range_ends(patch: &Patch, fraction: f64) -> Vec<(String, f64)> {
     let ranged = patch
         .parameters
         .iter()
         .filter_map(|(name, parameter)| Some((name, parameter.value, parameter.range?)));
     let moved = ranged.enumerate().map(|(index, (name, value, (low, high)))| {
         let end = if index % 2 == 0 { high } else { low };
-        (name.clone(), value + toward * (end - value) / (1.0 + index as f64))
+        (name.clone(), value + fraction * (end - value) / (1.0 + index as f64))
     });
     moved.collect()
 }
 
 #[test]
-fn pots_that_are_turned_give_the_bits_of_a_fresh_program() {
+fn a_program_with_changed_parameters_equals_a_new_one() {
     let mut compared = 0;
-    for file in crate::common::files::shipped() {
+    for file in crate::common::files::shipped_files() {
         let patch = crate::common::patch_of(&file);
-        let (circuit, mut turned) = program(&patch, &[]).unwrap();
-        let own = RunSettings::of(&circuit).unwrap();
-        let seconds = 0.02 * own.duration();
-        let settings = RunSettings { every: own.step, ..own }.lasting(seconds);
-        for toward in [0.05, 0.3, 0.0] {
-            let changes = near(&patch, toward);
+        let (circuit, mut changed) = program(&patch, &[]).unwrap();
+        let settings = RunSettings::of(&circuit).unwrap();
+        let seconds = 0.02 * settings.duration();
+        let settings = RunSettings { every: settings.step, ..settings }.with_duration(seconds);
+        for fraction in [0.05, 0.3, 0.0] {
+            let changes = towards_range_ends(&patch, fraction);
             let named: Vec<_> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-            let set = turned.set_parameters(named);
+            let set = changed.set_parameters(named);
             let Some((_, fresh)) = program(&patch, &changes) else {
-                assert!(set.is_err() || solve::run(&turned, &settings).is_err(), "{file:?} {changes:?}");
+                assert!(set.is_err() || solve::run(&changed, &settings).is_err(), "{file:?} {changes:?}");
                 continue;
             };
             set.unwrap();
-            assert_eq!(solve::run(&turned, &settings), solve::run(&fresh, &settings), "{file:?} {changes:?}");
+            assert_eq!(
+                solve::run(&changed, &settings),
+                solve::run(&fresh, &settings),
+                "{file:?} {changes:?}"
+            );
             compared += 1;
         }
     }
@@ -79,12 +84,12 @@ fn pots_that_are_turned_give_the_bits_of_a_fresh_program() {
 }
 
 #[test]
-fn rows_are_the_same_whatever_the_number_of_threads() {
+fn rows_do_not_depend_on_the_number_of_threads() {
     let sweep = sweep(
         &slideway(),
         &["VcL=1.27e-3:25.4e-3:5:log", "Tc=0.006:0.025:4"],
         &["peak:v_o", "stick_end", "frequency:v_o,last=0.1"],
-        |own| own.lasting(0.25),
+        |settings| settings.with_duration(0.25),
     );
     let one = rows(&sweep, 1);
     assert_eq!(one.len(), 20);
@@ -95,9 +100,10 @@ fn rows_are_the_same_whatever_the_number_of_threads() {
 }
 
 #[test]
-fn a_row_is_what_a_run_with_these_parameters_reads() {
+fn a_row_has_the_readings_of_a_single_run() {
     let measures = ["voltmeter:x_error", "least:v_o", "most:v_o", "peak:A3"];
-    let sweep = sweep(&slideway(), &["K=20e6,45e6", "M=433,800"], &measures, |own| own.lasting(0.3));
+    let sweep =
+        sweep(&slideway(), &["K=20e6,45e6", "M=433,800"], &measures, |settings| settings.with_duration(0.3));
     let changes = [("K".to_owned(), 20e6), ("M".to_owned(), 800.0)];
     let (_, fresh) = program(&slideway(), &changes).unwrap();
     let trace = solve::run(&fresh, sweep.settings()).unwrap();
@@ -120,63 +126,62 @@ fn pot() -> Patch {
 }
 
 #[test]
-fn runs_that_fail_and_overloads_are_kept_with_their_reason() {
-    let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["voltmeter:s", "frequency:s"], |own| own);
-    let quiet = "frequency:s: no oscillation: 0 of at least 2 whole cycles";
+fn failed_runs_and_overloads_are_reported_with_their_reason() {
+    let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["voltmeter:s", "frequency:s"], |settings| settings);
+    let none = "frequency:s: no oscillation: 0 whole cycles, at least 2 are needed";
     let expected = [
-        format!("0.1,-40,,,{quiet}"),
-        "0.75,,,outside-range,\"P setting comes to 1.5, outside 0 ... 1\"".to_owned(),
-        format!("0.4,-100,,,{quiet}; overload of S at t = 0.000000 s"),
-        format!("0.2,-80,,,{quiet}"),
+        format!("0.1,-40,,,\"{none}\""),
+        "0.75,,,outside-range,\"P setting is 1.5, outside 0 ... 1\"".to_owned(),
+        format!("0.4,-100,,,\"{none}; overload of S at t = 0.000000 s\""),
+        format!("0.2,-80,,,\"{none}\""),
     ];
     assert_eq!(rows(&sweep, 2), expected);
 }
 
 #[test]
-fn a_sweep_gone_on_with_counts_what_was_there() {
-    let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["frequency:s"], |own| own);
+fn a_continued_sweep_counts_the_existing_rows() {
+    let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["frequency:s"], |settings| settings);
     let file = tempfile::NamedTempFile::new().unwrap();
-    let tally = || sweep.append_to(file.path(), 1, &mut |_| ()).unwrap();
-    assert_eq!(tally(), Tally { kept: 0, written: 4, failed: 1, noted: 3 });
-    assert_eq!(tally(), Tally { kept: 4, written: 0, failed: 1, noted: 3 });
+    let summary = || sweep.append_to(file.path(), 1, &mut |_| ()).unwrap();
+    assert_eq!(summary(), SweepSummary { kept: 0, written: 4, failed: 1, noted: 3 });
+    assert_eq!(summary(), SweepSummary { kept: 4, written: 0, failed: 1, noted: 3 });
     let table = std::fs::read_to_string(file.path()).unwrap();
     let cut = table.rfind("0.4,").unwrap();
     std::fs::write(file.path(), &table[..cut]).unwrap();
-    assert_eq!(tally(), Tally { kept: 2, written: 2, failed: 1, noted: 3 });
+    assert_eq!(summary(), SweepSummary { kept: 2, written: 2, failed: 1, noted: 3 });
     assert_eq!(std::fs::read_to_string(file.path()).unwrap(), table);
 }
 
 #[test]
-fn an_oscillation_is_not_read_over_more_than_the_run() {
-    let noted = |last: &str| {
+fn an_oscillation_cannot_be_read_over_more_than_the_run() {
+    let row = |last: &str| {
         let measure = format!("amplitude:s,last={last}");
-        rows(&sweep(&pot(), &["k=0.1,0.2"], &[measure.as_str()], |own| own), 1).remove(0)
+        rows(&sweep(&pot(), &["k=0.1,0.2"], &[measure.as_str()], |settings| settings), 1).remove(0)
     };
-    let longer = |row: &str| row.contains("the last 1.5 s are longer than the run of 1 s");
-    assert!(longer(&noted("1.5")), "{}", noted("1.5"));
-    assert!(noted("1").contains("no oscillation"), "{}", noted("1"));
+    assert!(row("1.5").contains("last=1.5 s exceeds the run of 1 s"), "{}", row("1.5"));
+    assert!(row("1").contains("no oscillation"), "{}", row("1"));
 }
 
 #[test]
-fn what_cannot_be_swept_is_refused() {
+fn invalid_sweeps_return_errors() {
     let (circuit, program) = program(&pot(), &[]).unwrap();
     let plan = |text: &str| Plan::new(vec![Axis::parse(text).unwrap()], &program).unwrap();
-    let made = |measures: &[&str], step: f64| {
+    let new_sweep = |measures: &[&str], step: f64| {
         let measures = measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
         let settings = RunSettings { step, ..RunSettings::of(&circuit).unwrap() };
         Sweep::new(&pot(), program.clone(), settings, plan("k=0,1"), measures)
             .map_err(|error| error.to_string())
     };
-    assert_eq!(made(&[], 0.1).unwrap_err(), "nothing is measured");
-    assert!(made(&["peak:s", "peak:s"], 0.1).unwrap_err().starts_with("two columns would be called peak:s"));
-    assert!(made(&["peak:s"], 2.0).unwrap_err().contains("longer than the run"));
-    assert!(made(&["peak:s", "peak:P"], 0.1).is_ok());
+    assert_eq!(new_sweep(&[], 0.1).unwrap_err(), "no measure is specified");
+    assert!(new_sweep(&["peak:s", "peak:s"], 0.1).unwrap_err().starts_with("two columns are named peak:s"));
+    assert!(new_sweep(&["peak:s"], 2.0).unwrap_err().contains("longer than the run"));
+    assert!(new_sweep(&["peak:s", "peak:P"], 0.1).is_ok());
 }
 
 #[test]
-fn a_head_tells_its_sweep_from_others() {
+fn heads_of_different_sweeps_differ() {
     let head = |axis: &str, measure: &str, seconds: f64| {
-        sweep(&pot(), &[axis], &[measure], |own| own.lasting(seconds)).head()
+        sweep(&pot(), &[axis], &[measure], |settings| settings.with_duration(seconds)).head()
     };
     let first = head("k=0:0.5:3", "peak:s", 1.0);
     assert_eq!(first, head("k=0:0.5:3", "peak:s", 1.0));
@@ -188,7 +193,7 @@ fn a_head_tells_its_sweep_from_others() {
         let differing = first.lines().zip(other.lines()).find(|(one, other)| one != other);
         assert_eq!(differing.unwrap().1, line);
     }
-    let phases = sweep(&pot(), &["k=0:0.5:3"], &["peak:s"], |own| own.repeated(3)).head();
+    let phases = sweep(&pot(), &["k=0:0.5:3"], &["peak:s"], |settings| settings.repeated(3)).head();
     let line = "# run: phases, 3 s at most, step 0.1 s, recorded every 0.1 s\n";
     assert!(phases.contains(line), "{phases}");
 }

@@ -1,77 +1,90 @@
-//! Parts: what the elements take against what the machine has.
+//! The inventory: compares the parts that the elements use with the parts of the machine.
+//!
+//! Each kind lists the parts that it needs, some of them only with a certain setting or input. A patch can also list
+//! the parts of the machine that each element uses, such as "A7". Such lists are checked for their length and for
+//! repetitions.
 
 use std::collections::HashMap;
 
 use super::macros;
 use crate::document::{Code, Diagnostic, Placed};
-use crate::elements::Takes;
+use crate::elements::PartUse;
 use crate::machines::{Machine, Part};
-use crate::patch::{Entry, Patch};
+use crate::patch::{ElementEntry, Patch};
 
-/// The parts that the patch takes; reports what the machine does not have.
+/// The parts that the patch uses, with their numbers. Reports parts of which the machine has too few.
 pub(super) fn check(patch: &Patch, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Vec<(Part, usize)> {
-    listed_parts(patch, findings);
-    let used: Vec<_> = Part::ALL.iter().map(|part| (*part, total(patch, *part))).collect();
+    check_part_lists(patch, findings);
+    let used: Vec<_> = Part::ALL.iter().map(|part| (*part, total_count(patch, *part))).collect();
     for (part, count) in &used {
-        if let Some(owned) = machine.count(*part).filter(|owned| owned < count) {
-            findings.push(exceeded(patch, machine, *part, *count, owned));
+        if let Some(available) = machine.count(*part).filter(|available| available < count) {
+            findings.push(too_few_parts(patch, machine, *part, *count, available));
         }
     }
     used.into_iter().filter(|(_, count)| *count > 0).collect()
 }
 
-fn total(patch: &Patch, part: Part) -> usize {
-    patch.elements.values().map(|entry| taken(entry, part)).sum()
+/// Number of parts of one type that the whole patch uses.
+fn total_count(patch: &Patch, part: Part) -> usize {
+    patch.elements.values().map(|entry| part_count(entry, part)).sum()
 }
 
-/// How many of a part an element takes.
-pub(super) fn taken(entry: &Entry, part: Part) -> usize {
-    let rows = entry.kind.parts.iter().filter(|takes| takes.part == part && applies(entry, takes));
-    rows.map(|takes| takes.count).sum()
+/// Number of parts of one type that an element uses.
+pub(super) fn part_count(entry: &ElementEntry, part: Part) -> usize {
+    let rows = entry.kind.parts.iter().filter(|part_use| part_use.part == part && applies(entry, part_use));
+    rows.map(|part_use| part_use.count).sum()
 }
 
-fn applies(entry: &Entry, takes: &Takes) -> bool {
-    let named = |name: &str| {
-        name == takes.with || name.strip_prefix(takes.with).is_some_and(|rest| rest.starts_with('.'))
+/// Whether an element needs the part of a row of its kind.
+///
+/// A row with a condition names a setting or an input in `with`. It applies if the patch gives this setting, one of
+/// the settings of this group ("limit.upper" for "limit"), or a cord into this input.
+fn applies(entry: &ElementEntry, part_use: &PartUse) -> bool {
+    let is_named = |name: &str| {
+        name == part_use.with || name.strip_prefix(part_use.with).is_some_and(|rest| rest.starts_with('.'))
     };
-    let set = entry
+    let is_set = entry
         .kind
         .settings
         .iter()
         .zip(&entry.settings)
-        .any(|(row, value)| value.is_some() && named(row.name));
-    let plugged = entry.plugs.iter().any(|plug| {
+        .any(|(setting, value)| value.is_some() && is_named(setting.name));
+    let is_plugged = entry.plugs.iter().any(|plug| {
         entry
             .kind
             .input(&plug.jack.value)
-            .is_some_and(|(index, _)| entry.kind.inputs[index].name == takes.with)
+            .is_some_and(|(index, _)| entry.kind.inputs[index].name == part_use.with)
     });
-    takes.with.is_empty() || set || plugged
+    part_use.with.is_empty() || is_set || is_plugged
 }
 
-/// The element that takes one too many is where the reader has to look.
-fn exceeded(patch: &Patch, machine: &Machine, part: Part, count: usize, owned: usize) -> Diagnostic {
-    let mut left = owned;
-    let guilty = patch.elements.iter().find(|(_, entry)| match left.checked_sub(taken(entry, part)) {
-        Some(rest) => {
-            left = rest;
-            false
-        }
-        None => true,
-    });
-    let owned = if owned == 0 { "none".to_owned() } else { owned.to_string() };
-    let message = format!("the patch takes {}, and the {} has {owned}", part.counted(count), machine.name);
-    let hint = Some("do with fewer, or patch it on the machine \"unlimited\"".to_owned());
-    let span = guilty.map(|(name, entry)| macros::place(patch, name).unwrap_or(entry.span));
+/// The diagnostic for too few parts. It points to the first element for which no part remains.
+///
+/// The elements take their parts in the order of the document. An element inside an instance is reported at the
+/// position of the instance, where the user can change the number.
+fn too_few_parts(patch: &Patch, machine: &Machine, part: Part, count: usize, available: usize) -> Diagnostic {
+    let mut remaining = available;
+    let first_without =
+        patch.elements.iter().find(|(_, entry)| match remaining.checked_sub(part_count(entry, part)) {
+            Some(rest) => {
+                remaining = rest;
+                false
+            }
+            None => true,
+        });
+    let available = if available == 0 { "none".to_owned() } else { available.to_string() };
+    let message = format!("the patch uses {}, and the {} has {available}", part.counted(count), machine.name);
+    let hint = Some("use fewer, or use the machine \"unlimited\"".to_owned());
+    let span = first_without.map(|(name, entry)| macros::instance_span(patch, name).unwrap_or(entry.span));
     Diagnostic { code: Code::Inventory, span, message, hint }
 }
 
-/// Holds the parts that elements list against what they are made of and against each other.
-fn listed_parts(patch: &Patch, findings: &mut Vec<Diagnostic>) {
+/// Checks the lists of machine parts: their length, and that no part is listed twice.
+fn check_part_lists(patch: &Patch, findings: &mut Vec<Diagnostic>) {
     let mut owners: HashMap<(&str, &str), &str> = HashMap::new();
     for (name, entry) in &patch.elements {
-        for (key, names) in &entry.uses {
-            number_listed(name, entry, key, names, findings);
+        for (key, names) in &entry.machine_parts {
+            check_list_length(name, entry, key, names, findings);
             for part in names {
                 if let Some(owner) = owners.insert((&key.value, &part.value), name) {
                     let message = if owner == name {
@@ -79,7 +92,7 @@ fn listed_parts(patch: &Patch, findings: &mut Vec<Diagnostic>) {
                     } else {
                         format!("{} is used by {owner} and by {name}", part.value)
                     };
-                    let hint = "every part is on the machine once";
+                    let hint = "the machine has each part once";
                     findings.push(Diagnostic::at(Code::PartTwice, part.span, message).hint(hint));
                 }
             }
@@ -87,18 +100,21 @@ fn listed_parts(patch: &Patch, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-fn number_listed(
+/// Reports a list whose length differs from the number of parts that the element uses.
+///
+/// `key` is the type of the parts, such as "summers". An unknown type was reported when the patch was read.
+fn check_list_length(
     name: &str,
-    entry: &Entry,
+    entry: &ElementEntry,
     key: &Placed<String>,
     names: &[Placed<String>],
     findings: &mut Vec<Diagnostic>,
 ) {
     let Some(part) = Part::ALL.iter().find(|part| part.key() == key.value) else { return };
-    let wanted = taken(entry, *part);
-    if names.len() != wanted {
-        let message = format!("{name} is made of {} and lists {}", part.counted(wanted), names.len());
-        let hint = "list as many as it is made of, or leave the list out";
+    let expected = part_count(entry, *part);
+    if names.len() != expected {
+        let message = format!("{name} consists of {} and lists {}", part.counted(expected), names.len());
+        let hint = "list as many parts as the element consists of, or remove the list";
         findings.push(Diagnostic::at(Code::PartCount, key.span, message).hint(hint));
     }
 }

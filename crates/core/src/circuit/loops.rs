@@ -1,4 +1,8 @@
-//! The order of working out voltages, and the loops that have no integrator in them.
+//! Finds the order in which voltages are computed, and the loops without an integrator.
+//!
+//! Only direct cords count, whose voltage acts on the output at the same instant. A strongly connected component of
+//! this graph is a loop, also called an algebraic loop. One of its members opens the loop: its output is an unknown
+//! that the solver finds. If loops remain among the other members, they are opened in the same way, up to three deep.
 
 use std::collections::HashSet;
 
@@ -6,23 +10,25 @@ use petgraph::algo::{kosaraju_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;
 
-use super::Stage;
+use super::EvaluationStep;
 use super::resolve::Graph;
 use crate::document::{Code, Diagnostic};
-use crate::elements::Output;
+use crate::elements::OutputStage;
 
-type Plain = DiGraph<usize, ()>;
+/// A graph of direct cords. The weight of a node is the index of its element in the circuit.
+type DirectGraph = DiGraph<usize, ()>;
 
-/// Loops inside loops that are opened one after the other; each one more multiplies the work of a step.
-const DEEPEST: usize = 3;
+/// Number of loops that can be nested in each other. Each level multiplies the work of a step, because the inner loop
+/// is solved again for every trial value of the outer one.
+const MAX_LOOP_DEPTH: usize = 3;
 
-/// Drivers before what they drive, members of a loop together.
-pub(super) fn stages(graph: &Graph, findings: &mut Vec<Diagnostic>) -> Vec<Stage> {
-    Opener { graph, findings }.ordered(&direct_cords(graph), 0)
+/// The steps in order of evaluation: every element comes after the elements that drive it directly.
+pub(super) fn evaluation_order(graph: &Graph, findings: &mut Vec<Diagnostic>) -> Vec<EvaluationStep> {
+    LoopOpener { graph, findings }.ordered(&direct_graph(graph), 0)
 }
 
-/// The graph of cords through which a voltage acts within the same instant.
-fn direct_cords(graph: &Graph) -> Plain {
+/// The elements with the cords through which a voltage acts at the same instant.
+fn direct_graph(graph: &Graph) -> DirectGraph {
     let is_direct = |edge: &petgraph::graph::EdgeReference<'_, super::Cord>| {
         graph[edge.target()].kind.inputs[edge.weight().input].direct
     };
@@ -32,60 +38,68 @@ fn direct_cords(graph: &Graph) -> Plain {
     direct
 }
 
-struct Opener<'a> {
+/// Orders the elements and opens loops.
+struct LoopOpener<'a> {
+    /// The circuit, for the kinds and names of the elements.
     graph: &'a Graph,
+    /// The diagnostics so far.
     findings: &'a mut Vec<Diagnostic>,
 }
 
-impl Opener<'_> {
-    /// The elements of a part of the circuit in order, `depth` loops having been opened around it.
-    fn ordered(&mut self, part: &Plain, depth: usize) -> Vec<Stage> {
-        let components = kosaraju_scc(part);
-        components.iter().rev().map(|members| self.stage(part, members, depth)).collect()
+impl LoopOpener<'_> {
+    /// The elements of a subgraph in order of evaluation. `depth` is the number of loops around the subgraph.
+    fn ordered(&mut self, subgraph: &DirectGraph, depth: usize) -> Vec<EvaluationStep> {
+        let components = kosaraju_scc(subgraph);
+        components.iter().rev().map(|members| self.step(subgraph, members, depth)).collect()
     }
 
-    fn stage(&mut self, part: &Plain, members: &[NodeIndex], depth: usize) -> Stage {
-        if members.len() == 1 && part.find_edge(members[0], members[0]).is_none() {
-            return Stage::Element(part[members[0]]);
+    /// The step for a strongly connected component. Reports a loop that is nested too deeply.
+    fn step(&mut self, subgraph: &DirectGraph, members: &[NodeIndex], depth: usize) -> EvaluationStep {
+        if members.len() == 1 && subgraph.find_edge(members[0], members[0]).is_none() {
+            return EvaluationStep::Element(subgraph[members[0]]);
         }
-        if depth == DEEPEST {
-            self.findings.push(tangled(self.graph, members.iter().map(|index| part[*index])));
-            return Stage::Element(part[members[0]]);
+        if depth == MAX_LOOP_DEPTH {
+            self.findings.push(nested_too_deeply(self.graph, members.iter().map(|index| subgraph[*index])));
+            return EvaluationStep::Element(subgraph[members[0]]);
         }
-        let opened = self.opened(part, members);
-        let inside = without(part, members, opened);
-        Stage::Loop { opened: part[opened], inside: self.ordered(&inside, depth + 1) }
+        let opener = self.opener(subgraph, members);
+        let inner = without(subgraph, members, opener);
+        EvaluationStep::Loop { opener: subgraph[opener], inner: self.ordered(&inner, depth + 1) }
     }
 
-    /// The member that opens a loop: one that leaves no loop inside if there is one; open amplifiers, whose gain
-    /// magnifies what is wrong with their inputs, before other amplifiers, and these before the rest.
-    fn opened(&self, part: &Plain, members: &[NodeIndex]) -> NodeIndex {
-        let element = |index: &NodeIndex| &self.graph[NodeIndex::new(part[*index])];
-        let mut order = members.to_vec();
+    /// The member that opens a loop.
+    ///
+    /// Members that leave no loop among the others are preferred. Among these, open amplifiers are preferred to other
+    /// amplifiers, and amplifiers to passive elements: the gain of an open amplifier magnifies the errors of its
+    /// inputs. Then the order of the document decides.
+    fn opener(&self, subgraph: &DirectGraph, members: &[NodeIndex]) -> NodeIndex {
+        let element = |index: &NodeIndex| &self.graph[NodeIndex::new(subgraph[*index])];
+        let mut candidates = members.to_vec();
         let rank = |index: &NodeIndex| match element(index).kind.output {
-            Output::OpenAmplifier => 0,
-            Output::Amplifier | Output::Integrator => 1,
-            Output::Passive => 2,
+            OutputStage::OpenAmplifier => 0,
+            OutputStage::Amplifier | OutputStage::Integrator => 1,
+            OutputStage::Passive => 2,
         };
-        order.sort_by_key(|index| (rank(index), part[*index]));
-        let opens_all = |index: &NodeIndex| toposort(&without(part, members, *index), None).is_ok();
-        order.iter().copied().find(opens_all).unwrap_or(order[0])
+        candidates.sort_by_key(|index| (rank(index), subgraph[*index]));
+        let opens_all = |index: &NodeIndex| toposort(&without(subgraph, members, *index), None).is_ok();
+        candidates.iter().copied().find(opens_all).unwrap_or(candidates[0])
     }
 }
 
-/// The members of a loop but one, and the cords between them.
-fn without(part: &Plain, members: &[NodeIndex], opened: NodeIndex) -> Plain {
-    let kept: HashSet<NodeIndex> = members.iter().copied().filter(|index| *index != opened).collect();
-    part.filter_map(|index, element| kept.contains(&index).then_some(*element), |_, ()| Some(()))
+/// The members of a loop without the one that opens it, and the cords between them.
+fn without(subgraph: &DirectGraph, members: &[NodeIndex], opener: NodeIndex) -> DirectGraph {
+    let kept: HashSet<NodeIndex> = members.iter().copied().filter(|index| *index != opener).collect();
+    subgraph.filter_map(|index, element| kept.contains(&index).then_some(*element), |_, ()| Some(()))
 }
 
-fn tangled(graph: &Graph, members: impl Iterator<Item = usize>) -> Diagnostic {
+/// The diagnostic for loops that are nested more than [`MAX_LOOP_DEPTH`] deep.
+fn nested_too_deeply(graph: &Graph, members: impl Iterator<Item = usize>) -> Diagnostic {
     let mut members: Vec<usize> = members.collect();
     members.sort_unstable();
     let element = |member: &usize| &graph[NodeIndex::new(*member)];
     let names: Vec<_> = members.iter().map(|member| element(member).name.as_str()).collect();
     let message = format!(
-        "the loops through {} have no integrator, and stay closed when {DEEPEST} elements are taken out",
+        "the loops through {} have no integrator, and a loop remains if {MAX_LOOP_DEPTH} elements are removed",
         names.join(", ")
     );
     let span = members.iter().find_map(|member| element(member).span);
@@ -99,33 +113,32 @@ mod tests {
     use crate::circuit::Circuit;
     use crate::patch::{ElementBuilder, PatchBuilder};
 
-    /// Summers that each read some of the others.
-    fn stages_of(wiring: &[(&str, &[&str])]) -> Vec<Vec<String>> {
+    /// Names of the members of each loop in a patch of summers. Each entry is a summer and the outputs that drive it.
+    fn loops_of(wiring: &[(&str, &[&str])]) -> Vec<Vec<String>> {
         let builder = wiring.iter().fold(PatchBuilder::new("loops"), |builder, (name, from)| {
             builder.element(name, ElementBuilder::new("summer").set("in", serde_json::json!({ "x1": from })))
         });
-        let circuit =
-            Circuit::new(&builder.build().unwrap(), &[]).unwrap_or_else(|report| panic!("{report}"));
-        let named = |stage: &Stage| {
-            stage.members().into_iter().map(|member| circuit.element(member).name.clone()).collect::<Vec<_>>()
+        let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
+        let names = |step: &EvaluationStep| {
+            step.members().into_iter().map(|member| circuit.element(member).name.clone()).collect::<Vec<_>>()
         };
-        circuit.stages().iter().map(named).filter(|names| names.len() > 1).collect()
+        circuit.evaluation_order().iter().map(names).filter(|names| names.len() > 1).collect()
     }
 
     #[test]
-    fn drivers_come_before_what_they_drive() {
-        assert!(stages_of(&[("A", &["B"]), ("B", &["C"]), ("C", &["+100"])]).is_empty());
+    fn a_chain_of_summers_has_no_loop() {
+        assert!(loops_of(&[("A", &["B"]), ("B", &["C"]), ("C", &["+100"])]).is_empty());
     }
 
     #[test]
-    fn a_ring_is_opened_at_its_first_amplifier() {
-        let stages = stages_of(&[("A", &["C"]), ("B", &["A"]), ("C", &["B", "+100"])]);
-        assert_eq!(stages, [["B", "C", "A"]]);
+    fn the_first_amplifier_opens_a_loop() {
+        let loops = loops_of(&[("A", &["C"]), ("B", &["A"]), ("C", &["B", "+100"])]);
+        assert_eq!(loops, [["B", "C", "A"]]);
     }
 
     #[test]
-    fn a_summer_in_two_rings_opens_both() {
-        let stages = stages_of(&[("B", &["A"]), ("A", &["B", "C"]), ("C", &["A"])]);
-        assert_eq!(stages[0].last().unwrap(), "A");
+    fn a_summer_in_two_loops_opens_both() {
+        let loops = loops_of(&[("B", &["A"]), ("A", &["B", "C"]), ("C", &["A"])]);
+        assert_eq!(loops[0].last().unwrap(), "A");
     }
 }

@@ -1,4 +1,11 @@
-//! The circuit: the patch resolved and checked, as a graph of elements and cords.
+//! The circuit: a checked patch, as a graph of elements and cords.
+//!
+//! [`Circuit::new`] resolves every name of the patch and checks names, inputs, units, settings, machine parts, phases
+//! and signals. It continues after a fault, so one report shows all faults. Then it finds the order in which voltages
+//! are computed, with the loops that have no integrator. Lowering makes a program from the circuit.
+//!
+//! The checks run in the order in which they need each other: names, machine, quantities, cords, settings, parts,
+//! phases, signals, loops. Warnings about unused elements come last, and only if there is no error.
 
 mod inventory;
 mod loops;
@@ -28,34 +35,62 @@ use patchcord_expr::{Formula, Unit};
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
 
-/// A patch that can be run: every input driven, units and inventory in order, loops known.
+/// A patch that passed all checks: every input is driven, the units agree and the machine has enough parts.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let integrator = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("decay").element("A1", integrator).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let names: Vec<_> = circuit.elements().into_iter().map(|element| element.name.as_str()).collect();
+/// assert_eq!(names, ["+100", "-100", "ground", "A1"]);
+/// // The only cord goes from A1, the element with index 3, to itself.
+/// let cords = circuit.cords(3);
+/// assert_eq!((cords.len(), cords[0].0, cords[0].1.gain), (1, 3, 1.0));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct Circuit {
+    /// The patch from which the circuit was made, as it was given.
     patch: Patch,
-    /// The parameters that were changed, in their declared units.
+    /// The changed parameters with their values in the declared units.
     changes: Vec<(String, f64)>,
+    /// The machine of the patch, or the machine without limits.
     machine: &'static Machine,
+    /// The parameters, scales and settings of macros' instances, with their values.
     quantities: Quantities,
+    /// References, drives and elements, in this order and otherwise in that of the document, with their cords.
     graph: DiGraph<Element, Cord>,
-    stages: Vec<Stage>,
+    /// The steps of one instant. Every element is a member of exactly one step.
+    evaluation_order: Vec<EvaluationStep>,
+    /// Everything that can be recorded: signals, then drives, then elements.
     signals: Vec<SignalPoint>,
+    /// Indices of the signals that the patch records.
     record: Vec<usize>,
-    used: Vec<(Part, usize)>,
+    /// The parts of the machine that the patch uses, with their numbers.
+    parts: Vec<(Part, usize)>,
+    /// The warnings of all checks. There are no errors among them.
     warnings: Vec<Diagnostic>,
 }
 
 /// An element, a drive or a reference.
 #[derive(Debug, Clone)]
 pub struct Element {
-    /// Its name, by which cords reach it.
+    /// Name, which cords use.
     pub name: String,
-    /// Its kind.
+    /// Kind, from the table of elements.
     pub kind: &'static Kind,
-    /// Its settings, in the order of the kind's; `None` where the patch says nothing.
+    /// Settings, in the order of the kind's settings. `None` if the patch does not give the setting.
     pub settings: Vec<Option<Placed<Amount>>>,
-    /// Index of a drive's scale.
+    /// Index of the scale of a drive. `None` for elements and references.
     pub scale: Option<usize>,
-    /// Where its name stands; references stand nowhere.
+    /// Position of the name in the document. `None` for references.
     pub span: Option<Span>,
 }
 
@@ -64,69 +99,148 @@ pub struct Element {
 pub struct Cord {
     /// Index of the input among the kind's inputs.
     pub input: usize,
-    /// Gain of the jack; 1 where it has none.
+    /// Gain of the jack, such as 10 for "x10". It is 1 if the jack has no gain.
     pub gain: f64,
 }
 
-/// A step of working out every voltage of an instant.
+/// A step of the computation of all voltages at one instant.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::EvaluationStep;
+///
+/// let inner = vec![EvaluationStep::Element(4), EvaluationStep::Element(5)];
+/// let step = EvaluationStep::Loop { opener: 3, inner };
+/// assert_eq!(step.members(), [4, 5, 3]);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub enum Stage {
-    /// An element whose direct inputs are known by now.
+pub enum EvaluationStep {
+    /// Computes the output of an element whose direct inputs are known.
     Element(usize),
-    /// A loop without an integrator.
+    /// Solves a loop without an integrator.
     Loop {
-        /// The element that opens it; worked out last.
-        opened: usize,
-        /// The other members in order once it is opened; loops among them stand inside this one.
-        inside: Vec<Stage>,
+        /// The element that opens the loop: its output is the unknown, and it is computed last.
+        opener: usize,
+        /// The steps for the other members in order of evaluation. Loops that remain are nested here.
+        inner: Vec<EvaluationStep>,
     },
 }
 
-impl Stage {
-    /// The elements of the stage in order; the one that opens a loop last.
+impl EvaluationStep {
+    /// The elements of the step in order of evaluation. The element that opens a loop is the last one of the loop.
     pub fn members(&self) -> Vec<usize> {
         match self {
-            Stage::Element(element) => vec![*element],
-            Stage::Loop { opened, inside } => {
-                inside.iter().flat_map(Stage::members).chain([*opened]).collect()
+            EvaluationStep::Element(element) => vec![*element],
+            EvaluationStep::Loop { opener, inner } => {
+                inner.iter().flat_map(EvaluationStep::members).chain([*opener]).collect()
             }
         }
     }
 }
 
-/// A place where a quantity is read.
+/// An output that can be recorded, with the quantity that it represents.
+///
+/// The value of the signal is: voltage x value of the scale per volt x factor.
 #[derive(Debug, Clone)]
 pub struct SignalPoint {
     /// Name of the signal.
     pub name: String,
-    /// Index of the element at whose output it is read.
+    /// Index of the element with the output.
     pub element: usize,
-    /// Index of its scale; without one it is in volts.
+    /// Index of the scale. `None` if the signal is in volts.
     pub scale: Option<usize>,
-    /// What the scaled voltage is multiplied by.
+    /// Factor for the scaled voltage, such as -1 behind an inverting summer.
     pub factor: f64,
 }
 
 impl Circuit {
-    /// Resolves and checks a patch; `changes` are parameters set anew, in their declared units.
+    /// Resolves and checks a patch with its own parameter values.
     ///
     /// # Errors
-    /// Everything that is wrong with the patch and the changes, all at once.
-    pub fn new(patch: &Patch, changes: &[(String, f64)]) -> Result<Circuit, Box<Report>> {
-        resolve::circuit(patch, changes)
+    /// If the patch is wrong. The report has all errors and warnings.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::document::Code;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let summer = ElementBuilder::new("summer").cords("x1", ["A9"]);
+    /// let patch = PatchBuilder::new("wrong").element("A1", summer).build()?;
+    /// let report = Circuit::new(&patch).unwrap_err();
+    /// assert_eq!(report.findings[0].code, Code::UnknownName);
+    /// assert_eq!(report.findings[0].message, "A1 is driven by A9, which is not in the patch");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn new(patch: &Patch) -> Result<Circuit, Box<Report>> {
+        resolve::resolve(patch, &[])
     }
 
-    /// The patch that it was made from.
+    /// Resolves and checks a patch with other values of some parameters, in their declared units. If a parameter is
+    /// listed twice, its last value counts.
+    ///
+    /// # Errors
+    /// If the patch is wrong, there is no such parameter, or a value is outside its range. The report has all errors and
+    /// warnings.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let pot = ElementBuilder::new("pot").cord("in", "+100").set("setting", "share");
+    /// let builder = PatchBuilder::new("pot").parameter("share", 0.5, "1", [0.0, 1.0]);
+    /// let patch = builder.element("P1", pot).build()?;
+    /// let circuit = Circuit::with_parameters(&patch, [("share", 0.25)])?;
+    /// assert_eq!(circuit.parameters().next().map(|(_, _, value)| value), Some(0.25));
+    ///
+    /// let report = Circuit::with_parameters(&patch, [("share", 2.0)]).unwrap_err();
+    /// assert_eq!(report.findings[0].message, "share = 2 is outside its range 0 ... 1");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn with_parameters(
+        patch: &Patch,
+        values: impl IntoIterator<Item = (impl AsRef<str>, f64)>,
+    ) -> Result<Circuit, Box<Report>> {
+        let values: Vec<_> =
+            values.into_iter().map(|(name, value)| (name.as_ref().to_owned(), value)).collect();
+        resolve::resolve(patch, &values)
+    }
+
+    /// The patch from which the circuit was made.
     pub fn patch(&self) -> &Patch {
         &self.patch
     }
 
-    /// The machine that it is made for.
+    /// The machine on which the circuit is patched.
     pub fn machine(&self) -> &'static Machine {
         self.machine
     }
 
-    /// What the reader should know although the circuit can be run. If the patch was edited, its text is read again.
+    /// The warnings about the patch. If the patch was edited, its text is read again for the positions.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let summer = ElementBuilder::new("summer").cords("x1", ["+100"]);
+    /// let patch = PatchBuilder::new("unused").element("A1", summer).build()?;
+    /// let warnings = Circuit::new(&patch)?.warnings();
+    /// assert!(!warnings.has_errors());
+    /// assert_eq!(warnings.findings[0].message, "nothing uses the output of A1");
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn warnings(&self) -> Report {
         match self.reread() {
             Some(Ok(read)) => read.warnings(),
@@ -135,9 +249,25 @@ impl Circuit {
         }
     }
 
-    /// Line and column (both from 1, columns in characters) of the name of an element or a drive in the text of the patch.
+    /// Line and column of the name of an element or drive in the text of the patch. Both count from 1; columns count
+    /// characters.
+    ///
     /// If the patch was edited, its text is read again. `None` if the name is not in the patch, as for references.
-    pub fn place_of(&self, element: &str) -> Option<(usize, usize)> {
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::Patch;
+    ///
+    /// let text = r#"{"patchcord": 1,
+    ///  "elements": {"A1": {"kind": "summer", "in": {"x1": ["+100"]}}}}"#;
+    /// let circuit = Circuit::new(&Patch::parse("p.json", text)?)?;
+    /// assert_eq!(circuit.position_of("A1"), Some((2, 15)));
+    /// assert_eq!(circuit.position_of("+100"), None);
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn position_of(&self, element: &str) -> Option<(usize, usize)> {
         let read = self.patch.reread().transpose().ok()?;
         let patch = read.as_ref().unwrap_or(&self.patch);
         let entry = patch.drives.get(element).or_else(|| patch.elements.get(element))?;
@@ -145,29 +275,45 @@ impl Circuit {
         Some(report.line_and_column(entry.span.start))
     }
 
-    /// The circuit of the patch read again from its text; `None` if the patch was not edited since it was read.
+    /// The circuit of the patch when its text is read again. `None` if the patch was not edited since it was read.
     pub(crate) fn reread(&self) -> Option<Result<Circuit, Box<Report>>> {
         let read = self.patch.reread()?;
-        Some(read.and_then(|patch| resolve::circuit(&patch, &self.changes)))
+        Some(read.and_then(|patch| resolve::resolve(&patch, &self.changes)))
     }
 
-    /// The warnings and more findings.
+    /// A report with the warnings and further diagnostics.
     pub(crate) fn report_with(&self, more: Vec<Diagnostic>) -> Report {
         let findings = self.warnings.iter().cloned().chain(more).collect();
         Report::new(self.patch.file(), self.patch.text(), findings)
     }
 
-    /// Every element, drive and reference, by index.
+    /// All references, drives and elements, in the order of their indices.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let summer = ElementBuilder::new("summer").cords("x1", ["+100"]);
+    /// let circuit = Circuit::new(&PatchBuilder::new("sum").element("A1", summer).build()?)?;
+    /// // The three references come first.
+    /// assert_eq!(circuit.elements().len(), 4);
+    /// assert_eq!(circuit.element(3).kind.name, "summer");
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn elements(&self) -> Vec<&Element> {
         self.graph.node_weights().collect()
     }
 
-    /// An element by index.
+    /// The element, drive or reference with this index.
     pub fn element(&self, index: usize) -> &Element {
         &self.graph[NodeIndex::new(index)]
     }
 
-    /// The cords into an element, in the order of the document, each with the element that it comes from.
+    /// The cords into an element in the order of the document, each with the index of the element that drives it.
     pub fn cords(&self, element: usize) -> Vec<(usize, Cord)> {
         let incoming = self.graph.edges_directed(NodeIndex::new(element), Direction::Incoming);
         let mut cords: Vec<_> =
@@ -176,7 +322,7 @@ impl Circuit {
         cords.into_iter().map(|(_, from, cord)| (from, cord)).collect()
     }
 
-    /// For every element, those that read it.
+    /// For every element, the indices of the elements that read its output, in rising order.
     pub(crate) fn all_readers(&self) -> Vec<Vec<usize>> {
         let readers = |element| {
             let readers: BTreeSet<_> = self.graph.neighbors(element).map(NodeIndex::index).collect();
@@ -185,12 +331,28 @@ impl Circuit {
         self.graph.node_indices().map(readers).collect()
     }
 
-    /// The order in which voltages are worked out.
-    pub fn stages(&self) -> &[Stage] {
-        &self.stages
+    /// The steps in which the voltages of an instant are computed. A step only needs the results of earlier steps.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::{Circuit, EvaluationStep};
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// // A summer that drives itself is a loop without an integrator: out = -(out + 100 V).
+    /// let summer = ElementBuilder::new("summer").cords("x1", ["A1", "+100"]);
+    /// let circuit = Circuit::new(&PatchBuilder::new("loop").element("A1", summer).build()?)?;
+    /// let is_loop = |step: &EvaluationStep| matches!(step, EvaluationStep::Loop { opener: 3, .. });
+    /// assert!(circuit.evaluation_order().iter().any(is_loop));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn evaluation_order(&self) -> &[EvaluationStep] {
+        &self.evaluation_order
     }
 
-    /// The parameters with their values for this run, in their declared units.
+    /// Name, declaration and present value of every parameter. Values are in the declared units.
     pub fn parameters(&self) -> impl Iterator<Item = (&str, &Parameter, f64)> {
         let values = self.quantities.parameter_values();
         self.patch
@@ -200,34 +362,52 @@ impl Circuit {
             .map(|((name, parameter), value)| (name.as_str(), parameter, value))
     }
 
-    /// Name and formula of a scale or of a macro's setting ("L1.T").
+    /// Name and formula of a derived quantity: a scale, or a setting of a macro's instance such as "L1.T".
     pub fn derived(&self, index: usize) -> (&str, &Formula) {
         self.quantities.derived(index)
     }
 
-    /// Its index by name; scales have the same among the scales of the patch.
+    /// Index of the derived quantity with this name. A scale has the same index as in the patch.
     pub fn derived_index(&self, name: &str) -> Option<usize> {
         self.quantities.derived_index(name)
     }
 
-    /// Its unit.
+    /// Unit of the derived quantity with this index.
     pub fn derived_unit(&self, index: usize) -> &Unit {
         self.quantities.unit(index)
     }
 
-    /// What one volt of a scale stands for, in the scale's unit.
+    /// The value of one volt in a scale, in the scale's unit.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let step = ElementBuilder::new("step").set("height", 5);
+    /// let builder = PatchBuilder::new("step").scale("position", 0.5, "mm").drive("D", "position", step);
+    /// let circuit = Circuit::new(&builder.build()?)?;
+    /// let scale = circuit.derived_index("position").expect("the patch has the scale");
+    /// let per_volt = circuit.per_volt(scale).expect("the scale has a value");
+    /// assert!((per_volt - 0.5).abs() < 1e-15);
+    /// assert_eq!(circuit.derived_unit(scale).text(), "mm");
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn per_volt(&self, scale: usize) -> Option<f64> {
         Some(self.derived_unit(scale).out_of_si(self.quantities.per_volt(scale)?))
     }
 
-    /// Names, values and units of parameters and scales.
+    /// The quantities that formulas can name, with their values and units.
     pub fn quantities(&self) -> &Quantities {
         &self.quantities
     }
 
-    /// Whether a formula has no unit of its own, and so stands in that of its place.
-    pub fn is_plain(&self, formula: &Formula) -> bool {
-        self.quantities.is_plain(formula)
+    /// Whether a formula consists of bare numbers. Its value is then in the unit that its context expects.
+    pub fn is_literal(&self, formula: &Formula) -> bool {
+        self.quantities.is_literal(formula)
     }
 
     /// Machine seconds per problem second.
@@ -235,23 +415,45 @@ impl Circuit {
         self.patch.time_scale
     }
 
-    /// Everything that can be recorded: signals, drives, elements.
+    /// Everything that can be recorded: the signals of the patch, then the drives, then the elements.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let patch = PatchBuilder::new("decay")
+    ///     .scale("position", 2.0, "mm")
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]))
+    ///     .signal("x", "A1", "position", 1.0)
+    ///     .build()?;
+    /// let circuit = Circuit::new(&patch)?;
+    /// let names: Vec<_> = circuit.signals().iter().map(|signal| signal.name.as_str()).collect();
+    /// assert_eq!(names, ["x", "A1"]);
+    /// assert_eq!(circuit.recorded_signals(), ["x"]);
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn signals(&self) -> &[SignalPoint] {
         &self.signals
     }
 
-    /// The name under which something is recorded: its own, or of an instance's port that of the element that it is.
-    pub fn recordable<'n>(&'n self, name: &'n str) -> Option<&'n str> {
+    /// The name under which a signal is recorded. The output of a macro's instance has the name of its element inside.
+    ///
+    /// `None` if nothing of this name can be recorded.
+    pub fn recorded_name<'n>(&'n self, name: &'n str) -> Option<&'n str> {
         let is_signal = |name: &str| self.signals.iter().any(|point| point.name == name);
-        let at_port = || self.patch.ports.get(name).map(|port| port.at.as_str());
-        is_signal(name).then_some(name).or_else(at_port)
+        let element_inside = || self.patch.instance_outputs.get(name).map(|output| output.element.as_str());
+        is_signal(name).then_some(name).or_else(element_inside)
     }
 
-    /// Names of what the patch records and of what its pictures show, each once.
-    pub fn recorded(&self) -> Vec<String> {
-        let asked = self.record.iter().map(|index| self.signals[*index].name.clone());
-        let mut names: Vec<String> = asked.collect();
-        for name in self.pictured() {
+    /// Names of the signals that the patch records or draws, without repetitions. The recorded ones come first.
+    pub fn recorded_signals(&self) -> Vec<String> {
+        let recorded = self.record.iter().map(|index| self.signals[*index].name.clone());
+        let mut names: Vec<String> = recorded.collect();
+        for name in self.drawn_signals() {
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -259,24 +461,25 @@ impl Circuit {
         names
     }
 
-    /// Names of the signals that the patch's pictures show, or derivatives of.
-    pub fn pictured(&self) -> impl Iterator<Item = String> + '_ {
+    /// Names of the signals that the pictures of the patch show, or whose derivatives they show. Names may be repeated.
+    pub fn drawn_signals(&self) -> impl Iterator<Item = String> + '_ {
         let signal = |name: &str| derivative_of(name).map_or(name, |(signal, _)| signal).to_owned();
-        self.shown().filter(|name| *name != "t").map(signal)
+        self.drawn_names().filter(|name| *name != "t").map(signal)
     }
 
-    /// Names of the parameters by which the patch's pictures show derivatives, each once.
-    pub fn differentiated(&self) -> Vec<String> {
-        let parameters = self.shown().filter_map(|name| Some(derivative_of(name)?.1.to_owned()));
+    /// Names of the parameters with respect to which the pictures show derivatives, without repetitions.
+    pub fn sensitivity_parameters(&self) -> Vec<String> {
+        let parameters = self.drawn_names().filter_map(|name| Some(derivative_of(name)?.1.to_owned()));
         parameters.collect::<IndexSet<_>>().into_iter().collect()
     }
 
-    fn shown(&self) -> impl Iterator<Item = &str> {
-        let shown = self.patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
-        shown.map(|name| name.value.as_str())
+    /// All names on the axes of the pictures: signals, derivatives and the time "t".
+    fn drawn_names(&self) -> impl Iterator<Item = &str> {
+        let names = self.patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
+        names.map(|name| name.value.as_str())
     }
 
-    /// Unit of a signal: its text, and what it is in SI.
+    /// Unit of a signal: its text, and its size in SI units.
     pub(crate) fn signal_unit(&self, signal: &SignalPoint) -> (String, f64) {
         match signal.scale {
             Some(scale) => {
@@ -287,37 +490,57 @@ impl Circuit {
         }
     }
 
-    /// The parts that the circuit takes.
+    /// The parts of the machine that the circuit uses, with their numbers. Unused parts are not listed.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::machines::Part;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let inverter = ElementBuilder::new("inverter").cord("in", "+100");
+    /// let builder = PatchBuilder::new("inverter").machine("solartron-1451");
+    /// let circuit = Circuit::new(&builder.element("A1", inverter).build()?)?;
+    /// assert_eq!(circuit.parts(), [(Part::Summer, 1)]);
+    /// assert_eq!(circuit.machine().count(Part::Summer), Some(16));
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn parts(&self) -> &[(Part, usize)] {
-        &self.used
+        &self.parts
     }
 
-    /// The parts that an element takes, the one that its kind names first in front.
+    /// The parts of the machine that an element uses, with their numbers, in the order of its kind.
+    ///
+    /// Empty for drives, references and unknown names.
     pub fn parts_of(&self, element: &str) -> Vec<(Part, usize)> {
         let Some(entry) = self.patch.elements.get(element) else { return Vec::new() };
         let mut parts: Vec<(Part, usize)> = Vec::new();
-        for takes in entry.kind.parts {
-            let count = inventory::taken(entry, takes.part);
-            if count > 0 && parts.iter().all(|(part, _)| *part != takes.part) {
-                parts.push((takes.part, count));
+        for part_use in entry.kind.parts {
+            let count = inventory::part_count(entry, part_use.part);
+            if count > 0 && parts.iter().all(|(part, _)| *part != part_use.part) {
+                parts.push((part_use.part, count));
             }
         }
         parts
     }
 
-    /// Names of the parts that the patch lists for an element.
+    /// Names of the machine's parts of one type that the patch lists for an element, such as "A7".
     pub fn part_names(&self, element: &str, part: Part) -> Vec<String> {
         let entry = self.patch.elements.get(element);
-        let uses = entry.into_iter().flat_map(|entry| &entry.uses).filter(|(key, _)| key.value == part.key());
-        uses.flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
+        let entries = entry.into_iter().flat_map(|entry| &entry.machine_parts);
+        let of_this_part = entries.filter(|(key, _)| key.value == part.key());
+        of_this_part.flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
     }
 
-    /// How the patch asks to be run.
+    /// The run plan of the patch: duration, step, phases and so on.
     pub fn run_plan(&self) -> &RunPlan {
         &self.patch.run
     }
 
-    /// The pictures that the patch asks for; where it asks for none, each of these signals against time.
+    /// The pictures of the patch. If it has none, one picture for each of these signals against time.
     pub fn picture_specs<'a>(&self, recorded: impl Iterator<Item = &'a str>) -> Vec<PictureSpec> {
         if !self.patch.pictures.is_empty() {
             return self.patch.pictures.clone();
@@ -327,8 +550,52 @@ impl Circuit {
         recorded.map(against_time).collect()
     }
 
-    /// The computer gain of the wiring between scaled signals, against the scales (eq. 4-8).
+    /// Compares the gain of the wiring between scaled signals with the gain that the scales require (eq. 4-8).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let patch = PatchBuilder::new("inverter")
+    ///     .scale("volt", 1.0, "V")
+    ///     .drive("D", "volt", ElementBuilder::new("step").set("height", 1))
+    ///     .element("A1", ElementBuilder::new("inverter").cord("in", "D"))
+    ///     .signal("in", "D", "volt", 1.0)
+    ///     .signal("out", "A1", "volt", 1.0)
+    ///     .build()?;
+    /// let rows = Circuit::new(&patch)?.scaling();
+    /// assert_eq!((rows[0].input.as_str(), rows[0].output.as_str()), ("in", "out"));
+    /// assert_eq!((rows[0].computer_gain, rows[0].relative_error()), (-1.0, Some(0.0)));
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn scaling(&self) -> Vec<ScalingRow> {
         scaling::audit(self)
+    }
+}
+
+/// The circuit of a patch with its own parameter values, as by [`Circuit::new`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let summer = ElementBuilder::new("summer").cords("x1", ["+100"]);
+/// let patch = PatchBuilder::new("sum").element("A1", summer).build()?;
+/// assert_eq!(Circuit::try_from(&patch)?.patch().title, "sum");
+/// # Ok(())
+/// # }
+/// ```
+impl TryFrom<&Patch> for Circuit {
+    type Error = Box<Report>;
+
+    fn try_from(patch: &Patch) -> Result<Circuit, Box<Report>> {
+        Circuit::new(patch)
     }
 }

@@ -1,16 +1,19 @@
-//! Names: what a cord may say, and that no name stands for two things.
+//! Checks that names are valid and unique, and resolves the names that cords and signals use.
 
 use std::collections::{HashMap, HashSet};
 
 use crate::document::{Code, Diagnostic, Placed, Span, suggestion};
-use crate::patch::{Patch, outlet_name, quantity_name, same_name};
+use crate::patch::{Patch, check_output_name, check_quantity_name, duplicate_name};
 
-/// Where this much is wrong, names are no longer held against all that are known to guess what was meant.
-const MOST_GUESSED: usize = 50;
+/// Number of diagnostics above which unknown names get no suggestions. Each suggestion compares a name with all known
+/// names, which takes too long if thousands of names are wrong.
+const MAX_SUGGESTIONS: usize = 50;
 
-/// What a name was found to stand for. One that is not known is reported, unless it may be one that could not be
-/// read, which has been reported itself.
-pub(super) fn found_or_told<'k, T>(
+/// Passes on what a name refers to, and reports the name if it refers to nothing.
+///
+/// An unknown name is not reported if the part of the document that may define it could not be read: that fault was
+/// reported itself. `message` and `known` are only called for a report.
+pub(super) fn found_or_report<'k, T>(
     patch: &Patch,
     name: &Placed<String>,
     found: Option<T>,
@@ -18,50 +21,58 @@ pub(super) fn found_or_told<'k, T>(
     known: impl FnOnce() -> Vec<&'k str>,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<T> {
-    if found.is_none() && !patch.lost().may_hold(&name.value) {
-        let guess = findings.len() < MOST_GUESSED;
-        let hint = guess.then(|| suggestion(&name.value, &known())).flatten();
+    if found.is_none() && !patch.unread_names().may_include(&name.value) {
+        let has_suggestion = findings.len() < MAX_SUGGESTIONS;
+        let hint = has_suggestion.then(|| suggestion(&name.value, &known())).flatten();
         findings.push(Diagnostic::at(Code::UnknownName, name.span, message()).maybe_hint(hint));
     }
     found
 }
 
-/// Names of outlets in the order of the alphabet: those of the graph, and those of the ports of macros.
-pub(super) fn outlets<'k, V>(patch: &'k Patch, places: &HashMap<&'k str, V>) -> Vec<&'k str> {
-    let mut names: Vec<_> = places.keys().copied().chain(patch.ports.keys().map(String::as_str)).collect();
+/// Names of all outputs in alphabetical order: those in `indices`, and the outputs of macros' instances.
+pub(super) fn output_names<'k, V>(patch: &'k Patch, indices: &HashMap<&'k str, V>) -> Vec<&'k str> {
+    let mut names: Vec<_> =
+        indices.keys().copied().chain(patch.instance_outputs.keys().map(String::as_str)).collect();
     names.sort_unstable();
     names
 }
 
-/// Reports names that could not be used, and names used twice.
+/// Reports invalid names and names that are used twice.
+///
+/// Parameters and scales share one set of names, which formulas use. Drives, elements, outputs of instances and
+/// signals share the other set.
+///
+/// Rules: see [`check_quantity_name`] and [`check_output_name`].
 pub(super) fn check(patch: &Patch, findings: &mut Vec<Diagnostic>) {
     let parameters = patch.parameters.iter().map(|(name, parameter)| (name, parameter.span, "parameter"));
     let scales = patch.scales.iter().map(|(name, scale)| (name, scale.span, "scale"));
     let quantities: Vec<_> = parameters.chain(scales).collect();
-    twice(&quantities, findings);
+    report_duplicates(&quantities, findings);
     for (name, span, noun) in quantities {
-        findings.extend(quantity_name(name, span, noun));
+        findings.extend(check_quantity_name(name, span, noun));
     }
     let drives = patch.drives.iter().map(|(name, drive)| (name, drive.span, "drive"));
     let elements = patch.elements.iter().map(|(name, element)| (name, element.span, "element"));
     let signals = patch.signals.iter().map(|(name, signal)| (name, signal.span, "signal"));
     let noun = |name| if patch.instances.contains_key(name) { "element" } else { "output" };
-    let ports = patch.ports.iter().map(|(name, port)| (name, port.span, noun(name)));
-    let outlets: Vec<_> = drives.chain(elements).chain(ports).chain(signals).collect();
-    twice(&outlets, findings);
-    // Names inside macros and of their instances have been looked at when these were written out.
-    let inside: HashSet<&String> =
-        patch.instances.values().flat_map(|instance| &instance.members).chain(patch.ports.keys()).collect();
-    for (name, span, noun) in outlets.into_iter().filter(|(name, ..)| !inside.contains(name)) {
-        findings.extend(outlet_name(name, span, noun));
+    let instance_outputs =
+        patch.instance_outputs.iter().map(|(name, output)| (name, output.span, noun(name)));
+    let outputs: Vec<_> = drives.chain(elements).chain(instance_outputs).chain(signals).collect();
+    report_duplicates(&outputs, findings);
+    // The names inside macros and instances were checked when the macros were expanded.
+    let members = patch.instances.values().flat_map(|instance| &instance.members);
+    let from_macros: HashSet<&String> = members.chain(patch.instance_outputs.keys()).collect();
+    for (name, span, noun) in outputs.into_iter().filter(|(name, ..)| !from_macros.contains(name)) {
+        findings.extend(check_output_name(name, span, noun));
     }
 }
 
-fn twice(named: &[(&String, Span, &str)], findings: &mut Vec<Diagnostic>) {
-    let mut seen: HashMap<&str, &str> = HashMap::new();
+/// Reports every name that occurs twice. Each entry is a name, its position, and what it names.
+fn report_duplicates(named: &[(&String, Span, &str)], findings: &mut Vec<Diagnostic>) {
+    let mut first_nouns: HashMap<&str, &str> = HashMap::new();
     for (name, span, noun) in named {
-        if let Some(first) = seen.insert(name, noun) {
-            findings.push(same_name(name, *span, noun, first));
+        if let Some(first) = first_nouns.insert(name, noun) {
+            findings.push(duplicate_name(name, *span, noun, first));
         }
     }
 }

@@ -1,82 +1,95 @@
-//! The phases of a run: the relays that end them, and the parameters that they set.
+//! Checks the phases of a run: the relays that end phases, and the parameters that phases set.
+//!
+//! Names and units are checked here. Whether a new value is inside the range of its parameter is known only in the run,
+//! because formulas of a run can use signals.
 
-use super::names::found_or_told;
+use super::names::found_or_report;
 use super::scope::Quantities;
-use crate::document::{Change, Code, Diagnostic, Phase, Placed, Until, suggestion};
+use crate::document::{Code, Diagnostic, ParameterChange, Phase, Placed, SwitchCondition, suggestion};
 use crate::patch::{Parameter, Patch};
 use patchcord_expr::{Dimension, Formula, Scope};
 
-/// Checks names and units of everything that the phases name.
+/// Checks the names and units in all phases.
 pub(super) fn check(patch: &Patch, quantities: &Quantities, findings: &mut Vec<Diagnostic>) {
-    let checker = Checker { patch, quantities };
+    let checker = PhaseChecker { patch, quantities };
     let mut each = |phase: &Phase| match phase {
-        Phase::Operate { until: Some(until), .. } => checker.until(until, findings),
+        Phase::Operate { until: Some(condition), .. } => checker.condition(condition, findings),
         Phase::Set { changes } => changes.iter().for_each(|change| checker.change(change, findings)),
         _ => {}
     };
     patch.run.phases.iter().for_each(|phase| phase.for_each(&mut each));
 }
 
-/// Names of the relays that end phases.
+/// Names of the relays that end phases. Names may be repeated.
 pub(super) fn relays<'p>(patch: &'p Patch) -> Vec<&'p str> {
     let mut relays = Vec::new();
     let mut each = |phase: &'p Phase| {
-        if let Phase::Operate { until: Some(until), .. } = phase {
-            relays.push(until.relay.value.as_str());
+        if let Phase::Operate { until: Some(condition), .. } = phase {
+            relays.push(condition.relay.value.as_str());
         }
     };
     patch.run.phases.iter().for_each(|phase| phase.for_each(&mut each));
     relays
 }
 
-struct Checker<'a> {
+/// Checks phases against the patch.
+struct PhaseChecker<'a> {
+    /// The patch, for its elements, parameters and signals.
     patch: &'a Patch,
+    /// The evaluated parameters and derived quantities of the patch.
     quantities: &'a Quantities,
 }
 
-impl Checker<'_> {
-    fn until(&self, until: &Until, findings: &mut Vec<Diagnostic>) {
-        let relay = &until.relay;
+impl PhaseChecker<'_> {
+    /// Reports a condition whose element does not exist, does not switch, or does not have the position.
+    ///
+    /// If the element does not switch, the hint names a similar relay, or the kind of element that is needed.
+    fn condition(&self, condition: &SwitchCondition, findings: &mut Vec<Diagnostic>) {
+        let relay = &condition.relay;
         let message = || format!("there is no relay {} to wait for", relay.value);
         let known = || self.relays();
         let found = self.patch.elements.get(&relay.value);
-        let Some(entry) = found_or_told(self.patch, relay, found, message, known, findings) else { return };
+        let Some(entry) = found_or_report(self.patch, relay, found, message, known, findings) else { return };
         let positions = entry.kind.positions;
         if positions.is_empty() {
             let message = format!("{} (kind {}) does not switch", relay.value, entry.kind.name);
             let hint = suggestion(&relay.value, &self.relays()).unwrap_or_else(|| {
-                "compare its voltage in an element of kind \"relay\", and name that".to_owned()
+                "add an element of kind \"relay\" that compares its voltage, and name the relay".to_owned()
             });
             findings.push(Diagnostic::at(Code::NotARelay, relay.span, message).hint(hint));
-        } else if let Some(becomes) = &until.becomes
+        } else if let Some(becomes) = &condition.becomes
             && !positions.contains(&becomes.value.as_str())
         {
-            let message = format!("{} does not become \"{}\"", relay.value, becomes.value);
+            let message = format!("{} has no position \"{}\"", relay.value, becomes.value);
             let hint = suggestion(&becomes.value, positions);
             findings.push(Diagnostic::at(Code::UnknownName, becomes.span, message).maybe_hint(hint));
         }
     }
 
-    /// Names of the elements that a phase can wait for.
+    /// Names of all elements that switch. A phase can wait for them.
     fn relays(&self) -> Vec<&str> {
         let entries = self.patch.elements.iter().filter(|(_, entry)| !entry.kind.positions.is_empty());
         entries.map(|(name, _)| name.as_str()).collect()
     }
 
-    fn change(&self, change: &Change, findings: &mut Vec<Diagnostic>) {
+    /// Checks that a changed parameter exists, that no scale depends on it, and that its new value has the right unit.
+    fn change(&self, change: &ParameterChange, findings: &mut Vec<Diagnostic>) {
         let name = &change.parameter;
         let message = || format!("there is no parameter {} to set", name.value);
         let known = || self.patch.parameters.keys().map(String::as_str).collect();
         let found = self.patch.parameters.get_full(&name.value);
-        let found = found_or_told(self.patch, name, found, message, known, findings);
+        let found = found_or_report(self.patch, name, found, message, known, findings);
         let Some((index, _, parameter)) = found else { return };
-        self.scale_stays(index, name, findings);
+        self.check_scales(index, name, findings);
         self.formula(parameter, &change.to, findings);
     }
 
-    /// A record is read in one scale from beginning to end.
-    fn scale_stays(&self, parameter: usize, name: &Placed<String>, findings: &mut Vec<Diagnostic>) {
-        let depends = |formula: &Formula| self.quantities.named_in(formula).parameters.contains(&parameter);
+    /// Reports a scale that depends on a changed parameter. A scale must not change within a record.
+    ///
+    /// The first such scale is named. It may depend on the parameter through other scales.
+    fn check_scales(&self, parameter: usize, name: &Placed<String>, findings: &mut Vec<Diagnostic>) {
+        let depends =
+            |formula: &Formula| self.quantities.dependencies(formula).parameters.contains(&parameter);
         let scale = (0..self.patch.scales.len())
             .map(|index| self.quantities.derived(index))
             .find(|(_, formula)| depends(formula));
@@ -86,45 +99,53 @@ impl Checker<'_> {
         }
     }
 
+    /// Checks names and unit of the formula for a parameter's new value.
+    ///
+    /// A name that is both a signal and a quantity is reported here, because only formulas of a run can use both.
     fn formula(&self, parameter: &Parameter, to: &Placed<Formula>, findings: &mut Vec<Diagnostic>) {
-        let scope = Readable { patch: self.patch, quantities: self.quantities };
+        let scope = RunNames { patch: self.patch, quantities: self.quantities };
         let names = to.value.names();
-        if let Some(name) = names.iter().find(|name| scope.is_two_things(name)) {
-            let message = format!("{name} is a signal, and a parameter or scale as well");
-            let hint = "rename the signal: here a formula may mean either";
+        if let Some(name) = names.iter().find(|name| scope.is_ambiguous(name)) {
+            let message = format!("{name} is both a signal and a parameter or scale");
+            let hint = "rename the signal: the formula could mean either";
             findings.push(Diagnostic::at(Code::DuplicateName, to.span, message).hint(hint));
             return;
         }
-        if names.iter().any(|name| scope.is_unreadable(name)) {
+        if names.iter().any(|name| scope.has_unknown_scale(name)) {
             return;
         }
-        let wanted = parameter.unit.dimension();
-        self.quantities.fitting(to, &scope, |found| found == wanted, &wanted.to_string(), findings);
+        let expected = parameter.unit.dimension();
+        self.quantities.check_unit(to, &scope, |found| found == expected, &expected.to_string(), findings);
     }
 }
 
-/// What the formulas of a run may name: signals too.
-struct Readable<'a> {
+/// The names that formulas of a run can use: the quantities of the patch and the signals.
+struct RunNames<'a> {
+    /// The patch, for its signals and their scales.
     patch: &'a Patch,
+    /// The parameters, scales and settings of instances.
     quantities: &'a Quantities,
 }
 
-impl Readable<'_> {
-    fn is_two_things(&self, name: &str) -> bool {
+impl RunNames<'_> {
+    /// Whether the name is both a signal and a quantity.
+    fn is_ambiguous(&self, name: &str) -> bool {
         self.patch.signals.contains_key(name) && self.quantities.dimension(name).is_some()
     }
 
-    /// Whether it is a signal in a scale that is not there, which is reported at the signal.
-    fn is_unreadable(&self, name: &str) -> bool {
+    /// Whether the name is a signal whose scale does not exist. That fault is reported at the signal.
+    fn has_unknown_scale(&self, name: &str) -> bool {
         self.patch.signals.contains_key(name) && self.dimension(name).is_none()
     }
 }
 
-impl Scope for Readable<'_> {
+impl Scope for RunNames<'_> {
+    /// Signals have no value before the run.
     fn value(&self, name: &str) -> Option<f64> {
         self.quantities.value(name)
     }
 
+    /// A signal without a scale is in volts.
     fn dimension(&self, name: &str) -> Option<Dimension> {
         self.quantities.dimension(name).or_else(|| {
             let scale = &self.patch.signals.get(name)?.scale;
@@ -135,10 +156,12 @@ impl Scope for Readable<'_> {
         })
     }
 
+    /// Only quantities have a declared unit; errors describe a signal by its dimension.
     fn declared_unit(&self, name: &str) -> Option<&str> {
         self.quantities.declared_unit(name)
     }
 
+    /// The quantities, then the signals. A hint for an unknown name chooses among them.
     fn names(&self) -> Vec<&str> {
         self.quantities.names().into_iter().chain(self.patch.signals.keys().map(String::as_str)).collect()
     }

@@ -1,41 +1,55 @@
-//! From the patch to the circuit, finding everything that is wrong on the way.
+//! Makes the circuit from the patch: builds the graph, runs all checks and collects their diagnostics.
+//!
+//! All checks run, also after errors. A check stays silent about a fault that follows from an earlier one, such as a
+//! missing cord next to a cord with a wrong name.
+//!
+//! The nodes of the graph are the references, the drives and the elements, in this order. Other modules rely on it: the
+//! index of a node is the index of the element in the circuit.
 
 use std::collections::{HashMap, HashSet};
 
 use petgraph::graph::{DiGraph, NodeIndex};
 
-use super::names::{found_or_told, outlets};
+use super::names::{found_or_report, output_names};
 use super::scope::Quantities;
 use super::{Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals};
 use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, suggestion};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
 use crate::machines::{self, Machine};
-use crate::patch::{Amount, Entry, Patch, Plug};
+use crate::patch::{Amount, ElementEntry, Patch, Plug};
 use patchcord_expr::Formula;
 
+/// The elements with the cords between them. An edge goes from the driver to the driven element.
 pub(super) type Graph = DiGraph<Element, Cord>;
 
-pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circuit, Box<Report>> {
+/// Makes a circuit from a patch, with parameters changed by `changes`.
+///
+/// # Errors
+/// If any check finds an error. For an edited patch the checks run again on its text, so the report has positions.
+///
+/// The order of the checks follows their needs. Units can be checked only if the quantities are known, and pots in
+/// front of integrators only if the cords are in the graph.
+pub(super) fn resolve(patch: &Patch, changes: &[(String, f64)]) -> Result<Circuit, Box<Report>> {
     let mut findings = patch.findings().to_vec();
     names::check(patch, &mut findings);
     let machine = machine(patch, &mut findings);
     let quantities = Quantities::new(patch, changes, &mut findings);
     let graph = graph(patch, machine, &mut findings);
-    let cords = if any_error(&findings) { settings::Cords::Doubtful } else { settings::Cords::Known };
+    let cords = if any_error(&findings) { settings::Cords::Incomplete } else { settings::Cords::Complete };
     settings::check(patch, &quantities, &graph, cords, &mut findings);
-    let used = inventory::check(patch, machine, &mut findings);
+    let parts = inventory::check(patch, machine, &mut findings);
     phases::check(patch, &quantities, &mut findings);
     let (points, record) = signals::resolve(patch, &graph, &mut findings);
-    let stages = loops::stages(&graph, &mut findings);
-    // An element that nothing reads is often the other end of what was just reported.
+    let evaluation_order = loops::evaluation_order(&graph, &mut findings);
+    // With errors, an unused element is often one whose cord has a wrong name, so it gets no warning.
     if !any_error(&findings) {
-        unused(patch, &graph, &mut findings);
+        warn_of_unused(patch, &graph, &mut findings);
     }
-    let findings = macros::once(patch, findings);
+    let findings = macros::merge_instances(patch, findings);
     if any_error(&findings) {
-        // The parts of an edited patch have no positions: its text has.
+        // Edited values have no positions, so the report is made from the text.
         return match patch.reread() {
-            Some(read) => circuit(&read?, changes),
+            Some(read) => resolve(&read?, changes),
             None => Err(Box::new(Report::new(patch.file(), patch.text(), findings))),
         };
     }
@@ -45,16 +59,17 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
         machine,
         quantities,
         graph,
-        stages,
+        evaluation_order,
         signals: points,
         record,
-        used,
+        parts,
         warnings: findings,
     })
 }
 
+/// The machine of the patch. Reports an unknown name and continues with the default machine.
 fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
-    let Some(name) = &patch.machine else { return machines::UNNAMED };
+    let Some(name) = &patch.machine else { return machines::DEFAULT_MACHINE };
     machines::find(&name.value).unwrap_or_else(|| {
         let known: Vec<_> = machines::ALL.iter().map(|machine| machine.name).collect();
         let message = format!("there is no machine \"{}\"", name.value);
@@ -62,33 +77,37 @@ fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
             Diagnostic::at(Code::UnknownMachine, name.span, message)
                 .maybe_hint(suggestion(&name.value, &known)),
         );
-        machines::UNNAMED
+        machines::DEFAULT_MACHINE
     })
 }
 
-/// References, drives and elements with their cords.
+/// Builds the graph: references, drives and elements, then their cords. Reports faults of the cords.
+///
+/// Drives have no inputs, so only elements have cords.
 fn graph(patch: &Patch, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Graph {
     let mut graph = Graph::new();
-    let mut places = HashMap::new();
+    let mut nodes = HashMap::new();
     for (name, volts) in REFERENCES {
-        places.insert(*name, graph.add_node(reference(name, *volts)));
+        nodes.insert(*name, graph.add_node(reference(name, *volts)));
     }
     for (name, entry) in patch.drives.iter().chain(&patch.elements) {
-        places.insert(name.as_str(), graph.add_node(element(patch, name, entry, findings)));
+        nodes.insert(name.as_str(), graph.add_node(element(patch, name, entry, findings)));
     }
     for (name, entry) in &patch.elements {
-        let cords = Cords { patch, name, entry, machine, places: &places };
-        cords.plug_in(&mut graph, findings);
+        let plugger = CordPlugger { patch, name, entry, machine, nodes: &nodes };
+        plugger.plug_in(&mut graph, findings);
     }
     graph
 }
 
+/// A reference with its voltage.
 fn reference(name: &str, volts: f64) -> Element {
     let volts = Placed { value: Amount::Formula(Formula::constant(volts)), span: Span::default() };
     Element { name: name.to_owned(), kind: &REFERENCE, settings: vec![Some(volts)], scale: None, span: None }
 }
 
-fn element(patch: &Patch, name: &str, entry: &Entry, findings: &mut Vec<Diagnostic>) -> Element {
+/// An element or drive. Reports an unknown scale.
+fn element(patch: &Patch, name: &str, entry: &ElementEntry, findings: &mut Vec<Diagnostic>) -> Element {
     let scale = entry.scale.as_ref().and_then(|scale| find_scale(patch, scale, findings));
     Element {
         name: name.to_owned(),
@@ -99,7 +118,7 @@ fn element(patch: &Patch, name: &str, entry: &Entry, findings: &mut Vec<Diagnost
     }
 }
 
-/// The index of a scale by its name as written.
+/// The index of the scale with this name. Reports an unknown name.
 pub(super) fn find_scale(
     patch: &Patch,
     name: &Placed<String>,
@@ -107,132 +126,176 @@ pub(super) fn find_scale(
 ) -> Option<usize> {
     let message = || format!("there is no scale {}", name.value);
     let found = patch.scales.get_index_of(&name.value);
-    found_or_told(patch, name, found, message, || patch.scales.keys().map(String::as_str).collect(), findings)
+    found_or_report(
+        patch,
+        name,
+        found,
+        message,
+        || patch.scales.keys().map(String::as_str).collect(),
+        findings,
+    )
 }
 
-/// The cords of one element.
-struct Cords<'a> {
+/// Plugs in the cords of one element.
+struct CordPlugger<'a> {
+    /// The patch, for the names that cords may use.
     patch: &'a Patch,
+    /// Name of the element.
     name: &'a str,
-    entry: &'a Entry,
+    /// The element in the patch, with its kind and cords.
+    entry: &'a ElementEntry,
+    /// The machine, for its input gains.
     machine: &'a Machine,
-    places: &'a HashMap<&'a str, NodeIndex>,
+    /// The nodes of all references, drives and elements by name.
+    nodes: &'a HashMap<&'a str, NodeIndex>,
 }
 
-impl Cords<'_> {
+impl CordPlugger<'_> {
+    /// Adds all cords of the element to the graph. Reports wrong jacks, unknown drivers, and inputs with too many or
+    /// too few cords.
+    ///
+    /// Cords of one jack have the same span, so they are grouped by it. If a jack or a cord is wrong, missing cords are
+    /// not reported: the wrong cord may be meant for the empty input.
     fn plug_in(&self, graph: &mut Graph, findings: &mut Vec<Diagnostic>) {
         let inputs = self.entry.kind.inputs.len();
         let (mut plugged, mut empty) = (vec![Vec::new(); inputs], vec![None; inputs]);
-        // A cord that could not be understood may be the one that an input lacks.
-        let mut doubtful = self.entry.doubtful;
+        // A cord that could not be read may be the one that is missing at an input.
+        let mut is_incomplete = self.entry.is_incomplete;
         for plugs in self.entry.plugs.chunk_by(|one, next| one.jack.span == next.jack.span) {
             match self.jack(&plugs[0].jack, findings) {
                 Some((input, gain)) => {
                     self.connect(plugs, Cord { input, gain }, graph, findings);
                     plugged[input].extend(plugs);
                 }
-                None => doubtful = true,
+                None => is_incomplete = true,
             }
         }
         for jack in &self.entry.empty_jacks {
             match self.jack(jack, findings) {
                 Some((input, _)) => empty[input] = Some(jack.span),
-                None => doubtful = true,
+                None => is_incomplete = true,
             }
         }
         for (input, plugs) in plugged.iter().enumerate() {
-            self.not_too_many(input, plugs, findings);
-            if !doubtful {
-                self.enough(input, plugs, empty[input], findings);
+            self.check_most(input, plugs, findings);
+            if !is_incomplete {
+                self.check_least(input, plugs, empty[input], findings);
             }
         }
     }
 
-    /// Plugs in the cords of one jack.
+    /// Adds the cords of one jack to the graph.
+    ///
+    /// A cord from an unknown element is reported and left out.
     fn connect(&self, plugs: &[Plug], cord: Cord, graph: &mut Graph, findings: &mut Vec<Diagnostic>) {
         for plug in plugs {
             if let Some(from) = self.driver(plug, findings) {
-                graph.add_edge(from, self.places[self.name], cord);
+                graph.add_edge(from, self.nodes[self.name], cord);
             }
         }
     }
 
-    /// The input and gain of a jack by its name.
+    /// The index of the input and the gain of a jack. Reports a jack or a gain that does not exist.
+    ///
+    /// The name of a jack with a gain consists of the input and the gain, such as "x10". Its gain is 10.
     fn jack(&self, jack: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<(usize, f64)> {
         let kind = self.entry.kind;
         let found = kind.input(&jack.value);
         match found {
             None => findings.push(self.unknown_jack(jack)),
-            Some((_, gain)) => self.gain(jack, gain, findings),
+            Some((_, gain)) => self.check_gain(jack, gain, findings),
         }
         found
     }
 
+    /// The diagnostic for a jack that the kind does not have.
+    ///
+    /// The hint names a jack that was probably meant, or lists the jacks of the kind.
     fn unknown_jack(&self, jack: &Placed<String>) -> Diagnostic {
         let message =
             format!("{} (kind {}) has no input \"{}\"", self.name, self.entry.kind.name, jack.value);
-        let meant = self.entry.kind.inputs.iter().find_map(|input| meant_jack(input, &jack.value));
+        let similar = self.entry.kind.inputs.iter().find_map(|input| similar_jack(input, &jack.value));
         let jacks: Vec<_> =
             self.entry.kind.inputs.iter().map(|input| jack_names(input.name, input.jacks)).collect();
-        let hint = match meant {
-            Some(meant) => format!("did you mean \"{meant}\"?"),
-            None if jacks.is_empty() => "it has none".to_owned(),
+        let hint = match similar {
+            Some(similar) => format!("did you mean \"{similar}\"?"),
+            None if jacks.is_empty() => "it has no inputs".to_owned(),
             None => format!("it has {}", jacks.join(", ")),
         };
         Diagnostic::at(Code::UnknownInput, jack.span, message).hint(hint)
     }
 
-    fn gain(&self, jack: &Placed<String>, gain: f64, findings: &mut Vec<Diagnostic>) {
-        let gains = gains(self.machine, self.entry.kind);
+    /// Reports a gain that the machine does not have for this kind.
+    ///
+    /// The machine without limits permits every gain, so its lists of gains are empty.
+    fn check_gain(&self, jack: &Placed<String>, gain: f64, findings: &mut Vec<Diagnostic>) {
+        let gains = available_gains(self.machine, self.entry.kind);
         if gains.is_empty() || gains.contains(&gain) {
             return;
         }
         let known: Vec<_> = gains.iter().map(|gain| format!("x{gain}")).collect();
         let (name, kind, machine) = (&self.name, self.entry.kind.name, self.machine.name);
-        let message = format!("{name} has an input gain x{gain}, as no {kind} of the {machine} has");
-        let hint = format!("it has {}: put a pot in front of one of these", known.join(", "));
+        let message =
+            format!("{name} has an input gain x{gain}, but no {kind} of the {machine} has this gain");
+        let hint = format!("the gains are {}: use one of them with a pot in front", known.join(", "));
         findings.push(Diagnostic::at(Code::MissingGain, jack.span, message).hint(hint));
     }
 
+    /// The node that drives a cord. Reports an unknown name.
+    ///
+    /// The hint is chosen among the names of all outputs, including those of macros' instances.
     fn driver(&self, plug: &Plug, findings: &mut Vec<Diagnostic>) -> Option<NodeIndex> {
         let message = || format!("{} is driven by {}, which is not in the patch", self.name, plug.from.value);
-        let found = self.places.get(plug.from.value.as_str()).copied();
-        let known = || outlets(self.patch, self.places);
-        found_or_told(self.patch, &plug.from, found, message, known, findings)
+        let found = self.nodes.get(plug.from.value.as_str()).copied();
+        let known = || output_names(self.patch, self.nodes);
+        found_or_report(self.patch, &plug.from, found, message, known, findings)
     }
 
-    /// Reports cords for which an input has no jacks.
-    fn not_too_many(&self, input: usize, plugs: &[&Plug], findings: &mut Vec<Diagnostic>) {
+    /// Reports an input with more cords than it can take.
+    ///
+    /// The report is at the first cord that is too many.
+    fn check_most(&self, input: usize, plugs: &[&Plug], findings: &mut Vec<Diagnostic>) {
         let allowed = match self.entry.kind.inputs[input].jacks {
             Jacks::One => 1,
             Jacks::Exactly(count) => count,
             Jacks::Any | Jacks::Gains => usize::MAX,
         };
         if let Some(extra) = plugs.get(allowed) {
-            findings.push(self.too_many(input, plugs, extra));
+            findings.push(self.too_many_cords(input, plugs, extra));
         }
     }
 
-    /// Reports an input that lacks cords.
-    fn enough(&self, input: usize, plugs: &[&Plug], empty: Option<Span>, findings: &mut Vec<Diagnostic>) {
+    /// Reports an input with fewer cords than it needs. `empty` is the position of a jack with an empty list of cords.
+    ///
+    /// An input that may be open needs no cord, but an empty list of cords is a fault: the user wrote the jack.
+    fn check_least(
+        &self,
+        input: usize,
+        plugs: &[&Plug],
+        empty: Option<Span>,
+        findings: &mut Vec<Diagnostic>,
+    ) {
         let row = &self.entry.kind.inputs[input];
         let least = if let Jacks::Exactly(count) = row.jacks { count } else { 1 };
         if (row.required || empty.is_some()) && plugs.len() < least {
             let span = plugs.first().map(|plug| plug.from.span).or(empty).unwrap_or(self.entry.span);
-            let what = jack_names(row.name, row.jacks);
+            let jacks = jack_names(row.name, row.jacks);
             let message = match plugs.len() {
-                0 => format!("nothing drives {} of {}", what, self.name),
-                some => format!("{} of {} needs {least} cords and has {some}", what, self.name),
+                0 => format!("nothing drives {} of {}", jacks, self.name),
+                count => format!("{} of {} needs {least} cords and has {count}", jacks, self.name),
             };
             let hint = format!("{}; use \"ground\" for 0 V", row.description);
             findings.push(Diagnostic::at(Code::NoDriver, span, message).hint(hint));
         }
     }
 
-    fn too_many(&self, input: usize, plugs: &[&Plug], extra: &Plug) -> Diagnostic {
+    /// The diagnostic for more cords than an input can take. `extra` is the first of the surplus cords.
+    ///
+    /// Two cords into one jack would connect two outputs with each other.
+    fn too_many_cords(&self, input: usize, plugs: &[&Plug], extra: &Plug) -> Diagnostic {
         let row = &self.entry.kind.inputs[input];
         if let Jacks::Exactly(count) = row.jacks {
-            let message = format!("{} takes {count} cords and is given {}", self.name, plugs.len());
+            let message = format!("{} takes {count} cords and has {}", self.name, plugs.len());
             return Diagnostic::at(Code::TooManyInputs, extra.from.span, message)
                 .hint("use a second element for the others");
         }
@@ -244,27 +307,32 @@ impl Cords<'_> {
     }
 }
 
-/// The jack with a gain that is written in capitals, or by its gain alone.
-fn meant_jack(input: &Input, written: &str) -> Option<String> {
-    let small = written.to_lowercase();
-    let tried = [small.clone(), format!("{}{small}", input.name)];
-    tried.into_iter().find(|jack| input.jacks == Jacks::Gains && gain_of(input.name, jack).is_some())
+/// The jack with a gain that was probably meant: the name was written in capitals, or as the gain alone.
+///
+/// Examples: "X10" means "x10", and "10" means "x10" as well.
+fn similar_jack(input: &Input, written: &str) -> Option<String> {
+    let lower_case = written.to_lowercase();
+    let candidates = [lower_case.clone(), format!("{}{lower_case}", input.name)];
+    candidates.into_iter().find(|jack| input.jacks == Jacks::Gains && gain_of(input.name, jack).is_some())
 }
 
+/// The jacks of an input for messages: "x1, x10, ..." or the quoted name.
 fn jack_names(name: &str, jacks: Jacks) -> String {
     if jacks == Jacks::Gains { format!("{name}1, {name}10, ...") } else { format!("\"{name}\"") }
 }
 
-fn gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
+/// The input gains that the machine has for a kind. Empty if it has all gains.
+fn available_gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
     if kind.transfer == Transfer::Integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 
-/// Warns of elements whose output nothing reads, records or draws. Outputs of macros may be left open, as long as
-/// one of the instance is read.
-fn unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) {
-    let read_at = patch.signals.values().map(|signal| &signal.at);
+/// Warns of elements whose output is not used, recorded or drawn.
+///
+/// Outputs of a macro's instance may remain unused if at least one output of the instance is used.
+fn warn_of_unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) {
+    let read_by_signals = patch.signals.values().map(|signal| &signal.element);
     let drawn = patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
-    let named = read_at.chain(&patch.record).chain(drawn).map(|name| name.value.as_str());
+    let named = read_by_signals.chain(&patch.record).chain(drawn).map(|name| name.value.as_str());
     let named: HashSet<&str> = named.chain(phases::relays(patch)).collect();
     let outputs = macros::outputs(patch);
     for index in graph.node_indices() {
@@ -273,17 +341,18 @@ fn unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) {
         let name = element.name.as_str();
         let is_read = graph.neighbors(index).next().is_some() || named.contains(name);
         if !is_read && !outputs.contains(name) {
-            findings.push(unread(name, span));
+            findings.push(unused_output(name, span));
         }
     }
-    for (name, span) in macros::unread(patch, graph, &named) {
-        findings.push(unread(name, span));
+    for (name, span) in macros::unused_instances(patch, graph, &named) {
+        findings.push(unused_output(name, span));
     }
 }
 
-fn unread(name: &str, span: Span) -> Diagnostic {
-    Diagnostic::at(Code::UnusedElement, span, format!("nothing reads {name}"))
-        .hint("name a signal at it, plug it in somewhere, or leave it out")
+/// The warning about an element or an instance that is not used.
+fn unused_output(name: &str, span: Span) -> Diagnostic {
+    Diagnostic::at(Code::UnusedElement, span, format!("nothing uses the output of {name}"))
+        .hint("define a signal at it, plug it in, or remove it")
 }
 
 #[cfg(test)]
@@ -292,30 +361,30 @@ mod tests {
     use crate::document::Code;
     use crate::patch::Patch;
 
-    /// The codes of what is said of a summer and a drive that no cord leaves.
-    fn told_of(asked: &str) -> Vec<Code> {
+    /// The codes of the warnings about a patch in which no cord leaves the summer S and the drive D.
+    fn warnings_with(section: &str) -> Vec<Code> {
         let text = format!(
             r#"{{"patchcord": 1, "scales": {{"volt": {{"per_volt": 1, "unit": "V"}}}},
                 "drives": {{"D": {{"kind": "step", "height": 1, "scale": "volt"}},
                            "E": {{"kind": "step", "height": 1, "scale": "volt"}}}},
-                "elements": {{"S": {{"kind": "summer", "in": {{"x1": ["E"]}}}}}}, {asked}}}"#
+                "elements": {{"S": {{"kind": "summer", "in": {{"x1": ["E"]}}}}}}, {section}}}"#
         );
-        let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap(), &[]);
+        let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap());
         circuit
             .unwrap_or_else(|report| panic!("{report}"))
             .warnings()
             .findings
             .iter()
-            .map(|f| f.code)
+            .map(|finding| finding.code)
             .collect()
     }
 
     #[test]
-    fn what_is_recorded_or_drawn_is_read() {
+    fn a_recorded_or_drawn_element_counts_as_used() {
         let drawn = r#""pictures": [{"x": "S", "y": ["D"]}]"#;
-        assert_eq!(told_of(drawn), []);
-        assert_eq!(told_of(r#""record": ["D", "S"]"#), [Code::UnscaledSignal]);
-        assert_eq!(told_of(r#""record": ["D"]"#), [Code::UnusedElement]);
-        assert_eq!(told_of(r#""record": []"#), [Code::UnusedElement; 2]);
+        assert_eq!(warnings_with(drawn), []);
+        assert_eq!(warnings_with(r#""record": ["D", "S"]"#), [Code::UnscaledSignal]);
+        assert_eq!(warnings_with(r#""record": ["D"]"#), [Code::UnusedElement]);
+        assert_eq!(warnings_with(r#""record": []"#), [Code::UnusedElement; 2]);
     }
 }

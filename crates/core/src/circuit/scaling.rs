@@ -1,4 +1,9 @@
 //! The audit of amplitude scaling: computer gain = input scale x block gain / output scale (eq. 4-8).
+//!
+//! The audit follows the linear wiring from every scaled signal back to the nearest scaled signals. It computes the
+//! gain of this wiring and the physical gain (block gain) that it represents with these scales. Then it looks for a
+//! parameter, a reciprocal, a product or a quotient of parameters with this value, so that the user can compare it with
+//! the equations.
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,72 +14,102 @@ use crate::elements::{Default, Measure, Transfer};
 use crate::patch::Amount;
 use patchcord_expr::{Dimension, Scope as _};
 
-/// A stretch of wiring between two scaled signals, held against eq. 4-8.
+/// The linear wiring between two scaled signals, compared with eq. 4-8.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::ScalingRow;
+///
+/// let row = ScalingRow {
+///     element: "A2".to_owned(),
+///     input: "v".to_owned(),
+///     output: "x".to_owned(),
+///     computer_gain: -10.0,
+///     input_scale: 0.02,
+///     output_scale: 0.001,
+///     block_gain: -0.5,
+///     unit: "1".to_owned(),
+///     block: Some("1".to_owned()),
+///     expected_gain: Some(-20.0),
+/// };
+/// // The gain of the wiring is half of the one that the scales require.
+/// assert_eq!(row.relative_error(), Some(-0.5));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalingRow {
-    /// The element whose output is the output signal.
+    /// Name of the element whose output is the output signal.
     pub element: String,
-    /// Signal at the beginning of the stretch.
+    /// Name of the signal at the start of the wiring.
     pub input: String,
-    /// Signal at its end.
+    /// Name of the signal at the end of the wiring.
     pub output: String,
-    /// Gain of the wiring in volts per volt; through an integrator in volts per machine second per volt.
+    /// Gain of the wiring in volts per volt. With n integrators, in volts per volt per machine second to the power of
+    /// n.
     pub computer_gain: f64,
-    /// One volt of the input signal, in SI, its factor counted.
+    /// Value of one volt of the input signal in SI units, including the factor of the signal.
     pub input_scale: f64,
-    /// One volt of the output signal, in SI, its factor counted.
+    /// Value of one volt of the output signal in SI units, including the factor of the signal.
     pub output_scale: f64,
-    /// The physical gain that the wiring stands for: computer gain x output scale / input scale.
+    /// The physical gain of the wiring: computer gain x output scale / input scale. With n integrators it is multiplied
+    /// by the time scale to the power of n.
     pub block_gain: f64,
-    /// Unit of the block gain.
+    /// Unit of the block gain; "1" if it is a pure number.
     pub unit: String,
-    /// What the block gain is in the patch's own quantities ("K", "1 / M", "1"), where it can be told by unit.
+    /// The block gain as an expression of the parameters, such as "K", "1 / M" or "1". `None` if none has its unit.
     pub block: Option<String>,
-    /// Computer gain that eq. 4-8 asks for with that block.
-    pub wanted: Option<f64>,
+    /// The computer gain that eq. 4-8 requires for this block.
+    pub expected_gain: Option<f64>,
 }
 
 impl ScalingRow {
-    /// How far the wiring is from eq. 4-8, as a share of what is asked for.
-    pub fn difference(&self) -> Option<f64> {
-        self.wanted.map(|wanted| self.computer_gain / wanted - 1.0)
+    /// The relative deviation of the computer gain from the expected one; 0 if they agree.
+    pub fn relative_error(&self) -> Option<f64> {
+        self.expected_gain.map(|expected| self.computer_gain / expected - 1.0)
     }
 }
 
-/// Every stretch of linear wiring between scaled signals, in the order of the signals at its end.
+/// All linear wiring between scaled signals, in the order of the output signals.
 pub(super) fn audit(circuit: &Circuit) -> Vec<ScalingRow> {
     let wiring = Wiring::new(circuit);
     let mut rows = Vec::new();
     for output in circuit.signals().iter().filter(|point| point.scale.is_some()) {
-        let stretches = wiring.stretches(output.element);
-        rows.extend(stretches.iter().filter_map(|stretch| row(circuit, output, stretch)));
+        let paths = wiring.paths_to(output.element);
+        rows.extend(paths.iter().filter_map(|path| row(circuit, output, path)));
     }
     rows
 }
 
-/// Linear wiring back to the nearest scaled signal. Several ways between the same two count as one.
-struct Stretch<'c> {
+/// The linear wiring from a scaled signal to an output. Parallel paths with the same number of integrators are added.
+struct SignalPath<'c> {
+    /// The scaled signal at the start of the wiring.
     input: &'c SignalPoint,
+    /// Gain per machine second to the power of the number of integrators.
     gain: f64,
+    /// Number of integrators.
     integrations: usize,
 }
 
-/// More integrations than this between two scaled signals are not followed.
-const MOST_INTEGRATIONS: usize = 2;
+/// Number of integrators between two scaled signals at most. Paths with more are ignored: acceleration, speed and
+/// position need two.
+const MAX_INTEGRATIONS: usize = 2;
 
-/// The gain on the way to the output through each number of integrators, where there is a way.
-type Gains = [Option<f64>; MOST_INTEGRATIONS + 1];
+/// The gains to the output: the entry n is the sum over the paths with n integrators. `None` if there is no such path.
+type Gains = [Option<f64>; MAX_INTEGRATIONS + 1];
 
-/// What drives an element that is linear in it.
-struct Source {
+/// An element that drives another one through a linear input.
+struct LinearDriver {
+    /// Index of the driving element.
     from: usize,
+    /// Gain from the driver's output to the driven element's output.
     gain: f64,
+    /// Whether the driven element integrates.
     integrates: bool,
 }
 
-impl Source {
-    /// The gains from the source on, given those from the element's output on.
-    fn before(&self, after: &Gains) -> Gains {
+impl LinearDriver {
+    /// The gains from the driver's output, for given gains from the driven element's output.
+    fn gains_from_driver(&self, after: &Gains) -> Gains {
         let mut gains = after.map(|gain| gain.map(|gain| gain * self.gain));
         if self.integrates {
             gains.rotate_right(1);
@@ -84,6 +119,7 @@ impl Source {
     }
 }
 
+/// Adds gains of parallel paths.
 fn add(sums: &mut Gains, gains: &Gains) {
     for (sum, gain) in sums.iter_mut().zip(gains) {
         *sum = gain.map(|gain| sum.unwrap_or(0.0) + gain).or(*sum);
@@ -92,177 +128,200 @@ fn add(sums: &mut Gains, gains: &Gains) {
 
 /// The linear part of a circuit.
 struct Wiring<'c> {
-    /// What drives each element.
-    sources: Vec<Vec<Source>>,
-    /// The first scaled signal at each element.
+    /// For each element, its linear drivers.
+    drivers: Vec<Vec<LinearDriver>>,
+    /// For each element, the first scaled signal at its output.
     scaled: Vec<Option<&'c SignalPoint>>,
 }
 
 impl<'c> Wiring<'c> {
+    /// Collects the linear drivers and the scaled signals of all elements. If an output has several scaled signals, the
+    /// first one counts.
     fn new(circuit: &'c Circuit) -> Self {
         let elements = circuit.elements().len();
         let mut scaled = vec![None; elements];
         for point in circuit.signals().iter().filter(|point| point.scale.is_some()) {
             scaled[point.element].get_or_insert(point);
         }
-        Wiring { sources: (0..elements).map(|element| sources(circuit, element)).collect(), scaled }
+        Wiring { drivers: (0..elements).map(|element| linear_drivers(circuit, element)).collect(), scaled }
     }
 
-    fn stretches(&self, output: usize) -> Vec<Stretch<'c>> {
-        let Behind { elements, mut inputs } = Behind::of(self, output);
-        let rank: HashMap<usize, usize> = elements.iter().enumerate().map(|(at, one)| (*one, at)).collect();
-        let mut reached = vec![Gains::default(); elements.len()];
-        reached[0][0] = Some(1.0);
-        for (at, element) in elements.iter().enumerate() {
-            let after = reached[at];
-            for source in &self.sources[*element] {
-                let before = source.before(&after);
-                if let Some(gains) = inputs.get_mut(&source.from) {
+    /// The paths from the nearest scaled signals to an element's output.
+    ///
+    /// The gains are propagated from the output back, in the order of the region. Cords that close a loop are left out.
+    fn paths_to(&self, output: usize) -> Vec<SignalPath<'c>> {
+        let UpstreamRegion { elements, mut inputs } = UpstreamRegion::new(self, output);
+        let rank: HashMap<usize, usize> =
+            elements.iter().enumerate().map(|(rank, element)| (*element, rank)).collect();
+        let mut gains_to_output = vec![Gains::default(); elements.len()];
+        gains_to_output[0][0] = Some(1.0);
+        for (element_rank, element) in elements.iter().enumerate() {
+            let after = gains_to_output[element_rank];
+            for driver in &self.drivers[*element] {
+                let before = driver.gains_from_driver(&after);
+                if let Some(gains) = inputs.get_mut(&driver.from) {
                     add(gains, &before);
-                } else if rank[&source.from] > at {
-                    add(&mut reached[rank[&source.from]], &before);
+                } else if rank[&driver.from] > element_rank {
+                    add(&mut gains_to_output[rank[&driver.from]], &before);
                 }
             }
         }
-        inputs.iter().flat_map(|(element, gains)| self.stretches_from(*element, gains)).collect()
+        inputs.iter().flat_map(|(element, gains)| self.paths_from(*element, gains)).collect()
     }
 
-    fn stretches_from(&self, element: usize, gains: &Gains) -> Vec<Stretch<'c>> {
+    /// The paths from the scaled signal at an element, one for each number of integrators.
+    fn paths_from(&self, element: usize, gains: &Gains) -> Vec<SignalPath<'c>> {
         let Some(input) = self.scaled[element] else { return Vec::new() };
-        let stretch = |(integrations, gain): (usize, &Option<f64>)| {
-            gain.map(|gain| Stretch { input, gain, integrations })
+        let path = |(integrations, gain): (usize, &Option<f64>)| {
+            gain.map(|gain| SignalPath { input, gain, integrations })
         };
-        gains.iter().enumerate().filter_map(stretch).collect()
+        gains.iter().enumerate().filter_map(path).collect()
     }
 }
 
-/// What lies behind an output, back to the nearest scaled signals.
-struct Behind {
-    /// Elements without a scaled signal (and the output's), each before those that drive it; a cord that closes
-    /// a ring goes against the order.
+/// The elements upstream of an output, back to the nearest scaled signals.
+struct UpstreamRegion {
+    /// The output's element, which is the first one, and the elements without a scaled signal. Each comes before its
+    /// drivers, except for cords that close a loop.
     elements: Vec<usize>,
-    /// The elements with scaled signals, in the order in which cords lead to them.
+    /// The elements with scaled signals, in the order in which cords lead to them. Their gains are empty at first.
     inputs: IndexMap<usize, Gains>,
 }
 
-impl Behind {
-    fn of(wiring: &Wiring<'_>, output: usize) -> Self {
-        let mut behind = Behind { elements: Vec::new(), inputs: IndexMap::new() };
-        let mut seen = HashSet::from([output]);
-        let mut open = vec![(output, wiring.sources[output].iter())];
-        while let Some((element, sources)) = open.last_mut() {
-            match sources.next() {
+impl UpstreamRegion {
+    /// Finds the region by a depth-first search. It uses no recursion, because chains can have many thousand elements.
+    fn new(wiring: &Wiring<'_>, output: usize) -> Self {
+        let mut region = UpstreamRegion { elements: Vec::new(), inputs: IndexMap::new() };
+        let mut visited = HashSet::from([output]);
+        let mut stack = vec![(output, wiring.drivers[output].iter())];
+        while let Some((element, drivers)) = stack.last_mut() {
+            match drivers.next() {
                 None => {
-                    behind.elements.push(*element);
-                    open.pop();
+                    region.elements.push(*element);
+                    stack.pop();
                 }
-                Some(Source { from, .. }) if wiring.scaled[*from].is_some() => {
-                    behind.inputs.entry(*from).or_default();
+                Some(LinearDriver { from, .. }) if wiring.scaled[*from].is_some() => {
+                    region.inputs.entry(*from).or_default();
                 }
-                Some(Source { from, .. }) if seen.insert(*from) => {
-                    open.push((*from, wiring.sources[*from].iter()));
+                Some(LinearDriver { from, .. }) if visited.insert(*from) => {
+                    stack.push((*from, wiring.drivers[*from].iter()));
                 }
                 Some(_) => {}
             }
         }
-        behind.elements.reverse();
-        behind
+        region.elements.reverse();
+        region
     }
 }
 
-fn sources(circuit: &Circuit, element: usize) -> Vec<Source> {
+/// The linear drivers of an element. Cords into inputs that are not linear are left out.
+fn linear_drivers(circuit: &Circuit, element: usize) -> Vec<LinearDriver> {
     let cords = circuit.cords(element).into_iter();
-    let source = |(from, cord)| {
+    let driver = |(from, cord)| {
         let (gain, integrates) = linear_gain(circuit, element, cord)?;
-        Some(Source { from, gain, integrates })
+        Some(LinearDriver { from, gain, integrates })
     };
-    cords.filter_map(source).collect()
+    cords.filter_map(driver).collect()
 }
 
-/// The gain from an input to the output, if the element is linear, and whether it integrates.
+/// The gain from an input to the output, and whether the element integrates. `None` if the input is not linear.
+///
+/// An element with an adjustable limit is not linear. The limits of every amplifier at ±100 V do not count.
 fn linear_gain(circuit: &Circuit, element: usize, cord: Cord) -> Option<(f64, bool)> {
     let element = circuit.element(element);
-    let main = cord.input == 0;
-    let limited = element.settings.iter().zip(element.kind.settings).any(|(value, row)| {
+    let is_main_input = cord.input == 0;
+    let is_limited = element.settings.iter().zip(element.kind.settings).any(|(value, row)| {
         value.is_some() && row.measure == Measure::Volts && row.default == Default::Absent
     });
     match element.kind.transfer {
-        Transfer::Integrating if main && !limited => Some((-cord.gain, true)),
-        Transfer::Inverting if main && !limited => Some((-cord.gain, false)),
-        Transfer::Share => Some((share(circuit, element)?, false)),
+        Transfer::Integrating if is_main_input && !is_limited => Some((-cord.gain, true)),
+        Transfer::Inverting if is_main_input && !is_limited => Some((-cord.gain, false)),
+        Transfer::Share => Some((pot_setting(circuit, element)?, false)),
         _ => None,
     }
 }
 
-fn share(circuit: &Circuit, element: &Element) -> Option<f64> {
+/// The setting of a pot. `None` if it cannot be evaluated.
+fn pot_setting(circuit: &Circuit, element: &Element) -> Option<f64> {
     let setting = element.kind.settings.iter().position(|row| row.measure == Measure::Fraction)?;
     let Amount::Formula(formula) = &element.settings[setting].as_ref()?.value else { return None };
     formula.evaluate(circuit.quantities()).ok()
 }
 
-fn row(circuit: &Circuit, output: &SignalPoint, stretch: &Stretch<'_>) -> Option<ScalingRow> {
-    let (input_scale, input_unit) = volt(circuit, stretch.input)?;
-    let (output_scale, output_unit) = volt(circuit, output)?;
+/// Compares a path with eq. 4-8. `None` if a scale is 0 or has no value.
+fn row(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Option<ScalingRow> {
+    let (input_scale, input_unit) = value_per_volt(circuit, path.input)?;
+    let (output_scale, output_unit) = value_per_volt(circuit, output)?;
     if input_scale == 0.0 || output_scale == 0.0 {
         return None;
     }
-    let integrations = i32::try_from(stretch.integrations).ok()?;
+    let integrations = i32::try_from(path.integrations).ok()?;
     let per_second = circuit.time_scale().powi(integrations);
-    let block_gain = stretch.gain * per_second * output_scale / input_scale;
+    let block_gain = path.gain * per_second * output_scale / input_scale;
     let seconds = Dimension::TIME.power(f64::from(integrations));
     let dimension = output_unit.over(input_unit).over(seconds);
     let block = Block::find(circuit, dimension, block_gain);
-    let wanted = block
+    let expected_gain = block
         .as_ref()
         .map(|block| input_scale * block.value * block_gain.signum() / output_scale / per_second);
     Some(ScalingRow {
         element: circuit.element(output.element).name.clone(),
-        input: stretch.input.name.clone(),
+        input: path.input.name.clone(),
         output: output.name.clone(),
-        computer_gain: stretch.gain,
+        computer_gain: path.gain,
         input_scale,
         output_scale,
         block_gain,
         unit: if dimension.is_none() { "1".to_owned() } else { dimension.to_string() },
         block: block.map(|block| block.name),
-        wanted,
+        expected_gain,
     })
 }
 
-/// One volt of a signal in SI, and its dimension.
-fn volt(circuit: &Circuit, point: &SignalPoint) -> Option<(f64, Dimension)> {
+/// The value of one volt of a signal in SI units, with its dimension.
+fn value_per_volt(circuit: &Circuit, point: &SignalPoint) -> Option<(f64, Dimension)> {
     let scale = point.scale?;
     let value = circuit.quantities().per_volt(scale)?;
     Some((value * point.factor, circuit.derived_unit(scale).dimension()))
 }
 
-/// A physical gain made of the patch's parameters.
+/// A physical gain as an expression of parameters.
 struct Block {
+    /// The expression, such as "1 / M".
     name: String,
+    /// The value in SI units.
     value: f64,
     dimension: Dimension,
 }
 
-/// A block gain this near to the wiring's agrees with it.
-const NEAR: f64 = 1e-6;
+/// Difference of the logarithms of two gains up to which they agree. It is far above rounding errors and far below the
+/// accuracy of any scale.
+const GAIN_AGREEMENT: f64 = 1e-6;
 
 impl Block {
-    /// What agrees with the gain: 1, a parameter, its reciprocal, a quotient or product of two. Else the one
-    /// of the first three that is nearest.
+    /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
+    /// a quotient or product of two.
+    ///
+    /// If none agrees, the nearest of the first three kinds. The sign of the gain does not count.
     fn find(circuit: &Circuit, dimension: Dimension, gain: f64) -> Option<Block> {
         let singles = Block::singles(circuit);
         let unity = Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE };
-        let away = |block: &Block| (gain.abs() / block.value).ln().abs();
+        let distance = |block: &Block| (gain.abs() / block.value).ln().abs();
         let fits = |block: &Block| block.dimension == dimension && block.value > 0.0;
-        let pair = Block::pairs(&singles).into_iter().filter(fits).find(|pair| away(pair) < NEAR);
-        let nearest =
-            [unity].into_iter().chain(singles).filter(fits).min_by(|a, b| away(a).total_cmp(&away(b)));
+        let pair =
+            Block::pairs(&singles).into_iter().filter(fits).find(|pair| distance(pair) < GAIN_AGREEMENT);
+        let nearest = [unity]
+            .into_iter()
+            .chain(singles)
+            .filter(fits)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
         match nearest {
-            Some(nearest) if pair.is_none() || away(&nearest) < NEAR => Some(nearest),
+            Some(nearest) if pair.is_none() || distance(&nearest) < GAIN_AGREEMENT => Some(nearest),
             _ => pair,
         }
     }
 
+    /// Every parameter and its reciprocal.
     fn singles(circuit: &Circuit) -> Vec<Block> {
         let quantities = circuit.quantities();
         let mut singles = Vec::new();
@@ -277,11 +336,12 @@ impl Block {
         singles
     }
 
+    /// The quotients and products of two different parameters.
     fn pairs(singles: &[Block]) -> Vec<Block> {
-        let plain: Vec<_> = singles.iter().filter(|block| !block.name.starts_with("1 /")).collect();
+        let parameters: Vec<_> = singles.iter().filter(|block| !block.name.starts_with("1 /")).collect();
         let mut pairs = Vec::new();
-        for first in &plain {
-            for second in plain.iter().filter(|second| second.name != first.name) {
+        for first in &parameters {
+            for second in parameters.iter().filter(|second| second.name != first.name) {
                 pairs.push(Block {
                     name: format!("{} / {}", first.name, second.name),
                     value: first.value / second.value,
@@ -303,7 +363,7 @@ mod tests {
     use super::*;
     use crate::patch::{ElementBuilder, Patch, PatchBuilder};
 
-    /// Position and velocity of a mass, with a pot between them that should stand for k / m.
+    /// Position and velocity of a mass, with a pot between them that represents k / m.
     fn patch(setting: &str) -> Patch {
         PatchBuilder::new("spring")
             .time_scale(10.0)
@@ -327,24 +387,24 @@ mod tests {
     }
 
     fn row(setting: &str, output: &str) -> ScalingRow {
-        let circuit = Circuit::new(&patch(setting), &[]).unwrap_or_else(|report| panic!("{report}"));
+        let circuit = Circuit::new(&patch(setting)).unwrap_or_else(|report| panic!("{report}"));
         circuit.scaling().into_iter().find(|row| row.output == output).unwrap()
     }
 
     #[test]
-    fn a_gain_that_is_off_is_found() {
+    fn a_pot_for_k_over_m_has_the_block_gain_k_over_m() {
         let right = row("k / m * position / velocity / 10 / time_scale", "v");
         assert_eq!(right.block.as_deref(), Some("k / m"));
-        assert!(right.difference().unwrap().abs() < 1e-12);
+        assert!(right.relative_error().unwrap().abs() < 1e-12);
         assert!((right.block_gain - 20.0).abs() < 1e-9, "{right:?}");
     }
 
     #[test]
     fn integrating_velocity_into_position_has_a_block_gain_of_1() {
-        // The pot in front of A2 lacks a factor of 10 on purpose: the wiring gives a tenth of what is asked for.
+        // The pot in front of A2 lacks a factor of 10 on purpose: the gain is a tenth of the expected one.
         let row = row("k / m * position / velocity / 10 / time_scale", "x");
         assert_eq!(row.block.as_deref(), Some("1"));
-        assert!((row.difference().unwrap() + 0.9).abs() < 1e-9, "{row:?}");
+        assert!((row.relative_error().unwrap() + 0.9).abs() < 1e-9, "{row:?}");
     }
 
     #[test]
@@ -363,12 +423,11 @@ mod tests {
 
     fn gains_at(builder: PatchBuilder, last: &str) -> Vec<f64> {
         let builder = builder.signal("out", last, "volt", 1.0);
-        let circuit =
-            Circuit::new(&builder.build().unwrap(), &[]).unwrap_or_else(|report| panic!("{report}"));
+        let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
         circuit.scaling().iter().map(|row| row.computer_gain).collect()
     }
 
-    /// A drive behind pairs of summers, each summer driven by both of the pair before.
+    /// A drive followed by pairs of summers. Both summers of a pair are driven by both summers of the preceding pair.
     fn ladder(pairs: usize) -> PatchBuilder {
         let step = ElementBuilder::new("step").set("height", 1);
         let builder = PatchBuilder::new("ladder").scale("volt", 1.0, "V").drive("D", "volt", step);
@@ -382,12 +441,12 @@ mod tests {
     }
 
     #[test]
-    fn every_way_of_a_ladder_counts() {
+    fn the_gains_of_all_parallel_paths_are_added() {
         assert_eq!(gains_at(ladder(24), "A23"), [2f64.powi(23)]);
     }
 
     #[test]
-    fn a_long_chain_is_followed_to_its_end() {
+    fn a_chain_of_20000_summers_is_followed_to_its_end() {
         let step = ElementBuilder::new("step").set("height", 1);
         let builder = PatchBuilder::new("chain").scale("volt", 1.0, "V").drive("S0", "volt", step);
         let chain = (1..=20_000).fold(builder, |builder, at| {

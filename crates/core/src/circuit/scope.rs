@@ -1,4 +1,7 @@
-//! The quantities that formulas may name: parameters, scales, settings of macros, the time scale.
+//! The quantities that formulas can name: parameters, scales, settings of macros' instances and the time scale.
+//!
+//! Scales and settings of instances are *derived*: formulas of other quantities give them. They are evaluated in such
+//! an order that each comes after the quantities in its formula. A derived quantity that depends on itself is reported.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -8,39 +11,63 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::macros;
 use super::parameters::parameters;
-use crate::document::{Code, Diagnostic, Placed, Span, TIME_SCALE, in_formula, misfit};
-use crate::patch::{InstanceSetting, Lost, Patch, Scale};
-use patchcord_expr::{Dimension, Formula, FormulaMeasure, Scope, Unit};
+use crate::document::{Code, Diagnostic, Placed, Span, TIME_SCALE, formula_diagnostic, unit_mismatch};
+use crate::patch::{InstanceSetting, Patch, Scale, UnreadNames};
+use patchcord_expr::{Dimension, Formula, FormulaDimension, Scope, Unit};
 
-/// Values and units of everything that formulas may name.
+/// Values and units of everything that formulas can name.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_expr::{Formula, Scope};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let summer = ElementBuilder::new("summer").cords("x1", ["+100"]);
+/// let builder = PatchBuilder::new("spring").parameter("k", 2.0, "N/mm", [0.0, 10.0]);
+/// let circuit = Circuit::new(&builder.element("A1", summer).build()?)?;
+/// // Formulas compute in SI units.
+/// assert_eq!(Formula::parse("3 * k")?.evaluate(circuit.quantities())?, 6000.0);
+/// assert_eq!(circuit.quantities().declared_unit("k"), Some("N/mm"));
+/// assert!(circuit.is_literal(&Formula::parse("3 * 2")?));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Quantities {
-    parameters: IndexMap<String, Named>,
-    /// What is worked out of formulas: the scales, then the settings of macros' instances ("L1.T").
-    derived: IndexMap<String, Named>,
+    /// The parameters, in the order of the patch.
+    parameters: IndexMap<String, Quantity>,
+    /// The derived quantities: the scales, then the settings of macros' instances ("L1.T").
+    derived: IndexMap<String, Quantity>,
+    /// The formulas of the derived quantities.
     formulas: Vec<Formula>,
-    /// How many of them are scales.
-    scales: usize,
-    /// Their places in an order in which each comes after those that it names; `None` where it cannot be worked out.
+    /// Number of scales among the derived quantities.
+    scale_count: usize,
+    /// For each derived quantity, its rank in the order of evaluation. `None` if it depends on itself.
     ranks: Vec<Option<usize>>,
+    /// Machine seconds per problem second.
     time_scale: f64,
-    lost: Lost,
+    /// Names that the document may define in parts that could not be read.
+    unread: UnreadNames,
 }
 
-/// What formulas may name.
+/// A quantity that formulas can name.
 #[derive(Debug, Clone)]
-pub(super) struct Named {
+pub(super) struct Quantity {
+    /// The declared unit.
     pub unit: Unit,
-    /// In SI; `None` where it could not be worked out, which has been reported.
+    /// The value in SI units. `None` if it could not be computed; this was reported.
     pub value: Option<f64>,
 }
 
 impl Quantities {
-    /// Parameters at their values (changed by `changes`) and scales worked out of them.
+    /// The parameters with their values, changed by `changes`, and the derived quantities computed from them.
     pub(super) fn new(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagnostic>) -> Self {
         let derivations = derivations(patch);
         let unknown = |(name, derivation): (&String, &Derivation<'_>)| {
-            (name.clone(), Named { unit: derivation.unit.clone(), value: None })
+            (name.clone(), Quantity { unit: derivation.unit.clone(), value: None })
         };
         let formula = |derivation: &Derivation<'_>| match derivation.formula {
             Some(placed) => placed.value.clone(),
@@ -50,18 +77,18 @@ impl Quantities {
             parameters: parameters(patch, changes, findings),
             derived: derivations.iter().map(unknown).collect(),
             formulas: derivations.values().map(formula).collect(),
-            scales: patch.scales.len(),
+            scale_count: patch.scales.len(),
             ranks: vec![None; derivations.len()],
             time_scale: patch.time_scale,
-            lost: patch.lost().clone(),
+            unread: patch.unread_names().clone(),
         };
-        quantities.work_out(patch, &derivations, findings);
-        quantities.judge_defaults(patch, findings);
+        quantities.evaluate_derived(patch, &derivations, findings);
+        quantities.check_unused_defaults(patch, findings);
         quantities
     }
 
-    /// The parameters that a formula names, itself or through what is derived of them, and that in its order.
-    pub(super) fn named_in(&self, formula: &Formula) -> Dependencies {
+    /// The parameters and derived quantities on which a formula depends, directly or through derived quantities.
+    pub(super) fn dependencies(&self, formula: &Formula) -> Dependencies {
         let (mut parameters, mut derived) = (BTreeSet::new(), HashSet::new());
         let mut open = vec![formula];
         while let Some(formula) = open.pop() {
@@ -76,14 +103,17 @@ impl Quantities {
         Dependencies { parameters: parameters.into_iter().collect(), derived }
     }
 
-    /// The same quantities with parameters at other values (in their declared units), and with them what is
-    /// derived of them.
-    pub(super) fn varied(&self, values: &[(usize, f64)], derived: &[usize]) -> Varied<'_> {
+    /// The same quantities with other values of some parameters.
+    ///
+    /// `values` has indices of parameters with values in their declared units. `derived` has the derived quantities
+    /// that are computed again, in order of evaluation.
+    pub(super) fn varied(&self, values: &[(usize, f64)], derived: &[usize]) -> VariedQuantities<'_> {
         let in_si = |(parameter, value): &(usize, f64)| {
-            let (name, named) = self.parameters.get_index(*parameter)?;
-            Some((name.as_str(), Some(named.unit.to_si(*value))))
+            let (name, quantity) = self.parameters.get_index(*parameter)?;
+            Some((name.as_str(), Some(quantity.unit.to_si(*value))))
         };
-        let mut varied = Varied { quantities: self, changed: values.iter().filter_map(in_si).collect() };
+        let mut varied =
+            VariedQuantities { quantities: self, changed: values.iter().filter_map(in_si).collect() };
         for index in derived {
             let (name, formula) = self.derived(*index);
             let value = formula.evaluate(&varied).ok();
@@ -92,121 +122,140 @@ impl Quantities {
         varied
     }
 
-    /// The values of the parameters, in their declared units.
+    /// The values of the parameters in their declared units, in the order of the patch. NaN if a value is unknown.
     pub(super) fn parameter_values(&self) -> impl Iterator<Item = f64> {
-        self.parameters.values().map(|named| named.unit.out_of_si(named.value.unwrap_or(f64::NAN)))
+        self.parameters.values().map(|quantity| quantity.unit.out_of_si(quantity.value.unwrap_or(f64::NAN)))
     }
 
-    /// Name and formula of a scale or of a macro's setting.
+    /// Name and formula of a derived quantity.
     pub(super) fn derived(&self, index: usize) -> (&str, &Formula) {
         let name = self.derived.get_index(index).map_or("", |(name, _)| name);
         (name, &self.formulas[index])
     }
 
-    /// Its index by name.
+    /// Index of the derived quantity with this name.
     pub(super) fn derived_index(&self, name: &str) -> Option<usize> {
         self.derived.get_index_of(name)
     }
 
-    /// Its unit.
+    /// Unit of a derived quantity.
     pub(super) fn unit(&self, index: usize) -> &Unit {
         &self.derived[index].unit
     }
 
-    /// One volt of a scale in SI, where it could be worked out.
+    /// The value of one volt in a scale, in SI units. `None` if it could not be computed.
     pub(super) fn per_volt(&self, scale: usize) -> Option<f64> {
         self.derived.get_index(scale)?.1.value
     }
 
-    /// Whether a formula is made of bare numbers, and so takes the unit of its place.
-    pub fn is_plain(&self, formula: &Formula) -> bool {
-        formula.dimension(self) == Ok(FormulaMeasure::Free)
+    /// Whether a formula consists of bare numbers. Its value is then in the unit that its context expects.
+    pub fn is_literal(&self, formula: &Formula) -> bool {
+        formula.dimension(self) == Ok(FormulaDimension::Literal)
     }
 
-    /// What a formula came to, in SI: a plain number stands in the unit of its place.
+    /// The value of a formula in SI units. The value of a literal formula is in the expected unit.
     pub(super) fn in_si(&self, formula: &Formula, value: f64, unit: &Unit) -> f64 {
-        if self.is_plain(formula) { unit.to_si(value) } else { value }
+        if self.is_literal(formula) { unit.to_si(value) } else { value }
     }
 
-    /// Formulas may name what other formulas give: each is worked out once those that it names are.
-    fn work_out(&mut self, patch: &Patch, derivations: &Derivations<'_>, findings: &mut Vec<Diagnostic>) {
-        let naming = self.naming();
-        // A component comes after those that it names.
-        for (rank, mut members) in kosaraju_scc(&naming).into_iter().enumerate() {
+    /// Evaluates the derived quantities, each after those in its formula. Reports circular definitions.
+    ///
+    /// Each rank is a strongly connected component of the graph of dependencies. A component with several members, or
+    /// with an edge to itself, is a circular definition. Its members have no rank and no value, and quantities that
+    /// depend on them have no value either.
+    fn evaluate_derived(
+        &mut self,
+        patch: &Patch,
+        derivations: &Derivations<'_>,
+        findings: &mut Vec<Diagnostic>,
+    ) {
+        let graph = self.dependency_graph();
+        // A component comes after the components on which it depends.
+        for (rank, mut members) in kosaraju_scc(&graph).into_iter().enumerate() {
             members.sort_unstable();
             let first = members[0];
-            if members.len() > 1 || naming.contains_edge(first, first) {
-                findings.push(self.ring(&derivations[first.index()], &members));
+            if members.len() > 1 || graph.contains_edge(first, first) {
+                findings.push(self.circular_definition(&derivations[first.index()], &members));
                 continue;
             }
             self.ranks[first.index()] = Some(rank);
             if let Some(formula) = derivations[first.index()].formula {
-                let told = findings.len();
+                let reported = findings.len();
                 let value = self.checked_derived(first.index(), formula, findings);
-                macros::name(patch, self.derived(first.index()).0, &mut findings[told..]);
+                macros::add_name(patch, self.derived(first.index()).0, &mut findings[reported..]);
                 self.derived[first.index()].value = value;
             }
         }
     }
 
-    /// Judges the defaults of macros that no instance takes; those taken are worked out with it.
-    fn judge_defaults(&self, patch: &Patch, findings: &mut Vec<Diagnostic>) {
-        let set = patch.instances.values().flat_map(|made| made.settings.values());
-        let taken: HashSet<Span> = set.map(|setting| setting.value.span).collect();
-        for setting in patch.macros.values().flat_map(|of| of.settings.values()) {
-            let default = setting.default.as_ref().filter(|default| !taken.contains(&default.span));
+    /// Checks the defaults of macros' settings that no instance uses. The others are checked with their instance.
+    fn check_unused_defaults(&self, patch: &Patch, findings: &mut Vec<Diagnostic>) {
+        let instance_settings = patch.instances.values().flat_map(|instance| instance.settings.values());
+        let used: HashSet<Span> = instance_settings.map(|setting| setting.value.span).collect();
+        for setting in patch.macros.values().flat_map(|definition| definition.settings.values()) {
+            let default = setting.default.as_ref().filter(|default| !used.contains(&default.span));
             if let (Some(default), Some(unit)) = (default, &setting.unit) {
-                self.quantity(default, unit, findings);
+                self.value_in_si(default, unit, findings);
             }
         }
     }
 
-    /// Which formulas name which.
-    fn naming(&self) -> DiGraph<(), ()> {
-        let mut naming = DiGraph::new();
+    /// The graph of derived quantities, with an edge to every derived quantity in the formula of another one.
+    ///
+    /// Parameters are not in the graph, because they do not depend on other quantities.
+    fn dependency_graph(&self) -> DiGraph<(), ()> {
+        let mut graph = DiGraph::new();
         for _ in &self.formulas {
-            naming.add_node(());
+            graph.add_node(());
         }
         for (index, formula) in self.formulas.iter().enumerate() {
-            for named in formula.names().into_iter().filter_map(|name| self.derived_index(name)) {
-                naming.add_edge(NodeIndex::new(index), NodeIndex::new(named), ());
+            for dependency in formula.names().into_iter().filter_map(|name| self.derived_index(name)) {
+                graph.add_edge(NodeIndex::new(index), NodeIndex::new(dependency), ());
             }
         }
-        naming
+        graph
     }
 
-    /// Scales that depend on themselves. Settings of macros cannot: they name what stands outside.
-    fn ring(&self, first: &Derivation<'_>, ring: &[NodeIndex]) -> Diagnostic {
-        let names: Vec<_> = ring.iter().map(|index| self.derived(index.index()).0).collect();
+    /// The diagnostic for scales that depend on themselves or on each other.
+    ///
+    /// Settings of instances cannot: their formulas name quantities outside the instance.
+    fn circular_definition(&self, first: &Derivation<'_>, members: &[NodeIndex]) -> Diagnostic {
+        let names: Vec<_> = members.iter().map(|index| self.derived(index.index()).0).collect();
         let message = match names.as_slice() {
             [only] => format!("the scale {only} depends on itself"),
             names => format!("the scales {} depend on each other", names.join(", ")),
         };
         let span = first.formula.map_or(first.span, |placed| placed.span);
         Diagnostic::at(Code::BadFormula, span, message)
-            .hint("give one of them as a number, or by parameters alone")
+            .hint("define one of them by a number or by parameters only")
     }
 
+    /// The value of a derived quantity in SI units. Reports a wrong unit, an error of evaluation, and a scale of 0.
     fn checked_derived(
         &self,
         index: usize,
         placed: &Placed<Formula>,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        let value = self.quantity(placed, self.unit(index), findings)?;
-        if value == 0.0 && self.is_plain(&placed.value) && index < self.scales {
-            let message = "a scale of 0 per volt measures nothing";
-            let hint = "per_volt is what one volt stands for";
+        let value = self.value_in_si(placed, self.unit(index), findings)?;
+        if value == 0.0 && self.is_literal(&placed.value) && index < self.scale_count {
+            let message = "per_volt of a scale must not be 0";
+            let hint = "per_volt is the value that one volt represents";
             findings.push(Diagnostic::at(Code::BadNumber, placed.span, message).hint(hint));
             return None;
         }
         Some(value)
     }
 
-    /// A formula's value in SI, once it is found fit for a unit.
-    fn quantity(&self, placed: &Placed<Formula>, unit: &Unit, findings: &mut Vec<Diagnostic>) -> Option<f64> {
-        let wanted = unit.dimension();
-        let value = self.checked(placed, |found| found == wanted, &wanted.to_string(), findings)?;
+    /// The value of a formula in SI units. `None` if it is not of this unit or not finite, which is reported.
+    fn value_in_si(
+        &self,
+        placed: &Placed<Formula>,
+        unit: &Unit,
+        findings: &mut Vec<Diagnostic>,
+    ) -> Option<f64> {
+        let expected = unit.dimension();
+        let value = self.checked(placed, |found| found == expected, &expected.to_string(), findings)?;
         let value = self.in_si(&placed.value, value, unit);
         if !value.is_finite() {
             findings.push(too_large(&placed.value, placed.span));
@@ -215,38 +264,41 @@ impl Quantities {
         Some(value)
     }
 
-    /// A formula's value, once its unit is found fit.
+    /// The value of a formula. `None` if its dimension does not satisfy `fits` or it cannot be evaluated; both are
+    /// reported. `expected` describes the right dimension.
     pub(super) fn checked(
         &self,
         placed: &Placed<Formula>,
         fits: impl Fn(Dimension) -> bool,
-        wanted: &str,
+        expected: &str,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        self.fitting(placed, self, fits, wanted, findings)?;
+        self.check_unit(placed, self, fits, expected, findings)?;
         let value = placed.value.evaluate(self);
-        value.map_err(|error| findings.push(in_formula(Code::BadFormula, placed, error))).ok()
+        value.map_err(|error| findings.push(formula_diagnostic(Code::BadFormula, placed, error))).ok()
     }
 
-    /// Whether a formula's unit is fit, with the names that `scope` knows.
-    pub(super) fn fitting(
+    /// Checks the unit of a formula whose names are in `scope`. `None` if the unit is wrong, which is reported.
+    ///
+    /// A formula with a quantity whose value is unknown gives `None` without a report: that fault was reported.
+    pub(super) fn check_unit(
         &self,
         placed: &Placed<Formula>,
         scope: &dyn Scope,
         fits: impl Fn(Dimension) -> bool,
-        wanted: &str,
+        expected: &str,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<()> {
         let formula = &placed.value;
-        if self.names_unknown_value(formula) {
+        if self.depends_on_unknown_value(formula) {
             return None;
         }
-        let measured = formula.dimension(scope);
-        let measure = measured.map_err(|error| findings.push(misfit(scope, placed, error))).ok()?;
-        if let FormulaMeasure::Of(found) = measure
+        let dimension = formula.dimension(scope);
+        let dimension = dimension.map_err(|error| findings.push(unit_mismatch(scope, placed, error))).ok()?;
+        if let FormulaDimension::Of(found) = dimension
             && !fits(found)
         {
-            let message = format!("{} {}, and {wanted} is wanted here", formula.text(), measured_in(found));
+            let message = format!("{} {}, but {expected} is expected here", formula.text(), describe(found));
             let hint = fits(Dimension::NONE).then(|| self.divisor(formula, found));
             findings.push(Diagnostic::at(Code::UnitMismatch, placed.span, message).maybe_hint(hint));
             return None;
@@ -254,50 +306,56 @@ impl Quantities {
         Some(())
     }
 
-    /// What to divide by to be left with a pure number: a scale, or a parameter that the formula does not name.
+    /// The hint that names a divisor to get a pure number: a scale, or a parameter that is not in the formula.
+    ///
+    /// A formula that must be in volts most often lacks the division by a scale.
     fn divisor(&self, formula: &Formula, found: Dimension) -> String {
         if let Some((name, _)) = self.scales().find(|(_, scale)| scale.unit.dimension() == found) {
-            return format!("divide it by the scale {name}: that leaves volts");
+            return format!("divide it by the scale {name} to get volts");
         }
         let named = formula.names();
-        let other = self
+        let parameter = self
             .parameters
             .iter()
             .find(|(name, parameter)| parameter.unit.dimension() == found && !named.contains(&name.as_str()));
-        match other {
-            Some((name, _)) => format!("divide it by something in {found}, such as the parameter {name}"),
-            None => format!("divide it by something in {found}, made of parameters and scales"),
+        match parameter {
+            Some((name, _)) => format!("divide it by a quantity in {found}, such as the parameter {name}"),
+            None => format!("divide it by a quantity in {found}, made of parameters and scales"),
         }
     }
 
-    /// Whether a name stands for something that was itself reported as wrong.
-    fn names_unknown_value(&self, formula: &Formula) -> bool {
+    /// Whether a formula names a quantity without a value. Such a quantity has a fault that was reported.
+    fn depends_on_unknown_value(&self, formula: &Formula) -> bool {
         formula.names().iter().any(|name| match self.find(name) {
-            Some(named) => named.value.is_none(),
-            None => self.lost.may_hold(name) && *name != TIME_SCALE,
+            Some(quantity) => quantity.value.is_none(),
+            None => self.unread.may_include(name) && *name != TIME_SCALE,
         })
     }
 
-    fn find(&self, name: &str) -> Option<&Named> {
+    /// The parameter or derived quantity with this name.
+    fn find(&self, name: &str) -> Option<&Quantity> {
         self.parameters.get(name).or_else(|| self.derived.get(name))
     }
 
-    fn scales(&self) -> impl Iterator<Item = (&String, &Named)> {
-        self.derived.iter().take(self.scales)
+    /// The scales with their names.
+    fn scales(&self) -> impl Iterator<Item = (&String, &Quantity)> {
+        self.derived.iter().take(self.scale_count)
     }
 }
 
-fn measured_in(dimension: Dimension) -> String {
+/// The predicate of a message: "is a pure number" or "is in m/s".
+fn describe(dimension: Dimension) -> String {
     if dimension.is_none() { "is a pure number".to_owned() } else { format!("is in {dimension}") }
 }
 
-/// A number that overflows where it is brought to SI units or volts.
+/// The diagnostic for a formula whose value overflows when it is converted to SI units or volts.
 pub(super) fn too_large(formula: &Formula, span: Span) -> Diagnostic {
-    let message = format!("{} is too large to reckon with here", formula.text());
+    let message = format!("the value of {} is too large", formula.text());
     Diagnostic::at(Code::NotFinite, span, message).hint("look for a wrong power of ten, here or in a scale")
 }
 
 impl Scope for Quantities {
+    /// The time scale comes first: no parameter or scale can have its name.
     fn value(&self, name: &str) -> Option<f64> {
         if name == TIME_SCALE {
             return Some(self.time_scale);
@@ -309,11 +367,11 @@ impl Scope for Quantities {
         if name == TIME_SCALE {
             return Some(Dimension::NONE);
         }
-        self.find(name).map(|named| named.unit.dimension())
+        self.find(name).map(|quantity| quantity.unit.dimension())
     }
 
     fn declared_unit(&self, name: &str) -> Option<&str> {
-        self.find(name).map(|named| named.unit.text())
+        self.find(name).map(|quantity| quantity.unit.text())
     }
 
     fn names(&self) -> Vec<&str> {
@@ -322,49 +380,58 @@ impl Scope for Quantities {
     }
 }
 
-/// What the value of a formula depends on.
+/// The quantities on which a formula depends.
 pub(super) struct Dependencies {
+    /// Indices of the parameters, in rising order.
     pub parameters: Vec<usize>,
+    /// Indices of the derived quantities, in order of evaluation.
     pub derived: Vec<usize>,
 }
 
-/// How a scale or a setting of a macro's instance comes about.
+/// The definition of a derived quantity.
 struct Derivation<'p> {
+    /// The formula. `None` if it could not be read.
     formula: Option<&'p Placed<Formula>>,
+    /// The unit in which a literal formula is written.
     unit: &'p Unit,
+    /// Position of the definition, for reports about a definition without a readable formula.
     span: Span,
 }
 
+/// The definitions of the derived quantities by name, in their order.
 type Derivations<'p> = IndexMap<String, Derivation<'p>>;
 
-/// The scales of a patch, and the settings of the instances in it under the names that formulas have for them.
+/// The definitions of the scales and of the settings of macros' instances. A setting has the name "instance.setting".
 fn derivations(patch: &Patch) -> Derivations<'_> {
     let mut derivations = Derivations::new();
     for (name, Scale { per_volt, unit, span }) in &patch.scales {
         let derivation = Derivation { formula: per_volt.as_ref(), unit, span: *span };
         derivations.insert(name.clone(), derivation);
     }
-    for (instance, made) in &patch.instances {
-        for (name, InstanceSetting { value, unit }) in &made.settings {
+    for (instance_name, instance) in &patch.instances {
+        for (name, InstanceSetting { value, unit }) in &instance.settings {
             let derivation = Derivation { formula: Some(value), unit, span: value.span };
-            // A scale of that name has been told that it cannot have it.
-            derivations.entry(format!("{instance}.{name}")).or_insert(derivation);
+            // A scale with the same name has an invalid name, which was reported.
+            derivations.entry(format!("{instance_name}.{name}")).or_insert(derivation);
         }
     }
     derivations
 }
 
 /// Quantities of which some have other values.
-pub(super) struct Varied<'q> {
+pub(super) struct VariedQuantities<'q> {
+    /// The quantities with their present values.
     quantities: &'q Quantities,
+    /// The changed values in SI units. `None` if a derived quantity has no value then.
     changed: HashMap<&'q str, Option<f64>>,
 }
 
-impl Scope for Varied<'_> {
+impl Scope for VariedQuantities<'_> {
     fn value(&self, name: &str) -> Option<f64> {
         self.changed.get(name).copied().unwrap_or_else(|| self.quantities.value(name))
     }
 
+    /// A change of values does not change dimensions.
     fn dimension(&self, name: &str) -> Option<Dimension> {
         self.quantities.dimension(name)
     }

@@ -1,29 +1,36 @@
-//! Signals: where quantities are read, what is recorded and drawn.
+//! Resolves the signals of a patch: the outputs that can be recorded, the recorded ones, and those in pictures.
+//!
+//! Signals, drives and elements can all be recorded. A name is first looked up among the signals.
+//!
+//! A name in a picture can also be the time "t", or the derivative of a signal with respect to a parameter.
 
 use std::collections::{BTreeSet, HashMap};
 
 use indexmap::IndexSet;
 
 use super::SignalPoint;
-use super::names::{found_or_told, outlets};
+use super::names::{found_or_report, output_names};
 use super::resolve::{Graph, find_scale};
 use crate::document::{Code, Diagnostic, Placed, derivative_of, derivative_unit};
 use crate::elements::Family;
 use crate::patch::Patch;
 
-/// Everything that can be recorded (signals, then drives, then elements), and what the patch records.
+/// Everything that can be recorded, and the indices of the signals that the patch records.
+///
+/// The order is: signals of the patch, drives, elements. Reports unknown names and pictures with more than two units.
 pub(super) fn resolve(
     patch: &Patch,
     graph: &Graph,
     findings: &mut Vec<Diagnostic>,
 ) -> (Vec<SignalPoint>, Vec<usize>) {
-    let places: HashMap<&str, usize> =
+    let indices: HashMap<&str, usize> =
         graph.node_indices().map(|index| (graph[index].name.as_str(), index.index())).collect();
     let mut points = Vec::new();
     for (name, signal) in &patch.signals {
-        let message = || format!("there is no element {} to read at", signal.at.value);
-        let found = places.get(signal.at.value.as_str()).copied();
-        let element = found_or_told(patch, &signal.at, found, message, || outlets(patch, &places), findings);
+        let message = || format!("there is no element {} for the signal", signal.element.value);
+        let found = indices.get(signal.element.value.as_str()).copied();
+        let known = || output_names(patch, &indices);
+        let element = found_or_report(patch, &signal.element, found, message, known, findings);
         let scale = signal.scale.as_ref().and_then(|scale| find_scale(patch, scale, findings));
         if let Some(element) = element {
             points.push(SignalPoint { name: name.clone(), element, scale, factor: signal.factor });
@@ -46,34 +53,43 @@ pub(super) fn resolve(
     (points, record)
 }
 
-/// What can be recorded and drawn, by name.
+/// Everything that can be recorded and drawn, by name.
 struct Recordable<'a> {
+    /// The patch, for its signals, record and pictures.
     patch: &'a Patch,
+    /// Everything that can be recorded, in the order of [`resolve`].
     points: &'a [SignalPoint],
-    places: HashMap<&'a str, usize>,
+    /// Index of the first point with each name.
+    indices: HashMap<&'a str, usize>,
 }
 
 impl<'a> Recordable<'a> {
+    /// Indexes the points by name. A signal precedes an element of the same name, so it counts.
     fn new(patch: &'a Patch, points: &'a [SignalPoint]) -> Self {
-        let mut places = HashMap::new();
+        let mut indices = HashMap::new();
         for (index, point) in points.iter().enumerate() {
-            places.entry(point.name.as_str()).or_insert(index);
+            indices.entry(point.name.as_str()).or_insert(index);
         }
-        Recordable { patch, points, places }
+        Recordable { patch, points, indices }
     }
 
+    /// The index of the point with a name. Reports an unknown name.
     fn find(&self, name: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<usize> {
-        let found = self.places.get(name.value.as_str()).copied();
+        let found = self.indices.get(name.value.as_str()).copied();
         if found.is_none() && self.patch.signals.contains_key(&name.value) {
-            // What is wrong with the signal has been reported.
+            // The signal has a fault that was reported.
             return None;
         }
         let message = || format!("there is no signal {}", name.value);
         let known = || self.points.iter().map(|point| point.name.as_str()).collect();
-        found_or_told(self.patch, name, found, message, known, findings)
+        found_or_report(self.patch, name, found, message, known, findings)
     }
 
-    /// What the patch records; every signal where it does not say.
+    /// The indices of the recorded points. Without a list in the patch these are all signals, or if there are none, all
+    /// drives and elements.
+    ///
+    /// Reports unknown names and names that are listed twice. Warns of a name that has no scale, because volts are
+    /// rarely the quantity that the reader wants.
     fn record(&self, findings: &mut Vec<Diagnostic>) -> Vec<usize> {
         if self.patch.record.is_empty() {
             let (named, all) = (self.patch.signals.len(), self.points.len());
@@ -87,54 +103,64 @@ impl<'a> Recordable<'a> {
                 findings.push(Diagnostic::at(Code::DuplicateName, name.span, message));
             } else if self.is_in_volts(point, &name.value) {
                 let message = format!("{} has no scale and is recorded in volts", name.value);
-                let hint = "name a signal at it, with a scale";
+                let hint = "define a signal at it, with a scale";
                 findings.push(Diagnostic::at(Code::UnscaledSignal, name.span, message).hint(hint));
             }
         }
         record.into_iter().collect()
     }
 
-    /// Whether nothing gives the signal a scale; one that is named and not there has been reported.
+    /// Whether a point has no scale. A scale that is named but does not exist was reported, so it counts as a scale.
+    ///
+    /// Drives always have a scale, so they never count as points in volts.
     fn is_in_volts(&self, point: usize, name: &str) -> bool {
-        let asks_for_scale = self.patch.signals.get(name).is_some_and(|signal| signal.scale.is_some());
-        self.points[point].scale.is_none() && !asks_for_scale && !self.patch.drives.contains_key(name)
+        let names_scale = self.patch.signals.get(name).is_some_and(|signal| signal.scale.is_some());
+        self.points[point].scale.is_none() && !names_scale && !self.patch.drives.contains_key(name)
     }
 
+    /// Reports pictures with more than two units: a picture has a left and a right axis.
     fn pictures(&self, findings: &mut Vec<Diagnostic>) {
         for picture in &self.patch.pictures {
-            self.unit_shown(&picture.x, findings);
-            let shown = picture.y.iter().filter_map(|name| self.unit_shown(name, findings));
-            let units: BTreeSet<String> = shown.collect();
+            self.drawn_unit(&picture.x, findings);
+            let drawn = picture.y.iter().filter_map(|name| self.drawn_unit(name, findings));
+            let units: BTreeSet<String> = drawn.collect();
             if units.len() > 2 {
-                let told: Vec<_> = units.iter().map(String::as_str).collect();
-                let (count, told) = (units.len(), told.join(", "));
-                let message = format!("the picture shows {count} units, {told}, and has two axes for them");
+                let list: Vec<_> = units.iter().map(String::as_str).collect();
+                let (count, list) = (units.len(), list.join(", "));
+                let message = format!("the picture has {count} units ({list}), but only two axes");
                 let hint = "draw a second picture";
                 findings.push(Diagnostic::at(Code::UnitMismatch, picture.y[0].span, message).hint(hint));
             }
         }
     }
 
-    /// The unit of what a picture shows: time, a signal, or the derivative of one by a parameter.
-    fn unit_shown(&self, name: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<String> {
+    /// The unit of a name in a picture: time, a signal, or the derivative of a signal with respect to a parameter.
+    ///
+    /// `None` if the name is unknown, which is reported.
+    fn drawn_unit(&self, name: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<String> {
         if name.value == "t" {
             return Some("s".to_owned());
         }
-        let Some((signal, parameter)) = derivative_of(&name.value) else { return self.unit(name, findings) };
-        let part = |value: &str| Placed { value: value.to_owned(), span: name.span };
-        let (of, by) = (self.unit(&part(signal), findings), self.parameter_unit(&part(parameter), findings));
-        Some(derivative_unit(&of?, by?))
+        let Some((signal, parameter)) = derivative_of(&name.value) else {
+            return self.signal_unit(name, findings);
+        };
+        let placed = |value: &str| Placed { value: value.to_owned(), span: name.span };
+        let signal_unit = self.signal_unit(&placed(signal), findings);
+        let parameter_unit = self.parameter_unit(&placed(parameter), findings);
+        Some(derivative_unit(&signal_unit?, parameter_unit?))
     }
 
-    fn unit(&self, signal: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<String> {
+    /// Text of a signal's unit.
+    fn signal_unit(&self, signal: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<String> {
         let point = &self.points[self.find(signal, findings)?];
         Some(point.scale.map_or("V", |scale| self.patch.scales[scale].unit.text()).to_owned())
     }
 
+    /// Text of a parameter's unit.
     fn parameter_unit(&self, name: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<&str> {
         let found = self.patch.parameters.get(&name.value).map(|parameter| parameter.unit.text());
         let message = || format!("there is no parameter {}", name.value);
         let known = || self.patch.parameters.keys().map(String::as_str).collect();
-        found_or_told(self.patch, name, found, message, known, findings)
+        found_or_report(self.patch, name, found, message, known, findings)
     }
 }

@@ -1,17 +1,22 @@
-//! Reading values and keys off the tree of the text; what does not fit is noted, and reading goes on.
+//! Reads typed values and the keys of objects from a JSON tree.
+//!
+//! Every reader returns `None` for a wrong value and adds a diagnostic to the findings, so reading can continue. An
+//! object is read with [`Fields`]: the decoder takes the keys that it knows, and [`Fields::finish`] reports missing and
+//! unknown keys.
 
 use std::collections::HashSet;
 
 use super::Placed;
 use super::code::Code;
-use super::diagnostic::{Diagnostic, Span, suggestion};
-use super::tree::{self, Content, Node};
+use super::diagnostic::{Diagnostic, Span};
+use super::tree::{Content, KeyValue, Node};
+use super::wording::suggestion;
 use patchcord_expr::nearest;
 
-/// What was found wrong so far.
+/// The diagnostics that were found so far.
 pub type Findings = Vec<Diagnostic>;
 
-/// A finite number; reports anything else.
+/// Reads a finite number. `key` is named in the diagnostic for another value.
 pub fn number(node: &Node, key: &str, findings: &mut Findings) -> Option<f64> {
     let Content::Number(text) = &node.value else {
         findings.push(wrong_type(node, key, "a number", &node.value));
@@ -26,7 +31,7 @@ pub fn number(node: &Node, key: &str, findings: &mut Findings) -> Option<f64> {
     value
 }
 
-/// true or false; reports anything else.
+/// Reads `true` or `false`.
 pub fn flag(node: &Node, key: &str, findings: &mut Findings) -> Option<bool> {
     let Content::Flag(flag) = node.value else {
         findings.push(wrong_type(node, key, "true or false", &node.value));
@@ -35,8 +40,8 @@ pub fn flag(node: &Node, key: &str, findings: &mut Findings) -> Option<bool> {
     Some(flag)
 }
 
-/// A text with its place; reports anything else.
-pub fn word(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<String>> {
+/// Reads a text with its position.
+pub fn string(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<String>> {
     let Content::Text(text) = &node.value else {
         findings.push(wrong_type(node, key, "a text", &node.value));
         return None;
@@ -44,46 +49,47 @@ pub fn word(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<St
     Some(Placed { value: text.clone(), span: node.span })
 }
 
-/// A number above 0 under a key.
+/// Reads the optional number of a key, which must be above 0.
 pub fn positive(fields: &mut Fields<'_>, key: &'static str, findings: &mut Findings) -> Option<Placed<f64>> {
-    number_that(fields, key, findings, |value| value > 0.0, "above 0")
+    number_if(fields, key, findings, |value| value > 0.0, "above 0")
 }
 
-/// A number that is not below 0 under a key.
-pub fn not_negative(
+/// Reads the optional number of a key, which must be 0 or above.
+pub fn non_negative(
     fields: &mut Fields<'_>,
     key: &'static str,
     findings: &mut Findings,
 ) -> Option<Placed<f64>> {
-    number_that(fields, key, findings, |value| value >= 0.0, "0 or above")
+    number_if(fields, key, findings, |value| value >= 0.0, "0 or above")
 }
 
-fn number_that(
+/// Reads the optional number of a key. `condition` describes the allowed values in the message.
+fn number_if(
     fields: &mut Fields<'_>,
     key: &'static str,
     findings: &mut Findings,
-    is_so: impl Fn(f64) -> bool,
-    told: &str,
+    is_allowed: impl Fn(f64) -> bool,
+    condition: &str,
 ) -> Option<Placed<f64>> {
     let node = fields.take(key)?;
     let value = number(node, key, findings)?;
-    if !is_so(value) {
-        let message = format!("\"{key}\" must be {told}, not {value}");
+    if !is_allowed(value) {
+        let message = format!("\"{key}\" must be {condition}, not {value}");
         findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
         return None;
     }
     Some(Placed { value, span: node.span })
 }
 
-/// One text, or a list of texts.
-pub fn words(node: &Node, key: &str, findings: &mut Findings) -> Vec<Placed<String>> {
+/// Reads one text or a list of texts. Values that are not texts are reported and left out.
+pub fn strings(node: &Node, key: &str, findings: &mut Findings) -> Vec<Placed<String>> {
     match &node.value {
-        Content::List(items) => items.iter().filter_map(|item| word(item, key, findings)).collect(),
-        _ => word(node, key, findings).into_iter().collect(),
+        Content::List(items) => items.iter().filter_map(|item| string(item, key, findings)).collect(),
+        _ => string(node, key, findings).into_iter().collect(),
     }
 }
 
-/// The items of a list; reports anything else.
+/// Reads the items of a list.
 pub fn list<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<&'a [Node]> {
     let Content::List(items) = &node.value else {
         findings.push(wrong_type(node, key, "a list", &node.value));
@@ -92,27 +98,48 @@ pub fn list<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<&'
     Some(items)
 }
 
-/// The report of a value of the wrong type.
-pub fn wrong_type(node: &Node, key: &str, wanted: &str, got: &Content) -> Diagnostic {
-    let message = format!("\"{key}\" takes {wanted}, not {}", got.noun());
+/// The diagnostic for a value of the wrong type. `expected` describes the right type, with its article.
+pub fn wrong_type(node: &Node, key: &str, expected: &str, got: &Content) -> Diagnostic {
+    let message = format!("\"{key}\" must be {expected}, not {}", got.noun());
     let quoted_number = matches!(got, Content::Text(text) if text.parse::<f64>().is_ok_and(f64::is_finite));
-    let hint = (quoted_number && wanted == "a number").then(|| "take the quotes away".to_owned());
+    let hint = (quoted_number && expected == "a number").then(|| "remove the quotes".to_owned());
     Diagnostic::at(Code::WrongType, node.span, message).maybe_hint(hint)
 }
 
-/// The keys of an object, each taken once; what is left at the end is not known.
+/// The keys of an object while a decoder takes them. Keys that remain at the end are unknown.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::fields::{Fields, number};
+/// use patchcord_core::document::tree;
+///
+/// let root = tree::parse(r#"{"mass": 2, "wight": 3}"#)?;
+/// let mut findings = Vec::new();
+/// let mut fields = Fields::of(&root, "the body", &mut findings).expect("the root is an object");
+/// let mass = fields.require("mass", "in kg").and_then(|node| number(node, "mass", &mut findings));
+/// fields.finish(&mut findings);
+/// assert_eq!(mass, Some(2.0));
+/// assert_eq!(findings[0].message, "\"wight\" is not a key of the body");
+/// # Ok::<(), patchcord_core::document::Diagnostic>(())
+/// ```
 pub struct Fields<'a> {
-    /// The entries, and whether they were taken.
-    pub entries: Vec<(&'a tree::Entry, bool)>,
+    /// The entries of the object, and whether they were taken.
+    pub entries: Vec<(&'a KeyValue, bool)>,
+    /// Position of the object.
     span: Span,
-    asked: Vec<&'static str>,
-    /// Keys that were needed and are not there, and what they mean.
+    /// The keys that the decoder knows, present or not. Hints for unknown keys suggest them.
+    known_keys: Vec<&'static str>,
+    /// Required keys that are missing, with their meaning.
     missing: Vec<(&'static str, String)>,
+    /// What the object is, for messages: "the patch" or "element A1".
     noun: String,
 }
 
 impl<'a> Fields<'a> {
-    /// The fields of an object; anything else is noted as wrong.
+    /// The keys of an object. Reports keys that occur twice. `None` if the value is not an object.
+    ///
+    /// `noun` is what messages call the object.
     pub fn of(node: &'a Node, noun: impl Into<String>, findings: &mut Findings) -> Option<Self> {
         let noun = noun.into();
         let Content::Object(entries) = &node.value else {
@@ -120,29 +147,32 @@ impl<'a> Fields<'a> {
             findings.push(Diagnostic::at(Code::WrongType, node.span, message));
             return None;
         };
-        note_duplicates(entries, findings);
+        report_duplicates(entries, findings);
         let entries = entries.iter().map(|entry| (entry, false)).collect();
-        Some(Fields { entries, span: node.span, asked: Vec::new(), missing: Vec::new(), noun })
+        Some(Fields { entries, span: node.span, known_keys: Vec::new(), missing: Vec::new(), noun })
     }
 
-    /// The value of an optional key.
+    /// Takes the value of an optional key.
     pub fn take(&mut self, key: &'static str) -> Option<&'a Node> {
         self.take_with_key(key).map(|(_, node)| node)
     }
 
-    /// The value of an optional key, and the place of the key.
+    /// Takes the value of an optional key, with the position of the key. If the key occurs twice, the first value
+    /// counts.
     pub fn take_with_key(&mut self, key: &'static str) -> Option<(Span, &'a Node)> {
-        self.asked.push(key);
-        let mut found = None;
+        self.known_keys.push(key);
+        let mut first = None;
         for (entry, taken) in self.entries.iter_mut().filter(|(entry, _)| entry.key == key) {
             *taken = true;
-            found = found.or(Some((entry.key_span, &entry.value)));
+            first = first.or(Some((entry.key_span, &entry.value)));
         }
-        found
+        first
     }
 
-    /// What must be there; if it is not, [`Fields::finish`] says so.
-    pub fn need(&mut self, key: &'static str, meaning: &str) -> Option<&'a Node> {
+    /// Takes the value of a required key. If the key is missing, [`Fields::finish`] reports it.
+    ///
+    /// `meaning` describes the key. It becomes the hint of the diagnostic.
+    pub fn require(&mut self, key: &'static str, meaning: &str) -> Option<&'a Node> {
         let node = self.take(key);
         if node.is_none() {
             self.missing.push((key, meaning.to_owned()));
@@ -150,46 +180,48 @@ impl<'a> Fields<'a> {
         node
     }
 
-    /// The text under a key; empty where there is none.
+    /// Takes the text of an optional key. Empty if the key is missing or its value is not a text.
     pub fn text(&mut self, key: &'static str, findings: &mut Findings) -> String {
         let node = self.take(key);
-        node.and_then(|node| word(node, key, findings)).map_or_else(String::new, |text| text.value)
+        node.and_then(|node| string(node, key, findings)).map_or_else(String::new, |text| text.value)
     }
 
-    /// Calls `each` for every named thing of a section.
+    /// Takes an optional section, an object, and calls `each` for each of its keys. Of equal keys only the first
+    /// counts.
     pub fn each(
         &mut self,
         section: &'static str,
         findings: &mut Findings,
-        mut each: impl FnMut(&'a tree::Entry, &mut Findings),
+        mut each: impl FnMut(&'a KeyValue, &mut Findings),
     ) {
         let Some(node) = self.take(section) else { return };
         let Some(named) = Fields::of(node, format!("\"{section}\""), findings) else { return };
-        for entry in named.rest() {
+        for entry in named.remaining() {
             each(entry, findings);
         }
     }
 
-    /// Every entry that was not taken, the first of each key.
-    pub fn rest(&self) -> impl Iterator<Item = &'a tree::Entry> + use<'a> {
-        let left: Vec<_> = self.entries.iter().filter(|(_, taken)| !taken).map(|(entry, _)| *entry).collect();
+    /// The entries that were not taken. Of equal keys only the first counts.
+    pub fn remaining(&self) -> impl Iterator<Item = &'a KeyValue> + use<'a> {
+        let remaining: Vec<_> =
+            self.entries.iter().filter(|(_, taken)| !taken).map(|(entry, _)| *entry).collect();
         let mut seen = HashSet::new();
-        left.into_iter().filter(move |entry| seen.insert(entry.key.as_str()))
+        remaining.into_iter().filter(move |entry| seen.insert(entry.key.as_str()))
     }
 
-    /// Reports the keys that are missing and those that are not known.
+    /// Reports the required keys that are missing and the keys that are unknown.
     pub fn finish(&mut self, findings: &mut Findings) {
         self.report_missing(findings);
-        for entry in self.rest() {
-            findings.push(self.unknown(entry).maybe_hint(suggestion(&entry.key, &self.asked)));
+        for entry in self.remaining() {
+            findings.push(self.unknown_key(entry).maybe_hint(suggestion(&entry.key, &self.known_keys)));
         }
     }
 
-    /// Reports the keys that are missing. One that stands there misspelled is not missing but unknown.
+    /// Reports the required keys that are missing. A misspelled key is reported as unknown, with the right spelling.
     pub fn report_missing(&mut self, findings: &mut Findings) {
         for (key, meaning) in std::mem::take(&mut self.missing) {
-            findings.push(match self.take_near(key) {
-                Some(entry) => self.unknown(entry).hint(format!("did you mean \"{key}\"?")),
+            findings.push(match self.take_similar(key) {
+                Some(entry) => self.unknown_key(entry).hint(format!("did you mean \"{key}\"?")),
                 None => {
                     let opening = Span { start: self.span.start, end: self.span.start + 1 };
                     let message = format!("{} needs \"{key}\"", self.noun);
@@ -199,24 +231,27 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn take_near(&mut self, key: &str) -> Option<&'a tree::Entry> {
-        let near = nearest(key, self.rest().map(|entry| entry.key.as_str()))?;
+    /// Takes the entry with the most similar key, if a key is similar enough to be a misspelling.
+    fn take_similar(&mut self, key: &str) -> Option<&'a KeyValue> {
+        let near = nearest(key, self.remaining().map(|entry| entry.key.as_str()))?;
         let (entry, taken) = self.entries.iter_mut().find(|(entry, _)| entry.key == near)?;
         *taken = true;
         Some(entry)
     }
 
-    fn unknown(&self, entry: &tree::Entry) -> Diagnostic {
+    /// The diagnostic for a key that the object must not have.
+    fn unknown_key(&self, entry: &KeyValue) -> Diagnostic {
         let message = format!("\"{}\" is not a key of {}", entry.key, self.noun);
         Diagnostic::at(Code::UnknownKey, entry.key_span, message)
     }
 }
 
-fn note_duplicates(entries: &[tree::Entry], findings: &mut Findings) {
+/// Reports every key that occurs more than once.
+fn report_duplicates(entries: &[KeyValue], findings: &mut Findings) {
     let mut seen = HashSet::new();
     for entry in entries.iter().filter(|entry| !seen.insert(entry.key.as_str())) {
-        let message = format!("\"{}\" stands here more than once", entry.key);
-        let hint = "keep one of them: JSON readers would silently drop the others";
+        let message = format!("the key \"{}\" occurs more than once", entry.key);
+        let hint = "keep one of them: other JSON readers silently drop the others";
         findings.push(Diagnostic::at(Code::DuplicateKey, entry.key_span, message).hint(hint));
     }
 }

@@ -1,61 +1,82 @@
-//! The text of a document's file.
+//! Reads the text of a document from its file, with a limit on the size.
 
 use std::fs;
 use std::io::Read as _;
 use std::path::Path;
 
 use super::code::Code;
-use super::diagnostic::{Diagnostic, Report, Span};
-use crate::output::refusal;
+use super::diagnostic::{Diagnostic, Span};
+use super::report::Report;
+use crate::output::io_reason;
 
-/// Why a document could not be read or written.
+/// The reason why a document could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
-    /// The file system refused.
-    #[error("cannot {verb} {file}: {}", refusal(source))]
+    /// The file system reported an error.
+    #[error("cannot {verb} {file}: {}", io_reason(source))]
     File {
-        /// What was tried.
+        /// The operation that failed, as a verb: "read" or "write".
         verb: &'static str,
-        /// The file.
+        /// Path of the file, as the user wrote it.
         file: String,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// The text is not a JSON object.
+    /// The text is not a valid document.
     #[error(transparent)]
     Text(#[from] Box<Report>),
 }
 
-/// Bytes of the largest document that is read: the tree of a text takes a hundred times its room.
-pub(crate) const LARGEST: usize = 16_000_000;
+/// Size of the largest document that is read, in bytes. The tree of a text takes about a hundred times the memory of
+/// the text.
+pub(crate) const MAX_DOCUMENT_BYTES: usize = 16_000_000;
 
-/// The text of a document's file.
-pub fn text_of(path: &Path) -> Result<String, DocumentError> {
+/// Reads the text of a document.
+///
+/// # Errors
+/// If the file cannot be read, has more than 16 MB, or is not UTF-8 text.
+///
+/// # Examples
+///
+/// ```
+/// use std::path::Path;
+///
+/// use patchcord_core::document::read_text;
+///
+/// let error = read_text(Path::new("no-such-patch.json")).unwrap_err();
+/// assert!(error.to_string().starts_with("cannot read no-such-patch.json"));
+/// ```
+pub fn read_text(path: &Path) -> Result<String, DocumentError> {
     let file = path.display().to_string();
-    let bytes =
-        read(path).map_err(|source| DocumentError::File { verb: "read", file: file.clone(), source })?;
-    if bytes.len() > LARGEST {
-        return Err(too_large(&file).into());
+    let bytes = read_limited(path).map_err(|source| DocumentError::File {
+        verb: "read",
+        file: file.clone(),
+        source,
+    })?;
+    if bytes.len() > MAX_DOCUMENT_BYTES {
+        return Err(document_too_large(&file).into());
     }
     let text = String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
+        let valid = error.utf8_error().valid_up_to();
         let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
-        let finding = Diagnostic::at(Code::Syntax, Span { start: at, end: at }, "the file is not UTF-8 text")
+        let span = Span { start: valid, end: valid };
+        let finding = Diagnostic::at(Code::Syntax, span, "the file is not UTF-8 text")
             .hint("save it with the encoding UTF-8");
         Box::new(Report::new(&file, &readable, vec![finding]))
     })?;
     Ok(text)
 }
 
-/// The bytes of a file; of one that is too large, no more than shows it.
-fn read(path: &Path) -> std::io::Result<Vec<u8>> {
+/// The bytes of a file, at most one byte more than the limit.
+fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    fs::File::open(path)?.take(LARGEST as u64 + 1).read_to_end(&mut bytes)?;
+    fs::File::open(path)?.take(MAX_DOCUMENT_BYTES as u64 + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-pub(crate) fn too_large(file: &str) -> Box<Report> {
-    let message = format!("the document has more than {} MB", LARGEST / 1_000_000);
+/// The report on a document above [`MAX_DOCUMENT_BYTES`].
+pub(crate) fn document_too_large(file: &str) -> Box<Report> {
+    let message = format!("the document has more than {} MB", MAX_DOCUMENT_BYTES / 1_000_000);
     let finding = Diagnostic::at(Code::Syntax, Span::default(), message)
         .hint("no document needs that much: is it the right file?");
     Box::new(Report::new(file, "", vec![finding]))

@@ -1,42 +1,61 @@
-//! What all documents have in common: JSON with positions, fields, values, diagnostics, CSV rows.
+//! What all documents have in common: JSON with positions, typed keys, values, diagnostics and CSV tables.
+//!
+//! Reading a document has three steps. [`read_text`] reads the file. [`tree::parse`] turns the text into a tree in
+//! which every value has its position. The decoders of patches, experiments and effects then take the keys with
+//! [`fields::Fields`]. They collect a [`Diagnostic`] for every fault, so one [`Report`] shows all faults at once.
+//!
+//! # Examples
+//!
+//! ```
+//! use patchcord_core::document::{Code, Report};
+//! use patchcord_core::patch::Patch;
+//!
+//! let report: Box<Report> = Patch::parse("p.json", "{\"patchcord\": 1,}").unwrap_err();
+//! assert_eq!(report.findings[0].code, Code::Syntax);
+//! assert_eq!(report.findings[0].hint.as_deref(), Some("remove the last comma"));
+//! ```
 
 mod code;
-pub mod csv_rows;
+pub mod csv_table;
 mod derivative;
 mod diagnostic;
 pub mod fields;
 pub(crate) mod file;
+mod formula_error;
 mod kind;
-mod misfit;
+mod line_index;
 mod phase;
-mod places;
 mod range_violation;
+mod report;
 pub mod tree;
 mod values;
+mod wording;
 
 pub use code::Code;
 pub use derivative::{derivative_name, derivative_of, derivative_unit};
-pub use diagnostic::{Diagnostic, Report, Severity, Span, any_error, behind, outside, suggestion, told};
-pub use file::{DocumentError, text_of};
+pub use diagnostic::{Diagnostic, Severity, Span, any_error};
+pub use file::{DocumentError, read_text};
+pub use formula_error::{formula_diagnostic, unit_mismatch};
 pub use kind::DocumentKind;
-pub use misfit::{in_formula, misfit};
-pub(crate) use phase::Extent;
-pub use phase::{Change, Phase, Until};
+pub(crate) use phase::RunExtent;
+pub use phase::{ParameterChange, Phase, SwitchCondition};
 pub use range_violation::{RangeViolation, parameter_in_si};
-pub use values::{formula, range, unit_of};
+pub use report::Report;
+pub use values::{formula, parse_unit, range};
+pub use wording::{format_number, range_violation, suggestion, unit_suffix};
 
-/// Something read from the document, with its place.
+/// A value that was read from a document, with its position in the text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed<T> {
-    /// What was read.
+    /// The value.
     pub value: T,
-    /// Where it stands.
+    /// Its position. A value that a program made, rather than a document, has the empty span at 0.
     pub span: Span,
 }
 
-/// Name under which formulas reach the machine seconds per problem second.
+/// Name under which formulas can use the time scale, in machine seconds per problem second.
 pub const TIME_SCALE: &str = "time_scale";
 
-/// The least tolerance of a run. Below it the rounding of numbers is more than what the steps err by: of the problems
-/// with known solutions none comes nearer to its solution.
-pub const LEAST_TOLERANCE: f64 = 1e-13;
+/// The smallest tolerance of a run. Below it, rounding errors exceed the errors of the steps: none of the test
+/// problems with a known solution becomes more accurate.
+pub const MIN_TOLERANCE: f64 = 1e-13;

@@ -1,100 +1,143 @@
-//! The phases of a run: what the machine does, for how long, and what is changed in between.
+//! The phases of a run: what the machine does, for how long, and which parameters change in between.
 
 use super::Placed;
 use super::diagnostic::Span;
 use patchcord_expr::{Formula, FormulaError};
 
-/// A part of a run. Times are in problem seconds.
+/// A phase of a run. Times are in problem seconds, except that of [`Phase::Hold`].
+///
+/// # Examples
 ///
 /// ```
 /// use patchcord_core::document::Phase;
 ///
-/// // A family of curves: five runs, the spring twice as stiff with each.
+/// // A family of five curves. Each has twice the spring stiffness of the one before.
 /// let family = Phase::Repeat {
 ///     times: 5,
 ///     phases: vec![Phase::InitialCondition, Phase::set_by("k", "2 * k")?, Phase::operate(2.0)],
 /// };
-/// // Runs at most 10 s, to the instant at which the relay K1 pulls in.
+/// // Runs until the relay K1 pulls in, at most 10 s.
 /// let impact = Phase::operate_until(10.0, "K1", Some("pulled-in"));
 /// # assert_ne!(family, impact);
 /// # Ok::<(), patchcord_expr::FormulaError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Phase {
-    /// Puts integrators at their initial conditions, time at 0 and the lamps out; begins a run of its own in
-    /// the record.
+    /// Sets the integrators to their initial conditions and the time to 0, and resets the overload lamps. A new sweep
+    /// of the record begins.
     InitialCondition,
     /// Integrates.
     Operate {
-        /// How long, above 0 s; with `until`, at most.
+        /// Duration in problem seconds, above 0. With `until` it is the longest duration.
         time: f64,
-        /// What ends it earlier, at the very instant.
-        until: Option<Until>,
+        /// The relay that ends the phase earlier, at the instant at which it switches.
+        until: Option<SwitchCondition>,
     },
-    /// Keeps every integrator and problem time where they are, while the recorder runs on.
+    /// Holds every integrator and the problem time. The recorder continues.
     Hold {
-        /// How long by the recorder's clock, above 0 s.
+        /// Duration in seconds of the recorder's clock, above 0.
         time: f64,
     },
-    /// Sets parameters, all at one instant; they stay so until they are set again or the run ends.
+    /// Sets parameters, all at the same instant. They keep the values until they are set again or the run ends.
     Set {
-        /// The parameters and what they are set to. Formulas see everything as it was before.
-        changes: Vec<Change>,
+        /// The changes. Their formulas use the values from before the phase.
+        changes: Vec<ParameterChange>,
     },
-    /// Does the same several times.
+    /// Repeats phases.
     Repeat {
-        /// How many times.
+        /// How often the phases are executed.
         times: u64,
-        /// What.
+        /// The phases, in order.
         phases: Vec<Phase>,
     },
 }
 
 /// The switching of a relay that ends a phase.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Until {
+pub struct SwitchCondition {
     /// Name of the relay.
     pub relay: Placed<String>,
-    /// The position that it must go to ("pulled-in"); without one, either.
+    /// The position to which the relay must switch, such as "pulled-in". `None` if every change of position counts.
     pub becomes: Option<Placed<String>>,
 }
 
-/// A parameter set anew.
+/// A parameter with its new value.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Change {
+pub struct ParameterChange {
     /// Name of the parameter.
     pub parameter: Placed<String>,
-    /// A number in its unit, or a formula of parameters, scales and signals.
+    /// The new value: a number in the parameter's unit, or a formula of parameters, scales and signals.
     pub to: Placed<Formula>,
 }
 
 impl Phase {
-    /// Operating for a time.
+    /// Operates for a time in problem seconds.
     pub fn operate(time: f64) -> Self {
         Phase::Operate { time, until: None }
     }
 
-    /// Operating until a relay switches, to this position if one is named, and at most for a time.
+    /// Operates until a relay switches, at most for a time in problem seconds.
+    ///
+    /// `becomes` is the position to which the relay must switch; `None` if every change of position counts.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::document::Phase;
+    ///
+    /// let Phase::Operate { time, until: Some(condition) } = Phase::operate_until(10.0, "K1", None) else {
+    ///     panic!("the phase waits for a relay");
+    /// };
+    /// assert_eq!(time, 10.0);
+    /// assert_eq!(condition.relay.value, "K1");
+    /// ```
     pub fn operate_until(time: f64, relay: &str, becomes: Option<&str>) -> Self {
-        let until =
-            Until { relay: unplaced(relay.to_owned()), becomes: becomes.map(|to| unplaced(to.to_owned())) };
-        Phase::Operate { time, until: Some(until) }
+        let becomes = becomes.map(|position| unplaced(position.to_owned()));
+        let condition = SwitchCondition { relay: unplaced(relay.to_owned()), becomes };
+        Phase::Operate { time, until: Some(condition) }
     }
 
-    /// Setting one parameter to a value in its unit.
+    /// Sets one parameter to a value in its declared unit.
     pub fn set(parameter: &str, value: f64) -> Self {
-        Phase::Set { changes: vec![Change::new(parameter, Formula::constant(value))] }
+        Phase::Set { changes: vec![ParameterChange::new(parameter, Formula::constant(value))] }
     }
 
-    /// Setting one parameter by a formula.
+    /// Sets one parameter to the value of a formula, such as "2 * k".
     ///
     /// # Errors
-    /// When the text is not a formula.
+    /// If the text is not a formula. Its names and units are checked when a circuit is made.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::document::Phase;
+    ///
+    /// let Phase::Set { changes } = Phase::set_by("k", "2 * k")? else { panic!("the phase sets k") };
+    /// assert_eq!(changes[0].parameter.value, "k");
+    /// assert_eq!(changes[0].to.value.text(), "2 * k");
+    /// assert!(Phase::set_by("k", "2 k").is_err());
+    /// # Ok::<(), patchcord_expr::FormulaError>(())
+    /// ```
     pub fn set_by(parameter: &str, formula: &str) -> Result<Self, FormulaError> {
-        Ok(Phase::Set { changes: vec![Change::new(parameter, Formula::parse(formula)?)] })
+        Ok(Phase::Set { changes: vec![ParameterChange::new(parameter, Formula::parse(formula)?)] })
     }
 
-    /// Calls `each` for this phase, or for those that it repeats, each once.
+    /// Calls `each` for this phase. For a repetition, calls it once for each of the repeated phases instead.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::document::Phase;
+    ///
+    /// let sweep = vec![Phase::InitialCondition, Phase::operate(2.0), Phase::Hold { time: 0.5 }];
+    /// let mut seconds = 0.0;
+    /// Phase::Repeat { times: 5, phases: sweep }.for_each(&mut |phase| match phase {
+    ///     Phase::Operate { time, .. } | Phase::Hold { time } => seconds += time,
+    ///     _ => {}
+    /// });
+    /// // The repeated phases are visited once.
+    /// assert_eq!(seconds, 2.5);
+    /// ```
     pub fn for_each<'p>(&'p self, each: &mut impl FnMut(&'p Phase)) {
         match self {
             Phase::Repeat { phases, .. } => phases.iter().for_each(|phase| phase.for_each(each)),
@@ -103,84 +146,101 @@ impl Phase {
     }
 }
 
-impl Change {
-    /// A change that stands in no document.
+impl ParameterChange {
+    /// A change that does not come from a document.
     pub fn new(parameter: &str, to: Formula) -> Self {
-        Change { parameter: unplaced(parameter.to_owned()), to: unplaced(to) }
+        ParameterChange { parameter: unplaced(parameter.to_owned()), to: unplaced(to) }
     }
 }
 
+/// A value without a position in a document.
 fn unplaced<T>(value: T) -> Placed<T> {
     Placed { value, span: Span::default() }
 }
 
-/// How far phases reach when every one takes all of its time, found without going through repetitions.
+/// The durations and sizes of a list of phases if no relay ends a phase early.
+///
+/// It is computed without executing repetitions one by one, so a billion of them take no longer than one. Every number
+/// is an `f64`: products of nested repetitions can exceed the range of integers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Extent {
-    /// Seconds of operating.
-    pub operated: f64,
-    /// Seconds of the recorder's clock.
-    pub recorded: f64,
-    /// Phases gone through.
-    pub phases: f64,
-    /// Parameters set.
-    pub changes: f64,
-    /// Seconds of the longest stretch between initial conditions.
-    pub longest: f64,
-    /// Seconds before the first initial condition.
+pub(crate) struct RunExtent {
+    /// Total time in operate, in problem seconds.
+    pub operate_time: f64,
+    /// Total time of the recorder's clock, in seconds: operate and hold.
+    pub record_time: f64,
+    /// Number of phases, with every repetition counted.
+    pub phase_count: f64,
+    /// Number of parameter changes, with every repetition counted.
+    pub change_count: f64,
+    /// Recorder time of the longest sweep, in seconds. A sweep lasts from one initial condition to the next.
+    pub longest_sweep: f64,
+    /// Recorder time before the first initial condition, in seconds.
     head: f64,
-    /// Seconds after the last initial condition; the same as `head` where there is none.
+    /// Recorder time after the last initial condition, in seconds. It equals `head` if there is no initial condition.
     tail: f64,
+    /// Whether there is an initial condition.
     resets: bool,
 }
 
-impl Extent {
+impl RunExtent {
+    /// The extent of phases that are executed in order.
     pub fn of(phases: &[Phase]) -> Self {
-        phases.iter().map(Extent::of_one).fold(Extent::default(), Extent::then)
+        phases.iter().map(RunExtent::of_phase).fold(RunExtent::default(), RunExtent::then)
     }
 
-    fn of_one(phase: &Phase) -> Self {
+    /// The extent of one phase. A repetition is measured from the extent of its phases.
+    fn of_phase(phase: &Phase) -> Self {
         match phase {
-            Phase::InitialCondition => Extent { phases: 1.0, resets: true, ..Extent::default() },
+            Phase::InitialCondition => RunExtent { phase_count: 1.0, resets: true, ..RunExtent::default() },
             Phase::Set { changes } => {
-                Extent { phases: 1.0, changes: changes.len() as f64, ..Extent::default() }
+                RunExtent { phase_count: 1.0, change_count: changes.len() as f64, ..RunExtent::default() }
             }
-            Phase::Operate { time, .. } => Extent { operated: *time, ..Extent::lasting(*time) },
-            Phase::Hold { time } => Extent::lasting(*time),
-            Phase::Repeat { times, phases } => Extent::of(phases).repeated(*times as f64),
+            Phase::Operate { time, .. } => RunExtent { operate_time: *time, ..RunExtent::lasting(*time) },
+            Phase::Hold { time } => RunExtent::lasting(*time),
+            Phase::Repeat { times, phases } => RunExtent::of(phases).repeated(*times as f64),
         }
     }
 
+    /// The extent of one phase that records for a time.
     fn lasting(time: f64) -> Self {
-        Extent { recorded: time, phases: 1.0, longest: time, head: time, tail: time, ..Extent::default() }
+        RunExtent {
+            record_time: time,
+            phase_count: 1.0,
+            longest_sweep: time,
+            head: time,
+            tail: time,
+            ..RunExtent::default()
+        }
     }
 
-    fn then(self, next: Extent) -> Self {
+    /// The extent of these phases followed by others. The sweep at the seam lasts from the tail to the next head.
+    fn then(self, next: RunExtent) -> Self {
         let between = self.tail + next.head;
-        Extent {
-            operated: self.operated + next.operated,
-            recorded: self.recorded + next.recorded,
-            phases: self.phases + next.phases,
-            changes: self.changes + next.changes,
-            longest: self.longest.max(next.longest).max(between),
+        RunExtent {
+            operate_time: self.operate_time + next.operate_time,
+            record_time: self.record_time + next.record_time,
+            phase_count: self.phase_count + next.phase_count,
+            change_count: self.change_count + next.change_count,
+            longest_sweep: self.longest_sweep.max(next.longest_sweep).max(between),
             head: if self.resets { self.head } else { between },
             tail: if next.resets { next.tail } else { between },
             resets: self.resets || next.resets,
         }
     }
 
+    /// The extent of these phases executed several times.
     fn repeated(self, times: f64) -> Self {
-        // Between initial conditions, twice is as long as any number of times; without one everything adds up.
-        let shape = if times > 1.0 { self.then(self) } else { self };
-        let stretch = |once: f64, shaped: f64| if self.resets { shaped } else { once * times };
-        Extent {
-            operated: self.operated * times,
-            recorded: self.recorded * times,
-            phases: self.phases * times,
-            changes: self.changes * times,
-            longest: stretch(self.longest, shape.longest),
-            head: stretch(self.head, shape.head),
-            tail: stretch(self.tail, shape.tail),
+        // With an initial condition, two repetitions contain every kind of sweep. Without one, all times add up.
+        let twice = if times > 1.0 { self.then(self) } else { self };
+        let sweep_time = |once: f64, in_two: f64| if self.resets { in_two } else { once * times };
+        RunExtent {
+            operate_time: self.operate_time * times,
+            record_time: self.record_time * times,
+            phase_count: self.phase_count * times,
+            change_count: self.change_count * times,
+            longest_sweep: sweep_time(self.longest_sweep, twice.longest_sweep),
+            head: sweep_time(self.head, twice.head),
+            tail: sweep_time(self.tail, twice.tail),
             resets: self.resets,
         }
     }
@@ -190,7 +250,7 @@ impl Extent {
 mod tests {
     use super::*;
 
-    /// The list with its repetitions written out.
+    /// The phases with every repetition written out.
     fn unrolled(phases: &[Phase]) -> Vec<Phase> {
         let each = |phase: &Phase| match phase {
             Phase::Repeat { times, phases } => (0..*times).flat_map(|_| unrolled(phases)).collect(),
@@ -200,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn the_extent_of_repetitions_is_that_of_the_list_written_out() {
+    fn repetitions_have_the_extent_of_the_phases_written_out() {
         let repeat = |times, phases| Phase::Repeat { times, phases };
         let (initial, set) = (Phase::InitialCondition, Phase::set("k", 2.0));
         let (operate, hold) = (Phase::operate(2.0), Phase::Hold { time: 0.5 });
@@ -213,14 +273,14 @@ mod tests {
             vec![repeat(2, vec![repeat(3, within)])],
         ];
         for list in lists {
-            assert_eq!(Extent::of(&list), Extent::of(&unrolled(&list)), "{list:?}");
+            assert_eq!(RunExtent::of(&list), RunExtent::of(&unrolled(&list)), "{list:?}");
         }
     }
 
     #[test]
-    fn a_billion_repetitions_are_measured_at_once() {
+    fn a_billion_repetitions_are_measured_without_a_loop() {
         let list = [Phase::Repeat { times: 1_000_000_000, phases: vec![Phase::operate(0.25)] }];
-        let extent = Extent::of(&list);
-        assert_eq!((extent.operated, extent.longest, extent.phases), (2.5e8, 2.5e8, 1e9));
+        let extent = RunExtent::of(&list);
+        assert_eq!((extent.operate_time, extent.longest_sweep, extent.phase_count), (2.5e8, 2.5e8, 1e9));
     }
 }

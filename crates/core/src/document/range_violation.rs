@@ -5,9 +5,20 @@
 use std::fmt;
 
 use super::code::Code;
-use super::diagnostic::{Diagnostic, Span, behind, told};
+use super::diagnostic::{Diagnostic, Span};
+use super::wording::{format_number, unit_suffix};
 
 /// A value that is outside the range of its parameter, or not a finite number in SI units.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::parameter_in_si;
+///
+/// let violation = parameter_in_si("x", 6.0, ("mm", 1e-3), Some((1.0, 5.0))).unwrap_err();
+/// assert_eq!((violation.name.as_str(), violation.range), ("x", Some((1.0, 5.0))));
+/// assert_eq!(violation.to_string(), "x = 6 mm is outside its range 1 ... 5 mm");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct RangeViolation {
     /// Name of the parameter.
@@ -22,10 +33,10 @@ pub struct RangeViolation {
 
 impl fmt::Display for RangeViolation {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, value, unit) = (&self.name, told(self.value), behind(&self.unit));
+        let (name, value, unit) = (&self.name, format_number(self.value), unit_suffix(&self.unit));
         match self.range {
             Some((low, high)) => {
-                let [low, high] = [low, high].map(told);
+                let [low, high] = [low, high].map(format_number);
                 write!(formatter, "{name} = {value}{unit} is outside its range {low} ... {high}{unit}")
             }
             None => write!(formatter, "{name} = {value}{unit} is not a finite number in SI units"),
@@ -36,7 +47,7 @@ impl fmt::Display for RangeViolation {
 impl std::error::Error for RangeViolation {}
 
 impl RangeViolation {
-    /// The finding for a report. `span` is the place of the value, or `None` if the value is not in the document.
+    /// The diagnostic for a report. `span` is the place of the value, or `None` if the value is not in the document.
     pub(crate) fn diagnostic(&self, span: Option<Span>) -> Diagnostic {
         let (code, hint) = match self.range {
             Some(_) => (Code::OutsideRange, "widen the range in the patch if the circuit can take it"),
@@ -53,6 +64,16 @@ impl RangeViolation {
 ///
 /// # Errors
 /// If the value is not finite in SI units, or is outside the range.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::parameter_in_si;
+///
+/// assert_eq!(parameter_in_si("x", 1.0, ("mm", 1e-3), Some((1.0, 5.0))), Ok(1e-3));
+/// assert_eq!(parameter_in_si("x", -4.0, ("km", 1e3), None), Ok(-4e3));
+/// assert!(parameter_in_si("x", f64::NAN, ("km", 1e3), None).is_err());
+/// ```
 pub fn parameter_in_si(
     name: &str,
     value: f64,
@@ -85,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn values_must_be_finite_in_si() {
+    fn a_value_that_is_not_finite_in_si_units_is_refused() {
         let kilometres = |value, range| parameter_in_si("x", value, ("km", 1e3), range);
         assert_eq!(kilometres(1e306, None).unwrap_err().range, None);
         let violation = kilometres(f64::NAN, Some((0.0, 1.0))).unwrap_err();

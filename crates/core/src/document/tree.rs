@@ -1,4 +1,7 @@
-//! The document's text as a tree in which everything knows its place.
+//! The text of a document as a JSON tree in which every key and value has its position.
+//!
+//! The parser accepts strict JSON only. Numbers keep their text and objects keep the order of their keys, so an edited
+//! document can be written back without other changes.
 
 use jsonc_parser::errors::ParseErrorKind;
 use jsonc_parser::{CollectOptions, ParseOptions, ParseStringErrorKind, ast, common::Range, parse_to_ast};
@@ -7,45 +10,58 @@ use serde_json::{Number, Value};
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
 
-/// A JSON value and where it stands.
+/// A JSON value with its position.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::tree::{self, Content};
+///
+/// let root = tree::parse(r#"{"run": {"for": 1.50}}"#)?;
+/// let duration = root.child("run").and_then(|run| run.child("for")).expect("a duration");
+/// assert_eq!(duration.value, Content::Number("1.50".to_owned()));
+/// assert_eq!(duration.span.start, 16);
+/// assert_eq!(root.key_path(16), ["run", "for"]);
+/// # Ok::<(), patchcord_core::document::Diagnostic>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
-    /// Where it is.
+    /// Position of the value. The span of a text includes its quotes.
     pub span: Span,
-    /// What it is.
+    /// The value.
     pub value: Content,
 }
 
-/// What a JSON value is. Numbers keep their text.
+/// A JSON value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
     /// null.
     Null,
     /// true or false.
     Flag(bool),
-    /// A number, as it was written.
+    /// A number, as it is written in the document.
     Number(String),
-    /// A text, without its quotes.
+    /// A text, without its quotes and with its escapes resolved.
     Text(String),
     /// A list.
     List(Vec<Node>),
-    /// An object, its keys in the order of the document.
-    Object(Vec<Entry>),
+    /// An object, with its keys in the order of the document. A key may occur twice.
+    Object(Vec<KeyValue>),
 }
 
-/// One key of an object with its value.
+/// A key of an object with its value.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
-    /// The key.
+pub struct KeyValue {
+    /// The key, without its quotes.
     pub key: String,
-    /// Where the key is.
+    /// Position of the key, with its quotes.
     pub key_span: Span,
-    /// Its value.
+    /// The value of the key.
     pub value: Node,
 }
 
 impl Content {
-    /// What the value is called in a message.
+    /// The type of the value for messages, with its article.
     pub fn noun(&self) -> &'static str {
         match self {
             Content::Null => "null",
@@ -58,17 +74,17 @@ impl Content {
     }
 }
 
-impl Entry {
-    /// A key with a JSON value that is not in the text: every part gets a span beyond the text.
-    pub(crate) fn of(key: &str, value: &Value, next_span: &mut usize) -> Entry {
+impl KeyValue {
+    /// A key with a JSON value that is not in the text. Every part gets a unique span beyond the text.
+    pub(crate) fn of(key: &str, value: &Value, next_span: &mut usize) -> KeyValue {
         let key_span = Span::beyond_text(next_span);
-        Entry { key: key.to_owned(), key_span, value: Node::of(value, next_span) }
+        KeyValue { key: key.to_owned(), key_span, value: Node::of(value, next_span) }
     }
 }
 
 impl Node {
-    /// A JSON value that is not in the text: every part gets a span beyond the text. Numbers have the text with which the
-    /// value is printed.
+    /// A JSON value that is not in the text. Every part gets a unique span beyond the text, counted by `next_span`.
+    /// Numbers get the text with which they are printed.
     pub(crate) fn of(value: &Value, next_span: &mut usize) -> Node {
         let span = Span::beyond_text(next_span);
         let value = match value {
@@ -80,14 +96,16 @@ impl Node {
                 Content::List(items.iter().map(|item| Node::of(item, next_span)).collect())
             }
             Value::Object(entries) => {
-                Content::Object(entries.iter().map(|(key, value)| Entry::of(key, value, next_span)).collect())
+                let key_value = |(key, value): (&String, &Value)| KeyValue::of(key, value, next_span);
+                Content::Object(entries.iter().map(key_value).collect())
             }
         };
         Node { span, value }
     }
 
-    /// The same as a JSON value: keys in their order, numbers with their text. Of a key that stands twice the
-    /// last counts, as JSON readers have it.
+    /// The same value without positions. Keys keep their order and numbers keep their text.
+    ///
+    /// If a key occurs twice, the last value counts, as in other JSON readers.
     pub fn to_value(&self) -> Value {
         match &self.value {
             Content::Null => Value::Null,
@@ -101,37 +119,53 @@ impl Node {
         }
     }
 
-    /// The keys under which a byte of the text stands, the outermost first.
-    pub fn keys_to(&self, byte: usize) -> Vec<&str> {
-        let holds = |span: Span| (span.start..span.end).contains(&byte);
+    /// The keys that lead to a byte of the text, the outermost first. Items of lists add no key.
+    pub fn key_path(&self, byte: usize) -> Vec<&str> {
+        let contains = |span: Span| (span.start..span.end).contains(&byte);
         match &self.value {
             Content::Object(entries) => {
-                let own = entries.iter().find(|entry| holds(entry.key_span) || holds(entry.value.span));
-                own.map_or_else(Vec::new, |own| {
-                    let further = own.value.keys_to(byte).into_iter();
-                    [own.key.as_str()].into_iter().chain(further).collect()
+                let entry =
+                    entries.iter().find(|entry| contains(entry.key_span) || contains(entry.value.span));
+                entry.map_or_else(Vec::new, |entry| {
+                    let inner_keys = entry.value.key_path(byte).into_iter();
+                    [entry.key.as_str()].into_iter().chain(inner_keys).collect()
                 })
             }
-            Content::List(items) => {
-                items.iter().find(|item| holds(item.span)).map_or_else(Vec::new, |item| item.keys_to(byte))
-            }
+            Content::List(items) => items
+                .iter()
+                .find(|item| contains(item.span))
+                .map_or_else(Vec::new, |item| item.key_path(byte)),
             _ => Vec::new(),
         }
     }
 
-    /// What an object holds under a key.
+    /// The value of a key, if this is an object with that key.
     pub fn child(&self, key: &str) -> Option<&Node> {
         let Content::Object(entries) = &self.value else { return None };
         entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value)
     }
 }
 
-/// Reads strict JSON.
+/// Parses strict JSON: no comments, no trailing commas, quoted keys.
+///
+/// # Errors
+/// The first syntax error, with a hint for common mistakes.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::{Code, tree};
+///
+/// assert!(tree::parse("[1.5, true, null]").is_ok());
+/// let error = tree::parse("[.5]").unwrap_err();
+/// assert_eq!(error.code, Code::Syntax);
+/// assert_eq!(error.hint.as_deref(), Some("write 0.5, not .5, and 5, not 5."));
+/// ```
 pub fn parse(text: &str) -> Result<Node, Diagnostic> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &strict()).map_err(|error| {
-        let at = span(error.range());
-        let rest = text.get(at.start..).unwrap_or_default();
-        Diagnostic::at(Code::Syntax, at, format!("not JSON: {}", error.kind()))
+        let error_span = span(error.range());
+        let rest = text.get(error_span.start..).unwrap_or_default();
+        Diagnostic::at(Code::Syntax, error_span, format!("not JSON: {}", error.kind()))
             .maybe_hint(syntax_hint(error.kind(), rest).map(str::to_owned))
     })?;
     match parsed.value {
@@ -141,6 +175,7 @@ pub fn parse(text: &str) -> Result<Node, Diagnostic> {
     }
 }
 
+/// The options of the parser for strict JSON. All extensions are refused, because other JSON readers refuse them too.
 fn strict() -> ParseOptions {
     ParseOptions {
         allow_comments: false,
@@ -156,24 +191,24 @@ fn strict() -> ParseOptions {
     }
 }
 
-/// What to write instead, from the kind of error and the text at its place.
+/// What to write instead. `rest` is the text from the error on.
 fn syntax_hint(kind: &ParseErrorKind, rest: &str) -> Option<&'static str> {
-    if is_no_number(rest) {
+    if starts_with_non_finite(rest) {
         return Some("every number must be finite");
     }
     Some(match kind {
         ParseErrorKind::CommentsNotAllowed => "JSON has no comments: use a \"note\"",
-        ParseErrorKind::TrailingCommasNotAllowed => "take the last comma away",
+        ParseErrorKind::TrailingCommasNotAllowed => "remove the last comma",
         ParseErrorKind::BareDecimalPointNumbersNotAllowed => "write 0.5, not .5, and 5, not 5.",
-        ParseErrorKind::UnaryPlusNumbersNotAllowed => "take the + away",
-        ParseErrorKind::SingleQuotedStringsNotAllowed => "texts stand in double quotes",
-        ParseErrorKind::ExpectedStringObjectProperty => "keys stand in double quotes",
+        ParseErrorKind::UnaryPlusNumbersNotAllowed => "remove the +",
+        ParseErrorKind::SingleQuotedStringsNotAllowed => "write texts in double quotes",
+        ParseErrorKind::ExpectedStringObjectProperty => "write keys in double quotes",
         ParseErrorKind::ExpectedComma if rest.starts_with(|c: char| c.is_ascii_digit()) => {
-            "numbers do not begin with 0"
+            "a number must not begin with 0"
         }
-        ParseErrorKind::MultipleRootJsonValues => "a file holds one document: it ended before this",
+        ParseErrorKind::MultipleRootJsonValues => "a file contains one document, which ended before this",
         ParseErrorKind::UnterminatedArray | ParseErrorKind::UnterminatedObject => {
-            "it is opened here and never closed: is the file complete?"
+            "it is opened here and not closed: is the file complete?"
         }
         ParseErrorKind::String(ParseStringErrorKind::UnterminatedStringLiteral) => {
             "the text opened here is not closed with a quote on its line"
@@ -183,16 +218,19 @@ fn syntax_hint(kind: &ParseErrorKind, rest: &str) -> Option<&'static str> {
     })
 }
 
-fn is_no_number(rest: &str) -> bool {
+/// Whether a text starts with a word for NaN or infinity, which JSON does not have.
+fn starts_with_non_finite(rest: &str) -> bool {
     let word: String = rest.chars().take_while(|c| c.is_alphanumeric() || "-+".contains(*c)).collect();
-    let known = ["nan", "-nan", "infinity", "-infinity", "inf", "-inf", "+inf"];
-    known.contains(&word.to_lowercase().as_str())
+    let words = ["nan", "-nan", "infinity", "-infinity", "inf", "-inf", "+inf"];
+    words.contains(&word.to_lowercase().as_str())
 }
 
+/// Converts a range of the parser. Both count bytes from the start of the text.
 fn span(range: Range) -> Span {
     Span { start: range.start, end: range.end }
 }
 
+/// Copies a value of the parser's tree.
 fn node(value: ast::Value<'_>) -> Node {
     match value {
         ast::Value::StringLit(text) => {
@@ -209,17 +247,18 @@ fn node(value: ast::Value<'_>) -> Node {
         },
         ast::Value::Object(object) => Node {
             span: span(object.range),
-            value: Content::Object(object.properties.into_iter().map(entry).collect()),
+            value: Content::Object(object.properties.into_iter().map(key_value).collect()),
         },
     }
 }
 
-fn entry(property: ast::ObjectProp<'_>) -> Entry {
+/// Copies a key and its value from the parser's tree.
+fn key_value(property: ast::ObjectProp<'_>) -> KeyValue {
     let key_span = match &property.name {
         ast::ObjectPropName::String(text) => span(text.range),
         ast::ObjectPropName::Word(word) => span(word.range),
     };
-    Entry { key: property.name.into_string(), key_span, value: node(property.value) }
+    KeyValue { key: property.name.into_string(), key_span, value: node(property.value) }
 }
 
 #[cfg(test)]
@@ -235,19 +274,19 @@ mod tests {
     }
 
     #[test]
-    fn json_only() {
+    fn text_that_is_not_strict_json_is_refused() {
         for text in ["", "{", "{a: 1}", "{\"a\": 1,}", "[NaN]", "[0x1]", "[+1]", "[.5]", "// c\n1", "['a']"] {
             assert_eq!(parse(text).unwrap_err().code, Code::Syntax, "{text}");
         }
     }
 
     #[test]
-    fn a_nan_is_told_that_numbers_are_finite() {
+    fn the_hint_for_nan_says_that_numbers_must_be_finite() {
         assert!(parse("{\"a\": NaN}").unwrap_err().hint.unwrap().contains("finite"));
     }
 
     #[test]
-    fn deep_nesting_is_an_error_not_a_crash() {
+    fn deep_nesting_gives_an_error_instead_of_a_crash() {
         assert_eq!(parse(&"[".repeat(100_000)).unwrap_err().code, Code::Syntax);
     }
 }

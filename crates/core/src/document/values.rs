@@ -1,17 +1,34 @@
-//! Ranges, units and formulas as documents contain them.
+//! Reads ranges, units and formulas from the values of a document.
+//!
+//! Every reader returns `None` for a wrong value and adds a diagnostic to the findings, so reading can continue.
 
 use super::Placed;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
-use super::fields::{Findings, list, number, word, wrong_type};
+use super::fields::{Findings, list, number, string, wrong_type};
 use super::tree::{Content, Node};
 use patchcord_expr::{Formula, Unit};
 
-/// A list of two numbers, least and largest.
+/// Reads a list of two numbers, the lower and the upper bound.
+///
+/// `None` if the value is not such a list or if the lower bound exceeds the upper one. Equal bounds are allowed.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::{range, tree};
+///
+/// let (node, mut findings) = (tree::parse("[0, 5]")?, Vec::new());
+/// assert_eq!(range(&node, "range", &mut findings), Some((0.0, 5.0)));
+/// let node = tree::parse("[5, 0]")?;
+/// assert_eq!(range(&node, "range", &mut findings), None);
+/// assert_eq!(findings[0].message, "the least value 5 is above the largest 0");
+/// # Ok::<(), patchcord_core::document::Diagnostic>(())
+/// ```
 pub fn range(node: &Node, key: &str, findings: &mut Findings) -> Option<(f64, f64)> {
     let bounds = list(node, key, findings)?;
     let [low, high] = bounds else {
-        let message = format!("\"{key}\" is a list of two numbers, least and largest");
+        let message = format!("\"{key}\" must be a list of two numbers: the least and the largest value");
         findings.push(Diagnostic::at(Code::WrongType, node.span, message));
         return None;
     };
@@ -25,30 +42,55 @@ pub fn range(node: &Node, key: &str, findings: &mut Findings) -> Option<(f64, f6
     Some((low, high))
 }
 
-/// The unit that a text tells.
-pub fn unit_of(node: &Node, findings: &mut Findings) -> Option<Unit> {
-    let text = word(node, "unit", findings)?;
+/// Reads the text of a unit, such as "m/s". `None` if the value is not a text or not a unit.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::{parse_unit, tree};
+///
+/// let (node, mut findings) = (tree::parse("\"N s/m\"")?, Vec::new());
+/// let unit = parse_unit(&node, &mut findings).expect("a unit");
+/// assert_eq!(unit.text(), "N s/m");
+/// assert!(findings.is_empty());
+/// # Ok::<(), patchcord_core::document::Diagnostic>(())
+/// ```
+pub fn parse_unit(node: &Node, findings: &mut Findings) -> Option<Unit> {
+    let text = string(node, "unit", findings)?;
     Unit::parse(&text.value)
         .map_err(|error| {
-            let at = inside_quotes(text.span, &error.range);
-            findings.push(Diagnostic::at(Code::UnknownUnit, at, error.message).maybe_hint(error.hint));
+            let span = inside_quotes(text.span, &error.range);
+            findings.push(Diagnostic::at(Code::UnknownUnit, span, error.message).maybe_hint(error.hint));
         })
         .ok()
 }
 
-/// The place of a part of a quoted text; escapes before it are not counted.
+/// The position of a part of a quoted text. It is shifted if escapes precede the part.
 fn inside_quotes(span: Span, range: &std::ops::Range<usize>) -> Span {
-    span.part(&(range.start + 1..range.end + 1))
+    span.subspan(&(range.start + 1..range.end + 1))
 }
 
-/// A number, or a formula in quotes.
+/// Reads a number, or a formula in quotes. `None` if the value is of another type or the formula has a syntax error.
+///
+/// The names and units in the formula are not checked here.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::{formula, tree};
+///
+/// let (node, mut findings) = (tree::parse("\"2 * k\"")?, Vec::new());
+/// let placed = formula(&node, "per_volt", &mut findings).expect("a formula");
+/// assert_eq!(placed.value.names(), ["k"]);
+/// # Ok::<(), patchcord_core::document::Diagnostic>(())
+/// ```
 pub fn formula(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<Formula>> {
     let value = match &node.value {
         Content::Number(_) => Formula::constant(number(node, key, findings)?),
         Content::Text(text) => Formula::parse(text)
             .map_err(|error| {
-                let at = inside_quotes(node.span, &error.range);
-                findings.push(Diagnostic::at(Code::BadFormula, at, error.message).maybe_hint(error.hint));
+                let span = inside_quotes(node.span, &error.range);
+                findings.push(Diagnostic::at(Code::BadFormula, span, error.message).maybe_hint(error.hint));
             })
             .ok()?,
         other => {

@@ -1,38 +1,51 @@
 //! Backlash: the play of gears and spindles.
+//!
+//! The element remembers its output at the end of the last step. Within a step the output is a function of the input
+//! and of this value, so the solver needs no state and no mode.
 
-use super::{Input, Kind, Measure, Setting, Takes};
+use super::{Input, Kind, Measure, PartUse, Setting};
 use crate::ir::{Builder, Register};
 use crate::machines::{Part, REFERENCE};
 
+/// The parts are those of a play circuit: a dead zone of two free pots and a diode pair, then an integrator with a
+/// summer in its feedback.
 pub(super) static KIND: Kind = Kind {
     name: "backlash",
-    summary: "play operator: stays where it is until its input has crossed the play, then is pushed along",
-    law: "out stays while |in - out| < width / 2, and is pushed along at that distance otherwise; where in turns \
-          within a step of length h, out stays up to h^2 / 8 x |d2 in / dt2| short of where it was pushed to; exact \
-          where it turns at the end of one",
-    modes: "in initial condition it is initial, pushed as far as its input asks for; in hold its output moves only \
-            where a hand moves its input",
+    summary: "play operator: keeps its output until the input has crossed the play, then follows at half the width",
+    law: "out is constant while |in - out| < width / 2, and otherwise follows in at that distance; if in reverses \
+          within a step of length h, out falls short of its turning point by up to h^2 / 8 x |d2 in / dt2|; exact if \
+          in reverses at the end of a step",
+    modes: "has the value initial in initial condition, moved into the play of its input; in hold its output changes \
+            only if its input is changed by hand",
     source: "backlash circuits of the handbooks: an integrator of high gain behind a dead zone",
     symbol: "backlash",
-    inputs: &[Input::jack("in", "what pushes")],
+    inputs: &[Input::jack("in", "input that moves the output")],
     settings: &[
-        Setting::required("width", Measure::Volts, "the whole play").within(0.0, REFERENCE),
-        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition, unless it is pushed"),
+        Setting::required("width", Measure::Volts, "total width of the play").within(0.0, REFERENCE),
+        Setting::preset(
+            "initial",
+            Measure::Volts,
+            0.0,
+            "output in initial condition, if it is within the play",
+        ),
     ],
     parts: &[
-        Takes::always(Part::Summer, 1),
-        Takes::always(Part::Integrator, 1),
-        Takes::always(Part::DiodePair, 1),
-        Takes::always(Part::FreePot, 2),
+        PartUse::always(Part::Summer, 1),
+        PartUse::always(Part::Integrator, 1),
+        PartUse::always(Part::DiodePair, 1),
+        PartUse::always(Part::FreePot, 2),
     ],
     output_law,
     memory_law: Some(memory_law),
     ..Kind::AMPLIFIER
 };
 
-// Where it is just pushed, the push counts: its derivative there is that of its input.
+/// out = min(in + width / 2, max(in - width / 2, was)), in volts, with `was` the output at the end of the last step.
+///
+/// At the edge of the play the output follows the input, so its derivative there is that of the input.
 fn output_law(builder: &mut dyn Builder) -> Register {
-    let (was, signal, width) = (builder.new_memory("initial"), builder.input("in"), builder.get("width"));
+    let (was, signal, width) =
+        (builder.new_sampled_value("initial"), builder.input("in"), builder.get("width"));
     let half = builder.constant(0.5);
     let play = builder.multiply(half, width);
     let (least, most) = (builder.subtract(signal, play), builder.add(signal, play));
@@ -40,7 +53,8 @@ fn output_law(builder: &mut dyn Builder) -> Register {
     builder.minimum(most, pushed)
 }
 
+/// Samples the output at the end of every step. In the next step it is the value that the input must push or pull.
 fn memory_law(builder: &mut dyn Builder) {
     let output = builder.own_output();
-    builder.remember(output);
+    builder.set_next_sample(output);
 }

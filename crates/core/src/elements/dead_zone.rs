@@ -1,32 +1,39 @@
 //! Ideal dead zone: amplifiers with diodes in their feedback.
+//!
+//! The characteristic has no drop and exact corners. `diode_dead_zone` is the passive network of the thesis, with the
+//! drop of its diodes.
 
-use super::{Input, Kind, Measure, Setting, Takes};
+use super::{Input, Kind, Measure, PartUse, Setting};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
+/// Each half needs a biased rectifier with a diode pair and a pot for its corner. The third summer adds the halves.
 pub(super) static KIND: Kind = Kind {
     name: "dead-zone",
-    summary: "ideal dead zone: nothing between two voltages, straight on from 0 V beyond them",
+    summary: "ideal dead zone: 0 V between two input voltages, a straight line from 0 V beyond them",
     law: "out = slope x (in - upper) for in > upper, slope x (in - lower) for in < lower, 0 between",
     source: "two biased precision rectifiers and a summer, of the general-purpose machines",
     symbol: "dead-zone",
-    inputs: &[Input::jack("in", "signal")],
+    inputs: &[Input::jack("in", "input voltage")],
     settings: &[
-        Setting::required("lower", Measure::Volts, "input below which it gives a voltage"),
-        Setting::required("upper", Measure::Volts, "input above which it gives a voltage"),
-        Setting::preset("slope", Measure::Ratio, 1.0, "slope on either side of the zone")
+        Setting::required("lower", Measure::Volts, "input below which the output is not 0"),
+        Setting::required("upper", Measure::Volts, "input above which the output is not 0"),
+        Setting::preset("slope", Measure::Ratio, 1.0, "slope on both sides of the zone")
             .within(0.0, f64::MAX),
     ],
     ordered: &[("lower", "upper")],
     parts: &[
-        Takes::always(Part::Summer, 3),
-        Takes::always(Part::DiodePair, 2),
-        Takes::always(Part::FixedPot, 2),
+        PartUse::always(Part::Summer, 3),
+        PartUse::always(Part::DiodePair, 2),
+        PartUse::always(Part::FixedPot, 2),
     ],
     output_law,
     ..Kind::AMPLIFIER
 };
 
+/// out = slope x (max(in - upper, 0) + min(in - lower, 0)), in volts.
+///
+/// The two terms are never different from 0 at the same time, because `lower` is below `upper`.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (input, zero) = (builder.input("in"), builder.constant(0.0));
     let (lower, upper) = (builder.get("lower"), builder.get("upper"));

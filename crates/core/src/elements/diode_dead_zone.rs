@@ -1,14 +1,18 @@
 //! The diode network of the dead zone: two free potentiometers and a diode pair.
+//!
+//! Each pot is connected between the signal and one bias voltage. A diode at each wiper passes only one sign, and the
+//! output is the sum of both. So each half has its own corner and the slope 1 - r.
 
-use super::{Input, Kind, Measure, Setting, Takes};
+use super::{Input, Kind, Measure, PartUse, Setting};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
+/// The row of the network. It has no amplifier, so no lamp can light.
 pub(super) static KIND: Kind = Kind {
     name: "diode-dead-zone",
     summary: "dead zone of two free pots and a diode pair, its width set by two bias voltages",
-    law: "out = max(0, in - r (in - bias_minus) - drop) + min(0, in - r (in - bias_plus) + drop), r the setting: \
-          breaks at bias r / (1 - r), slope 1 - r beyond",
+    law: "out = max(0, in - r (in - bias_minus) - drop) + min(0, in - r (in - bias_plus) + drop) with r the setting; \
+          the corners are at bias r / (1 - r), the slope beyond is 1 - r",
     source: "thesis Fig 8.5 (c), eq. 17-8 to 27-8",
     symbol: "diode-dead-zone",
     inputs: &[
@@ -17,14 +21,22 @@ pub(super) static KIND: Kind = Kind {
         Input::jack("bias_minus", "-VB, at the other end of the track for positive signals"),
     ],
     settings: &[
-        Setting::required("setting", Measure::Fraction, "position r of both wipers, 0 at the signal's end"),
+        Setting::required(
+            "setting",
+            Measure::Fraction,
+            "position r of both wipers, 0 at the end with the signal",
+        ),
         Setting::DIODE_DROP,
     ],
-    parts: &[Takes::always(Part::FreePot, 2), Takes::always(Part::DiodePair, 1)],
+    parts: &[PartUse::always(Part::FreePot, 2), PartUse::always(Part::DiodePair, 1)],
     output_law,
     ..Kind::NETWORK
 };
 
+/// out = max(0, upper - drop) + min(0, lower + drop), in volts, with the voltages of the two wipers (thesis eq. 17-8 to
+/// 27-8).
+///
+/// The negative bias sets the corner of the positive half, and the positive bias that of the negative half.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let zero = builder.constant(0.0);
     let drop = builder.get("drop");
@@ -37,7 +49,7 @@ fn output_law(builder: &mut dyn Builder) -> Register {
     builder.add(positive, negative)
 }
 
-/// Voltage on the wiper of the track that ends at a bias.
+/// The voltage of the wiper whose track leads from the signal to a bias: in - r (in - bias), in volts.
 fn wiper(builder: &mut dyn Builder, bias: &str) -> Register {
     let setting = builder.get("setting");
     let (signal, end) = (builder.input("in"), builder.input(bias));

@@ -1,22 +1,27 @@
-//! A diode pair that passes on the lower of two voltages.
+//! A diode pair whose output is the lower of two voltages.
+//!
+//! The diode of the lower voltage conducts, and its drop makes the output higher than that voltage. Where the inputs
+//! are equal, the output has a kink.
 
-use super::{Input, Jacks, Kind, Setting, Takes};
+use super::{Input, Jacks, Kind, PartUse, Setting};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
+/// The row of the diode pair. It has no amplifier, so no lamp can light.
 pub(super) static KIND: Kind = Kind {
     name: "diode-lower-of",
-    summary: "diode pair that passes on the lower of two voltages",
+    summary: "diode pair whose output is the lower of two voltages",
     law: "out = min(in, in) + drop",
     source: "thesis 8.2, point (U) of Fig 8.9",
     symbol: "diode-lower-of",
     inputs: &[Input::jack("in", "the two voltages").jacks(Jacks::Exactly(2))],
     settings: &[Setting::DIODE_DROP],
-    parts: &[Takes::always(Part::DiodePair, 1)],
+    parts: &[PartUse::always(Part::DiodePair, 1)],
     output_law,
     ..Kind::NETWORK
 };
 
+/// out = min(in, in) + drop, in volts (thesis 8.2, Fig 8.9).
 fn output_law(builder: &mut dyn Builder) -> Register {
     let drop = builder.get("drop");
     let inputs = builder.inputs("in");

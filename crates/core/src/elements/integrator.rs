@@ -1,40 +1,52 @@
 //! Integrating amplifier, with or without diode limits, a brake and rebound stops.
+//!
+//! The output is the state of the element. The memory law gives its rate in this order: sum of the inputs, brake,
+//! rebound, limits. Brake, contact with a stop and limits are modes, so the solver locates the instants at which they
+//! change.
 
-use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes, Transfer, soft_limit};
-use crate::ir::{Builder, Calm, Guard, ModeHandle, Register, Transition};
+use super::{Input, Jacks, Kind, Measure, OutputStage, PartUse, Setting, Transfer, soft_limit};
+use crate::ir::{Builder, ChatterRemedy, Guard, ModeHandle, Register, Transition};
 use crate::machines::{Part, REFERENCE};
 
+/// The row of the integrator. Every input acts through the rate only, so an integrator in a loop leaves no loop to
+/// solve.
 pub(super) static KIND: Kind = Kind {
     name: "integrator",
     summary: "integrating amplifier: integrates its inputs over machine time, each times its gain, and inverts",
-    law: "d out / dt = -(sum of gain x input); with a brake: at out = 0 and |sum| <= brake it stands still, \
-          otherwise brake x sign(out) is subtracted from d out / dt; with a gap: when the lowest gap closes \
-          (falls to 0), out becomes -restitution x out; with a limit: out stands there (the drop beyond it) while \
-          d out / dt points outward",
-    overload: "stops at ±100 V and leaves at once when its input turns; the lamp lights when more is asked for, and \
-               stays dark at a diode limit",
-    modes: "stands at initial in initial condition; keeps its output in hold",
-    source: "thesis 8.1; limits: diodes across the amplifier, as in 8.2, Fig 8.9; brake: Coulomb friction as a force that knows the net force",
+    law: "d out / dt = -(sum of gain x input); with a brake: d out / dt = 0 while out = 0 and |sum| <= brake, \
+          otherwise brake x sign(out) is subtracted from d out / dt; with a gap: when the lowest gap falls to 0, out \
+          becomes -restitution x out; with a limit: out stays at the limit plus the drop while d out / dt points \
+          outward",
+    overload: "limited to ±100 V and leaves the limit as soon as its input reverses; the lamp lights if the demanded \
+               output exceeds this, and stays dark at a diode limit",
+    modes: "has the value initial in initial condition; keeps its output in hold",
+    source: "thesis 8.1; limits: diodes across the amplifier, as in 8.2, Fig 8.9; brake: Coulomb friction that \
+             balances the net force at rest",
     symbol: "integrator",
     inputs: &[
         Input::gains("x", "summing inputs, the gain per machine second in the name").remembered(),
         Input::gains("brake_x", "brake level (>= 0), the gain per machine second in the name; levels add")
             .remembered()
             .open(),
-        Input::jack("gap", "distance to a stop that throws the output back when it falls to 0")
+        Input::jack("gap", "distance to a stop; when it falls to 0, the output rebounds")
             .jacks(Jacks::Any)
             .remembered()
             .open(),
     ],
     settings: &[
         Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition"),
-        Setting::preset("restitution", Measure::Ratio, 1.0, "share of the output that a stop throws back")
-            .within(0.0, 1.0),
+        Setting::preset(
+            "restitution",
+            Measure::Ratio,
+            1.0,
+            "share of the output that is kept at a rebound, with the opposite sign",
+        )
+        .within(0.0, 1.0),
         Setting::preset(
             "rest",
             Measure::Volts,
             1e-3,
-            "output thrown back below which it comes to rest against the stop",
+            "output after a rebound below which it stays at rest against the stop",
         )
         .within(0.0, REFERENCE),
         soft_limit::UPPER,
@@ -44,24 +56,28 @@ pub(super) static KIND: Kind = Kind {
     ordered: &[("limit.lower", "limit.upper")],
     bounded: &[("limit.lower", "initial", "limit.upper")],
     parts: &[
-        Takes::always(Part::Integrator, 1),
-        Takes::with("brake_x", Part::Brake, 1),
-        Takes::with("gap", Part::Rebound, 1),
+        PartUse::always(Part::Integrator, 1),
+        PartUse::with("brake_x", Part::Brake, 1),
+        PartUse::with("gap", Part::Rebound, 1),
         soft_limit::LIMIT_PARTS[0],
         soft_limit::LIMIT_PARTS[1],
         soft_limit::LIMIT_PARTS[2],
     ],
-    output: Output::Integrator,
+    output: OutputStage::Integrator,
     transfer: Transfer::Integrating,
     output_law,
     memory_law: Some(memory_law),
     ..Kind::NETWORK
 };
 
+/// out is the state, in volts. It begins at `initial`.
 fn output_law(builder: &mut dyn Builder) -> Register {
     builder.new_state("initial")
 }
 
+/// d out / dt = -(sum of gain x input), in volts per machine second, as changed by brake, stops and limits.
+///
+/// Without cords at `brake_x` and `gap` their modes do not exist, so a plain integrator costs nothing more.
 fn memory_law(builder: &mut dyn Builder) {
     let sum = builder.sum("x");
     let mut rate = builder.negate(sum);
@@ -73,12 +89,18 @@ fn memory_law(builder: &mut dyn Builder) {
         rate = rebound(builder, brake_mode, rate);
     }
     let knees = soft_limit::knees(builder);
-    builder.set_rate_within(rate, knees);
+    builder.set_limited_rate(rate, knees);
 }
 
-/// The brake holds; its other modes are the sign of the output while it slips.
+/// Mode of a brake that holds. While it slips, the mode is the sign of the output.
 const STUCK: f64 = 0.0;
 
+/// The rate with Coulomb friction of a level b >= 0: 0 while stuck, net - b x direction while the output slips.
+///
+/// The brake holds while |net| <= b and the output is 0. It slips in the direction of the net rate as soon as |net|
+/// exceeds b. It holds again when the output reaches 0 and the net rate does not exceed b in the direction of slip. If
+/// the net rate exceeds b in the other direction, the output slips back at once. Levels below 0 count as 0. All rates
+/// are in volts per machine second.
 fn brake(builder: &mut dyn Builder, direction: ModeHandle, net: Register) -> Register {
     let level = builder.sum("brake_x");
     let (zero, out) = (builder.constant(0.0), builder.own_output());
@@ -87,7 +109,8 @@ fn brake(builder: &mut dyn Builder, direction: ModeHandle, net: Register) -> Reg
         let along = builder.constant(sign);
         (sign, along, builder.multiply(along, out))
     });
-    // What moves slips the way it moves, whatever drives it: these come before those of what stands still.
+    // A moving output slips in its direction of motion, whatever drives it. So these transitions come before those of
+    // an output at rest.
     for (sign, _, speed) in sides {
         builder.transition(direction, Transition::new(STUCK, sign, Guard::passed(speed)));
     }
@@ -107,59 +130,68 @@ fn brake(builder: &mut dyn Builder, direction: ModeHandle, net: Register) -> Reg
     builder.select(size, half, slipping, zero)
 }
 
-/// Clear of the stops; the other modes carry the sign of the output that closed the gap.
+/// Mode of an output that is clear of the stops. The other modes have the sign of the output that closed the gap.
 const CLEAR: f64 = 0.0;
-/// Thrown back, and not yet clear of the stop.
-const THROWN: f64 = 1.0;
-/// At rest against the stop.
+/// Mode after a rebound, until the output is clear of the stop.
+const REBOUNDING: f64 = 1.0;
+/// Mode at rest against the stop.
 const RESTING: f64 = 2.0;
 
+/// The rate with stops: 0 while the output rests against a stop, otherwise the given rate.
+///
+/// The smallest of the gaps decides. If it falls below 0 while the output closes it, the output jumps to -restitution x
+/// out. If the size of that value is below `rest`, the output becomes 0 and stays there while the rate points into the
+/// stop. The modes are CLEAR, ±REBOUNDING and ±RESTING; the sign is that of the output that closed the gap.
 fn rebound(builder: &mut dyn Builder, brake: Option<ModeHandle>, rate: Register) -> Register {
     let contact = builder.new_mode(CLEAR);
-    builder.calmed_by(contact, Calm::Rest);
+    builder.chatter_remedy(contact, ChatterRemedy::Rest);
     let gaps = builder.inputs("gap");
     let gap = gaps.iter().copied().reduce(|a, b| builder.minimum(a, b));
     let gap = gap.unwrap_or_else(|| builder.constant(0.0));
     let (zero, out) = (builder.constant(0.0), builder.own_output());
-    let thrown = thrown_back(builder, out);
-    let (overlap, slow) = (builder.negate(gap), slowness(builder, thrown));
+    let after = rebound_output(builder, out);
+    let (overlap, slow) = (builder.negate(gap), slowness(builder, after));
     for sign in [1.0, -1.0] {
         let along = builder.constant(sign);
         let (closing, pull) = (builder.multiply(along, out), builder.multiply(along, rate));
         let hits = builder.minimum(overlap, closing);
         let settles = builder.minimum(hits, slow);
         let leaves = builder.negate(pull);
-        for from in [CLEAR, sign * THROWN] {
+        for from in [CLEAR, sign * REBOUNDING] {
             let rests = Transition::new(from, sign * RESTING, Guard::passed(settles)).reset(builder, zero);
-            builder.transition(contact, begins_anew(rests, brake));
-            let bounces = Transition::new(from, sign * THROWN, Guard::passed(hits)).reset(builder, thrown);
-            builder.transition(contact, begins_anew(bounces, brake));
+            builder.transition(contact, with_brake_reset(rests, brake));
+            let bounces = Transition::new(from, sign * REBOUNDING, Guard::passed(hits)).reset(builder, after);
+            builder.transition(contact, with_brake_reset(bounces, brake));
         }
-        builder.transition(contact, Transition::new(sign * THROWN, CLEAR, Guard::passed(gap)));
+        builder.transition(contact, Transition::new(sign * REBOUNDING, CLEAR, Guard::passed(gap)));
         builder.transition(contact, Transition::new(sign * RESTING, CLEAR, Guard::passed(gap)));
-        builder.transition(contact, Transition::new(sign * RESTING, sign * THROWN, Guard::passed(leaves)));
+        builder
+            .transition(contact, Transition::new(sign * RESTING, sign * REBOUNDING, Guard::passed(leaves)));
     }
     let size = builder.absolute(contact.value);
-    let resting = builder.constant((THROWN + RESTING) / 2.0);
+    let resting = builder.constant((REBOUNDING + RESTING) / 2.0);
     builder.select(size, resting, zero, rate)
 }
 
-/// After a blow the brake finds the direction of slip anew.
-fn begins_anew(blow: Transition, brake: Option<ModeHandle>) -> Transition {
+/// The same transition, which also puts the brake into the mode that holds. After an impact, the brake determines the
+/// direction of slip again.
+fn with_brake_reset(impact: Transition, brake: Option<ModeHandle>) -> Transition {
     match brake {
-        Some(direction) => blow.and_sets(direction, STUCK),
-        None => blow,
+        Some(direction) => impact.with_mode(direction, STUCK),
+        None => impact,
     }
 }
 
-fn thrown_back(builder: &mut dyn Builder, out: Register) -> Register {
+/// The output after an impact: -restitution x out, in volts. The restitution is a pure number from 0 to 1.
+fn rebound_output(builder: &mut dyn Builder, out: Register) -> Register {
     let restitution = builder.get("restitution");
     let kept = builder.multiply(restitution, out);
     builder.negate(kept)
 }
 
-/// How far the output thrown back lies under the level of rest.
-fn slowness(builder: &mut dyn Builder, thrown: Register) -> Register {
-    let (rest, speed) = (builder.get("rest"), builder.absolute(thrown));
+/// The amount by which the output after a rebound is below the level of rest: rest - |after|, in volts. It is a guard:
+/// above 0 the output stays at the stop.
+fn slowness(builder: &mut dyn Builder, after: Register) -> Register {
+    let (rest, speed) = (builder.get("rest"), builder.absolute(after));
     builder.subtract(rest, speed)
 }

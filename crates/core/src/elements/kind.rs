@@ -1,4 +1,7 @@
-//! What an element says of itself, once, for the checker, the schema, the reference page and every backend.
+//! The description of one kind of element: a row of the registry.
+//!
+//! The checker, the schema, the reference page and every backend read it. So a new element needs one file and one line
+//! in the registry.
 
 use std::fmt;
 
@@ -6,133 +9,137 @@ use super::setting::Setting;
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
-/// One kind of computing element or drive: a row of the registry.
+/// One kind of computing element, drive or reference.
 pub struct Kind {
-    /// Name in documents, such as "summer".
+    /// Its name in documents, such as "summer".
     pub name: &'static str,
     /// Whether it is a computing element or a drive.
     pub family: Family,
-    /// What it is, in one line.
+    /// A description in one line.
     pub summary: &'static str,
     /// Its law as a formula in volts.
     pub law: &'static str,
-    /// What it does at overload.
+    /// Its behaviour at overload.
     pub overload: &'static str,
-    /// What it does in initial condition and in hold.
+    /// Its behaviour in initial condition and in hold.
     pub modes: &'static str,
-    /// Where the law comes from.
+    /// The source of the law.
     pub source: &'static str,
-    /// Name of its symbol in drawings.
+    /// The name of its symbol in drawings.
     pub symbol: &'static str,
-    /// Its inputs; the first is the one that a bare `"in"` means.
+    /// Its inputs. The first one is meant by a bare `"in"`.
     pub inputs: &'static [Input],
-    /// What can be set on it.
+    /// Its settings.
     pub settings: &'static [Setting],
-    /// Settings of which the first must lie below the second.
+    /// Pairs of settings of which the first must be below the second.
     pub ordered: &'static [(&'static str, &'static str)],
-    /// Settings of which the second must not lie below the first nor above the third, as far as these are set.
+    /// Triples of settings of which the second must be between the first and the third. A limit that is not set does
+    /// not apply.
     pub bounded: &'static [(&'static str, &'static str, &'static str)],
-    /// The positions between which it switches, by the values 0, 1, ... of its first mode; a phase of a run may
-    /// wait for them.
+    /// Names of the positions between which it switches, in the order of the values 0, 1 and so on of its first mode.
+    /// A phase of a run can wait for a position.
     pub positions: &'static [&'static str],
-    /// The parts of a machine that it is made of.
-    pub parts: &'static [Takes],
-    /// Whether its output is an amplifier's: stops at ±100 V and lights a lamp.
-    pub output: Output,
-    /// How the output follows the main input.
+    /// The parts of a machine that it needs.
+    pub parts: &'static [PartUse],
+    /// The kind of its output. The output of an amplifier is limited to ±100 V and has an overload lamp.
+    pub output: OutputStage,
+    /// How the output follows the main input. The scaling audit uses it.
     pub transfer: Transfer,
-    /// Emits the operations of its output, reading inputs that are `direct` only.
+    /// Emits the operations of the output. It may read only inputs that are `direct`.
     pub output_law: fn(&mut dyn Builder) -> Register,
-    /// Emits what its memory needs (rates, guards, histories), reading any input.
+    /// Emits the operations of the memory: rates, guards and sampled values. It may read every input. `None` if there
+    /// is no memory.
     pub memory_law: Option<fn(&mut dyn Builder)>,
 }
 
-/// Parts of a machine that an element is made of.
+/// The number of one part that an element needs.
 #[derive(Debug, Clone, Copy)]
-pub struct Takes {
+pub struct PartUse {
     /// The part.
     pub part: Part,
-    /// How many.
+    /// The number of parts.
     pub count: usize,
-    /// The input or setting (or group of settings) with which it takes them; "": always.
+    /// The input, the setting or the group of settings that makes the part necessary; "" if it is always necessary.
     pub with: &'static str,
 }
 
-impl Takes {
-    /// Parts that the element always takes.
+impl PartUse {
+    /// A part that the element always needs.
     pub const fn always(part: Part, count: usize) -> Self {
-        Takes { part, count, with: "" }
+        PartUse { part, count, with: "" }
     }
 
-    /// Parts that the element takes only with this input, setting or group of settings.
+    /// A part that the element needs only with this input, setting or group of settings.
     pub const fn with(with: &'static str, part: Part, count: usize) -> Self {
-        Takes { part, count, with }
+        PartUse { part, count, with }
     }
 }
 
-/// Where a kind may stand in a document.
+/// The section of a document in which a kind occurs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// In `elements`: patched by cords, set in volts.
+    /// In `elements`: connected by cords, with settings in volts.
     Computing,
-    /// In `drives`: a function of time, set in the physical units of its scale.
+    /// In `drives`: a function of time, with settings in the units of its scale.
     Drive,
     /// In the machine itself: the fixed references.
     Reference,
 }
 
-/// What stands behind an output jack.
+/// The kind of circuit at an output jack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Output {
-    /// An amplifier: clipped at ±100 V, with an overload lamp.
+pub enum OutputStage {
+    /// An amplifier: its output is limited to ±100 V, and it has an overload lamp.
     Amplifier,
-    /// An amplifier without feedback of its own, clipped and watched like the others: its output is what makes
-    /// its inputs agree.
+    /// An amplifier without built-in feedback. It is limited like the others; its output has the value at which its
+    /// inputs balance.
     OpenAmplifier,
-    /// An amplifier that integrates: its state is what is limited.
+    /// An integrating amplifier: its state is limited.
     Integrator,
-    /// A network without an amplifier: as high as what drives it.
+    /// A network without an amplifier: its output is limited only by its inputs.
     Passive,
 }
 
-/// How an output follows the main input: what gains measure, whether a pot in front may be a rate, and what the
-/// audit of amplitude scaling can follow.
+/// How an output follows the main input.
+///
+/// It decides what the gain of a jack means, whether a pot in front may be set as a rate, and what the audit of
+/// amplitude scaling can follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transfer {
-    /// Minus the gain of the jack.
+    /// out = -gain x input.
     Inverting,
-    /// Minus the gain of the jack, integrated: gains are per machine second.
+    /// d out / dt = -gain x input, with the gain per machine second.
     Integrating,
-    /// The share that its setting says.
+    /// out = setting x input.
     Share,
-    /// Otherwise: the audit does not follow it.
+    /// Anything else; the audit does not follow it.
     Other,
 }
 
 /// An input of an element.
 pub struct Input {
-    /// Name of the jack, or the prefix of jacks with gains ("x" for x1, x10, ...).
+    /// Name of the jack. For inputs with gains it is the prefix: "x" for x1, x10 and so on.
     pub name: &'static str,
     /// How many cords it takes.
     pub jacks: Jacks,
-    /// Whether the patch must drive it.
+    /// Whether something must be plugged in.
     pub required: bool,
-    /// Whether the output follows it within the same instant.
+    /// Whether the output depends on it in the same instant. Otherwise it acts through the memory only.
     pub direct: bool,
-    /// What it is for.
+    /// Its purpose in a few words.
     pub description: &'static str,
 }
 
-/// How cords go into an input.
+/// The number of jacks of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Jacks {
-    /// One jack, one cord.
+    /// One jack for one cord.
     One,
-    /// This many equal jacks, one cord each, all of them driven.
+    /// This number of equal jacks, each with one cord.
     Exactly(usize),
     /// Any number of equal jacks.
     Any,
-    /// Summing jacks, each with the gain that its name says.
+    /// Summing jacks; the name of each gives its gain.
     Gains,
 }
 
@@ -143,12 +150,12 @@ impl fmt::Debug for Kind {
 }
 
 impl Input {
-    /// An input of one jack that the patch must drive and that acts within the same instant.
+    /// A required input with one jack that acts in the same instant.
     pub const fn jack(name: &'static str, description: &'static str) -> Self {
         Input { name, jacks: Jacks::One, required: true, direct: true, description }
     }
 
-    /// Summing inputs with gains that the patch must drive and that act within the same instant.
+    /// Required summing inputs with gains that act in the same instant.
     pub const fn gains(name: &'static str, description: &'static str) -> Self {
         Input { name, jacks: Jacks::Gains, required: true, direct: true, description }
     }
@@ -158,25 +165,25 @@ impl Input {
         Input { jacks, ..self }
     }
 
-    /// The same input, which acts through the element's memory only.
+    /// The same input, acting through the element's memory only.
     pub const fn remembered(self) -> Self {
         Input { direct: false, ..self }
     }
 
-    /// The same input, which may be left open.
+    /// The same input, which may stay open.
     pub const fn open(self) -> Self {
         Input { required: false, ..self }
     }
 }
 
 impl Kind {
-    /// What networks without an amplifier have in common.
+    /// Common values for networks without an amplifier.
     pub const NETWORK: Kind = Kind {
         name: "",
         family: Family::Computing,
         summary: "",
         law: "",
-        overload: "has no amplifier: cannot overload",
+        overload: "no amplifier, so no overload",
         modes: "computes in every mode",
         source: "",
         symbol: "",
@@ -186,29 +193,39 @@ impl Kind {
         bounded: &[],
         positions: &[],
         parts: &[],
-        output: Output::Passive,
+        output: OutputStage::Passive,
         transfer: Transfer::Other,
         output_law: |builder| builder.constant(0.0),
         memory_law: None,
     };
 
-    /// What drives have in common.
+    /// Common values for drives.
     pub const DRIVE: Kind = Kind {
         family: Family::Drive,
-        overload: "its output amplifier stops at ±100 V; the lamp lights when more is asked for",
-        modes: "stands at its value of t = 0 in initial condition; its time stops in hold",
-        output: Output::Amplifier,
+        overload: "its output amplifier is limited to ±100 V; the lamp lights if the demanded output exceeds this",
+        modes: "has its value at t = 0 in initial condition; its time stops in hold",
+        output: OutputStage::Amplifier,
         ..Kind::NETWORK
     };
 
-    /// What amplifiers that do not integrate have in common.
+    /// Common values for amplifiers that do not integrate.
     pub const AMPLIFIER: Kind = Kind {
-        overload: "stops at ±100 V; the lamp lights when more is asked for",
-        output: Output::Amplifier,
+        overload: "limited to ±100 V; the lamp lights if the demanded output exceeds this",
+        output: OutputStage::Amplifier,
         ..Kind::NETWORK
     };
 
-    /// The input of this name, or whose prefix with a gain this is, and that gain.
+    /// The index of the input to which a jack belongs, and the gain of the jack (1 if its name has none).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Family, find};
+    ///
+    /// let summer = find(Family::Computing, "summer").expect("an element");
+    /// assert_eq!(summer.input("x10"), Some((0, 10.0)));
+    /// assert_eq!(summer.input("y"), None);
+    /// ```
     pub fn input(&self, jack: &str) -> Option<(usize, f64)> {
         self.inputs.iter().enumerate().find_map(|(index, input)| match input.jacks {
             Jacks::Gains => gain_of(input.name, jack).map(|gain| (index, gain)),
@@ -216,18 +233,29 @@ impl Kind {
         })
     }
 
-    /// The index of a setting by its name.
+    /// The index of the setting with this name.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Family, find};
+    ///
+    /// let integrator = find(Family::Computing, "integrator").expect("an element");
+    /// assert_eq!(integrator.setting("initial"), Some(0));
+    /// assert_eq!(integrator.setting("charge"), None);
+    /// ```
     pub fn setting(&self, name: &str) -> Option<usize> {
         self.settings.iter().position(|setting| setting.name == name)
     }
 
-    /// Whether it keeps something from one instant to the next: a charge, a position, a history.
+    /// Whether it has a memory: a charge, a position or stored inputs.
     pub fn has_memory(&self) -> bool {
         self.memory_law.is_some()
     }
 }
 
-/// The gain in a jack's name: 10 in "x10" for the prefix "x".
+/// The gain in the name of a jack, for example 10 for "x10" and the prefix "x". `None` if the name is not the prefix
+/// with a positive number.
 pub(crate) fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
     let digits = jack.strip_prefix(prefix)?;
     let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit() || b == b'.');
@@ -240,13 +268,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn gains_are_read_from_the_name_of_the_jack() {
+    fn gains_are_read_from_jack_names() {
         assert_eq!(gain_of("x", "x10"), Some(10.0));
         assert_eq!(gain_of("x", "x0.5"), Some(0.5));
         assert_eq!(gain_of("brake_x", "brake_x1000"), Some(1000.0));
         for wrong in ["x", "x0", "x-1", "x1e3", "y1", "xten", "x1.2.3", "brake_x1"] {
             assert_eq!(gain_of("x", wrong), None, "{wrong}");
         }
-        assert_eq!(gain_of("x", &format!("x{}", "9".repeat(400))), None, "beyond the numbers");
+        assert_eq!(gain_of("x", &format!("x{}", "9".repeat(400))), None, "overflow");
     }
 }

@@ -1,8 +1,8 @@
-//! The computing elements: one file each, one row each in [`REGISTRY`].
+//! The computing elements: each has its own file and one row in [`REGISTRY`].
 //!
-//! A row says everything that the rest of the house needs to know of an element: the checker reads its
-//! inputs and settings, the schema and the reference page are written from it, every backend runs the
-//! operations that its laws emit.
+//! A row contains everything that other modules need to know about an element. The checker reads its inputs and
+//! settings. The schema and the reference page are generated from it. Every backend runs the operations that its laws
+//! emit.
 
 mod absolute;
 mod backlash;
@@ -40,13 +40,23 @@ mod track_hold;
 mod triangle;
 
 pub(crate) use kind::gain_of;
-pub use kind::{Family, Input, Jacks, Kind, Output, Takes, Transfer};
+pub use kind::{Family, Input, Jacks, Kind, OutputStage, PartUse, Transfer};
 pub use page::markdown_table;
-pub use page::{Page, reference_page};
+pub use page::{KindPage, reference_page};
 pub use reference::{REFERENCE, REFERENCES};
 pub use setting::{Default, Measure, Setting};
 
 /// Every kind of element and drive, in the order of listings.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::REGISTRY;
+///
+/// assert_eq!(REGISTRY[0].name, "summer");
+/// let pot = REGISTRY.iter().find(|kind| kind.name == "pot").expect("every machine has pots");
+/// assert_eq!(pot.law, "out = setting x in");
+/// ```
 pub static REGISTRY: &[&Kind] = &[
     &summer::KIND,
     &inverter::KIND,
@@ -79,12 +89,30 @@ pub static REGISTRY: &[&Kind] = &[
     &table::KIND,
 ];
 
-/// The kind of this name in a family.
+/// The kind with this name in a family.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::{Family, find};
+///
+/// let integrator = find(Family::Computing, "integrator").expect("an element");
+/// assert!(integrator.has_memory());
+/// assert!(find(Family::Drive, "integrator").is_none());
+/// ```
 pub fn find(family: Family, name: &str) -> Option<&'static Kind> {
     REGISTRY.iter().copied().find(|kind| kind.family == family && kind.name == name)
 }
 
-/// The names of a family, in the order of the registry.
+/// The names of a family's kinds, in the order of the registry.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::{Family, names};
+///
+/// assert_eq!(names(Family::Drive), ["step", "ramp", "triangle", "sine", "noise", "table"]);
+/// ```
 pub fn names(family: Family) -> Vec<&'static str> {
     REGISTRY.iter().filter(|kind| kind.family == family).map(|kind| kind.name).collect()
 }

@@ -1,32 +1,43 @@
-//! What a reader is told of a kind: its page on the terminal and its part of docs/elements.md.
+//! The reference text of a kind: `patchcord elements NAME` prints it, and docs/elements.md contains it.
 
 use super::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
 
-/// A kind's page in words, for a terminal or a document to lay out.
+/// The reference text of a kind, in parts that a terminal or a document arranges.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::{Family, KindPage, find};
+///
+/// let page = KindPage::of(find(Family::Computing, "inverter").expect("an element"));
+/// assert_eq!(page.facts[0], ("law", "out = -in".to_owned()));
+/// assert_eq!(page.inputs, [["in", "1", "input voltage"]]);
+/// assert!(page.markdown().starts_with("### inverter\n"));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Page {
-    /// Name in documents.
+pub struct KindPage {
+    /// Its name in documents.
     pub name: &'static str,
-    /// What it is, in one line.
+    /// A description in one line.
     pub summary: &'static str,
-    /// What is said of it as a whole: law, overload, modes, parts if it takes any, source, symbol.
+    /// Pairs of a heading and a text: law, overload, modes, parts (if it needs any), source, symbol.
     pub facts: Vec<(&'static str, String)>,
-    /// A row an input, under [`Page::INPUTS`].
+    /// One row per input, with the headings [`KindPage::INPUTS`].
     pub inputs: Vec<[String; 3]>,
-    /// A row a setting, under [`Page::SETTINGS`].
+    /// One row per setting, with the headings [`KindPage::SETTINGS`].
     pub settings: Vec<[String; 5]>,
 }
 
-impl Page {
-    /// Headings of the inputs.
-    pub const INPUTS: [&str; 3] = ["input", "cords", "what it is for"];
-    /// Headings of the settings.
-    pub const SETTINGS: [&str; 5] = ["setting", "unit", "default", "range", "what it does"];
+impl KindPage {
+    /// Headings of the table of inputs.
+    pub const INPUTS: [&str; 3] = ["input", "cords", "purpose"];
+    /// Headings of the table of settings.
+    pub const SETTINGS: [&str; 5] = ["setting", "unit", "default", "range", "effect"];
 
-    /// The page of a kind.
+    /// The reference text of a kind.
     pub fn of(kind: &Kind) -> Self {
-        let row = |input: &Input| [input.jack_told(), input.cords_told(), input.description.to_owned()];
-        Page {
+        let row = |input: &Input| [input.jack_text(), input.cords_text(), input.description.to_owned()];
+        KindPage {
             name: kind.name,
             summary: kind.summary,
             facts: facts(kind),
@@ -64,13 +75,23 @@ fn setting_row(setting: &Setting) -> [String; 5] {
     [
         setting.name.to_owned(),
         setting.unit().to_owned(),
-        setting.default_told(),
-        setting.range_told(),
+        setting.default_text(),
+        setting.range_text(),
         setting.description.to_owned(),
     ]
 }
 
-/// A Markdown table after an empty line; nothing where there are no rows.
+/// A Markdown table after an empty line; an empty text if there are no rows.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::markdown_table;
+///
+/// let rows = [["|x|".to_owned(), "size".to_owned()]];
+/// assert_eq!(markdown_table(["a", "b"], &rows), "\n| a | b |\n|---|---|\n| \\|x\\| | size |\n");
+/// assert_eq!(markdown_table(["a"], &[]), "");
+/// ```
 pub fn markdown_table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
     if rows.is_empty() {
         return String::new();
@@ -81,28 +102,40 @@ pub fn markdown_table<const N: usize>(headings: [&str; N], rows: &[[String; N]])
     format!("\n{}|{}\n{rows}", line(&headings.map(str::to_owned)), "---|".repeat(N))
 }
 
-/// Every kind's page in one Markdown document: docs/elements.md.
+/// The reference text of all kinds as one Markdown document: docs/elements.md.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::{REGISTRY, reference_page};
+///
+/// let page = reference_page();
+/// assert!(page.starts_with("# Elements and drives\n"));
+/// assert!(REGISTRY.iter().all(|kind| page.contains(&format!("\n### {}\n", kind.name))));
+/// ```
 pub fn reference_page() -> String {
     let sections: String = [(Family::Computing, "Elements"), (Family::Drive, "Drives")]
         .map(|(family, heading)| {
             let kinds: Vec<_> = REGISTRY.iter().filter(|kind| kind.family == family).collect();
             let row = |kind: &&&Kind| [format!("[{0}](#{0})", kind.name), kind.summary.to_owned()];
             let rows: Vec<_> = kinds.iter().map(row).collect();
-            let pages: String = kinds.iter().map(|kind| format!("\n{}", Page::of(kind).markdown())).collect();
-            format!("\n## {heading}\n{}{pages}", markdown_table(["kind", "what it is"], &rows))
+            let pages: String =
+                kinds.iter().map(|kind| format!("\n{}", KindPage::of(kind).markdown())).collect();
+            format!("\n## {heading}\n{}{pages}", markdown_table(["kind", "description"], &rows))
         })
         .concat();
     format!(
         "# Elements and drives\n\n\
-         Every kind that may stand in a patch, as `patchcord elements NAME` tells of it. Laws are in volts of the \
-         machine; `docs/patch-format.md` tells how cords and settings are written. Amplifiers stop at ±100 V.\n\
+         This page describes every kind of element that a patch can contain. `patchcord elements NAME` prints the same \
+         text for one kind. Laws are in volts of the machine. Amplifiers are limited to ±100 V. \
+         `docs/patch-format.md` describes the notation of cords and settings.\n\
          {sections}\n\
-         This page is written from the table of elements by `PATCHCORD_BLESS=1 cargo test -p patchcord docs`.\n"
+         This page is generated from the table of elements by `PATCHCORD_BLESS=1 cargo test -p patchcord docs`.\n"
     )
 }
 
 impl Family {
-    /// Where in a document it stands.
+    /// The section of a document in which kinds of this family occur.
     pub fn section(self) -> &'static str {
         match self {
             Family::Computing => "elements",
@@ -113,16 +146,25 @@ impl Family {
 }
 
 impl Input {
-    /// Its jacks, as a reader is told of them: "in", "x1, x10, ...".
-    pub fn jack_told(&self) -> String {
+    /// The names of its jacks: "in", or "x1, x10, ..." for inputs with gains.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Input, Jacks};
+    ///
+    /// assert_eq!(Input::gains("x", "summing inputs").jack_text(), "x1, x10, ...");
+    /// assert_eq!(Input::jack("in", "input voltage").jacks(Jacks::Exactly(2)).cords_text(), "2");
+    /// ```
+    pub fn jack_text(&self) -> String {
         match self.jacks {
             Jacks::Gains => format!("{0}1, {0}10, ...", self.name),
             _ => self.name.to_owned(),
         }
     }
 
-    /// How many cords it takes, in words.
-    pub fn cords_told(&self) -> String {
+    /// The number of cords in words.
+    pub fn cords_text(&self) -> String {
         let count = match self.jacks {
             Jacks::One => "1".to_owned(),
             Jacks::Exactly(count) => count.to_string(),
@@ -133,8 +175,8 @@ impl Input {
 }
 
 impl Setting {
-    /// What it is when the patch does not say, in words.
-    pub fn default_told(&self) -> String {
+    /// The default in words.
+    pub fn default_text(&self) -> String {
         match (self.default, self.measure) {
             (Default::Required, _) => "must be given".to_owned(),
             (Default::Absent, _) => "none".to_owned(),
@@ -144,8 +186,17 @@ impl Setting {
         }
     }
 
-    /// What it may be, in words.
-    pub fn range_told(&self) -> String {
+    /// The permitted values in words.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Measure, Setting};
+    ///
+    /// let initial = Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition");
+    /// assert_eq!((initial.range_text(), initial.default_text()), ("-100 ... 100".to_owned(), "0".to_owned()));
+    /// ```
+    pub fn range_text(&self) -> String {
         match self.measure {
             Measure::Flag => String::new(),
             Measure::Choice(words) => words.join(", "),
@@ -163,14 +214,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_tells_everything_in_the_row() {
+    fn a_page_contains_everything_in_the_row() {
         for kind in REGISTRY {
-            let text = Page::of(kind).markdown();
+            let text = KindPage::of(kind).markdown();
             let facts = [kind.summary, kind.law, kind.overload, kind.modes, kind.source, kind.symbol];
             let inputs = kind.inputs.iter().flat_map(|input| [input.name, input.description]);
             let settings = kind.settings.iter().flat_map(|setting| [setting.name, setting.description]);
-            for told in facts.into_iter().chain(inputs).chain(settings) {
-                assert!(text.contains(told), "{}: {told}", kind.name);
+            for text_part in facts.into_iter().chain(inputs).chain(settings) {
+                assert!(text.contains(text_part), "{}: {text_part}", kind.name);
             }
         }
     }

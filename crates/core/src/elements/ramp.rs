@@ -1,27 +1,29 @@
-//! Drive: a ramp that may turn back.
+//! Drive: a ramp that may reverse.
 
 use super::{Kind, Measure, Setting};
 use crate::ir::{Builder, Guard, Register, Transition};
 
+/// The row of the ramp. Without `turn` it has no mode and no corner.
 pub(super) static KIND: Kind = Kind {
     name: "ramp",
-    summary: "a ramp from a start value, which may turn back at a given time",
+    summary: "a ramp from a start value, which may reverse at a given time",
     law: "out = start + rate t for t <= turn, start + rate (2 turn - t) after it",
     source: "thesis 8.2 (velocity ramp of 1.2 mm/s2)",
     symbol: "drive-ramp",
     settings: &[
         Setting::preset("start", Measure::Signal, 0.0, "value at t = 0"),
-        Setting::required("rate", Measure::SignalRate, "change per second up to the turn"),
+        Setting::required("rate", Measure::SignalRate, "change per second until the reversal"),
         Setting::optional(
             "turn",
             Measure::Seconds,
-            "time at which it turns back with the same rate (absent: never)",
+            "time at which the rate changes its sign (absent: never)",
         ),
     ],
     output_law,
     ..Kind::DRIVE
 };
 
+/// out = start + rate x run, with `run` the time t, mirrored at `turn` if that is set. Times are in problem seconds.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (start, rate, time) = (builder.get("start"), builder.get("rate"), builder.time());
     let run = match builder.optional("turn") {
@@ -32,11 +34,13 @@ fn output_law(builder: &mut dyn Builder) -> Register {
     builder.add(start, change)
 }
 
+/// Mode before the turn.
 const FORTH: f64 = 0.0;
+/// Mode after the turn.
 const BACK: f64 = 1.0;
 
-/// Time up to the turn, and as much less after it. The corner is a change of mode, so that no step of the
-/// solver reaches across it.
+/// The time t until the turn, and 2 turn - t after it. The corner is a change of mode, so no step of the solver reaches
+/// across it.
 fn turned(builder: &mut dyn Builder, time: Register, turn: Register) -> Register {
     let (since, until) = (builder.subtract(time, turn), builder.subtract(turn, time));
     let way = builder.new_mode(FORTH);

@@ -4,10 +4,18 @@ use super::{Family, Kind, Measure, Setting};
 use crate::ir::{Builder, Register};
 use crate::machines::REFERENCE as VOLTS;
 
-/// Names under which cords reach the references, and their voltages.
+/// The names of the references in cords, and their voltages.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::REFERENCES;
+///
+/// assert!(REFERENCES.contains(&("+100", 100.0)));
+/// ```
 pub const REFERENCES: &[(&str, f64)] = &[("+100", VOLTS), ("-100", -VOLTS), ("ground", 0.0)];
 
-/// The fixed references as a kind of element.
+/// The fixed references as one kind of element, with the voltage as its setting.
 pub static REFERENCE: Kind = Kind {
     name: "reference",
     family: Family::Reference,
@@ -15,11 +23,12 @@ pub static REFERENCE: Kind = Kind {
     law: "out = volts",
     source: "thesis 8.1",
     symbol: "reference",
-    settings: &[Setting::required("volts", Measure::Volts, "its voltage")],
+    settings: &[Setting::required("volts", Measure::Volts, "voltage of the reference")],
     output_law,
     ..Kind::NETWORK
 };
 
+/// out = volts. The settings of the three references are fixed numbers.
 fn output_law(builder: &mut dyn Builder) -> Register {
     builder.get("volts")
 }

@@ -1,81 +1,81 @@
-//! What can be set on an element, and what its values measure.
+//! The settings of elements: name, unit, default and range.
 
 use crate::machines::REFERENCE;
 
-/// Something that can be set on an element.
+/// A setting of an element.
 pub struct Setting {
-    /// Key in the document; a dot means a nested object ("limit.upper").
+    /// Key in the document. A dot means a nested object: "limit.upper".
     pub name: &'static str,
-    /// What kind of value it is, and in which unit.
+    /// The quantity that it specifies, which also decides the unit.
     pub measure: Measure,
-    /// What it is when the patch does not say.
+    /// Its value if the patch omits it.
     pub default: Default,
-    /// Least and largest value allowed.
+    /// Least and largest permitted value, in its unit.
     pub range: (f64, f64),
-    /// What it does.
+    /// Its effect in a few words.
     pub description: &'static str,
 }
 
-/// What a setting's value measures.
+/// The quantity that a setting specifies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measure {
-    /// A potentiometer setting: a pure number from 0 to 1; a rate before an integrator.
+    /// A potentiometer setting: a pure number from 0 to 1. In front of an integrator it can be a rate.
     Fraction,
     /// A pure number.
     Ratio,
-    /// A whole number, 0 or above.
+    /// A whole number that is not negative.
     Whole,
-    /// Volts of the machine.
+    /// A voltage of the machine, in volts.
     Volts,
-    /// Machine seconds.
+    /// A time in machine seconds.
     MachineSeconds,
-    /// Problem seconds (drives).
+    /// A time in problem seconds (drives only).
     Seconds,
-    /// Cycles per problem second (drives).
+    /// A frequency in cycles per problem second (drives only).
     Hertz,
-    /// An angle in radians (drives).
+    /// An angle in radians (drives only).
     Radians,
-    /// An angle in radians for a volt of the machine.
+    /// Radians per volt of the machine.
     RadiansPerVolt,
-    /// The unit of the drive's scale.
+    /// A value in the unit of the drive's scale.
     Signal,
-    /// The unit of the drive's scale per problem second.
+    /// A rate in the unit of the drive's scale per problem second.
     SignalRate,
-    /// true or false.
+    /// True or false.
     Flag,
     /// One of these words.
     Choice(&'static [&'static str]),
     /// A list of points [problem seconds, value in the unit of the drive's scale].
     Points,
-    /// A list of points [volts in, volts out], mirrored as the setting of this name says, which stands before
-    /// it.
+    /// A list of points [volts in, volts out]. The setting with this name, which must come first, says how it is
+    /// mirrored.
     Curve(&'static str),
 }
 
-/// What a setting is when the patch does not say.
+/// The value of a setting if the patch omits it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Default {
-    /// The patch must say.
+    /// The patch must specify it.
     Required,
-    /// This number (for flags: not 0 is true; for choices: the index).
+    /// This number. For a flag, 0 is false and anything else true. For a choice, it is the index of the word.
     Number(f64),
-    /// There is none, and the element does without.
+    /// The element works without it.
     Absent,
 }
 
-/// Up to here every whole number is a number of the machine that runs this.
-const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+/// 2^53: up to here every whole number is exact in a double.
+const MAX_WHOLE: f64 = 9_007_199_254_740_992.0;
 
-/// What rounding may add to a fraction.
-const ROUNDING: f64 = 1e-12;
+/// Margin for rounding at the ends of a fraction's range.
+const FRACTION_TOLERANCE: f64 = 1e-12;
 
 impl Measure {
-    /// The widest range that a value of this measure can have.
+    /// The widest range that a value of this quantity can have.
     const fn widest(self) -> (f64, f64) {
         match self {
             Measure::Fraction | Measure::Flag => (0.0, 1.0),
             Measure::Volts | Measure::Curve(_) => (-REFERENCE, REFERENCE),
-            Measure::Whole => (0.0, LARGEST_WHOLE),
+            Measure::Whole => (0.0, MAX_WHOLE),
             Measure::MachineSeconds | Measure::Seconds | Measure::Hertz => (0.0, f64::MAX),
             _ => (f64::MIN, f64::MAX),
         }
@@ -83,31 +83,41 @@ impl Measure {
 }
 
 impl Setting {
-    /// The forward drop that elements with diodes have in common.
+    /// The forward drop that all elements with diodes have.
     pub const DIODE_DROP: Setting =
         Setting::preset("drop", Measure::Volts, 0.0, "forward drop of the diodes").within(0.0, 10.0);
 
-    /// A setting that the patch must give, in the widest range that its measure allows.
+    /// A setting that the patch must specify, with the widest range of its quantity.
     pub const fn required(name: &'static str, measure: Measure, description: &'static str) -> Self {
         Setting { name, measure, default: Default::Required, range: measure.widest(), description }
     }
 
-    /// A setting with a default.
+    /// A setting with a default value, with the widest range of its quantity.
     pub const fn preset(name: &'static str, measure: Measure, value: f64, description: &'static str) -> Self {
         Setting { name, measure, default: Default::Number(value), range: measure.widest(), description }
     }
 
-    /// A setting that the element can do without.
+    /// A setting that the patch may omit and that then has no value.
     pub const fn optional(name: &'static str, measure: Measure, description: &'static str) -> Self {
         Setting { name, measure, default: Default::Absent, range: measure.widest(), description }
     }
 
-    /// The same setting in a narrower range.
+    /// The same setting with a narrower range.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Measure, Setting};
+    ///
+    /// let width = Setting::required("width", Measure::Volts, "width of the zone").within(0.0, 10.0);
+    /// assert_eq!(width.range, (0.0, 10.0));
+    /// assert!(!width.allows(-1.0));
+    /// ```
     pub const fn within(self, low: f64, high: f64) -> Self {
         Setting { range: (low, high), ..self }
     }
 
-    /// The range that a coefficient keeps to: what a drive gives has become volts, of either sign.
+    /// The range for the coefficient in the program. A drive's value is converted to volts and can have either sign.
     pub fn coefficient_range(&self) -> (f64, f64) {
         match self.measure {
             Measure::Signal | Measure::SignalRate => (f64::MIN, f64::MAX),
@@ -115,20 +125,30 @@ impl Setting {
         }
     }
 
-    /// The range that a value worked out of formulas keeps to: a fraction may pass its ends by rounding, as a
-    /// pot at "0.1 * 3 / 0.3" does.
+    /// The range for a computed value. A fraction may exceed its range by rounding: a pot at "0.1 * 3 / 0.3" is not
+    /// exactly 1.
     fn allowed(&self) -> (f64, f64) {
-        let slack = if self.measure == Measure::Fraction { ROUNDING } else { 0.0 };
+        let slack = if self.measure == Measure::Fraction { FRACTION_TOLERANCE } else { 0.0 };
         (self.range.0 - slack, self.range.1 + slack)
     }
 
-    /// Whether a value may be set.
+    /// Whether a value is permitted.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Measure, Setting};
+    ///
+    /// let setting = Setting::required("setting", Measure::Fraction, "position of the wiper");
+    /// assert!(setting.allows(0.5) && !setting.allows(1.5));
+    /// assert_eq!(setting.unit(), "1");
+    /// ```
     pub fn allows(&self, value: f64) -> bool {
         let (low, high) = self.allowed();
         (low..=high).contains(&value)
     }
 
-    /// A setting that is a number: the unit in which its plain numbers stand.
+    /// The unit in which the patch specifies the setting.
     pub fn unit(&self) -> &'static str {
         match self.measure {
             Measure::Fraction | Measure::Ratio => "1",
@@ -154,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pot_may_be_set_to_1_and_a_rounding() {
+    fn a_pot_may_exceed_1_by_rounding() {
         let setting = Setting::required("setting", Measure::Fraction, "");
         assert!([0.0, 0.5, 1.0, 0.1 * 3.0 / 0.3, -1e-13].iter().all(|value| setting.allows(*value)));
         assert!([1.0 + 1e-9, -1e-9, f64::NAN].iter().all(|value| !setting.allows(*value)));

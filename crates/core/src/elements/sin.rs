@@ -1,16 +1,20 @@
 //! Sine of a voltage.
+//!
+//! Sine and cosine share everything except the function. No adaptive step is longer than one eighth of a period
+//! (docs/solver.md).
 
 use std::f64::consts::PI;
 
-use super::{Input, Kind, Measure, Setting, Takes};
+use super::{Input, Kind, Measure, PartUse, Setting};
 use crate::ir::{Builder, Register};
 use crate::machines::{Part, REFERENCE};
 use patchcord_expr::Function;
 
+/// The row of the sine. An angle of 0 V gives 0 V.
 pub(super) static KIND: Kind = Kind {
     name: "sin",
     summary: "fixed function generator: the sine of its input",
-    law: "out = amplitude x sin(angle_per_volt x in); as preset 100 V stand for 180 degrees",
+    law: "out = amplitude x sin(angle_per_volt x in); by default 100 V correspond to 180 degrees",
     overload: OVERLOAD,
     source: "sine-cosine function generators of the general-purpose machines",
     symbol: "sin",
@@ -21,25 +25,24 @@ pub(super) static KIND: Kind = Kind {
     ..Kind::AMPLIFIER
 };
 
-/// What sine and cosine have in common.
-pub(super) const INPUTS: &[Input] = &[Input::jack("in", "the angle")];
-pub(super) const PARTS: &[Takes] = &[Takes::always(Part::FunctionGenerator, 1)];
-pub(super) const OVERLOAD: &str = "gives its amplitude at most: cannot overload";
+/// The input of sine and cosine.
+pub(super) const INPUTS: &[Input] = &[Input::jack("in", "angle, as a voltage")];
+/// The parts that sine and cosine need.
+pub(super) const PARTS: &[PartUse] = &[PartUse::always(Part::FunctionGenerator, 1)];
+/// The behaviour of sine and cosine at overload.
+pub(super) const OVERLOAD: &str = "its output is at most amplitude, so it cannot overload";
+/// The settings of sine and cosine.
 pub(super) const SETTINGS: &[Setting] = &[
-    Setting::preset("amplitude", Measure::Volts, REFERENCE, "output at the sine's or cosine's 1"),
-    Setting::preset(
-        "angle_per_volt",
-        Measure::RadiansPerVolt,
-        PI / REFERENCE,
-        "angle that one volt stands for",
-    ),
+    Setting::preset("amplitude", Measure::Volts, REFERENCE, "largest output"),
+    Setting::preset("angle_per_volt", Measure::RadiansPerVolt, PI / REFERENCE, "angle per volt of input"),
 ];
 
+/// out = amplitude x sin(angle_per_volt x in), in volts.
 fn output_law(builder: &mut dyn Builder) -> Register {
     wave(builder, Function::Sin)
 }
 
-/// The amplitude times a function of the angle.
+/// The amplitude times sine or cosine of the angle, in volts. The angle is angle_per_volt x in, in radians.
 pub(super) fn wave(builder: &mut dyn Builder, function: Function) -> Register {
     let (scale, input) = (builder.get("angle_per_volt"), builder.input("in"));
     let angle = builder.multiply(scale, input);

@@ -1,4 +1,6 @@
 //! Drive: a sine wave.
+//!
+//! The phase advances with problem time, so the frequency is in cycles per problem second.
 
 use std::f64::consts::TAU;
 
@@ -6,6 +8,7 @@ use super::{Kind, Measure, Setting};
 use crate::ir::{Builder, Register};
 use patchcord_expr::Function;
 
+/// The row of the sine wave. Amplitude and offset are in the unit of the drive's scale.
 pub(super) static KIND: Kind = Kind {
     name: "sine",
     summary: "a sine wave about an offset",
@@ -13,15 +16,18 @@ pub(super) static KIND: Kind = Kind {
     source: "oscillator of the period; thesis 8.3 (10 V on -50 V at 1/Tc)",
     symbol: "drive-sine",
     settings: &[
-        Setting::required("amplitude", Measure::Signal, "height above and below the offset"),
+        Setting::required("amplitude", Measure::Signal, "amplitude about the offset"),
         Setting::required("frequency", Measure::Hertz, "periods per second"),
-        Setting::preset("phase", Measure::Radians, 0.0, "lead at t = 0"),
+        Setting::preset("phase", Measure::Radians, 0.0, "phase at t = 0"),
         Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
     ],
     output_law,
     ..Kind::DRIVE
 };
 
+/// out = offset + amplitude x sin(2 pi frequency t + phase), in volts; t is in problem seconds.
+///
+/// The lowering has converted amplitude and offset from the unit of the scale to volts.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (time, frequency) = (builder.time(), builder.get("frequency"));
     let periods = builder.multiply(frequency, time);

@@ -1,6 +1,9 @@
-//! The soft limiter that an amplifier may carry: a biased diode across it.
+//! The soft limiter of an amplifier: biased diodes across it.
+//!
+//! Summers and integrators share these settings and parts. A summer has a slope beyond the limit. An integrator has a
+//! flat limit.
 
-use super::{Measure, Setting, Takes};
+use super::{Measure, PartUse, Setting};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -10,26 +13,27 @@ pub(super) const UPPER: Setting =
 /// The lower limit of any amplifier.
 pub(super) const LOWER: Setting =
     Setting::optional("limit.lower", Measure::Volts, "output below which the lower diode conducts");
-/// The drop of its diodes.
+/// The forward drop of the limiter's diodes.
 pub(super) const DROP: Setting = Setting { name: "limit.drop", ..Setting::DIODE_DROP };
 
 /// The settings of a soft limiter.
 pub(super) const LIMIT_SETTINGS: &[Setting] = &[
     UPPER,
     LOWER,
-    Setting::preset("limit.slope", Measure::Ratio, 0.0, "slope that is left beyond a limit (0: flat)")
+    Setting::preset("limit.slope", Measure::Ratio, 0.0, "remaining slope beyond a limit (0: flat)")
         .within(0.0, 1.0),
     DROP,
 ];
 
-/// What it takes of a machine.
-pub(super) const LIMIT_PARTS: [Takes; 3] = [
-    Takes::with("limit", Part::DiodePair, 1),
-    Takes::with("limit.upper", Part::FreePot, 1),
-    Takes::with("limit.lower", Part::FreePot, 1),
+/// The parts of a machine that a limiter needs.
+pub(super) const LIMIT_PARTS: [PartUse; 3] = [
+    PartUse::with("limit", Part::DiodePair, 1),
+    PartUse::with("limit.upper", Part::FreePot, 1),
+    PartUse::with("limit.lower", Part::FreePot, 1),
 ];
 
-/// The outputs, lower and upper, at which the diodes conduct, their drop included; `None` where there is none.
+/// The lower and the upper output at which the diodes conduct, in volts: lower - drop and upper + drop. `None` for a
+/// limit that is not set.
 pub(super) fn knees(builder: &mut dyn Builder) -> [Option<Register>; 2] {
     let (lower, upper) = (builder.optional("limit.lower"), builder.optional("limit.upper"));
     if lower.is_none() && upper.is_none() {
@@ -39,7 +43,9 @@ pub(super) fn knees(builder: &mut dyn Builder) -> [Option<Register>; 2] {
     [lower.map(|level| builder.subtract(level, drop)), upper.map(|level| builder.add(level, drop))]
 }
 
-/// The output after the limiter, or the output itself where none is set.
+/// The output after the limiter: K + slope x (out - K) beyond a knee K. The same output if no limit is set.
+///
+/// Both limits change the output independently, because at most one of them applies.
 pub(super) fn apply(builder: &mut dyn Builder, out: Register) -> Register {
     let [lower, upper] = knees(builder);
     if upper.is_none() && lower.is_none() {
@@ -58,7 +64,9 @@ pub(super) fn apply(builder: &mut dyn Builder, out: Register) -> Register {
     limited
 }
 
-/// Takes off the part of `out` that is not `inside`, but for the slope that is left of it.
+/// Subtracts the part of `out` beyond the limit, except for the remaining slope.
+///
+/// The result is limited + (slope - 1) x (out - inside), in volts; `inside` is `out` cut off at the knee.
 fn beyond(
     builder: &mut dyn Builder,
     limited: Register,

@@ -3,9 +3,10 @@
 use super::{Kind, Measure, Setting};
 use crate::ir::{Builder, Guard, Register, Transition};
 
+/// The row of the step. The height is in the unit of the drive's scale.
 pub(super) static KIND: Kind = Kind {
     name: "step",
-    summary: "a step: nothing before its time, its height from then on",
+    summary: "a step: 0 before its time, its height from then on",
     law: "out = 0 for t < at, height for t >= at",
     source: "thesis 8.2 (step of 0.127 mm)",
     symbol: "drive-step",
@@ -17,10 +18,14 @@ pub(super) static KIND: Kind = Kind {
     ..Kind::DRIVE
 };
 
+/// Mode before the step.
 const BEFORE: f64 = 0.0;
+/// Mode at the step and after it.
 const AFTER: f64 = 1.0;
 
-// The jump is a change of mode, so that no step of the solver reaches across it.
+/// out = 0 for t < at, height for t >= at; t is in problem seconds.
+///
+/// The jump is a change of mode, so no step of the solver reaches across it.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (time, at) = (builder.time(), builder.get("at"));
     let (height, zero, half) = (builder.get("height"), builder.constant(0.0), builder.constant(0.5));

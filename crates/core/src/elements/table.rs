@@ -1,38 +1,48 @@
-//! Drive: a table of points.
+//! Drive: a table of points in time.
+//!
+//! The times of the points are known before the run, so no step reaches across one of them.
 
 use super::{Kind, Measure, Setting};
 use crate::ir::{Builder, Register};
 
+/// Straight lines between the points. The points are corners.
 const LINEAR: &str = "linear";
+/// Each value stays until the next point. The output jumps at the points.
 const PREVIOUS: &str = "previous";
 
+/// The row of the table. The points can come from a CSV file, which is read together with the patch.
 pub(super) static KIND: Kind = Kind {
     name: "table",
-    summary: "a curve through points in time: straight between them or a staircase, level before and after",
-    law: "out = the straight line between the points on either side of t; hold previous: the value of the last point at t or before",
+    summary: "a curve through points in time: straight lines or a staircase, constant before and after",
+    law: "out = linear interpolation between the points on both sides of t; with hold previous: the value of the \
+          last point at or before t",
     source: "curve follower of the period",
     symbol: "drive-table",
     settings: &[
         Setting::required(
             "points",
             Measure::Points,
-            "points [time, value], times rising; or a CSV file that holds them",
+            "points [time, value] with ascending times, or a CSV file that contains them",
         ),
         Setting::preset(
             "hold",
             Measure::Choice(&[LINEAR, PREVIOUS]),
             0.0,
-            "what it gives between points: the straight line, or the value of the last one, as a sampled controller puts it out",
+            "value between points: linear interpolation, or the value of the previous point like the output of a \
+             sampled controller",
         ),
     ],
     output_law,
     ..Kind::DRIVE
 };
 
+/// out = table(t), in volts; t is in problem seconds. Before the first point and after the last one it is constant.
+///
+/// The points are in the unit of the scale. Unlike other settings they are not formulas, so the law converts them here.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let value = match builder.choice("hold") {
-        PREVIOUS => builder.held_in_time("points"),
-        _ => builder.straight_in_time("points"),
+        PREVIOUS => builder.stepped_time_table("points"),
+        _ => builder.linear_time_table("points"),
     };
     let volts = builder.volts_per_signal();
     builder.multiply(volts, value)

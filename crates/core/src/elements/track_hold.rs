@@ -1,49 +1,60 @@
 //! Track-and-hold amplifier.
+//!
+//! The element remembers its output at the end of the last step. While it holds, this value is the output; the mode
+//! says whether it holds.
 
-use super::{Input, Kind, Measure, Setting, Takes};
+use super::{Input, Kind, Measure, PartUse, Setting};
 use crate::ir::{Builder, Guard, ModeHandle, Register, Transition};
 use crate::machines::Part;
 
+/// The row of the track-and-hold amplifier. Its control acts through the memory only.
 pub(super) static KIND: Kind = Kind {
     name: "track-hold",
-    summary: "track-and-hold amplifier: follows its input and inverts, or keeps the output that it had",
-    law: "out = -in while track >= threshold; otherwise out stays as it was when track fell below it: of an input \
-          that jumps at that instant, as before the jump",
-    modes: "in initial condition it tracks as its control says, or holds initial; in hold its output moves only \
-            where a hand moves its input or its control",
+    summary: "track-and-hold amplifier: follows its input inverted, or keeps its output",
+    law: "out = -in while track >= threshold; otherwise out keeps its value from the instant at which track fell \
+          below it; if the input jumps at that instant, the value before the jump",
+    modes: "in initial condition it tracks if its control says so, otherwise its output is initial; in hold its \
+            output changes only if its input or its control is changed by hand",
     source: "track-store amplifiers of the hybrid machines",
     symbol: "track-hold",
     inputs: &[
-        Input::jack("in", "what is followed"),
-        Input::jack("track", "control: it tracks while this is at the threshold or above").remembered(),
+        Input::jack("in", "voltage that it follows"),
+        Input::jack("track", "control: it tracks while this is at or above the threshold").remembered(),
     ],
     settings: &[
-        Setting::preset("threshold", Measure::Volts, 0.0, "voltage of the control from which on it tracks"),
-        Setting::preset("initial", Measure::Volts, 0.0, "output that it holds when it starts in hold"),
+        Setting::preset("threshold", Measure::Volts, 0.0, "control voltage from which it tracks"),
+        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition if it does not track"),
     ],
-    parts: &[Takes::always(Part::TrackHold, 1)],
+    parts: &[PartUse::always(Part::TrackHold, 1)],
     output_law,
     memory_law: Some(memory_law),
     ..Kind::AMPLIFIER
 };
 
+/// Mode while the output is kept.
 const HOLDING: f64 = 0.0;
+/// Mode while the output follows the input.
 const TRACKING: f64 = 1.0;
 
+/// out = -in while tracking, and otherwise the sampled output, in volts.
 fn output_law(builder: &mut dyn Builder) -> Register {
-    let (held, position) = (builder.new_memory("initial"), builder.new_mode(HOLDING));
+    let (held, position) = (builder.new_sampled_value("initial"), builder.new_mode(HOLDING));
     let signal = builder.input("in");
     let (followed, half) = (builder.negate(signal), builder.constant(0.5));
     builder.select(position.value, half, followed, held)
 }
 
+/// Samples the output at the end of every step, and switches the mode by the control.
 fn memory_law(builder: &mut dyn Builder) {
     let output = builder.own_output();
-    builder.remember(output);
+    builder.set_next_sample(output);
     let position = builder.own_mode();
     switches(builder, position);
 }
 
+/// Tracks if track >= threshold, and holds if it is below, in volts.
+///
+/// The guards are complementary: one includes the threshold and the other does not.
 fn switches(builder: &mut dyn Builder, position: ModeHandle) {
     let (control, threshold) = (builder.input("track"), builder.get("threshold"));
     let above = builder.subtract(control, threshold);

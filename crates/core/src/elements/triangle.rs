@@ -3,14 +3,16 @@
 use super::{Kind, Measure, Setting};
 use crate::ir::{Builder, Guard, Register, Transition};
 
+/// The row of the triangular wave. Amplitude and offset are in the unit of the drive's scale.
 pub(super) static KIND: Kind = Kind {
     name: "triangle",
-    summary: "a triangular wave about an offset, starting upward from it",
-    law: "out = offset + amplitude x tri(frequency t), tri rising from 0 to 1, falling to -1, back to 0 in one period",
+    summary: "a triangular wave about an offset, rising at t = 0",
+    law: "out = offset + amplitude x tri(frequency t), with tri rising from 0 to 1, falling to -1 and back to 0 in \
+          one period",
     source: "function generator of the period",
     symbol: "drive-triangle",
     settings: &[
-        Setting::required("amplitude", Measure::Signal, "height above and below the offset"),
+        Setting::required("amplitude", Measure::Signal, "amplitude about the offset"),
         Setting::required("frequency", Measure::Hertz, "periods per second"),
         Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
     ],
@@ -18,11 +20,15 @@ pub(super) static KIND: Kind = Kind {
     ..Kind::DRIVE
 };
 
+/// Mode on the rising flank.
 const RISING: f64 = 0.0;
+/// Mode on the falling flank.
 const FALLING: f64 = 1.0;
 
-// With s = frequency t + 1/4 and its fraction p: tri = 1 - |4 p - 2|, which is 0 and rising at t = 0. The
-// corners are changes of mode, so that no step of the solver reaches across them.
+/// out = offset + amplitude x tri, in volts. The frequency is in periods per problem second.
+///
+/// tri = 1 - |4 p - 2|, where p is the fractional part of frequency t + 1/4. The corners are changes of mode, so no
+/// step of the solver reaches across them.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (time, frequency) = (builder.time(), builder.get("frequency"));
     let periods = builder.multiply(frequency, time);

@@ -1,31 +1,41 @@
-//! The interface that element laws are written against: what a law can read, and the operations that it can emit.
+//! The interface that element laws are written against.
+//!
+//! A law reads inputs and settings of its element and emits operations. [`Builder`] has the methods that the lowering
+//! implements because they need the circuit. The operations themselves are methods of `dyn Builder`, so laws are
+//! ordinary functions without type parameters.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{
-    Calm, Delay, Distribution, Guard, Kept, Level, Mode, ModeHandle, Noise, Op, Program, Register, State,
-    TimeConstant, Timetable, Transition,
+    ChatterRemedy, Delay, Distribution, Guard, Level, Mode, ModeHandle, Noise, Op, Program, Register,
+    SampledValue, State, TimeConstant, Timetable, Transition,
 };
 use crate::machines::REFERENCE;
 use patchcord_expr::Function;
 
-/// Mode of an integrator between its limits; at a limit the mode is the limit's sign.
+/// Mode of an integrator between its limits. At a limit, the mode is the sign of the limit.
 const FREE: f64 = 0.0;
 
-/// A program under construction, and the element whose law is emitting.
+/// A program under construction, with the element whose law is being emitted.
 pub struct Draft {
+    /// The program so far. The sections of its body are not sorted yet.
     pub(crate) program: Program,
-    /// Index of the element whose law is emitting.
+    /// Index of the element whose law is being emitted.
     pub(crate) current: usize,
-    /// For every operation of the body, the element whose law emitted it.
+    /// For every operation of the body, the index of the element whose law emitted it.
     pub(crate) owners: Vec<usize>,
-    /// The output of every element that has been emitted.
+    /// The output register of every element; `None` before its output law has run.
     pub(crate) outputs: Vec<Option<Register>>,
+    /// Index of the state of each element that has one.
     pub(crate) own_state: HashMap<usize, u32>,
+    /// The first mode of each element that has one.
     pub(crate) own_mode: HashMap<usize, ModeHandle>,
+    /// Index of the delay line of each element that has one.
     own_delay: HashMap<usize, u32>,
+    /// Index of the sampled value of each element that has one.
     own_memory: HashMap<usize, u32>,
+    /// The register of each number, by its bits, so that equal numbers are emitted once.
     constants: HashMap<u64, Register>,
 }
 
@@ -46,7 +56,7 @@ impl Draft {
     }
 }
 
-/// What an element's law reads of its element. The operations it emits are methods of `dyn Builder`.
+/// What a law can read of its element. The operations that a law can emit are methods of `dyn Builder`.
 pub trait Builder {
     /// The program under construction.
     fn draft(&self) -> &Draft;
@@ -57,33 +67,33 @@ pub trait Builder {
     /// Gain and voltage of every cord into an input of the element, in the order of the document.
     fn driven(&self, input: &str) -> Vec<(f64, Register)>;
 
-    /// The coefficient of a setting; `None` if the patch omits it and it has no default.
+    /// Index of the coefficient of a setting. `None` if the patch omits the setting and it has no default.
     fn coefficient(&mut self, setting: &str) -> Option<u32>;
 
-    /// A setting made of points; empty if the patch omits it.
+    /// A setting that is a list of points; empty if the patch omits it.
     fn points(&self, setting: &str) -> Vec<[f64; 2]>;
 
     /// A setting that is true or false.
     fn flag(&self, setting: &str) -> bool;
 
-    /// The word that a setting chooses, the first of its words by default.
+    /// The word chosen by a setting; by default the first one.
     fn choice(&self, setting: &str) -> &'static str;
 
-    /// Volts per unit of a drive's scale, for values that are not formulas.
+    /// Register with the volts per unit of a drive's scale, for values that are not formulas.
     fn volts_per_signal(&mut self) -> Register;
 
     /// Whether the element is a drive.
     fn is_drive(&self) -> bool;
 }
 
-/// What a law reads.
+/// Methods that read inputs and settings.
 impl dyn Builder + '_ {
-    /// The voltages at an input, without gains, in the order of the document.
+    /// The voltages at an input without gains, in the order of the document.
     pub fn inputs(&mut self, name: &str) -> Vec<Register> {
         self.driven(name).into_iter().map(|(_, register)| register).collect()
     }
 
-    /// The voltage at an input of one jack; ground if it is left open.
+    /// The voltage at an input with one jack; 0 V if nothing is plugged in.
     pub fn input(&mut self, name: &str) -> Register {
         match self.inputs(name).first() {
             Some(register) => *register,
@@ -96,7 +106,7 @@ impl dyn Builder + '_ {
         !self.driven(name).is_empty()
     }
 
-    /// The sum of an input's voltages, each times its gain.
+    /// The sum of the voltages at an input, each times its gain.
     pub fn sum(&mut self, name: &str) -> Register {
         let mut total = None;
         for (gain, register) in self.driven(name) {
@@ -106,6 +116,7 @@ impl dyn Builder + '_ {
         total.unwrap_or_else(|| self.constant(0.0))
     }
 
+    /// gain x register; the register itself if the gain is 1.
     fn scaled(&mut self, register: Register, gain: f64) -> Register {
         if gain == 1.0 {
             return register;
@@ -114,34 +125,34 @@ impl dyn Builder + '_ {
         self.multiply(gain, register)
     }
 
-    /// A setting as a voltage or number of the body, its default if the patch omits it.
+    /// The value of a setting, or its default if the patch omits it.
     pub fn get(&mut self, name: &str) -> Register {
-        self.optional(name).expect("a setting that is required or has a default is there")
+        self.optional(name).expect("required settings and settings with a default have a value")
     }
 
-    /// A setting that may be absent.
+    /// The value of a setting without a default; `None` if the patch omits it.
     pub fn optional(&mut self, name: &str) -> Option<Register> {
         let index = self.coefficient(name)?;
         Some(self.emit(Op::Coefficient(index)))
     }
 
-    /// The coefficient of a setting that is required or has a default.
+    /// Index of the coefficient of a setting that is required or has a default.
     fn required(&mut self, name: &str) -> u32 {
-        self.coefficient(name).expect("a setting that is required or has a default is there")
+        self.coefficient(name).expect("required settings and settings with a default have a value")
     }
 
     /// Appends an operation of the current element to the body.
     pub(crate) fn emit(&mut self, op: Op) -> Register {
         let draft = self.draft_mut();
-        draft.program.body.push(op);
+        draft.program.lowered_mut().body.push(op);
         draft.owners.push(draft.current);
-        Register(draft.program.body.len() as u32 - 1)
+        Register(draft.program.lowered.body.len() as u32 - 1)
     }
 }
 
-/// What a law emits.
+/// Methods that emit operations.
 impl dyn Builder + '_ {
-    /// A fixed number.
+    /// A fixed number. Equal numbers share a register.
     pub fn constant(&mut self, value: f64) -> Register {
         if let Some(register) = self.draft().constants.get(&value.to_bits()) {
             return *register;
@@ -182,22 +193,22 @@ impl dyn Builder + '_ {
         self.emit(Op::Divide(a, b))
     }
 
-    /// The lower of two.
+    /// The smaller of two values.
     pub fn minimum(&mut self, a: Register, b: Register) -> Register {
         self.emit(Op::Minimum(a, b))
     }
 
-    /// The upper of two.
+    /// The larger of two values.
     pub fn maximum(&mut self, a: Register, b: Register) -> Register {
         self.emit(Op::Maximum(a, b))
     }
 
-    /// Size without sign.
+    /// The absolute value.
     pub fn absolute(&mut self, a: Register) -> Register {
         self.emit(Op::Absolute(a))
     }
 
-    /// `then` where left >= right, else `otherwise`.
+    /// `then` if left >= right, otherwise `otherwise`.
     pub fn select(
         &mut self,
         left: Register,
@@ -213,65 +224,70 @@ impl dyn Builder + '_ {
         self.emit(Op::Call(function, a, a))
     }
 
-    /// The whole number at or below.
+    /// The largest whole number that is not above a.
     pub fn floor(&mut self, a: Register) -> Register {
         self.call(Function::Floor, a)
     }
 
-    /// Points looked up: straight between them, level outside.
+    /// Looks up a table of points at a voltage: straight lines between the points, constant outside.
     pub fn look_up(&mut self, points: Vec<[f64; 2]>, at: Register) -> Register {
         let table = self.new_table(points);
         let element = self.draft().current;
-        self.draft_mut().program.curves.push((element, table));
+        self.draft_mut().program.lowered_mut().curves.push((element, table));
         self.emit(Op::Table(table as u32, at))
     }
 
+    /// Adds a table of points and returns its index.
     fn new_table(&mut self, points: Vec<[f64; 2]>) -> usize {
         let tables = Arc::make_mut(&mut self.draft_mut().program.tables);
         tables.push(points);
         tables.len() - 1
     }
 
-    /// A setting made of points in time, straight from one to the next, level outside: no step goes across its corners.
-    pub fn straight_in_time(&mut self, name: &str) -> Register {
+    /// Looks up a setting of points at time: straight lines between the points, constant outside. No step reaches
+    /// across a point.
+    pub fn linear_time_table(&mut self, name: &str) -> Register {
         let table = self.new_timetable(name, true);
         let time = self.time();
         self.emit(Op::Table(table as u32, time))
     }
 
-    /// A setting made of points in time, each value held until the next, the first before it too.
-    pub fn held_in_time(&mut self, name: &str) -> Register {
+    /// Looks up a setting of points at time. Each value stays until the next point; before the first point, the first
+    /// value applies.
+    pub fn stepped_time_table(&mut self, name: &str) -> Register {
         let table = self.new_timetable(name, false);
         self.level(Level::Points { table })
     }
 
+    /// Adds a table that is looked up at time, from a setting of points.
     fn new_timetable(&mut self, name: &str, is_straight: bool) -> usize {
         let table = self.new_table(self.points(name));
         let draft = self.draft_mut();
         let element = draft.current;
-        draft.program.timetables.push(Timetable { element, table, is_straight });
+        draft.program.lowered_mut().timetables.push(Timetable { element, table, is_straight });
         table
     }
 
+    /// Adds a level and emits the operation that reads it.
     fn level(&mut self, level: Level) -> Register {
-        let levels = &mut self.draft_mut().program.levels;
+        let levels = &mut self.draft_mut().program.lowered_mut().levels;
         levels.push(level);
         let index = levels.len() as u32 - 1;
         self.emit(Op::Level(index))
     }
 
-    /// A new state of the current element, starting at a setting.
+    /// Adds a state to the current element. A setting is its initial voltage.
     pub fn new_state(&mut self, initial: &str) -> Register {
         let initial = self.required(initial);
         let draft = self.draft_mut();
-        let (element, index, unset) = (draft.current, draft.program.states.len() as u32, Register(0));
+        let (element, index, unset) = (draft.current, draft.program.lowered.states.len() as u32, Register(0));
         let state = State { element, rate: unset, demand: unset, limits: [unset; 2], initial, lag: None };
-        draft.program.states.push(state);
+        draft.program.lowered_mut().states.push(state);
         draft.own_state.insert(element, index);
         self.emit(Op::State(index))
     }
 
-    /// The index of the current element's state.
+    /// Index of the current element's state.
     pub(super) fn own_state(&self) -> u32 {
         *self.draft().own_state.get(&self.draft().current).expect("the element's output law makes its state")
     }
@@ -281,23 +297,26 @@ impl dyn Builder + '_ {
         self.draft().outputs[self.draft().current].expect("the output law comes before the memory law")
     }
 
-    /// A setting that is the time constant of the current element's state: no step is longer.
+    /// A setting that is the time constant of the current element's state. No step may be longer.
     pub fn time_constant(&mut self, name: &str) -> Register {
-        let (time, problem_seconds) = (self.required(name), 1.0 / self.draft().program.time_scale);
+        let (time, problem_seconds) = (self.required(name), 1.0 / self.draft().program.lowered.time_scale);
         let index = self.own_state() as usize;
-        self.draft_mut().program.states[index].lag = Some(TimeConstant { time, problem_seconds });
+        self.draft_mut().program.lowered_mut().states[index].lag =
+            Some(TimeConstant { time, problem_seconds });
         self.emit(Op::Coefficient(time))
     }
 
-    /// Sets d/dt of the current element's state, in volts per machine second. At ±100 V the state is held
-    /// while its rate points outward: a mode of the element, so that coming there and leaving are located.
+    /// Sets the rate of the current element's state, in volts per machine second.
+    ///
+    /// At ±100 V the state is held while its rate points outward. This is a mode of the element, so the solver locates
+    /// the instants at which it begins and ends.
     pub fn set_rate(&mut self, rate: Register) {
-        self.set_rate_within(rate, [None, None]);
+        self.set_limited_rate(rate, [None, None]);
     }
 
-    /// The same, held at limits of its own, lower and upper, where they lie inside of ±100 V.
-    pub fn set_rate_within(&mut self, rate: Register, [lower, upper]: [Option<Register>; 2]) {
-        let demand = self.scaled(rate, self.draft().program.time_scale);
+    /// The same with a lower and an upper limit, which apply if they are within ±100 V.
+    pub fn set_limited_rate(&mut self, rate: Register, [lower, upper]: [Option<Register>; 2]) {
+        let demand = self.scaled(rate, self.draft().program.lowered.time_scale);
         let (held, zero, half) = (self.new_mode(FREE), self.constant(0.0), self.constant(0.5));
         let (least, most) = (self.constant(-REFERENCE), self.constant(REFERENCE));
         let lower = lower.map_or(least, |lower| self.maximum(lower, least));
@@ -308,17 +327,18 @@ impl dyn Builder + '_ {
         let size = self.absolute(held.value);
         let rate = self.select(size, half, zero, demand);
         let index = self.own_state() as usize;
-        let state = &mut self.draft_mut().program.states[index];
+        let state = &mut self.draft_mut().program.lowered_mut().states[index];
         (state.rate, state.demand, state.limits) = (rate, demand, [lower, upper]);
     }
 
-    /// The limit of this sign: met from inside, left when driven inward or set inside by something else.
+    /// One of the two limits, by its sign. It takes effect when the state passes it from inside. It ends when the rate
+    /// points inward or when something else sets the state to a value inside.
     fn limit(&mut self, held: ModeHandle, sign: f64, limit: Register, demand: Register) {
         let out = self.own_output();
         let (past, short) = (self.subtract(out, limit), self.subtract(limit, out));
         let (over, inside) = if sign > 0.0 { (past, short) } else { (short, past) };
         let inward = if sign > 0.0 { self.negate(demand) } else { demand };
-        // A limit that is turned inward takes the state along that it holds.
+        // While a limit holds the state and moves inward, the state moves with it.
         for from in [FREE, sign] {
             let meets = Transition::new(from, sign, Guard::passed(over)).reset(self, limit);
             self.transition(held, meets);
@@ -327,43 +347,49 @@ impl dyn Builder + '_ {
         self.transition(held, Transition::new(sign, FREE, Guard::passed(inside)));
     }
 
-    /// A new mode of the current element.
+    /// Adds a mode to the current element.
     pub fn new_mode(&mut self, initial: f64) -> ModeHandle {
-        let of_drive = self.is_drive();
+        let is_drive = self.is_drive();
         let draft = self.draft_mut();
-        let (element, index) = (draft.current, draft.program.modes.len() as u32);
-        let (transitions, calmed_by) = (Vec::new(), Calm::Drive);
-        draft.program.modes.push(Mode { element, of_drive, initial, transitions, calmed_by });
+        let (element, index) = (draft.current, draft.program.lowered.modes.len() as u32);
+        let (transitions, chatter_remedy) = (Vec::new(), ChatterRemedy::None);
+        draft.program.lowered_mut().modes.push(Mode {
+            element,
+            is_drive,
+            initial,
+            transitions,
+            chatter_remedy,
+        });
         let mode = ModeHandle { index, value: self.emit(Op::Mode(index)) };
         self.draft_mut().own_mode.entry(element).or_insert(mode);
         mode
     }
 
-    /// What keeps a mode from chattering, where the element has something for that.
-    pub fn calmed_by(&mut self, mode: ModeHandle, calm: Calm) {
-        self.draft_mut().program.modes[mode.index as usize].calmed_by = calm;
+    /// Specifies the element's means against chatter of a mode, if it has any.
+    pub fn chatter_remedy(&mut self, mode: ModeHandle, remedy: ChatterRemedy) {
+        self.draft_mut().program.lowered_mut().modes[mode.index as usize].chatter_remedy = remedy;
     }
 
-    /// The mode that the current element made first.
+    /// The first mode of the current element.
     pub fn own_mode(&self) -> ModeHandle {
         *self.draft().own_mode.get(&self.draft().current).expect("the element's output law makes its mode")
     }
 
-    /// A change of a mode.
+    /// Adds a transition to a mode. Earlier transitions have priority.
     pub fn transition(&mut self, mode: ModeHandle, transition: Transition) {
-        self.draft_mut().program.modes[mode.index as usize].transitions.push(transition);
+        self.draft_mut().program.lowered_mut().modes[mode.index as usize].transitions.push(transition);
     }
 
-    /// A delay line of the current element, its time and initial output being settings.
+    /// Adds a delay line to the current element. Settings are its delay and its initial output.
     pub fn new_delay(&mut self, time: &str, initial: &str) -> Register {
         let (time, initial) = (self.required(time), self.required(initial));
         let draft = self.draft_mut();
-        let (element, index, input) = (draft.current, draft.program.delays.len() as u32, Register(0));
-        let problem_seconds = 1.0 / draft.program.time_scale;
-        draft.program.delays.push(Delay {
+        let (element, index, input) = (draft.current, draft.program.lowered.delays.len() as u32, Register(0));
+        let problem_seconds = 1.0 / draft.program.lowered.time_scale;
+        draft.program.lowered_mut().delays.push(Delay {
             element,
             input,
-            hears: Vec::new(),
+            upstream: Vec::new(),
             time,
             initial,
             problem_seconds,
@@ -372,8 +398,8 @@ impl dyn Builder + '_ {
         self.emit(Op::Delayed(index))
     }
 
-    /// Numbers drawn by chance, of mean 0 and variance 1, each held for a time; the seed, the time and the
-    /// distribution are settings.
+    /// Adds a noise source to the current element: random numbers with mean 0 and variance 1, each constant for a
+    /// time. Seed, time and distribution are settings.
     pub fn noise(&mut self, seed: &str, every: &str, distribution: &str) -> Register {
         let (seed, every) = (self.required(seed), self.required(every));
         let distribution = match self.choice(distribution) {
@@ -384,35 +410,37 @@ impl dyn Builder + '_ {
         self.level(Level::Noise(Noise { element, seed, every, distribution }))
     }
 
-    /// A value of the current element that stays the same within a step, a setting in initial condition.
-    pub fn new_memory(&mut self, initial: &str) -> Register {
+    /// Adds a sampled value to the current element: it is constant within a step. A setting is its value in initial
+    /// condition.
+    pub fn new_sampled_value(&mut self, initial: &str) -> Register {
         let initial = self.required(initial);
         let draft = self.draft_mut();
-        let index = draft.program.kept.len() as u32;
-        draft.program.kept.push(Kept { initial, next: Register(0) });
+        let index = draft.program.lowered.kept.len() as u32;
+        draft.program.lowered_mut().kept.push(SampledValue { initial, next: Register(0) });
         draft.own_memory.insert(draft.current, index);
-        self.emit(Op::Kept(index))
+        self.emit(Op::Sampled(index))
     }
 
-    /// What the current element's kept value becomes at the end of every stretch of time, and again once what
-    /// switches there has switched. It must come to the same again once it is kept: voltages are not worked out
-    /// anew.
-    pub fn remember(&mut self, next: Register) {
+    /// Specifies what the current element's sampled value becomes at the end of every step, and again after the
+    /// changes of mode there.
+    ///
+    /// Sampling must not change this value: the body is not evaluated again afterwards.
+    pub fn set_next_sample(&mut self, next: Register) {
         let index = *self
             .draft()
             .own_memory
             .get(&self.draft().current)
             .expect("the element's output law makes its memory");
-        self.draft_mut().program.kept[index as usize].next = next;
+        self.draft_mut().program.lowered_mut().kept[index as usize].next = next;
     }
 
-    /// What goes into the current element's delay line.
+    /// Specifies the input of the current element's delay line.
     pub fn set_delay_input(&mut self, input: Register) {
         let index = *self
             .draft()
             .own_delay
             .get(&self.draft().current)
             .expect("the element's output law makes its delay line");
-        self.draft_mut().program.delays[index as usize].input = input;
+        self.draft_mut().program.lowered_mut().delays[index as usize].input = input;
     }
 }

@@ -1,15 +1,17 @@
-//! A place where a backend keeps what it has derived from a program, for all copies of the program.
+//! A place in which a backend stores data that it has derived from a program.
+//!
+//! All copies of a program share it, so a kernel is compiled once, however many runs use it.
 
 use std::any::Any;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-/// At most one value, of a type that only the backend knows.
+/// At most one value, of a type that only the backend names.
 #[derive(Default)]
 pub(crate) struct Cache(OnceLock<Arc<dyn Any + Send + Sync>>);
 
 impl Cache {
-    /// The value, made when it is first asked for. A second type finds no place and gets a value of its own.
+    /// The value, created at the first call. A call with a second type returns a new value that is not stored.
     pub fn get<T: Default + Send + Sync + 'static>(&self) -> Arc<T> {
         let value = self.0.get_or_init(|| Arc::new(T::default()));
         Arc::clone(value).downcast().unwrap_or_default()
@@ -17,7 +19,7 @@ impl Cache {
 }
 
 impl Clone for Cache {
-    /// A program that is copied to be changed derives everything again.
+    /// A clone is made only to be changed, so everything must be derived again.
     fn clone(&self) -> Self {
         Cache::default()
     }

@@ -1,178 +1,204 @@
-//! Loops with curved elements: every solution of the tear, found by halving its range and leaving out what
-//! cannot hold one.
+//! Loops with curved elements: finds all solutions for the tear by interval bisection.
+//!
+//! The interval from -100 V to 100 V is halved repeatedly. The loop is evaluated on each part with interval
+//! arithmetic. A part that cannot contain a solution is discarded. Adjacent parts that remain at the smallest width
+//! count as one candidate. A change of sign of the residual confirms it, and bisection then finds the solution.
 
 use super::Program;
-use super::loops::{APART, Found, LoopFault, Solutions, moved};
+use super::interval::Interval;
+use super::loops::{LoopFault, SOLUTION_SPACING, SolutionSet, Solutions, apply_inside};
 use super::number::Number;
 use super::op::{Op, Sources};
-use super::range::Range;
 use crate::machines::REFERENCE;
 
-/// Looks at a stretch of the tear, those at inner loops counted too, before the search is given up.
-const MOST_LOOKS: usize = 100_000;
-/// Stretches are halved down to this width, in volts; those that are left side by side hold one solution.
-const FINEST: f64 = 1e-7;
-/// What rounding may put between a tear and its loop's result, in volts.
-const ROUNDING: f64 = 1e-9;
-/// The tear follows a stretch inside a wider loop this much more finely than that loop's own stretch.
-const FINER: f64 = 1.0 / 8.0;
-/// Where the looks are used up by a stretch wider than this, in volts, all of it solves the loop.
-const WIDE: f64 = 1e-3;
+/// Maximum number of evaluations of a loop, including inner loops, before the search is given up.
+const MAX_EVALUATIONS: usize = 100_000;
+/// Width, in volts, at which intervals are no longer halved. Adjacent ones that remain contain one solution.
+const MIN_WIDTH: f64 = 1e-7;
+/// Margin for rounding between the tear and the recomputed output, in volts.
+const RESULT_SLACK: f64 = 1e-9;
+/// Smallest width at which the tear of an inner loop is searched, as a share of the outer interval's width.
+const INNER_WIDTH_SHARE: f64 = 1.0 / 8.0;
+/// If the evaluations are used up by a candidate wider than this, in volts, every voltage in it solves the loop.
+const RANGE_WIDTH: f64 = 1e-3;
 
-/// The tear that closes a loop.
+/// The voltage of the tear that solves a loop.
 ///
 /// # Errors
-/// When there is not exactly one, of this loop or of one inside it.
+/// If the loop, or a loop inside it, does not have exactly one solution.
 pub(super) fn search(
     program: &Program,
     index: usize,
     from: &Sources<'_, f64>,
     registers: &[f64],
-    ranges: &mut [Range],
+    intervals: &mut [Interval],
 ) -> Result<f64, LoopFault> {
-    let origin = program.loops[index].tear.index();
-    Search { program, from, registers, origin, ranges, looks: 0 }.only_solution(index)
+    let origin = program.lowered.loops[index].tear.index();
+    Search { program, from, registers, origin, intervals, evaluations: 0 }.only_solution(index)
 }
 
+/// The search for the solutions of one outermost loop.
 struct Search<'a> {
     program: &'a Program,
     from: &'a Sources<'a, f64>,
-    /// Voltages from outside the outermost loop.
+    /// Voltages outside the outermost loop.
     registers: &'a [f64],
-    /// The tear of the outermost loop: from here on voltages are in `ranges`.
+    /// Register of the outermost tear. The registers from here on are in `intervals`.
     origin: usize,
-    ranges: &'a mut [Range],
-    looks: usize,
+    /// Intervals of the registers from `origin` on, in the present evaluation.
+    intervals: &'a mut [Interval],
+    /// Number of evaluations so far.
+    evaluations: usize,
 }
 
-/// Stretches that may hold solutions, met from left to right; those side by side are one.
+/// Intervals that may contain solutions, in ascending order. Adjacent ones are merged.
 #[derive(Default)]
-struct Suspects {
-    last: Option<Range>,
-    found: Found,
+struct Candidates {
+    /// The candidate that may still grow.
+    last: Option<Interval>,
+    /// The solutions in the candidates before it.
+    found: SolutionSet,
 }
 
 impl Search<'_> {
+    /// The only solution of a loop. If there is not exactly one, the fault says what was found.
     fn only_solution(&mut self, index: usize) -> Result<f64, LoopFault> {
         self.solutions(index)?.only().map_err(|solutions| LoopFault { index, solutions })
     }
 
-    fn solutions(&mut self, index: usize) -> Result<Found, LoopFault> {
-        let mut suspects = Suspects::default();
-        let narrowed = self.narrow(index, WHOLE, FINEST, &mut |search, stretch| {
-            search.suspect(index, stretch, &mut suspects)
+    /// All solutions of a loop, in ascending order.
+    fn solutions(&mut self, index: usize) -> Result<SolutionSet, LoopFault> {
+        let mut candidates = Candidates::default();
+        let narrowed = self.narrow(index, TEAR_INTERVAL, MIN_WIDTH, &mut |search, interval| {
+            search.add_candidate(index, interval, &mut candidates)
         });
-        let is_wide = suspects.last.is_some_and(|last| last.width() > WIDE);
+        let is_wide = candidates.last.is_some_and(|last| last.width() > RANGE_WIDTH);
         narrowed.map_err(|fault| match fault.solutions {
             Solutions::TooManyPieces if is_wide => LoopFault { index, solutions: Solutions::Range },
             _ => fault,
         })?;
-        if let Some(last) = suspects.last {
-            self.cross(index, last, &mut suspects.found)?;
+        if let Some(last) = candidates.last {
+            self.bisect(index, last, &mut candidates.found)?;
         }
-        Ok(suspects.found)
+        Ok(candidates.found)
     }
 
-    /// Hands on, from left to right, the stretches of at most this width that cannot be left out.
+    /// Passes the intervals of at most this width that may contain a solution to `keep`, in ascending order.
     fn narrow(
         &mut self,
         index: usize,
-        tear: Range,
-        finest: f64,
-        keep: &mut dyn FnMut(&mut Self, Range) -> Result<(), LoopFault>,
+        tear: Interval,
+        min_width: f64,
+        keep: &mut dyn FnMut(&mut Self, Interval) -> Result<(), LoopFault>,
     ) -> Result<(), LoopFault> {
         let result = self.follow(index, tear)?;
-        let stretch = Range::new(tear.low.max(result.low - ROUNDING), tear.high.min(result.high + ROUNDING));
-        if stretch.low > stretch.high {
+        let interval =
+            Interval::new(tear.low.max(result.low - RESULT_SLACK), tear.high.min(result.high + RESULT_SLACK));
+        if interval.low > interval.high {
             return Ok(());
         }
-        if stretch.width() <= finest {
-            return keep(self, stretch);
+        if interval.width() <= min_width {
+            return keep(self, interval);
         }
-        let middle = stretch.middle();
-        self.narrow(index, Range::new(stretch.low, middle), finest, keep)?;
-        self.narrow(index, Range::new(middle, stretch.high), finest, keep)
+        let middle = interval.middle();
+        self.narrow(index, Interval::new(interval.low, middle), min_width, keep)?;
+        self.narrow(index, Interval::new(middle, interval.high), min_width, keep)
     }
 
-    fn suspect(&mut self, index: usize, stretch: Range, suspects: &mut Suspects) -> Result<(), LoopFault> {
-        match &mut suspects.last {
-            Some(last) if stretch.low - last.high <= APART => *last = last.hull(stretch),
+    /// Adds an interval to the candidates. If it does not touch the last candidate, that one is complete and is
+    /// bisected.
+    fn add_candidate(
+        &mut self,
+        index: usize,
+        interval: Interval,
+        candidates: &mut Candidates,
+    ) -> Result<(), LoopFault> {
+        match &mut candidates.last {
+            Some(last) if interval.low - last.high <= SOLUTION_SPACING => *last = last.hull(interval),
             last => {
-                if let Some(done) = last.replace(stretch) {
-                    self.cross(index, done, &mut suspects.found)?;
+                if let Some(done) = last.replace(interval) {
+                    self.bisect(index, done, &mut candidates.found)?;
                 }
             }
         }
         Ok(())
     }
 
-    /// Halves a stretch down to the place where the loop's result crosses the tear, if it does. Nothing jumps
-    /// within a loop, as modes stand still: a change of sign is a solution, however steep.
-    fn cross(&mut self, index: usize, stretch: Range, found: &mut Found) -> Result<(), LoopFault> {
-        let (mut low, mut high) =
-            ((stretch.low - APART).max(WHOLE.low), (stretch.high + APART).min(WHOLE.high));
-        let (mut above, mut below) = (self.excess(index, low)?, self.excess(index, high)?);
+    /// Adds the solution in a candidate interval, if the residual changes its sign there. Modes are constant, so the
+    /// loop is continuous and a change of sign always is a solution.
+    fn bisect(&mut self, index: usize, interval: Interval, found: &mut SolutionSet) -> Result<(), LoopFault> {
+        let (mut low, mut high) = (
+            (interval.low - SOLUTION_SPACING).max(TEAR_INTERVAL.low),
+            (interval.high + SOLUTION_SPACING).min(TEAR_INTERVAL.high),
+        );
+        let (mut above, mut below) = (self.residual(index, low)?, self.residual(index, high)?);
         if above * below > 0.0 {
             return Ok(());
         }
         while above != 0.0 && below != 0.0 {
-            let middle = Range::new(low, high).middle();
+            let middle = Interval::new(low, high).middle();
             if middle <= low || middle >= high {
                 break;
             }
-            let excess = self.excess(index, middle)?;
-            if excess * above > 0.0 {
-                (low, above) = (middle, excess)
+            let residual = self.residual(index, middle)?;
+            if residual * above > 0.0 {
+                (low, above) = (middle, residual)
             } else {
-                (high, below) = (middle, excess)
+                (high, below) = (middle, residual)
             }
         }
         found.add(if above.abs() < below.abs() { low } else { high });
         Ok(())
     }
 
-    /// How far the loop's result lies above a tear.
-    fn excess(&mut self, index: usize, tear: f64) -> Result<f64, LoopFault> {
-        let excess = self.follow(index, Range::constant(tear))?.low - tear;
+    /// The recomputed output minus the tear, in volts; 0 at a solution.
+    fn residual(&mut self, index: usize, tear: f64) -> Result<f64, LoopFault> {
+        let residual = self.follow(index, Interval::constant(tear))?.low - tear;
         let solutions = Solutions::NotANumber;
-        if excess.is_nan() { Err(LoopFault { index, solutions }) } else { Ok(excess) }
+        if residual.is_nan() { Err(LoopFault { index, solutions }) } else { Ok(residual) }
     }
 
-    /// The loop's result for a stretch of its tear.
-    fn follow(&mut self, index: usize, tear: Range) -> Result<Range, LoopFault> {
-        self.looks += 1;
-        if self.looks > MOST_LOOKS {
+    /// The recomputed output for an interval of the tear.
+    fn follow(&mut self, index: usize, tear: Interval) -> Result<Interval, LoopFault> {
+        self.evaluations += 1;
+        if self.evaluations > MAX_EVALUATIONS {
             return Err(LoopFault { index, solutions: Solutions::TooManyPieces });
         }
         let program = self.program;
-        let entry = &program.loops[index];
-        self.ranges[entry.tear.index()] = tear;
+        let entry = &program.lowered.loops[index];
+        self.intervals[entry.tear.index()] = tear;
         for at in entry.tear.index() + 1..=entry.result.index() {
-            self.ranges[at] = match program.body[at] {
+            self.intervals[at] = match program.lowered.body[at] {
                 Op::Tear(inner) => self.inner_tear(inner as usize, tear.width())?,
-                op => moved(op, self.from, |register| self.get(register)),
+                op => apply_inside(op, self.from, |register| self.get(register)),
             };
         }
-        Ok(self.ranges[entry.result.index()])
+        Ok(self.intervals[entry.result.index()])
     }
 
-    fn get(&self, register: usize) -> Range {
-        if register < self.origin { Range::constant(self.registers[register]) } else { self.ranges[register] }
-    }
-
-    /// Everything that the tear of a loop inside this one may be while this one's tear lies in a stretch.
-    fn inner_tear(&mut self, index: usize, width: f64) -> Result<Range, LoopFault> {
-        if width == 0.0 {
-            return self.only_solution(index).map(Range::constant);
+    /// A register as an interval; those outside the loop are points.
+    fn get(&self, register: usize) -> Interval {
+        if register < self.origin {
+            Interval::constant(self.registers[register])
+        } else {
+            self.intervals[register]
         }
-        let mut all: Option<Range> = None;
-        self.narrow(index, WHOLE, FINEST.max(width * FINER), &mut |_, stretch| {
-            all = Some(all.map_or(stretch, |all| all.hull(stretch)));
+    }
+
+    /// All voltages that the tear of an inner loop can have while the outer tear varies within an interval of this
+    /// width.
+    fn inner_tear(&mut self, index: usize, width: f64) -> Result<Interval, LoopFault> {
+        if width == 0.0 {
+            return self.only_solution(index).map(Interval::constant);
+        }
+        let mut all: Option<Interval> = None;
+        self.narrow(index, TEAR_INTERVAL, MIN_WIDTH.max(width * INNER_WIDTH_SHARE), &mut |_, interval| {
+            all = Some(all.map_or(interval, |all| all.hull(interval)));
             Ok(())
         })?;
-        all.ok_or_else(|| LoopFault { index, solutions: Found::default().solutions() })
+        all.ok_or_else(|| LoopFault { index, solutions: SolutionSet::default().solutions() })
     }
 }
 
-/// Where a tear can be.
-const WHOLE: Range = Range { low: -REFERENCE, high: REFERENCE };
+/// The voltages that a tear can have.
+const TEAR_INTERVAL: Interval = Interval { low: -REFERENCE, high: REFERENCE };

@@ -1,37 +1,40 @@
-//! The interpreter: the reference that every other backend is held against.
+//! The interpreter: the reference with which every other backend is compared.
 
 use std::ops::Range;
 
 use super::Program;
+use super::interval::Interval;
+use super::linear_piece::LinearPiece;
 use super::loops::{LoopFault, closing_slope, solve_tear};
 use super::number::{Dual, Number};
 use super::op::{Op, Sources};
-use super::piece::Piece;
-use super::range::Range as Stretch;
 
-/// Room for what an evaluation needs besides registers, so that none is made in a step.
+/// Buffers for an evaluation, so that a step allocates no memory.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
-    pub pieces: Vec<Piece>,
-    pub ranges: Vec<Stretch>,
-    /// The loops that could not be solved.
+    /// Registers for the search along linear pieces; empty if the program has no loops.
+    pub pieces: Vec<LinearPiece>,
+    /// Registers for the search with intervals; empty if the program has no loops.
+    pub intervals: Vec<Interval>,
+    /// The loops that could not be solved in the last evaluation.
     pub faults: Vec<LoopFault>,
 }
 
 impl Scratch {
+    /// A scratch of the size that the program needs.
     pub fn new(program: &Program) -> Self {
-        let room = if program.loops.is_empty() { 0 } else { program.body.len() };
+        let length = if program.lowered.loops.is_empty() { 0 } else { program.lowered.body.len() };
         Scratch {
-            pieces: vec![Piece::constant(0.0); room],
-            ranges: vec![Stretch::constant(0.0); room],
+            pieces: vec![LinearPiece::constant(0.0); length],
+            intervals: vec![Interval::constant(0.0); length],
             faults: Vec::new(),
         }
     }
 }
 
-/// A number that can also open loops.
+/// A number type that can also solve loops.
 pub(crate) trait Evaluation: Number {
-    /// The tear's value that closes a loop; sets the scratch's fault where there is not exactly one.
+    /// The value of the tear that solves a loop. If there is not exactly one, the fault is added to the scratch.
     fn close(
         program: &Program,
         index: usize,
@@ -41,6 +44,7 @@ pub(crate) trait Evaluation: Number {
     ) -> Self;
 }
 
+/// Plain numbers: the tear is the solution itself.
 impl Evaluation for f64 {
     fn close(
         program: &Program,
@@ -53,6 +57,8 @@ impl Evaluation for f64 {
     }
 }
 
+/// Dual numbers: the tear also has a slope. The result of the loop is linear in it, so two evaluations of the loop give
+/// the slope.
 impl Evaluation for Dual {
     fn close(
         program: &Program,
@@ -62,7 +68,7 @@ impl Evaluation for Dual {
         scratch: &mut Scratch,
     ) -> Dual {
         let solution = solution(program, index, from, registers, scratch);
-        let entry = &program.loops[index];
+        let entry = &program.lowered.loops[index];
         let slope = closing_slope(|slope| {
             registers[entry.tear.index()] = Dual::new(solution, slope);
             let body = entry.tear.index() + 1..entry.result.index() + 1;
@@ -73,7 +79,7 @@ impl Evaluation for Dual {
     }
 }
 
-/// The tear's value that closes a loop, from the values alone.
+/// The value of the tear that solves a loop, from the values without their slopes.
 fn solution(
     program: &Program,
     index: usize,
@@ -99,17 +105,17 @@ fn solution(
 }
 
 impl Program {
-    /// Works out every register of the body.
+    /// Evaluates every register of the body.
     pub(crate) fn evaluate<N: Evaluation>(
         &self,
         from: &Sources<'_, N>,
         registers: &mut [N],
         scratch: &mut Scratch,
     ) {
-        self.evaluate_range(0..self.body.len(), from, registers, scratch);
+        self.evaluate_range(0..self.lowered.body.len(), from, registers, scratch);
     }
 
-    /// Works out the registers of a range of the body; what stands before it stands in them already.
+    /// Evaluates a range of the body. The registers before it must already have their values.
     pub(crate) fn evaluate_range<N: Evaluation>(
         &self,
         range: Range<usize>,
@@ -118,21 +124,21 @@ impl Program {
         scratch: &mut Scratch,
     ) {
         for at in range {
-            registers[at] = match self.body[at] {
+            registers[at] = match self.lowered.body[at] {
                 Op::Tear(index) => N::close(self, index as usize, from, registers, scratch),
                 op => op.apply(from, |register| registers[register.index()]),
             };
         }
     }
 
-    /// Works out the coefficients from the parameters (in SI).
+    /// The coefficients for these parameters (in SI).
     pub(crate) fn prepare<N: Number>(&self, parameters: &[N]) -> Vec<N> {
         let from = Sources { parameters, ..Sources::none() };
-        let mut registers = Vec::with_capacity(self.prologue.len());
-        for op in &self.prologue {
+        let mut registers = Vec::with_capacity(self.lowered.prologue.len());
+        for op in &self.lowered.prologue {
             let value = op.apply(&from, |register| registers[register.index()]);
             registers.push(value);
         }
-        self.coefficients.iter().map(|coefficient| registers[coefficient.register.index()]).collect()
+        self.lowered.coefficients.iter().map(|coefficient| registers[coefficient.register.index()]).collect()
     }
 }

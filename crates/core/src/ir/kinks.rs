@@ -1,17 +1,20 @@
-//! Kinks: where the body compares voltages that move within a step, so that a rate turns a corner.
+//! Kinks: the places in the body where a voltage has a corner as a function of the states or of time.
+//!
+//! An integration method loses its order if a step reaches across a kink of a rate. So the solver ends steps there. A
+//! kink of a guard changes only the search for the time of an event.
 
 use super::Program;
 use super::op::{Op, Register};
 
-/// A place in the body where the curve of a voltage has a corner.
+/// An operation whose result has a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Kink {
-    /// Whose law it stands in.
+    /// Index of the element whose law contains it.
     pub element: usize,
     surface: Surface,
 }
 
-/// What has a corner where it passes 0.
+/// The quantity whose zero is the corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Surface {
     /// A voltage.
@@ -22,48 +25,52 @@ enum Surface {
     Points { table: u32, at: Register },
 }
 
-/// A kink that lies between two instants.
+/// A kink that a voltage has crossed within a step, in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Crossing {
+pub(crate) struct KinkCrossing {
     surface: Surface,
-    /// Of a table: the abscissa of the first corner on the way; else 0.
+    /// Abscissa of the first corner that was crossed in a table; otherwise 0.
     place: f64,
+    /// Whether the voltage rises through the corner.
     rises: bool,
 }
 
-/// Voltages nearer to a kink than this, in volts, stand on it.
-pub(crate) const ON_THE_KINK: f64 = 1e-11;
+/// A voltage within this distance of a kink, in volts, counts as on it. It is about the rounding of a voltage near 100
+/// V after some hundred operations.
+pub(crate) const KINK_TOLERANCE: f64 = 1e-11;
 
 impl Kink {
-    /// What has its corner where it passes 0, or a point of a table.
+    /// The quantity that has a corner at 0 or, for a table, at each of its abscissas.
     pub fn value(&self, registers: &[f64]) -> f64 {
         self.surface.value(registers)
     }
 
-    /// The corner that is passed on the way from one value to another, neither of which stands on it.
-    pub fn crossed(&self, tables: &[Vec<[f64; 2]>], from: f64, to: f64) -> Option<Crossing> {
+    /// The first corner between two values. `None` if there is none or if one of the values is on it.
+    pub fn crossed(&self, tables: &[Vec<[f64; 2]>], from: f64, to: f64) -> Option<KinkCrossing> {
         let rises = to > from;
         let place = match self.surface {
             Surface::Points { table, .. } => next_corner(&tables[table as usize], from, rises)?,
             _ => 0.0,
         };
-        let crossing = Crossing { surface: self.surface, place, rises };
-        (crossing.past(from) < -ON_THE_KINK && crossing.past(to) > ON_THE_KINK).then_some(crossing)
+        let crossing = KinkCrossing { surface: self.surface, place, rises };
+        (crossing.past(from) < -KINK_TOLERANCE && crossing.past(to) > KINK_TOLERANCE).then_some(crossing)
     }
 }
 
-impl Crossing {
-    /// How far past the corner voltages are; negative before it.
-    pub fn excess(&self, registers: &[f64]) -> f64 {
+impl KinkCrossing {
+    /// The distance past the corner, in the direction of crossing; negative before it.
+    pub fn value(&self, registers: &[f64]) -> f64 {
         self.past(self.surface.value(registers))
     }
 
+    /// The distance of a value past the corner, in the direction of crossing.
     fn past(&self, value: f64) -> f64 {
         if self.rises { value - self.place } else { self.place - value }
     }
 }
 
 impl Surface {
+    /// The surface of an operation; `None` if the operation has no corner.
     fn of(op: Op) -> Option<Surface> {
         match op {
             Op::Absolute(a) => Some(Surface::Of(a)),
@@ -74,6 +81,7 @@ impl Surface {
         }
     }
 
+    /// The quantity at these voltages.
     fn value(self, registers: &[f64]) -> f64 {
         match self {
             Surface::Of(a) | Surface::Points { at: a, .. } => registers[a.index()],
@@ -81,6 +89,7 @@ impl Surface {
         }
     }
 
+    /// Whether the quantity varies within a step.
     fn moves(self, moving: &[bool]) -> bool {
         match self {
             Surface::Of(a) | Surface::Points { at: a, .. } => moving[a.index()],
@@ -89,28 +98,28 @@ impl Surface {
     }
 }
 
-/// The abscissa of the next point above or below a place.
+/// The next abscissa of a table above or below a value.
 fn next_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
     let point = if rises {
-        points.get(points.partition_point(|point| point[0] <= from + ON_THE_KINK))
+        points.get(points.partition_point(|point| point[0] <= from + KINK_TOLERANCE))
     } else {
-        points[..points.partition_point(|point| point[0] < from - ON_THE_KINK)].last()
+        points[..points.partition_point(|point| point[0] < from - KINK_TOLERANCE)].last()
     };
     point.map(|point| point[0])
 }
 
 impl Program {
-    /// The kinks that the rates, and what is kept or delayed, have, and those that guards alone have; `owners` tells whose
-    /// law each operation is.
+    /// Finds two lists of kinks: those that affect a rate, a sampled value or a delay line's input, and those that
+    /// affect guards only. `owners` has the element of every operation.
     pub(crate) fn find_kinks(&self, owners: &[usize]) -> [Vec<Kink>; 2] {
         let moving = self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear(_)));
-        let rates = self.states.iter().map(|state| state.rate);
-        let inputs = self.delays.iter().map(|delay| delay.input);
-        let run = self.needed_for(rates.chain(inputs).chain(self.kept.iter().map(|kept| kept.next)));
-        let transitions = self.modes.iter().flat_map(|mode| &mode.transitions);
+        let rates = self.lowered.states.iter().map(|state| state.rate);
+        let inputs = self.lowered.delays.iter().map(|delay| delay.input);
+        let run = self.needed_for(rates.chain(inputs).chain(self.lowered.kept.iter().map(|kept| kept.next)));
+        let transitions = self.lowered.modes.iter().flat_map(|mode| &mode.transitions);
         let switch = self.needed_for(transitions.map(|transition| transition.guard.register));
         let those = |wanted: &dyn Fn(usize) -> bool| {
-            let kinks = self.body.iter().enumerate().filter_map(|(at, op)| {
+            let kinks = self.lowered.body.iter().enumerate().filter_map(|(at, op)| {
                 let surface = Surface::of(*op).filter(|surface| wanted(at) && surface.moves(&moving))?;
                 Some(Kink { element: owners[at], surface })
             });

@@ -1,42 +1,48 @@
-//! Numbers that stay the same from one known instant to the next.
+//! Levels: values that are constant between known instants.
+//!
+//! The solver ends a step at each of these instants, so a level is constant within a step and needs no kinks or
+//! events.
 
 use super::Program;
 use super::noise::Noise;
 
-/// Where such numbers come from.
+/// The source of a level.
 #[derive(Debug, Clone)]
 pub(crate) enum Level {
-    /// Drawn by chance.
+    /// Random numbers at equal intervals.
     Noise(Noise),
-    /// The points of a table, each from its time on until the next; the first before it too.
+    /// A stepped table of time: each value applies until the next point. Before the first point, the first value
+    /// applies.
     Points { table: usize },
 }
 
 impl Program {
-    /// Those that are drawn by chance.
+    /// The noise sources among the levels.
     pub(crate) fn noises(&self) -> impl Iterator<Item = &Noise> {
-        self.levels.iter().filter_map(|level| match level {
+        self.lowered.levels.iter().filter_map(|level| match level {
             Level::Noise(noise) => Some(noise),
             Level::Points { .. } => None,
         })
     }
 
-    /// The numbers at the beginning of a run.
-    pub(crate) fn first_levels(&self, coefficients: &[f64]) -> Vec<f64> {
+    /// The values of all levels at the beginning of a run.
+    pub(crate) fn initial_levels(&self, coefficients: &[f64]) -> Vec<f64> {
         let first = |level: &Level| match level {
             Level::Noise(noise) => noise.distribution.number(coefficients[noise.seed as usize], 0),
-            Level::Points { table } => held(&self.tables[*table], points_by(&self.tables[*table], 0.0)),
+            Level::Points { table } => {
+                held_value(&self.tables[*table], points_passed(&self.tables[*table], 0.0))
+            }
         };
-        self.levels.iter().map(first).collect()
+        self.lowered.levels.iter().map(first).collect()
     }
 }
 
-/// How many points of a table have come by a time.
-pub(crate) fn points_by(points: &[[f64; 2]], time: f64) -> usize {
+/// The number of points of a table up to a time, in problem seconds.
+pub(crate) fn points_passed(points: &[[f64; 2]], time: f64) -> usize {
     points.partition_point(|point| point[0] <= time)
 }
 
-/// What a table holds after so many of its points.
-pub(crate) fn held(points: &[[f64; 2]], after: usize) -> f64 {
+/// The value of a stepped table after its first `after` points; NaN if the table is empty.
+pub(crate) fn held_value(points: &[[f64; 2]], after: usize) -> f64 {
     points.get(after.saturating_sub(1)).map_or(f64::NAN, |point| point[1])
 }

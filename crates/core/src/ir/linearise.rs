@@ -1,47 +1,52 @@
-//! Exact first derivatives of the rates with respect to states and parameters.
-
-use nalgebra::DMatrix;
+//! Exact first derivatives of the program with respect to states, parameters and drives.
+//!
+//! The body is evaluated once per direction with dual numbers (forward mode of automatic differentiation). The results
+//! are exact except for rounding. At a kink the derivative depends on the side, so every direction has a sense.
 
 use super::Program;
 use super::evaluate::Scratch;
 use super::number::Dual;
 use super::op::{Register, Sources};
 
-/// Where a program is differentiated.
+/// The point at which a program is differentiated.
 pub(crate) struct OperatingPoint<'a> {
     /// Parameters in SI.
     pub parameters: &'a [f64],
+    /// Voltages of the states.
     pub states: &'a [f64],
+    /// Values of the modes.
     pub modes: &'a [f64],
+    /// Problem time in seconds.
     pub time: f64,
-    /// What has arrived in the delay lines, and its slope in volts per second; `None` before anything has.
+    /// Output of every delay line in volts, and its slope in volts per second. `None` before the first input arrives.
     pub delayed: &'a [Option<(f64, f64)>],
+    /// Sampled values.
     pub kept: &'a [f64],
+    /// Present values of the levels.
     pub levels: &'a [f64],
 }
 
-/// The derivatives of a program's rates at an instant: modes, kept values, levels and the contents of delay lines
-/// stand still.
+/// The derivatives of a program's rates at one instant. Modes, sampled values, levels and the contents of delay lines
+/// are constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linearisation {
-    /// Names of the states: rows of both matrices, columns of the first.
+    /// Names of the states: the rows of both matrices and the columns of `by_states`.
     pub states: Vec<String>,
-    /// Names of the parameters: columns of the second matrix.
+    /// Names of the parameters: the columns of `by_parameters`.
     pub parameters: Vec<String>,
-    /// d(rate) / d(state), in 1 per problem second.
-    pub by_states: DMatrix<f64>,
-    /// d(rate) / d(parameter), in volts per problem second per SI unit of the parameter.
-    pub by_parameters: DMatrix<f64>,
+    /// d(rate) / d(state), in 1 per problem second, row by row.
+    pub by_states: Vec<Vec<f64>>,
+    /// d(rate) / d(parameter), in volts per problem second per SI unit of the parameter, row by row.
+    pub by_parameters: Vec<Vec<f64>>,
 }
 
 impl Program {
-    /// Differentiates the rates at a point: forward mode over the operations, so exact but for rounding.
-    /// At a kink these are the derivatives towards higher states and parameters.
+    /// The derivatives of all rates at a point. At a kink they are those towards higher states and parameters.
     pub(crate) fn linearise(&self, at: &OperatingPoint<'_>) -> Linearisation {
-        let rates: Vec<Register> = self.states.iter().map(|state| state.rate).collect();
+        let rates: Vec<Register> = self.lowered.states.iter().map(|state| state.rate).collect();
         Linearisation {
             states: self.states().into_iter().map(str::to_owned).collect(),
-            parameters: self.parameters.iter().map(|slot| slot.name.clone()).collect(),
+            parameters: self.parameters.iter().map(|slot| slot.declared.name.clone()).collect(),
             by_states: self.jacobian(at, &rates, upward((0..at.states.len()).map(Direction::State))),
             by_parameters: self.jacobian(
                 at,
@@ -51,18 +56,18 @@ impl Program {
         }
     }
 
-    /// d(register) / d(direction): a row for every register, a column for every direction.
+    /// The derivatives d(register) / d(direction): one row per register, one column per direction.
     pub(super) fn jacobian(
         &self,
         at: &OperatingPoint<'_>,
         rows: &[Register],
         columns: impl ExactSizeIterator<Item = (Direction, Sense)>,
-    ) -> DMatrix<f64> {
-        let mut matrix = DMatrix::zeros(rows.len(), columns.len());
+    ) -> Vec<Vec<f64>> {
+        let mut matrix = vec![vec![0.0; columns.len()]; rows.len()];
         for (column, (direction, sense)) in columns.enumerate() {
             let registers = self.slopes(at, direction, sense);
             for (row, register) in rows.iter().enumerate() {
-                matrix[(row, column)] = sense.sign() * registers[register.index()].slope;
+                matrix[row][column] = sense.sign() * registers[register.index()].slope;
             }
         }
         matrix
@@ -90,20 +95,20 @@ impl Program {
             kept: &kept,
             levels: &levels,
         };
-        let mut registers = vec![Dual::new(0.0, 0.0); self.body.len()];
+        let mut registers = vec![Dual::new(0.0, 0.0); self.lowered.body.len()];
         let mut scratch = Scratch::new(self);
         let rest = direction.output().map_or(0, |output| output.index() + 1);
         self.evaluate_range(0..rest, &from, &mut registers, &mut scratch);
         if let Some(output) = direction.output() {
             registers[output.index()].slope = seed;
         }
-        self.evaluate_range(rest..self.body.len(), &from, &mut registers, &mut scratch);
+        self.evaluate_range(rest..self.lowered.body.len(), &from, &mut registers, &mut scratch);
         registers
     }
 
-    /// What the delay lines give: a longer delay reads further back in what they hold.
+    /// The outputs of the delay lines. A longer delay reads older inputs, so its slope is minus that of the output.
     fn delayed(&self, at: &OperatingPoint<'_>, coefficients: &[Dual]) -> Vec<Dual> {
-        let pairs = self.delays.iter().zip(at.delayed);
+        let pairs = self.lowered.delays.iter().zip(at.delayed);
         pairs
             .map(|(delay, arrived)| match *arrived {
                 None => coefficients[delay.initial as usize],
@@ -116,14 +121,17 @@ impl Program {
     }
 }
 
-/// To which side is differentiated.
+/// The side towards which a derivative is taken.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Sense {
+    /// Towards higher values of the variable.
     Up,
+    /// Towards lower values of the variable.
     Down,
 }
 
 impl Sense {
+    /// The seed of the derivative: 1 or -1.
     fn sign(self) -> f64 {
         match self {
             Sense::Up => 1.0,
@@ -131,6 +139,7 @@ impl Sense {
         }
     }
 
+    /// The opposite sense.
     pub fn other(self) -> Self {
         match self {
             Sense::Up => Sense::Down,
@@ -139,18 +148,18 @@ impl Sense {
     }
 }
 
-/// Along what is differentiated.
+/// The variable with respect to which a derivative is taken.
 #[derive(Clone, Copy)]
 pub(super) enum Direction {
-    /// The state of this index.
+    /// The state with this index.
     State(usize),
-    /// The parameter of this index.
+    /// The parameter with this index.
     Parameter(usize),
-    /// What comes out of the delay line of this index.
+    /// The output of the delay line with this index.
     Delayed(usize),
-    /// Time.
+    /// Problem time.
     Time,
-    /// An output that follows from parameters and time alone: a drive's.
+    /// An output that depends on parameters and time only: that of a drive.
     Output(Register),
 }
 
@@ -168,13 +177,14 @@ impl Direction {
     }
 }
 
-/// Directions towards higher values.
+/// These directions, each towards higher values.
 pub(super) fn upward(
     directions: impl ExactSizeIterator<Item = Direction>,
 ) -> impl ExactSizeIterator<Item = (Direction, Sense)> {
     directions.map(|direction| (direction, Sense::Up))
 }
 
+/// Values as dual numbers. The one with index `which` has slope `seed`, all others have slope 0.
 fn seeded(values: &[f64], which: Option<usize>, seed: f64) -> Vec<Dual> {
     let slope = |index| if Some(index) == which { seed } else { 0.0 };
     values.iter().enumerate().map(|(index, value)| Dual::new(*value, slope(index))).collect()

@@ -1,10 +1,10 @@
-//! What is wrong with a loop without an integrator, in words.
+//! Describes the faults of loops without an integrator in words.
 
 use super::Loop;
 use super::loops::Solutions;
-use crate::document::{Code, told};
+use crate::document::{Code, format_number};
 
-/// What is wrong with a loop, and what to do about it.
+/// The diagnostic code of a fault, and a hint what to do.
 pub(crate) fn remedy(entry: &Loop, solutions: Solutions) -> (Code, &'static str) {
     match solutions {
         Solutions::Counted { count: 0, .. } => (
@@ -12,7 +12,7 @@ pub(crate) fn remedy(entry: &Loop, solutions: Solutions) -> (Code, &'static str)
             "put an integrator or a lag into the loop, or a relay with hysteresis",
         ),
         Solutions::NotANumber => {
-            (Code::LoopWithoutSolution, "look for what goes beyond all numbers in it: a gain, a function")
+            (Code::LoopWithoutSolution, "look for a gain or a function in it that overflows")
         }
         Solutions::TooManyPieces => (Code::LoopTooTangled, "put an integrator or a lag into the loop"),
         Solutions::Range => {
@@ -20,31 +20,31 @@ pub(crate) fn remedy(entry: &Loop, solutions: Solutions) -> (Code, &'static str)
         }
         _ if entry.is_open => (
             Code::LoopWithSolutions,
-            "what is fed back has to rise with the output all the way from -100 V to 100 V: square one sign only, \
-             divide by what is above 0",
+            "the feedback must rise with the output from -100 V to 100 V: square one sign only, divide by a positive \
+             voltage",
         ),
         _ => (Code::LoopWithSolutions, "the loop latches up: bring its gain under 1, or invert it once more"),
     }
 }
 
-/// A voltage to the microvolt.
-fn told_volts(volts: f64) -> String {
-    told((volts * 1e6).round() / 1e6)
+/// A voltage rounded to the microvolt.
+fn format_volts(volts: f64) -> String {
+    format_number((volts * 1e6).round() / 1e6)
 }
 
-/// The solutions in words.
-pub(crate) fn tell(entry: &Loop, solutions: Solutions) -> String {
+/// The solutions in words that continue "the loop ... has no integrator and".
+pub(crate) fn describe_solutions(entry: &Loop, solutions: Solutions) -> String {
     let opened = entry.opened();
     match solutions {
         Solutions::Counted { count: 0, .. } => "no set of voltages satisfies it".to_owned(),
         Solutions::Counted { count, first } => {
-            let told: Vec<_> =
-                first.iter().take(count).map(|volts| format!("{} V", told_volts(*volts))).collect();
-            let more = if count > told.len() { ", ..." } else { "" };
-            format!("{count} solutions: {opened} at {}{more}", told.join(", "))
+            let listed: Vec<_> =
+                first.iter().take(count).map(|volts| format!("{} V", format_volts(*volts))).collect();
+            let more = if count > listed.len() { ", ..." } else { "" };
+            format!("{count} solutions: {opened} at {}{more}", listed.join(", "))
         }
-        Solutions::Range => format!("a whole range of solutions: {opened} follows itself"),
+        Solutions::Range => format!("a continuous range of solutions for {opened}"),
         Solutions::NotANumber => "a voltage in it that is not a number".to_owned(),
-        Solutions::TooManyPieces => "is made of more pieces than can be looked at".to_owned(),
+        Solutions::TooManyPieces => "is made of more pieces than the search examines".to_owned(),
     }
 }

@@ -1,52 +1,61 @@
-//! Loops without an integrator: every solution of the tear, found by walking its straight pieces, or by
-//! narrowing down (`curved`) where it has curved ones.
+//! Loops without an integrator: finds all solutions for the tear.
+//!
+//! A loop of straight elements is a piecewise linear function of its tear. The search walks from -100 V to 100 V, one
+//! linear piece at a time. On each piece it computes where the recomputed output equals the tear. A loop with curved
+//! elements goes to the search in `curved`.
+//!
+//! A loop must have exactly one solution. If it has none or several, the patch is refused or the run stops.
 
 use super::evaluate::Scratch;
+use super::linear_piece::{LinearPiece, MIN_PIECE};
 use super::number::Number;
 use super::op::{Op, Sources};
-use super::piece::{LEAST_PIECE, Piece};
 use super::{Program, curved};
 use crate::machines::REFERENCE;
 
-/// A loop that has not exactly one solution.
+/// A loop that does not have exactly one solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LoopFault {
     /// Index of the loop.
+    /// What was found instead.
     pub index: usize,
     pub solutions: Solutions,
 }
 
-/// The tear voltages that close a loop.
+/// The voltages of the tear that solve a loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Solutions {
-    /// These many; the first few are kept.
-    Counted { count: usize, first: [f64; KEPT] },
-    /// A whole range of voltages.
+    /// The number of solutions and the first of them, in volts.
+    Counted { count: usize, first: [f64; MAX_LISTED] },
+    /// A continuous range of voltages.
     Range,
-    /// A voltage of the loop is not a number.
+    /// A voltage in the loop is not a number.
     NotANumber,
-    /// More pieces than can be looked at.
+    /// The loop has more pieces than the search examines.
     TooManyPieces,
 }
 
-/// Why a walk ends early.
+/// The reason why a walk along linear pieces ends early.
 enum Obstacle {
-    /// An element of the loop is not made of straight pieces, or a loop inside it has not one solution all
-    /// along this one's tear.
+    /// The loop contains a curved element. Or an inner loop does not have exactly one solution for every voltage of
+    /// the outer tear.
+    /// The loop has no usable solution.
     Curve,
     Fault(Solutions),
 }
 
-/// More pieces than this would take too long at every evaluation.
-const MOST_PIECES: usize = 10_000;
-/// How many solutions are told one by one.
-const KEPT: usize = 4;
-/// Solutions nearer to each other than this, in volts, are one.
-pub(super) const APART: f64 = 1e-6;
-/// Slopes nearer to 1 than this make the tear follow itself.
-const FOLLOWS: f64 = 1e-12;
+/// Maximum number of linear pieces of a loop. More would take too long in every evaluation.
+const MAX_PIECES: usize = 10_000;
+/// Number of solutions that messages list.
+const MAX_LISTED: usize = 4;
+/// Solutions that differ by less than this, in volts, count as one.
+pub(super) const SOLUTION_SPACING: f64 = 1e-6;
+/// A piece whose slope differs from 1 by less than this is parallel to the tear: it has no solution or every voltage
+/// solves it.
+const UNIT_SLOPE_TOLERANCE: f64 = 1e-12;
 
-/// The tear that closes a loop. Where there is not exactly one, NaN, and the scratch says why.
+/// The voltage of the tear that solves a loop. If there is not exactly one, the result is NaN and the fault is added
+/// to the scratch.
 pub(super) fn solve_tear(
     program: &Program,
     index: usize,
@@ -58,7 +67,7 @@ pub(super) fn solve_tear(
     let found = match walker.walk(index, walker.origin) {
         Ok(found) => found.only().map_err(|solutions| LoopFault { index, solutions }),
         Err(Obstacle::Fault(solutions)) => Err(LoopFault { index, solutions }),
-        Err(Obstacle::Curve) => curved::search(program, index, from, registers, &mut scratch.ranges),
+        Err(Obstacle::Curve) => curved::search(program, index, from, registers, &mut scratch.intervals),
     };
     found.unwrap_or_else(|fault| {
         scratch.faults.push(fault);
@@ -66,20 +75,21 @@ pub(super) fn solve_tear(
     })
 }
 
-/// A tear that moves to the right.
-fn moving(volts: f64) -> Piece {
-    Piece { slope: 1.0, ..Piece::constant(volts) }
+/// A tear that increases from this voltage.
+fn moving(volts: f64) -> LinearPiece {
+    LinearPiece { slope: 1.0, ..LinearPiece::constant(volts) }
 }
 
-/// Moves the tear of a loop, and those of the loops inside it.
+/// Varies the tear of a loop, and the tears of the loops inside it.
 struct Walker<'a> {
     program: &'a Program,
     from: &'a Sources<'a, f64>,
-    /// Voltages from outside the outermost loop.
+    /// Voltages outside the outermost loop.
     registers: &'a [f64],
-    /// The tear of the outermost loop: from here on voltages are in `pieces`.
+    /// Register of the outermost tear. The registers from here on are in `pieces`.
     origin: usize,
-    pieces: &'a mut [Piece],
+    /// Pieces of the registers from `origin` on, in the present evaluation.
+    pieces: &'a mut [LinearPiece],
 }
 
 impl<'a> Walker<'a> {
@@ -88,107 +98,120 @@ impl<'a> Walker<'a> {
         index: usize,
         from: &'a Sources<'a, f64>,
         registers: &'a [f64],
-        pieces: &'a mut [Piece],
+        pieces: &'a mut [LinearPiece],
     ) -> Self {
-        Walker { program, from, registers, origin: program.loops[index].tear.index(), pieces }
+        Walker { program, from, registers, origin: program.lowered.loops[index].tear.index(), pieces }
     }
 
-    /// Goes through a tear's range from left to right, piece by piece; what stands before `frozen` stays.
-    fn walk(&mut self, index: usize, frozen: usize) -> Result<Found, Obstacle> {
+    /// Finds the solutions of a loop from left to right, one piece at a time. Registers below `frozen` are constant.
+    fn walk(&mut self, index: usize, frozen: usize) -> Result<SolutionSet, Obstacle> {
         let (mut begin, mut probe) = (-REFERENCE, -REFERENCE);
-        let mut found = Found::default();
-        for _ in 0..MOST_PIECES {
+        let mut found = SolutionSet::default();
+        for _ in 0..MAX_PIECES {
             let result = self.follow(index, moving(probe), frozen)?;
             let end = (probe + result.reach).min(REFERENCE);
-            match crossing(result, probe) {
-                Crossing::Everywhere => return Err(Obstacle::Fault(Solutions::Range)),
-                Crossing::At(tear) if tear >= begin - APART && tear <= end + APART => found.add(tear),
+            match intersection(result, probe) {
+                Intersection::Everywhere => return Err(Obstacle::Fault(Solutions::Range)),
+                Intersection::At(tear)
+                    if tear >= begin - SOLUTION_SPACING && tear <= end + SOLUTION_SPACING =>
+                {
+                    found.add(tear)
+                }
                 _ => {}
             }
             if end >= REFERENCE {
                 return Ok(found);
             }
             begin = end;
-            probe = end.max(probe) + LEAST_PIECE;
+            probe = end.max(probe) + MIN_PIECE;
         }
         Err(Obstacle::Fault(Solutions::TooManyPieces))
     }
 
-    /// The loop's result for a tear; an error where it is not a straight piece.
-    fn follow(&mut self, index: usize, tear: Piece, frozen: usize) -> Result<Piece, Obstacle> {
+    /// The recomputed output for a tear. Reports an obstacle if it is not a linear piece.
+    fn follow(&mut self, index: usize, tear: LinearPiece, frozen: usize) -> Result<LinearPiece, Obstacle> {
         let program = self.program;
-        let entry = &program.loops[index];
+        let entry = &program.lowered.loops[index];
         self.pieces[entry.tear.index()] = tear;
         for at in entry.tear.index() + 1..=entry.result.index() {
-            self.pieces[at] = match program.body[at] {
+            self.pieces[at] = match program.lowered.body[at] {
                 Op::Tear(inner) => self.inner_tear(inner as usize, frozen)?,
-                op => moved(op, self.from, |register| self.get(register, frozen)),
+                op => apply_inside(op, self.from, |register| self.get(register, frozen)),
             };
         }
         let result = self.pieces[entry.result.index()];
         match result {
-            Piece { straight: false, .. } => Err(Obstacle::Curve),
-            Piece { value, slope, .. } if value.is_nan() || slope.is_nan() => {
+            LinearPiece { straight: false, .. } => Err(Obstacle::Curve),
+            LinearPiece { value, slope, .. } if value.is_nan() || slope.is_nan() => {
                 Err(Obstacle::Fault(Solutions::NotANumber))
             }
             _ => Ok(result),
         }
     }
 
-    fn get(&self, register: usize, frozen: usize) -> Piece {
+    /// A register as a linear piece; those outside the loop and those below `frozen` are constant.
+    fn get(&self, register: usize, frozen: usize) -> LinearPiece {
         if register < self.origin {
-            Piece::constant(self.registers[register])
+            LinearPiece::constant(self.registers[register])
         } else if register < frozen {
-            Piece::constant(self.pieces[register].value)
+            LinearPiece::constant(self.pieces[register].value)
         } else {
             self.pieces[register]
         }
     }
 
-    /// The tear of a loop inside this one, and how it moves with the outer: dy = dF / (1 - dF/dy).
-    fn inner_tear(&mut self, index: usize, frozen: usize) -> Result<Piece, Obstacle> {
-        let own = self.program.loops[index].tear.index();
+    /// The tear of an inner loop as a function of the outer tear. The slope follows from dy = dF / (1 - dF/dy).
+    fn inner_tear(&mut self, index: usize, frozen: usize) -> Result<LinearPiece, Obstacle> {
+        let own = self.program.lowered.loops[index].tear.index();
         let inner = self.walk(index, own).ok().and_then(|found| found.only().ok());
         let solution = inner.ok_or(Obstacle::Curve)?;
         let by_itself = self.follow(index, moving(solution), own)?.slope;
-        let by_the_outer = self.follow(index, Piece::constant(solution), frozen)?.slope;
-        Ok(Piece { slope: by_the_outer / (1.0 - by_itself), ..Piece::constant(solution) })
+        let by_the_outer = self.follow(index, LinearPiece::constant(solution), frozen)?.slope;
+        Ok(LinearPiece { slope: by_the_outer / (1.0 - by_itself), ..LinearPiece::constant(solution) })
     }
 }
 
-/// The slope of a tear y = F(y, rest): dy = (dF at fixed y) / (1 - dF/dy), from what F makes of a slope of the tear.
+/// The slope of a tear y = F(y, x): dy = dF (at constant y) / (1 - dF/dy). `slope_with` returns the slope of F for a
+/// slope of the tear.
 pub(super) fn closing_slope(mut slope_with: impl FnMut(f64) -> f64) -> f64 {
     let (by_the_rest, by_both) = (slope_with(0.0), slope_with(1.0));
     by_the_rest / (1.0 - (by_both - by_the_rest))
 }
 
-enum Crossing {
+/// Where a piece equals the tear.
+enum Intersection {
+    /// It is parallel to the tear, at a distance.
     Nowhere,
+    /// At this voltage.
     At(f64),
+    /// It is identical with the tear.
     Everywhere,
 }
 
-/// Where a straight piece through `probe` meets the tear itself.
-fn crossing(result: Piece, probe: f64) -> Crossing {
+/// The voltage at which a linear piece that starts at `probe` equals the tear.
+fn intersection(result: LinearPiece, probe: f64) -> Intersection {
     let (gap, steepness) = (result.value - probe, 1.0 - result.slope);
-    if steepness.abs() > FOLLOWS {
-        return Crossing::At(probe + gap / steepness);
+    if steepness.abs() > UNIT_SLOPE_TOLERANCE {
+        return Intersection::At(probe + gap / steepness);
     }
-    if gap.abs() < LEAST_PIECE { Crossing::Everywhere } else { Crossing::Nowhere }
+    if gap.abs() < MIN_PIECE { Intersection::Everywhere } else { Intersection::Nowhere }
 }
 
-/// The solutions that a search from left to right has met.
+/// The solutions found so far, in ascending order.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Found {
+pub(super) struct SolutionSet {
+    /// Number of solutions.
     count: usize,
-    first: [f64; KEPT],
+    /// The first solutions, in volts.
+    first: [f64; MAX_LISTED],
+    /// The last solution.
     last: Option<f64>,
 }
 
-impl Found {
-    /// Counts a solution, unless it is the last one seen from the next piece.
+impl SolutionSet {
+    /// Adds a solution, unless the previous piece ended with the same one.
     pub fn add(&mut self, tear: f64) {
-        if self.last.is_some_and(|last| (tear - last).abs() <= APART) {
+        if self.last.is_some_and(|last| (tear - last).abs() <= SOLUTION_SPACING) {
             return;
         }
         if let Some(place) = self.first.get_mut(self.count) {
@@ -202,14 +225,14 @@ impl Found {
         Solutions::Counted { count: self.count, first: self.first }
     }
 
-    /// The only solution, or what there is instead.
+    /// The only solution. If there is not exactly one, the error has what was found.
     pub fn only(self) -> Result<f64, Solutions> {
         if self.count == 1 { Ok(self.first[0]) } else { Err(self.solutions()) }
     }
 }
 
-/// One operation inside a loop, by another arithmetic: what it reads from outside stands still.
-pub(super) fn moved<N: Number>(op: Op, from: &Sources<'_, f64>, get: impl Fn(usize) -> N) -> N {
+/// Evaluates an operation inside a loop in another number type. Values from outside the loop are constants.
+pub(super) fn apply_inside<N: Number>(op: Op, from: &Sources<'_, f64>, get: impl Fn(usize) -> N) -> N {
     match op {
         Op::Constant(_)
         | Op::Coefficient(_)
@@ -217,7 +240,7 @@ pub(super) fn moved<N: Number>(op: Op, from: &Sources<'_, f64>, get: impl Fn(usi
         | Op::Mode(_)
         | Op::Time
         | Op::Delayed(_)
-        | Op::Kept(_)
+        | Op::Sampled(_)
         | Op::Level(_) => N::constant(op.apply(from, |_| f64::NAN)),
         Op::Table(index, at) => get(at.index()).table(&from.tables[index as usize]),
         _ => op.apply(&Sources::none(), |register| get(register.index())),

@@ -1,19 +1,22 @@
-//! The program: a circuit flattened to primitive operations on volts, with states and modes.
+//! The intermediate representation: a circuit as primitive operations on volts, with states and modes.
 //!
-//! A *prologue*, run once a run, turns parameters into coefficients; the *body* turns coefficients,
-//! states, modes and time into every voltage and every rate. Every backend reads nothing else.
+//! A [`Program`] has two lists of operations. The *prologue* runs once per run and turns parameters into coefficients.
+//! The *body* turns coefficients, states, modes and time into every voltage and every rate. Every backend reads only
+//! the program: the interpreter here, the kernels and native code.
+//!
+//! `lower` makes a program from a circuit: it calls each element's law with a [`Builder`]. Then this module puts the
+//! body in order and finds loops, kinks and discontinuities. It also differentiates the program.
 
 mod angles;
-mod arrange;
 mod builder;
 mod cache;
 mod coefficient;
-mod corners;
 mod curved;
-mod echoes;
 mod evaluate;
+mod interval;
 mod kinks;
 mod level;
+mod linear_piece;
 mod linearise;
 mod loop_report;
 mod loops;
@@ -21,148 +24,164 @@ mod noise;
 mod number;
 mod op;
 mod parameters;
-mod piece;
-mod range;
 mod scope;
+mod sections;
 mod state_space;
+mod table_corners;
 mod tangent;
+mod upstream;
 
 pub(crate) use angles::Angle;
-use arrange::Parts;
 pub use builder::{Builder, Draft};
 use cache::Cache;
 pub use coefficient::{Coefficient, SettingFault};
+use sections::Sections;
 
 pub use linearise::Linearisation;
 pub(crate) use linearise::OperatingPoint;
 pub use op::{Op, Register};
 pub use parameters::{Declared, ParameterSlot, SettingError};
-pub use state_space::{DelayTerm, Hold, Port, StateSpace, StateTerm};
+pub use state_space::{DelayTerm, Port, StateHold, StateSpace, StateTerm};
 
-pub(crate) use coefficient::{Order, Relation, Unfit};
-pub(crate) use corners::Corners;
+pub(crate) use coefficient::{InvalidCoefficient, Relation, SettingOrder};
 pub(crate) use evaluate::Scratch;
-pub(crate) use kinks::{Crossing, Kink, ON_THE_KINK};
-pub(crate) use level::{Level, held, points_by};
-pub(crate) use loop_report::{remedy, tell};
+pub(crate) use kinks::{KINK_TOLERANCE, Kink, KinkCrossing};
+pub(crate) use level::{Level, held_value, points_passed};
+pub(crate) use loop_report::{describe_solutions, remedy};
 pub(crate) use loops::{LoopFault, Solutions};
 pub(crate) use noise::{Distribution, Noise};
 pub(crate) use number::{Number, segment, segment_after};
 pub(crate) use op::Sources;
 pub(crate) use parameters::ChangedParameters;
-pub(crate) use scope::{ScaleSlot, Standing};
-pub(crate) use tangent::{Beside, Slopes, StandingSlopes};
+pub(crate) use scope::{RunScope, ScaleSlot};
+pub(crate) use table_corners::TableCorners;
+pub(crate) use tangent::{RunScopeSlopes, SourceSlopes, TangentBase};
 
-use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use crate::machines::REFERENCE;
 use patchcord_expr::Dimension;
 
-/// A circuit as operations. Made by `Program::new`; run by `solve::Machine`. Copies, which runs of their own turn, share
-/// what no run changes.
+/// A circuit as a list of operations. `Program::new` makes it and `solve::Machine` runs it.
+///
+/// Copies share everything that a run cannot change, so a copy per run is cheap. Parameter values and tables belong to
+/// each copy.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
+    /// The parameters of the patch with their present values, in the order of the patch.
     pub(crate) parameters: Vec<ParameterSlot>,
+    /// The points of all tables; the index is the one in [`Op::Table`].
     pub(crate) tables: Arc<Tables>,
-    /// When tables have corners: no step reaches across one.
-    pub(crate) corners: Arc<Corners>,
+    /// The times at which tables of time have corners. No step reaches across one.
+    pub(crate) corners: Arc<TableCorners>,
+    /// Everything that no run changes.
     pub(crate) lowered: Arc<Lowered>,
 }
 
-/// What of a [`Program`] no run changes.
+/// The part of a [`Program`] that no run changes.
 #[derive(Debug, Clone, Default)]
 pub struct Lowered {
+    /// Operations that compute the coefficients from the parameters.
     pub(crate) prologue: Vec<Op>,
+    /// The coefficients; the index is the one in [`Op::Coefficient`].
     pub(crate) coefficients: Vec<Coefficient>,
-    pub(crate) orders: Vec<Order>,
+    /// Relations between settings, such as a lower and an upper limit. They are checked again after each change of
+    /// parameters.
+    pub(crate) orders: Vec<SettingOrder>,
+    /// Operations that compute every voltage and rate, in order of evaluation.
     pub(crate) body: Vec<Op>,
-    /// Where the parts of the body begin.
-    pub(crate) parts: Parts,
-    pub(crate) elements: Vec<Outlet>,
-    /// The outputs of the drives.
+    /// Where the sections of the body begin.
+    pub(crate) sections: Sections,
+    /// The output of every reference, drive and element, in the order of the circuit.
+    pub(crate) elements: Vec<ElementOutput>,
+    /// The registers of the drives' outputs.
     pub(crate) drives: Vec<Register>,
+    /// The states; the index is the one in [`Op::State`].
     pub(crate) states: Vec<State>,
+    /// The modes; the index is the one in [`Op::Mode`].
     pub(crate) modes: Vec<Mode>,
+    /// The delay lines; the index is the one in [`Op::Delayed`].
     pub(crate) delays: Vec<Delay>,
-    pub(crate) kept: Vec<Kept>,
-    /// What drives numbers that stay the same between known instants.
+    /// The sampled values; the index is the one in [`Op::Sampled`].
+    pub(crate) kept: Vec<SampledValue>,
+    /// The sources that are constant between known instants; the index is the one in [`Op::Level`].
     pub(crate) levels: Vec<Level>,
-    /// The tables that are looked up at time itself.
+    /// The tables that are looked up at time.
     pub(crate) timetables: Vec<Timetable>,
     /// The element and the table of every curve that is looked up at a voltage.
     pub(crate) curves: Vec<(usize, usize)>,
+    /// The loops without an integrator; the index is the one in [`Op::Tear`].
     pub(crate) loops: Vec<Loop>,
-    /// Where rates turn corners.
+    /// Kinks that change a rate, a sampled value or the input of a delay line.
     pub(crate) kinks: Vec<Kink>,
-    /// Where guards turn corners, and no rates.
+    /// Kinks that change guards only.
     pub(crate) guard_kinks: Vec<Kink>,
-    /// What periodic functions are taken of.
+    /// The arguments of periodic functions.
     pub(crate) angles: Vec<Angle>,
+    /// The overload lamps of the amplifiers without a state.
     pub(crate) lamps: Vec<Lamp>,
-    pub(crate) signals: Vec<Probe>,
+    /// The signals that a run can record.
+    pub(crate) signals: Vec<SignalInfo>,
+    /// The scales that formulas in a run can name.
     pub(crate) scales: Vec<ScaleSlot>,
     /// The elements that switch between positions.
     pub(crate) switches: Vec<Switch>,
     /// Machine seconds per problem second.
     pub(crate) time_scale: f64,
-    /// The elements in the order in which they are worked out.
+    /// The elements in order of evaluation.
     pub(crate) order: Vec<usize>,
-    /// For every element, those that read it.
+    /// For every element, the elements that read its output.
     pub(crate) readers: Vec<Vec<usize>>,
-    /// What a backend has derived from it.
+    /// Data that a backend has derived from the program.
     pub(crate) cache: Cache,
 }
 
-impl Deref for Program {
-    type Target = Lowered;
-
-    fn deref(&self) -> &Lowered {
-        &self.lowered
-    }
-}
-
-impl DerefMut for Program {
-    /// While a program is made it is alone; a copy would part with all that it shares here.
-    fn deref_mut(&mut self) -> &mut Lowered {
+impl Program {
+    /// The part that no run changes, for construction. A program under construction has no copies; with copies, this
+    /// would clone what they share.
+    pub(crate) fn lowered_mut(&mut self) -> &mut Lowered {
         Arc::make_mut(&mut self.lowered)
     }
 }
 
-/// The points of every table.
+/// The points [abscissa, ordinate] of every table.
 pub(crate) type Tables = Vec<Vec<[f64; 2]>>;
 
-/// A table that a drive looks up at time itself.
+/// A table that a drive looks up at time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Timetable {
+    /// Index of the drive among the elements.
     pub element: usize,
+    /// Index of the table.
     pub table: usize,
-    /// Whether it goes straight from point to point; else each value stays until the next.
+    /// Whether the drive follows straight lines between the points. Otherwise it keeps each value until the next
+    /// point.
     pub is_straight: bool,
 }
 
-/// An element's output.
+/// The output of an element, drive or reference.
 #[derive(Debug, Clone)]
-pub struct Outlet {
-    /// Name of the element, drive or reference.
+pub struct ElementOutput {
+    /// Its name in the patch.
     pub name: String,
-    /// Where the body leaves its voltage.
+    /// The register of the body that contains its voltage.
     pub register: Register,
 }
 
-/// The output of an integrator.
+/// The state of an integrator or a lag: its output voltage.
 #[derive(Debug, Clone)]
 pub(crate) struct State {
+    /// Index of the element.
     pub element: usize,
-    /// d/dt in volts per problem second; 0 where a limit holds it.
+    /// Register of the rate, in volts per problem second. The rate is 0 while a limit holds the state.
     pub rate: Register,
-    /// The same before the limit.
+    /// Register of the rate without the limit.
     pub demand: Register,
-    /// The voltages, lower and upper, at which it is held.
+    /// Registers of the lower and the upper voltage at which the state is held.
     pub limits: [Register; 2],
-    /// Coefficient of the initial condition.
+    /// Index of the coefficient with the initial voltage.
     pub initial: u32,
-    /// Of a lag: how fast it comes back by itself.
+    /// The time constant if the element is a lag. No step may be longer.
     pub lag: Option<TimeConstant>,
 }
 
@@ -171,194 +190,222 @@ pub(crate) struct State {
 pub(crate) struct TimeConstant {
     /// Coefficient of the time in machine seconds.
     pub time: u32,
-    /// Problem seconds in a machine second.
+    /// Problem seconds per machine second.
     pub problem_seconds: f64,
 }
 
-/// A named discrete value, constant within a step.
+/// A discrete value of an element, constant within a step. Relays, brakes, limits and drives with corners use modes.
 #[derive(Debug, Clone)]
 pub(crate) struct Mode {
+    /// Index of the element.
     pub element: usize,
-    /// Whether it depends on time alone.
-    pub of_drive: bool,
+    /// Whether the element is a drive: its mode depends on time only.
+    pub is_drive: bool,
+    /// The value in initial condition.
     pub initial: f64,
+    /// The possible changes; of several that are due, the first one happens.
     pub transitions: Vec<Transition>,
-    pub calmed_by: Calm,
+    /// What the error message recommends if the mode changes without end.
+    pub chatter_remedy: ChatterRemedy,
 }
 
-/// What keeps something that switches without end from doing so.
+/// The means of an element against endless switching (chatter). Error messages recommend it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Calm {
-    /// Thresholds farther apart.
+pub enum ChatterRemedy {
+    /// The distance between the thresholds.
     Hysteresis,
-    /// Rest against a stop below a speed; no step is short enough for bounces that follow each other ever sooner.
+    /// The speed below which the element stays at rest at a stop. Bounces follow each other ever sooner, so a shorter
+    /// step does not help.
     Rest,
-    /// Nothing of its own.
-    Drive,
+    /// The element has no such means; the cause is in its inputs.
+    None,
 }
 
-/// A change of a mode, with what it resets.
+/// A change of a mode from one value to another.
 #[derive(Debug, Clone)]
 pub struct Transition {
+    /// The value of the mode before the change.
     pub(crate) from: f64,
+    /// The value of the mode after the change.
     pub(crate) to: f64,
+    /// The condition for the change.
     pub(crate) guard: Guard,
+    /// The state that the change sets, if any.
     pub(crate) reset: Option<Reset>,
-    /// Other modes that change with it, and to what.
+    /// Indices of other modes that change at the same time, with their new values.
     pub(crate) sets: Vec<(u32, f64)>,
 }
 
 /// A mode of the element whose law is being emitted.
 #[derive(Debug, Clone, Copy)]
 pub struct ModeHandle {
+    /// Index of the mode in the program.
     pub(crate) index: u32,
-    /// Where the body reads the mode's present value.
+    /// The register with the mode's present value.
     pub value: Register,
 }
 
-/// When a transition happens.
+/// The condition for a transition: the value of a register reaches or passes 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard {
+    /// The register that is compared with 0.
     pub(crate) register: Register,
+    /// Whether the value must be above 0; otherwise 0 is sufficient.
     pub(crate) strict: bool,
 }
 
-/// A state that a transition sets anew.
+/// A state that a transition sets to a new value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reset {
+    /// Index of the state.
     pub state: u32,
+    /// Register with the new value.
     pub to: Register,
 }
 
 impl Guard {
-    /// When this value is 0 or above.
+    /// A guard that holds if the value is 0 or above.
     pub fn reached(register: Register) -> Self {
         Guard { register, strict: false }
     }
 
-    /// When this value is above 0.
+    /// A guard that holds if the value is above 0.
     pub fn passed(register: Register) -> Self {
         Guard { register, strict: true }
     }
 
-    /// How far the guard is past its mark; negative before it.
-    pub(crate) fn excess(self, registers: &[f64]) -> f64 {
+    /// The value that is compared with 0; negative before the transition is due.
+    pub(crate) fn value(self, registers: &[f64]) -> f64 {
         registers[self.register.index()]
     }
 
+    /// Whether the transition is due at these voltages.
     pub(crate) fn holds(self, registers: &[f64]) -> bool {
-        let value = self.excess(registers);
+        let value = self.value(registers);
         if self.strict { value > 0.0 } else { value >= 0.0 }
     }
 }
 
 impl Transition {
-    /// A change between two values of a mode.
+    /// A change from one value of a mode to another.
     pub fn new(from: f64, to: f64, guard: Guard) -> Self {
         Transition { from, to, guard, reset: None, sets: Vec::new() }
     }
 
-    /// The same change, which also sets the element's state.
+    /// The same change, which also sets the element's state to a value.
     pub fn reset(mut self, builder: &dyn Builder, to: Register) -> Self {
         self.reset = Some(Reset { state: builder.own_state(), to });
         self
     }
 
-    /// The same change, which also puts another mode to a value.
-    pub fn and_sets(mut self, mode: ModeHandle, value: f64) -> Self {
+    /// The same change, which also sets another mode.
+    pub fn with_mode(mut self, mode: ModeHandle, value: f64) -> Self {
         self.sets.push((mode.index, value));
         self
     }
 }
 
-/// A delay line.
+/// A delay line of the program.
 #[derive(Debug, Clone)]
 pub(crate) struct Delay {
+    /// Index of the element.
     pub element: usize,
+    /// Register of the input.
     pub input: Register,
-    /// The delay lines, this one too perhaps, on whose output its input depends by any way but other delay lines.
-    pub hears: Vec<usize>,
-    /// Coefficient of its time, in machine seconds.
+    /// Indices of the delay lines on whose output the input depends through anything except other delay lines. The
+    /// line itself may be among them.
+    pub upstream: Vec<usize>,
+    /// Index of the coefficient with the delay, in machine seconds.
     pub time: u32,
-    /// Coefficient of what it gives before its time.
+    /// Index of the coefficient with the output before the first input arrives.
     pub initial: u32,
     /// Problem seconds per machine second.
     pub problem_seconds: f64,
 }
 
-/// A value that stays the same within a step.
+/// A value that is constant within a step and sampled at its end: the memory of backlash and track-and-hold.
 #[derive(Debug, Clone)]
-pub(crate) struct Kept {
-    /// Coefficient of what it is in initial condition.
+pub(crate) struct SampledValue {
+    /// Index of the coefficient with the initial value.
     pub initial: u32,
-    /// What it becomes at the end of every stretch.
+    /// Register whose value is sampled at the end of every step.
     pub next: Register,
 }
 
-/// A loop without an integrator: the operations from after the tear to the result.
+/// A loop without an integrator.
+///
+/// The loop is opened at one element, whose output becomes an unknown, the tear. The operations after the tear up to
+/// the result compute that output again. A voltage at which both agree solves the loop.
 #[derive(Debug, Clone)]
 pub struct Loop {
-    /// The tear's own register.
+    /// Register of the tear.
     pub(crate) tear: Register,
-    /// The register that the tear must equal.
+    /// Register of the recomputed output; the tear must equal it.
     pub(crate) result: Register,
-    /// Names of the members, the one that opens it last.
+    /// Names of the members. The last one is the element that opens the loop.
     pub members: Vec<String>,
-    /// Whether an open amplifier opens it.
+    /// Whether an open amplifier opens the loop.
     pub(crate) is_open: bool,
 }
 
 impl Loop {
-    /// Name of the element that opens it.
+    /// Name of the element that opens the loop.
     pub fn opened(&self) -> &str {
         self.members.last().map_or("", String::as_str)
     }
 }
 
-/// An overload lamp of an amplifier that does not integrate.
+/// An overload lamp of an amplifier without a state.
 #[derive(Debug, Clone)]
 pub(crate) struct Lamp {
+    /// Index of the element.
     pub element: usize,
-    /// What the amplifier is asked for.
+    /// Register of the demanded output, before the amplifier's limit.
     pub demand: Register,
-    /// What it gives, within ±100 V.
+    /// Register of the output, within ±100 V.
     pub output: Register,
 }
 
 /// A signal that can be recorded.
 #[derive(Debug, Clone)]
-pub struct Probe {
-    /// Its name.
+pub struct SignalInfo {
+    /// Name of the signal.
     pub name: String,
-    /// Where it is read.
+    /// Register with its voltage.
     pub(crate) register: Register,
-    /// Coefficient of its value per volt, in SI; `None` for volts.
+    /// Index of the coefficient with the signal's value per volt, in SI. `None` if the signal is in volts.
     pub(crate) per_volt: Option<u32>,
-    /// Text of its unit.
+    /// Text of the unit.
     pub unit: String,
-    /// What that unit is in SI.
+    /// Value of the unit in SI.
     pub(crate) per_unit: f64,
+    /// Dimension of the unit; that of a voltage if the signal has no scale.
     pub(crate) dimension: Dimension,
-    /// Whether it stands among the patch's signals: not a bare element or drive.
+    /// Whether the patch defines it under `signals`. The outputs of elements and drives are recordable under their own
+    /// names.
     pub(crate) is_named: bool,
 }
 
-/// An element that switches between positions.
+/// An element that switches between named positions.
 #[derive(Debug, Clone)]
 pub(crate) struct Switch {
+    /// Index of the element.
     pub element: usize,
-    /// Index of the mode whose value counts the positions.
+    /// Index of the mode. Its values 0, 1 and so on are the indices of the positions.
     pub mode: usize,
+    /// Names of the positions.
     pub positions: &'static [&'static str],
 }
 
-/// The demanded output, in volts, above which a lamp lights: 1e-6 above the reference.
-pub(crate) const LAMP_LEVEL: f64 = REFERENCE * (1.0 + 1e-6);
+/// Demanded output above which a lamp lights, in volts. The margin of 1e-6 of the reference prevents a lamp from
+/// lighting by rounding.
+pub(crate) const LAMP_THRESHOLD: f64 = REFERENCE * (1.0 + 1e-6);
 
 impl Program {
-    /// Carries out every change of mode that is due at these voltages, at most one of each mode, and tells of
-    /// each by its index and its transition: those of drives if any is due, else those of everything else, which should not act
-    /// on a voltage from before a jump. The voltages have to be worked out again after it.
+    /// Makes every change of mode that is due at these voltages, at most one per mode, and passes each to `changed`.
+    ///
+    /// If modes of drives change, only these change now: the other guards would act on voltages from before the jump.
+    /// After a change the caller must evaluate the body again.
     pub(crate) fn change_modes(
         &self,
         registers: &[f64],
@@ -367,8 +414,8 @@ impl Program {
         mut changed: impl FnMut(usize, &Transition),
     ) {
         let mut any = false;
-        for of_drive in [true, false] {
-            let those = self.modes.iter().enumerate().filter(|(_, mode)| mode.of_drive == of_drive);
+        for is_drive in [true, false] {
+            let those = self.lowered.modes.iter().enumerate().filter(|(_, mode)| mode.is_drive == is_drive);
             for (index, mode) in those {
                 let value = modes[index];
                 let due = |open: &&Transition| open.from == value && open.guard.holds(registers);
@@ -387,90 +434,145 @@ impl Program {
         }
     }
 
-    /// The element of this index.
+    /// Name of the element with this index.
     pub(crate) fn name(&self, element: usize) -> &str {
-        &self.elements[element].name
+        &self.lowered.elements[element].name
     }
 
-    /// The outlets in the order in which they are worked out.
-    pub(crate) fn in_order(&self) -> impl Iterator<Item = &Outlet> {
-        self.order.iter().map(|element| &self.elements[*element])
+    /// The outputs of the elements in order of evaluation.
+    pub(crate) fn in_evaluation_order(&self) -> impl Iterator<Item = &ElementOutput> {
+        self.lowered.order.iter().map(|element| &self.lowered.elements[*element])
     }
 
-    /// Index of an element, drive or reference by name.
+    /// Index of the element, drive or reference with this name.
     pub(crate) fn element(&self, name: &str) -> Option<usize> {
-        self.elements.iter().position(|outlet| outlet.name == name)
+        self.lowered.elements.iter().position(|output| output.name == name)
     }
 
-    /// Index of a drive by name.
+    /// Index of the drive with this name.
     pub(crate) fn drive(&self, name: &str) -> Option<usize> {
-        self.element(name).filter(|element| self.drives.contains(&self.elements[*element].register))
+        self.element(name)
+            .filter(|element| self.lowered.drives.contains(&self.lowered.elements[*element].register))
     }
 
-    /// Index of the table that a drive looks up at time itself.
-    pub(crate) fn table_of(&self, drive: usize) -> Option<usize> {
-        self.timetables.iter().find(|own| own.element == drive).map(|own| own.table)
+    /// Index of the table that a drive looks up at time.
+    pub(crate) fn drive_table(&self, drive: usize) -> Option<usize> {
+        self.lowered.timetables.iter().find(|own| own.element == drive).map(|own| own.table)
     }
 
     /// Index of the table that an element looks up at a voltage.
-    pub(crate) fn curve_of(&self, element: usize) -> Option<usize> {
-        self.curves.iter().find(|own| own.0 == element).map(|own| own.1)
+    pub(crate) fn element_curve(&self, element: usize) -> Option<usize> {
+        self.lowered.curves.iter().find(|own| own.0 == element).map(|own| own.1)
     }
 
-    /// Gives a table other points.
-    pub(crate) fn put_points(&mut self, table: usize, points: Vec<[f64; 2]>) {
+    /// Replaces the points of a table.
+    pub(crate) fn set_points(&mut self, table: usize, points: Vec<[f64; 2]>) {
         Arc::make_mut(&mut self.tables)[table] = points;
         self.find_corners();
     }
 
-    /// Notes when tables have corners.
+    /// Updates the times at which tables of time have corners.
     pub(crate) fn find_corners(&mut self) {
-        let straight = self.timetables.iter().filter(|own| own.is_straight);
-        self.corners = Arc::new(Corners::of(straight.map(|own| &self.tables[own.table][..])));
+        let straight = self.lowered.timetables.iter().filter(|own| own.is_straight);
+        self.corners = Arc::new(TableCorners::from_tables(straight.map(|own| &self.tables[own.table][..])));
     }
 
-    /// Index of a parameter by name.
+    /// Index of the parameter with this name.
     pub fn parameter(&self, name: &str) -> Option<usize> {
-        self.parameters.iter().position(|slot| slot.name == name)
+        self.parameters.iter().position(|slot| slot.declared.name == name)
     }
 
-    /// A scale by name.
+    /// The scale with this name.
     pub(crate) fn scale(&self, name: &str) -> Option<&ScaleSlot> {
-        self.scales.iter().find(|slot| slot.name == name)
+        self.lowered.scales.iter().find(|slot| slot.name == name)
     }
 
-    /// One of the patch's signals by name.
-    pub(crate) fn signal(&self, name: &str) -> Option<&Probe> {
-        self.signals.iter().find(|probe| probe.is_named && probe.name == name)
+    /// The signal with this name, if the patch defines it under `signals`.
+    pub(crate) fn signal(&self, name: &str) -> Option<&SignalInfo> {
+        self.lowered.signals.iter().find(|signal| signal.is_named && signal.name == name)
     }
 
     /// The parameters, in the order of the patch.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let pot = ElementBuilder::new("pot").cord("in", "A1").set("setting", "k");
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("dx/dt = -k x").parameter("k", 0.5, "1", [0.0, 1.0]);
+    /// let patch = patch.element("A1", decay).element("P1", pot).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let names: Vec<&str> = program.parameters().iter().map(|slot| slot.declared.name.as_str()).collect();
+    /// assert_eq!(names, ["k"]);
+    /// assert_eq!((program.parameter("k"), program.parameter("q")), (Some(0), None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn parameters(&self) -> &[ParameterSlot] {
         &self.parameters
     }
 
-    /// Everything with an output: references, drives, elements.
-    pub fn outlets(&self) -> &[Outlet] {
-        &self.elements
+    /// The outputs of all references, drives and elements.
+    pub fn element_outputs(&self) -> &[ElementOutput] {
+        &self.lowered.elements
     }
 
     /// The signals that can be recorded.
-    pub fn signals(&self) -> &[Probe] {
-        &self.signals
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").scale("length", 2, "mm").element("A1", decay);
+    /// let patch = patch.signal("x", "A1", "length", 1.0).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let names: Vec<_> = program.signals().iter().map(|signal| (&signal.name[..], &signal.unit[..])).collect();
+    /// assert_eq!(names, [("x", "mm"), ("A1", "V")]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn signals(&self) -> &[SignalInfo] {
+        &self.lowered.signals
     }
 
     /// The loops without an integrator.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // out = -(60 V + out / 2)
+    /// let input = ElementBuilder::new("pot").cord("in", "+100").set("setting", 0.6);
+    /// let feedback = ElementBuilder::new("pot").cord("in", "S1").set("setting", 0.5);
+    /// let summer = ElementBuilder::new("summer").cords("x1", ["P1", "P2"]);
+    /// let patch = PatchBuilder::new("loop").element("P1", input).element("P2", feedback);
+    /// let patch = patch.element("S1", summer).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// assert_eq!(program.loops()[0].opened(), "S1");
+    /// assert!((Machine::new(&program, 1e-3)?.voltage("S1")? + 40.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn loops(&self) -> &[Loop] {
-        &self.loops
+        &self.lowered.loops
     }
 
-    /// Names of the states, in their order.
+    /// Names of the states, in order.
     pub fn states(&self) -> Vec<&str> {
-        self.states.iter().map(|state| self.name(state.element)).collect()
+        self.lowered.states.iter().map(|state| self.name(state.element)).collect()
     }
 
-    /// The body's operations: what every backend runs.
+    /// The operations of the body, in order of evaluation.
     pub fn body(&self) -> &[Op] {
-        &self.body
+        &self.lowered.body
     }
 }

@@ -1,40 +1,49 @@
-//! Numbers drawn by chance that are the same everywhere: each is a function of a seed and its place in the row.
+//! Random numbers that are the same on every machine.
+//!
+//! Each number is a function of the seed and of its index only. So a run does not depend on the order of evaluation,
+//! the step or the number of threads.
 
 use std::f64::consts::TAU;
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 
-/// A noise voltage of a program.
+/// A noise source of a program.
 #[derive(Debug, Clone)]
 pub(crate) struct Noise {
+    /// Index of the drive.
     pub element: usize,
-    /// Coefficient of the seed.
+    /// Index of the coefficient with the seed.
     pub seed: u32,
-    /// Coefficient of the time between two numbers, in problem seconds.
+    /// Index of the coefficient with the time between two numbers, in problem seconds.
     pub every: u32,
+    /// Distribution of the numbers.
     pub distribution: Distribution,
 }
 
-/// How numbers of mean 0 and variance 1 are distributed.
+/// The distribution of the numbers, which have mean 0 and variance 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Distribution {
+    /// Normal (Gaussian).
     Normal,
+    /// Uniform from -sqrt(3) to sqrt(3).
     Uniform,
 }
 
-/// Words of the stream that each number is made of.
-const WORDS: u128 = 4;
+/// Number of 32-bit words of the stream per random number.
+const WORDS_PER_NUMBER: u128 = 4;
 
 impl Distribution {
-    /// The number at a place of the row that belongs to a seed: words 4 k to 4 k + 3 of the ChaCha stream of 8
-    /// rounds (Bernstein 2008) whose key begins with the seed's bits, as two numbers between 0 and 1; for the
-    /// normal distribution by the method of Box and Muller (1958).
-    pub fn number(self, seed: f64, place: u64) -> f64 {
+    /// The number with this index in the sequence of a seed.
+    ///
+    /// It uses words 4 k to 4 k + 3 of the ChaCha stream with 8 rounds (Bernstein 2008), whose key begins with the
+    /// bits of the seed. The words give two numbers between 0 and 1. The method of Box and Muller (1958) makes one
+    /// normal number from them; a uniform number uses the first.
+    pub fn number(self, seed: f64, index: u64) -> f64 {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_bits().to_le_bytes());
         let mut stream = ChaCha8Rng::from_seed(key);
-        stream.set_word_pos(u128::from(place) * WORDS);
+        stream.set_word_pos(u128::from(index) * WORDS_PER_NUMBER);
         let [first, second] = [(); 2].map(|()| between_0_and_1(stream.next_u64()));
         match self {
             Distribution::Normal => libm::sqrt(-2.0 * libm::log(first)) * libm::cos(TAU * second),
@@ -43,7 +52,7 @@ impl Distribution {
     }
 }
 
-/// The middle of one of 2^52 equal parts of 0 ... 1: never an end.
+/// The middle of one of 2^52 equal parts of the interval from 0 to 1. The ends never occur.
 fn between_0_and_1(word: u64) -> f64 {
     ((word >> 12) as f64 + 0.5) / (1u64 << 52) as f64
 }
@@ -67,8 +76,8 @@ mod tests {
 
     #[test]
     fn numbers_are_the_same_in_every_order() {
-        let row: Vec<f64> = (0..50).map(|place| Distribution::Normal.number(7.0, place)).collect();
-        assert!((0..50).rev().all(|place| Distribution::Normal.number(7.0, place) == row[place as usize]));
+        let row: Vec<f64> = (0..50).map(|index| Distribution::Normal.number(7.0, index)).collect();
+        assert!((0..50).rev().all(|index| Distribution::Normal.number(7.0, index) == row[index as usize]));
         assert_ne!(Distribution::Normal.number(8.0, 0), row[0]);
     }
 

@@ -1,20 +1,34 @@
-//! The arithmetic that operations need: plain numbers, numbers with a derivative, straight pieces.
+//! The arithmetic that operations need, for plain numbers and for dual numbers.
+//!
+//! One implementation of the operations serves several number types. Plain numbers give voltages, dual numbers give
+//! derivatives. Linear pieces and intervals, in files of their own, give the solutions of loops.
 
 use patchcord_expr::Function;
 
-/// What operations compute with. Comparisons look at the value, and at what becomes of it where values are equal.
+/// A type that operations can compute with. If two compared values are equal, the derivatives decide which one is
+/// chosen.
 pub(crate) trait Number: Copy {
+    /// A number that does not vary.
     fn constant(value: f64) -> Self;
+    /// self + other.
     fn add(self, other: Self) -> Self;
+    /// self - other.
     fn subtract(self, other: Self) -> Self;
+    /// self x other.
     fn multiply(self, other: Self) -> Self;
+    /// self / other.
     fn divide(self, other: Self) -> Self;
+    /// The smaller of two.
     fn lower_of(self, other: Self) -> Self;
+    /// The larger of two.
     fn upper_of(self, other: Self) -> Self;
+    /// The absolute value.
     fn absolute(self) -> Self;
+    /// `then` if left >= right, otherwise `otherwise`.
     fn select(left: Self, right: Self, then: Self, otherwise: Self) -> Self;
+    /// A function of one or two arguments.
     fn call(function: Function, a: Self, b: Self) -> Self;
-    /// Looks itself up in a table of points (abscissa, ordinate).
+    /// The value of a table of points (abscissa, ordinate) at this abscissa.
     fn table(self, points: &[[f64; 2]]) -> Self;
 }
 
@@ -39,7 +53,7 @@ impl Number for f64 {
     fn divide(self, other: Self) -> Self {
         self / other
     }
-    // A NaN on the left comes through, so that a limit never hides one.
+    // A NaN on the left is returned, so a limit never hides it.
     #[inline(always)]
     fn lower_of(self, other: Self) -> Self {
         if other < self { other } else { self }
@@ -65,12 +79,13 @@ impl Number for f64 {
     }
 }
 
-/// The straight piece of a table that holds at `x`: (ordinate at the origin, slope, origin).
+/// The straight segment of a table that applies at `x`: ordinate at the origin, slope, origin. Outside the points the
+/// slope is 0.
 pub(crate) fn segment(points: &[[f64; 2]], x: f64) -> (f64, f64, f64) {
     segment_after(points, points.partition_point(|point| point[0] <= x))
 }
 
-/// The piece after so many points of a table, in the same form.
+/// The segment after the first `after` points of a table, in the same form.
 pub(crate) fn segment_after(points: &[[f64; 2]], after: usize) -> (f64, f64, f64) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return (f64::NAN, 0.0, 0.0);
@@ -85,24 +100,28 @@ pub(crate) fn segment_after(points: &[[f64; 2]], after: usize) -> (f64, f64, f64
     (y0, (y1 - y0) / (x1 - x0), x0)
 }
 
-/// A number with its derivative along one direction: at a kink, the one-sided derivative ahead.
+/// A number with its derivative along one direction. At a kink it is the one-sided derivative in that direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Dual {
+    /// The number.
     pub value: f64,
+    /// Its derivative along the direction.
     pub slope: f64,
 }
 
 impl Dual {
+    /// A number with its derivative.
     pub fn new(value: f64, slope: f64) -> Self {
         Dual { value, slope }
     }
 
-    /// Whether it is below another, or will be along the direction: at a kink the slopes are those ahead.
+    /// Whether the value is smaller, or is equal and becomes smaller along the direction.
     fn is_below(self, other: Self) -> bool {
         self.value < other.value || (self.value == other.value && self.slope < other.slope)
     }
 }
 
+/// The rules of differentiation. At a kink, the slopes decide which side applies.
 impl Number for Dual {
     fn constant(value: f64) -> Self {
         Dual::new(value, 0.0)
@@ -135,10 +154,10 @@ impl Number for Dual {
     }
     fn call(function: Function, a: Self, b: Self) -> Self {
         let (by_a, by_b) = function.derivative(a.value, b.value);
-        // What stands still has no slope, even where the function is infinitely steep.
+        // A constant has slope 0 even if the function is infinitely steep.
         let along = |steepness: f64, slope: f64| if slope == 0.0 { 0.0 } else { steepness * slope };
-        // A function of one number has no slope along its second.
-        let second = if function.arguments() > 1 { along(by_b, b.slope) } else { 0.0 };
+        // A function of one argument does not depend on the second one.
+        let second = if function.argument_count() > 1 { along(by_b, b.slope) } else { 0.0 };
         Dual::new(function.apply(a.value, b.value), along(by_a, a.slope) + second)
     }
     fn table(self, points: &[[f64; 2]]) -> Self {
@@ -186,7 +205,7 @@ mod tests {
                 (x.upper_of(zero).slope, zero.upper_of(x).slope),
                 (direction - lower, direction - lower)
             );
-            // A dead zone without width has no kink.
+            // A dead zone of width 0 has no kink.
             assert_eq!(x.upper_of(zero).add(x.lower_of(zero)).slope, direction);
             assert_eq!(Dual::select(x, zero, x, zero).slope, direction - lower);
             assert_eq!(Number::table(x, &corner).slope, table);

@@ -1,88 +1,100 @@
-//! The primitive operations that every element comes down to.
+//! The primitive operations of which every element's law consists.
+//!
+//! The list is short so that each backend can implement all of it: the interpreter, derivatives, intervals and the
+//! kernels. An operation names its operands by register and stores its result in the register with its index.
 
 use super::number::Number;
 use patchcord_expr::Function;
 
-/// Where an operation leaves its result: the index of the operation in its list.
+/// A register: the index of an operation in its list, and the place of that operation's result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Register(pub u32);
 
 impl Register {
-    /// The register as an index.
+    /// The register as an index into a slice.
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// One operation on f64 volts. Operands are registers written before it.
+/// One operation on f64 values in volts. Its operands are registers with smaller indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Op {
     /// A fixed number.
     Constant(f64),
-    /// A parameter of the patch, in SI (prologue only).
+    /// A parameter of the patch in SI. Only the prologue reads parameters.
     Parameter(u32),
-    /// A coefficient worked out by the prologue.
+    /// A coefficient that the prologue computes.
     Coefficient(u32),
-    /// A state: the output of an integrator.
+    /// A state: the output of an integrator or a lag.
     State(u32),
     /// The present value of a mode.
     Mode(u32),
     /// Problem time in seconds.
     Time,
-    /// Sum.
+    /// a + b.
     Add(Register, Register),
-    /// Difference.
+    /// a - b.
     Subtract(Register, Register),
-    /// Product.
+    /// a times b.
     Multiply(Register, Register),
-    /// Quotient.
+    /// a divided by b.
     Divide(Register, Register),
-    /// Lower of two.
+    /// The smaller of two values.
     Minimum(Register, Register),
-    /// Upper of two.
+    /// The larger of two values.
     Maximum(Register, Register),
-    /// Size without sign.
+    /// The absolute value.
     Absolute(Register),
-    /// `then` where left >= right, else `otherwise`.
+    /// `then` if left >= right, otherwise `otherwise`.
     Select {
-        /// What is compared.
+        /// The left side of the comparison.
         left: Register,
-        /// What it is compared with.
+        /// The right side of the comparison.
         right: Register,
-        /// The value where left is not below right.
+        /// The value if left >= right.
         then: Register,
-        /// The value where it is.
+        /// The value if left < right.
         otherwise: Register,
     },
-    /// A function of one or two numbers.
+    /// A function of one or two arguments. Functions of one argument get it twice.
     Call(Function, Register, Register),
-    /// A table of points at this abscissa: straight lines between them, level outside.
+    /// A table at an abscissa: straight lines between the points, constant outside.
     Table(u32, Register),
-    /// What a delay line gives back.
+    /// The output of a delay line.
     Delayed(u32),
-    /// The number that holds now of those that a source gives at known instants: noise, points that are held.
+    /// The present value of a source that is constant between known instants: noise or a stepped table.
     Level(u32),
-    /// A kept value: as it stood at the end of the last stretch.
-    Kept(u32),
-    /// Start of a loop without an integrator: the output that opens it, solved here.
+    /// A value sampled at the end of the last step.
+    Sampled(u32),
+    /// The tear of a loop without an integrator: the voltage that solves the loop.
     Tear(u32),
 }
 
-/// What operations read besides registers.
+/// What operations read in addition to registers. The index in an operation is the index in the slice.
 pub(crate) struct Sources<'a, N> {
+    /// Parameters in SI; the prologue reads them.
     pub parameters: &'a [N],
+    /// Coefficients that the prologue has computed.
     pub coefficients: &'a [N],
+    /// Voltages of the states.
     pub states: &'a [N],
+    /// Values of the modes.
     pub modes: &'a [f64],
+    /// Problem time in seconds.
     pub time: N,
+    /// Points of the tables.
     pub tables: &'a [Vec<[f64; 2]>],
+    /// Outputs of the delay lines, in volts.
     pub delayed: &'a [N],
+    /// Values sampled at the end of the last step.
     pub kept: &'a [N],
+    /// Present values of the levels.
     pub levels: &'a [N],
 }
 
 impl<N: Number> Sources<'_, N> {
-    /// For operations that read registers alone.
+    /// Empty sources, for operations that read registers only.
     pub fn none() -> Self {
         Sources {
             parameters: &[],
@@ -99,7 +111,7 @@ impl<N: Number> Sources<'_, N> {
 }
 
 impl Op {
-    /// The registers that it reads.
+    /// The registers that the operation reads.
     pub(crate) fn operands(self) -> impl Iterator<Item = Register> {
         let operands = match self {
             Op::Absolute(a) | Op::Table(_, a) => [Some(a), None, None, None],
@@ -116,7 +128,7 @@ impl Op {
         operands.into_iter().flatten()
     }
 
-    /// The same operation on other registers.
+    /// The same operation with its registers mapped by `to`.
     pub(crate) fn with_operands(self, to: impl Fn(Register) -> Register) -> Op {
         match self {
             Op::Absolute(a) => Op::Absolute(to(a)),
@@ -135,7 +147,7 @@ impl Op {
         }
     }
 
-    /// The operation's value; a tear has none of its own and must be solved by the caller.
+    /// The value of the operation. A tear gives NaN: the caller solves it instead.
     #[inline(always)]
     pub(crate) fn apply<N: Number>(self, from: &Sources<'_, N>, get: impl Fn(Register) -> N) -> N {
         match self {
@@ -158,7 +170,7 @@ impl Op {
             Op::Call(function, a, b) => N::call(function, get(a), get(b)),
             Op::Table(index, at) => get(at).table(&from.tables[index as usize]),
             Op::Delayed(index) => from.delayed[index as usize],
-            Op::Kept(index) => from.kept[index as usize],
+            Op::Sampled(index) => from.kept[index as usize],
             Op::Level(index) => from.levels[index as usize],
             Op::Tear(_) => N::constant(f64::NAN),
         }

@@ -4,19 +4,37 @@
 //! them against their ranges, calculates the coefficients that follow, and checks these too. Machines, sweeps and fits
 //! all set parameters by the functions of this module.
 
-use std::ops::Deref;
 use std::sync::Arc;
 
-use super::{Program, SettingFault, Unfit};
-use crate::document::{RangeViolation, parameter_in_si, suggestion, told};
+use super::{InvalidCoefficient, Program, SettingFault};
+use crate::document::{RangeViolation, format_number, parameter_in_si, suggestion};
 use patchcord_expr::Dimension;
 
 /// A parameter of the patch as the prologue reads it.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// let ramp = ElementBuilder::new("integrator").cords("x1", ["+100"]);
+/// let patch = PatchBuilder::new("ramp").parameter("x", 2.5, "mm", [0.0, 10.0]);
+/// let patch = patch.element("A1", ramp).build()?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let slot = &program.parameters()[0];
+/// assert_eq!((slot.declared.name.as_str(), slot.declared.unit.as_str()), ("x", "mm"));
+/// assert!((slot.value - 2.5e-3).abs() < 1e-12);
+/// assert_eq!(slot.in_si(20.0).unwrap_err().to_string(), "x = 20 mm is outside its range 0 ... 10 mm");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ParameterSlot {
     /// The value for this run, in SI units.
     pub value: f64,
-    pub(crate) declared: Arc<Declared>,
+    /// The declaration, which copies of a program share.
+    pub declared: Arc<Declared>,
 }
 
 /// The declaration of a parameter in the patch, which is independent of its value.
@@ -30,15 +48,8 @@ pub struct Declared {
     pub range: Option<(f64, f64)>,
     /// Text of the declared unit.
     pub unit: String,
+    /// Dimension of the declared unit. Formulas of a run are checked with it.
     pub(crate) dimension: Dimension,
-}
-
-impl Deref for ParameterSlot {
-    type Target = Declared;
-
-    fn deref(&self) -> &Declared {
-        &self.declared
-    }
 }
 
 impl ParameterSlot {
@@ -47,7 +58,12 @@ impl ParameterSlot {
     /// # Errors
     /// If the value is not finite in SI units, or is outside the range.
     pub fn in_si(&self, value: f64) -> Result<f64, RangeViolation> {
-        parameter_in_si(&self.name, value, (&self.unit, self.per_unit), self.range)
+        parameter_in_si(
+            &self.declared.name,
+            value,
+            (&self.declared.unit, self.declared.per_unit),
+            self.declared.range,
+        )
     }
 }
 
@@ -67,7 +83,7 @@ pub enum SettingError {
     #[error(transparent)]
     OutsideRange(#[from] RangeViolation),
     /// A setting of an element that its element does not take, such as a potentiometer above 1.
-    #[error("{setting} comes to {}, {}", told(*value), fault.describe(*value))]
+    #[error("{setting} is {}, {}", format_number(*value), fault.describe(*value))]
     Unfit {
         /// Element and setting, such as "PC5 setting".
         setting: String,
@@ -94,9 +110,9 @@ impl SettingError {
     }
 }
 
-impl From<Unfit<'_>> for SettingError {
-    fn from(unfit: Unfit<'_>) -> Self {
-        let Unfit { coefficient, value, fault } = unfit;
+impl From<InvalidCoefficient<'_>> for SettingError {
+    fn from(unfit: InvalidCoefficient<'_>) -> Self {
+        let InvalidCoefficient { coefficient, value, fault } = unfit;
         SettingError::Unfit { setting: coefficient.label.clone(), value, fault }
     }
 }
@@ -119,7 +135,7 @@ impl Program {
     /// If no parameter has this name.
     pub fn parameter_index(&self, name: &str) -> Result<usize, SettingError> {
         self.parameter(name).ok_or_else(|| {
-            let known: Vec<_> = self.parameters.iter().map(|slot| slot.name.as_str()).collect();
+            let known: Vec<_> = self.parameters.iter().map(|slot| slot.declared.name.as_str()).collect();
             SettingError::UnknownParameter { name: name.to_owned(), hint: suggestion(name, &known) }
         })
     }
@@ -141,7 +157,7 @@ impl Program {
             changed.push(index);
         }
         let coefficients = self.prepare(&parameters);
-        match self.first_unfit(&coefficients) {
+        match self.first_invalid_coefficient(&coefficients) {
             Some(unfit) => Err(unfit.into()),
             None => Ok(ChangedParameters { parameters, coefficients, changed }),
         }
@@ -153,6 +169,27 @@ impl Program {
     /// # Errors
     /// If a name is unknown, a value is outside its range, or a setting that follows does not fit. The program then
     /// stays as it was.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let pot = ElementBuilder::new("pot").cord("in", "A1").set("setting", "k");
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("dx/dt = -k x").parameter("k", 0.5, "1", [0.0, 1.0]);
+    /// let patch = patch.element("A1", decay).element("P1", pot).build()?;
+    /// let mut program = Program::new(&Circuit::new(&patch)?)?;
+    /// program.set_parameters([("k", 0.25)])?;
+    /// assert_eq!(program.parameters()[0].value, 0.25);
+    /// let error = program.set_parameters([("k", 2.0)]).unwrap_err();
+    /// assert_eq!(error.to_string(), "k = 2 is outside its range 0 ... 1");
+    /// assert_eq!(error.code(), "outside-range");
+    /// assert_eq!(program.parameters()[0].value, 0.25);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn set_parameters<N: AsRef<str>>(
         &mut self,
         changes: impl IntoIterator<Item = (N, f64)>,

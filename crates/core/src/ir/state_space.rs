@@ -1,36 +1,39 @@
-//! The linear model about an operating point: small motions between all drives and all signals.
-
-use nalgebra::DMatrix;
+//! The linear model about an operating point, from all drives to all signals.
+//!
+//! Instruments compute roots and frequency responses from it. Modes are constant in the model, so it describes small
+//! motions that switch nothing.
 
 use super::linearise::{Direction, OperatingPoint, Sense, upward};
 use super::op::{Op, Register};
-use super::{Delay, LAMP_LEVEL, Probe, Program, State};
+use super::{Delay, LAMP_THRESHOLD, Program, SignalInfo, State};
 
-/// Small motions about an operating point, in volts and problem seconds: with states x, what comes out of the delay
-/// lines w, what goes into them z, the drives u and the signals y,
+/// The linear model of small motions about an operating point, in volts and problem seconds.
+///
+/// The symbols are: states x, outputs w and inputs z of the delay lines, drives u, signals y. Then
 ///
 /// `[dx/dt; z; y] = matrix [x; w; u]` and `w_j(t) = z_j(t - T_j)`.
 ///
-/// Modes, kept values and noise stand still.
+/// Modes, sampled values and noise are constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpace {
     /// The states: integrators and lags.
     pub states: Vec<StateTerm>,
     /// The delay lines.
     pub delays: Vec<DelayTerm>,
-    /// The drives, under the names of the signals that read them and under their own.
+    /// The drives: under the names of the signals that read them, and under their own names.
     pub inputs: Vec<Port>,
     /// The signals, drives and elements.
     pub outputs: Vec<Port>,
-    /// Amplifiers that stand at ±100 V and are asked for more: nothing small comes through them.
+    /// Names of the overloaded amplifiers. Their output is constant, so small motions do not pass through them.
     pub overloaded: Vec<String>,
-    /// States, delay lines and drives along which the point stands on a kink.
+    /// Names of the states, delay lines and drives for which the point is on a kink.
     pub kinks: Vec<String>,
-    /// Drives that change with time here.
+    /// Names of the drives that change with time at this instant.
     pub moving: Vec<String>,
-    /// All derivatives, at a kink those towards higher voltages, and at a limit those away from it: rows of rates (per
-    /// second), of what goes into delay lines, of signals; columns of states, of what comes out of delay lines, of drives.
-    pub matrix: DMatrix<f64>,
+    /// The derivatives: at a kink those towards higher voltages, at a limit those away from it. The rows are the rates
+    /// (per second), the inputs of delay lines and the signals. The columns are the states, the outputs of delay lines
+    /// and the drives.
+    pub matrix: Vec<Vec<f64>>,
 }
 
 /// A state of the linear model.
@@ -40,16 +43,16 @@ pub struct StateTerm {
     pub name: String,
     /// Its voltage at the operating point.
     pub volts: f64,
-    /// Its rate there, in volts per second: 0 everywhere at an equilibrium.
+    /// Its rate there, in volts per second; 0 at an equilibrium.
     pub rate: f64,
-    /// Why it stands still, where it does.
-    pub hold: Option<Hold>,
+    /// The reason if a mode holds the state; `None` if the state is free.
+    pub hold: Option<StateHold>,
 }
 
-/// What holds a state where it is: a mode, for as long as it lasts.
+/// The reason why a state cannot move while the modes stay as they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Hold {
-    /// It stands at a limit and is driven outward.
+pub enum StateHold {
+    /// It is at a limit and its rate points outward.
     Limit,
     /// Its brake holds it, or it rests against a stop.
     Brake,
@@ -64,33 +67,53 @@ pub struct DelayTerm {
     pub seconds: f64,
 }
 
-/// Where the linear model is driven or read.
+/// An input or output of the linear model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Port {
     /// Name of the signal, drive or element.
     pub name: String,
     /// Text of its unit.
     pub unit: String,
-    /// What one volt stands for, in that unit.
+    /// Value of one volt in that unit.
     pub per_volt: f64,
     /// Its voltage at the operating point.
     pub volts: f64,
-    /// Whether the patch names it as a signal.
+    /// Whether the patch defines it under `signals`.
     pub is_named: bool,
 }
 
 impl StateSpace {
-    /// d(rate) / d(state), in 1 per second.
-    pub fn state_matrix(&self) -> DMatrix<f64> {
-        self.matrix.view((0, 0), (self.states.len(), self.states.len())).into_owned()
+    /// The derivatives of the rates with respect to the states, in 1 per second.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// let pot = ElementBuilder::new("pot").cord("in", "A1").set("setting", "k");
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("dx/dt = -k x").parameter("k", 0.5, "1", [0.0, 1.0]);
+    /// let patch = patch.element("A1", decay).element("P1", pot).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let model = Machine::new(&program, 1e-3)?.state_space();
+    /// assert_eq!(model.state_matrix(), [[-0.5]]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn state_matrix(&self) -> Vec<Vec<f64>> {
+        let count = self.states.len();
+        self.matrix[..count].iter().map(|row| row[..count].to_vec()).collect()
     }
 
-    /// The columns that differ from those towards the other side by more than rounding, which loops bring in.
-    fn kinks_beside(&self, other: &DMatrix<f64>) -> Vec<String> {
-        let sizes: Vec<f64> = self.matrix.row_iter().map(|row| row.amax().max(f64::MIN_POSITIVE)).collect();
+    /// Names of the columns that differ from those of the other side by more than the rounding of loop solutions.
+    fn kink_names(&self, other: &[Vec<f64>]) -> Vec<String> {
+        let size = |row: &Vec<f64>| row.iter().fold(f64::MIN_POSITIVE, |size, slope| size.max(slope.abs()));
+        let sizes: Vec<f64> = self.matrix.iter().map(size).collect();
         let differs = |column: usize| {
-            let differences = self.matrix.column(column) - other.column(column);
-            differences.iter().zip(&sizes).any(|(difference, size)| difference.abs() > ROUNDING * size)
+            let pairs = self.matrix.iter().zip(other).map(|(one, other)| (one[column] - other[column]).abs());
+            pairs.zip(&sizes).any(|(difference, size)| difference > KINK_SLOPE_SHARE * size)
         };
         let states = self.states.iter().map(|state| &state.name);
         let delays = self.delays.iter().map(|delay| &delay.name);
@@ -100,25 +123,29 @@ impl StateSpace {
     }
 }
 
-/// Share of the largest slope of a row by which rounding may make two sides differ.
-const ROUNDING: f64 = 1e-9;
+/// Difference between the derivatives of two sides above which there is a kink, as a share of the row's largest
+/// derivative.
+const KINK_SLOPE_SHARE: f64 = 1e-9;
 
-/// Along what a column is differentiated, and to which side.
-struct Column {
+/// The direction and the side of a column of derivatives.
+struct JacobianColumn {
+    /// The variable of the column.
     direction: Direction,
+    /// The side towards which the derivatives are taken first.
     sense: Sense,
-    both_ways: bool,
+    /// Whether motion in both directions is possible.
+    is_two_sided: bool,
 }
 
-impl Column {
-    /// The other side, where there is one.
-    fn beside(&self) -> Sense {
-        if self.both_ways { self.sense.other() } else { self.sense }
+impl JacobianColumn {
+    /// The opposite side, if motion in both directions is possible.
+    fn other_side(&self) -> Sense {
+        if self.is_two_sided { self.sense.other() } else { self.sense }
     }
 }
 
 impl Program {
-    /// The linear model at a point with these voltages; `delays` are those of the lines in problem seconds.
+    /// The linear model at a point with these voltages. `delays` are the delays of the lines, in problem seconds.
     pub(crate) fn state_space(
         &self,
         at: &OperatingPoint<'_>,
@@ -126,104 +153,110 @@ impl Program {
         delays: impl Iterator<Item = f64>,
     ) -> StateSpace {
         let coefficients = self.prepare(at.parameters);
-        let port = |probe: &Probe| self.port(probe, &coefficients, registers);
+        let port = |signal: &SignalInfo| self.port(signal, &coefficients, registers);
         let delay = |(delay, seconds): (&Delay, f64)| DelayTerm {
             name: self.name(delay.element).to_owned(),
             seconds,
         };
         let (rows, columns) = (self.rows(), self.columns(registers));
-        let beside = columns.iter().map(|column| (column.direction, column.beside()));
+        let other_side = columns.iter().map(|column| (column.direction, column.other_side()));
         let mut model = StateSpace {
             states: self.state_terms(registers),
-            delays: self.delays.iter().zip(delays).map(delay).collect(),
+            delays: self.lowered.delays.iter().zip(delays).map(delay).collect(),
             inputs: self.driven().map(port).collect(),
-            outputs: self.signals.iter().map(port).collect(),
+            outputs: self.lowered.signals.iter().map(port).collect(),
             overloaded: self.overloaded(registers),
             kinks: Vec::new(),
-            moving: self.driven_by_time(at),
+            moving: self.time_driven(at),
             matrix: self.jacobian(at, &rows, columns.iter().map(|column| (column.direction, column.sense))),
         };
-        model.kinks = model.kinks_beside(&self.jacobian(at, &rows, beside));
+        model.kinks = model.kink_names(&self.jacobian(at, &rows, other_side));
         model
     }
 
-    /// What is differentiated: rates, what goes into delay lines, signals.
+    /// The registers of the rows: rates, inputs of delay lines, signals.
     fn rows(&self) -> Vec<Register> {
-        let rates = self.states.iter().map(|state| state.rate);
-        let stored = self.delays.iter().map(|delay| delay.input);
-        rates.chain(stored).chain(self.signals.iter().map(|probe| probe.register)).collect()
+        let rates = self.lowered.states.iter().map(|state| state.rate);
+        let stored = self.lowered.delays.iter().map(|delay| delay.input);
+        rates.chain(stored).chain(self.lowered.signals.iter().map(|signal| signal.register)).collect()
     }
 
-    /// Along what: states, what comes out of delay lines, drives. A state at a limit can only go away from it.
-    fn columns(&self, registers: &[f64]) -> Vec<Column> {
-        let delayed = (0..self.delays.len()).map(Direction::Delayed);
-        let drives = self.driven().map(|probe| Direction::Output(probe.register));
+    /// The directions of the columns: states, outputs of delay lines, drives. A state at a limit can only move away
+    /// from it.
+    fn columns(&self, registers: &[f64]) -> Vec<JacobianColumn> {
+        let delayed = (0..self.lowered.delays.len()).map(Direction::Delayed);
+        let drives = self.driven().map(|signal| Direction::Output(signal.register));
         let others = delayed.chain(drives);
-        let others = others.map(|direction| Column { direction, sense: Sense::Up, both_ways: true });
-        let states = self.states.iter().enumerate().map(|(index, state)| {
-            let volts = registers[self.elements[state.element].register.index()];
+        let others =
+            others.map(|direction| JacobianColumn { direction, sense: Sense::Up, is_two_sided: true });
+        let states = self.lowered.states.iter().enumerate().map(|(index, state)| {
+            let volts = registers[self.lowered.elements[state.element].register.index()];
             let [lower, upper] = state.limits.map(|limit| registers[limit.index()]);
-            Column {
+            JacobianColumn {
                 direction: Direction::State(index),
                 sense: if volts >= upper { Sense::Down } else { Sense::Up },
-                both_ways: lower < volts && volts < upper,
+                is_two_sided: lower < volts && volts < upper,
             }
         });
         states.chain(others).collect()
     }
 
-    /// The signals that read drives.
-    fn driven(&self) -> impl Iterator<Item = &Probe> {
-        self.signals.iter().filter(|probe| self.drives.contains(&probe.register))
+    /// The signals that read a drive.
+    fn driven(&self) -> impl Iterator<Item = &SignalInfo> {
+        self.lowered.signals.iter().filter(|signal| self.lowered.drives.contains(&signal.register))
     }
 
-    /// Names of the drives that time moves at this instant.
-    fn driven_by_time(&self, at: &OperatingPoint<'_>) -> Vec<String> {
-        let slopes = self.jacobian(at, &self.drives, upward([Direction::Time].into_iter()));
-        let moving = self.drives.iter().zip(slopes.iter()).filter(|(_, slope)| **slope != 0.0);
-        let name = |drive: &Register| self.elements.iter().find(|outlet| outlet.register == *drive);
+    /// Names of the drives that change with time at this instant.
+    fn time_driven(&self, at: &OperatingPoint<'_>) -> Vec<String> {
+        let slopes = self.jacobian(at, &self.lowered.drives, upward([Direction::Time].into_iter()));
+        let moving = self.lowered.drives.iter().zip(slopes.iter()).filter(|(_, row)| row[0] != 0.0);
+        let name = |drive: &Register| self.lowered.elements.iter().find(|output| output.register == *drive);
         moving.filter_map(|(drive, _)| Some(name(drive)?.name.clone())).collect()
     }
 
+    /// Names of the amplifiers whose demanded output exceeds the reference.
     fn overloaded(&self, registers: &[f64]) -> Vec<String> {
-        let lit = self.lamps.iter().filter(|lamp| registers[lamp.demand.index()].abs() > LAMP_LEVEL);
+        let lit =
+            self.lowered.lamps.iter().filter(|lamp| registers[lamp.demand.index()].abs() > LAMP_THRESHOLD);
         lit.map(|lamp| self.name(lamp.element).to_owned()).collect()
     }
 
-    fn port(&self, probe: &Probe, coefficients: &[f64], registers: &[f64]) -> Port {
+    /// A signal as an input or output of the model.
+    fn port(&self, signal: &SignalInfo, coefficients: &[f64], registers: &[f64]) -> Port {
         Port {
-            name: probe.name.clone(),
-            unit: probe.unit.clone(),
-            per_volt: probe.per_volt.map_or(1.0, |index| coefficients[index as usize] / probe.per_unit),
-            volts: registers[probe.register.index()],
-            is_named: probe.is_named,
+            name: signal.name.clone(),
+            unit: signal.unit.clone(),
+            per_volt: signal.per_volt.map_or(1.0, |index| coefficients[index as usize] / signal.per_unit),
+            volts: registers[signal.register.index()],
+            is_named: signal.is_named,
         }
     }
 
+    /// The states with their voltages, rates and holds.
     fn state_terms(&self, registers: &[f64]) -> Vec<StateTerm> {
         let term = |state: &State| StateTerm {
             name: self.name(state.element).to_owned(),
-            volts: registers[self.elements[state.element].register.index()],
+            volts: registers[self.lowered.elements[state.element].register.index()],
             rate: registers[state.rate.index()],
-            hold: if self.is_stopped(state.demand, registers) {
-                Some(Hold::Brake)
+            hold: if self.is_held(state.demand, registers) {
+                Some(StateHold::Brake)
             } else {
-                self.is_stopped(state.rate, registers).then_some(Hold::Limit)
+                self.is_held(state.rate, registers).then_some(StateHold::Limit)
             },
         };
-        self.states.iter().map(term).collect()
+        self.lowered.states.iter().map(term).collect()
     }
 
-    /// Whether a rate is the nothing that a mode has chosen.
-    fn is_stopped(&self, rate: Register, registers: &[f64]) -> bool {
-        match self.body[rate.index()] {
+    /// Whether a mode has set this rate to 0.
+    fn is_held(&self, rate: Register, registers: &[f64]) -> bool {
+        match self.lowered.body[rate.index()] {
             Op::Select { left, right, then, otherwise } => {
                 let is_left = registers[left.index()] >= registers[right.index()];
                 let chosen = if is_left { then } else { otherwise };
-                self.body[chosen.index()] == Op::Constant(0.0) || self.is_stopped(chosen, registers)
+                self.lowered.body[chosen.index()] == Op::Constant(0.0) || self.is_held(chosen, registers)
             }
-            // The time scale.
-            Op::Multiply(_, rate) => self.is_stopped(rate, registers),
+            // This is the factor of the time scale.
+            Op::Multiply(_, rate) => self.is_held(rate, registers),
             _ => false,
         }
     }

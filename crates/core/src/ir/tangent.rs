@@ -1,75 +1,92 @@
-//! Slopes of all voltages along one direction, beside voltages that are known: what sensitivities are made of.
+//! Slopes of all voltages along one direction, for sensitivities.
+//!
+//! The voltages are already known, so only the derivative parts of the dual numbers are computed. The voltages
+//! themselves can be exactly at a kink, at the instant of an event. Then the voltages of a nearby instant decide on
+//! which side of the kink the slopes are taken.
 
 use std::ops::Range;
 
 use super::loops::closing_slope;
 use super::number::{Dual, Number, segment};
 use super::op::{Op, Register, Sources};
-use super::{Program, Standing};
+use super::{Program, RunScope};
 use crate::document::TIME_SCALE;
 use patchcord_expr::{Callee, Expression, Formula, Function, Node, Operator};
 
-/// The slopes of what operations read besides registers. Modes and levels have none.
-pub(crate) struct Slopes<'a> {
+/// The slopes of what operations read in addition to registers. Modes and levels have slope 0.
+pub(crate) struct SourceSlopes<'a> {
+    /// Slopes of the coefficients.
     pub coefficients: &'a [f64],
+    /// Slopes of the states.
     pub states: &'a [f64],
+    /// Slope of problem time: 1 along time, otherwise 0.
     pub time: f64,
+    /// Slopes of the outputs of the delay lines.
     pub delayed: &'a [f64],
+    /// Slopes of the sampled values.
     pub kept: &'a [f64],
 }
 
-/// The voltages that slopes stand beside.
+/// The voltages at which slopes are taken.
 #[derive(Clone, Copy)]
-pub(crate) struct Beside<'a> {
+pub(crate) struct TangentBase<'a> {
     /// The voltages themselves.
     pub values: &'a [f64],
-    /// Voltages of an instant near by that tell to which side of every kink the slopes belong; where two are equal
-    /// there, the slopes decide.
+    /// Voltages of a nearby instant. They decide on which side of every kink the slopes are taken. If two of them are
+    /// equal, the slopes decide.
     pub guide: &'a [f64],
 }
 
 impl Program {
-    /// The slopes of the coefficients where those of the parameters (in SI) are these.
+    /// The slopes of the coefficients, from the parameters (in SI) and their slopes.
     pub(crate) fn coefficient_slopes(&self, parameters: &[f64], slopes: &[f64]) -> Vec<f64> {
         let pairs = parameters.iter().zip(slopes);
         let duals: Vec<Dual> = pairs.map(|(value, slope)| Dual::new(*value, *slope)).collect();
-        self.prepare(&duals).into_iter().map(|dual| dual.slope).collect()
+        self.prepare(&duals).into_iter().map(|evaluate| evaluate.slope).collect()
     }
 
-    /// Works out the slopes of a range of the body; those before it stand there already.
+    /// Computes the slopes of a range of the body. The slopes before it must already be there.
     pub(crate) fn differentiate(
         &self,
         range: Range<usize>,
-        beside: Beside<'_>,
-        from: &Slopes<'_>,
+        base: TangentBase<'_>,
+        from: &SourceSlopes<'_>,
         slopes: &mut [f64],
     ) {
         for at in range {
-            slopes[at] = match self.body[at] {
-                Op::Tear(index) => self.tear_slope(index as usize, beside, from, slopes),
-                op => self.slope(op, beside, from, slopes),
+            slopes[at] = match self.lowered.body[at] {
+                Op::Tear(index) => self.tear_slope(index as usize, base, from, slopes),
+                op => self.slope(op, base, from, slopes),
             };
         }
     }
 
-    fn tear_slope(&self, index: usize, beside: Beside<'_>, from: &Slopes<'_>, slopes: &mut [f64]) -> f64 {
-        let entry = &self.loops[index];
+    /// The slope of a tear, by evaluating its loop for two slopes of the tear.
+    fn tear_slope(
+        &self,
+        index: usize,
+        base: TangentBase<'_>,
+        from: &SourceSlopes<'_>,
+        slopes: &mut [f64],
+    ) -> f64 {
+        let entry = &self.lowered.loops[index];
         closing_slope(|tear| {
             slopes[entry.tear.index()] = tear;
-            self.differentiate(entry.tear.index() + 1..entry.result.index() + 1, beside, from, slopes);
+            self.differentiate(entry.tear.index() + 1..entry.result.index() + 1, base, from, slopes);
             slopes[entry.result.index()]
         })
     }
 
-    fn slope(&self, op: Op, beside: Beside<'_>, from: &Slopes<'_>, slopes: &[f64]) -> f64 {
+    /// The slope of one operation.
+    fn slope(&self, op: Op, base: TangentBase<'_>, from: &SourceSlopes<'_>, slopes: &[f64]) -> f64 {
         let own = |register: Register| slopes[register.index()];
-        let guide = |register: Register| beside.guide[register.index()];
+        let guide = |register: Register| base.guide[register.index()];
         match op {
             Op::Coefficient(index) => from.coefficients[index as usize],
             Op::State(index) => from.states[index as usize],
             Op::Time => from.time,
             Op::Delayed(index) => from.delayed[index as usize],
-            Op::Kept(index) => from.kept[index as usize],
+            Op::Sampled(index) => from.kept[index as usize],
             Op::Mode(_) | Op::Level(_) => 0.0,
             Op::Minimum(a, b) if guide(a) != guide(b) => own(if guide(b) < guide(a) { b } else { a }),
             Op::Maximum(a, b) if guide(a) != guide(b) => own(if guide(b) > guide(a) { b } else { a }),
@@ -82,36 +99,41 @@ impl Program {
             }
             op => {
                 let from = Sources { tables: &self.tables, ..Sources::none() };
-                op.apply(&from, |register| Dual::new(beside.values[register.index()], own(register))).slope
+                op.apply(&from, |register| Dual::new(base.values[register.index()], own(register))).slope
             }
         }
     }
 }
 
+/// Whether a table has a point exactly here.
 fn is_corner(points: &[[f64; 2]], place: f64) -> bool {
     points.binary_search_by(|point| point[0].total_cmp(&place)).is_ok()
 }
 
-/// The slopes of what a formula of a run may name.
-pub(crate) struct StandingSlopes<'a> {
+/// The slopes of the values that a formula of a run can name.
+pub(crate) struct RunScopeSlopes<'a> {
+    /// Slopes of the parameters in SI.
     pub parameters: &'a [f64],
+    /// Slopes of the coefficients.
     pub coefficients: &'a [f64],
+    /// Slopes of all registers of the body.
     pub registers: &'a [f64],
 }
 
-impl Standing<'_> {
-    /// The slope, in SI, of what a formula comes to.
-    pub fn slope(&self, formula: &Formula, slopes: &StandingSlopes<'_>) -> f64 {
-        self.dual(formula.root(), slopes).slope
+impl RunScope<'_> {
+    /// The slope of a formula's value, in SI.
+    pub fn slope(&self, formula: &Formula, slopes: &RunScopeSlopes<'_>) -> f64 {
+        self.evaluate(formula.root(), slopes).slope
     }
 
-    fn dual(&self, node: &Node, slopes: &StandingSlopes<'_>) -> Dual {
+    /// The value and slope of an expression.
+    fn evaluate(&self, node: &Node, slopes: &RunScopeSlopes<'_>) -> Dual {
         match &node.expression {
             Expression::Number(value) => Dual::constant(*value),
             Expression::Name(name) => self.named(name, slopes),
-            Expression::Negate(operand) => Dual::constant(0.0).subtract(self.dual(operand, slopes)),
+            Expression::Negate(operand) => Dual::constant(0.0).subtract(self.evaluate(operand, slopes)),
             Expression::Binary(operator, left, right) => {
-                let (left, right) = (self.dual(left, slopes), self.dual(right, slopes));
+                let (left, right) = (self.evaluate(left, slopes), self.evaluate(right, slopes));
                 match operator {
                     Operator::Add => left.add(right),
                     Operator::Subtract => left.subtract(right),
@@ -121,7 +143,7 @@ impl Standing<'_> {
                 }
             }
             Expression::Call(callee, arguments) => {
-                let argument = |place: usize| arguments.get(place).map(|node| self.dual(node, slopes));
+                let argument = |place: usize| arguments.get(place).map(|node| self.evaluate(node, slopes));
                 let first = argument(0).unwrap_or(Dual::constant(0.0));
                 let second = argument(1).unwrap_or(first);
                 match callee {
@@ -134,13 +156,14 @@ impl Standing<'_> {
         }
     }
 
-    fn named(&self, name: &str, slopes: &StandingSlopes<'_>) -> Dual {
+    /// The value and slope of a name; NaN if it is unknown or has no value yet.
+    fn named(&self, name: &str, slopes: &RunScopeSlopes<'_>) -> Dual {
         let coefficient = |index: u32| {
             let index = index as usize;
             Dual::new(self.coefficients[index], slopes.coefficients[index])
         };
         if name == TIME_SCALE {
-            return Dual::constant(self.program.time_scale);
+            return Dual::constant(self.program.lowered.time_scale);
         }
         if let Some(index) = self.program.parameter(name) {
             return Dual::new(self.parameters[index], slopes.parameters[index]);
@@ -148,11 +171,11 @@ impl Standing<'_> {
         if let Some(scale) = self.program.scale(name) {
             return coefficient(scale.per_volt);
         }
-        let (Some(probe), Some(registers)) = (self.program.signal(name), self.registers) else {
+        let (Some(signal), Some(registers)) = (self.program.signal(name), self.registers) else {
             return Dual::constant(f64::NAN);
         };
-        let at = probe.register.index();
-        let per_volt = probe.per_volt.map_or(Dual::constant(1.0), coefficient);
+        let at = signal.register.index();
+        let per_volt = signal.per_volt.map_or(Dual::constant(1.0), coefficient);
         Dual::new(registers[at], slopes.registers[at]).multiply(per_volt)
     }
 }

@@ -1,42 +1,52 @@
-//! What works the steps out.
+//! The choice of what computes the steps of a run.
 
 use std::fmt;
 
-/// What works the steps of a run out where nothing switches and no amplifier comes to an end of its range. All but the
-/// reference give the same bits.
+/// What computes the steps between events. All backends except the reference give the same bits.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::solve::Backend;
+///
+/// assert_eq!(Backend::default(), Backend::Automatic);
+/// assert_eq!(Backend::ALL.map(Backend::name), ["reference", "interpreter", "lanes", "native", "automatic"]);
+/// assert_eq!(Backend::Lanes.to_string(), "lanes");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// The program's own operations, as the elements' laws emit them: the reference that the others are held against.
+    /// The operations of the program as the elements' laws emit them. Every other backend is compared with it.
     Reference,
-    /// The operations folded, interpreted.
+    /// The operations of a kernel, interpreted.
     Interpreter,
-    /// The same over the runs of a sweep side by side, in vectors as wide as the processor has. A run that is alone is
+    /// The operations of a kernel, interpreted for several runs of a sweep in vector registers. A single run is
     /// interpreted alone.
     Lanes,
-    /// The operations folded, as native code from the first step; interpreted where none can be made.
+    /// The operations of a kernel as native code from the first step. They are interpreted if native code is
+    /// impossible.
     Native,
-    /// The operations folded, interpreted until native code pays; many runs of a sweep side by side, what one of them meets by
-    /// native code.
+    /// The operations of a kernel, interpreted at first and compiled once that is faster. Many runs of a sweep use
+    /// lanes; native code computes the events of a single one.
     #[default]
     Automatic,
 }
 
 impl Backend {
-    /// All of them.
+    /// Every backend, in the order of the documentation.
     pub const ALL: [Backend; 5] =
         [Backend::Reference, Backend::Interpreter, Backend::Lanes, Backend::Native, Backend::Automatic];
 
-    /// Whether it takes runs side by side.
-    pub(crate) fn goes_abreast(self) -> bool {
+    /// Whether it computes several runs in lanes.
+    pub(crate) fn can_use_lanes(self) -> bool {
         matches!(self, Backend::Lanes | Backend::Automatic)
     }
 
-    /// Whether it may take steps as native code.
-    pub(crate) fn may_be_native(self) -> bool {
+    /// Whether it uses native code.
+    pub(crate) fn can_be_native(self) -> bool {
         matches!(self, Backend::Native | Backend::Automatic)
     }
 
-    /// Its name on the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Backend::Reference => "reference",

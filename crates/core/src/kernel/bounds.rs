@@ -1,36 +1,45 @@
-//! What has to be watched so that a kernel tells the same as its program: guards, ranges, corners.
+//! The bounds within which a kernel is valid.
+//!
+//! No guard of the present modes may become due, an overloaded amplifier must stay overloaded, and all others must
+//! stay in range.
 
 use std::collections::HashMap;
 
-use super::fold::Folder;
 use super::form::{Atom, Factor, Form};
-use super::{Asked, WITHIN_RANGE};
+use super::specialise::Specialiser;
+use super::{AmplifierState, WITHIN_RANGE};
 use crate::ir::{Guard, Lamp};
 use crate::machines::REFERENCE;
 
-/// What has to stay between two factors.
+/// A form that must stay between two factors.
 struct Bound {
+    /// The form, in volts.
     of: Form,
+    /// The least value allowed, in volts; -infinity if there is no lower bound.
     low: Factor,
+    /// The largest value allowed, in volts; infinity if there is no upper bound.
     high: Factor,
 }
 
-/// What has to stay between which factors.
+/// All bounds, at most one per atom.
 #[derive(Debug, Default)]
 pub(super) struct Bounds {
+    /// An atom with its lower and upper bound.
     pub all: Vec<(Atom, Factor, Factor)>,
-    /// So many of them, the first, are those of guards and ends.
+    /// Number of bounds that come from guards and overloaded amplifiers; the first ones of all. They are also tested
+    /// in the middle of a step.
     pub guards: usize,
-    /// The same of numbers that do not move.
-    pub still: Vec<[Factor; 3]>,
+    /// The same for values that do not vary: value, lower and upper bound.
+    pub fixed: Vec<[Factor; 3]>,
+    /// Index of the bound of each atom.
     places: HashMap<Atom, usize>,
 }
 
-/// The largest number below 0.
+/// The largest number below 0. A guard that 0 satisfies has it as its upper bound.
 const BELOW_ZERO: f64 = -5e-324;
 
-impl Folder<'_> {
-    /// All that has to be bound.
+impl Specialiser<'_> {
+    /// Collects all bounds of the kernel.
     pub fn bounds(&mut self) -> Bounds {
         let mut bounds = Bounds::default();
         for bound in self.guards().into_iter().chain(self.ends()) {
@@ -43,43 +52,46 @@ impl Folder<'_> {
         bounds
     }
 
-    /// No guard lets anything happen.
+    /// The bounds within which no transition of the present modes is due.
     fn guards(&self) -> Vec<Bound> {
-        let modes = self.program.modes.iter().zip(self.stance.modes);
+        let modes = self.program.lowered.modes.iter().zip(self.specialisation.modes);
         let open = modes.flat_map(|(mode, value)| mode.transitions.iter().filter(|open| open.from == *value));
         open.map(|open| self.closed(open.guard)).collect()
     }
 
-    /// Amplifiers that are overloaded stay so: like modes, as they may come back for less than a step.
+    /// The bounds within which overloaded amplifiers stay overloaded. They are treated like modes, because an overload
+    /// may end for less than a step.
     fn ends(&self) -> Vec<Bound> {
-        let mut ends = self.asked(Asked::TooHigh, [REFERENCE, f64::INFINITY]);
-        ends.extend(self.asked(Asked::TooLow, [f64::NEG_INFINITY, -REFERENCE]));
+        let mut ends = self.demands_in(AmplifierState::Above, [REFERENCE, f64::INFINITY]);
+        ends.extend(self.demands_in(AmplifierState::Below, [f64::NEG_INFINITY, -REFERENCE]));
         ends
     }
 
-    /// The others stay within their range.
+    /// The bounds within which the other amplifiers stay in range.
     fn ranges(&self) -> Vec<Bound> {
-        self.asked(Asked::Within, [-WITHIN_RANGE, WITHIN_RANGE])
+        self.demands_in(AmplifierState::Within, [-WITHIN_RANGE, WITHIN_RANGE])
     }
 
-    /// Of amplifiers that are asked for something, the range in which that stays.
-    fn asked(&self, asked: Asked, range: [f64; 2]) -> Vec<Bound> {
-        let lamps = self.program.lamps.iter().zip(self.stance.asked);
+    /// The bounds for the demand of all amplifiers in this state.
+    fn demands_in(&self, state: AmplifierState, range: [f64; 2]) -> Vec<Bound> {
+        let lamps = self.program.lowered.lamps.iter().zip(self.specialisation.amplifiers);
         let [low, high] = range.map(Factor::Number);
         let bound = |lamp: &Lamp| Bound { of: self.of(lamp.demand).clone(), low, high };
-        lamps.filter(|(_, own)| **own == asked).map(|(lamp, _)| bound(lamp)).collect()
+        lamps.filter(|(_, own)| **own == state).map(|(lamp, _)| bound(lamp)).collect()
     }
 
+    /// The bound within which a guard is not due.
     fn closed(&self, guard: Guard) -> Bound {
         let high = Factor::Number(if guard.strict { 0.0 } else { BELOW_ZERO });
         Bound { of: self.of(guard.register).clone(), low: Factor::Number(f64::NEG_INFINITY), high }
     }
 
-    /// Adds a bound; of what is bound already, the narrower one. A voltage times a number is bound itself.
+    /// Adds a bound. If there already is one for the same voltage, the narrower one applies. A bound of a voltage
+    /// times a number becomes a bound of the voltage.
     fn bind(&mut self, bounds: &mut Bounds, bound: Bound) {
         let Bound { mut of, mut low, mut high } = bound;
-        if let Some(factor) = of.as_still() {
-            bounds.still.push([factor, low, high]);
+        if let Some(factor) = of.as_fixed() {
+            bounds.fixed.push([factor, low, high]);
             return;
         }
         if let [(atom, Factor::Number(slope))] = of.terms[..]
@@ -95,23 +107,23 @@ impl Folder<'_> {
             place if place == next => bounds.all.push((atom, low, high)),
             place => {
                 let known = &mut bounds.all[place];
-                known.1 = self.early.upper_of(known.1, low);
-                known.2 = self.early.lower_of(known.2, high);
+                known.1 = self.parameter_code.upper_of(known.1, low);
+                known.2 = self.parameter_code.lower_of(known.2, high);
             }
         }
     }
 
-    /// Where constant + slope x voltage comes to a limit: nothing where that has to be told to the last bit, and
-    /// cannot be.
+    /// The voltage at which constant + slope x voltage reaches a limit. `None` if it would not be exact where it must
+    /// be.
     fn crossing(&mut self, limit: Factor, constant: Factor, slope: f64) -> Option<Factor> {
         match limit {
             Factor::Number(limit) if limit.is_infinite() => Some(Factor::Number(limit * slope.signum())),
-            // Just below 0 is not told by a difference.
+            // The difference would round -5e-324 away.
             Factor::Number(BELOW_ZERO) => None,
             _ => {
-                let way = self.early.multiply(constant, Factor::Number(-1.0));
-                let way = self.early.add(limit, way);
-                Some(self.early.multiply(way, Factor::Number(1.0 / slope)))
+                let way = self.parameter_code.multiply(constant, Factor::Number(-1.0));
+                let way = self.parameter_code.add(limit, way);
+                Some(self.parameter_code.multiply(way, Factor::Number(1.0 / slope)))
             }
         }
     }

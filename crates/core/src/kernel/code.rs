@@ -1,71 +1,55 @@
-//! A kernel's operations laid out over slots, and the interpreter that runs them over any number of lanes.
+//! The operations of a kernel on slots, and the interpreter that runs them on one or several lanes.
+//!
+//! A kernel has few kinds of operations, because signs, gains and settings are parts of the factors. The interpreter
+//! here and native code run the same instructions in the same order, so both give the same bits.
 
 use super::lane::Lane;
 use crate::ir::Number;
 use patchcord_expr::Function;
 
-/// Where a number of a kernel stands: factors first, then what moves.
+/// Index of a value in a frame. Factors come first, then the values that vary.
 pub(super) type Slot = u32;
 
-/// An operation on slots.
+/// An operation on slots. It reads slots that are already computed and writes `out`.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Instruction {
-    /// constant + factor x a.
-    Line {
-        out: Slot,
-        constant: Slot,
-        factor: Slot,
-        a: Slot,
-    },
-    /// constant + the sum of a range of terms.
+    /// out = constant + factor x a, as one fused multiply-add: a form with one term.
+    Line { out: Slot, constant: Slot, factor: Slot, a: Slot },
+    /// out = constant + the sum of a range of terms: a form with several terms.
     Sum {
         out: Slot,
         constant: Slot,
+        /// Index of the first term in [`Code::terms`].
         first: u32,
+        /// Number of terms.
         count: u32,
     },
-    Multiply {
-        out: Slot,
-        a: Slot,
-        b: Slot,
-    },
-    Minimum {
-        out: Slot,
-        a: Slot,
-        b: Slot,
-    },
-    Maximum {
-        out: Slot,
-        a: Slot,
-        b: Slot,
-    },
-    Absolute {
-        out: Slot,
-        a: Slot,
-    },
-    Call {
-        out: Slot,
-        function: Function,
-        a: Slot,
-        b: Slot,
-    },
-    Table {
-        out: Slot,
-        table: u32,
-        a: Slot,
-    },
+    /// out = a x b: a product of two voltages, or a form with one term and without a constant.
+    Multiply { out: Slot, a: Slot, b: Slot },
+    /// out = b if b < a, otherwise a.
+    Minimum { out: Slot, a: Slot, b: Slot },
+    /// out = b if b > a, otherwise a.
+    Maximum { out: Slot, a: Slot, b: Slot },
+    /// out = |a|.
+    Absolute { out: Slot, a: Slot },
+    /// out = function(a, b). Functions of one argument get it twice.
+    Call { out: Slot, function: Function, a: Slot, b: Slot },
+    /// out = the value of a table at the abscissa a, for curves that are not split into segments.
+    Table { out: Slot, table: u32, a: Slot },
 }
 
-/// A list of operations, the terms of its sums beside it.
+/// A list of operations, with the terms of its sums.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Code {
+    /// The operations, in order of evaluation.
     pub instructions: Vec<Instruction>,
-    /// Factor and voltage of every term.
+    /// The slots of factor and voltage of every term.
     pub terms: Vec<(Slot, Slot)>,
 }
 
 impl Code {
-    /// Runs it. Sums begin with the constant and add term after term, each product and sum rounded once.
+    /// Runs the operations. A sum starts with the constant and adds one term after the other. Each term is one fused
+    /// multiply-add, which is rounded once.
     #[inline(always)]
     pub fn run<V: Lane>(&self, slots: &mut [V], tables: &[Vec<[f64; 2]>]) {
         for instruction in &self.instructions {

@@ -1,23 +1,26 @@
-//! Sums of voltages, each times a factor that the parameters alone decide.
+//! Linear forms: sums of voltages times factors that depend on parameters only.
+//!
+//! The factors themselves are computed by the parameter code, which contains every value once. Simplifications such as
+//! x 0, x 1 and a - a keep forms short.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{Hash, Hasher};
 
 use crate::ir::{Op, Register};
 
-/// By so much a fraction may come out below 0.
+/// The amount by which the lower end of a fraction's range may be below 0.
 const ROUNDING: f64 = 1e-12;
 
-/// A number that the parameters alone decide.
+/// A number that depends on parameters and on the branch only. It is constant within a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Factor {
-    /// Whatever they are.
+    /// A fixed number.
     Number(f64),
-    /// What an operation of the kernel's own prologue leaves.
-    Early(Register),
+    /// The result of an operation of the parameter code.
+    Computed(Register),
 }
 
-// Numbers by their bits: 0 and -0 are two.
+// Numbers are compared by their bits, so 0 and -0 differ.
 impl PartialEq for Factor {
     fn eq(&self, other: &Self) -> bool {
         self.key() == other.key()
@@ -33,47 +36,54 @@ impl Hash for Factor {
 }
 
 impl Factor {
+    /// The number 0. A term with this factor is left out.
     pub const ZERO: Factor = Factor::Number(0.0);
+    /// The number 1.
     pub const ONE: Factor = Factor::Number(1.0);
 
+    /// Whether it is this fixed number.
     pub fn is(self, number: f64) -> bool {
         matches!(self, Factor::Number(value) if value == number)
     }
 
-    /// What tells it from others.
+    /// A key that identifies the factor.
     fn key(self) -> (bool, u64) {
         match self {
             Factor::Number(value) => (false, value.to_bits()),
-            Factor::Early(register) => (true, u64::from(register.0)),
+            Factor::Computed(register) => (true, u64::from(register.0)),
         }
     }
 }
 
-/// A voltage that is no sum: a state, time, a product, the lower of two.
+/// Index of a voltage that is not a sum: a state, time, a product, a minimum and so on.
 pub(super) type Atom = u32;
 
-/// constant + sum of factor x atom, in volts; the atoms rise.
+/// constant + sum of factor x atom, in volts. The atoms are in ascending order.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Form {
+    /// The part that does not vary, in volts.
     pub constant: Factor,
+    /// Atoms with their factors.
     pub terms: Vec<(Atom, Factor)>,
 }
 
 impl Form {
-    pub fn still(constant: Factor) -> Form {
+    /// A form without terms: a voltage that does not vary.
+    pub fn fixed(constant: Factor) -> Form {
         Form { constant, terms: Vec::new() }
     }
 
+    /// The form that is one atom alone.
     pub fn atom(atom: Atom) -> Form {
         Form { constant: Factor::ZERO, terms: vec![(atom, Factor::ONE)] }
     }
 
-    /// The number that it is, where nothing in it moves.
-    pub fn as_still(&self) -> Option<Factor> {
+    /// The constant if there are no terms.
+    pub fn as_fixed(&self) -> Option<Factor> {
         self.terms.is_empty().then_some(self.constant)
     }
 
-    /// The atom that it is, and by how much multiplied, where it is no sum.
+    /// The atom and its factor if the form is one term without a constant.
     pub fn as_scaled(&self) -> Option<(Atom, Factor)> {
         match self.terms[..] {
             [term] if self.constant.is(0.0) => Some(term),
@@ -82,65 +92,77 @@ impl Form {
     }
 }
 
-/// What the kernel's prologue works out once.
+/// A value of the parameter code. Equal values are computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Value {
-    /// By its bits.
+    /// A number, by its bits.
     Number(u64),
+    /// A coefficient of the program, by its index.
     Coefficient(u32),
+    /// The sum of two factors.
     Sum([Factor; 2]),
+    /// The product of two factors.
     Product([Factor; 2]),
+    /// The first factor divided by the second.
     Quotient([Factor; 2]),
+    /// The smaller of two factors.
     Lower([Factor; 2]),
+    /// The larger of two factors.
     Upper([Factor; 2]),
 }
 
-/// The operations that the kernel adds to the prologue: each value once.
+/// The operations that compute the factors of a kernel.
+///
+/// They read coefficients and branch values; the latter are `Op::State` here. The code runs again when the parameters
+/// or the branch change, and never within a step.
 #[derive(Debug, Default)]
-pub(super) struct Early {
+pub(super) struct ParameterCode {
+    /// The operations, in order of evaluation.
     pub ops: Vec<Op>,
+    /// The factor of every value that is already computed.
     known: HashMap<Value, Factor>,
-    /// Of factors that are each other's negative, the other.
+    /// For every factor with a computed negative, that negative.
     negatives: HashMap<Factor, Factor>,
-    /// Operations that never give less than 0.
+    /// Registers that are never below 0.
     not_negative: HashSet<Register>,
-    /// How many numbers it is given beside the coefficients.
-    pub given: u32,
+    /// The number of branch values so far.
+    pub branch_values: u32,
 }
 
-impl Early {
-    /// A coefficient, and the least that it may be.
+impl ParameterCode {
+    /// A coefficient. `least` is its smallest permitted value.
     pub fn coefficient(&mut self, index: u32, least: f64) -> Factor {
         let factor = self.once(Value::Coefficient(index));
-        if let (Factor::Early(register), true) = (factor, least >= -ROUNDING) {
+        if let (Factor::Computed(register), true) = (factor, least >= -ROUNDING) {
             self.not_negative.insert(register);
         }
         factor
     }
 
-    /// A number that is given beside the coefficients, as long as the voltages stay on their sides of all corners.
-    pub fn given(&mut self) -> Factor {
-        self.given += 1;
-        self.push(Op::State(self.given - 1))
+    /// A value that depends on the branch of the kernel. It is constant while no voltage crosses a corner.
+    pub fn branch_value(&mut self) -> Factor {
+        self.branch_values += 1;
+        self.push(Op::State(self.branch_values - 1))
     }
 
-    /// The same, 1 on one side of a corner and 0 on the other.
+    /// A branch value that is 1 on one side of a corner and 0 on the other.
     pub fn side(&mut self) -> Factor {
-        let side = self.given();
-        if let Factor::Early(register) = side {
+        let side = self.branch_value();
+        if let Factor::Computed(register) = side {
             self.not_negative.insert(register);
         }
         side
     }
 
-    /// Whether a factor is 0 or more whatever the parameters are.
+    /// Whether a factor is at least 0 for all parameters.
     pub fn is_not_negative(&self, factor: Factor) -> bool {
         match factor {
             Factor::Number(value) => value >= 0.0,
-            Factor::Early(register) => self.not_negative.contains(&register),
+            Factor::Computed(register) => self.not_negative.contains(&register),
         }
     }
 
+    /// a + b, simplified if one is 0 or both cancel.
     pub fn add(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a + b),
@@ -151,18 +173,19 @@ impl Early {
         }
     }
 
+    /// a x b, simplified if one is 0, 1 or -1.
     pub fn multiply(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a * b),
             _ if a.is(1.0) => b,
             _ if b.is(1.0) => a,
-            // Coefficients are finite.
+            // Coefficients are finite, so the product is 0.
             _ if a.is(0.0) || b.is(0.0) => Factor::ZERO,
             _ if a.is(-1.0) => self.negative(b),
             _ if b.is(-1.0) => self.negative(a),
             _ => {
                 let product = self.once(Value::Product([a, b]));
-                if let (Factor::Early(register), true) =
+                if let (Factor::Computed(register), true) =
                     (product, self.is_not_negative(a) && self.is_not_negative(b))
                 {
                     self.not_negative.insert(register);
@@ -172,6 +195,7 @@ impl Early {
         }
     }
 
+    /// -a. The negative of a negative is the original factor.
     fn negative(&mut self, a: Factor) -> Factor {
         if let Some(known) = self.negatives.get(&a) {
             return *known;
@@ -182,10 +206,12 @@ impl Early {
         negative
     }
 
+    /// a / b, simplified if b is 1.
     pub fn divide(&mut self, a: Factor, b: Factor) -> Factor {
         if b.is(1.0) { a } else { self.once(Value::Quotient([a, b])) }
     }
 
+    /// The smaller of two factors; a number if both are numbers.
     pub fn lower_of(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.min(b)),
@@ -193,6 +219,7 @@ impl Early {
         }
     }
 
+    /// The larger of two factors; a number if both are numbers.
     pub fn upper_of(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.max(b)),
@@ -200,22 +227,22 @@ impl Early {
         }
     }
 
-    /// 1 where a factor is 0 or more, else 0.
+    /// A factor that is 1 if the given factor is at least 0, and otherwise 0.
     pub fn is_reached(&mut self, factor: Factor) -> Factor {
         let [left, right, then] = [factor, Factor::ZERO, Factor::ONE].map(|factor| self.register(factor));
         self.push(Op::Select { left, right, then, otherwise: right })
     }
 
-    /// Any other operation, on factors.
+    /// Any other operation on factors.
     pub fn apply(&mut self, op: impl FnOnce(&mut Self) -> Op) -> Factor {
         let op = op(self);
         self.push(op)
     }
 
-    /// Where a factor stands among the operations.
+    /// The register of a factor. A fixed number is emitted if necessary.
     pub fn register(&mut self, factor: Factor) -> Register {
         match factor {
-            Factor::Early(register) => register,
+            Factor::Computed(register) => register,
             Factor::Number(value) => {
                 let written = self.once(Value::Number(value.to_bits()));
                 self.register(written)
@@ -223,7 +250,7 @@ impl Early {
         }
     }
 
-    /// A value, worked out where it is not yet.
+    /// The factor of a value, emitted if it is not there yet.
     fn once(&mut self, value: Value) -> Factor {
         if let Some(known) = self.known.get(&value) {
             return *known;
@@ -234,6 +261,7 @@ impl Early {
         factor
     }
 
+    /// The operation that computes a value. Operands that are numbers are emitted first.
     fn op(&mut self, value: Value) -> Op {
         let (of, [a, b]): (fn(Register, Register) -> Op, _) = match value {
             Value::Number(bits) => return Op::Constant(f64::from_bits(bits)),
@@ -248,12 +276,14 @@ impl Early {
         of(a, b)
     }
 
+    /// Appends an operation.
     fn push(&mut self, op: Op) -> Factor {
         self.ops.push(op);
-        Factor::Early(Register(self.ops.len() as u32 - 1))
+        Factor::Computed(Register(self.ops.len() as u32 - 1))
     }
 
-    /// a + b x factor.
+    /// a + b x factor. Both lists of terms are in ascending order of their atoms, so they are merged. Terms whose
+    /// factor is 0 are left out.
     pub fn sum(&mut self, a: &Form, b: &Form, factor: Factor) -> Form {
         let mut terms = Vec::with_capacity(a.terms.len() + b.terms.len());
         let (mut left, mut right) = (a.terms.iter().peekable(), b.terms.iter().peekable());
@@ -284,8 +314,8 @@ impl Early {
         Form { constant: self.add(a.constant, constant), terms }
     }
 
-    /// a x factor.
+    /// a x factor, term by term.
     pub fn scaled(&mut self, a: &Form, factor: Factor) -> Form {
-        self.sum(&Form::still(Factor::ZERO), a, factor)
+        self.sum(&Form::fixed(Factor::ZERO), a, factor)
     }
 }

@@ -1,87 +1,103 @@
-//! What a kernel runs on.
+//! The memory on which a kernel runs.
+//!
+//! A frame has everything that a kernel reads and writes: slots, states, branch, watches, extremes and delay lines. The
+//! kernel itself is constant and shared by all frames. `V` is `f64` for one run, and `Lanes` for several.
 
-use super::known::Known;
+use super::branch_cache::CachedBranch;
 use super::lane::Lane;
 use super::rows::Rows;
 use super::schedules::Schedule;
 use super::{Kernel, Layout};
 use crate::delay_line::DelayLine;
 
-/// The numbers of a kernel that runs.
+/// All values of one run of a kernel, or of several in lanes.
 #[derive(Debug, Clone)]
 pub(crate) struct Frame<V> {
-    /// Factors, what is given, results.
+    /// Factors, inputs and results of operations; `Layout` has their order.
     pub(super) slots: Vec<V>,
-    /// When it is: in all lanes the same but within a step that is gone in pieces.
+    /// Time in problem seconds. It differs between lanes only within a step that is cut into pieces.
     pub time: V,
-    /// The states of now, and their rates.
+    /// The present states, in volts, in the order of the program.
     pub states: Vec<V>,
+    /// The rates of the present states, in volts per problem second.
     pub rates: Vec<V>,
-    /// The last stretch that was gone alone.
-    pub(super) last: Stretch<V>,
-    /// The rates of the stages, and at the end of the step looked at.
+    /// The last step that was accepted for one lane.
+    pub(super) last: LastStep<V>,
+    /// The rates of the four stages. The last one is also the rate at the end of the step ahead.
     pub(super) stages: [Vec<V>; 4],
-    /// What is left of every watch, slope x voltage + room, at the present.
+    /// The margin of every watch at present: slope x voltage + offset.
     pub(super) present: Vec<V>,
-    /// The same at the end of the step looked at.
-    pub(super) rests: Vec<V>,
-    /// What is given of the corners: on which side voltages are.
-    pub(super) given: Vec<f64>,
-    /// What followed from the sides on which voltages were before.
-    pub(super) known: Vec<Known>,
-    /// Room for the operations of the prologue.
-    pub(super) early: Vec<f64>,
-    /// Slope and room of every watch.
+    /// The margin of every watch at the end of the step ahead.
+    pub(super) margins: Vec<V>,
+    /// Values that depend on the branch: on which side of each corner the voltages are.
+    pub(super) branch_values: Vec<f64>,
+    /// The data of other branches, for a return to them.
+    pub(super) branch_cache: Vec<CachedBranch>,
+    /// Registers for the parameter code.
+    pub(super) parameter_registers: Vec<f64>,
+    /// Slope of every watch: 1 or -1, towards the present side.
     pub(super) slopes: Vec<V>,
-    pub(super) rooms: Vec<V>,
-    /// Between which numbers the voltage of every fence must stay.
+    /// Offset of every watch, in volts; infinity if the watch cannot be hit.
+    pub(super) offsets: Vec<V>,
+    /// Lower bound of every safe interval, in volts.
     pub(super) lows: Vec<V>,
+    /// Upper bound of every safe interval, in volts.
     pub(super) highs: Vec<V>,
-    /// What was seen of the voltages that are followed.
+    /// The extremes of the tracked voltages.
     pub(super) extremes: Extremes<V>,
-    /// Room for blocks of steps that native code goes blindly; nothing where none does.
+    /// The rows of native code; empty if the backend has none.
     pub(super) rows: Rows,
-    /// What was remembered of the steps gone last.
+    /// The tracked voltages of the last steps, if they are recorded.
     pub(super) trail: Trail,
-    /// The tables that are looked up at time itself.
+    /// The tables that are looked up at time.
     pub(super) schedules: Vec<Schedule>,
-    /// What they give in the middle of a look of native code, and at its end.
+    /// Their values in the middle and at the end of a step ahead, for native code.
     pub(super) ahead: Vec<f64>,
     /// The delay lines of every lane.
     pub lines: Vec<Vec<DelayLine>>,
-    /// A bit for every lane that counts: what is met in others is not looked at.
-    pub(super) aboard: u64,
-    /// A bit for every lane in which something was met at the end of quiet steps.
-    pub(super) beyond: u64,
+    /// One bit for every active lane. Hits in other lanes are ignored.
+    pub(super) active_lanes: u64,
+    /// One bit for every lane in which a watch was hit in the last step.
+    pub(super) hit_lanes: u64,
 }
 
-/// The ends of a stretch, and what stood where it began.
+/// The last accepted step: its ends, and the states and rates at its beginning.
 #[derive(Debug, Clone)]
-pub(super) struct Stretch<V> {
+pub(super) struct LastStep<V> {
+    /// Time at which the step began, in problem seconds.
     pub begin: f64,
+    /// Time at which the step ended, in problem seconds.
     pub end: f64,
+    /// The states at its beginning, in volts.
     pub states: Vec<V>,
+    /// The rates at its beginning, in volts per problem second.
     pub rates: Vec<V>,
 }
 
-/// The voltages that are followed, at the ends of steps one after the other.
+/// The tracked voltages at the ends of consecutive steps.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Trail {
-    pub is_kept: bool,
+    /// Whether the steps are recorded.
+    pub is_enabled: bool,
+    /// The voltages, step by step.
     pub volts: Vec<f64>,
 }
 
-/// The least and the largest of voltages, and when each was met first.
+/// The least and largest value of each voltage at the ends of steps, and the time of the first occurrence.
 #[derive(Debug, Clone)]
 pub(super) struct Extremes<V> {
+    /// Least voltages; infinity if none was observed.
     pub least: Vec<V>,
+    /// Their times, in problem seconds.
     pub least_at: Vec<V>,
+    /// Largest voltages; -infinity if none was observed.
     pub most: Vec<V>,
+    /// Their times, in problem seconds.
     pub most_at: Vec<V>,
 }
 
 impl Kernel {
-    /// A frame without numbers.
+    /// A frame for this kernel. Its values are not set.
     pub fn frame<V: Lane>(&self) -> Frame<V> {
         let zeros = |count: usize| vec![V::splat(0.0); count];
         let states = self.rates.len();
@@ -90,49 +106,49 @@ impl Kernel {
             time: V::splat(0.0),
             states: zeros(states),
             rates: zeros(states),
-            last: Stretch { begin: 0.0, end: 0.0, states: zeros(states), rates: zeros(states) },
+            last: LastStep { begin: 0.0, end: 0.0, states: zeros(states), rates: zeros(states) },
             stages: std::array::from_fn(|_| zeros(states)),
             present: zeros(self.watches.len()),
-            rests: zeros(self.watches.len()),
-            given: vec![0.0; self.given],
-            known: Vec::new(),
-            early: Vec::with_capacity(self.early.len()),
+            margins: zeros(self.watches.len()),
+            branch_values: vec![0.0; self.branch_values],
+            branch_cache: Vec::new(),
+            parameter_registers: Vec::with_capacity(self.parameter_code.len()),
             slopes: zeros(self.watches.len()),
-            rooms: zeros(self.watches.len()),
-            lows: zeros(self.fences.len()),
-            highs: zeros(self.fences.len()),
-            extremes: Extremes::of(self.followed.len()),
+            offsets: zeros(self.watches.len()),
+            lows: zeros(self.safe_intervals.len()),
+            highs: zeros(self.safe_intervals.len()),
+            extremes: Extremes::of(self.tracked.len()),
             rows: Rows::default(),
             trail: Trail::default(),
             schedules: self.scheduled.iter().copied().map(Schedule::of).collect(),
             ahead: vec![0.0; 2 * self.scheduled.len()],
             lines: vec![Vec::new(); V::COUNT],
-            aboard: 1,
-            beyond: 0,
+            active_lanes: 1,
+            hit_lanes: 0,
         }
     }
 
-    /// Works everything out where the frame is.
-    pub fn show<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
-        self.stay(frame, tables);
-        self.work_out(frame, tables);
+    /// Evaluates everything at the frame's present states and time.
+    pub fn evaluate_present<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+        self.set_present_inputs(frame, tables);
+        self.evaluate(frame, tables);
     }
 
-    /// What is worked out next is worked out where the frame is.
-    pub fn stay<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+    /// Sets the inputs of the next evaluation to the present states and time.
+    pub fn set_present_inputs<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         frame.slots[self.layout.states..self.layout.time].copy_from_slice(&frame.states);
-        self.put_instant(frame, tables, frame.time, DelayLine::next_from);
+        self.set_instant(frame, tables, frame.time, DelayLine::next_right_limit);
     }
 
-    /// When the last stretch that was gone alone began, and how long it was. It ends where the frame is.
-    pub fn last_stretch(&self, frame: &Frame<f64>) -> [f64; 2] {
-        debug_assert_eq!(frame.last.end, frame.time, "nothing is looked back into but the last stretch");
+    /// Begin and length of the last accepted step, in problem seconds. It ends at the present.
+    pub fn last_step(&self, frame: &Frame<f64>) -> [f64; 2] {
+        debug_assert_eq!(frame.last.end, frame.time, "only the last step can be looked back into");
         [frame.last.begin, frame.last.end - frame.last.begin]
     }
 
-    /// What is worked out next is worked out at an instant within that stretch, on the cubic through states and rates at its
-    /// ends, whose shares are given.
-    pub fn go_back(
+    /// Sets the inputs of the next evaluation to an instant within the last step. The states follow the cubic through
+    /// states and rates at its ends, whose weights are given.
+    pub fn set_past_inputs(
         &self,
         frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
@@ -145,25 +161,28 @@ impl Kernel {
             let end = frame.states[index] * states[1] + frame.rates[index] * rates[1];
             frame.slots[self.layout.states + index] = begin + end;
         }
-        self.put_instant(frame, tables, time, DelayLine::next_until);
+        self.set_instant(frame, tables, time, DelayLine::next_left_limit);
     }
 }
 
 impl<V: Lane> Extremes<V> {
-    /// Of so many voltages that were never seen.
+    /// The extremes of voltages that were not observed yet.
     fn of(count: usize) -> Self {
         let [least, most] = [f64::INFINITY, f64::NEG_INFINITY].map(|value| vec![V::splat(value); count]);
         Extremes { least_at: least.clone(), most_at: least.clone(), least, most }
     }
 
+    /// The four lists, so that lanes can be copied.
     pub(super) fn parts(&self) -> [&[V]; 4] {
         [&self.least, &self.least_at, &self.most, &self.most_at]
     }
 
+    /// The four lists, in the same order, to be written.
     pub(super) fn parts_mut(&mut self) -> [&mut [V]; 4] {
         [&mut self.least, &mut self.least_at, &mut self.most, &mut self.most_at]
     }
 
+    /// Sets all extremes to their initial values.
     fn forget(&mut self) {
         for all in [&mut self.least, &mut self.least_at, &mut self.most_at] {
             all.fill(V::splat(f64::INFINITY));
@@ -173,47 +192,49 @@ impl<V: Lane> Extremes<V> {
 }
 
 impl Frame<f64> {
-    /// Puts in what does not move within a step: kept values and levels.
-    pub fn put_standing(&mut self, kernel: &Kernel, kept: &[f64], levels: &[f64]) {
+    /// Sets the inputs that are constant within a step: sampled values and levels.
+    pub fn set_held_inputs(&mut self, kernel: &Kernel, kept: &[f64], levels: &[f64]) {
         let Layout { kept: first, levels: second, .. } = kernel.layout;
         for (first, values) in [(first, kept), (second, levels)] {
             self.slots[first..first + values.len()].copy_from_slice(values);
         }
     }
 
-    /// The kept values.
+    /// The sampled values.
     pub fn kept(&self, kernel: &Kernel) -> &[f64] {
         &self.slots[kernel.layout.kept..kernel.layout.levels]
     }
 
-    /// A voltage that is recorded, as it was worked out last.
-    pub fn last_seen(&self, kernel: &Kernel, index: usize) -> f64 {
-        self.slots[kernel.seen[index].slot as usize]
+    /// A recorded voltage at the last evaluation.
+    pub fn last_recorded(&self, kernel: &Kernel, index: usize) -> f64 {
+        self.slots[kernel.recorded[index].slot as usize]
     }
 
-    /// What was remembered is forgotten, and the steps to come are, or are not.
-    pub fn remember(&mut self, is_kept: bool) {
-        self.trail.is_kept = is_kept;
+    /// Clears the trail, and specifies whether the next steps are recorded in it.
+    pub fn record_trail(&mut self, is_enabled: bool) {
+        self.trail.is_enabled = is_enabled;
         self.trail.volts.clear();
     }
 
-    /// A voltage that is recorded, at the end of one of the steps that are remembered: what its kernel works out there, where that
-    /// [`Folded::remembers`](super::Folded::remembers).
-    pub fn seen_after(&self, kernel: &Kernel, step: u64, index: usize) -> f64 {
-        let (at, line) = kernel.seen[index].follows.expect("what is remembered follows states");
-        let volts = self.trail.volts[step as usize * kernel.followed.len() + at];
+    /// A recorded voltage at the end of one of the steps in the trail. It has the same bits as the kernel's own
+    /// result. It is available only if [`SharedKernel::keeps_trail`](super::SharedKernel::keeps_trail).
+    pub fn recorded_after(&self, kernel: &Kernel, step: u64, index: usize) -> f64 {
+        let (at, line) = kernel.recorded[index]
+            .tracks
+            .expect("a trail is recorded only if every recorded voltage tracks a state");
+        let volts = self.trail.volts[step as usize * kernel.tracked.len() + at];
         line.map_or(volts, |[constant, factor]| {
-            // A kernel adds no constant where there is none: a product of zero keeps its sign.
+            // The kernel adds no constant if there is none, so a product of -0 keeps its sign.
             let is_none = kernel.number(constant) == Some(0.0);
             let addend = if is_none { -0.0 } else { self.slots[constant as usize] };
             self.slots[factor as usize].mul_add(volts, addend)
         })
     }
 
-    /// The least and the largest of a recorded voltage with their instants, in the order in which they were met; none of
-    /// one that cannot turn.
+    /// The extremes of a recorded voltage as (time, voltage), in order of time. `None` if it is constant or linear in
+    /// time.
     pub fn extremes(&self, kernel: &Kernel, index: usize) -> Option<[(f64, f64); 2]> {
-        let (at, line) = kernel.seen[index].follows?;
+        let (at, line) = kernel.recorded[index].tracks?;
         let Extremes { least, least_at, most, most_at } = &self.extremes;
         let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(|slot| self.slots[slot as usize]));
         let met = |times: &[f64], volts: &[f64]| (times[at], factor.mul_add(volts[at], constant));
@@ -221,15 +242,15 @@ impl Frame<f64> {
         Some(if first.0 <= second.0 { [first, second] } else { [second, first] })
     }
 
-    /// Takes what was worked out last, no step away, as the present.
-    pub fn stand(&mut self) {
+    /// Takes the last evaluation as the present.
+    pub fn accept_present(&mut self) {
         let [.., rates] = &self.stages;
         self.rates.copy_from_slice(rates);
-        self.present.copy_from_slice(&self.rests);
+        self.present.copy_from_slice(&self.margins);
     }
 
-    /// Forgets what was seen.
-    pub fn see_anew(&mut self) {
+    /// Clears the extremes.
+    pub fn reset_extremes(&mut self) {
         self.extremes.forget();
     }
 }

@@ -1,35 +1,44 @@
-//! One number, or several side by side that go through the same operations.
+//! Numbers on which operations work: one `f64`, or several in vector registers.
+//!
+//! The interpreter is written once for all lanes. [`Lane`] has the operations that it needs. `f64` is one run, and
+//! [`Lanes`] is one run per place of an array, which the compiler keeps in vector registers.
 
-/// Numbers that operations work on together. Each is rounded as if it stood alone.
+/// One or several numbers to which the same operations apply. Each is rounded as if it were alone.
 pub(crate) trait Lane: Copy {
-    /// How many numbers they are.
+    /// How many numbers there are.
     const COUNT: usize;
-    /// Of each number, whether something holds of it.
+    /// A truth value for each number.
     type Truth: Copy;
-    /// It holds of all.
+    /// True for all numbers.
     const TRUE: Self::Truth;
-    /// A bit for each number of which it does not hold.
+    /// One bit for each number for which the value is false.
     fn failing(truth: Self::Truth) -> u64;
-    /// Whether a number lies between two others, of those of which that much is true already.
-    fn lies_between(self, low: Self, high: Self, already: Self::Truth) -> Self::Truth;
+    /// Whether each number is between two others. A number for which `already` is false stays false.
+    fn is_within(self, low: Self, high: Self, already: Self::Truth) -> Self::Truth;
+    /// The same number in all lanes.
     fn splat(value: f64) -> Self;
+    /// The number of one lane.
     fn get(&self, lane: usize) -> f64;
+    /// Replaces the number of one lane.
     fn set(&mut self, lane: usize, value: f64);
-    /// One result from every number and the number beside it.
+    /// A result from each number and its counterpart.
     fn map(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self;
-    /// The same of three.
+    /// A result from each number and its two counterparts.
     fn map3(self, b: Self, c: Self, of: impl Fn(f64, f64, f64) -> f64) -> Self;
-    /// Whether something holds of every number and the one beside it.
+    /// Whether a condition holds for every number and its counterpart.
     fn all(self, other: Self, holds: impl Fn(f64, f64) -> bool) -> bool;
 
+    /// self + other.
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         self.map(other, |a, b| a + b)
     }
+    /// self - other.
     #[inline(always)]
     fn subtract(self, other: Self) -> Self {
         self.map(other, |a, b| a - b)
     }
+    /// self x other.
     #[inline(always)]
     fn multiply(self, other: Self) -> Self {
         self.map(other, |a, b| a * b)
@@ -39,32 +48,35 @@ pub(crate) trait Lane: Copy {
     fn multiply_add(self, factor: Self, sum: Self) -> Self {
         self.map3(factor, sum, f64::mul_add)
     }
-    // A NaN on the left comes through, as in the reference.
+    /// The smaller of two numbers. A NaN on the left is returned, as in the reference.
     #[inline(always)]
     fn lower_of(self, other: Self) -> Self {
         self.map(other, |a, b| if b < a { b } else { a })
     }
+    /// The larger of two numbers. A NaN on the left is returned, as in the reference.
     #[inline(always)]
     fn upper_of(self, other: Self) -> Self {
         self.map(other, |a, b| if b > a { b } else { a })
     }
+    /// The absolute value of each number.
     #[inline(always)]
     fn absolute(self) -> Self {
         self.map(self, |a, _| a.abs())
     }
-    /// `then` where a < b, else `otherwise`.
+    /// `then` if a < b, otherwise `otherwise`, for each number.
     #[inline(always)]
     fn select_below(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
         let is_below = a.map(b, |a, b| if a < b { 1.0 } else { 0.0 });
         is_below.map3(then, otherwise, |below, then, otherwise| if below == 1.0 { then } else { otherwise })
     }
-    /// Whether every number is at least the one beside it.
+    /// Whether every number is at least its counterpart.
     #[inline(always)]
-    fn reaches(self, other: Self) -> bool {
+    fn all_at_least(self, other: Self) -> bool {
         self.all(other, |value, other| value >= other)
     }
 }
 
+/// One number. Every operation is that of the reference.
 impl Lane for f64 {
     const COUNT: usize = 1;
     type Truth = bool;
@@ -75,7 +87,7 @@ impl Lane for f64 {
         u64::from(!truth)
     }
     #[inline(always)]
-    fn lies_between(self, low: Self, high: Self, already: bool) -> bool {
+    fn is_within(self, low: Self, high: Self, already: bool) -> bool {
         already & (self >= low) & (high >= self)
     }
 
@@ -105,14 +117,16 @@ impl Lane for f64 {
     }
 }
 
-/// Numbers side by side, as the widest registers hold them.
+/// Several numbers in an array whose alignment fits the widest registers: 64 bytes, or eight numbers.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Abreast<const N: usize>([f64; N]);
+pub(crate) struct Lanes<const N: usize>([f64; N]);
 
-impl<const N: usize> Abreast<N> {
-    // A plain loop, as whatever is not inlined into the code for wide registers is made for narrow ones, ten times as slow; what the
-    // library offers instead need not be.
+impl<const N: usize> Lanes<N> {
+    /// A result from each number and its lane.
+    ///
+    /// It is a plain loop. Code that is not inlined into a function for wide registers is compiled for narrow ones,
+    /// which is ten times slower. Library functions are not always inlined.
     #[inline(always)]
     fn each(mut self, of: impl Fn(usize, f64) -> f64) -> Self {
         for lane in 0..N {
@@ -121,25 +135,26 @@ impl<const N: usize> Abreast<N> {
         self
     }
 
-    // Apart from those who ask, so that what they do stays whole vectors.
+    /// One bit for each number below 1. It is not inlined, so that the caller consists of whole vectors.
     #[inline(never)]
     fn less_than_one(&self) -> u64 {
         (0..N).filter(|lane| self.0[*lane] < 1.0).fold(0, |bits, lane| bits | 1 << lane)
     }
 }
 
-impl<const N: usize> Lane for Abreast<N> {
+/// Each number has the same operations as a single `f64`, so a lane gives the same bits as a run alone.
+impl<const N: usize> Lane for Lanes<N> {
     const COUNT: usize = N;
-    // 1 where it holds, else 0: it is kept where the numbers are.
+    /// 1 if true, otherwise 0. So truth values stay in the same registers as the numbers.
     type Truth = Self;
-    const TRUE: Self = Abreast([1.0; N]);
+    const TRUE: Self = Lanes([1.0; N]);
 
     #[inline(always)]
     fn failing(truth: Self) -> u64 {
-        if truth.reaches(Self::TRUE) { 0 } else { truth.less_than_one() }
+        if truth.all_at_least(Self::TRUE) { 0 } else { truth.less_than_one() }
     }
     #[inline(always)]
-    fn lies_between(self, low: Self, high: Self, already: Self) -> Self {
+    fn is_within(self, low: Self, high: Self, already: Self) -> Self {
         self.each(|lane, value| {
             let lies = (value >= low.0[lane]) & (high.0[lane] >= value);
             if lies { already.0[lane] } else { 0.0 }
@@ -147,7 +162,7 @@ impl<const N: usize> Lane for Abreast<N> {
     }
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        Abreast([value; N])
+        Lanes([value; N])
     }
     #[inline(always)]
     fn get(&self, lane: usize) -> f64 {

@@ -1,60 +1,75 @@
-//! Where everything of a kernel stands, and in which order it is worked out.
+//! Assigns slots to everything in a kernel, and orders its operations.
+//!
+//! The order of the slots is: factors, states, time, tables of time, delay lines, sampled values, levels, results. The
+//! order of evaluation is that of the nodes. The operations are split into lists by the place of a step at which they
+//! are needed: in every stage, in the middle, or at the end.
+//!
+//! A quick step tests safe intervals, and a thorough step tests every watch. So each has its own lists for the middle
+//! and the end.
 
 use std::collections::HashMap;
 
 use super::code::{Code, Instruction, Slot};
-use super::fold::{At, Corner, Terms};
 use super::form::{Atom, Factor, Form};
 use super::node::{Node, Operand, atoms, needed};
-use super::{Checks, Kernel, Layout, Watch, Watched};
+use super::specialise::{At, Corner, Specialised};
+use super::{Checks, Kernel, Layout, Watch, WatchCondition};
 use crate::ir::{Op, Program};
 
-/// The kernel of what was folded of a program.
-pub(super) fn laid_out(folded: Terms, program: &Program) -> Kernel {
-    Layouter::new(folded, program).kernel()
+/// Makes the kernel of a specialised program.
+pub(super) fn lay_out(specialised: Specialised, program: &Program) -> Kernel {
+    Layouter::new(specialised, program).kernel()
 }
 
-/// Gives everything its slot.
+/// Assigns slots and emits the operations. The fields are filled one after the other by [`Layouter::new`].
 pub(super) struct Layouter {
-    pub folded: Terms,
+    /// What is laid out: the nodes, the outputs and the bounds.
+    pub specialised: Specialised,
+    /// The factors in the order of their slots.
     factors: Vec<Factor>,
+    /// The slot of every factor.
     places: HashMap<Factor, Slot>,
+    /// The first slots of the inputs and of the results.
     layout: Layout,
-    /// Where every atom stands.
+    /// The slot of every atom.
     pub slots: Vec<Slot>,
-    /// How many operations one after the other lead to every atom.
+    /// For every atom, the length of the longest chain of operations that leads to it.
     depths: Vec<u32>,
-    /// Of every operation of the prologue, whether it depends on the sides of corners.
-    pub given: Vec<bool>,
+    /// For every operation of the parameter code, whether it depends on the branch.
+    pub branch_dependent: Vec<bool>,
 }
 
 impl Layouter {
-    fn new(folded: Terms, program: &Program) -> Self {
+    /// Traces the branches, measures the depths, lists the factors and assigns the slots.
+    fn new(specialised: Specialised, program: &Program) -> Self {
         let mut layouter = Layouter {
             factors: Vec::new(),
             places: HashMap::new(),
             layout: Layout::default(),
             slots: Vec::new(),
             depths: Vec::new(),
-            given: Vec::new(),
-            folded,
+            branch_dependent: Vec::new(),
+            specialised,
         };
-        layouter.trace_sides();
+        layouter.trace_branches();
         layouter.measure_depths();
         layouter.list_factors();
         layouter.place(program);
         layouter
     }
 
-    fn trace_sides(&mut self) {
-        for op in &self.folded.early.ops {
-            let depends = op.operands().any(|operand| self.given[operand.index()]);
-            self.given.push(depends || matches!(op, Op::State(_)));
+    /// Finds the operations of the parameter code that depend on the branch. Branch values are read as states there,
+    /// and the dependence spreads to every operation with such an operand.
+    fn trace_branches(&mut self) {
+        for op in &self.specialised.parameter_code.ops {
+            let depends = op.operands().any(|operand| self.branch_dependent[operand.index()]);
+            self.branch_dependent.push(depends || matches!(op, Op::State(_)));
         }
     }
 
+    /// Finds the longest chain of operations that leads to every atom; 0 for inputs.
     fn measure_depths(&mut self) {
-        for node in &self.folded.nodes {
+        for node in &self.specialised.nodes {
             let depth = |operand| match operand {
                 Operand::Factor(_) => 0,
                 Operand::Atom(atom) => self.depths[atom as usize] + 1,
@@ -63,12 +78,20 @@ impl Layouter {
         }
     }
 
+    /// Lists every factor that an operation or a bound reads, once. Factors that only lead to other factors stay in
+    /// registers of the parameter code and get no slot.
     fn list_factors(&mut self) {
-        let folded = &self.folded;
-        let outputs =
-            folded.rates.iter().chain(&folded.kept).chain(&folded.stored).chain(&folded.seen).copied();
-        let bounds = folded.bounds.all.iter().flat_map(|(_, low, high)| [*low, *high].map(Operand::Factor));
-        let all = outputs.chain(bounds).chain(folded.nodes.iter().flat_map(Node::operands));
+        let specialised = &self.specialised;
+        let outputs = specialised
+            .rates
+            .iter()
+            .chain(&specialised.kept)
+            .chain(&specialised.delay_inputs)
+            .chain(&specialised.recorded)
+            .copied();
+        let bounds =
+            specialised.bounds.all.iter().flat_map(|(_, low, high)| [*low, *high].map(Operand::Factor));
+        let all = outputs.chain(bounds).chain(specialised.nodes.iter().flat_map(Node::operands));
         for operand in all {
             if let Operand::Factor(factor) = operand {
                 let next = self.factors.len() as Slot;
@@ -79,22 +102,24 @@ impl Layouter {
         }
     }
 
+    /// Assigns the slots of inputs and results. All inputs of the program get a slot, even if the kernel does not read
+    /// them, so that the solver can copy its lists as a whole.
     fn place(&mut self, program: &Program) {
         let states = self.factors.len();
-        let time = states + program.states.len();
+        let time = states + program.lowered.states.len();
         let scheduled = time + 1;
-        let delayed = scheduled + self.folded.scheduled.len();
-        let kept = delayed + program.delays.len();
-        let levels = kept + program.kept.len();
-        let results = levels + program.levels.len();
+        let delayed = scheduled + self.specialised.scheduled.len();
+        let kept = delayed + program.lowered.delays.len();
+        let levels = kept + program.lowered.kept.len();
+        let results = levels + program.lowered.levels.len();
         let mut next = results;
-        for node in &self.folded.nodes {
+        for node in &self.specialised.nodes {
             self.slots.push(match node {
                 Node::State(index) => states as Slot + index,
                 Node::Time => time as Slot,
                 Node::Scheduled(index) => scheduled as Slot + index,
                 Node::Delayed(index) => delayed as Slot + index,
-                Node::Kept(index) => kept as Slot + index,
+                Node::Sampled(index) => kept as Slot + index,
                 Node::Level(index) => levels as Slot + index,
                 _ => {
                     next += 1;
@@ -105,6 +130,7 @@ impl Layouter {
         self.layout = Layout { states, time, scheduled, delayed, kept, levels, results, all: next };
     }
 
+    /// The slot of an operand.
     pub fn operand(&self, operand: Operand) -> Slot {
         match operand {
             Operand::Factor(factor) => self.factor(factor),
@@ -112,58 +138,73 @@ impl Layouter {
         }
     }
 
+    /// The slot of a factor that an operation or a bound reads.
     pub fn factor(&self, factor: Factor) -> Slot {
         self.places[&factor]
     }
 
+    /// Assembles the kernel: watches and safe intervals first, then the operations for the rates, then those of the
+    /// checks, which leave out what is already computed.
     fn kernel(self) -> Kernel {
-        let folded = &self.folded;
+        let specialised = &self.specialised;
         let (watched, watched_in_middle) = self.watched();
-        let fences = self.fences(&watched, watched_in_middle);
-        let mut followed = Vec::new();
-        let seen = folded.seen.iter().map(|operand| self.seen(*operand, &mut followed)).collect();
+        let safe_intervals = self.safe_intervals(&watched, watched_in_middle);
+        let mut tracked = Vec::new();
+        let recorded =
+            specialised.recorded.iter().map(|operand| self.recorded(*operand, &mut tracked)).collect();
         let slots = |operands: &[Operand]| operands.iter().map(|operand| self.operand(*operand)).collect();
-        let mut done = vec![false; folded.nodes.len()];
-        let moving = self.code(&mut done, atoms(&folded.rates));
+        let mut done = vec![false; specialised.nodes.len()];
+        let moving = self.code(&mut done, atoms(&specialised.rates));
         let watched_atoms: Vec<Atom> = watched.iter().map(|(atom, _)| *atom).collect();
-        let corners = watched.iter().filter(|(_, what)| what.is_corner()).count();
+        let corners = watched.iter().filter(|(_, condition)| condition.is_corner()).count();
         let slot = |atom: Atom| self.slots[atom as usize];
         Kernel {
             layout: self.layout,
             moving,
-            quick: self.checks(&done, &fences.atoms, fences.in_middle, followed.iter().copied()),
-            thorough: self.checks(&done, &watched_atoms, watched_in_middle, atoms(&folded.seen)),
-            rates: slots(&folded.rates),
-            kept: slots(&folded.kept),
-            stored: slots(&folded.stored),
-            seen,
-            followed: followed.into_iter().map(slot).collect(),
-            watches: watched.into_iter().map(|(atom, what)| Watch { slot: slot(atom), what }).collect(),
+            quick: self.checks(
+                &done,
+                &safe_intervals.atoms,
+                safe_intervals.in_middle,
+                tracked.iter().copied(),
+            ),
+            thorough: self.checks(&done, &watched_atoms, watched_in_middle, atoms(&specialised.recorded)),
+            rates: slots(&specialised.rates),
+            kept: slots(&specialised.kept),
+            delay_inputs: slots(&specialised.delay_inputs),
+            recorded,
+            tracked: tracked.into_iter().map(slot).collect(),
+            watches: watched
+                .into_iter()
+                .map(|(atom, condition)| Watch { slot: slot(atom), condition })
+                .collect(),
             corners,
-            fences: fences.all,
-            still: folded.bounds.still.clone(),
-            given: folded.early.given as usize,
-            scheduled: folded.scheduled.clone(),
-            early: self.folded.early.ops,
+            safe_intervals: safe_intervals.all,
+            fixed: specialised.bounds.fixed.clone(),
+            branch_values: specialised.parameter_code.branch_values as usize,
+            scheduled: specialised.scheduled.clone(),
+            parameter_code: self.specialised.parameter_code.ops,
             factors: self.factors,
         }
     }
 
-    /// What is watched, and how much of it, the first, in the middle of a step too.
-    fn watched(&self) -> (Vec<(Atom, Watched)>, usize) {
+    /// The watched atoms with their conditions, and how many of the first ones are also tested in the middle of a
+    /// step.
+    ///
+    /// The order is: corners, guards and ends of overloads, ranges of amplifiers. A table has two watches, for the next
+    /// point below and above. Ranges are tested at the end of a step only.
+    fn watched(&self) -> (Vec<(Atom, WatchCondition)>, usize) {
         let mut watched = Vec::new();
-        for &Corner { of, at } in &self.folded.corners {
+        for &Corner { of, at } in &self.specialised.corners {
             match at {
-                At::Zero { side } => watched.push((of, Watched::Corner { side })),
-                At::Points { table, piece } => {
-                    watched.extend([false, true].map(|above| (of, Watched::Points { table, above, piece })))
-                }
+                At::Zero { side } => watched.push((of, WatchCondition::Corner { side })),
+                At::Points { table, piece } => watched
+                    .extend([false, true].map(|above| (of, WatchCondition::Points { table, above, piece }))),
             }
         }
         let mut in_middle = watched.len();
-        let bounds = &self.folded.bounds;
+        let bounds = &self.specialised.bounds;
         for (index, (atom, low, high)) in bounds.all.iter().enumerate() {
-            watched.extend(self.bounds(*low, *high).into_iter().map(|what| (*atom, what)));
+            watched.extend(self.bounds(*low, *high).into_iter().map(|condition| (*atom, condition)));
             if index < bounds.guards {
                 in_middle = watched.len();
             }
@@ -171,29 +212,32 @@ impl Layouter {
         (watched, in_middle)
     }
 
-    /// What has to be watched of a voltage between two numbers.
-    fn bounds(&self, low: Factor, high: Factor) -> Vec<Watched> {
+    /// The conditions for a voltage between two bounds: one if the bounds are symmetric or if one is infinite,
+    /// otherwise two.
+    fn bounds(&self, low: Factor, high: Factor) -> Vec<WatchCondition> {
         match (low, high) {
             (Factor::Number(low), Factor::Number(number)) if low == -number => {
-                vec![Watched::Size(self.factor(high))]
+                vec![WatchCondition::Size(self.factor(high))]
             }
-            (Factor::Number(f64::NEG_INFINITY), _) => vec![Watched::Below(self.factor(high))],
-            (_, Factor::Number(f64::INFINITY)) => vec![Watched::Above(self.factor(low))],
-            _ => vec![Watched::Above(self.factor(low)), Watched::Below(self.factor(high))],
+            (Factor::Number(f64::NEG_INFINITY), _) => vec![WatchCondition::Below(self.factor(high))],
+            (_, Factor::Number(f64::INFINITY)) => vec![WatchCondition::Above(self.factor(low))],
+            _ => vec![WatchCondition::Above(self.factor(low)), WatchCondition::Below(self.factor(high))],
         }
     }
 
-    /// What is worked out to look at some atoms, beyond what is done: the first of them in the middle of a step too. At
-    /// its end also what is kept or delayed, and what is seen.
+    /// The operations for testing some atoms, except those that are done already. The rates are done, because their
+    /// code always runs before. The first `in_middle` atoms are tested in the middle of a step, too. Sampled values,
+    /// inputs of delay lines and recorded voltages are added at the end.
     fn checks(
         &self,
         done: &[bool],
         looked_at: &[Atom],
         in_middle: usize,
-        seen: impl Iterator<Item = Atom>,
+        recorded: impl Iterator<Item = Atom>,
     ) -> Checks {
         let mut done = done.to_vec();
-        let ending = atoms(&self.folded.kept).chain(atoms(&self.folded.stored)).chain(seen);
+        let ending =
+            atoms(&self.specialised.kept).chain(atoms(&self.specialised.delay_inputs)).chain(recorded);
         Checks {
             middle: self.code(&mut done, looked_at[..in_middle].iter().copied()),
             ending: self.code(&mut done, looked_at[in_middle..].iter().copied().chain(ending)),
@@ -202,11 +246,11 @@ impl Layouter {
         }
     }
 
-    /// The operations that some atoms need, and that are not done yet.
+    /// The operations that some atoms need and that are not done yet. `done` is updated.
     fn code(&self, done: &mut [bool], wanted: impl Iterator<Item = Atom>) -> Code {
         let mut code = Code::default();
-        let needed = needed(&self.folded.nodes, wanted);
-        for (at, node) in self.folded.nodes.iter().enumerate() {
+        let needed = needed(&self.specialised.nodes, wanted);
+        for (at, node) in self.specialised.nodes.iter().enumerate() {
             if needed[at] && !std::mem::replace(&mut done[at], true) {
                 self.emit(node, self.slots[at], &mut code);
             }
@@ -214,6 +258,8 @@ impl Layouter {
         code
     }
 
+    /// Emits the operation of a node, with its result in the slot `out`. Inputs need none: the solver writes their
+    /// slots.
     fn emit(&self, node: &Node, out: Slot, code: &mut Code) {
         let of = |operand: &Operand| self.operand(*operand);
         let instruction = match node {
@@ -221,7 +267,7 @@ impl Layouter {
             | Node::Time
             | Node::Scheduled(_)
             | Node::Delayed(_)
-            | Node::Kept(_)
+            | Node::Sampled(_)
             | Node::Level(_) => return,
             Node::Sum(form) => self.sum(form, out, code),
             Node::Multiply(a, b) => Instruction::Multiply { out, a: of(a), b: of(b) },
@@ -234,6 +280,8 @@ impl Layouter {
         code.instructions.push(instruction);
     }
 
+    /// Emits a sum: a product or a line if it has one term. The order of the terms decides the rounding, so every
+    /// backend takes it from here.
     fn sum(&self, form: &Form, out: Slot, code: &mut Code) -> Instruction {
         let constant = self.factor(form.constant);
         let slots = |&(atom, factor): &(Atom, Factor)| (self.factor(factor), self.slots[atom as usize]);
@@ -245,7 +293,7 @@ impl Layouter {
                 Instruction::Line { out, constant, factor, a }
             };
         }
-        // What comes last is added last, so that it is waited for but once.
+        // Terms with the longest chains are added last, so that the sum waits for them only once.
         let mut terms = form.terms.clone();
         terms.sort_by_key(|(atom, _)| self.depths[*atom as usize]);
         let first = code.terms.len() as u32;

@@ -1,23 +1,27 @@
-//! The kernel: what a program comes to while its modes stand and its amplifiers stay within their range, or beyond the same
-//! end of it.
+//! Kernels: programs specialised to one set of modes and amplifier states.
 //!
-//! Signs, gains, potentiometers and formulas are gathered into factors, which a prologue of its own works out once a
-//! run; what is left are sums of voltages times factors, and what is no sum. A kernel gives the rates, the voltages
-//! that are recorded, and what has to be watched: as long as every watched voltage stays within its bounds, the
-//! kernel tells the same as the program. It is folded for one stance: a set of modes, and of overloaded amplifiers.
+//! While no mode changes and no amplifier enters or leaves overload, most of a program is linear. Signs, gains,
+//! potentiometers and formulas are combined into factors, which are computed once per run. Sums of voltages times
+//! factors remain, and the operations that are not sums. A kernel computes the rates, the recorded voltages and the
+//! *watches*. As long as no watch is hit, the kernel and the program give the same voltages except for rounding.
 //!
-//! Every backend runs the same operations in the same order, each rounded once, and gives the same bits.
+//! A kernel is built in three steps: specialise (`specialise`, with `form` and `bounds`), lay out (`layout`, `guards`)
+//! and, for long runs, compile to native code (`native`). It runs on a [`Frame`] for one run or on a [`LaneFrame`] for
+//! several.
+//!
+//! All backends run the same operations in the same order, each rounded once, and so give the same bits.
 
-mod abreast;
 mod backend;
 mod bounds;
+mod branch_cache;
+mod branches;
 mod code;
-mod echoes;
-mod fold;
+mod delays;
 mod form;
 mod frame;
-mod known;
+mod guards;
 mod lane;
+mod lane_frame;
 mod layout;
 #[cfg(feature = "native")]
 mod native;
@@ -25,194 +29,229 @@ mod native;
 #[path = "no_native.rs"]
 mod native;
 mod node;
-mod posts;
-#[cfg_attr(not(feature = "native"), allow(dead_code, reason = "native code alone goes steps blindly"))]
+#[cfg_attr(not(feature = "native"), allow(dead_code, reason = "only native code writes rows"))]
 mod rows;
 mod schedules;
-mod sides;
 mod span;
+mod specialise;
 mod step;
 mod store;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use abreast::Formation;
-pub use abreast::LANES;
 pub use backend::Backend;
+pub(crate) use branches::{WatchHit, WatchKind};
 pub(crate) use frame::Frame;
+pub use lane_frame::LANES;
+pub(crate) use lane_frame::LaneFrame;
 pub(crate) use native::Native;
-pub(crate) use sides::{Kind, Met};
-pub(crate) use step::{Look, Steps};
-pub(crate) use store::{FEWEST_ABREAST, Folded, Kernels};
+pub(crate) use step::{LookResult, Steps};
+pub(crate) use store::{Kernels, MIN_LANES, SharedKernel};
 
-use crate::ir::{ON_THE_KINK, Op, Program, Register, Sources};
+use crate::ir::{KINK_TOLERANCE, Op, Program, Register, Sources};
 use crate::machines::REFERENCE;
 use code::{Code, Slot};
 use form::Factor;
 
-/// An amplifier that is asked for no more than this, in volts, is within its range. What stands just at its limit, by a
-/// diode, is not beyond it by rounding.
-const WITHIN_RANGE: f64 = REFERENCE + ON_THE_KINK;
+/// Demanded output, in volts, up to which an amplifier is in range. The margin prevents an overload by rounding of an
+/// output that a diode holds exactly at the limit.
+const WITHIN_RANGE: f64 = REFERENCE + KINK_TOLERANCE;
 
-/// What an amplifier is asked for: less than it can give, what it can, or more.
+/// Where the demanded output of an amplifier is, relative to its range of ±100 V.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Asked {
-    TooLow,
+pub(crate) enum AmplifierState {
+    /// The demand is below -100 V, so the output is -100 V.
+    Below,
+    /// The output equals the demand.
     Within,
-    TooHigh,
+    /// The demand is above 100 V, so the output is 100 V.
+    Above,
 }
 
-impl Asked {
-    pub fn of(volts: f64) -> Asked {
+impl AmplifierState {
+    /// The state for a demanded output in volts. A demand that is not a number counts as within the range.
+    pub fn of(volts: f64) -> AmplifierState {
         match volts {
-            volts if volts > WITHIN_RANGE => Asked::TooHigh,
-            volts if volts < -WITHIN_RANGE => Asked::TooLow,
-            _ => Asked::Within,
+            volts if volts > WITHIN_RANGE => AmplifierState::Above,
+            volts if volts < -WITHIN_RANGE => AmplifierState::Below,
+            _ => AmplifierState::Within,
         }
     }
 }
 
-/// What a program is folded for.
+/// The modes and amplifier states to which a program is specialised.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stance<'a> {
+pub(crate) struct Specialisation<'a> {
+    /// Values of the modes.
     pub modes: &'a [f64],
-    /// Of every lamp, what its amplifier is asked for.
-    pub asked: &'a [Asked],
+    /// State of the amplifier of every lamp.
+    pub amplifiers: &'a [AmplifierState],
 }
 
-/// A program folded for one stance.
+/// A program specialised to one set of modes and amplifier states.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernel {
-    /// What its factors are worked out by, from the program's coefficients.
-    early: Vec<Op>,
-    /// What stands in the first slots.
+    /// Operations that compute the factors from the program's coefficients.
+    parameter_code: Vec<Op>,
+    /// The factors, which occupy the first slots.
     factors: Vec<Factor>,
-    /// Numbers that must lie between two others, or the kernel does not hold with these coefficients.
-    still: Vec<[Factor; 3]>,
+    /// Triples (value, least, largest) of factors. The kernel is valid only if each value is within its bounds.
+    fixed: Vec<[Factor; 3]>,
+    /// Where the inputs and the results are in a frame.
     pub layout: Layout,
-    /// What the rates need.
+    /// Operations for the rates: they run in every stage of a step.
     moving: Code,
-    /// What tells that a step is quiet.
+    /// Checks of a quick step, which only tests whether anything is hit.
     quick: Checks,
-    /// What tells what is met.
+    /// Checks of a thorough step, which finds out what is hit.
     thorough: Checks,
+    /// Slots of the rates, by state.
     pub rates: Vec<Slot>,
+    /// Slots of the sampled values.
     pub kept: Vec<Slot>,
-    /// What goes into the delay lines.
-    stored: Vec<Slot>,
-    /// What is recorded.
-    pub seen: Vec<Seen>,
-    /// The voltages that this follows, whose extremes are looked for.
-    followed: Vec<Slot>,
-    /// Corners first, then guards, then ranges.
+    /// Slots of the inputs of the delay lines.
+    delay_inputs: Vec<Slot>,
+    /// The recorded voltages.
+    pub recorded: Vec<RecordedVoltage>,
+    /// Slots of the voltages whose extremes are tracked.
+    tracked: Vec<Slot>,
+    /// The watches: corners first, then guards, then ranges.
     pub watches: Vec<Watch>,
+    /// Number of watches that are corners.
     corners: usize,
-    fences: Vec<Fence>,
-    /// So many numbers are given beside the coefficients.
-    given: usize,
-    /// The tables that are looked up at time itself.
+    /// The voltages that a quick step tests, with their intervals.
+    safe_intervals: Vec<SafeInterval>,
+    /// Number of values that depend on the branch: on which side of each corner the voltages are.
+    branch_values: usize,
+    /// The tables that are looked up at time.
     scheduled: Vec<u32>,
 }
 
-/// Where the slots begin of what is given to a kernel; after these stand the results of its operations.
+/// First slots of the inputs of a kernel. The factors are in front of them, the results of operations behind.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Layout {
+    /// The states, in volts.
     pub states: usize,
+    /// Problem time in seconds: one slot.
     pub time: usize,
+    /// The tables that are looked up at time.
     pub scheduled: usize,
+    /// The outputs of the delay lines, in volts.
     pub delayed: usize,
+    /// The sampled values.
     pub kept: usize,
+    /// The levels.
     pub levels: usize,
+    /// The results of the operations.
     pub results: usize,
+    /// Number of slots.
     pub all: usize,
 }
 
-/// What is looked at in a step.
+/// What is computed and tested in a step in addition to the rates.
 #[derive(Debug, Clone)]
 struct Checks {
-    /// What the rates do not need, and is looked at in the middle of a step too.
+    /// Operations for the tests in the middle of a step. They run at its end, too.
     middle: Code,
-    /// What is looked at or recorded at its end, beyond that.
+    /// Operations for the tests at the end of a step only, and for the recorded voltages.
     ending: Code,
-    /// So many are looked at in the middle of a step, and so many at its end.
+    /// Number of tests in the middle of a step; the first ones of all.
     in_middle: usize,
+    /// Number of tests at the end of a step, with those that are also made in the middle.
     all: usize,
 }
 
-/// A voltage that stays between two numbers as long as nothing is met of what is watched of it, and of straight lines
-/// over it.
+/// A voltage with an interval in which no watch of it is hit. Watches of linear functions of the voltage count as
+/// well.
 #[derive(Debug, Clone)]
-struct Fence {
+struct SafeInterval {
+    /// Slot of the voltage.
     slot: Slot,
-    watches: Vec<Posted>,
+    /// The watches that limit the interval; empty for a state that no watch depends on.
+    watches: Vec<IntervalWatch>,
 }
 
-/// A voltage that is recorded.
+/// A recorded voltage.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct RecordedVoltage {
+    /// Slot of the voltage.
     slot: Slot,
-    /// Index of the voltage that it follows, as a constant and that voltage times a factor, or as that voltage itself;
-    /// none of what stands still or goes straight on in time.
-    follows: Option<(usize, Option<[Slot; 2]>)>,
+    /// Index of the tracked voltage from which it follows as constant + factor x voltage. The slots of constant and
+    /// factor are `None` if both voltages are the same. The whole is `None` if it is constant or a linear function of
+    /// time.
+    tracks: Option<(usize, Option<[Slot; 2]>)>,
 }
 
-/// A watch at a fence, of a constant and the fence's voltage times a factor, or of that voltage itself.
+/// A watch that limits the interval of a voltage, with the slots of constant and factor if the watched voltage is a
+/// linear function of it.
 #[derive(Debug, Clone, Copy)]
-struct Posted {
+struct IntervalWatch {
+    /// Index of the watch.
     watch: usize,
+    /// Slots of constant and factor; `None` if the watch tests the voltage itself.
     line: Option<[Slot; 2]>,
 }
 
-/// A voltage that is watched: slope x voltage + room must not fall below 0, slope and room being numbers of a frame.
+/// A watched voltage. It is hit if slope x voltage + offset falls below 0. Slope and offset are in the frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Watch {
+    /// Slot of the watched voltage.
     pub slot: Slot,
-    pub what: Watched,
+    /// What must hold for the voltage.
+    pub condition: WatchCondition,
 }
 
-/// What a voltage is watched for.
+/// The condition for which a voltage is watched.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Watched {
-    /// A corner where it is 0; at a place among the given numbers stands its side, 1 where it is 0 or above, else 0.
+pub(crate) enum WatchCondition {
+    /// A corner at 0 V. The branch value with index `side` is 1 if the voltage is 0 or above, and otherwise 0.
     Corner { side: u32 },
-    /// A corner at the next point of a table below it, or above it, whose watch comes next; at a place among the given
-    /// numbers begin slope, origin and ordinate of the piece.
+    /// A corner at the next point of a table below the voltage, or above it if `above` is set. The two watches follow
+    /// each other. The branch values from index `piece` on are slope, origin and ordinate of the segment.
     Points { table: u32, above: bool, piece: u32 },
-    /// It must stay above the number in a slot.
+    /// The voltage must stay above the value in a slot.
     Above(Slot),
-    /// It must stay below it.
+    /// The voltage must stay below the value in a slot.
     Below(Slot),
-    /// Its size must; it is watched without sign.
+    /// The absolute value of the voltage must stay below the value in a slot.
     Size(Slot),
 }
 
-impl Watched {
+impl WatchCondition {
+    /// Whether the kernel stays valid beyond the hit, on another branch.
     fn is_corner(self) -> bool {
-        matches!(self, Watched::Corner { .. } | Watched::Points { .. })
+        matches!(self, WatchCondition::Corner { .. } | WatchCondition::Points { .. })
     }
 }
 
 impl Kernel {
-    /// Whether a program has kernels: one with loops has none.
-    pub fn can_be_of(program: &Program) -> bool {
-        program.loops.is_empty()
+    /// Whether a program has kernels. A program with loops has none.
+    pub fn is_supported(program: &Program) -> bool {
+        program.lowered.loops.is_empty()
     }
 
-    /// The kernel of a program in a stance, which also gives the voltages of these registers.
-    pub fn new(program: &Program, stance: Stance<'_>, seen: &[Register]) -> Option<Kernel> {
-        Kernel::can_be_of(program).then(|| layout::laid_out(fold::folded(program, stance, seen), program))
+    /// The kernel of a program, specialised, which also computes the voltages of these registers. `None` if the
+    /// program has loops.
+    pub fn new(
+        program: &Program,
+        specialisation: Specialisation<'_>,
+        recorded: &[Register],
+    ) -> Option<Kernel> {
+        Kernel::is_supported(program)
+            .then(|| layout::lay_out(specialise::specialise(program, specialisation, recorded), program))
     }
 
-    /// Whether all that is recorded follows states, which do not jump where a step ends.
+    /// Whether every recorded voltage tracks a state. States do not jump at the end of a step.
     fn records_states(&self) -> bool {
         let states = self.layout.states..self.layout.time;
-        let is_state =
-            |seen: &Seen| seen.follows.is_some_and(|(at, _)| states.contains(&(self.followed[at] as usize)));
-        self.seen.iter().all(is_state)
+        let is_state = |recorded: &RecordedVoltage| {
+            recorded.tracks.is_some_and(|(at, _)| states.contains(&(self.tracked[at] as usize)))
+        };
+        self.recorded.iter().all(is_state)
     }
 
-    /// How many operations its native code has, or would have. A step and a look have four stages each, and checks in their
-    /// middle and at their end; at the slots everything is worked out once.
+    /// The number of operations that native code of this kernel has. A step and a look-ahead have four stages each,
+    /// with tests in the middle and at the end. `evaluate` has one stage.
     fn operations(&self) -> usize {
         let length = |code: &Code| code.instructions.len() + code.terms.len();
         let moving = length(&self.moving);
@@ -222,7 +261,7 @@ impl Kernel {
         stepped(&self.quick) + stepped(&self.thorough) + moving + all(&self.thorough)
     }
 
-    /// What stands in a slot whatever the parameters are.
+    /// The value in a slot if it is a fixed number, whatever the parameters are.
     fn number(&self, slot: Slot) -> Option<f64> {
         match self.factors.get(slot as usize) {
             Some(Factor::Number(value)) => Some(*value),
@@ -230,25 +269,31 @@ impl Kernel {
         }
     }
 
-    /// Works the factors of a frame out from a program's coefficients and what is given of its corners. Tells whether they
-    /// can be used: not where an amplifier that stands still is asked for something else than they are folded for.
-    pub fn put_factors(&self, frame: &mut Frame<f64>, program: &Program, coefficients: &[f64]) -> bool {
-        let mut registers = std::mem::take(&mut frame.early);
-        let from = Sources { coefficients, states: &frame.given, tables: &program.tables, ..Sources::none() };
+    /// Computes the factors of a frame from the program's coefficients and from the branch values. Returns whether
+    /// they are valid. They are not if an amplifier with a constant output is in another state than the kernel
+    /// assumes.
+    pub fn compute_factors(&self, frame: &mut Frame<f64>, program: &Program, coefficients: &[f64]) -> bool {
+        let mut registers = std::mem::take(&mut frame.parameter_registers);
+        let from = Sources {
+            coefficients,
+            states: &frame.branch_values,
+            tables: &program.tables,
+            ..Sources::none()
+        };
         registers.clear();
-        for op in &self.early {
+        for op in &self.parameter_code {
             registers.push(op.apply(&from, |register| registers[register.index()]));
         }
         let value = |factor: &Factor| match factor {
             Factor::Number(value) => *value,
-            Factor::Early(register) => registers[register.index()],
+            Factor::Computed(register) => registers[register.index()],
         };
         for (slot, factor) in frame.slots.iter_mut().zip(&self.factors) {
             *slot = value(factor);
         }
         let holds = |[of, low, high]: &[Factor; 3]| value(low) <= value(of) && value(of) <= value(high);
-        let can_be_used = self.still.iter().all(holds);
-        frame.early = registers;
-        can_be_used
+        let is_valid = self.fixed.iter().all(holds);
+        frame.parameter_registers = registers;
+        is_valid
     }
 }

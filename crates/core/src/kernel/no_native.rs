@@ -1,27 +1,33 @@
-//! Native code where none can be made.
+//! Replaces native code in builds without the `native` feature.
+//!
+//! `Native::new` returns `None`, so every run is interpreted. The other functions cannot be called.
 
 use super::Kernel;
 use super::frame::Frame;
-use super::step::{Look, Steps};
+use super::step::{LookResult, Steps};
 
-/// There is none.
+/// An uninhabited type: there is no native code.
 #[derive(Debug)]
 pub(crate) enum Native {}
 
 impl Native {
+    /// Always `None`.
     pub fn new(_: &Kernel) -> Option<Native> {
         None
     }
 
+    /// Never called, because there is no value of this type.
     pub fn steps(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: &Steps) -> u64 {
         match *self {}
     }
 
-    pub fn look(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: f64) -> Look {
+    /// Never called.
+    pub fn look(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: f64) -> LookResult {
         match *self {}
     }
 
-    pub fn work_out(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>]) {
+    /// Never called.
+    pub fn evaluate(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>]) {
         match *self {}
     }
 }

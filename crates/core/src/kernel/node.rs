@@ -1,43 +1,60 @@
-//! What a kernel is made of before it is laid out: voltages that are no sums, and how they come about.
+//! The operations of a kernel before slots are assigned.
+//!
+//! A node computes one atom. The atom has the index of its node, and the operands of a node are atoms with smaller
+//! indices or factors. So the list of nodes is in order of evaluation.
 
 use super::form::{Atom, Factor, Form};
 use patchcord_expr::Function;
 
-/// What an operation of a kernel reads.
+/// An operand of an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Operand {
+    /// A number that does not vary within a branch.
     Factor(Factor),
+    /// A voltage that another node computes.
     Atom(Atom),
 }
 
-/// How an atom comes about.
+/// An operation that computes an atom.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum Node {
+    /// The state with this index.
     State(u32),
+    /// Problem time in seconds.
     Time,
-    /// What a table gives that is looked up at time itself, by its place among these.
+    /// A table that is looked up at time, by its index among these.
     Scheduled(u32),
-    /// What comes out of a delay line.
+    /// The output of a delay line.
     Delayed(u32),
-    Kept(u32),
+    /// The sampled value with this index.
+    Sampled(u32),
+    /// The level with this index.
     Level(u32),
+    /// A linear form of other atoms.
     Sum(Form),
+    /// The product of two voltages.
     Multiply(Operand, Operand),
+    /// The smaller of two voltages, without a corner on which a rate depends.
     Minimum(Operand, Operand),
+    /// The larger of two voltages, without such a corner.
     Maximum(Operand, Operand),
+    /// The absolute value, without such a corner.
     Absolute(Operand),
+    /// A function of one or two voltages.
     Call(Function, Operand, Operand),
+    /// The table with this index at a voltage, without such a corner.
     Table(u32, Operand),
 }
 
 impl Node {
+    /// The operands that the operation reads, with the factors of a sum.
     pub fn operands(&self) -> Vec<Operand> {
         match self {
             Node::State(_)
             | Node::Time
             | Node::Scheduled(_)
             | Node::Delayed(_)
-            | Node::Kept(_)
+            | Node::Sampled(_)
             | Node::Level(_) => Vec::new(),
             Node::Sum(form) => {
                 let terms = form.terms.iter();
@@ -55,7 +72,7 @@ impl Node {
     }
 }
 
-/// Those of some operands that are atoms.
+/// The atoms among some operands.
 pub(super) fn atoms(operands: &[Operand]) -> impl Iterator<Item = Atom> + '_ {
     operands.iter().filter_map(|operand| match operand {
         Operand::Atom(atom) => Some(*atom),
@@ -63,7 +80,7 @@ pub(super) fn atoms(operands: &[Operand]) -> impl Iterator<Item = Atom> + '_ {
     })
 }
 
-/// Of every atom, whether some depend on it.
+/// For every atom, whether one of the given atoms depends on it.
 pub(super) fn needed(nodes: &[Node], by: impl Iterator<Item = Atom>) -> Vec<bool> {
     let mut needed = vec![false; nodes.len()];
     by.for_each(|atom| needed[atom as usize] = true);

@@ -1,8 +1,12 @@
-//! Quiet steps gone blindly, and judged afterwards.
+//! Blocks of steps of native code, and their test afterwards.
 //!
-//! While native code makes a block of steps it compares nothing: what has to be looked at is written down, a row for each step.
-//! Then the rows are looked at in vectors: how many steps, the first, met nothing, and what was seen in them. The others
-//! are forgotten.
+//! Native code takes a block of steps without any comparison. It writes the tested voltages of every step into a row.
+//! Afterwards the rows are tested in vector registers: the steps before the first hit are accepted, with the extremes
+//! of their voltages. The rest of the block is discarded.
+//!
+//! A row has, in this order: voltages at the end of the step, voltages in its middle, padding to a whole vector, rates,
+//! sampled values, and the values of the tables of time. Native code writes all of them except the last, which it
+//! reads.
 
 use std::ops::Range;
 
@@ -10,93 +14,105 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::code::Slot;
 use super::frame::{Extremes, Frame};
-use super::lane::{Abreast, Lane};
+use super::lane::{Lane, Lanes};
 use super::step::Steps;
-use super::{Checks, Fence, Kernel};
+use super::{Checks, Kernel, SafeInterval};
 
-/// So many numbers are looked at together.
-const TOGETHER: usize = 16;
-type Vector = Abreast<TOGETHER>;
+/// Number of values that are tested together.
+const VECTOR_LENGTH: usize = 16;
+/// A part of a row that is tested at once.
+type Vector = Lanes<VECTOR_LENGTH>;
 
-/// After something was met so few steps are made blindly, and twice as many in every block after it.
-const SHORTEST: u64 = 16;
-/// Longer blocks would be thrown away too often.
-const LONGEST: u64 = 64;
-/// Nor do rows fill more than so many numbers, 32 kB, which are near the processor.
-const ROOM: usize = 4096;
+/// Number of steps in the first block after a hit. Every following block has twice as many.
+const MIN_BLOCK: u64 = 16;
+/// Maximum number of steps in a block. Longer ones would be discarded too often.
+const MAX_BLOCK: u64 = 64;
+/// Maximum number of values in the rows of a block. They take 32 kB, which fit into the processor's first cache.
+const MAX_ROW_NUMBERS: usize = 4096;
 
-/// Where everything stands in a row.
+/// The columns of a row, and what each contains.
 #[derive(Debug, Clone)]
-pub(super) struct Columns {
-    /// What is written down at the end of a step: the voltages at the fences, and those that are followed beside them. These
-    /// are numbers as long as the states are.
+pub(super) struct RowLayout {
+    /// Slots whose values at the end of a step are written: the voltages with safe intervals, and the tracked ones.
     pub ends: Vec<Slot>,
-    /// After these, what is written down in its middle: the voltages at the first fences.
+    /// Slots whose values in the middle of a step are written, in the columns after `ends`.
     pub middles: Vec<Slot>,
-    /// Columns of ends and middles, and the fence of each.
-    fences: Vec<(usize, usize)>,
-    /// The fence of time, if there is one. When a step ends is known without rows.
+    /// Columns with a safe interval, and the index of the interval.
+    safe_intervals: Vec<(usize, usize)>,
+    /// The safe interval of time, if there is one. The ends of steps are known without rows.
     of_time: Option<usize>,
-    /// Where every state stands, and every voltage that is followed.
+    /// The columns of the states, in their order.
     pub states: Vec<usize>,
-    followed: Vec<usize>,
-    /// Where the rates begin, and the kept values.
+    /// The columns of the tracked voltages, in the order of the kernel.
+    tracked: Vec<usize>,
+    /// The first column of the rates. Columns before it are tested.
     pub rates: usize,
+    /// The first column of the sampled values.
     pub kept: usize,
-    /// Where what tables of time give begins: all in the middle of the step, then all at its end.
+    /// The first column of the tables of time: first all in the middle of the step, then all at its end.
     pub scheduled: usize,
-    /// The slots of the kept values.
+    /// The slots of the sampled values.
     kept_slots: Range<usize>,
-    /// So many numbers has a row.
+    /// Number of values in a row: a multiple of the vector length.
     pub width: usize,
 }
 
-/// The rows of a block, and between which numbers they must stay.
+/// The rows of a block, with the bounds of every column.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
-    /// The first row is where the block begins.
+    /// The rows. The first one is the beginning of the block.
     numbers: Vec<Vector>,
+    /// Lower bound of every tested column.
     lows: Vec<Vector>,
+    /// Upper bound of every tested column.
     highs: Vec<Vector>,
-    /// Whether the frame's fences stand in these.
-    are_fenced: bool,
-    /// The least and the largest of every column.
+    /// Whether the bounds are those of the frame's present safe intervals.
+    are_intervals_current: bool,
+    /// The least value of every tested column in the last test.
     least: Vec<Vector>,
+    /// The largest value of every tested column in the last test.
     most: Vec<Vector>,
-    /// So many steps may be made in the next block.
+    /// Number of steps that the next block may have.
     next: u64,
 }
 
-// Nothing in them is needed from block to block.
+/// A clone has no rows. They are not needed from one block to the next, and a frame allocates them when it needs them.
 impl Clone for Rows {
     fn clone(&self) -> Self {
         Rows::default()
     }
 }
 
-impl Columns {
+impl RowLayout {
+    /// The layout for a kernel. States and tracked voltages get a column even if no interval tests them.
     pub fn of(kernel: &Kernel) -> Self {
         let Checks { in_middle, all, .. } = kernel.quick;
-        let is_time = |fence: &Fence| fence.slot as usize == kernel.layout.time;
-        let fences = |count: usize| (0..count).filter(|fence| !is_time(&kernel.fences[*fence]));
-        let slots = |count: usize| fences(count).map(|fence| kernel.fences[fence].slot).collect();
+        let is_time = |interval: &SafeInterval| interval.slot as usize == kernel.layout.time;
+        let safe_intervals =
+            |count: usize| (0..count).filter(|interval| !is_time(&kernel.safe_intervals[*interval]));
+        let slots = |count: usize| {
+            safe_intervals(count).map(|interval| kernel.safe_intervals[interval].slot).collect()
+        };
         let (mut ends, middles): (Vec<Slot>, Vec<Slot>) = (slots(all), slots(in_middle));
         let states = kernel.layout.states..kernel.layout.time;
         let states = states.map(|slot| column_of(slot as Slot, &mut ends)).collect();
-        let followed = kernel.followed.iter().map(|slot| column_of(*slot, &mut ends)).collect();
-        let rates = (ends.len() + middles.len()).next_multiple_of(TOGETHER);
+        let tracked = kernel.tracked.iter().map(|slot| column_of(*slot, &mut ends)).collect();
+        let rates = (ends.len() + middles.len()).next_multiple_of(VECTOR_LENGTH);
         let kept = rates + kernel.rates.len();
         let kept_slots = kernel.layout.kept..kernel.layout.levels;
         let scheduled = kept + kept_slots.len();
-        Columns {
-            fences: (0..).zip(fences(all)).chain((ends.len()..).zip(fences(in_middle))).collect(),
-            of_time: kernel.fences.iter().position(is_time),
-            // A row stands there even of a kernel that has nothing to write down.
-            width: (scheduled + 2 * kernel.scheduled.len()).max(1).next_multiple_of(TOGETHER),
+        RowLayout {
+            safe_intervals: (0..)
+                .zip(safe_intervals(all))
+                .chain((ends.len()..).zip(safe_intervals(in_middle)))
+                .collect(),
+            of_time: kernel.safe_intervals.iter().position(is_time),
+            // Even a kernel without columns needs one row.
+            width: (scheduled + 2 * kernel.scheduled.len()).max(1).next_multiple_of(VECTOR_LENGTH),
             ends,
             middles,
             states,
-            followed,
+            tracked,
             rates,
             kept,
             scheduled,
@@ -104,23 +120,23 @@ impl Columns {
         }
     }
 
-    /// How many steps a block may have.
-    fn most_steps(&self) -> u64 {
-        ((ROOM / self.width) as u64).clamp(1, LONGEST)
+    /// Maximum number of steps in a block of this kernel.
+    fn max_steps(&self) -> u64 {
+        ((MAX_ROW_NUMBERS / self.width) as u64).clamp(1, MAX_BLOCK)
     }
 
-    /// The voltages that are followed, in a row.
-    fn followed_of(&self, row: &[Vector]) -> impl Iterator<Item = f64> {
-        self.followed.iter().map(|column| take(row, *column))
+    /// The tracked voltages of a row.
+    fn tracked_of(&self, row: &[Vector]) -> impl Iterator<Item = f64> {
+        self.tracked.iter().map(|column| take(row, *column))
     }
 
-    /// How many vectors of a row are looked at, the first.
-    fn judged(&self) -> usize {
-        self.rates / TOGETHER
+    /// The number of vectors of a row that are tested; the first ones of all.
+    fn checked_vectors(&self) -> usize {
+        self.rates / VECTOR_LENGTH
     }
 }
 
-/// The column in which the voltage of a slot is written down at the end of a step.
+/// The column for the value of a slot at the end of a step, added if there is none.
 fn column_of(slot: Slot, ends: &mut Vec<Slot>) -> usize {
     ends.iter().position(|known| *known == slot).unwrap_or_else(|| {
         ends.push(slot);
@@ -129,122 +145,137 @@ fn column_of(slot: Slot, ends: &mut Vec<Slot>) -> usize {
 }
 
 impl Rows {
-    /// Room for the rows of a kernel; nothing is done where it is there.
-    pub fn make_room(&mut self, columns: &Columns) {
-        if self.hold(columns, columns.most_steps()) && self.lows.len() == columns.judged() {
+    /// Allocates the rows of a kernel, unless they are there already.
+    pub fn allocate(&mut self, columns: &RowLayout) {
+        if self.has_capacity(columns, columns.max_steps()) && self.lows.len() == columns.checked_vectors() {
             return;
         }
         let vectors = |count: usize, value: f64| vec![Vector::splat(value); count];
-        let judged = columns.judged();
+        let checked_vectors = columns.checked_vectors();
         *self = Rows {
-            numbers: vectors(columns.width / TOGETHER * (columns.most_steps() as usize + 1), 0.0),
-            lows: vectors(judged, f64::NEG_INFINITY),
-            highs: vectors(judged, f64::INFINITY),
-            are_fenced: false,
-            least: vectors(judged, 0.0),
-            most: vectors(judged, 0.0),
-            next: SHORTEST,
+            numbers: vectors(columns.width / VECTOR_LENGTH * (columns.max_steps() as usize + 1), 0.0),
+            lows: vectors(checked_vectors, f64::NEG_INFINITY),
+            highs: vectors(checked_vectors, f64::INFINITY),
+            are_intervals_current: false,
+            least: vectors(checked_vectors, 0.0),
+            most: vectors(checked_vectors, 0.0),
+            next: MIN_BLOCK,
         };
     }
 
-    /// Whether there is room for so many steps.
-    pub fn hold(&self, columns: &Columns, steps: u64) -> bool {
-        self.numbers.len() * TOGETHER >= columns.width * (steps as usize + 1)
+    /// Whether there are rows for this many steps, in addition to the row of the beginning.
+    pub fn has_capacity(&self, columns: &RowLayout, steps: u64) -> bool {
+        self.numbers.len() * VECTOR_LENGTH >= columns.width * (steps as usize + 1)
     }
 
-    /// Where the rows stand.
+    /// The address of the rows, for native code.
     pub fn pointer(&mut self) -> *mut f64 {
         self.numbers.as_mut_ptr().cast()
     }
 
-    /// The fences are no longer where they were.
-    pub fn forget_fences(&mut self) {
-        self.are_fenced = false;
+    /// Notes that the safe intervals of the frame have changed.
+    pub fn invalidate_safe_intervals(&mut self) {
+        self.are_intervals_current = false;
     }
 
-    fn put_fences(&mut self, columns: &Columns, lows: &[f64], highs: &[f64]) {
+    /// Copies the bounds of the safe intervals to their columns. Other columns have infinite bounds, so only values
+    /// that are not a number are out of bounds there.
+    fn update_safe_intervals(&mut self, columns: &RowLayout, lows: &[f64], highs: &[f64]) {
         for (own, all) in [(&mut self.lows, lows), (&mut self.highs, highs)] {
-            columns.fences.iter().for_each(|(column, fence)| put(own, *column, all[*fence]));
+            columns.safe_intervals.iter().for_each(|(column, interval)| put(own, *column, all[*interval]));
         }
-        self.are_fenced = true;
+        self.are_intervals_current = true;
     }
 
-    /// How many of so many steps the next block takes.
-    pub fn next_of(&self, columns: &Columns, steps: u64) -> u64 {
-        self.next.min(columns.most_steps()).min(steps)
+    /// The number of steps in the next block, of `steps` that remain.
+    pub fn next_block(&self, columns: &RowLayout, steps: u64) -> u64 {
+        self.next.min(columns.max_steps()).min(steps)
     }
 
-    /// A row: that of a step after so many others, or 0 where the block begins.
-    fn row(&self, columns: &Columns, row: u64) -> &[Vector] {
-        let width = columns.width / TOGETHER;
+    /// A row by its index: 0 is the beginning of the block, n the end of the nth step.
+    fn row(&self, columns: &RowLayout, row: u64) -> &[Vector] {
+        let width = columns.width / VECTOR_LENGTH;
         &self.numbers[row as usize * width..][..width]
     }
 
-    /// How many steps, the first of some, stayed within all fences. What was seen in these is known then.
-    fn judge(&mut self, columns: &Columns, steps: u64) -> u64 {
+    /// The number of steps before the first hit. Afterwards `least` and `most` refer to these steps.
+    ///
+    /// All rows are first tested together. Only if one is out of bounds, it is searched for. The length of the next
+    /// block doubles after a quiet block and is the smallest one after a hit.
+    fn check(&mut self, columns: &RowLayout, steps: u64) -> u64 {
         if self.survey(columns, steps) {
-            self.next = self.next.max(2 * steps).min(LONGEST);
+            self.next = self.next.max(2 * steps).min(MAX_BLOCK);
             return steps;
         }
-        self.next = SHORTEST;
-        let gone = Arch::new().dispatch(Search { columns, rows: self, steps });
-        self.survey(columns, gone);
-        gone
+        self.next = MIN_BLOCK;
+        let taken = Arch::new().dispatch(Search { columns, rows: self, steps });
+        self.survey(columns, taken);
+        taken
     }
 
-    fn survey(&mut self, columns: &Columns, steps: u64) -> bool {
+    /// Finds the extremes of the columns in some rows. Returns whether all rows are within their bounds.
+    fn survey(&mut self, columns: &RowLayout, steps: u64) -> bool {
         Arch::new().dispatch(Survey { columns, rows: self, steps })
     }
 }
 
+/// Writes a number into a column.
 fn put(row: &mut [Vector], column: usize, number: f64) {
-    row[column / TOGETHER].set(column % TOGETHER, number);
+    row[column / VECTOR_LENGTH].set(column % VECTOR_LENGTH, number);
 }
 
+/// Reads the number of a column.
 fn take(row: &[Vector], column: usize) -> f64 {
-    row[column / TOGETHER].get(column % TOGETHER)
+    row[column / VECTOR_LENGTH].get(column % VECTOR_LENGTH)
 }
 
 impl Frame<f64> {
-    /// Room for blocks of steps, so that none has to be made while they are gone.
-    pub(super) fn with_rows(mut self, columns: &Columns) -> Self {
-        self.rows.make_room(columns);
+    /// The same frame with rows, so that steps need not allocate any.
+    pub(super) fn with_rows(mut self, columns: &RowLayout) -> Self {
+        self.rows.allocate(columns);
         self
     }
 
-    /// Writes down where a block begins.
-    pub(super) fn begin_rows(&mut self, columns: &Columns) {
+    /// Writes the beginning of a block: states, rates and sampled values of the frame into the first row. It also
+    /// updates the bounds if the safe intervals have changed.
+    pub(super) fn write_start_row(&mut self, columns: &RowLayout) {
         let first = &mut self.rows.numbers;
         columns.states.iter().zip(&self.states).for_each(|(column, state)| put(first, *column, *state));
         (columns.rates..).zip(&self.rates).for_each(|(column, rate)| put(first, column, *rate));
         let kept = &self.slots[columns.kept_slots.clone()];
         (columns.kept..).zip(kept).for_each(|(column, kept)| put(first, column, *kept));
-        if !self.rows.are_fenced {
-            self.rows.put_fences(columns, &self.lows, &self.highs);
+        if !self.rows.are_intervals_current {
+            self.rows.update_safe_intervals(columns, &self.lows, &self.highs);
         }
     }
 
-    /// Writes down what tables of time give in the steps of a block.
-    pub(super) fn put_scheduled_rows(&mut self, columns: &Columns, tables: &[Vec<[f64; 2]>], steps: &Steps) {
+    /// Writes the values of the tables of time for the steps of a block, into the row of the end of each step.
+    pub(super) fn write_scheduled_rows(
+        &mut self,
+        columns: &RowLayout,
+        tables: &[Vec<[f64; 2]>],
+        steps: &Steps,
+    ) {
         if self.schedules.is_empty() {
             return;
         }
-        let width = columns.width / TOGETHER;
+        let width = columns.width / VECTOR_LENGTH;
         let mut begin = self.time;
         for step in 0..steps.count {
             let end = steps.end_of(step);
-            self.put_ahead(tables, [begin + 0.5 * (end - begin), end]);
+            self.compute_ahead(tables, [begin + 0.5 * (end - begin), end]);
             let row = &mut self.rows.numbers[width * (step as usize + 1)..][..width];
             (columns.scheduled..).zip(&self.ahead).for_each(|(column, value)| put(row, column, *value));
             begin = end;
         }
     }
 
-    /// How many steps, the first of some, end before time is beyond its fence.
-    fn timely(&self, columns: &Columns, steps: &Steps) -> u64 {
-        let Some(fence) = columns.of_time else { return steps.count };
-        let is_beyond = |step: u64| !(self.lows[fence]..=self.highs[fence]).contains(&steps.end_of(step));
-        // It goes on from within the fence: where it is not beyond at last, it never was.
+    /// The number of steps that end before time leaves its safe interval.
+    fn steps_before_limit(&self, columns: &RowLayout, steps: &Steps) -> u64 {
+        let Some(interval) = columns.of_time else { return steps.count };
+        let is_beyond =
+            |step: u64| !(self.lows[interval]..=self.highs[interval]).contains(&steps.end_of(step));
+        // Time increases, so only the last step must be tested.
         if is_beyond(steps.count - 1) {
             (0..steps.count).find(|step| is_beyond(*step)).unwrap_or(steps.count)
         } else {
@@ -252,36 +283,38 @@ impl Frame<f64> {
         }
     }
 
-    /// Looks at the rows of some steps, and goes on to the last before something is met: how many were gone.
-    pub(super) fn judge_rows(&mut self, columns: &Columns, steps: &Steps) -> u64 {
-        let timely = self.timely(columns, steps);
-        let gone = self.rows.judge(columns, timely);
-        if gone == 0 {
+    /// Tests the rows of some steps and moves the frame to the last one before a hit. Returns the number of steps
+    /// taken.
+    pub(super) fn accept_rows(&mut self, columns: &RowLayout, steps: &Steps) -> u64 {
+        let steps_before_limit = self.steps_before_limit(columns, steps);
+        let taken = self.rows.check(columns, steps_before_limit);
+        if taken == 0 {
             return 0;
         }
-        self.see_rows(columns, &Steps { count: gone, ..*steps });
-        if self.trail.is_kept {
+        self.observe_rows(columns, &Steps { count: taken, ..*steps });
+        if self.trail.is_enabled {
             let (rows, trail) = (&self.rows, &mut self.trail.volts);
-            (1..=gone).for_each(|row| trail.extend(columns.followed_of(rows.row(columns, row))));
+            (1..=taken).for_each(|row| trail.extend(columns.tracked_of(rows.row(columns, row))));
         }
-        let last = self.rows.row(columns, gone);
+        let last = self.rows.row(columns, taken);
         self.states.iter_mut().zip(&columns.states).for_each(|(state, column)| *state = take(last, *column));
         self.rates.iter_mut().zip(columns.rates..).for_each(|(rate, column)| *rate = take(last, column));
         let kept = &mut self.slots[columns.kept_slots.clone()];
         kept.iter_mut().zip(columns.kept..).for_each(|(kept, column)| *kept = take(last, column));
-        self.time = steps.end_of(gone - 1);
-        gone
+        self.time = steps.end_of(taken - 1);
+        taken
     }
 
-    /// Sees the voltages that are followed in the rows of quiet steps.
-    fn see_rows(&mut self, columns: &Columns, steps: &Steps) {
+    /// Updates the extremes of the tracked voltages from accepted rows. The time of an extreme is the end of the first
+    /// step that has it.
+    fn observe_rows(&mut self, columns: &RowLayout, steps: &Steps) {
         let rows = &self.rows;
         let Extremes { least, least_at, most, most_at } = &mut self.extremes;
-        for (index, column) in columns.followed.iter().enumerate() {
+        for (index, column) in columns.tracked.iter().enumerate() {
             let first_of = |value: f64| {
                 let mut all = 0..steps.count;
                 let step = all.find(|step| take(rows.row(columns, step + 1), *column) == value);
-                steps.end_of(step.expect("an extreme stands in a row"))
+                steps.end_of(step.expect("an extreme is in one of the rows"))
             };
             let [low, high] = [&rows.least, &rows.most].map(|all| take(all, *column));
             if low < least[index] {
@@ -294,11 +327,11 @@ impl Frame<f64> {
     }
 }
 
-/// Looks for the least and the largest of every column in the rows of some steps, and tells whether all stayed within their
-/// fences.
+/// Finds the least and largest value of every column in some rows. Returns whether all are within their bounds.
 struct Survey<'a> {
-    columns: &'a Columns,
+    columns: &'a RowLayout,
     rows: &'a mut Rows,
+    /// Number of rows that are tested, after the row of the beginning.
     steps: u64,
 }
 
@@ -308,31 +341,32 @@ impl NullaryFnOnce for Survey<'_> {
     #[inline(always)]
     fn call(self) -> bool {
         let Survey { columns, rows: Rows { numbers, lows, highs, least, most, .. }, steps } = self;
-        let width = columns.width / TOGETHER;
+        let width = columns.width / VECTOR_LENGTH;
         let rows = &numbers[width..][..width * steps as usize];
         let mut is_quiet = true;
-        for at in 0..columns.judged() {
+        for at in 0..columns.checked_vectors() {
             let [mut low, mut high, mut sum] = [f64::INFINITY, f64::NEG_INFINITY, 0.0].map(Vector::splat);
             for row in rows.chunks_exact(width) {
                 let value = row[at];
                 low = Vector::select_below(value, low, value, low);
                 high = Vector::select_below(high, value, value, high);
-                // What is no number does not get lost in a sum.
+                // The sum is NaN if any value is. The minimum and maximum would lose it.
                 sum = sum.add(value);
             }
             let [infinite, none] = [f64::INFINITY, f64::NAN].map(Vector::splat);
             let high_if_all_are = Vector::select_below(sum, infinite, high, none);
-            is_quiet &= low.reaches(lows[at]) & highs[at].reaches(high_if_all_are);
+            is_quiet &= low.all_at_least(lows[at]) & highs[at].all_at_least(high_if_all_are);
             (least[at], most[at]) = (low, high);
         }
         is_quiet
     }
 }
 
-/// Tells how many steps, the first of some, stayed within all fences.
+/// Counts the steps before the first one that is out of bounds. A value that is not a number is out of bounds.
 struct Search<'a> {
-    columns: &'a Columns,
+    columns: &'a RowLayout,
     rows: &'a Rows,
+    /// Number of rows that are searched, after the row of the beginning.
     steps: u64,
 }
 
@@ -343,12 +377,12 @@ impl NullaryFnOnce for Search<'_> {
     fn call(self) -> u64 {
         let Search { columns, rows, steps } = self;
         for step in 0..steps {
-            let mut fenced = Vector::TRUE;
-            let judged = rows.row(columns, step + 1)[..columns.judged()].iter();
-            for ((value, low), high) in judged.zip(&rows.lows).zip(&rows.highs) {
-                fenced = value.lies_between(*low, *high, fenced);
+            let mut inside = Vector::TRUE;
+            let checked_vectors = rows.row(columns, step + 1)[..columns.checked_vectors()].iter();
+            for ((value, low), high) in checked_vectors.zip(&rows.lows).zip(&rows.highs) {
+                inside = value.is_within(*low, *high, inside);
             }
-            if !fenced.reaches(Vector::TRUE) {
+            if !inside.all_at_least(Vector::TRUE) {
                 return step;
             }
         }
@@ -362,20 +396,20 @@ mod tests {
 
     use super::*;
 
-    /// A fenced voltage, which is looked at in the middle of a step too, and one that is followed.
-    fn columns() -> Columns {
-        Columns {
+    /// A layout with one voltage that has a safe interval, also in the middle of a step, and one tracked voltage.
+    fn columns() -> RowLayout {
+        RowLayout {
             ends: vec![0, 1],
             middles: vec![0],
-            fences: vec![(0, 0), (2, 0)],
+            safe_intervals: vec![(0, 0), (2, 0)],
             of_time: None,
             states: Vec::new(),
-            followed: vec![1],
-            rates: TOGETHER,
-            kept: TOGETHER,
-            scheduled: TOGETHER,
+            tracked: vec![1],
+            rates: VECTOR_LENGTH,
+            kept: VECTOR_LENGTH,
+            scheduled: VECTOR_LENGTH,
             kept_slots: 0..0,
-            width: TOGETHER,
+            width: VECTOR_LENGTH,
         }
     }
 
@@ -385,40 +419,40 @@ mod tests {
         prop_oneof![1 => prop::sample::select(rare.to_vec()), 60 => prop::sample::select(common.to_vec())]
     }
 
-    /// Row by row: how many, the first, have their fenced voltages between -1 and 1 and hold numbers, and least and most of every
-    /// column in these, the first of equal ones.
+    /// The expected result, row by row: the number of rows before the first one that is out of bounds or not a number,
+    /// and the extremes of every column in these.
     fn one_by_one(rows: &[[f64; 3]]) -> (u64, [[f64; 2]; 3]) {
-        let is_quiet = |[end, followed, middle]: &&[f64; 3]| {
-            (-1.0..=1.0).contains(end) && (-1.0..=1.0).contains(middle) && !followed.is_nan()
+        let is_quiet = |[end, tracked, middle]: &&[f64; 3]| {
+            (-1.0..=1.0).contains(end) && (-1.0..=1.0).contains(middle) && !tracked.is_nan()
         };
         let quiet = rows.iter().take_while(is_quiet);
         let mut extremes = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-        let mut gone = 0;
+        let mut taken = 0;
         for row in quiet {
-            gone += 1;
+            taken += 1;
             for ([least, most], value) in extremes.iter_mut().zip(row) {
                 *least = if value < least { *value } else { *least };
                 *most = if value > most { *value } else { *most };
             }
         }
-        (gone, extremes)
+        (taken, extremes)
     }
 
     proptest! {
         #[test]
         fn rows_are_judged_as_one_by_one(rows in prop::collection::vec(prop::array::uniform3(number()), 1..60)) {
             let (columns, mut all) = (columns(), Rows::default());
-            all.make_room(&columns);
-            all.put_fences(&columns, &[-1.0], &[1.0]);
+            all.allocate(&columns);
+            all.update_safe_intervals(&columns, &[-1.0], &[1.0]);
             for (place, row) in rows.iter().enumerate() {
                 (0..).zip(row).for_each(|(column, value)| put(&mut all.numbers[place + 1..], column, *value));
             }
-            let gone = all.judge(&columns, rows.len() as u64);
-            let seen: Vec<_> = (0..3).map(|column| [take(&all.least, column), take(&all.most, column)]).collect();
+            let taken = all.check(&columns, rows.len() as u64);
+            let recorded: Vec<_> = (0..3).map(|column| [take(&all.least, column), take(&all.most, column)]).collect();
             let (expected, extremes) = one_by_one(&rows);
-            prop_assert_eq!(gone, expected);
+            prop_assert_eq!(taken, expected);
             let bits = |all: &[[f64; 2]]| all.as_flattened().iter().map(|one| one.to_bits()).collect::<Vec<_>>();
-            prop_assert_eq!(bits(&seen), bits(&extremes));
+            prop_assert_eq!(bits(&recorded), bits(&extremes));
         }
     }
 }

@@ -1,32 +1,36 @@
-//! When stretches begin and end that are gone in one piece.
+//! The time span of a step or of a piece of it, in every lane.
 
 use super::lane::Lane;
 use super::step::SIXTH;
 
-/// A stretch of every lane.
+/// Begin, middle and end of a span in every lane, in problem seconds.
 #[derive(Clone, Copy)]
 pub(super) struct Span<V> {
+    /// The time halfway.
     pub middle: V,
+    /// The time at which the span ends.
     pub end: V,
+    /// End minus begin.
     pub length: V,
+    /// Half of the length: the distance of the first two stages.
     pub half: V,
-    /// The share of its length for which the first rate counts, and the last.
+    /// A sixth of the length: the weight of the first and the last rate.
     pub sixth: V,
-    /// Whether some lanes rest: their stretch has no length.
-    some_rest: bool,
+    /// Whether some lanes are idle: their span has length 0.
+    some_idle: bool,
 }
 
 impl<V: Lane> Span<V> {
-    /// The same in all lanes.
+    /// A span that is the same in all lanes.
     #[inline(always)]
     pub fn same(begin: f64, length: f64, end: f64) -> Self {
         let half = 0.5 * length;
         let [middle, end, length, half, sixth] =
             [begin + half, end, length, half, length * SIXTH].map(V::splat);
-        Span { middle, end, length, half, sixth, some_rest: false }
+        Span { middle, end, length, half, sixth, some_idle: false }
     }
 
-    /// Another in every lane.
+    /// A span that differs from lane to lane.
     #[inline(always)]
     pub fn between(begin: V, end: V) -> Self {
         let length = end.subtract(begin);
@@ -37,22 +41,22 @@ impl<V: Lane> Span<V> {
             length,
             half,
             sixth: length.multiply(V::splat(SIXTH)),
-            some_rest: !length.all(V::splat(0.0), |length, zero| length > zero),
+            some_idle: !length.all(V::splat(0.0), |length, zero| length > zero),
         }
     }
 
-    /// A bit for every lane that does not rest.
+    /// One bit for every lane that is not idle.
     #[inline(always)]
     pub fn moving(&self) -> u64 {
-        if !self.some_rest {
+        if !self.some_idle {
             return u64::MAX;
         }
-        V::failing(self.length.lies_between(V::splat(f64::NEG_INFINITY), V::splat(0.0), V::TRUE))
+        V::failing(self.length.is_within(V::splat(f64::NEG_INFINITY), V::splat(0.0), V::TRUE))
     }
 
-    /// What is new in lanes that move, and what was before in those that rest.
+    /// `new` in the lanes that move, and `before` in the idle ones.
     #[inline(always)]
-    pub fn gone(&self, new: V, before: V) -> V {
-        if self.some_rest { V::select_below(V::splat(0.0), self.length, new, before) } else { new }
+    pub fn select_moving(&self, new: V, before: V) -> V {
+        if self.some_idle { V::select_below(V::splat(0.0), self.length, new, before) } else { new }
     }
 }

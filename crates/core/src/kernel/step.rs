@@ -1,4 +1,13 @@
-//! The steps of a kernel.
+//! The steps of a kernel: the classical Runge-Kutta method of order 4.
+//!
+//! A quick step only tests whether anything is hit, and is taken if nothing is. Otherwise the solver looks ahead with
+//! thorough tests, finds out what is hit and when, and accepts a shorter step.
+//!
+//! Let x be the states, h the step and f the rates. The stages are k1 = f(x), k2 = f(x + h/2 k1), k3 = f(x + h/2 k2)
+//! and k4 = f(x + h k3). Then x moves by h/6 (k1 + 2 k2 + 2 k3 + k4). k1 is known from the end of the step before. The
+//! frame stores k2, k3, k4 and the rate at the end as its stages 0 to 3.
+//!
+//! Delay lines cut a step into pieces, each of which is such a step (`delays`).
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -7,39 +16,41 @@ use super::lane::Lane;
 use super::span::Span;
 use super::{Checks, Kernel};
 use crate::delay_line::DelayLine;
-use crate::grid::{Grid, SAME};
+use crate::grid::{Grid, SAME_INSTANT};
 
-/// The share of a step's length for which its first rate counts, and its last. Multiplied by: a quotient takes longer.
+/// The weight of the first and the last rate of a step. It is a factor because a division takes longer.
 pub(super) const SIXTH: f64 = 1.0 / 6.0;
 
-/// What a look ahead met.
+/// The result of a look-ahead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Look {
-    /// Nothing.
+pub(crate) enum LookResult {
+    /// No watch is hit.
     Quiet,
-    /// Something that comes and goes within the step.
-    Within,
-    /// Something.
-    Ahead,
+    /// A watch is hit in the middle of the step, but not at its end.
+    Inside,
+    /// A watch is hit at the end of the step.
+    AtEnd,
 }
 
 impl Kernel {
-    /// Looks ahead by a step of this length that ends at a time, and at every watch.
+    /// Evaluates a step that ends at `end`, without taking it, and tests every watch. The slots, stages and margins are
+    /// then those of its end, so that the step can be accepted.
     #[inline(always)]
-    fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> Look {
+    fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> LookResult {
         let span = Span::same(frame.time, length, end);
-        self.go_to_pieces(frame, tables, span.middle);
+        self.select_pieces(frame, tables, span.middle);
         self.to_middle(frame, tables, &span, &self.thorough);
-        let within = self.rest(frame, self.thorough.in_middle);
+        let within = self.update_margins(frame, self.thorough.in_middle);
         self.to_end(frame, tables, &span, &self.thorough);
-        match (within, self.rest(frame, self.thorough.all)) {
-            (_, false) => Look::Ahead,
-            (false, true) => Look::Within,
-            (true, true) => Look::Quiet,
+        match (within, self.update_margins(frame, self.thorough.all)) {
+            (_, false) => LookResult::AtEnd,
+            (false, true) => LookResult::Inside,
+            (true, true) => LookResult::Quiet,
         }
     }
 
-    /// Works out where half of a stretch leads to, and what is checked there.
+    /// Computes the first half of a span, with the tests in its middle: stages 0 and 1. The slots then have the
+    /// voltages of stage 1, which are an estimate for the middle.
     #[inline(always)]
     fn to_middle<V: Lane>(
         &self,
@@ -48,14 +59,14 @@ impl Kernel {
         span: &Span<V>,
         checks: &Checks,
     ) {
-        self.put_time(frame, span.middle);
-        self.put_delayed(frame, span.middle, DelayLine::next_until);
+        self.set_time(frame, span.middle);
+        self.set_delayed(frame, span.middle, DelayLine::next_left_limit);
         self.stage(frame, tables, 0, span.half);
         self.stage(frame, tables, 1, span.half);
         checks.middle.run(&mut frame.slots, tables);
     }
 
-    /// Goes on from there to where the whole stretch leads: to states and their rates, and what is checked there.
+    /// Computes the second half of a span: states and rates at its end, with the tests there.
     #[inline(always)]
     fn to_end<V: Lane>(
         &self,
@@ -64,24 +75,26 @@ impl Kernel {
         span: &Span<V>,
         checks: &Checks,
     ) {
-        self.put_time(frame, span.end);
-        self.put_delayed(frame, span.end, DelayLine::next_until);
+        self.set_time(frame, span.end);
+        self.set_delayed(frame, span.end, DelayLine::next_left_limit);
         self.stage(frame, tables, 2, span.length);
         let sixth = span.sixth;
         let two = V::splat(2.0);
         for state in 0..frame.states.len() {
             let [second, third, fourth] = [0, 1, 2].map(|stage| frame.stages[stage][state]);
-            // The last rate is added last, in one operation, as everything waits for it; so a constant rate is rounded twice.
+            // The last rate is added last, in one operation, because everything else is ready before it.
             let rates = second.add(third).multiply_add(two, frame.rates[state]);
             let way = rates.multiply_add(sixth, frame.states[state]);
             frame.slots[self.layout.states + state] = fourth.multiply_add(sixth, way);
         }
         self.moving.run(&mut frame.slots, tables);
-        self.keep(frame, 3);
+        self.store_rates(frame, 3);
         checks.middle.run(&mut frame.slots, tables);
         checks.ending.run(&mut frame.slots, tables);
     }
 
+    /// One stage: the rates at a distance `length` along the rates of the stage before: f(x + length x k). Stage 0
+    /// starts from the rates at the beginning of the step.
     #[inline(always)]
     fn stage<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], stage: usize, length: V) {
         let from = if stage == 0 { &frame.rates } else { &frame.stages[stage - 1] };
@@ -90,85 +103,90 @@ impl Kernel {
             *trial = rate.multiply_add(length, *state);
         }
         self.moving.run(&mut frame.slots, tables);
-        self.keep(frame, stage);
+        self.store_rates(frame, stage);
     }
 
-    /// Works everything out at the states and the time in the slots: rates as those of the last stage.
+    /// Evaluates everything at the states and the time in the slots. The rates become those of the last stage.
     #[inline(always)]
     fn at_slots<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         for code in [&self.moving, &self.thorough.middle, &self.thorough.ending] {
             code.run(&mut frame.slots, tables);
         }
-        self.keep(frame, 3);
-        self.rest(frame, self.watches.len());
+        self.store_rates(frame, 3);
+        self.update_margins(frame, self.watches.len());
     }
 
+    /// Stores the rates of a stage, from the slots of the last evaluation, in the order of the states.
     #[inline(always)]
-    fn keep<V: Lane>(&self, frame: &mut Frame<V>, stage: usize) {
+    fn store_rates<V: Lane>(&self, frame: &mut Frame<V>, stage: usize) {
         for (rate, slot) in frame.stages[stage].iter_mut().zip(&self.rates) {
             *rate = frame.slots[*slot as usize];
         }
     }
 
-    /// Works out what is left of the first watches, and tells whether that is nowhere below 0.
+    /// Computes the margins of the first watches: slope x voltage + offset. Returns whether none is below 0 or not a
+    /// number. With several lanes it refers to all of them.
     #[inline(always)]
-    pub(super) fn rest<V: Lane>(&self, frame: &mut Frame<V>, watches: usize) -> bool {
-        let lines = frame.slopes.iter().zip(&frame.rooms).zip(&mut frame.rests);
+    pub(super) fn update_margins<V: Lane>(&self, frame: &mut Frame<V>, watches: usize) -> bool {
+        let lines = frame.slopes.iter().zip(&frame.offsets).zip(&mut frame.margins);
         let (zero, mut quiet) = (V::splat(0.0), true);
-        // A closure would be compiled for any processor.
-        for (watch, ((slope, room), rest)) in self.watches[..watches].iter().zip(lines) {
-            *rest = watch.value(&frame.slots).multiply_add(*slope, *room);
-            quiet &= rest.reaches(zero);
+        // A closure would be compiled without wide registers.
+        for (watch, ((slope, offset), margin)) in self.watches[..watches].iter().zip(lines) {
+            *margin = watch.value(&frame.slots).multiply_add(*slope, *offset);
+            quiet &= margin.all_at_least(zero);
         }
         quiet
     }
 
-    /// The lanes in which something is beyond the first fences.
+    /// One bit for every lane in which a voltage is outside one of the first safe intervals, or is not a number.
     #[inline(always)]
-    fn beyond_fences<V: Lane>(&self, frame: &Frame<V>, fences: usize) -> u64 {
+    fn outside_safe_intervals<V: Lane>(&self, frame: &Frame<V>, safe_intervals: usize) -> u64 {
         let ranges = frame.lows.iter().zip(&frame.highs);
-        let mut fenced = V::TRUE;
-        // No closure here, either.
-        for (fence, (low, high)) in self.fences[..fences].iter().zip(ranges) {
-            fenced = frame.slots[fence.slot as usize].lies_between(*low, *high, fenced);
+        let mut inside = V::TRUE;
+        // A loop for the same reason.
+        for (interval, (low, high)) in self.safe_intervals[..safe_intervals].iter().zip(ranges) {
+            inside = frame.slots[interval.slot as usize].is_within(*low, *high, inside);
         }
-        V::failing(fenced)
+        V::failing(inside)
     }
 
-    /// Makes the stretch looked at the present.
+    /// Takes the span that was computed, including the inputs of delay lines. They are stored first, at the time and
+    /// with the voltages of its end.
     #[inline(always)]
     fn accept<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
-        self.store(frame, span);
-        self.go(frame, span);
+        self.record_delay_inputs(frame, span);
+        self.advance(frame, span);
     }
 
-    /// Goes to the end of the stretch looked at.
+    /// Moves the frame to the end of the span that was computed: extremes, states, rates, sampled values and time. In
+    /// idle lanes, whose span has length 0, everything stays.
     #[inline(always)]
-    fn go<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
-        self.see(frame, span);
+    fn advance<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
+        self.observe(frame, span);
         let after = &frame.slots[self.layout.states..self.layout.time];
         for (state, after) in frame.states.iter_mut().zip(after) {
-            *state = span.gone(*after, *state);
+            *state = span.select_moving(*after, *state);
         }
         let [.., end] = &frame.stages;
         for (rate, end) in frame.rates.iter_mut().zip(end) {
-            *rate = span.gone(*end, *rate);
+            *rate = span.select_moving(*end, *rate);
         }
         for (index, slot) in self.kept.iter().enumerate() {
             let place = self.layout.kept + index;
-            frame.slots[place] = span.gone(frame.slots[*slot as usize], frame.slots[place]);
+            frame.slots[place] = span.select_moving(frame.slots[*slot as usize], frame.slots[place]);
         }
         frame.time = span.end;
     }
 
-    /// Sees the voltages that are followed at the end of the stretch looked at.
+    /// Updates the extremes of the tracked voltages at the end of the span that was computed.
     #[inline(always)]
-    fn see<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
+    fn observe<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
         let now = span.end;
         let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
-        for (index, slot) in self.followed.iter().enumerate() {
+        for (index, slot) in self.tracked.iter().enumerate() {
             let value = frame.slots[*slot as usize];
-            let [low, high] = [span.gone(value, least[index]), span.gone(value, most[index])];
+            let [low, high] =
+                [span.select_moving(value, least[index]), span.select_moving(value, most[index])];
             least_at[index] = V::select_below(low, least[index], now, least_at[index]);
             least[index] = V::select_below(low, least[index], low, least[index]);
             most_at[index] = V::select_below(most[index], high, now, most_at[index]);
@@ -176,42 +194,49 @@ impl Kernel {
         }
     }
 
-    /// Goes a piece of a step, unless something is met in any lane aboard.
+    /// Takes a piece of a step, unless a watch is hit in an active lane. Returns whether it was taken.
+    ///
+    /// `hit_lanes` of the frame then has the lanes in which a watch was hit. If the piece is not taken, the states,
+    /// rates and time are those before it.
     #[inline(always)]
-    fn go_piece<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], span: &Span<V>) -> bool {
+    fn try_piece<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], span: &Span<V>) -> bool {
         self.to_middle(frame, tables, span, &self.quick);
-        let within = self.beyond_fences(frame, self.quick.in_middle);
+        let within = self.outside_safe_intervals(frame, self.quick.in_middle);
         self.to_end(frame, tables, span, &self.quick);
-        frame.beyond = (within | self.beyond_fences(frame, self.quick.all)) & frame.aboard & span.moving();
-        if frame.beyond != 0 {
+        frame.hit_lanes = (within | self.outside_safe_intervals(frame, self.quick.all))
+            & frame.active_lanes
+            & span.moving();
+        if frame.hit_lanes != 0 {
             return false;
         }
         self.accept(frame, span);
         true
     }
 
-    /// Goes on to the end of a step at a time, unless something is met in any lane aboard.
+    /// Takes the pieces up to the end of a step, unless a watch is hit in an active lane. Returns whether the end was
+    /// reached.
     #[inline(always)]
-    fn go_step<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
+    fn try_step<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
         loop {
-            let span = self.piece(frame, end);
-            if !self.go_piece(frame, tables, &span) {
+            let span = self.next_piece(frame, end);
+            if !self.try_piece(frame, tables, &span) {
                 return false;
             }
-            if !self.has_lines() || frame.time.reaches(V::splat(end)) {
+            if !self.has_delay_lines() || frame.time.all_at_least(V::splat(end)) {
                 return true;
             }
         }
     }
 
-    /// Goes so many steps of a grid from one of its instants, as long as nothing is met in any lane aboard: how many were gone.
+    /// Takes steps of a grid until a watch is hit in an active lane. Returns how many were taken. The tables of time
+    /// are switched once per step, by its middle.
     #[inline(always)]
     fn all_steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
         for step in 0..grid.count {
             let end = grid.end_of(step);
             let begin = frame.time.get(0);
-            self.go_to_pieces(frame, tables, begin + 0.5 * (end - begin));
-            if !self.go_step(frame, tables, end) {
+            self.select_pieces(frame, tables, begin + 0.5 * (end - begin));
+            if !self.try_step(frame, tables, end) {
                 return step;
             }
         }
@@ -219,62 +244,66 @@ impl Kernel {
     }
 }
 
-/// The same with what the processor offers.
+/// The same operations, compiled for the widest registers of the processor. `pulp` selects them when the program runs.
 impl Kernel {
-    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    /// Takes steps of a grid until a watch is hit. Returns how many were taken.
     pub fn steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
         Arch::new().dispatch(AllSteps { kernel: self, frame, tables, grid })
     }
 
-    /// Works everything out at the states and the time in the slots.
-    pub fn work_out<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+    /// Evaluates everything at the states and the time in the slots.
+    pub fn evaluate<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         Arch::new().dispatch(AtSlots { kernel: self, frame, tables });
     }
 
-    /// Looks ahead by a step of this length.
-    pub fn look_ahead(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
+    /// Evaluates a step of this length, without taking it, and tests every watch.
+    pub fn look_ahead(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> LookResult {
         Arch::new().dispatch(OneLook { kernel: self, frame, tables, length })
     }
 
-    /// Makes the step looked at, which ends at a time, the present.
-    pub fn take(&self, frame: &mut Frame<f64>, time: f64) {
-        let span = self.remember_stretch(frame, time);
+    /// Takes the step that was computed. It ends at `time`.
+    pub fn accept_step(&self, frame: &mut Frame<f64>, time: f64) {
+        let span = self.remember_step(frame, time);
         self.accept(frame, &span);
     }
 
-    /// The same up to an instant at which something jumps: what comes out of delay lines there is not yet heard.
-    pub fn take_up_to(&self, frame: &mut Frame<f64>, time: f64) {
-        let span = self.remember_stretch(frame, time);
-        self.put_stored(frame, time);
-        self.go(frame, &span);
+    /// Takes the step that was computed up to an instant with a jump. Discontinuities that come out of delay lines
+    /// there are not passed on yet.
+    pub fn accept_step_before_jump(&self, frame: &mut Frame<f64>, time: f64) {
+        let span = self.remember_step(frame, time);
+        self.put_delay_inputs(frame, time);
+        self.advance(frame, &span);
     }
 
-    fn remember_stretch(&self, frame: &mut Frame<f64>, time: f64) -> Span<f64> {
+    /// Stores the step that ends at `time` as the last one, for `set_past_inputs`.
+    fn remember_step(&self, frame: &mut Frame<f64>, time: f64) -> Span<f64> {
         (frame.last.begin, frame.last.end) = (frame.time, time);
         frame.last.states.copy_from_slice(&frame.states);
         frame.last.rates.copy_from_slice(&frame.rates);
-        frame.present.copy_from_slice(&frame.rests);
+        frame.present.copy_from_slice(&frame.margins);
         Span::same(frame.time, time - frame.time, time)
     }
 
-    /// Sees the voltages that are followed where the frame is, as they were worked out last.
-    pub fn see_now(&self, frame: &mut Frame<f64>) {
-        self.see(frame, &Span::same(frame.time, 0.0, frame.time));
+    /// Updates the extremes of the tracked voltages at present, from the last evaluation.
+    pub fn observe_present(&self, frame: &mut Frame<f64>) {
+        self.observe(frame, &Span::same(frame.time, 0.0, frame.time));
     }
 
-    /// Takes the piece looked at of a step that ends at a time, in which something was met in lanes that are no longer aboard,
-    /// and goes on to that end: whether nothing is met.
-    pub fn go_on<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
+    /// Takes the piece of a step in which lanes that have left were hit, and continues to the end of the step. Returns
+    /// whether the end was reached.
+    pub fn finish_step<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
         Arch::new().dispatch(OneStep { kernel: self, frame, tables, end })
     }
 }
 
-// Structures where closures would do: what is dispatched must be inlined.
+// Structures instead of closures: the dispatched function must be inlined.
 
+/// The arguments of [`Kernel::steps`].
 struct AllSteps<'a, V> {
     kernel: &'a Kernel,
     frame: &'a mut Frame<V>,
     tables: &'a [Vec<[f64; 2]>],
+    /// The steps to take.
     grid: &'a Steps,
 }
 
@@ -287,10 +316,12 @@ impl<V: Lane> NullaryFnOnce for AllSteps<'_, V> {
     }
 }
 
+/// The arguments of [`Kernel::finish_step`].
 struct OneStep<'a, V> {
     kernel: &'a Kernel,
     frame: &'a mut Frame<V>,
     tables: &'a [Vec<[f64; 2]>],
+    /// Time at which the step ends, in problem seconds.
     end: f64,
 }
 
@@ -300,12 +331,13 @@ impl<V: Lane> NullaryFnOnce for OneStep<'_, V> {
     #[inline(always)]
     fn call(self) -> bool {
         let OneStep { kernel, frame, tables, end } = self;
-        let span = kernel.piece(frame, end);
+        let span = kernel.next_piece(frame, end);
         kernel.accept(frame, &span);
-        frame.time.reaches(Lane::splat(end)) || kernel.go_step(frame, tables, end)
+        frame.time.all_at_least(Lane::splat(end)) || kernel.try_step(frame, tables, end)
     }
 }
 
+/// The arguments of [`Kernel::evaluate`].
 struct AtSlots<'a, V> {
     kernel: &'a Kernel,
     frame: &'a mut Frame<V>,
@@ -321,65 +353,69 @@ impl<V: Lane> NullaryFnOnce for AtSlots<'_, V> {
     }
 }
 
+/// The arguments of [`Kernel::look_ahead`].
 struct OneLook<'a> {
     kernel: &'a Kernel,
     frame: &'a mut Frame<f64>,
     tables: &'a [Vec<[f64; 2]>],
+    /// Length of the step, in problem seconds.
     length: f64,
 }
 
 impl NullaryFnOnce for OneLook<'_> {
-    type Output = Look;
+    type Output = LookResult;
 
     #[inline(always)]
-    fn call(self) -> Look {
+    fn call(self) -> LookResult {
         let end = self.frame.time + self.length;
         self.kernel.look(self.frame, self.tables, self.length, end)
     }
 }
 
-/// Steps of a grid.
+/// Consecutive steps of a grid.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Steps {
-    /// Where the grid begins.
+    /// The time at which the grid begins, in problem seconds.
     pub begin: f64,
+    /// The grid, whose instants are times after `begin`.
     pub grid: Grid,
-    /// Index of the instant at which the first of them ends.
+    /// Index of the instant at which the first step ends.
     pub first: u64,
+    /// Number of steps.
     pub count: u64,
 }
 
 impl Steps {
-    /// When a step ends.
+    /// The time at which a step ends, in problem seconds: begin + time of instant (first + step). Steps count from 0.
     #[inline(always)]
     pub fn end_of(&self, step: u64) -> f64 {
         self.begin + self.grid.time(self.first + step)
     }
 
-    /// Those after some of them.
-    pub fn after(self, gone: u64) -> Steps {
-        Steps { first: self.first + gone, count: self.count - gone, ..self }
+    /// The steps after the first `taken` ones.
+    pub fn after(self, taken: u64) -> Steps {
+        Steps { first: self.first + taken, count: self.count - taken, ..self }
     }
 
-    /// How many are left up to the next whose number is a multiple of something.
+    /// The number of steps up to the next instant whose index is a multiple of a number.
     pub fn up_to_multiple_of(&self, number: u64) -> u64 {
         number - (self.first - 1) % number
     }
 
-    /// How many end at a time or before it.
+    /// The number of steps that end at a time or before it.
     pub fn until(&self, time: f64) -> u64 {
         if time == f64::INFINITY {
             return self.count;
         }
         let whole = self.grid.steps_in((time - self.begin).max(0.0)) + 1;
         let some = whole.saturating_sub(self.first).min(self.count);
-        // A grid forgives more rounding than instants that are told apart.
-        if some > 0 && self.end_of(some - 1) * (1.0 - SAME) > time { some - 1 } else { some }
+        // The grid tolerates more rounding than the comparison of instants.
+        if some > 0 && self.end_of(some - 1) * (1.0 - SAME_INSTANT) > time { some - 1 } else { some }
     }
 
-    /// How many end earlier than a time by some room.
-    pub fn before(&self, time: f64, room: f64) -> u64 {
+    /// The number of steps that end before a time by more than a tolerance.
+    pub fn before(&self, time: f64, tolerance: f64) -> u64 {
         let some = self.until(time);
-        if some > 0 && self.end_of(some - 1) >= time - room { some - 1 } else { some }
+        if some > 0 && self.end_of(some - 1) >= time - tolerance { some - 1 } else { some }
     }
 }

@@ -1,98 +1,118 @@
-//! The kernels of a program, folded once for every stance, whatever the number of machines that run it.
+//! The cache of kernels: each specialisation of a program is built once, however many machines run the program.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::rows::Columns;
-use super::{Asked, Backend, Formation, Frame, Kernel, Look, Native, Stance, Steps};
+use super::rows::RowLayout;
+use super::{AmplifierState, Backend, Frame, Kernel, LaneFrame, LookResult, Native, Specialisation, Steps};
 use crate::ir::{Program, Register};
 
-/// Kernels that all copies of a program share.
+/// The kernels of a program, shared by all its copies.
 #[derive(Default)]
-pub(crate) struct Kernels(Mutex<Vec<Arc<Folded>>>);
+pub(crate) struct Kernels(Mutex<Vec<Arc<SharedKernel>>>);
 
-/// A kernel, for what it was folded, and its native code once that pays.
+/// A kernel, what it was specialised to, and its native code once that is worth compiling.
 #[derive(Debug)]
-pub(crate) struct Folded {
+pub(crate) struct SharedKernel {
+    /// The modes of the specialisation.
     modes: Vec<f64>,
-    asked: Vec<Asked>,
-    seen: Vec<Register>,
+    /// The amplifier states of the specialisation.
+    amplifiers: Vec<AmplifierState>,
+    /// Registers of the recorded voltages.
+    recorded: Vec<Register>,
+    /// The kernel itself.
     pub kernel: Kernel,
-    /// Whether all that is recorded follows states.
+    /// Whether every recorded voltage tracks a state.
     records_states: bool,
-    /// Where everything stands in the rows of native code.
-    columns: Columns,
+    /// The arrangement of the rows that native code writes.
+    columns: RowLayout,
+    /// Native code, once it has been requested; the inner value is `None` if it is impossible.
     native: OnceLock<Option<Native>>,
-    /// So many steps and looks are interpreted before native code is made.
-    pays: u64,
-    /// Steps and looks that were interpreted.
+    /// Number of interpreted steps and look-aheads after which native code is compiled.
+    native_threshold: u64,
+    /// Number of steps and look-aheads that were interpreted so far.
     interpreted: AtomicU64,
 }
 
-/// So many kernels are kept, those that were asked for last.
-const MOST_KERNELS: usize = 64;
-/// From so many frames on their steps are interpreted together as quickly as each is alone (docs/performance.md), ...
-pub(crate) const FEWEST_ABREAST: usize = 3;
-/// ... and from so many as quickly as native code takes them one after the other.
-pub(super) const FEWEST_BEYOND_NATIVE: usize = 10;
-/// After so many interpreted steps native code has been worth its making, had it been there from the beginning: so many in
-/// any case, ...
-const PAYS: u64 = 6_000;
-/// ... and so many more for each of its operations. It takes the longer to make, and gains the less a step, the more it has.
-const PAYS_AN_OPERATION: u64 = 16;
+/// Maximum number of cached kernels. The one that was not used for the longest time is dropped.
+const MAX_KERNELS: usize = 64;
+/// Number of runs from which interpreting them in lanes is as fast as interpreting them one by one. The measurements
+/// are in docs/performance.md.
+pub(crate) const MIN_LANES: usize = 3;
+/// Number of runs from which interpreting them in lanes is as fast as native code for one after the other.
+pub(super) const MIN_LANES_OVER_NATIVE: usize = 10;
+/// Constant part of the number of interpreted steps after which native code is compiled. After that many steps, native
+/// code from the beginning would have been as fast.
+const NATIVE_THRESHOLD: u64 = 6_000;
+/// Number of interpreted steps per operation that are added to the constant part. A larger kernel takes longer to
+/// compile and gains less per step.
+const NATIVE_THRESHOLD_PER_OPERATION: u64 = 16;
 
-/// After how many interpreted steps native code of a kernel is made.
-pub(super) fn pays(kernel: &Kernel) -> u64 {
-    PAYS + PAYS_AN_OPERATION * kernel.operations() as u64
+/// Number of interpreted steps after which native code of a kernel is compiled.
+pub(super) fn native_threshold(kernel: &Kernel) -> u64 {
+    NATIVE_THRESHOLD + NATIVE_THRESHOLD_PER_OPERATION * kernel.operations() as u64
 }
 
 impl Kernels {
-    /// The kernel of a program in a stance that gives these registers; `None` if the program has none.
-    pub fn of(program: &Program, stance: Stance<'_>, seen: &[Register]) -> Option<Arc<Folded>> {
-        program.cache.get::<Kernels>().find_or_fold(program, stance, seen)
+    /// The kernel of a program, specialised, that computes these registers. `None` if the program has no kernels.
+    pub fn of(
+        program: &Program,
+        specialisation: Specialisation<'_>,
+        recorded: &[Register],
+    ) -> Option<Arc<SharedKernel>> {
+        program.lowered.cache.get::<Kernels>().find_or_insert(program, specialisation, recorded)
     }
 
-    fn find_or_fold(&self, program: &Program, stance: Stance<'_>, seen: &[Register]) -> Option<Arc<Folded>> {
-        // Whoever broke off left the list as whole as it was.
+    /// The kernel with this specialisation and these registers. It is built if it is not cached. The lock is held
+    /// meanwhile, so no kernel is built twice.
+    fn find_or_insert(
+        &self,
+        program: &Program,
+        specialisation: Specialisation<'_>,
+        recorded: &[Register],
+    ) -> Option<Arc<SharedKernel>> {
+        // A panic elsewhere cannot leave the list incomplete, so a poisoned lock is safe to use.
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = all.iter().position(|known| known.is_for(stance) && known.seen == seen) {
-            // What was asked for last stands last.
+        if let Some(known) =
+            all.iter().position(|known| known.is_for(specialisation) && known.recorded == recorded)
+        {
+            // The kernel that was used last is at the end.
             all[known..].rotate_left(1);
             return all.last().cloned();
         }
-        let kernel = Kernel::new(program, stance, seen)?;
-        let folded = Arc::new(Folded {
-            modes: stance.modes.to_vec(),
-            asked: stance.asked.to_vec(),
-            seen: seen.to_vec(),
+        let kernel = Kernel::new(program, specialisation, recorded)?;
+        let specialised = Arc::new(SharedKernel {
+            modes: specialisation.modes.to_vec(),
+            amplifiers: specialisation.amplifiers.to_vec(),
+            recorded: recorded.to_vec(),
             native: OnceLock::new(),
-            pays: pays(&kernel),
+            native_threshold: native_threshold(&kernel),
             records_states: kernel.records_states(),
-            columns: Columns::of(&kernel),
+            columns: RowLayout::of(&kernel),
             kernel,
             interpreted: AtomicU64::new(0),
         });
-        if all.len() == MOST_KERNELS {
+        if all.len() == MAX_KERNELS {
             all.remove(0);
         }
-        all.push(Arc::clone(&folded));
-        Some(folded)
+        all.push(Arc::clone(&specialised));
+        Some(specialised)
     }
 }
 
-impl Folded {
-    /// Whether it was folded for this stance.
-    pub fn is_for(&self, stance: Stance<'_>) -> bool {
-        self.modes == stance.modes && self.asked == stance.asked
+impl SharedKernel {
+    /// Whether the kernel has this specialisation.
+    pub fn is_for(&self, specialisation: Specialisation<'_>) -> bool {
+        self.modes == specialisation.modes && self.amplifiers == specialisation.amplifiers
     }
 
-    /// A frame without numbers, with room for what a backend needs.
+    /// A frame for this kernel with the buffers that a backend needs. Its values are not set.
     pub fn frame(&self, backend: Backend) -> Frame<f64> {
         let frame = self.kernel.frame();
-        if backend.may_be_native() { frame.with_rows(&self.columns) } else { frame }
+        if backend.can_be_native() { frame.with_rows(&self.columns) } else { frame }
     }
 
-    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    /// Takes steps of a grid until a watch is hit. Returns how many steps were taken.
     pub fn steps(
         &self,
         frame: &mut Frame<f64>,
@@ -103,50 +123,50 @@ impl Folded {
         if let Some(native) = self.native(backend) {
             return native.steps(frame, tables, steps);
         }
-        let gone = self.kernel.steps(frame, tables, steps);
-        self.count(gone, backend);
-        gone
+        let taken = self.kernel.steps(frame, tables, steps);
+        self.count(taken, backend);
+        taken
     }
 
-    /// The same of several frames, as long as nothing is met in any. There is no native code of that.
-    pub fn steps_abreast(
+    /// Takes steps of several frames until a watch is hit in any of them. There is no native code for lanes.
+    pub fn steps_in_lanes(
         &self,
-        formation: &mut Formation,
+        lane_frame: &mut LaneFrame,
         tables: &[Vec<[f64; 2]>],
         steps: &Steps,
         backend: Backend,
     ) -> u64 {
-        let lanes = u64::from(formation.aboard().count_ones());
-        let gone = self.kernel.steps(&mut formation.frame, tables, steps);
-        self.count(lanes * gone, backend);
-        gone
+        let lanes = u64::from(lane_frame.active_lanes().count_ones());
+        let taken = self.kernel.steps(&mut lane_frame.frame, tables, steps);
+        self.count(lanes * taken, backend);
+        taken
     }
 
-    /// From how many frames on their steps are quicker taken together than by one after the other.
-    pub fn fewest_abreast(&self, backend: Backend) -> usize {
-        if self.native(backend).is_some() { FEWEST_BEYOND_NATIVE } else { FEWEST_ABREAST }
+    /// Number of frames from which their steps are faster in lanes than one after the other.
+    pub fn min_lanes(&self, backend: Backend) -> usize {
+        if self.native(backend).is_some() { MIN_LANES_OVER_NATIVE } else { MIN_LANES }
     }
 
-    /// Whether what is recorded is remembered of every step, where that is asked for: of states, by native code.
-    pub fn remembers(&self, backend: Backend) -> bool {
+    /// Whether the recorded voltages can be stored for every step. Only native code does this, and only for states.
+    pub fn keeps_trail(&self, backend: Backend) -> bool {
         self.records_states && self.native(backend).is_some()
     }
 
-    /// Counts what native code, where it may still be made, would have been quicker at.
+    /// Counts interpreted steps, as long as native code is not compiled yet.
     fn count(&self, interpreted: u64, backend: Backend) {
         if backend == Backend::Automatic && self.native.get().is_none() {
             self.interpreted.fetch_add(interpreted, Ordering::Relaxed);
         }
     }
 
-    /// Looks ahead by a step of this length.
+    /// Evaluates a step of this length, without taking it, and tests every watch.
     pub fn look(
         &self,
         frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
         length: f64,
         backend: Backend,
-    ) -> Look {
+    ) -> LookResult {
         if let Some(native) = self.native(backend) {
             return native.look(frame, tables, length);
         }
@@ -154,18 +174,19 @@ impl Folded {
         self.kernel.look_ahead(frame, tables, length)
     }
 
-    /// Works everything out at the states and the time in the slots.
-    pub fn work_out(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], backend: Backend) {
+    /// Evaluates everything at the states and the time in the slots.
+    pub fn evaluate(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], backend: Backend) {
         match self.native(backend) {
-            Some(native) => native.work_out(frame, tables),
-            None => self.kernel.work_out(frame, tables),
+            Some(native) => native.evaluate(frame, tables),
+            None => self.kernel.evaluate(frame, tables),
         }
     }
 
+    /// The native code, if the backend uses it now. It is compiled at the first request.
     fn native(&self, backend: Backend) -> Option<&Native> {
         let wanted = match backend {
             Backend::Native => true,
-            Backend::Automatic => self.interpreted.load(Ordering::Relaxed) >= self.pays,
+            Backend::Automatic => self.interpreted.load(Ordering::Relaxed) >= self.native_threshold,
             _ => false,
         };
         wanted.then(|| self.native.get_or_init(|| Native::new(&self.kernel)).as_ref()).flatten()

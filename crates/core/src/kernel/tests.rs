@@ -1,4 +1,4 @@
-//! A kernel against the program that it was folded from, one evaluation at a time.
+//! Compares kernels with the programs from which they were specialised, one evaluation at a time.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -8,26 +8,28 @@ use std::sync::Arc;
 #[cfg(feature = "native")]
 use super::Native;
 use super::lane::Lane as _;
-use super::store::{FEWEST_BEYOND_NATIVE, Kernels, pays};
-use super::{Asked, Formation, Frame, Kernel, LANES, Posted, Stance, Steps, Watched};
+use super::store::{Kernels, MIN_LANES_OVER_NATIVE, native_threshold};
+use super::{
+    AmplifierState, Frame, IntervalWatch, Kernel, LANES, LaneFrame, Specialisation, Steps, WatchCondition,
+};
 use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::ir::{Program, Register, Scratch, Sources};
 use crate::patch::Patch;
 use common::circuits;
-use common::dice::Dice;
+use common::random::SplitMix64;
 
 fn program(patch: &Patch) -> Program {
     common::program(patch, &[])
 }
 
-/// A program at points drawn by chance, in the stance that holds there.
+/// A program at random points, with the modes and amplifier states that apply there.
 struct Points<'p> {
     program: &'p Program,
     coefficients: Vec<f64>,
     registers: Vec<f64>,
     modes: Vec<f64>,
-    asked: Vec<Asked>,
+    amplifiers: Vec<AmplifierState>,
     states: Vec<f64>,
     kept: Vec<f64>,
     levels: Vec<f64>,
@@ -40,9 +42,9 @@ impl<'p> Points<'p> {
         Points {
             program,
             coefficients: program.prepare(&parameters),
-            registers: vec![0.0; program.body.len()],
-            modes: program.modes.iter().map(|mode| mode.initial).collect(),
-            asked: vec![Asked::Within; program.lamps.len()],
+            registers: vec![0.0; program.lowered.body.len()],
+            modes: program.lowered.modes.iter().map(|mode| mode.initial).collect(),
+            amplifiers: vec![AmplifierState::Within; program.lowered.lamps.len()],
             states: Vec::new(),
             kept: Vec::new(),
             levels: Vec::new(),
@@ -50,32 +52,33 @@ impl<'p> Points<'p> {
         }
     }
 
-    /// Draws one near initial condition, where amplifiers of large gain stay within their range.
-    fn draw(&mut self, dice: &mut Dice) {
-        let size = 10f64.powf(dice.even(-2.0, 2.0));
-        let mut volts = |count: usize| (0..count).map(|_| dice.even(-size, size)).collect::<Vec<f64>>();
-        (self.states, self.kept) = (volts(self.program.states.len()), volts(self.program.kept.len()));
-        self.levels = volts(self.program.levels.len());
-        self.time = dice.even(0.0, 1.0);
-        for (volts, state) in self.states.iter_mut().zip(&self.program.states) {
+    /// Draws a point near initial condition, where amplifiers of large gain stay in range.
+    fn draw(&mut self, dice: &mut SplitMix64) {
+        let size = 10f64.powf(dice.uniform(-2.0, 2.0));
+        let mut volts = |count: usize| (0..count).map(|_| dice.uniform(-size, size)).collect::<Vec<f64>>();
+        (self.states, self.kept) =
+            (volts(self.program.lowered.states.len()), volts(self.program.lowered.kept.len()));
+        self.levels = volts(self.program.lowered.levels.len());
+        self.time = dice.uniform(0.0, 1.0);
+        for (volts, state) in self.states.iter_mut().zip(&self.program.lowered.states) {
             *volts += self.coefficients[state.initial as usize];
         }
         self.settle();
     }
 
-    /// Takes these voltages of the states, and nothing else.
-    fn stand(&mut self, states: &[f64]) {
+    /// Sets the states, and nothing else.
+    fn set_states(&mut self, states: &[f64]) {
         self.states = states.to_vec();
         self.settle();
     }
 
-    fn stance(&self) -> Stance<'_> {
-        Stance { modes: &self.modes, asked: &self.asked }
+    fn specialisation(&self) -> Specialisation<'_> {
+        Specialisation { modes: &self.modes, amplifiers: &self.amplifiers }
     }
 
-    /// The modes that hold there, and the amplifiers that are overloaded then.
+    /// Finds the modes at the point, and then the overloaded amplifiers.
     fn settle(&mut self) {
-        self.modes = self.program.modes.iter().map(|mode| mode.initial).collect();
+        self.modes = self.program.lowered.modes.iter().map(|mode| mode.initial).collect();
         for _ in 0..20 {
             self.evaluate();
             let mut any = false;
@@ -85,11 +88,11 @@ impl<'p> Points<'p> {
                 break;
             }
         }
-        let demands = self.program.lamps.iter().map(|lamp| self.registers[lamp.demand.index()]);
-        self.asked = demands.map(Asked::of).collect();
+        let demands = self.program.lowered.lamps.iter().map(|lamp| self.registers[lamp.demand.index()]);
+        self.amplifiers = demands.map(AmplifierState::of).collect();
     }
 
-    /// Nothing has come out of delay lines yet.
+    /// Evaluates the program, as long as nothing has come out of delay lines.
     fn evaluate(&mut self) {
         let from = Sources {
             coefficients: &self.coefficients,
@@ -99,53 +102,53 @@ impl<'p> Points<'p> {
             tables: &self.program.tables,
             kept: &self.kept,
             levels: &self.levels,
-            delayed: &vec![0.0; self.program.delays.len()],
+            delayed: &vec![0.0; self.program.lowered.delays.len()],
             ..Sources::none()
         };
         self.program.evaluate(&from, &mut self.registers, &mut Scratch::new(self.program));
     }
 
-    /// Volts by which the kernel differs at most in outputs, and in rates of up to 1000 V/s: larger ones carry more
-    /// rounding. Nothing where the kernel does not hold.
+    /// The largest difference between kernel and program, in volts, for outputs and for rates up to 1000 V/s. Larger
+    /// rates have more rounding. `None` if the kernel is not valid at the point.
     fn difference(&self, outputs: &[Register]) -> Option<f64> {
         let program = self.program;
-        let folded = Kernels::of(program, self.stance(), outputs)?;
-        let kernel = &folded.kernel;
+        let specialised = Kernels::of(program, self.specialisation(), outputs)?;
+        let kernel = &specialised.kernel;
         let frame = self.frame(kernel)?;
         let outputs = outputs.iter().enumerate().map(|(index, register)| {
-            (frame.last_seen(kernel, index) - self.registers[register.index()]).abs()
+            (frame.last_recorded(kernel, index) - self.registers[register.index()]).abs()
         });
-        let rates = kernel.rates.iter().zip(&program.states).map(|(slot, state)| {
+        let rates = kernel.rates.iter().zip(&program.lowered.states).map(|(slot, state)| {
             let rate = self.registers[state.rate.index()];
             (frame.slots[*slot as usize] - rate).abs() / (rate.abs() / 1e3).max(1.0)
         });
         Some(outputs.chain(rates).fold(0.0, f64::max))
     }
 
-    /// A kernel's frame there; nothing where the kernel does not hold.
+    /// A frame of a kernel at the point; `None` if the kernel is not valid there.
     fn frame(&self, kernel: &Kernel) -> Option<Frame<f64>> {
         let mut frame = kernel.frame::<f64>();
-        frame.put_standing(kernel, &self.kept, &self.levels);
+        frame.set_held_inputs(kernel, &self.kept, &self.levels);
         frame.states.copy_from_slice(&self.states);
         frame.time = self.time;
-        frame.lines[0] = vec![DelayLine::new(1.0, 0.0, 1e-3); self.program.delays.len()];
+        frame.lines[0] = vec![DelayLine::new(1.0, 0.0, 1e-3); self.program.lowered.delays.len()];
         kernel.settle(&mut frame, self.program, &self.coefficients, true).then_some(frame)
     }
 }
 
-/// The kernel of a program's first modes, within the range of all amplifiers.
+/// The kernel for the initial modes, with all amplifiers in range.
 fn kernel(program: &Program) -> Kernel {
-    Kernel::new(program, Points::new(program).stance(), &[]).unwrap()
+    Kernel::new(program, Points::new(program).specialisation(), &[]).unwrap()
 }
 
-/// The registers of all elements.
-fn outlets(program: &Program) -> Vec<Register> {
-    program.elements.iter().map(|outlet| outlet.register).collect()
+/// The output registers of all elements.
+fn element_outputs(program: &Program) -> Vec<Register> {
+    program.lowered.elements.iter().map(|output| output.register).collect()
 }
 
-/// At how many of 200 points the kernel holds; there it is held against the program.
-fn held(program: &Program, dice: &mut Dice, told: &str) -> usize {
-    let outputs = outlets(program);
+/// The number of 200 random points at which the kernel is valid. There it is compared with the program.
+fn valid_points(program: &Program, dice: &mut SplitMix64, name: &str) -> usize {
+    let outputs = element_outputs(program);
     let mut points = Points::new(program);
     let mut difference = || {
         points.draw(dice);
@@ -153,97 +156,98 @@ fn held(program: &Program, dice: &mut Dice, told: &str) -> usize {
     };
     let differences: Vec<f64> = (0..200).filter_map(|_| difference()).collect();
     let worst = differences.iter().fold(0.0, |worst: f64, difference| worst.max(*difference));
-    assert!(worst <= 1e-10, "{told}: {worst:e} V");
+    assert!(worst <= 1e-10, "{name}: {worst:e} V");
     differences.len()
 }
 
-/// Whether a program is folded at all.
-fn is_folded(program: &Program) -> bool {
-    program.loops.is_empty()
+/// Whether a program has kernels.
+fn is_specialised(program: &Program) -> bool {
+    program.lowered.loops.is_empty()
 }
 
 #[test]
-fn folding_changes_no_voltage_by_more_than_rounding() {
-    let mut dice = Dice(20);
-    for file in common::files::shipped().into_iter().chain(common::files::of_tests()) {
-        let (program, told) = (program(&common::patch_of(&file)), file.display().to_string());
-        if is_folded(&program) {
-            let held = held(&program, &mut dice, &told);
-            assert!(held >= 100, "{told}: {held} points");
+fn kernels_equal_programs_except_for_rounding() {
+    let mut dice = SplitMix64(20);
+    for file in common::files::shipped_files().into_iter().chain(common::files::test_patch_files()) {
+        let (program, name) = (program(&common::patch_of(&file)), file.display().to_string());
+        if is_specialised(&program) {
+            let valid = valid_points(&program, &mut dice, &name);
+            assert!(valid >= 100, "{name}: {valid} points");
         }
     }
 }
 
 #[test]
-fn nor_does_it_in_random_circuits() {
-    let mut dice = Dice(21);
-    let programs: Vec<Program> = (0..60).map(|_| program(&circuits::circuit(&mut dice))).collect();
-    let folded = programs.iter().filter(|program| is_folded(program)).enumerate();
-    let held: Vec<usize> =
-        folded.map(|(number, program)| held(program, &mut dice, &format!("circuit {number}"))).collect();
-    assert!(held.len() >= 20 && held.iter().all(|held| *held >= 100), "{held:?}");
+fn kernels_of_random_circuits_equal_programs() {
+    let mut dice = SplitMix64(21);
+    let programs: Vec<Program> = (0..60).map(|_| program(&circuits::random_circuit(&mut dice))).collect();
+    let specialised = programs.iter().filter(|program| is_specialised(program)).enumerate();
+    let valid: Vec<usize> = specialised
+        .map(|(number, program)| valid_points(program, &mut dice, &format!("circuit {number}")))
+        .collect();
+    assert!(valid.len() >= 20 && valid.iter().all(|count| *count >= 100), "{valid:?}");
 }
 
-/// Frames at one instant, in the same modes: as many as there are lanes, where the kernel holds so often.
-fn side_by_side(program: &Program, dice: &mut Dice) -> Option<(Kernel, Vec<Frame<f64>>)> {
+/// One frame per lane, all at one instant and in the same modes. `None` if there are not enough such points.
+fn side_by_side(program: &Program, dice: &mut SplitMix64) -> Option<(Kernel, Vec<Frame<f64>>)> {
     let mut points = Points::new(program);
     points.draw(dice);
-    let (modes, asked) = (points.modes.clone(), points.asked.clone());
-    let kernel = Kernel::new(program, points.stance(), &outlets(program))?;
+    let (modes, amplifiers) = (points.modes.clone(), points.amplifiers.clone());
+    let kernel = Kernel::new(program, points.specialisation(), &element_outputs(program))?;
     let drawn = (0..20 * LANES).filter_map(|_| {
         points.draw(dice);
         points.time = 0.25;
-        (points.modes == modes && points.asked == asked).then(|| points.frame(&kernel)).flatten()
+        (points.modes == modes && points.amplifiers == amplifiers).then(|| points.frame(&kernel)).flatten()
     });
     let frames: Vec<_> = drawn.take(LANES).collect();
     (frames.len() == LANES).then_some((kernel, frames))
 }
 
-/// Every number of a frame that steps change, as its bits.
+/// The bits of every number of a frame that a step changes.
 fn moving(kernel: &Kernel, frame: &Frame<f64>) -> Vec<u64> {
     let numbers = [&frame.slots[..kernel.layout.all], &frame.states, &frame.rates, &[frame.time]];
     let all = numbers.into_iter().chain(frame.extremes.parts());
     all.flatten().map(|number| number.to_bits()).collect()
 }
 
-/// Steps of lanes, whatever is met, against the same of every frame alone: all that is worked out at the last evaluation of
-/// each step.
-fn abreast_as_alone(kernel: &Kernel, mut frames: Vec<Frame<f64>>, tables: &[Vec<[f64; 2]>]) {
-    let mut formation = Formation::of(kernel);
+/// Compares steps in lanes with the same steps of single frames. Hits are ignored; every value of the last evaluation
+/// must be equal.
+fn assert_lanes_equal_single_frames(kernel: &Kernel, mut frames: Vec<Frame<f64>>, tables: &[Vec<[f64; 2]>]) {
+    let mut lane_frame = LaneFrame::of(kernel);
     for (lane, frame) in frames.iter_mut().enumerate() {
-        frame.aboard = 0;
-        formation.board(kernel, lane, frame);
-        // What quiet steps do not work out stays as it is.
-        let pairs = formation.frame.slots.iter_mut().zip(&frame.slots).skip(kernel.layout.results);
+        frame.active_lanes = 0;
+        lane_frame.load_lane(kernel, lane, frame);
+        // Values that quick steps do not compute stay as they are.
+        let pairs = lane_frame.frame.slots.iter_mut().zip(&frame.slots).skip(kernel.layout.results);
         pairs.for_each(|(all, one)| all.set(lane, *one));
     }
-    let all = formation.aboard();
+    let all = lane_frame.active_lanes();
     for first in 1..=5 {
         let steps = Steps { begin: 0.25, grid: Grid::new(1e-3), first, count: 1 };
-        formation.frame.aboard = 0;
-        assert_eq!(kernel.steps(&mut formation.frame, tables, &steps), 1);
-        formation.frame.aboard = all;
+        lane_frame.frame.active_lanes = 0;
+        assert_eq!(kernel.steps(&mut lane_frame.frame, tables, &steps), 1);
+        lane_frame.frame.active_lanes = all;
         for (lane, frame) in frames.iter_mut().enumerate() {
             assert_eq!(kernel.steps(frame, tables, &steps), 1);
             let mut left = frame.clone();
-            left.slots.iter_mut().zip(&formation.frame.slots).for_each(|(one, all)| *one = all.get(lane));
+            left.slots.iter_mut().zip(&lane_frame.frame.slots).for_each(|(one, all)| *one = all.get(lane));
             [&mut left.states, &mut left.rates].into_iter().for_each(|numbers| numbers.fill(f64::NAN));
-            formation.clone().leave(kernel, lane, &mut left);
+            lane_frame.clone().unload_lane(kernel, lane, &mut left);
             assert!(moving(kernel, &left) == moving(kernel, frame), "lane {lane}, step {first}");
         }
     }
 }
 
 #[test]
-fn lanes_give_the_bits_of_each_alone() {
-    let mut dice = Dice(23);
-    let shipped = common::files::shipped().into_iter().chain(common::files::of_tests());
+fn lanes_give_the_same_bits_as_single_frames() {
+    let mut dice = SplitMix64(23);
+    let shipped = common::files::shipped_files().into_iter().chain(common::files::test_patch_files());
     let mut programs: Vec<Program> = shipped.map(|file| program(&common::patch_of(&file))).collect();
-    programs.extend((0..40).map(|_| program(&circuits::circuit(&mut dice))));
+    programs.extend((0..40).map(|_| program(&circuits::random_circuit(&mut dice))));
     let mut compared = 0;
-    for program in programs.iter().filter(|program| is_folded(program)) {
+    for program in programs.iter().filter(|program| is_specialised(program)) {
         if let Some((kernel, frames)) = side_by_side(program, &mut dice) {
-            abreast_as_alone(&kernel, frames, &program.tables);
+            assert_lanes_equal_single_frames(&kernel, frames, &program.tables);
             compared += 1;
         }
     }
@@ -251,49 +255,51 @@ fn lanes_give_the_bits_of_each_alone() {
 }
 
 #[test]
-fn the_pages_tell_how_many_lanes_there_are() {
+fn the_pages_state_the_number_of_lanes() {
     let page =
         |name: &str| std::fs::read_to_string(format!("../../docs/{name}.md")).unwrap().replace('\n', " ");
-    let told = format!("up to {LANES} runs side by side");
-    assert!(page("sweep").contains(&told) && page("architecture").contains(&format!("{LANES} at most")));
-    let fewest = format!("Fewer than {FEWEST_BEYOND_NATIVE} at a time are left to native code");
+    let lanes = format!("up to {LANES} runs side by side");
+    assert!(
+        page("sweep").contains(&lanes) && page("solver").contains(&format!("up to {LANES} runs of a sweep"))
+    );
+    let fewest = format!("Fewer than {MIN_LANES_OVER_NATIVE} at a time are left to native code");
     assert!(page("performance").contains(&fewest));
 }
 
-/// What is met is told of its own lane alone, in the middle of a step as at its end.
+/// A hit affects its own lane only, both in the middle and at the end of a step.
 #[test]
-fn what_is_met_is_told_by_lane() {
+fn hits_are_reported_by_lane() {
     let program = generated(&[[-50.0, 0.0], [10.0, 0.0], [50.0, 40.0]], 0.0);
     let mut points = Points::new(&program);
     let kernel = kernel(&program);
-    let mut formation = Formation::of(&kernel);
+    let mut lane_frame = LaneFrame::of(&kernel);
     for lane in 0..LANES {
-        // A falls by what B has in a second; below -10 V the table turns.
+        // A falls by B per second; the table has a corner at -10 V.
         points.states = vec![if lane % 3 == 1 { -9.99 } else { 5.0 }, 20.0];
-        formation.board(&kernel, lane, &mut points.frame(&kernel).unwrap());
+        lane_frame.load_lane(&kernel, lane, &mut points.frame(&kernel).unwrap());
     }
     let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 9 };
-    assert_eq!(kernel.steps(&mut formation.frame, &program.tables, &steps), 0);
-    assert_eq!(formation.beyond(), 0x2492);
+    assert_eq!(kernel.steps(&mut lane_frame.frame, &program.tables, &steps), 0);
+    assert_eq!(lane_frame.hit_lanes(), 0x2492);
     let mut one = kernel.frame();
-    (0..LANES).filter(|lane| lane % 3 == 1).for_each(|lane| formation.leave(&kernel, lane, &mut one));
+    (0..LANES).filter(|lane| lane % 3 == 1).for_each(|lane| lane_frame.unload_lane(&kernel, lane, &mut one));
     assert_eq!(one.states, [-9.99, 20.0]);
-    assert!(formation.go_without(&kernel, &program.tables, 1e-3));
-    assert_eq!((formation.aboard(), formation.time()), (0xffff & !0x2492, 1e-3));
-    assert_eq!(kernel.steps(&mut formation.frame, &program.tables, &steps.after(1)), 8);
+    assert!(lane_frame.finish_step(&kernel, &program.tables, 1e-3));
+    assert_eq!((lane_frame.active_lanes(), lane_frame.time()), (0xffff & !0x2492, 1e-3));
+    assert_eq!(kernel.steps(&mut lane_frame.frame, &program.tables, &steps.after(1)), 8);
 }
 
 #[test]
-fn signs_gains_and_potentiometers_leave_sums() {
+fn signs_gains_and_potentiometers_become_factors() {
     let program = program(&common::slideway());
     let kernel = kernel(&program);
-    // The square of the friction level, and three rates: between its corners everything else is straight.
+    // The square of the friction level, and three rates. Everything else is linear between corners.
     assert!(kernel.moving.instructions.len() <= 4, "{:?}", kernel.moving);
-    // Five corners, and no amplifier twice that gives the negative of another.
+    // Five corners. An amplifier that gives the negative of another one is not watched twice.
     assert!(kernel.watches.len() <= 18, "{:?}", kernel.watches);
 }
 
-/// An integrator A from an initial voltage, and B, which takes what a function generator makes of A by way of a sign.
+/// An integrator A with an initial voltage, and an integrator B. The input of B is a function generator of -A.
 fn generated(points: &[[f64; 2]], initial: f64) -> Program {
     let points: Vec<Vec<f64>> = points.iter().map(|point| point.to_vec()).collect();
     let generator = common::element("function-generator").cord("in", "S").set("points", points);
@@ -305,68 +311,70 @@ fn generated(points: &[[f64; 2]], initial: f64) -> Program {
     common::built(builder)
 }
 
-/// From 0 to 100 V within two millionths of a volt, at 90 V: no curve may be steeper.
+/// A segment from 0 to 100 V within 2e-6 V, at 90 V: the steepest permitted one.
 #[test]
-fn a_steep_piece_far_from_0_loses_nothing() {
+fn a_steep_segment_far_from_0_stays_accurate() {
     let steep = [[90.0, 0.0], [90.0 + 2e-6, 100.0]];
     let inside = [[-100.0, 0.0], steep[0], steep[1], [100.0, 99.0]];
-    // On the piece, and beyond the ends of one that goes on.
+    // On the segment, and beyond the end of a segment that continues.
     for (points, low, high) in [(&inside[..], 0.0, 2e-6), (&steep[..], -1.9e-6, 0.0)] {
         let program = generated(points, -90.0);
         let mut at = Points::new(&program);
         for share in 0..=100 {
             let place = 90.0 + low + (high - low) * f64::from(share) / 100.0;
-            at.stand(&[-place, 0.0]);
-            let difference = at.difference(&outlets(&program)).unwrap_or_else(|| panic!("none at {place}"));
+            at.set_states(&[-place, 0.0]);
+            let difference =
+                at.difference(&element_outputs(&program)).unwrap_or_else(|| panic!("none at {place}"));
             assert!(difference <= 1e-10, "{difference:e} V at {place}");
         }
     }
 }
 
-/// Where a watch is met, the fence that stands for it holds nothing: at its ends, and of what is no number.
+/// If a watch is hit, the voltage is outside the safe interval, also at its ends and if it is not a number.
 #[test]
-fn no_fence_holds_what_a_watch_meets() {
-    let mut dice = Dice(22);
-    let shipped = common::files::shipped().into_iter().chain(common::files::of_tests());
+fn no_safe_interval_contains_a_hit() {
+    let mut dice = SplitMix64(22);
+    let shipped = common::files::shipped_files().into_iter().chain(common::files::test_patch_files());
     let mut programs: Vec<Program> = shipped.map(|file| program(&common::patch_of(&file))).collect();
     // Beyond the last corner of a table.
     programs.push(generated(&[[-20.0, 0.0], [-10.0, 10.0]], 50.0));
-    let met = programs.iter().filter(|program| is_folded(program)).map(|program| {
+    let met = programs.iter().filter(|program| is_specialised(program)).map(|program| {
         let mut points = Points::new(program);
         points.draw(&mut dice);
-        let kernel = Kernel::new(program, points.stance(), &outlets(program)).unwrap();
-        points.frame(&kernel).map_or(0, |frame| watches_met(&kernel, &frame))
+        let kernel = Kernel::new(program, points.specialisation(), &element_outputs(program)).unwrap();
+        points.frame(&kernel).map_or(0, |frame| count_hits(&kernel, &frame))
     });
     let met: usize = met.sum();
     assert!(met >= 500, "{met}");
 }
 
-/// How often a watch is met by what stands at the ends of its fence, or is hardly a number: never within the fence.
-fn watches_met(kernel: &Kernel, frame: &Frame<f64>) -> usize {
+/// Counts how often a watch is hit at the ends of its safe interval or at extreme numbers. A hit must be outside the
+/// interval.
+fn count_hits(kernel: &Kernel, frame: &Frame<f64>) -> usize {
     let mut met = 0;
-    for (fence, (low, high)) in kernel.fences.iter().zip(frame.lows.iter().zip(&frame.highs)) {
+    for (interval, (low, high)) in kernel.safe_intervals.iter().zip(frame.lows.iter().zip(&frame.highs)) {
         let doubtful = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 1e300, 0.0];
         let ends = [low, high].map(|end| [end.next_down(), *end, end.next_up()]);
         for value in doubtful.into_iter().chain(ends.into_iter().flatten()) {
-            let is_met = fence.watches.iter().any(|posted| is_met(kernel, frame, posted, value));
-            assert!(!is_met || !(*low..=*high).contains(&value), "{value:e} in {low:e} ... {high:e}");
-            met += usize::from(is_met);
+            let is_hit = interval.watches.iter().any(|watch| is_hit(kernel, frame, watch, value));
+            assert!(!is_hit || !(*low..=*high).contains(&value), "{value:e} in {low:e} ... {high:e}");
+            met += usize::from(is_hit);
         }
     }
     met
 }
 
-/// Whether a watch at a fence is met where the fence's voltage is so large.
-fn is_met(kernel: &Kernel, frame: &Frame<f64>, posted: &Posted, voltage: f64) -> bool {
-    let line = posted.line.map(|line| line.map(|slot| frame.slots[slot as usize]));
+/// Whether a watch of a safe interval is hit if the interval's voltage has this value.
+fn is_hit(kernel: &Kernel, frame: &Frame<f64>, watch: &IntervalWatch, voltage: f64) -> bool {
+    let line = watch.line.map(|line| line.map(|slot| frame.slots[slot as usize]));
     let value = line.map_or(voltage, |[constant, factor]| factor.mul_add(voltage, constant));
-    let size = matches!(kernel.watches[posted.watch].what, Watched::Size(_));
+    let size = matches!(kernel.watches[watch.watch].condition, WatchCondition::Size(_));
     let value = if size { value.abs() } else { value };
-    let rest = value.mul_add(frame.slopes[posted.watch], frame.rooms[posted.watch]);
-    rest < 0.0 || rest.is_nan()
+    let margin = value.mul_add(frame.slopes[watch.watch], frame.offsets[watch.watch]);
+    margin < 0.0 || margin.is_nan()
 }
 
-/// Whether the kernel of a program's first modes holds where its only state is at a voltage.
+/// Whether the kernel for the initial modes is valid if the only state has this voltage.
 fn holds_at(program: &Program, volts: f64) -> bool {
     let mut points = Points::new(program);
     points.states = vec![volts];
@@ -374,13 +382,13 @@ fn holds_at(program: &Program, volts: f64) -> bool {
 }
 
 #[test]
-fn what_is_bound_by_a_guard_and_by_an_amplifier_stays_within_both() {
+fn the_narrower_of_two_bounds_applies() {
     let integrator = || common::element("integrator").cords("x1", ["S"]);
     let summer = common::element("summer").cords("x1", ["A"]);
     let limit = serde_json::json!({"upper": 50, "drop": 0});
     let limited = common::volts("limited").element("S", summer.clone());
     let limited = common::built(limited.element("A", integrator().set("limit", limit)));
-    // The limit meets what passes it; the lamp lights 1e-11 V beyond 100 V.
+    // The limit is passed above 50 V; the lamp lights 1e-11 V above 100 V.
     for (volts, holds) in [(-101.0, false), (-99.0, true), (50.0, true), (50.1, false), (101.0, false)] {
         assert_eq!(holds_at(&limited, volts), holds, "{volts} V");
     }
@@ -394,19 +402,19 @@ fn what_is_bound_by_a_guard_and_by_an_amplifier_stays_within_both() {
     }
 }
 
-/// Beyond an end of its range an amplifier gives that end, as long as it is asked for no less.
+/// An overloaded amplifier stays at an end of its range while its demand does not come back.
 #[test]
-fn what_is_overloaded_gives_an_end_of_its_range() {
+fn an_overloaded_amplifier_is_at_an_end_of_its_range() {
     let summer = common::element("summer").cords("x2", ["A"]);
     let integrator = common::element("integrator").cords("x1", ["S"]);
     let builder = common::volts("overloaded").element("S", summer).element("A", integrator);
     let program = common::built(builder);
     let mut points = Points::new(&program);
-    points.stand(&[60.0]);
-    assert_eq!(points.asked, [Asked::TooLow]);
-    assert_eq!(points.difference(&outlets(&program)), Some(0.0));
-    let kernel = Kernel::new(&program, points.stance(), &outlets(&program)).unwrap();
-    // The summer is asked for twice as much, of the other sign.
+    points.set_states(&[60.0]);
+    assert_eq!(points.amplifiers, [AmplifierState::Below]);
+    assert_eq!(points.difference(&element_outputs(&program)), Some(0.0));
+    let kernel = Kernel::new(&program, points.specialisation(), &element_outputs(&program)).unwrap();
+    // The demand of the summer is -2 x the state.
     for (volts, holds) in [(50.1, true), (49.9, false), (-60.0, false)] {
         points.states = vec![volts];
         assert_eq!(points.frame(&kernel).is_some(), holds, "{volts} V");
@@ -414,19 +422,21 @@ fn what_is_overloaded_gives_an_end_of_its_range() {
 }
 
 #[test]
-fn kernels_that_are_used_are_kept() {
+fn used_kernels_stay_in_the_cache() {
     let program = generated(&[[-10.0, 0.0], [10.0, 10.0]], 0.0);
     let points = Points::new(&program);
-    let kernel = |seen: usize| Kernels::of(&program, points.stance(), &vec![Register(0); seen]).unwrap();
+    let kernel = |recorded: usize| {
+        Kernels::of(&program, points.specialisation(), &vec![Register(0); recorded]).unwrap()
+    };
     let [used, unused] = [0, 1].map(kernel);
-    for seen in 2..100 {
-        kernel(seen);
+    for recorded in 2..100 {
+        kernel(recorded);
         assert!(Arc::ptr_eq(&kernel(0), &used));
     }
     assert!(!Arc::ptr_eq(&kernel(1), &unused));
 }
 
-/// Integrators one after the other, so many of them.
+/// A chain of integrators.
 fn chained(count: usize) -> Program {
     let mut builder = common::volts("chain");
     for number in 0..count {
@@ -437,23 +447,23 @@ fn chained(count: usize) -> Program {
     common::built(builder)
 }
 
-/// Their kernel.
+/// The kernel of a chain of integrators.
 fn chain(count: usize) -> Kernel {
     kernel(&chained(count))
 }
 
 #[test]
-fn native_code_of_larger_kernels_pays_later() {
-    let own = pays(&kernel(&program(&common::slideway())));
-    // docs/performance.md tells about 10,000.
+fn larger_kernels_are_compiled_later() {
+    let own = native_threshold(&kernel(&program(&common::slideway())));
+    // docs/performance.md states about 10,000.
     assert!((9_000..11_000).contains(&own), "{own}");
-    let many = pays(&chain(1000));
+    let many = native_threshold(&chain(1000));
     assert!(many > 100_000, "{many}");
 }
 
 #[cfg(feature = "native")]
 #[test]
-fn native_code_is_made_of_kernels_of_moderate_size() {
+fn native_code_exists_for_kernels_of_moderate_size() {
     assert!(Native::new(&chain(10)).is_some());
     assert!(Native::new(&chain(2000)).is_none());
 }
@@ -461,7 +471,7 @@ fn native_code_is_made_of_kernels_of_moderate_size() {
 #[cfg(feature = "native")]
 #[test]
 #[should_panic(expected = "a frame of another kernel")]
-fn native_code_takes_no_frame_of_another_kernel() {
+fn native_code_refuses_frames_of_another_kernel() {
     let native = Native::new(&chain(2)).unwrap();
     native.look(&mut chain(1).frame(), &[], 1e-3);
 }
@@ -469,55 +479,55 @@ fn native_code_takes_no_frame_of_another_kernel() {
 #[cfg(feature = "native")]
 #[test]
 #[should_panic(expected = "a frame of another kernel")]
-fn native_steps_take_no_frame_of_another_kernel() {
+fn native_steps_refuse_frames_of_another_kernel() {
     let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 10 };
     Native::new(&chain(1)).unwrap().steps(&mut chain(2).frame(), &[], &steps);
 }
 
-/// Numbers that tell where a frame is and what it has seen, bit by bit.
+/// The bits of all numbers that show where a frame is and what it has observed.
 #[cfg(feature = "native")]
 fn bits(kernel: &Kernel, frame: &Frame<f64>) -> Vec<u64> {
-    let seen = frame.extremes.parts().into_iter().flatten();
+    let recorded = frame.extremes.parts().into_iter().flatten();
     let moving = frame.states.iter().chain(&frame.rates).chain(frame.kept(kernel));
-    let all = moving.chain(seen).chain([&frame.time]);
+    let all = moving.chain(recorded).chain([&frame.time]);
     all.map(|number| number.to_bits()).collect()
 }
 
-/// Native steps judge blocks of them afterwards: they stop where steps that are looked at one by one do.
+/// Native steps are tested in blocks afterwards. They must stop where steps that are tested one by one do.
 #[cfg(feature = "native")]
 #[test]
-fn native_steps_stop_before_the_step_in_which_something_is_met() {
-    let mut dice = Dice(29);
+fn native_steps_stop_before_a_hit() {
+    let mut dice = SplitMix64(29);
     let mut stopped = [0; 2];
-    let still = common::volts("still").element("S", common::element("summer").cords("x1", ["+100"]));
+    let fixed = common::volts("fixed").element("S", common::element("summer").cords("x1", ["+100"]));
     let play = common::element("backlash").cord("in", "A").set("width", 10);
     let kept = common::volts("kept").element("B", play);
     let kept = kept.element("A", common::element("integrator").cords("x1", ["B"]).set("initial", 20));
     let programs = [
         (program(&common::slideway()), 40),
         (common::built(kept), 30),
-        // So wide that few rows stay near the processor; and one without anything to look at.
+        // A kernel so wide that few rows fit into the cache, and one without any tests.
         (chained(400), 1),
-        (common::built(still), 1),
+        (common::built(fixed), 1),
     ];
     for (program, points_drawn) in programs {
         let mut points = Points::new(&program);
         for _ in 0..points_drawn {
             points.draw(&mut dice);
-            let kernel = Kernel::new(&program, points.stance(), &outlets(&program)).unwrap();
+            let kernel = Kernel::new(&program, points.specialisation(), &element_outputs(&program)).unwrap();
             let Some(mut alone) = points.frame(&kernel) else { continue };
-            kernel.show(&mut alone, &program.tables);
-            alone.stand();
-            alone.see_anew();
+            kernel.evaluate_present(&mut alone, &program.tables);
+            alone.accept_present();
+            alone.reset_extremes();
             let mut native = alone.clone();
-            let grid = Grid::new(10f64.powf(dice.even(-6.0, -3.0)));
+            let grid = Grid::new(10f64.powf(dice.uniform(-6.0, -3.0)));
             let steps = Steps { begin: alone.time, grid, first: 1, count: 200 };
-            let gone = kernel.steps(&mut alone, &program.tables, &steps);
+            let taken = kernel.steps(&mut alone, &program.tables, &steps);
             let code = Native::new(&kernel).unwrap();
-            assert_eq!(code.steps(&mut native, &program.tables, &steps), gone);
+            assert_eq!(code.steps(&mut native, &program.tables, &steps), taken);
             let [native, alone] = [&native, &alone].map(|frame| bits(&kernel, frame));
-            assert_eq!(native, alone, "after {gone} steps");
-            stopped[usize::from(gone < steps.count)] += 1;
+            assert_eq!(native, alone, "after {taken} steps");
+            stopped[usize::from(taken < steps.count)] += 1;
         }
     }
     assert!(stopped.iter().all(|often| *often >= 10), "{stopped:?}");

@@ -1,4 +1,7 @@
-//! What can only be told once the operations are there: coefficients and loops in initial condition.
+//! Checks that need the operations of the program: coefficients, and loops in initial condition.
+//!
+//! First the coefficients are computed. If they are valid, the body is evaluated in initial condition until all modes
+//! have settled. Finally the changes of parameters in the run plan are checked.
 
 use std::collections::HashSet;
 
@@ -7,54 +10,67 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::dry_run;
 use crate::circuit::Circuit;
-use crate::document::{Code, Diagnostic, told};
-use crate::ir::{Loop, LoopFault, Program, Scratch, Solutions, Sources, Unfit, remedy, tell};
+use crate::document::{Code, Diagnostic, format_number};
+use crate::ir::{
+    InvalidCoefficient, Loop, LoopFault, Program, Scratch, Solutions, Sources, describe_solutions, remedy,
+};
 
-/// Modes that have not settled after so many rounds never will.
-const MOST_SETTLING: usize = 1000;
+/// Maximum number of changes of mode in initial condition. Modes that have not settled by then never do.
+const MAX_SETTLING_ROUNDS: usize = 1000;
 
-/// The coefficients and loops that cannot be used; a program without any can be run.
+/// The faults of coefficients and loops. A program can run only if there are none.
+///
+/// An invalid coefficient is reported alone, because every voltage that follows from it would be wrong as well. Else
+/// the list has the loops first, then an element whose mode does not settle, then the changes of parameters.
 pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
     let coefficients = program.prepare(&parameters);
-    if let Some(Unfit { coefficient, value, fault }) = program.first_unfit(&coefficients) {
-        let message = format!("{} comes to {}, {}", coefficient.label, told(value), fault.describe(value));
+    if let Some(InvalidCoefficient { coefficient, value, fault }) =
+        program.first_invalid_coefficient(&coefficients)
+    {
+        let message = format!("{} is {}, {}", coefficient.label, format_number(value), fault.describe(value));
         let hint = Some("look for a wrong power of ten, here or in a scale".to_owned());
         return vec![Diagnostic { code: Code::NotFinite, span: coefficient.span, message, hint }];
     }
-    let rest = at_rest(program, &parameters, &coefficients);
-    let loops =
-        rest.faults.iter().map(|fault| diagnostic(circuit, &program.loops[fault.index], fault.solutions));
-    let restless = rest.restless.and_then(|element| restless(circuit, program, element));
-    loops.chain(restless).chain(dry_run::findings(circuit, program)).collect()
+    let initial = solve_initial_condition(program, &parameters, &coefficients);
+    let loops = initial
+        .faults
+        .iter()
+        .map(|fault| diagnostic(circuit, &program.lowered.loops[fault.index], fault.solutions));
+    let unsettled = initial.unsettled.and_then(|element| unsettled(circuit, program, element));
+    loops.chain(unsettled).chain(dry_run::findings(circuit, program)).collect()
 }
 
-/// What is found in initial condition.
-struct Rest {
-    /// Loops that cannot be solved.
+/// The faults in initial condition.
+struct InitialCondition {
+    /// The loops that do not have exactly one solution, without those that only follow from another fault.
     faults: Vec<LoopFault>,
-    /// An element whose mode does not settle.
-    restless: Option<usize>,
+    /// Index of the element whose mode changed last, if modes still change after the last round; `None` if all settled.
+    unsettled: Option<usize>,
 }
 
-/// States, and what is delayed, kept and held, before anything has happened.
-fn standing(program: &Program, coefficients: &[f64]) -> [Vec<f64>; 4] {
+/// Initial values of states, delayed, sampled and stepped values, in this order. They are in volts, and in the order of
+/// the lists of the program.
+fn initial_values(program: &Program, coefficients: &[f64]) -> [Vec<f64>; 4] {
     let coefficient = |index: u32| coefficients[index as usize];
     [
-        program.states.iter().map(|state| coefficient(state.initial)).collect(),
-        program.delays.iter().map(|delay| coefficient(delay.initial)).collect(),
-        program.kept.iter().map(|kept| coefficient(kept.initial)).collect(),
-        program.first_levels(coefficients),
+        program.lowered.states.iter().map(|state| coefficient(state.initial)).collect(),
+        program.lowered.delays.iter().map(|delay| coefficient(delay.initial)).collect(),
+        program.lowered.kept.iter().map(|kept| coefficient(kept.initial)).collect(),
+        program.initial_levels(coefficients),
     ]
 }
 
-/// Works out initial condition until the modes have settled.
-fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest {
-    let [mut states, delayed, kept, levels] = standing(program, coefficients);
-    let mut modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
-    let (mut registers, mut scratch) = (vec![0.0; program.body.len()], Scratch::new(program));
-    let mut restless = None;
-    for _ in 0..MOST_SETTLING {
+/// Evaluates the body in initial condition until the modes have settled.
+///
+/// Each round evaluates all voltages and then makes the changes of mode that are due. The faults are those of the last
+/// round, because the modes of earlier rounds are not those of the run.
+fn solve_initial_condition(program: &Program, parameters: &[f64], coefficients: &[f64]) -> InitialCondition {
+    let [mut states, delayed, kept, levels] = initial_values(program, coefficients);
+    let mut modes: Vec<f64> = program.lowered.modes.iter().map(|mode| mode.initial).collect();
+    let (mut registers, mut scratch) = (vec![0.0; program.lowered.body.len()], Scratch::new(program));
+    let mut unsettled = None;
+    for _ in 0..MAX_SETTLING_ROUNDS {
         let from = Sources {
             parameters,
             coefficients,
@@ -68,19 +84,20 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
         };
         scratch.faults.clear();
         program.evaluate(&from, &mut registers, &mut scratch);
-        restless = None;
+        unsettled = None;
         program.change_modes(&registers, &mut modes, &mut states, |mode, _| {
-            restless = Some(program.modes[mode].element);
+            unsettled = Some(program.lowered.modes[mode].element);
         });
-        if restless.is_none() {
+        if unsettled.is_none() {
             break;
         }
     }
-    Rest { faults: causes(scratch.faults), restless }
+    InitialCondition { faults: root_causes(scratch.faults), unsettled }
 }
 
-/// Behind a loop that has no voltage others have none either: the first is the cause.
-fn causes(mut faults: Vec<LoopFault>) -> Vec<LoopFault> {
+/// The faults that are not consequences of others. A loop behind a faulty one has no voltages either, so its solution
+/// is not a number. If all faults are of this kind, all are kept.
+fn root_causes(mut faults: Vec<LoopFault>) -> Vec<LoopFault> {
     let consequence = |fault: &LoopFault| fault.solutions == Solutions::NotANumber;
     if !faults.iter().all(consequence) {
         faults.retain(|fault| !consequence(fault));
@@ -88,8 +105,9 @@ fn causes(mut faults: Vec<LoopFault>) -> Vec<LoopFault> {
     faults
 }
 
-/// A relay that no position suits: with the members of the loop that lead from it back to it at once.
-fn restless(circuit: &Circuit, program: &Program, element: usize) -> Option<Diagnostic> {
+/// Reports an element with a mode that does not settle, with the members of the loop that leads back to it at once.
+/// Such an element is a relay that switches itself back through the loop. `None` if there is no such loop.
+fn unsettled(circuit: &Circuit, program: &Program, element: usize) -> Option<Diagnostic> {
     let members = loop_through(program, element)?;
     let names: Vec<_> = members.iter().map(|member| program.name(*member)).collect();
     let message = format!(
@@ -101,16 +119,16 @@ fn restless(circuit: &Circuit, program: &Program, element: usize) -> Option<Diag
     Some(Diagnostic { code: Code::LoopWithoutSolution, span: circuit.element(element).span, message, hint })
 }
 
-/// The members of the loop through an element that acts within the same instant: without states and delay
-/// lines. `None` where there is no such loop.
+/// The members of the loop through an element in which everything acts in the same instant: without states and delay
+/// lines. `None` if there is no such loop. The members are in the order of the circuit.
 fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
-    let states = program.states.iter().map(|state| state.element);
-    let remembering: HashSet<usize> =
-        states.chain(program.delays.iter().map(|delay| delay.element)).collect();
-    let cords = program.readers.iter().enumerate().flat_map(|(from, readers)| {
+    let states = program.lowered.states.iter().map(|state| state.element);
+    let with_memory: HashSet<usize> =
+        states.chain(program.lowered.delays.iter().map(|delay| delay.element)).collect();
+    let cords = program.lowered.readers.iter().enumerate().flat_map(|(from, readers)| {
         readers
             .iter()
-            .filter(|reader| !remembering.contains(reader))
+            .filter(|reader| !with_memory.contains(reader))
             .map(move |reader| (from as u32, *reader as u32))
     });
     let at_once = DiGraph::<(), ()>::from_edges(cords);
@@ -121,11 +139,15 @@ fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
     closed.then(|| members.into_iter().map(NodeIndex::index).collect())
 }
 
+/// The diagnostic for a loop without exactly one solution. Its position is that of the element that opens the loop.
 fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnostic {
     let element = circuit.elements().into_iter().find(|element| element.name == entry.opened());
     let (code, hint) = remedy(entry, solutions);
-    let message =
-        format!("the loop {} has no integrator and {}", entry.members.join(", "), tell(entry, solutions));
+    let message = format!(
+        "the loop {} has no integrator and {}",
+        entry.members.join(", "),
+        describe_solutions(entry, solutions)
+    );
     let span = element.and_then(|element| element.span);
     Diagnostic { code, span, message, hint: Some(hint.to_owned()) }
 }

@@ -1,62 +1,75 @@
-//! The phases of a patch's run, gone through before it: what its changes of parameters come to, as far as that
-//! can be told without running.
+//! Checks the changes of parameters in a run plan before the run.
+//!
+//! The phases are followed in order, without integration. A value that depends on a signal is unknown, and so is
+//! everything computed from it; the run checks these.
 
 use crate::circuit::Circuit;
-use crate::document::{Change, Code, Diagnostic, Phase, Span, told};
-use crate::ir::{Program, Standing, Unfit};
+use crate::document::{Code, Diagnostic, ParameterChange, Phase, Span, format_number};
+use crate::ir::{InvalidCoefficient, Program, RunScope};
 use patchcord_expr::Formula;
 
-/// More changes than this are left to the run.
-const MOST_CHANGES: usize = 10_000;
+/// Maximum number of changes that are checked here. The run checks the rest.
+const MAX_CHANGES: usize = 10_000;
 
-/// What is wrong with the parameters that the phases set.
+/// The faults in the parameter values that the phases set.
 pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
-    let mut rehearsal = Rehearsal {
+    let mut run = DryRun {
         program,
         parameters: program.parameters.iter().map(|slot| slot.value).collect(),
         known: vec![true; program.parameters.len()],
-        left: MOST_CHANGES,
+        changes_left: MAX_CHANGES,
         findings: Vec::new(),
     };
-    rehearsal.all(&circuit.run_plan().phases);
-    rehearsal.findings
+    run.phases(&circuit.run_plan().phases);
+    run.findings
 }
 
-struct Rehearsal<'a> {
+/// Parameter values while the phases are followed.
+struct DryRun<'a> {
+    /// The lowered program. Its own parameter values are not changed.
     program: &'a Program,
-    /// In SI.
+    /// Values in SI.
     parameters: Vec<f64>,
-    /// Whether a parameter's value can be told: not once a signal has had a say in it.
+    /// Whether the value of each parameter is known. It is unknown if a signal affects it.
     known: Vec<bool>,
-    left: usize,
+    /// Number of changes that may still be checked.
+    changes_left: usize,
+    /// The faults so far, at most one for each position in the document.
     findings: Vec<Diagnostic>,
 }
 
-impl Rehearsal<'_> {
-    fn all(&mut self, phases: &[Phase]) {
+impl DryRun<'_> {
+    /// Follows some phases in order.
+    fn phases(&mut self, phases: &[Phase]) {
         for phase in phases {
             match phase {
                 Phase::Set { changes } => self.set(changes),
-                Phase::Repeat { times, phases } => self.again(*times, phases),
+                Phase::Repeat { times, phases } => self.repeat(*times, phases),
                 _ => {}
             }
         }
     }
 
-    fn again(&mut self, times: u64, phases: &[Phase]) {
+    /// Follows a repetition, until nothing changes or the limit is reached. So a billion repetitions take no longer
+    /// than ten thousand changes.
+    fn repeat(&mut self, times: u64, phases: &[Phase]) {
         for _ in 0..times {
-            let left = self.left;
-            self.all(phases);
-            // Where nothing was changed nothing will be; where too much was, the run will tell.
-            if self.left == left || self.left == 0 {
+            let changes_left = self.changes_left;
+            self.phases(phases);
+            // A repetition without changes changes nothing the next time. Beyond the limit, the run checks.
+            if self.changes_left == changes_left || self.changes_left == 0 {
                 return;
             }
         }
     }
 
-    fn set(&mut self, changes: &[Change]) {
-        self.left = self.left.saturating_sub(changes.len());
-        if self.left == 0 {
+    /// Applies the changes of a phase together, then checks all settings.
+    ///
+    /// All formulas are evaluated first: they use the values from before the phase. A parameter that is set to
+    /// an unknown value keeps its old number and counts as unknown.
+    fn set(&mut self, changes: &[ParameterChange]) {
+        self.changes_left = self.changes_left.saturating_sub(changes.len());
+        if self.changes_left == 0 {
             return;
         }
         let values: Vec<_> = changes.iter().filter_map(|change| self.value(change)).collect();
@@ -71,39 +84,42 @@ impl Rehearsal<'_> {
         }
     }
 
-    /// The parameter that is set and its new value in SI units; `None` for a value that only the run can give.
-    fn value(&mut self, change: &Change) -> Option<(usize, Option<f64>)> {
+    /// Index of the parameter that is set, and its value in SI units if it is known. `None` if there is no
+    /// such parameter.
+    fn value(&mut self, change: &ParameterChange) -> Option<(usize, Option<f64>)> {
         let name = &change.parameter.value;
         let index = self.program.parameter(name)?;
-        if !self.can_tell(&change.to.value) {
+        if !self.is_predictable(&change.to.value) {
             return Some((index, None));
         }
         let coefficients = self.program.prepare(&self.parameters);
-        let standing = Standing {
+        let scope = RunScope {
             program: self.program,
             parameters: &self.parameters,
             coefficients: &coefficients,
             registers: None,
         };
-        match standing.value_for(index, &change.to.value) {
+        match scope.value_for(index, &change.to.value) {
             Ok(value) => Some((index, self.in_si(index, value, change.to.span))),
             Err(error) => {
                 let inside = error.range.start + 1..error.range.end + 1;
-                let finding = Diagnostic::at(Code::BadFormula, change.to.span.part(&inside), error.message);
-                self.tell(finding.maybe_hint(error.hint));
+                let finding =
+                    Diagnostic::at(Code::BadFormula, change.to.span.subspan(&inside), error.message);
+                self.report(finding.maybe_hint(error.hint));
                 Some((index, None))
             }
         }
     }
 
-    /// A value of a parameter, converted to SI units; `None` and a finding if the parameter cannot have it.
+    /// A value of a parameter, converted from its declared unit to SI units; `None` and a finding if the parameter
+    /// cannot have it.
     fn in_si(&mut self, index: usize, value: f64, span: Span) -> Option<f64> {
         let checked = self.program.parameters[index].in_si(value);
-        checked.map_err(|violation| self.tell(violation.diagnostic(Some(span)))).ok()
+        checked.map_err(|violation| self.report(violation.diagnostic(Some(span)))).ok()
     }
 
-    /// Whether everything that a formula names is known without running; scales are, as no phase changes them.
-    fn can_tell(&self, formula: &Formula) -> bool {
+    /// Whether a formula depends on known values only, which excludes all signals. Scales count as known.
+    fn is_predictable(&self, formula: &Formula) -> bool {
         let is_known = |name: &&str| match self.program.parameter(name) {
             Some(index) => self.known[index],
             None => self.program.signal(name).is_none(),
@@ -111,23 +127,26 @@ impl Rehearsal<'_> {
         formula.names().iter().all(is_known)
     }
 
-    /// Whether every setting still is what its element takes.
+    /// Checks every setting and every order of settings with the present parameter values. Nothing is checked while a
+    /// value is unknown, because any setting may depend on it. `span` is the place of the phase.
     fn check_settings(&mut self, span: Span) {
         if self.known.contains(&false) {
             return;
         }
         let coefficients = self.program.prepare(&self.parameters);
-        if let Some(Unfit { coefficient, value, fault }) = self.program.first_unfit(&coefficients) {
+        if let Some(InvalidCoefficient { coefficient, value, fault }) =
+            self.program.first_invalid_coefficient(&coefficients)
+        {
             let message =
-                format!("{} comes to {} here, {}", coefficient.label, told(value), fault.describe(value));
-            let hint = "set the parameters otherwise, or rescale";
-            self.tell(Diagnostic::at(Code::SettingOutside, span, message).hint(hint));
+                format!("{} is {} here, {}", coefficient.label, format_number(value), fault.describe(value));
+            let hint = "choose other parameter values, or rescale";
+            self.report(Diagnostic::at(Code::SettingOutside, span, message).hint(hint));
         }
     }
 
-    /// Tells of a place once, however often it is repeated.
-    fn tell(&mut self, finding: Diagnostic) {
-        if !self.findings.iter().any(|told| told.span == finding.span) {
+    /// Reports a fault unless there already is one at the same place.
+    fn report(&mut self, finding: Diagnostic) {
+        if !self.findings.iter().any(|other| other.span == finding.span) {
             self.findings.push(finding);
         }
     }

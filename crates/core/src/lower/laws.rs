@@ -1,10 +1,15 @@
-//! What element laws read of their element, from the circuit.
+//! Implements what element laws read of their element, from the circuit.
+//!
+//! A law reads its inputs, settings and flags by name through [`Builder`]. This module finds them in the circuit for
+//! the element whose law is being emitted (`draft.current`). A name that the element's kind does not have is a mistake
+//! in the law, so it panics.
 
 use super::Lowering;
 use crate::elements::{Default as SettingDefault, Family, Measure};
 use crate::ir::{Builder, Draft, Op, Register};
 use crate::patch::Amount;
 
+/// The circuit's answers to a law. Every method refers to the current element.
 impl Builder for Lowering<'_> {
     fn draft(&self) -> &Draft {
         &self.draft
@@ -14,23 +19,27 @@ impl Builder for Lowering<'_> {
         &mut self.draft
     }
 
+    /// Gain and register of each cord into the input. The order of evaluation ensures that direct inputs already have a
+    /// register; memory laws run after all outputs.
     fn driven(&self, name: &str) -> Vec<(f64, Register)> {
         let inputs = self.circuit.element(self.draft.current).kind.inputs;
         let input =
-            inputs.iter().position(|input| input.name == name).expect("a law names inputs of its kind");
+            inputs.iter().position(|input| input.name == name).expect("laws read only inputs of their kind");
         let cords =
             self.circuit.cords(self.draft.current).into_iter().filter(|(_, cord)| cord.input == input);
         cords
             .map(|(from, cord)| {
-                (cord.gain, self.draft.outputs[from].expect("stages put drivers before what they drive"))
+                (cord.gain, self.draft.outputs[from].expect("a stage comes after those of its inputs"))
             })
             .collect()
     }
 
+    /// The coefficient of a formula or a default. It is shared by all reads of the setting.
     fn coefficient(&mut self, name: &str) -> Option<u32> {
         self.setting_coefficient(name)
     }
 
+    /// The points as the patch gives them: in volts for a curve, in the unit of the scale for a table of time.
     fn points(&self, name: &str) -> Vec<[f64; 2]> {
         match self.amount(name) {
             Some(Amount::Points(points)) => points.clone(),
@@ -38,6 +47,7 @@ impl Builder for Lowering<'_> {
         }
     }
 
+    /// The flag of the patch, or the default: any number except 0 is true.
     fn flag(&self, name: &str) -> bool {
         match self.amount(name) {
             Some(Amount::Flag(flag)) => *flag,
@@ -45,10 +55,11 @@ impl Builder for Lowering<'_> {
         }
     }
 
+    /// The word of the patch, or that of the default. Choices are stored as indices into the list of words.
     fn choice(&self, name: &str) -> &'static str {
         let settings = self.circuit.element(self.draft.current).kind.settings;
         let Measure::Choice(words) = settings[self.setting(name)].measure else {
-            unreachable!("a law asks for a choice where its kind offers words")
+            unreachable!("laws read only settings of this kind as a choice")
         };
         let chosen = match (self.amount(name), self.default(name)) {
             (Some(Amount::Choice(index)), _) => *index,
@@ -58,35 +69,42 @@ impl Builder for Lowering<'_> {
         words[chosen]
     }
 
+    /// A coefficient that converts a value in the unit of the scale to volts: size of the unit / value of one volt,
+    /// both in SI. It is the constant 1 if the drive has no scale.
     fn volts_per_signal(&mut self) -> Register {
         let element = self.circuit.element(self.draft.current);
         let Some(scale) = element.scale else { return self.builder().constant(1.0) };
         let volt = self.derived(scale);
-        let unit = self.early(Op::Constant(self.circuit.derived_unit(scale).factor()));
-        let register = self.early(Op::Divide(unit, volt));
+        let unit = self.emit_prologue(Op::Constant(self.circuit.derived_unit(scale).factor()));
+        let register = self.emit_prologue(Op::Divide(unit, volt));
         let index =
             self.push_coefficient(register, format!("{} volts per unit", element.name), (f64::MIN, f64::MAX));
         self.builder().emit(Op::Coefficient(index))
     }
 
+    /// Modes of a drive depend on time only, so they change before those of other elements.
     fn is_drive(&self) -> bool {
         self.circuit.element(self.draft.current).kind.family == Family::Drive
     }
 }
 
 impl<'c> Lowering<'c> {
+    /// The value that the patch gives to a setting of the current element; `None` if it is omitted.
     pub(super) fn amount(&self, name: &str) -> Option<&'c Amount> {
         let element = self.circuit.element(self.draft.current);
         element.settings[self.setting(name)].as_ref().map(|placed| &placed.value)
     }
 
+    /// The default of a setting of the current element, from its kind.
     fn default(&self, name: &str) -> SettingDefault {
         self.circuit.element(self.draft.current).kind.settings[self.setting(name)].default
     }
 
-    /// The index of a setting of the current element.
+    /// Index of a setting of the current element, among the settings of its kind.
+    ///
+    /// It panics if the kind has no setting of this name: the law is wrong then.
     pub(super) fn setting(&self, name: &str) -> usize {
         let kind = self.circuit.element(self.draft.current).kind;
-        kind.setting(name).expect("a law names settings of its kind")
+        kind.setting(name).expect("laws read only settings of their kind")
     }
 }

@@ -1,4 +1,8 @@
-//! From the circuit to the program: every element's law, emitted once.
+//! Lowers a circuit to a program: emits every element's law once.
+//!
+//! Outputs come first, in the order in which elements depend on each other. Memory laws come second, because they can
+//! read any output. Then follow signals, scales, switches and orders of settings. Finally the body is sorted and the
+//! finished program is checked.
 
 mod check;
 mod dry_run;
@@ -8,22 +12,38 @@ mod prologue;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::circuit::{Circuit, Stage};
+use crate::circuit::{Circuit, EvaluationStep};
 use crate::document::Report;
-use crate::elements::{Family, Output};
+use crate::elements::{Family, OutputStage};
 use crate::ir::{
-    Builder, Declared, Draft, Lamp, Loop, Op, Order, Outlet, ParameterSlot, Probe, Program, Register,
-    Relation, ScaleSlot, Switch,
+    Builder, Declared, Draft, ElementOutput, Lamp, Loop, Op, ParameterSlot, Program, Register, Relation,
+    ScaleSlot, SettingOrder, SignalInfo, Switch,
 };
 use crate::machines::REFERENCE;
 use patchcord_expr::Dimension;
 
 impl Program {
-    /// Flattens a checked circuit, and solves its loops once in initial condition.
+    /// Lowers a checked circuit to a program, and solves its loops once in initial condition.
     ///
     /// # Errors
-    /// When a coefficient is not a finite number in its range, or a loop without an integrator has no
-    /// solution or several.
+    /// If a coefficient is not a finite number in its range, or if a loop without an integrator does not have exactly
+    /// one solution.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// assert_eq!(program.states(), ["A1"]);
+    /// assert!(program.loops().is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(circuit: &Circuit) -> Result<Program, Box<Report>> {
         let mut lowering = Lowering::new(circuit);
         lowering.outputs();
@@ -32,12 +52,12 @@ impl Program {
         lowering.scales();
         lowering.switches();
         lowering.orders();
-        let program = lowering.arranged();
+        let program = lowering.finish();
         let findings = check::findings(circuit, &program);
         if findings.is_empty() {
             return Ok(program);
         }
-        // The parts of an edited patch have no positions: its text has.
+        // The parts of an edited patch have no positions, but its text has.
         match circuit.reread() {
             Some(read) => Program::new(&read?),
             None => Err(Box::new(circuit.report_with(findings))),
@@ -45,17 +65,21 @@ impl Program {
     }
 }
 
-/// A circuit on its way to a program.
+/// A circuit during lowering.
 struct Lowering<'c> {
+    /// The checked circuit. Lowering reads it and never changes it.
     circuit: &'c Circuit,
+    /// The program so far, with the register of every output that was emitted.
     draft: Draft,
-    /// Coefficients of settings that laws have read, by element and setting.
+    /// Indices of the coefficients of settings that laws have read, by element and setting.
     settings: HashMap<(usize, usize), u32>,
-    /// Registers of the prologue that hold named values.
+    /// Registers of the prologue that contain named values.
     names: HashMap<String, Register>,
 }
 
 impl<'c> Lowering<'c> {
+    /// Begins the lowering: the program has the parameters in SI units, the time scale and the readers of every
+    /// element, and no operation yet.
     fn new(circuit: &'c Circuit) -> Self {
         let elements = circuit.elements();
         let parameters = circuit.parameters().map(|(name, parameter, value)| {
@@ -69,51 +93,59 @@ impl<'c> Lowering<'c> {
             ParameterSlot { value: value * declared.per_unit, declared: Arc::new(declared) }
         });
         let mut program = Program { parameters: parameters.collect(), ..Program::default() };
-        program.readers = circuit.all_readers();
-        program.time_scale = circuit.time_scale();
+        program.lowered_mut().readers = circuit.all_readers();
+        program.lowered_mut().time_scale = circuit.time_scale();
         let draft = Draft::new(program, elements.len());
         Lowering { circuit, draft, settings: HashMap::new(), names: HashMap::new() }
     }
 
-    /// The interface that laws emit into.
+    /// The interface through which laws emit operations. The current element is `draft.current`.
     fn builder(&mut self) -> &mut dyn Builder {
         self
     }
 
+    /// Emits the outputs in the order of evaluation, and lists their registers in the order of the circuit.
     fn outputs(&mut self) {
         let circuit = self.circuit;
-        circuit.stages().iter().for_each(|stage| self.stage(stage));
-        self.draft.program.elements = (self.circuit.elements().iter().zip(&self.draft.outputs))
-            .map(|(element, register)| Outlet {
+        circuit.evaluation_order().iter().for_each(|stage| self.stage(stage));
+        self.draft.program.lowered_mut().elements = (self.circuit.elements().iter().zip(&self.draft.outputs))
+            .map(|(element, register)| ElementOutput {
                 name: element.name.clone(),
-                register: register.expect("every element stands in one stage"),
+                register: register.expect("every element is in one stage"),
             })
             .collect();
     }
 
-    fn stage(&mut self, stage: &Stage) {
+    /// Emits an element, or a loop with its elements. All voltages that it reads are emitted by now, except the unknown
+    /// of a loop that contains it.
+    fn stage(&mut self, stage: &EvaluationStep) {
         match stage {
-            Stage::Element(element) => self.output(*element),
-            Stage::Loop { opened, inside } => self.close_loop(stage, *opened, inside),
+            EvaluationStep::Element(element) => self.output(*element),
+            EvaluationStep::Loop { opener, inner } => self.close_loop(stage, *opener, inner),
         }
     }
 
+    /// Emits the output of an element. The output of an amplifier is limited and gets a lamp.
+    ///
+    /// An integrator needs no limit here: its state is limited where it is integrated. A network is limited by its
+    /// inputs only.
     fn output(&mut self, element: usize) {
         self.draft.current = element;
         let kind = self.circuit.element(element).kind;
         let mut register = (kind.output_law)(self.builder());
-        if matches!(kind.output, Output::Amplifier | Output::OpenAmplifier) {
+        if matches!(kind.output, OutputStage::Amplifier | OutputStage::OpenAmplifier) {
             let output = self.clip(register);
-            self.draft.program.lamps.push(Lamp { element, demand: register, output });
+            self.draft.program.lowered_mut().lamps.push(Lamp { element, demand: register, output });
             register = output;
         }
         if kind.family == Family::Drive {
-            self.draft.program.drives.push(register);
+            self.draft.program.lowered_mut().drives.push(register);
         }
         self.draft.outputs[element] = Some(register);
-        self.draft.program.order.push(element);
+        self.draft.program.lowered_mut().order.push(element);
     }
 
+    /// The demanded output, limited to ±100 V: max(min(demand, 100 V), -100 V).
     fn clip(&mut self, demand: Register) -> Register {
         let builder = self.builder();
         let (upper, lower) = (builder.constant(REFERENCE), builder.constant(-REFERENCE));
@@ -121,21 +153,31 @@ impl<'c> Lowering<'c> {
         builder.maximum(below, lower)
     }
 
-    /// Emits a loop: its tear, what is inside, and the element that opens it.
-    fn close_loop(&mut self, stage: &Stage, opened: usize, inside: &[Stage]) {
-        let index = self.draft.program.loops.len();
+    /// Emits a loop: its tear, the elements inside, and the element at which it is opened.
+    ///
+    /// The tear is the unknown output of that element. While the elements inside are emitted, it takes the place of the
+    /// output. The operations up to the recomputed output are the function whose fixed point the solver finds.
+    fn close_loop(&mut self, stage: &EvaluationStep, opened: usize, inside: &[EvaluationStep]) {
+        let index = self.draft.program.lowered.loops.len();
         let tear = self.builder().emit(Op::Tear(index as u32));
         let names = stage.members().into_iter().map(|member| self.circuit.element(member).name.clone());
-        let is_open = self.circuit.element(opened).kind.output == Output::OpenAmplifier;
-        self.draft.program.loops.push(Loop { tear, result: tear, members: names.collect(), is_open });
+        let is_open = self.circuit.element(opened).kind.output == OutputStage::OpenAmplifier;
+        self.draft.program.lowered_mut().loops.push(Loop {
+            tear,
+            result: tear,
+            members: names.collect(),
+            is_open,
+        });
         self.draft.outputs[opened] = Some(tear);
         inside.iter().for_each(|stage| self.stage(stage));
         self.output(opened);
-        self.draft.program.loops[index].result = self.draft.outputs[opened].unwrap_or(tear);
-        // What is worked out from the tear carries its rounding times the gain of the loop; the tear does not.
+        self.draft.program.lowered_mut().loops[index].result = self.draft.outputs[opened].unwrap_or(tear);
+        // Readers use the tear. The recomputed output has a rounding error that is the tear's times the gain of the
+        // loop.
         self.draft.outputs[opened] = Some(tear);
     }
 
+    /// Emits the memory laws of all elements, in the order of the circuit. All outputs have registers by now.
     fn memories(&mut self) {
         for (element, entry) in self.circuit.elements().iter().enumerate() {
             self.draft.current = element;
@@ -145,6 +187,7 @@ impl<'c> Lowering<'c> {
         }
     }
 
+    /// Adds the recordable signals in the order of the circuit. A signal in volts with factor 1 needs no coefficient.
     fn signals(&mut self) {
         for signal in self.circuit.signals() {
             let is_volts = signal.scale.is_none() && signal.factor == 1.0;
@@ -153,7 +196,7 @@ impl<'c> Lowering<'c> {
             let (unit, per_unit) = self.circuit.signal_unit(signal);
             let dimension = signal.scale.map(|scale| self.circuit.derived_unit(scale).dimension());
             let register = self.draft.outputs[signal.element].expect("outputs come before signals");
-            self.draft.program.signals.push(Probe {
+            self.draft.program.lowered_mut().signals.push(SignalInfo {
                 name: signal.name.clone(),
                 register,
                 per_volt,
@@ -165,25 +208,32 @@ impl<'c> Lowering<'c> {
         }
     }
 
-    /// The scales, as the formulas of a run read them.
+    /// Makes the scales available to the formulas of a run, each as a coefficient with its value per volt in SI.
     fn scales(&mut self) {
         for (index, (name, scale)) in self.circuit.patch().scales.iter().enumerate() {
             let per_volt = self.scale_coefficient(index);
             let slot = ScaleSlot { name: name.clone(), per_volt, dimension: scale.unit.dimension() };
-            self.draft.program.scales.push(slot);
+            self.draft.program.lowered_mut().scales.push(slot);
         }
     }
 
+    /// Adds the elements whose positions a phase can wait for: those with names for the values of their first mode.
     fn switches(&mut self) {
         for (element, entry) in self.circuit.elements().iter().enumerate() {
             let positions = entry.kind.positions;
             if let Some(mode) = self.draft.own_mode.get(&element).filter(|_| !positions.is_empty()) {
-                self.draft.program.switches.push(Switch { element, mode: mode.index as usize, positions });
+                self.draft.program.lowered_mut().switches.push(Switch {
+                    element,
+                    mode: mode.index as usize,
+                    positions,
+                });
             }
         }
     }
 
-    /// The settings that must stand in an order, also once a run has set parameters.
+    /// Collects the required orders of settings. They are checked again after every change of parameters.
+    ///
+    /// A pair in `ordered` gives one order. A triple in `bounded` gives two, and a bound that is not set gives none.
     fn orders(&mut self) {
         for (element, entry) in self.circuit.elements().iter().enumerate() {
             self.draft.current = element;
@@ -197,20 +247,25 @@ impl<'c> Lowering<'c> {
         }
     }
 
+    /// Requires an order of two settings if both are set. Limits that are not set restrict nothing.
     fn order(&mut self, setting: &str, relation: Relation, other: &str) {
         if let (Some(of), Some(to)) = (self.setting_coefficient(setting), self.setting_coefficient(other)) {
-            self.draft.program.orders.push(Order { of, relation, to });
+            self.draft.program.lowered_mut().orders.push(SettingOrder { of, relation, to });
         }
     }
 
-    /// The program, its body in the order in which it is worked out.
-    fn arranged(mut self) -> Program {
+    /// Sorts the body, finds kinks and discontinuities, and returns the program.
+    ///
+    /// Sorting renumbers the registers, so kinks, upstream delay lines and angles are found afterwards. `owners` has
+    /// the element of every operation in the new order.
+    fn finish(mut self) -> Program {
         let order = self.draft.program.arrange();
         self.draft.program.find_corners();
-        self.draft.program.find_echoes();
+        self.draft.program.find_upstream();
         let owners: Vec<usize> = order.into_iter().map(|at| self.draft.owners[at]).collect();
-        [self.draft.program.kinks, self.draft.program.guard_kinks] = self.draft.program.find_kinks(&owners);
-        self.draft.program.angles = self.draft.program.find_angles(&owners);
+        [self.draft.program.lowered_mut().kinks, self.draft.program.lowered_mut().guard_kinks] =
+            self.draft.program.find_kinks(&owners);
+        self.draft.program.lowered_mut().angles = self.draft.program.find_angles(&owners);
         self.draft.program
     }
 }

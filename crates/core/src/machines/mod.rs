@@ -1,9 +1,12 @@
-//! What a machine has: parts, gains, reference. One file a machine, one row in [`ALL`].
+//! The machines for which patches can be made: their parts, gains and reference voltage.
+//!
+//! Each machine has its own file and one entry in [`ALL`]. The checker compares a patch with its machine; the engine
+//! itself computes the same for every machine.
 
 mod solartron_1451;
 mod unlimited;
 
-/// A part that a machine has a number of.
+/// A kind of part that a machine has a limited number of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Part {
     /// A summing amplifier.
@@ -16,7 +19,7 @@ pub enum Part {
     FreePot,
     /// Two diodes.
     DiodePair,
-    /// A quarter-squares multiplier.
+    /// A quarter-squares multiplier with its output amplifier.
     Multiplier,
     /// A function generator, fixed or set by hand, with its output amplifier.
     FunctionGenerator,
@@ -26,14 +29,14 @@ pub enum Part {
     TrackHold,
     /// A delay line.
     DelayLine,
-    /// A rebound stop on an integrator.
+    /// A rebound stop at an integrator.
     Rebound,
-    /// A brake on an integrator.
+    /// A brake at an integrator.
     Brake,
 }
 
 impl Part {
-    /// Every part, in the order of listings.
+    /// Every part, in the order in which listings show them.
     pub const ALL: &[Part] = &[
         Part::Summer,
         Part::Integrator,
@@ -49,7 +52,7 @@ impl Part {
         Part::Brake,
     ];
 
-    /// Key of the part in documents and listings (plural).
+    /// The key of the part in documents and listings, in the plural.
     pub fn key(self) -> &'static str {
         match self {
             Part::Summer => "summers",
@@ -67,12 +70,22 @@ impl Part {
         }
     }
 
-    /// The part as messages call it (plural).
+    /// The name of the part in messages, in the plural.
     pub fn noun(self) -> String {
         self.key().replace('_', " ")
     }
 
-    /// So many of the part, in words: "no relays", "1 relay", "5 diode pairs".
+    /// A number of this part in words: "no relays", "1 relay", "5 diode pairs".
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::machines::Part;
+    ///
+    /// assert_eq!(Part::FixedPot.counted(1), "1 fixed pot");
+    /// assert_eq!(Part::Relay.counted(0), "no relays");
+    /// assert_eq!((Part::DiodePair.key(), Part::DiodePair.noun().as_str()), ("diode_pairs", "diode pairs"));
+    /// ```
     pub fn counted(self, count: usize) -> String {
         match count {
             0 => format!("no {}", self.noun()),
@@ -82,39 +95,70 @@ impl Part {
     }
 }
 
-/// A machine that patches can be made for.
+/// A machine for which patches can be made.
 #[derive(Debug)]
 pub struct Machine {
-    /// Name in documents.
+    /// Its name in documents.
     pub name: &'static str,
-    /// What it is, in one line.
+    /// A description in one line.
     pub title: &'static str,
-    /// Where its data come from.
+    /// The source of these data.
     pub source: &'static str,
-    /// Parts and how many of each; a part that is not listed is not there. `None`: no limit at all.
+    /// The number of each part; a part that is not listed does not exist. `None` if parts are unlimited.
     pub inventory: Option<&'static [(Part, usize)]>,
-    /// Input gains of summing amplifiers; empty: any.
+    /// Permitted input gains of summing amplifiers; empty if every gain is permitted.
     pub summer_gains: &'static [f64],
-    /// Input gains of integrating amplifiers, per machine second; empty: any.
+    /// Permitted input gains of integrating amplifiers, per machine second; empty if every gain is permitted.
     pub integrator_gains: &'static [f64],
 }
 
-/// The reference voltage of every machine here, and where its amplifiers stop, in volts.
+/// The reference voltage in volts. It also is the largest output of an amplifier. All machines here have the same one.
 pub const REFERENCE: f64 = 100.0;
 
-/// Every machine.
+/// Every machine, in the order of listings.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::machines::{ALL, DEFAULT_MACHINE};
+///
+/// let names: Vec<&str> = ALL.iter().map(|machine| machine.name).collect();
+/// assert_eq!(names, ["solartron-1451", "unlimited"]);
+/// assert_eq!(DEFAULT_MACHINE.name, "unlimited");
+/// ```
 pub static ALL: &[&Machine] = &[&solartron_1451::MACHINE, &unlimited::MACHINE];
 
-/// The machine of patches that name none.
-pub static UNNAMED: &Machine = &unlimited::MACHINE;
+/// The machine of a patch that names none.
+pub static DEFAULT_MACHINE: &Machine = &unlimited::MACHINE;
 
-/// The machine of this name.
+/// The machine with this name.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::machines::find;
+///
+/// let machine = find("solartron-1451").expect("a machine");
+/// assert_eq!(machine.summer_gains, [1.0, 10.0]);
+/// assert!(find("lucidac").is_none());
+/// ```
 pub fn find(name: &str) -> Option<&'static Machine> {
     ALL.iter().copied().find(|machine| machine.name == name)
 }
 
 impl Machine {
-    /// How many of a part it has; `None`: as many as one likes.
+    /// How many of a part the machine has. `None` if the number is unlimited.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::machines::{Part, find};
+    ///
+    /// let machine = find("solartron-1451").expect("a machine");
+    /// assert_eq!((machine.count(Part::Integrator), machine.count(Part::Relay)), (Some(8), Some(0)));
+    /// let unlimited = find("unlimited").expect("a machine");
+    /// assert_eq!(unlimited.count(Part::Integrator), None);
+    /// ```
     pub fn count(&self, part: Part) -> Option<usize> {
         let inventory = self.inventory?;
         Some(inventory.iter().find(|(owned, _)| *owned == part).map_or(0, |(_, count)| *count))
@@ -126,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_1451_is_the_one_of_the_text() {
+    fn the_1451_has_the_parts_of_the_text() {
         let machine = find("solartron-1451").unwrap();
         let counts = Part::ALL.iter().map(|part| machine.count(*part));
         let expected = [16, 8, 12, 6, 4, 2, 0, 0, 0, 0, 0, 0].map(Some);
@@ -134,14 +178,14 @@ mod tests {
     }
 
     #[test]
-    fn one_part_is_told_in_the_singular() {
-        let told = [(0, "no summers"), (1, "1 summer"), (2, "2 summers")];
-        assert!(told.iter().all(|(count, text)| Part::Summer.counted(*count) == *text));
+    fn one_part_is_named_in_the_singular() {
+        let cases = [(0, "no summers"), (1, "1 summer"), (2, "2 summers")];
+        assert!(cases.iter().all(|(count, text)| Part::Summer.counted(*count) == *text));
         assert_eq!(Part::FixedPot.counted(1), "1 fixed pot");
     }
 
     #[test]
-    fn the_roomy_machine_has_no_limits() {
+    fn the_unlimited_machine_has_no_limits() {
         let machine = find("unlimited").unwrap();
         assert!(Part::ALL.iter().all(|part| machine.count(*part).is_none()));
     }

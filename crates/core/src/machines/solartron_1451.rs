@@ -1,8 +1,11 @@
-//! The valve machine of the thesis.
+//! The valve machine of the thesis: Solartron 1451.
+//!
+//! Its gains are powers of ten, which the input resistors of the amplifiers give. Every other factor needs a
+//! potentiometer in front of an input. It has no relays, delay lines or function generators.
 
 use super::{Machine, Part};
 
-/// Solartron 1451, as chapter 8.1 of the thesis lists it.
+/// Solartron 1451, as listed in section 8.1 of the thesis.
 pub static MACHINE: Machine = Machine {
     name: "solartron-1451",
     title: "Solartron 1451: valve amplifiers, chopper stabilised, ±100 V",

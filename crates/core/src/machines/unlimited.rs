@@ -1,8 +1,11 @@
-//! A machine with as much of everything as a patch wants.
+//! A machine without limits on parts and gains, for study.
+//!
+//! Patches use it by default. It differs from the other machines only in the checks of parts and gains: voltages and
+//! laws are the same.
 
 use super::Machine;
 
-/// The roomy machine: ±100 V like the others, any gain, any number of parts.
+/// The unlimited machine: ±100 V like the others, any gain, any number of parts.
 pub static MACHINE: Machine = Machine {
     name: "unlimited",
     title: "as many parts and gains as the patch asks for, ±100 V",

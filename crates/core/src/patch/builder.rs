@@ -1,11 +1,18 @@
-//! Patches made in Rust instead of in a file.
+//! Builders that make a patch in Rust instead of reading it from a file.
+//!
+//! A builder collects JSON values under the keys of the document format. [`PatchBuilder::build`] prints the document
+//! and decodes it like a file. A built patch therefore passes the same checks, and its faults have positions in a text.
 
 use serde_json::{Map, Value, json};
 
 use super::document::{FORMAT_VERSION, Patch};
 use crate::document::Report;
 
-/// Collects the parts of a patch; [`PatchBuilder::build`] makes the patch, in the same format as a file.
+/// Builds a patch from its parts.
+///
+/// A part with a name that exists already replaces the earlier part.
+///
+/// # Examples
 ///
 /// ```
 /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
@@ -22,11 +29,12 @@ use crate::document::Report;
 /// ```
 #[derive(Debug, Clone)]
 pub struct PatchBuilder {
+    /// The document so far, with the sections in the order of the calls.
     document: Map<String, Value>,
 }
 
 impl PatchBuilder {
-    /// A patch with a title, on the machine without limits.
+    /// Begins a patch with a title, for the machine without limits.
     pub fn new(title: &str) -> Self {
         let mut document = Map::new();
         document.insert("patchcord".into(), FORMAT_VERSION.into());
@@ -34,62 +42,105 @@ impl PatchBuilder {
         PatchBuilder { document }
     }
 
-    /// The machine that the patch is made for.
+    /// Sets the machine for which the patch is made.
     pub fn machine(mut self, name: &str) -> Self {
         self.document.insert("machine".into(), name.into());
         self
     }
 
-    /// Machine seconds per problem second.
+    /// Sets the time scale in machine seconds per problem second. It must be positive.
     pub fn time_scale(mut self, scale: f64) -> Self {
         self.document.insert("time_scale".into(), scale.into());
         self
     }
 
-    /// A parameter with its range, in a unit.
+    /// Adds a parameter. The value and the range (smallest, largest) are in `unit`.
     pub fn parameter(self, name: &str, value: f64, unit: &str, range: [f64; 2]) -> Self {
         self.insert("parameters", name, json!({"value": value, "unit": unit, "range": range}))
     }
 
-    /// A scale: what one volt stands for, as a number in `unit` or a formula.
+    /// Adds a scale: the value of one volt, as a number in `unit` or as a formula.
     pub fn scale(self, name: &str, per_volt: impl Into<Value>, unit: &str) -> Self {
         self.insert("scales", name, json!({"per_volt": per_volt.into(), "unit": unit}))
     }
 
-    /// A drive in the units of a scale.
+    /// Adds a drive. Its values are in the unit of the scale.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// // A step of 5 mm at 0.1 s, on a scale of 2 mm per volt.
+    /// let patch = PatchBuilder::new("step")
+    ///     .scale("position", 2.0, "mm")
+    ///     .drive("D", "position", ElementBuilder::new("step").set("height", 5).set("at", 0.1))
+    ///     .build()?;
+    /// assert_eq!(patch.drives["D"].kind.name, "step");
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
     pub fn drive(self, name: &str, scale: &str, drive: ElementBuilder) -> Self {
         let drive = drive.set("scale", scale);
         self.insert("drives", name, Value::Object(drive.entry))
     }
 
-    /// An element.
+    /// Adds an element or an instance of a macro.
     pub fn element(self, name: &str, element: ElementBuilder) -> Self {
         self.insert("elements", name, Value::Object(element.entry))
     }
 
-    /// A macro: elements may name it as their kind.
+    /// Defines a macro. An element whose kind is `name` is an instance of it.
     pub fn define(self, name: &str, definition: MacroBuilder) -> Self {
         self.insert("macros", name, Value::Object(definition.entry))
     }
 
-    /// A signal read at an element's output: `factor` times the voltage in a scale.
-    pub fn signal(self, name: &str, at: &str, scale: &str, factor: f64) -> Self {
-        self.insert("signals", name, json!({"at": at, "scale": scale, "factor": factor}))
+    /// Adds a signal: the voltage at the output of `element`, converted by a scale and multiplied by `factor`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// // The integrator inverts, so the factor of the signal is -1.
+    /// let patch = PatchBuilder::new("ramp")
+    ///     .scale("speed", 0.5, "m/s")
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["+100"]))
+    ///     .signal("v", "A1", "speed", -1.0)
+    ///     .build()?;
+    /// assert_eq!(patch.signals["v"].factor, -1.0);
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn signal(self, name: &str, element: &str, scale: &str, factor: f64) -> Self {
+        self.insert("signals", name, json!({"at": element, "scale": scale, "factor": factor}))
     }
 
-    /// How long to run and with which step, in problem seconds.
+    /// Sets the duration of the run and the step of the solver, both in problem seconds and positive.
     pub fn run(mut self, duration: f64, step: f64) -> Self {
         self.document.insert("run".into(), json!({"for": duration, "step": step}));
         self
     }
 
-    /// What to record.
+    /// Sets the signals, drives and elements to record.
     pub fn record<const N: usize>(mut self, signals: [&str; N]) -> Self {
         self.document.insert("record".into(), json!(signals.to_vec()));
         self
     }
 
-    /// A picture, beside those that there are: signals against a signal, or against "t".
+    /// Adds a picture of the signals `y` against the signal `x`, or against time if `x` is "t".
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let patch = PatchBuilder::new("decay")
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]))
+    ///     .picture("The decay", "t", ["A1"])
+    ///     .build()?;
+    /// assert_eq!(patch.pictures[0].title, "The decay");
+    /// assert_eq!(patch.pictures[0].y[0].value, "A1");
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
     pub fn picture<const N: usize>(mut self, title: &str, x: &str, y: [&str; N]) -> Self {
         let pictures = self.document.entry("pictures").or_insert_with(|| json!([]));
         if let Value::Array(pictures) = pictures {
@@ -98,28 +149,44 @@ impl PatchBuilder {
         self
     }
 
-    /// The patch.
+    /// Decodes the collected document.
     ///
     /// # Errors
-    /// When a name or a value could not be read back from the document.
+    /// If the document cannot be decoded, for example because it is longer than 16 MB. Faults of its parts are reported
+    /// by [`Circuit::new`](crate::circuit::Circuit::new).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::PatchBuilder;
+    ///
+    /// let patch = PatchBuilder::new("empty").build()?;
+    /// assert_eq!(patch.file(), "(built)");
+    /// assert!(patch.text().contains("\"title\": \"empty\""));
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
     pub fn build(self) -> Result<Patch, Box<Report>> {
         Patch::from_value("(built)", &Value::Object(self.document))
     }
 
+    /// Adds an entry to a section.
     fn insert(mut self, section: &str, name: &str, value: Value) -> Self {
-        insert(&mut self.document, section, name, value);
+        insert_in_section(&mut self.document, section, name, value);
         self
     }
 }
 
-fn insert(into: &mut Map<String, Value>, section: &str, name: &str, value: Value) {
-    let section = into.entry(section).or_insert_with(|| Value::Object(Map::new()));
-    if let Value::Object(named) = section {
-        named.insert(name.to_owned(), value);
+/// Adds an entry to a section of an object. A missing section is added.
+fn insert_in_section(object: &mut Map<String, Value>, section: &str, name: &str, value: Value) {
+    let section = object.entry(section).or_insert_with(|| Value::Object(Map::new()));
+    if let Value::Object(entries) = section {
+        entries.insert(name.to_owned(), value);
     }
 }
 
-/// A parameter of a [`PatchEditor`](super::PatchEditor).
+/// Builds a parameter for [`PatchEditor::put_parameter`](super::PatchEditor::put_parameter).
+///
+/// # Examples
 ///
 /// ```
 /// use patchcord_core::patch::{Patch, ParameterBuilder};
@@ -133,11 +200,12 @@ fn insert(into: &mut Map<String, Value>, section: &str, name: &str, value: Value
 /// ```
 #[derive(Debug, Clone)]
 pub struct ParameterBuilder {
+    /// The JSON object of the parameter.
     entry: Map<String, Value>,
 }
 
 impl ParameterBuilder {
-    /// A parameter with a value in a unit.
+    /// Begins a parameter with a value in `unit`.
     pub fn new(value: impl Into<Value>, unit: &str) -> Self {
         let mut entry = Map::new();
         entry.insert("value".into(), value.into());
@@ -145,25 +213,28 @@ impl ParameterBuilder {
         ParameterBuilder { entry }
     }
 
-    /// Its least and its largest value, in its unit.
+    /// Sets the smallest and the largest permitted value, in the unit of the parameter.
     pub fn range(mut self, range: [impl Into<Value>; 2]) -> Self {
         let range: Vec<Value> = range.into_iter().map(Into::into).collect();
         self.entry.insert("range".into(), range.into());
         self
     }
 
-    /// What it is.
+    /// Sets the description.
     pub fn description(mut self, description: &str) -> Self {
         self.entry.insert("description".into(), description.into());
         self
     }
 
+    /// The JSON object of the document.
     pub(super) fn into_value(self) -> Value {
         Value::Object(self.entry)
     }
 }
 
-/// A macro of a [`PatchBuilder`].
+/// Builds a macro for [`PatchBuilder::define`].
+///
+/// # Examples
 ///
 /// ```
 /// use patchcord_core::patch::{ElementBuilder, MacroBuilder, PatchBuilder};
@@ -183,35 +254,37 @@ impl ParameterBuilder {
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct MacroBuilder {
+    /// The JSON object of the macro.
     entry: Map<String, Value>,
 }
 
 impl MacroBuilder {
-    /// A macro of nothing yet.
+    /// Begins a macro without ports and elements.
     pub fn new() -> Self {
         MacroBuilder::default()
     }
 
-    /// A macro as a document has it: an object with "outputs", "elements" and the other keys of a macro.
-    pub fn of(entry: Map<String, Value>) -> Self {
+    /// Makes a macro from its JSON object with "outputs", "elements" and the other keys of a macro.
+    pub fn from_entry(entry: Map<String, Value>) -> Self {
         MacroBuilder { entry }
     }
 
+    /// The JSON object of the document.
     pub(super) fn into_value(self) -> Value {
         Value::Object(self.entry)
     }
 
-    /// An input port, and what it is for.
+    /// Adds an input port with a description.
     pub fn input(self, port: &str, description: &str) -> Self {
         self.insert("inputs", port, description.into())
     }
 
-    /// An output port: an element inside. The first is what the bare name of an instance means.
+    /// Adds an output port: the output of an element of the macro. The name of an instance alone means its first port.
     pub fn output(self, port: &str, element: &str) -> Self {
         self.insert("outputs", port, element.into())
     }
 
-    /// A setting in a unit; `default` may be null: then every instance must give it.
+    /// Adds a setting in `unit`. If `default` is null, every instance must specify the setting.
     pub fn setting(self, name: &str, unit: &str, default: impl Into<Value>) -> Self {
         let default = default.into();
         let setting =
@@ -219,46 +292,62 @@ impl MacroBuilder {
         self.insert("settings", name, setting)
     }
 
-    /// An element, or an instance of another macro.
+    /// Adds an element, or an instance of another macro.
     pub fn element(self, name: &str, element: ElementBuilder) -> Self {
         self.insert("elements", name, Value::Object(element.entry))
     }
 
+    /// Adds an entry to a section of the macro.
     fn insert(mut self, section: &str, name: &str, value: Value) -> Self {
-        insert(&mut self.entry, section, name, value);
+        insert_in_section(&mut self.entry, section, name, value);
         self
     }
 }
 
-/// An element or a drive of a [`PatchBuilder`].
+/// Builds an element, a drive or an instance of a macro for [`PatchBuilder`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// let integrator = ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 20);
+/// let pot = ElementBuilder::new("pot").cord("in", "A1").set("setting", 0.25);
+/// let patch = PatchBuilder::new("decay").element("A1", integrator).element("P1", pot).build()?;
+/// assert_eq!(patch.elements["A1"].kind.name, "integrator");
+/// assert_eq!(patch.elements["P1"].plugs[0].jack.value, "in");
+/// # Ok::<(), Box<patchcord_core::document::Report>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ElementBuilder {
+    /// The JSON object of the element, drive or instance.
     entry: Map<String, Value>,
 }
 
 impl ElementBuilder {
-    /// An element of a kind, such as "summer".
+    /// Begins an element of a kind such as "summer", or an instance of the macro of that name.
     pub fn new(kind: &str) -> Self {
         let mut entry = Map::new();
         entry.insert("kind".into(), kind.into());
         ElementBuilder { entry }
     }
 
-    /// An element or a drive as a document has it: an object with "kind" and the other keys of the kind.
-    pub fn of(entry: Map<String, Value>) -> Self {
+    /// Makes an element or a drive from its JSON object with "kind" and the other keys of the kind.
+    pub fn from_entry(entry: Map<String, Value>) -> Self {
         ElementBuilder { entry }
     }
 
+    /// The JSON object of the document.
     pub(super) fn into_value(self) -> Value {
         Value::Object(self.entry)
     }
 
-    /// One cord into an input, such as "in" or "bias_plus".
+    /// Sets the only cord into an input such as "in" or "bias_plus". `from` is the name of the output that drives it.
     pub fn cord(self, input: &str, from: &str) -> Self {
         self.set(input, from)
     }
 
-    /// Cords into a summing input, such as "x10", beside those that it has.
+    /// Adds cords into a summing input such as "x10". Earlier cords into the same input remain.
     pub fn cords<const N: usize>(mut self, jack: &str, from: [&str; N]) -> Self {
         let jacks = self.entry.entry("in").or_insert_with(|| Value::Object(Map::new()));
         if let Value::Object(jacks) = jacks {
@@ -270,7 +359,7 @@ impl ElementBuilder {
         self
     }
 
-    /// A setting, as a number, a formula or a word.
+    /// Sets a setting to a number, a formula or a word.
     pub fn set(mut self, name: &str, value: impl Into<Value>) -> Self {
         self.entry.insert(name.to_owned(), value.into());
         self

@@ -1,26 +1,31 @@
-//! From the tree of the text to the patch. Everything wrong is noted, and reading goes on.
+//! Decodes the tree of a document into the fields of a patch.
+//!
+//! Sections are decoded in a fixed order, because macros must be known before elements. Each function takes the keys
+//! that it knows from [`Fields`]; `Fields::finish` then reports keys that are missing or unknown. A fault becomes a
+//! finding and decoding continues. If an entry cannot be decoded, its name is kept in `UnreadNames`, so that cords from
+//! it are not reported as well.
 
 use std::collections::HashSet;
 
 use indexmap::IndexMap;
 
-use super::decode_entry::entry;
+use super::decode_entry::element_entry;
 use super::decode_run::run;
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Scale, Signal};
 use super::macros;
-use crate::document::fields::{Fields, Findings, list, number, positive, word, words};
+use crate::document::fields::{Fields, Findings, list, number, positive, string, strings};
 use crate::document::tree::{self, Content, Node};
-use crate::document::{Code, Diagnostic, DocumentKind, Placed, Span, any_error, formula, range, unit_of};
+use crate::document::{Code, Diagnostic, DocumentKind, Placed, Span, any_error, formula, parse_unit, range};
 use crate::elements::Family;
 use patchcord_expr::{Unit, nearest};
 
-/// Fills a patch from the tree of its text.
+/// Fills the fields of a patch from the tree of its text.
 ///
 /// # Errors
-/// When the document is not an object.
+/// If the document is not an object, or is a document of another kind, such as an experiment.
 pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic> {
     let mut findings = Findings::new();
-    if let Some(finding) = DocumentKind::Patch.instead(root) {
+    if let Some(finding) = DocumentKind::Patch.wrong_kind(root) {
         return Err(finding);
     }
     let Some(mut fields) = Fields::of(root, "the patch", &mut findings) else {
@@ -29,44 +34,45 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     version(&mut fields, &mut findings);
     patch.title = fields.text("title", &mut findings);
     patch.source = fields.text("source", &mut findings);
-    patch.machine = fields.take("machine").and_then(|node| word(node, "machine", &mut findings));
+    patch.machine = fields.take("machine").and_then(|node| string(node, "machine", &mut findings));
     patch.time_scale = time_scale(&mut fields, &mut findings);
-    let all = &mut findings;
-    let lost = &mut patch.lost.names;
-    fields.each("parameters", all, |named, all| {
-        keep(&mut patch.parameters, lost, named, parameter(named, all));
+    let unread = &mut patch.unread.names;
+    fields.each("parameters", &mut findings, |entry, findings| {
+        store(&mut patch.parameters, unread, entry, parameter(entry, findings));
     });
-    fields.each("scales", all, |named, all| {
-        keep(&mut patch.scales, lost, named, scale(named, all));
+    fields.each("scales", &mut findings, |entry, findings| {
+        store(&mut patch.scales, unread, entry, scale(entry, findings));
     });
-    fields.each("drives", all, |named, all| {
-        keep(&mut patch.drives, lost, named, entry(named, Family::Drive, all));
+    fields.each("drives", &mut findings, |entry, findings| {
+        store(&mut patch.drives, unread, entry, element_entry(entry, Family::Drive, findings));
     });
-    let macros = macros::read(&mut fields, all);
-    let mut elements = IndexMap::new();
-    fields.each("elements", all, |named, all| {
-        keep(&mut elements, lost, named, macros.item(named, all));
+    let macros = macros::decode_macros(&mut fields, &mut findings);
+    let mut element_section = IndexMap::new();
+    fields.each("elements", &mut findings, |entry, findings| {
+        store(&mut element_section, unread, entry, macros.section_entry(entry, findings));
     });
-    fields.each("signals", all, |named, all| {
-        keep(&mut patch.signals, lost, named, signal(named, all));
+    fields.each("signals", &mut findings, |entry, findings| {
+        store(&mut patch.signals, unread, entry, signal(entry, findings));
     });
-    patch.run = fields.take("run").map(|node| run(node, all)).unwrap_or_default();
-    patch.record = fields.take("record").map(|node| words(node, "record", all)).unwrap_or_default();
-    patch.pictures = fields.take("pictures").map(|node| pictures(node, all)).unwrap_or_default();
-    patch.note = fields.text("note", all);
-    fields.text("$schema", all);
-    patch.lost.section = has_lost_section(&fields);
-    fields.finish(all);
-    macros::write_out(macros, &elements, patch, all);
-    patch.own = elements;
-    if patch.elements.is_empty() && patch.drives.is_empty() && !any_error(all) {
-        all.push(empty(root));
+    patch.run = fields.take("run").map(|node| run(node, &mut findings)).unwrap_or_default();
+    patch.record =
+        fields.take("record").map(|node| strings(node, "record", &mut findings)).unwrap_or_default();
+    patch.pictures = fields.take("pictures").map(|node| pictures(node, &mut findings)).unwrap_or_default();
+    patch.note = fields.text("note", &mut findings);
+    fields.text("$schema", &mut findings);
+    patch.unread.has_unread_section = has_unread_section(&fields);
+    fields.finish(&mut findings);
+    macros::expand_macros(macros, &element_section, patch, &mut findings);
+    patch.element_section = element_section;
+    if patch.elements.is_empty() && patch.drives.is_empty() && !any_error(&findings) {
+        findings.push(empty_patch(root));
     }
     patch.findings = findings;
     Ok(())
 }
 
-fn empty(root: &Node) -> Diagnostic {
+/// The error for a patch without elements and drives, at the opening brace of the document.
+fn empty_patch(root: &Node) -> Diagnostic {
     let opening = Span { start: root.span.start, end: root.span.start + 1 };
     let hint = "write \"elements\": {\"A1\": {\"kind\": \"summer\", \"in\": {\"x1\": [\"+100\"]}}}, or begin with \
                 `patchcord new`";
@@ -74,32 +80,37 @@ fn empty(root: &Node) -> Diagnostic {
         .hint(hint)
 }
 
-/// The sections in which other parts of the document look for names.
-const SECTIONS: [&str; 5] = ["parameters", "scales", "drives", "elements", "signals"];
+/// The sections whose names other parts of the document refer to.
+const NAME_SECTIONS: [&str; 5] = ["parameters", "scales", "drives", "elements", "signals"];
 
-/// Whether a section is misspelled or no object, so that its names are not there.
-fn has_lost_section(fields: &Fields<'_>) -> bool {
-    fields.entries.iter().any(|(entry, taken)| match taken {
-        true => SECTIONS.contains(&entry.key.as_str()) && !matches!(entry.value.value, Content::Object(_)),
-        false => nearest(&entry.key, SECTIONS).is_some(),
+/// Whether a section of names could not be read: it is not an object, or its key is misspelled.
+fn has_unread_section(fields: &Fields<'_>) -> bool {
+    fields.entries.iter().any(|(entry, is_taken)| match is_taken {
+        true => {
+            NAME_SECTIONS.contains(&entry.key.as_str()) && !matches!(entry.value.value, Content::Object(_))
+        }
+        false => nearest(&entry.key, NAME_SECTIONS).is_some(),
     })
 }
 
-/// Keeps what was read under its name, or the name alone where it could not be read.
-fn keep<T>(
-    read: &mut IndexMap<String, T>,
-    lost: &mut HashSet<String>,
-    named: &tree::Entry,
+/// Stores a decoded value under the name of its entry. If there is no value, the name is added to the unread names.
+fn store<T>(
+    section: &mut IndexMap<String, T>,
+    unread: &mut HashSet<String>,
+    entry: &tree::KeyValue,
     value: Option<T>,
 ) {
     match value {
-        Some(value) => drop(read.insert(named.key.clone(), value)),
-        None => drop(lost.insert(named.key.clone())),
+        Some(value) => drop(section.insert(entry.key.clone(), value)),
+        None => drop(unread.insert(entry.key.clone())),
     }
 }
 
+/// Checks the required key "patchcord" with the version of the format.
+///
+/// Another version is reported, but decoding continues: most keys have the same meaning.
 fn version(fields: &mut Fields<'_>, findings: &mut Findings) {
-    let Some(node) = fields.need("patchcord", "the version of the format: write \"patchcord\": 1") else {
+    let Some(node) = fields.require("patchcord", "the version of the format: write \"patchcord\": 1") else {
         return;
     };
     if number(node, "patchcord", findings).is_some_and(|version| version != FORMAT_VERSION as f64) {
@@ -110,83 +121,97 @@ fn version(fields: &mut Fields<'_>, findings: &mut Findings) {
     }
 }
 
+/// The time scale in machine seconds per problem second; 1 if it is absent or invalid.
 fn time_scale(fields: &mut Fields<'_>, findings: &mut Findings) -> f64 {
     positive(fields, "time_scale", findings).map_or(1.0, |placed| placed.value)
 }
 
-pub(super) fn parameter(named: &tree::Entry, findings: &mut Findings) -> Option<Parameter> {
-    let mut fields = Fields::of(&named.value, format!("the parameter {}", named.key), findings)?;
-    let place = fields.need("value", "a number in the unit of the parameter");
-    let value = place.and_then(|node| number(node, "value", findings));
+/// Decodes an entry of "parameters". `None` if the value or the unit cannot be read.
+pub(super) fn parameter(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Parameter> {
+    let mut fields = Fields::of(&entry.value, format!("the parameter {}", entry.key), findings)?;
+    let value_node = fields.require("value", "a number in the unit of the parameter");
+    let value = value_node.and_then(|node| number(node, "value", findings));
     let unit = unit(&mut fields, findings);
     let range = fields.take("range").and_then(|node| range(node, "range", findings));
     let description = fields.text("description", findings);
     fields.text("note", findings);
     fields.finish(findings);
-    let span = named.key_span;
-    Some(Parameter { value: value?, unit: unit?, range, description, span, value_span: place?.span })
+    let (span, value_span) = (entry.key_span, value_node?.span);
+    Some(Parameter { value: value?, unit: unit?, range, description, span, value_span })
 }
 
-pub(super) fn scale(named: &tree::Entry, findings: &mut Findings) -> Option<Scale> {
-    let mut fields = Fields::of(&named.value, format!("the scale {}", named.key), findings)?;
-    let per_volt = fields.need("per_volt", "what one volt stands for, in the unit of the scale");
+/// Decodes an entry of "scales". `None` if the unit cannot be read.
+///
+/// A scale whose value cannot be read is kept, because its unit is sufficient for the check of other units.
+pub(super) fn scale(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Scale> {
+    let mut fields = Fields::of(&entry.value, format!("the scale {}", entry.key), findings)?;
+    let per_volt = fields.require("per_volt", "the value of one volt, in the unit of the scale");
     let per_volt = per_volt.and_then(|node| formula(node, "per_volt", findings));
     let unit = unit(&mut fields, findings);
     fields.text("description", findings);
     fields.text("note", findings);
     fields.finish(findings);
-    Some(Scale { per_volt, unit: unit?, span: named.key_span })
+    Some(Scale { per_volt, unit: unit?, span: entry.key_span })
 }
 
+/// Decodes the required key "unit".
 pub(super) fn unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Unit> {
-    let node = fields.need("unit", "such as \"N s/m\", or \"1\" for a pure number")?;
-    unit_of(node, findings)
+    let node = fields.require("unit", "such as \"N s/m\", or \"1\" for a pure number")?;
+    parse_unit(node, findings)
 }
 
-fn signal(named: &tree::Entry, findings: &mut Findings) -> Option<Signal> {
-    let mut fields = Fields::of(&named.value, format!("the signal {}", named.key), findings)?;
-    let at = fields.need("at", "the element at whose output it is read");
-    let at = at.and_then(|node| word(node, "at", findings));
-    let scale = fields.take("scale").and_then(|node| word(node, "scale", findings));
+/// Decodes an entry of "signals". `None` if the element cannot be read.
+fn signal(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Signal> {
+    let mut fields = Fields::of(&entry.value, format!("the signal {}", entry.key), findings)?;
+    let element = fields.require("at", "the element whose output is read");
+    let element = element.and_then(|node| string(node, "at", findings));
+    let scale = fields.take("scale").and_then(|node| string(node, "scale", findings));
     let factor = fields.take("factor").and_then(|node| factor(node, findings));
     fields.text("description", findings);
     fields.text("note", findings);
     fields.finish(findings);
-    Some(Signal { at: at?, scale, factor: factor.unwrap_or(1.0), span: named.key_span })
+    Some(Signal { element: element?, scale, factor: factor.unwrap_or(1.0), span: entry.key_span })
 }
 
+/// Decodes the factor of a signal. A factor of 0 is reported.
 fn factor(node: &Node, findings: &mut Findings) -> Option<f64> {
     let factor = number(node, "factor", findings)?;
     if factor == 0.0 {
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, "a signal times 0 shows nothing"));
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, "\"factor\" must not be 0"));
     }
     Some(factor)
 }
 
+/// Decodes the list "pictures".
 fn pictures(node: &Node, findings: &mut Findings) -> Vec<PictureSpec> {
     let items = list(node, "pictures", findings).unwrap_or_default();
     items.iter().filter_map(|item| picture(item, findings)).collect()
 }
 
+/// Decodes one picture. Without "x" it shows the signals against time.
+///
+/// Time is written as the name "t". The position of this name is that of the picture.
 fn picture(node: &Node, findings: &mut Findings) -> Option<PictureSpec> {
     let mut fields = Fields::of(node, "a picture", findings)?;
     let title = fields.text("title", findings);
     let x = match fields.take("x") {
-        Some(node) => word(node, "x", findings),
+        Some(node) => string(node, "x", findings),
         None => Some(Placed { value: "t".to_owned(), span: node.span }),
     };
-    let y = fields.need("y", "the signals along the vertical axis").map(|node| shown(node, findings));
+    let y = fields
+        .require("y", "the signals along the vertical axis")
+        .map(|node| picture_signals(node, findings));
     fields.text("note", findings);
     fields.finish(findings);
     Some(PictureSpec { title, x: x?, y: y? })
 }
 
-/// The signals that a picture shows: one at least.
-fn shown(node: &Node, findings: &mut Findings) -> Vec<Placed<String>> {
+/// Decodes the signals along the vertical axis of a picture. At least one is required.
+fn picture_signals(node: &Node, findings: &mut Findings) -> Vec<Placed<String>> {
     if matches!(&node.value, Content::List(items) if items.is_empty()) {
         let message = "the picture shows no signal";
-        let hint = "name the signals along the vertical axis, or leave the picture out";
+        let hint = "name the signals along the vertical axis, or remove the picture";
         findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint(hint));
     }
-    words(node, "y", findings)
+    strings(node, "y", findings)
 }

@@ -1,70 +1,79 @@
-//! Points in time and curves in volts, read off the tree of the text.
+//! Decodes and checks points: tables of time and curves in volts.
+//!
+//! Points come from a list in the document or from a CSV file. Both ways make a [`PointList`], which knows the position
+//! of every point for reports. [`checked_time_points`] and [`checked_curve`] then check the order and the range.
 
 use crate::document::fields::{Findings, list, number, wrong_type};
 use crate::document::tree::{Content, Node};
-use crate::document::{Code, Diagnostic, Span, told};
+use crate::document::{Code, Diagnostic, Span, format_number};
 use crate::machines::REFERENCE;
 
-/// How the points of a curve are mirrored to negative inputs.
+/// The symmetry by which the points of a curve at 0 V and above define the curve below 0 V.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Mirror {
+pub(super) enum Symmetry {
+    /// The points define the whole curve.
     None,
-    /// With the opposite sign.
+    /// f(-x) = -f(x)
     Odd,
-    /// With the same sign.
+    /// f(-x) = f(x)
     Even,
 }
 
-/// Inputs of a curve that lie nearer to each other than this, in volts, make no segment.
-const APART: f64 = 1e-6;
+/// Smallest distance between the inputs of two points of a curve, in volts. Nearer points would make a segment whose
+/// slope is dominated by rounding. The value is 1e-8 of the reference.
+const MIN_INPUT_DISTANCE: f64 = 1e-6;
 
-/// Points as they were read, from the patch or from a file.
-pub(super) struct Points<'a> {
+/// Points that were read from a document or a file, but not checked yet.
+pub(super) struct PointList<'a> {
+    /// The points [abscissa, ordinate].
     pub points: Vec<[f64; 2]>,
-    /// Where a point stands, and what is to be said of its place besides.
-    pub place: &'a dyn Fn(usize) -> (Span, String),
-    /// Where all of them stand.
+    /// Returns the position of a point in the document, and a text that follows messages about it, such as the line of
+    /// a file. The text may be empty.
+    pub locate: &'a dyn Fn(usize) -> (Span, String),
+    /// Position of the whole list.
     pub span: Span,
-    /// What wrong ones are called.
+    /// The code for reports about points.
     pub code: Code,
-    /// What to do about points that do not rise.
+    /// The hint if the points are not in increasing order.
     pub order_hint: &'static str,
 }
 
-/// What to do about points that do not rise, when no more is known of them.
-pub(super) const SORT: &str = "sort the points by their first number, and keep one of those that share it";
+/// The hint for points that are not in increasing order, if no more is known about their origin.
+pub(super) const SORT_HINT: &str =
+    "sort the points by their first number, and keep only one of those with the same first number";
 
-/// Points in time, at least one.
-pub(super) fn points(node: &Node, key: &str, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
-    listed(node, key, findings, points_of)
+/// Decodes points [time, value] of a drive; at least one.
+pub(super) fn time_points(node: &Node, key: &str, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+    checked_list(node, key, findings, checked_time_points)
 }
 
-/// A curve: two or more points in volts.
+/// Decodes points [input, output] of a curve in volts; at least two.
 pub(super) fn curve(
     node: &Node,
     key: &str,
-    mirror: Mirror,
+    symmetry: Symmetry,
     findings: &mut Findings,
 ) -> Option<Vec<[f64; 2]>> {
-    listed(node, key, findings, |points, findings| curve_of(points, key, mirror, findings))
+    checked_list(node, key, findings, |points, findings| checked_curve(points, key, symmetry, findings))
 }
 
-/// The points of a list, if they are found fit.
-fn listed(
+/// Decodes a list of points and passes it to `check`.
+fn checked_list(
     node: &Node,
     key: &str,
     findings: &mut Findings,
-    fit: impl Fn(Points<'_>, &mut Findings) -> Option<Vec<[f64; 2]>>,
+    check: impl Fn(PointList<'_>, &mut Findings) -> Option<Vec<[f64; 2]>>,
 ) -> Option<Vec<[f64; 2]>> {
-    let (items, points) = pairs(node, key, findings)?;
-    let place = |index: usize| (items[index].span, String::new());
-    fit(Points { points, place: &place, span: node.span, code: Code::BadNumber, order_hint: SORT }, findings)
+    let (items, points) = number_pairs(node, key, findings)?;
+    let locate = |index: usize| (items[index].span, String::new());
+    let code = Code::BadNumber;
+    check(PointList { points, locate: &locate, span: node.span, code, order_hint: SORT_HINT }, findings)
 }
 
-/// Points in time, if they are.
-pub(super) fn points_of(points: Points<'_>, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
-    if let Some(falls) = points.falls(0.0, "the times of a table must rise from point to point") {
-        findings.push(falls);
+/// Checks points in time: there is at least one, and the times are strictly increasing. `None` after a report.
+pub(super) fn checked_time_points(points: PointList<'_>, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+    if let Some(fault) = points.order_fault(0.0, "the times of a table must rise from point to point") {
+        findings.push(fault);
         return None;
     }
     if points.points.is_empty() {
@@ -74,88 +83,107 @@ pub(super) fn points_of(points: Points<'_>, findings: &mut Findings) -> Option<V
     Some(points.points)
 }
 
-/// The points of a curve, if they make one.
-pub(super) fn curve_of(
-    points: Points<'_>,
+/// Checks the points of a curve: number, range, order and symmetry. `None` after a report. `key` is the key of the
+/// list.
+pub(super) fn checked_curve(
+    points: PointList<'_>,
     key: &str,
-    mirror: Mirror,
+    symmetry: Symmetry,
     findings: &mut Findings,
 ) -> Option<Vec<[f64; 2]>> {
-    let reported = findings.len();
-    if points.points.len() < 2 {
-        let message = format!("a curve needs at least two points, and \"{key}\" has {}", points.points.len());
-        let hint = "its segments run from point to point, and on beyond the outermost ones";
+    let findings_before = findings.len();
+    let count = points.points.len();
+    if count < 2 {
+        let message = format!("a curve needs at least two points, and \"{key}\" has {count}");
+        let hint = "its segments connect neighbouring points, and the outermost segments continue";
         findings.push(Diagnostic::at(points.code, points.span, message).hint(hint));
     }
-    findings.extend((0..points.points.len()).filter_map(|index| points.outside(index)).take(MOST_OUTSIDE));
-    let message = format!("the inputs of a curve must rise from point to point, by more than {APART} V");
-    findings.extend(points.falls(APART, &message));
-    findings.extend(points.not_mirrored(mirror));
-    (findings.len() == reported).then_some(points.points)
+    findings.extend((0..count).filter_map(|index| points.range_fault(index)).take(MAX_RANGE_FAULTS));
+    let message =
+        format!("the inputs of a curve must rise from point to point, by more than {MIN_INPUT_DISTANCE} V");
+    findings.extend(points.order_fault(MIN_INPUT_DISTANCE, &message));
+    findings.extend(points.symmetry_fault(symmetry));
+    (findings.len() == findings_before).then_some(points.points)
 }
 
-/// More points outside the machine's voltages than this are not told one by one.
-const MOST_OUTSIDE: usize = 1000;
+/// Largest number of points outside ±100 V that are reported for one curve. More reports would not help the reader, and
+/// a large file would fill the memory with them.
+const MAX_RANGE_FAULTS: usize = 1000;
 
-fn pairs<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<(&'a [Node], Vec<[f64; 2]>)> {
+/// Decodes a list of pairs of numbers. Returns the items, for their positions, and the pairs.
+///
+/// A text instead of a list is probably the name of a file: the hint gives the correct form.
+fn number_pairs<'a>(
+    node: &'a Node,
+    key: &str,
+    findings: &mut Findings,
+) -> Option<(&'a [Node], Vec<[f64; 2]>)> {
     if let Content::Text(file) = &node.value {
         let hint = format!("points in a file: {{\"csv\": {}}}", serde_json::Value::from(file.as_str()));
         findings.push(wrong_type(node, key, "a list of points", &node.value).hint(hint));
         return None;
     }
     let items = list(node, key, findings)?;
-    let points: Vec<_> = items.iter().map(|item| point(item, key, findings)).collect();
-    let points: Option<Vec<[f64; 2]>> = points.into_iter().collect();
-    Some((items, points?))
+    let pairs: Vec<_> = items.iter().map(|item| number_pair(item, key, findings)).collect();
+    let pairs: Option<Vec<[f64; 2]>> = pairs.into_iter().collect();
+    Some((items, pairs?))
 }
 
-fn point(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
-    let pair = list(node, key, findings)?;
-    let [from, to] = pair else {
+/// Decodes a list of two numbers.
+fn number_pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
+    let items = list(node, key, findings)?;
+    let [abscissa, ordinate] = items else {
         findings.push(Diagnostic::at(Code::WrongType, node.span, "a point is a list of two numbers"));
         return None;
     };
-    Some([number(from, key, findings)?, number(to, key, findings)?])
+    Some([number(abscissa, key, findings)?, number(ordinate, key, findings)?])
 }
 
-impl Points<'_> {
-    fn wrong(&self, index: usize, message: &str) -> Diagnostic {
-        let (span, besides) = (self.place)(index);
-        Diagnostic::at(self.code, span, format!("{message}{besides}"))
+impl PointList<'_> {
+    /// A diagnostic at the position of a point.
+    fn diagnostic(&self, index: usize, message: &str) -> Diagnostic {
+        let (span, addition) = (self.locate)(index);
+        Diagnostic::at(self.code, span, format!("{message}{addition}"))
     }
 
-    /// The first point that does not lie so far to the right of the one before.
-    fn falls(&self, by: f64, message: &str) -> Option<Diagnostic> {
-        let falling = self.points.windows(2).position(|pair| pair[1][0] - pair[0][0] <= by)?;
-        Some(self.wrong(falling + 1, message).hint(self.order_hint))
+    /// Reports the first point whose first number does not exceed the one before by more than `distance`.
+    fn order_fault(&self, distance: f64, message: &str) -> Option<Diagnostic> {
+        let before = self.points.windows(2).position(|pair| pair[1][0] - pair[0][0] <= distance)?;
+        Some(self.diagnostic(before + 1, message).hint(self.order_hint))
     }
 
-    fn outside(&self, index: usize) -> Option<Diagnostic> {
-        let beyond = self.points[index].into_iter().find(|volts| volts.abs() > REFERENCE)?;
-        let message =
-            format!("a point of a curve lies at {} V, outside -{REFERENCE} ... {REFERENCE} V", told(beyond));
-        let hint =
-            "rescale: the machine works between -100 and 100 V; the outermost segments go on by themselves";
-        Some(self.wrong(index, &message).hint(hint))
+    /// Reports a point whose input or output is outside ±100 V.
+    fn range_fault(&self, index: usize) -> Option<Diagnostic> {
+        let outside = self.points[index].into_iter().find(|volts| volts.abs() > REFERENCE)?;
+        let message = format!(
+            "a point of a curve is at {} V, outside -{REFERENCE} ... {REFERENCE} V",
+            format_number(outside)
+        );
+        let hint = "rescale: the machine works between -100 and 100 V; the outermost segments continue \
+                    automatically";
+        Some(self.diagnostic(index, &message).hint(hint))
     }
 
-    /// What keeps the curve from being mirrored.
-    fn not_mirrored(&self, mirror: Mirror) -> Option<Diagnostic> {
+    /// Reports a first point that prevents the symmetry: one below 0 V, or an odd curve that is not 0 V at 0 V.
+    fn symmetry_fault(&self, symmetry: Symmetry) -> Option<Diagnostic> {
         let [input, output] = *self.points.first()?;
-        let (message, hint) = match mirror {
-            Mirror::Odd | Mirror::Even if input < 0.0 => (
-                format!("a curve that is mirrored begins at 0 V or above, not at {} V", told(input)),
-                "give the points at 0 V and above: those below follow; or take \"symmetry\" away",
-            ),
-            Mirror::Odd if input == 0.0 && output != 0.0 => (
+        let (message, hint) = match symmetry {
+            Symmetry::Odd | Symmetry::Even if input < 0.0 => (
                 format!(
-                    "an odd curve passes through the origin: it gives 0 V at 0 V, not {} V",
-                    told(output)
+                    "a curve with \"symmetry\" must begin at 0 V or above, not at {} V",
+                    format_number(input)
                 ),
-                "begin with [0, 0], or with the first break above 0 V",
+                "specify only the points at 0 V and above, or remove \"symmetry\"",
+            ),
+            Symmetry::Odd if input == 0.0 && output != 0.0 => (
+                format!(
+                    "an odd curve must pass through the origin: at 0 V it is {} V",
+                    format_number(output)
+                ),
+                "begin with [0, 0], or with the first corner above 0 V",
             ),
             _ => return None,
         };
-        Some(self.wrong(0, &message).hint(hint))
+        Some(self.diagnostic(0, &message).hint(hint))
     }
 }

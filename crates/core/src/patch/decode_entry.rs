@@ -1,29 +1,45 @@
-//! Elements and drives, read off the tree of the text.
+//! Decodes elements and drives.
+//!
+//! The kind decides which keys an entry has, so the kind is decoded first. Cords, settings and groups of settings such
+//! as "limit" follow. A setting that refers to a CSV file is only noted here; `table_file` reads the file later.
+//!
+//! ```text
+//! "A1": {"kind": "summer", "in": {"x1": ["D", "P2"]}, "limit": {"upper": 20}}
+//! "P2": {"kind": "pot", "in": "A1", "setting": "k / m", "uses": {"fixed_pots": ["P7"]}}
+//! ```
 
-use super::decode_curve::{Mirror, curve, points};
-use super::document::{Amount, Entry, Plug};
-use super::table_file::{self, Purpose};
-use crate::document::fields::{Fields, Findings, flag, word, words};
+use super::decode_curve::{Symmetry, curve, time_points};
+use super::document::{Amount, ElementEntry, Plug};
+use super::table_file::{self, TablePurpose};
+use crate::document::fields::{Fields, Findings, flag, string, strings};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{Code, Diagnostic, Placed, Span, formula, suggestion};
 use crate::elements::{self, Default, Family, Jacks, Kind, Measure};
 use crate::machines::Part;
 
-pub(super) fn entry(named: &tree::Entry, family: Family, findings: &mut Findings) -> Option<Entry> {
-    let noun = format!("the {} {}", family_noun(family), named.key);
-    let mut fields = Fields::of(&named.value, noun, findings)?;
+/// Decodes an element or a drive. `None` if its kind cannot be read.
+///
+/// An element and a drive differ in two keys: only a drive has "scale", and only an element has "uses". A key that
+/// is left over may be a misspelled jack, so the entry then counts as incomplete.
+pub(super) fn element_entry(
+    source: &tree::KeyValue,
+    family: Family,
+    findings: &mut Findings,
+) -> Option<ElementEntry> {
+    let noun = format!("the {} {}", family_noun(family), source.key);
+    let mut fields = Fields::of(&source.value, noun, findings)?;
     let kind = kind(&mut fields, family, findings)?;
-    let mut entry = Entry {
+    let mut entry = ElementEntry {
         kind,
         plugs: Vec::new(),
         empty_jacks: Vec::new(),
-        doubtful: false,
+        is_incomplete: false,
         settings: vec![None; kind.settings.len()],
-        files: Vec::new(),
-        uses: Vec::new(),
+        table_files: Vec::new(),
+        machine_parts: Vec::new(),
         scale: None,
         note: fields.text("note", findings),
-        span: named.key_span,
+        span: source.key_span,
     };
     plugs(&mut fields, &mut entry, findings);
     settings(&mut fields, "", &mut entry, findings);
@@ -36,45 +52,52 @@ pub(super) fn entry(named: &tree::Entry, family: Family, findings: &mut Findings
         }
     }
     if family == Family::Drive {
-        let scale = fields.need("scale", "the scale of what the drive gives");
-        entry.scale = scale.and_then(|node| word(node, "scale", findings));
+        let scale = fields.require("scale", "the scale of the drive's output");
+        entry.scale = scale.and_then(|node| string(node, "scale", findings));
     } else {
-        entry.uses = fields.take("uses").map(|node| uses(node, findings)).unwrap_or_default();
+        entry.machine_parts =
+            fields.take("uses").map(|node| machine_parts(node, findings)).unwrap_or_default();
     }
-    entry.doubtful |= fields.rest().next().is_some();
+    entry.is_incomplete |= fields.remaining().next().is_some();
     fields.finish(findings);
     Some(entry)
 }
 
+/// Decodes the required key "kind". A kind of the other family gets a hint about the section.
 fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Option<&'static Kind> {
-    let Some(node) = fields.need("kind", &format!("one of {}", elements::names(family).join(", "))) else {
-        // Which keys it may have depends on the kind: only this one can be missed.
+    let Some(node) = fields.require("kind", &format!("one of {}", elements::names(family).join(", "))) else {
+        // The permitted keys depend on the kind. Without it, only the missing kind is reported.
         fields.report_missing(findings);
         return None;
     };
-    let name = word(node, "kind", findings)?;
-    let found = elements::find(family, &name.value);
-    if found.is_none() {
+    let name = string(node, "kind", findings)?;
+    let kind = elements::find(family, &name.value);
+    if kind.is_none() {
         let message = format!("there is no kind \"{}\" of {}", name.value, family_noun(family));
-        let hint =
-            misplaced(family, &name.value).or_else(|| suggestion(&name.value, &elements::names(family)));
+        let hint = wrong_section_hint(family, &name.value)
+            .or_else(|| suggestion(&name.value, &elements::names(family)));
         findings.push(Diagnostic::at(Code::UnknownKind, node.span, message).maybe_hint(hint));
     }
-    found
+    kind
 }
 
+/// The name of a family in messages.
 fn family_noun(family: Family) -> &'static str {
     if family == Family::Drive { "drive" } else { "element" }
 }
 
-fn misplaced(family: Family, name: &str) -> Option<String> {
+/// The hint for a kind that belongs in the other section: a drive among elements or an element among drives.
+fn wrong_section_hint(family: Family, name: &str) -> Option<String> {
     let (other, section) =
         if family == Family::Drive { (Family::Computing, "elements") } else { (Family::Drive, "drives") };
-    elements::find(other, name).map(|_| format!("a \"{name}\" stands in \"{section}\""))
+    elements::find(other, name).map(|_| format!("a \"{name}\" belongs in \"{section}\""))
 }
 
-/// An amplifier's cords stand in `in`, as an object of jacks; others under the name of their input.
-fn plugs(fields: &mut Fields<'_>, entry: &mut Entry, findings: &mut Findings) {
+/// Decodes the cords of an element.
+///
+/// The cords of an amplifier are in the object "in", by jack: `"in": {"x1": ["A1"], "x10": ["P2"]}`. Other elements
+/// have a key for each input: `"in": "A1"`.
+fn plugs(fields: &mut Fields<'_>, entry: &mut ElementEntry, findings: &mut Findings) {
     let inputs = entry.kind.inputs;
     if inputs.first().is_some_and(|main| main.jacks == Jacks::Gains) {
         if let Some(node) = fields.take("in") {
@@ -84,7 +107,7 @@ fn plugs(fields: &mut Fields<'_>, entry: &mut Entry, findings: &mut Findings) {
     }
     for input in inputs {
         match fields.take_with_key(input.name) {
-            // Jacks with gains on an element that has none are told one by one.
+            // Jacks with gains on an element without gains are decoded too, so that each of them is reported later.
             Some((_, node)) if matches!(node.value, Content::Object(_)) => jacks(node, entry, findings),
             Some((key_span, node)) => plug(input.name, key_span, node, entry, findings),
             None => {}
@@ -92,29 +115,34 @@ fn plugs(fields: &mut Fields<'_>, entry: &mut Entry, findings: &mut Findings) {
     }
 }
 
-fn jacks(node: &Node, entry: &mut Entry, findings: &mut Findings) {
+/// Decodes an object of jacks, each with a cord or a list of cords.
+fn jacks(node: &Node, entry: &mut ElementEntry, findings: &mut Findings) {
     if !matches!(node.value, Content::Object(_)) {
         let message = "an amplifier's cords go to inputs with gains";
         let hint = "write \"in\": {\"x1\": [...], \"x10\": [...]}";
         findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
-        entry.doubtful = true;
+        entry.is_incomplete = true;
         return;
     }
     let Some(jacks) = Fields::of(node, "\"in\"", findings) else { return };
-    jacks.rest().for_each(|jack| plug(&jack.key, jack.key_span, &jack.value, entry, findings));
+    jacks.remaining().for_each(|jack| plug(&jack.key, jack.key_span, &jack.value, entry, findings));
 }
 
-fn plug(jack: &str, jack_span: Span, node: &Node, entry: &mut Entry, findings: &mut Findings) {
-    let reported = findings.len();
+/// Decodes the cords of one jack: a name or a list of names.
+///
+/// Every cord gets the span of the jack's key. Later checks group the cords of a jack by it.
+fn plug(jack: &str, jack_span: Span, node: &Node, entry: &mut ElementEntry, findings: &mut Findings) {
+    let findings_before = findings.len();
     let jack = Placed { value: jack.to_owned(), span: jack_span };
-    let cords = words(node, &jack.value, findings);
-    entry.doubtful |= findings.len() > reported;
+    let cords = strings(node, &jack.value, findings);
+    entry.is_incomplete |= findings.len() > findings_before;
     entry.plugs.extend(cords.into_iter().map(|from| Plug { jack: jack.clone(), from }));
     if matches!(&node.value, Content::List(items) if items.is_empty()) {
         entry.empty_jacks.push(Placed { value: jack.value, span: node.span });
     }
 }
 
+/// The groups of settings of a kind: "limit" for "limit.lower" and "limit.upper". Each is an object in the document.
 fn setting_groups(kind: &Kind) -> Vec<&'static str> {
     let mut groups: Vec<_> =
         kind.settings.iter().filter_map(|setting| Some(setting.name.split_once('.')?.0)).collect();
@@ -122,74 +150,84 @@ fn setting_groups(kind: &Kind) -> Vec<&'static str> {
     groups
 }
 
-/// Reads the settings whose names are the prefix and a key of these fields.
-fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut Entry, findings: &mut Findings) {
+/// Decodes the settings whose names consist of the prefix and a key of `fields`. The prefix is empty, or a group and a
+/// dot.
+fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut ElementEntry, findings: &mut Findings) {
     for (index, setting) in entry.kind.settings.iter().enumerate() {
         let Some(key) = setting.name.strip_prefix(prefix).filter(|key| !key.contains('.')) else { continue };
         let node = match setting.default {
-            Default::Required => fields.need(key, setting.description),
+            Default::Required => fields.require(key, setting.description),
             _ => fields.take(key),
         };
         let Some(node) = node else { continue };
-        match purpose(setting.measure, entry).filter(|_| matches!(node.value, Content::Object(_))) {
-            Some(purpose) => entry.files.extend(table_file::asked(node, index, purpose, findings)),
+        match table_purpose(setting.measure, entry).filter(|_| matches!(node.value, Content::Object(_))) {
+            Some(purpose) => {
+                entry.table_files.extend(table_file::decode_table_file(node, index, purpose, findings));
+            }
             None => entry.settings[index] = amount(node, key, setting.measure, entry, findings),
         }
     }
 }
 
-/// What the points of a setting are for, if it holds points.
-fn purpose(measure: Measure, entry: &Entry) -> Option<Purpose> {
+/// The purpose of the points of a setting. `None` if the setting does not consist of points.
+fn table_purpose(measure: Measure, entry: &ElementEntry) -> Option<TablePurpose> {
     match measure {
-        Measure::Points => Some(Purpose::InTime),
-        Measure::Curve(symmetry) => Some(Purpose::Curve(mirror(entry, symmetry))),
+        Measure::Points => Some(TablePurpose::Time),
+        Measure::Curve(symmetry_setting) => Some(TablePurpose::Curve(symmetry(entry, symmetry_setting))),
         _ => None,
     }
 }
 
-/// The value of a setting of an entry, of which the settings before it in the kind's order are read.
+/// Decodes the value of a setting. `None` after a report.
+///
+/// The settings before it, in the order of the kind, must have been decoded into `entry`: the checks of a curve depend
+/// on its symmetry.
 pub(super) fn amount(
     node: &Node,
     key: &str,
     measure: Measure,
-    entry: &Entry,
+    entry: &ElementEntry,
     findings: &mut Findings,
 ) -> Option<Placed<Amount>> {
     let value = match measure {
         Measure::Flag => Amount::Flag(flag(node, key, findings)?),
         Measure::Choice(words) => Amount::Choice(choice(node, key, words, findings)?),
-        Measure::Points => Amount::Points(points(node, key, findings)?),
-        Measure::Curve(symmetry) => Amount::Points(curve(node, key, mirror(entry, symmetry), findings)?),
+        Measure::Points => Amount::Points(time_points(node, key, findings)?),
+        Measure::Curve(symmetry_setting) => {
+            Amount::Points(curve(node, key, symmetry(entry, symmetry_setting), findings)?)
+        }
         _ => Amount::Formula(formula(node, key, findings)?.value),
     };
     Some(Placed { value, span: node.span })
 }
 
-/// What the setting that tells the symmetry of a curve says: none, odd or even, in this order.
-fn mirror(entry: &Entry, symmetry: &str) -> Mirror {
-    let chosen = entry.kind.setting(symmetry).and_then(|index| entry.settings[index].as_ref());
+/// The symmetry of a curve, from the setting with this name. Its words are none, odd and even, in this order.
+fn symmetry(entry: &ElementEntry, setting: &str) -> Symmetry {
+    let chosen = entry.kind.setting(setting).and_then(|index| entry.settings[index].as_ref());
     match chosen.map(|placed| &placed.value) {
-        Some(Amount::Choice(1)) => Mirror::Odd,
-        Some(Amount::Choice(2)) => Mirror::Even,
-        _ => Mirror::None,
+        Some(Amount::Choice(1)) => Symmetry::Odd,
+        Some(Amount::Choice(2)) => Symmetry::Even,
+        _ => Symmetry::None,
     }
 }
 
-fn choice(node: &Node, key: &str, known: &[&str], findings: &mut Findings) -> Option<usize> {
-    let chosen = word(node, key, findings)?;
-    let index = known.iter().position(|word| *word == chosen.value);
+/// Decodes one of several words. Returns the index of the word.
+fn choice(node: &Node, key: &str, permitted: &[&str], findings: &mut Findings) -> Option<usize> {
+    let chosen = string(node, key, findings)?;
+    let index = permitted.iter().position(|word| *word == chosen.value);
     if index.is_none() {
-        let message = format!("\"{}\" is no {key}", chosen.value);
-        let hint = suggestion(&chosen.value, known);
+        let message = format!("\"{}\" is not a value of \"{key}\"", chosen.value);
+        let hint = suggestion(&chosen.value, permitted);
         findings.push(Diagnostic::at(Code::UnknownName, node.span, message).maybe_hint(hint));
     }
     index
 }
 
-fn uses(node: &Node, findings: &mut Findings) -> Vec<(Placed<String>, Vec<Placed<String>>)> {
+/// Decodes the object "uses": the names of the machine's parts that an element uses, by key of the part.
+fn machine_parts(node: &Node, findings: &mut Findings) -> Vec<(Placed<String>, Vec<Placed<String>>)> {
     let Some(fields) = Fields::of(node, "\"uses\"", findings) else { return Vec::new() };
-    let mut used = Vec::new();
-    for item in fields.rest() {
+    let mut parts = Vec::new();
+    for item in fields.remaining() {
         if !Part::ALL.iter().any(|part| part.key() == item.key) {
             let keys: Vec<_> = Part::ALL.iter().map(|part| part.key()).collect();
             let message = format!("no machine has \"{}\"", item.key);
@@ -197,8 +235,8 @@ fn uses(node: &Node, findings: &mut Findings) -> Vec<(Placed<String>, Vec<Placed
             findings.push(Diagnostic::at(Code::UnknownKey, item.key_span, message).maybe_hint(hint));
             continue;
         }
-        let names = words(&item.value, &item.key, findings);
-        used.push((Placed { value: item.key.clone(), span: item.key_span }, names));
+        let names = strings(&item.value, &item.key, findings);
+        parts.push((Placed { value: item.key.clone(), span: item.key_span }, names));
     }
-    used
+    parts
 }

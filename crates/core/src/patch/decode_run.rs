@@ -1,12 +1,30 @@
-//! How to run, read off the tree of the text: times, or phases.
+//! Decodes the section "run": times and phases.
+//!
+//! A run is specified in one of two ways. Either "for" and "repeat" give its length, or "phases" lists what the machine
+//! does. Times are in problem seconds. Each phase is an object with one key that names the action, such as
+//! `{"operate": 2}`, and the keys that belong to this action.
+//!
+//! A part that cannot be read is reported and left out. The times are compared with the length of the run only if
+//! everything else is correct, because a missing phase would make the run too short.
+//!
+//! ```text
+//! "run": {"for": 8, "step": 0.001, "repeat": 3}
+//! "run": {"step": 0.001, "phases": [
+//!   {"initial_condition": true},
+//!   {"operate": 2, "until": {"relay": "K1", "becomes": "pulled-in"}},
+//!   {"set": {"k": "2 * k"}}
+//! ]}
+//! ```
 
 use super::document::RunPlan;
-use crate::document::fields::{Fields, Findings, flag, list, positive, word, wrong_type};
+use crate::document::fields::{Fields, Findings, flag, list, positive, string, wrong_type};
 use crate::document::tree::{Content, Node};
 use crate::document::{
-    Change, Code, Diagnostic, Extent, LEAST_TOLERANCE, Phase, Placed, Span, Until, formula, suggestion, told,
+    Code, Diagnostic, MIN_TOLERANCE, ParameterChange, Phase, Placed, RunExtent, Span, SwitchCondition,
+    format_number, formula, suggestion,
 };
 
+/// Decodes the section "run". Parts that cannot be read are absent in the plan.
 pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
     let Some(mut fields) = Fields::of(node, "\"run\"", findings) else { return RunPlan::default() };
     let mut plan = RunPlan {
@@ -14,103 +32,114 @@ pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
         step: positive(&mut fields, "step", findings),
         tolerance: tolerance(&mut fields, findings),
         every: positive(&mut fields, "every", findings),
-        repeat: whole(&mut fields, "repeat", "runs", findings),
+        repeat: whole_number(&mut fields, "repeat", "runs", findings),
         hold_on_overload: fields
             .take("hold_on_overload")
             .and_then(|node| flag(node, "hold_on_overload", findings))
             .unwrap_or(false),
         phases: Vec::new(),
     };
-    let errors = findings.len();
+    let findings_before = findings.len();
     if let Some((key_span, node)) = fields.take_with_key("phases") {
-        one_way_of_length(&plan, findings);
+        check_length_keys(&plan, findings);
         plan.phases = phases(key_span, node, findings);
-        if findings.len() == errors && Extent::of(&plan.phases).recorded == 0.0 {
-            findings.push(timeless(key_span));
+        if findings.len() == findings_before && RunExtent::of(&plan.phases).record_time == 0.0 {
+            findings.push(zero_length(key_span));
         }
     }
-    if findings.len() == errors {
-        shorter_than_run(&plan, findings);
+    if findings.len() == findings_before {
+        check_times_within_run(&plan, findings);
     }
     fields.text("note", findings);
     fields.finish(findings);
     plan
 }
 
+/// Decodes the tolerance. It must be at least `MIN_TOLERANCE`.
 fn tolerance(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<f64>> {
-    let share = positive(fields, "tolerance", findings)?;
-    if share.value < LEAST_TOLERANCE {
-        let message = format!("\"tolerance\" must be {LEAST_TOLERANCE:e} or more, not {:e}", share.value);
-        let hint = "the rounding of numbers is no smaller";
-        findings.push(Diagnostic::at(Code::BadNumber, share.span, message).hint(hint));
+    let tolerance = positive(fields, "tolerance", findings)?;
+    if tolerance.value < MIN_TOLERANCE {
+        let message = format!("\"tolerance\" must be {MIN_TOLERANCE:e} or more, not {:e}", tolerance.value);
+        let hint = "rounding errors are as large as that";
+        findings.push(Diagnostic::at(Code::BadNumber, tolerance.span, message).hint(hint));
         return None;
     }
-    Some(share)
+    Some(tolerance)
 }
 
-/// Phases say how long the run is: nothing else may.
-fn one_way_of_length(plan: &RunPlan, findings: &mut Findings) {
+/// Reports "for" and "repeat" in a run with phases, because the phases specify the length of the run.
+fn check_length_keys(plan: &RunPlan, findings: &mut Findings) {
     let hints = [
         ("for", &plan.duration, "write {\"operate\": seconds} among the phases instead"),
         ("repeat", &plan.repeat, "write {\"repeat\": times, \"phases\": [...]} among the phases instead"),
     ];
-    for (key, given, hint) in hints {
-        if let Some(given) = given {
-            let message = format!("\"{key}\" stands beside \"phases\", which say how long the run is");
-            findings.push(Diagnostic::at(Code::ExcludingKeys, given.span, message).hint(hint));
+    for (key, value, hint) in hints {
+        if let Some(value) = value {
+            let message = format!("\"{key}\" and \"phases\" both specify the length of the run");
+            findings.push(Diagnostic::at(Code::ExcludingKeys, value.span, message).hint(hint));
         }
     }
 }
 
-fn timeless(span: Span) -> Diagnostic {
+/// The error for phases that neither operate nor hold: they record nothing.
+fn zero_length(span: Span) -> Diagnostic {
     Diagnostic::at(Code::MissingKey, span, "no phase takes any time").hint("write {\"operate\": seconds}")
 }
 
-fn shorter_than_run(plan: &RunPlan, findings: &mut Findings) {
+/// Reports a step or a recording interval that is longer than the longest phase.
+///
+/// A run is as long as its longest sweep here: a longer step or interval would give a single sample.
+fn check_times_within_run(plan: &RunPlan, findings: &mut Findings) {
     let Some(phases) = plan.all_phases() else { return };
-    let run = Extent::of(&phases).longest;
+    let longest = RunExtent::of(&phases).longest_sweep;
     for (key, time) in [("step", &plan.step), ("every", &plan.every)] {
-        if let Some(time) = time.as_ref().filter(|time| time.value > run) {
-            let message =
-                format!("\"{key}\" is {} s, longer than the run of {} s", told(time.value), told(run));
+        if let Some(time) = time.as_ref().filter(|time| time.value > longest) {
+            let message = format!(
+                "\"{key}\" is {} s, longer than the run of {} s",
+                format_number(time.value),
+                format_number(longest)
+            );
             findings.push(Diagnostic::at(Code::BadNumber, time.span, message));
         }
     }
 }
 
-/// A number of times.
-fn whole(
+/// Decodes an optional whole number above 0. `noun` says what is counted, for the message.
+fn whole_number(
     fields: &mut Fields<'_>,
     key: &'static str,
-    of_what: &str,
+    noun: &str,
     findings: &mut Findings,
 ) -> Option<Placed<f64>> {
-    let times = positive(fields, key, findings)?;
-    if times.value.fract() != 0.0 {
-        let message = format!("\"{key}\" is a whole number of {of_what}");
-        findings.push(Diagnostic::at(Code::BadNumber, times.span, message));
+    let count = positive(fields, key, findings)?;
+    if count.value.fract() != 0.0 {
+        let message = format!("\"{key}\" must be a whole number of {noun}");
+        findings.push(Diagnostic::at(Code::BadNumber, count.span, message));
         return None;
     }
-    Some(times)
+    Some(count)
 }
 
-/// The list under the key "phases".
+/// Decodes the list under a key "phases": that of the run or that of a repeated phase. It must not be empty.
 fn phases(key_span: Span, node: &Node, findings: &mut Findings) -> Vec<Phase> {
     let Some(items) = list(node, "phases", findings) else { return Vec::new() };
     if items.is_empty() {
-        let hint = "write at least {\"operate\": seconds}, or leave the key out";
-        findings.push(Diagnostic::at(Code::MissingKey, key_span, "there is no phase in the list").hint(hint));
+        let hint = "write at least {\"operate\": seconds}, or remove the key";
+        findings.push(Diagnostic::at(Code::MissingKey, key_span, "the list of phases is empty").hint(hint));
     }
     items.iter().filter_map(|item| phase(item, findings)).collect()
 }
 
-/// What a phase can do; each phase does one of these.
-const DEEDS: [&str; 5] = ["initial_condition", "operate", "hold", "set", "repeat"];
+/// The keys that name the action of a phase. Every phase has exactly one of them.
+const ACTION_KEYS: [&str; 5] = ["initial_condition", "operate", "hold", "set", "repeat"];
 
+/// Decodes one phase. `None` after a report.
+///
+/// The action decides which other keys are permitted, so it is found first.
 fn phase(node: &Node, findings: &mut Findings) -> Option<Phase> {
-    let deed = deed(node, findings)?;
-    let mut fields = Fields::of(node, format!("a phase of \"{deed}\""), findings)?;
-    let read = match deed {
+    let action = action_key(node, findings)?;
+    let mut fields = Fields::of(node, format!("a phase of \"{action}\""), findings)?;
+    let phase = match action {
         "initial_condition" => initial_condition(&mut fields, findings),
         "operate" => operate(&mut fields, findings),
         "hold" => positive(&mut fields, "hold", findings).map(|time| Phase::Hold { time: time.value }),
@@ -119,46 +148,50 @@ fn phase(node: &Node, findings: &mut Findings) -> Option<Phase> {
     };
     fields.text("note", findings);
     fields.finish(findings);
-    read
+    phase
 }
 
-/// The key that says what a phase does: one, and not another beside it.
-fn deed(node: &Node, findings: &mut Findings) -> Option<&'static str> {
+/// Finds the key that names the action of a phase. Reports a phase with no such key or with two.
+///
+/// Other keys are judged later, against the action. Only "note" is permitted with every action.
+fn action_key(node: &Node, findings: &mut Findings) -> Option<&'static str> {
     let Content::Object(entries) = &node.value else {
         let message = format!("a phase must be an object, not {}", node.value.noun());
         let hint = "write {\"operate\": seconds}, {\"hold\": seconds}, {\"set\": {...}} and so on";
         findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
         return None;
     };
-    let known = |key: &str| DEEDS.into_iter().find(|deed| *deed == key);
-    let mut deeds = entries.iter().filter_map(|entry| Some((known(&entry.key)?, entry.key_span)));
-    let Some((deed, _)) = deeds.next() else {
+    let known_action = |key: &str| ACTION_KEYS.into_iter().find(|action| *action == key);
+    let mut actions = entries.iter().filter_map(|entry| Some((known_action(&entry.key)?, entry.key_span)));
+    let Some((action, _)) = actions.next() else {
         let (code, span, hint) = match entries.iter().find(|entry| entry.key != "note") {
-            Some(entry) => (Code::UnknownKey, entry.key_span, suggestion(&entry.key, &DEEDS)),
-            None => (Code::MissingKey, node.span, Some(format!("it takes one of {}", DEEDS.join(", ")))),
+            Some(entry) => (Code::UnknownKey, entry.key_span, suggestion(&entry.key, &ACTION_KEYS)),
+            None => (Code::MissingKey, node.span, Some(format!("write one of {}", ACTION_KEYS.join(", ")))),
         };
-        let message = "the phase does not say what the machine does";
+        let message = "the phase has no action";
         findings.push(Diagnostic::at(code, span, message).maybe_hint(hint));
         return None;
     };
-    if let Some((other, span)) = deeds.find(|(other, _)| *other != deed) {
-        let message = format!("a phase cannot both \"{deed}\" and \"{other}\"");
+    if let Some((other, span)) = actions.find(|(other, _)| *other != action) {
+        let message = format!("a phase cannot both \"{action}\" and \"{other}\"");
         let hint = "write two phases, one after the other";
         findings.push(Diagnostic::at(Code::ExcludingKeys, span, message).hint(hint));
         return None;
     }
-    Some(deed)
+    Some(action)
 }
 
+/// Decodes `{"initial_condition": true}`.
 fn initial_condition(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Phase> {
     let node = fields.take("initial_condition")?;
     if !flag(node, "initial_condition", findings)? {
-        let message = "\"initial_condition\" is either true or left out";
-        findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint("take the phase out"));
+        let message = "\"initial_condition\" must be true or absent";
+        findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint("remove the phase"));
     }
     Some(Phase::InitialCondition)
 }
 
+/// Decodes `{"operate": seconds, "until": relay}`; "until" is optional.
 fn operate(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Phase> {
     let time = positive(fields, "operate", findings);
     let until = fields.take("until").map(|node| until(node, findings));
@@ -169,50 +202,56 @@ fn operate(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Phase> {
     }
 }
 
-/// A relay's name, or an object that tells the position too.
-fn until(node: &Node, findings: &mut Findings) -> Option<Until> {
+/// Decodes the relay that ends a phase: its name, or an object with the relay and the position to which it switches.
+fn until(node: &Node, findings: &mut Findings) -> Option<SwitchCondition> {
     match &node.value {
-        Content::Text(_) => word(node, "until", findings).map(|relay| Until { relay, becomes: None }),
+        Content::Text(_) => {
+            string(node, "until", findings).map(|relay| SwitchCondition { relay, becomes: None })
+        }
         Content::Object(_) => {
             let mut fields = Fields::of(node, "\"until\"", findings)?;
-            let relay = fields.need("relay", "the relay that ends the phase");
-            let relay = relay.and_then(|node| word(node, "relay", findings));
-            let becomes = fields.take("becomes").map(|node| word(node, "becomes", findings));
+            let relay = fields.require("relay", "the relay that ends the phase");
+            let relay = relay.and_then(|node| string(node, "relay", findings));
+            let becomes = fields.take("becomes").map(|node| string(node, "becomes", findings));
             fields.finish(findings);
             match becomes {
-                None => Some(Until { relay: relay?, becomes: None }),
-                Some(becomes) => Some(Until { relay: relay?, becomes: Some(becomes?) }),
+                None => Some(SwitchCondition { relay: relay?, becomes: None }),
+                Some(becomes) => Some(SwitchCondition { relay: relay?, becomes: Some(becomes?) }),
             }
         }
         other => {
-            let wanted = "the name of a relay, or an object with \"relay\" and \"becomes\"";
-            findings.push(wrong_type(node, "until", wanted, other));
+            let expected = "the name of a relay, or an object with \"relay\" and \"becomes\"";
+            findings.push(wrong_type(node, "until", expected, other));
             None
         }
     }
 }
 
+/// Decodes `{"set": {parameter: formula}}`. If one formula cannot be read, the whole phase is absent.
+///
+/// All formulas are decoded before the result is judged, so every fault of the phase is reported.
 fn set(node: &Node, findings: &mut Findings) -> Option<Phase> {
     let fields = Fields::of(node, "\"set\"", findings)?;
-    let entries: Vec<_> = fields.rest().collect();
+    let entries: Vec<_> = fields.remaining().collect();
     if entries.is_empty() {
-        let message = "nothing is set";
+        let message = "the phase sets no parameter";
         let hint = "write {\"set\": {\"name of a parameter\": value}}";
         findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint(hint));
     }
     let changes = entries.into_iter().map(|entry| {
         let parameter = Placed { value: entry.key.clone(), span: entry.key_span };
-        Some(Change { parameter, to: formula(&entry.value, &entry.key, findings)? })
+        Some(ParameterChange { parameter, to: formula(&entry.value, &entry.key, findings)? })
     });
     changes.collect::<Vec<_>>().into_iter().collect::<Option<_>>().map(|changes| Phase::Set { changes })
 }
 
+/// Decodes `{"repeat": times, "phases": [...]}`.
 fn repeat(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Phase> {
-    let times = whole(fields, "repeat", "times", findings);
+    let times = whole_number(fields, "repeat", "times", findings);
     let phases = match fields.take_with_key("phases") {
         Some((key_span, node)) => Some(phases(key_span, node, findings)),
         None => {
-            fields.need("phases", "the list of what is repeated");
+            fields.require("phases", "the list of phases to repeat");
             None
         }
     };

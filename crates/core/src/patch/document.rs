@@ -1,4 +1,8 @@
-//! The patch: the document as a person wrote it, read but not yet judged.
+//! The fields of a patch, decoded from its document but not yet checked.
+//!
+//! Decoding fills the types of this module. [`Circuit::new`](crate::circuit::Circuit::new) checks them together:
+//! whether every cord has a source, whether units agree, whether the machine has enough parts. Values are kept in the
+//! units of the document, and names are kept with their position ([`Placed`]) for reports.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -6,35 +10,36 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use serde_json::Value;
 
-use super::macros::{Instance, Item, Macro, Port};
-use super::source::Source;
-use super::table_file::{TableFile, Tables};
+use super::edited_text::EditedText;
+use super::macros::{Instance, InstanceOutput, Macro, SectionEntry};
+use super::table_file::{PointsBySpan, TableFile};
 use crate::document::{Diagnostic, Phase, Placed, RangeViolation, Report, Span, parameter_in_si};
 use crate::elements::Kind;
 use patchcord_expr::{Formula, Unit};
 
-/// The version of the format that this program reads and writes.
+/// The version of the document format that this program reads and writes. It is the value of the key "patchcord".
 pub const FORMAT_VERSION: u64 = 1;
 
-/// A physical quantity that a patch can be varied by.
+/// A physical quantity that a user can vary, and that formulas name.
 #[derive(Debug, Clone)]
 pub struct Parameter {
-    /// Value in the unit declared.
+    /// Value in `unit`.
     pub value: f64,
-    /// Unit of value and range.
+    /// Unit of the value and the range.
     pub unit: Unit,
-    /// Least and largest value that the patch is made for.
+    /// Smallest and largest permitted value, in `unit`. `None` if every finite value is permitted.
     pub range: Option<(f64, f64)>,
-    /// What it is.
+    /// Description for the reader; empty if the document has none.
     pub description: String,
-    /// Where its name stands.
+    /// Position of its name in the document.
     pub span: Span,
-    /// Where its value stands.
+    /// Position of its value in the document.
     pub value_span: Span,
 }
 
 impl Parameter {
-    /// A value in the declared unit, converted to SI units, if the parameter may have it.
+    /// Converts a value from the declared unit to SI units and checks it. `name` is the parameter's name, for the
+    /// error.
     ///
     /// # Errors
     /// If the value is not finite in SI units, or is outside the range.
@@ -43,99 +48,113 @@ impl Parameter {
     }
 }
 
-/// What one volt stands for.
+/// A scale: the value of one volt as a physical quantity.
 #[derive(Debug, Clone)]
 pub struct Scale {
-    /// Value of one volt; a plain number stands in `unit`. `None` where it could not be read.
+    /// Value of one volt. A plain number is in `unit`; a formula has its own unit. `None` if it could not be read.
     pub per_volt: Option<Placed<Formula>>,
     /// Unit of the quantity.
     pub unit: Unit,
-    /// Where it stands.
+    /// Position of its name in the document.
     pub span: Span,
 }
 
-/// The value of a setting.
+/// The value of a setting, in the form that the setting's [`Measure`](crate::elements::Measure) requires.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Amount {
     /// A number or a formula.
     Formula(Formula),
     /// true or false.
     Flag(bool),
-    /// The index of the word chosen.
+    /// The index of the chosen word among the words that the setting permits.
     Choice(usize),
-    /// Points of a table or a curve, the first numbers rising.
+    /// Points [time, value] of a table or [input, output] of a curve. The first numbers are strictly increasing.
     Points(Vec<[f64; 2]>),
 }
 
 /// A cord from an output to an input of an element.
 #[derive(Debug, Clone)]
 pub struct Plug {
-    /// Name of the jack as written ("x10", "in", "bias_plus").
+    /// Name of the jack in the document: "x10", "in", "bias_plus".
     pub jack: Placed<String>,
-    /// Name of the element, drive or reference that drives it.
+    /// Name of the element, drive or reference that drives the jack.
     pub from: Placed<String>,
 }
 
-/// An element or a drive.
+/// An element or a drive of the document.
 #[derive(Debug, Clone)]
-pub struct Entry {
-    /// Its kind.
+pub struct ElementEntry {
+    /// The kind of element.
     pub kind: &'static Kind,
-    /// Its cords, in the order of the document.
+    /// The cords, in the order of the document. All cords of a jack have its span.
     pub plugs: Vec<Plug>,
-    /// Jacks that stand there with an empty list, and where.
+    /// Jacks with an empty list of cords, with the position of the list.
     pub empty_jacks: Vec<Placed<String>>,
-    /// Whether a key or a cord of it could not be understood: what seems to be missing may be that.
-    pub doubtful: bool,
-    /// Its settings, in the order of the kind's; `None` where the patch says nothing.
+    /// Whether a key or a cord could not be read. If so, a missing cord is not reported, because it may be that one.
+    pub is_incomplete: bool,
+    /// The settings, in the order of the kind's settings. `None` if the document does not specify the setting.
     pub settings: Vec<Option<Placed<Amount>>>,
-    /// The files that its settings are still to be read from.
-    pub(crate) files: Vec<TableFile>,
-    /// Names of the machine's parts that it lists, by key of the part.
-    pub uses: Vec<(Placed<String>, Vec<Placed<String>>)>,
-    /// The scale of a drive.
+    /// The CSV files of settings that are not read yet.
+    pub(crate) table_files: Vec<TableFile>,
+    /// The machine's parts that the element uses: keys such as "integrators", each with the names of the parts.
+    pub machine_parts: Vec<(Placed<String>, Vec<Placed<String>>)>,
+    /// Name of the scale if this is a drive; `None` for an element.
     pub scale: Option<Placed<String>>,
-    /// Free text.
+    /// Free text; empty if the document has none.
     pub note: String,
-    /// Where its name stands.
+    /// Position of its name in the document.
     pub span: Span,
 }
 
-/// A quantity that can be recorded.
+/// A quantity that can be recorded: the voltage of an output, in a scale.
 #[derive(Debug, Clone)]
 pub struct Signal {
-    /// The element or drive at whose output it is read.
-    pub at: Placed<String>,
-    /// Its scale; without one it is read in volts.
+    /// Name of the element or drive whose output is read.
+    pub element: Placed<String>,
+    /// Name of the scale. `None` if the signal is in volts.
     pub scale: Option<Placed<String>>,
-    /// What the scaled voltage is multiplied by.
+    /// Factor by which the scaled voltage is multiplied; not 0 in a valid patch.
     pub factor: f64,
-    /// Where it stands.
+    /// Position of its name in the document.
     pub span: Span,
 }
 
-/// How long and how finely to run, in problem seconds.
+/// The section "run": length, step and phases of a run. Times are in problem seconds and positive.
 #[derive(Debug, Clone, Default)]
 pub struct RunPlan {
-    /// Length of the run, where it has no phases: one initial condition, and operate.
+    /// Duration of operate after one initial condition, if the run has no phases.
     pub duration: Option<Placed<f64>>,
-    /// Step of the solver.
+    /// Step of the solver. It may be absent if there is a tolerance.
     pub step: Option<Placed<f64>>,
-    /// What the errors of all steps may add up to, in machine units of 100 V, [`LEAST_TOLERANCE`](crate::document::LEAST_TOLERANCE) or more: steps are then as
-    /// long as that allows.
+    /// Permitted sum of the errors of all steps, in machine units of 100 V. The solver then chooses the longest steps
+    /// that keep this tolerance. The value is at least [`MIN_TOLERANCE`](crate::document::MIN_TOLERANCE).
     pub tolerance: Option<Placed<f64>>,
-    /// Time between recorded samples; the step where absent.
+    /// Time between recorded samples. `None` if it equals the step.
     pub every: Option<Placed<f64>>,
-    /// How many times to run from initial condition (repetitive operation), where it has no phases.
+    /// Number of runs from initial condition (repetitive operation), if the run has no phases. It is a whole number; 1
+    /// if absent.
     pub repeat: Option<Placed<f64>>,
-    /// Whether the machine goes into hold when a lamp lights.
+    /// Whether the machine changes to hold when an overload lamp lights.
     pub hold_on_overload: bool,
-    /// The phases of the run, instead of a length.
+    /// The phases of the run. If there are any, `duration` and `repeat` are not permitted.
     pub phases: Vec<Phase>,
 }
 
 impl RunPlan {
-    /// What is done in the run; `None` where the plan does not say.
+    /// The phases of the run. A run without phases has an initial condition and operate, repeated `repeat` times.
+    ///
+    /// `None` if the plan specifies neither phases nor a duration.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::document::Phase;
+    /// use patchcord_core::patch::PatchBuilder;
+    ///
+    /// let patch = PatchBuilder::new("two seconds").run(2.0, 1e-3).build()?;
+    /// assert_eq!(patch.run.all_phases(), Some(vec![Phase::InitialCondition, Phase::operate(2.0)]));
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
     pub fn all_phases(&self) -> Option<Vec<Phase>> {
         if !self.phases.is_empty() {
             return Some(self.phases.clone());
@@ -146,92 +165,113 @@ impl RunPlan {
     }
 }
 
-/// A scope picture asked for by the patch.
+/// A picture that the patch requests: signals against time or against another signal.
 #[derive(Debug, Clone)]
 pub struct PictureSpec {
-    /// Title above it.
+    /// Title above the picture; empty if the document has none.
     pub title: String,
-    /// Signal along the horizontal axis; "t" is time.
+    /// Name of the signal along the horizontal axis; "t" is time.
     pub x: Placed<String>,
-    /// Signals along the vertical axis.
+    /// Names of the signals along the vertical axis.
     pub y: Vec<Placed<String>>,
 }
 
-/// Names that stand in the document and could not be read, which has been reported.
+/// Names of entries that the document has but that could not be read. Their faults have been reported.
+///
+/// Checks of names use this to avoid a second report, such as an unknown element whose entry has a fault.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Lost {
+pub(crate) struct UnreadNames {
     /// Names whose entries could not be read.
     pub names: HashSet<String>,
-    /// Whether a whole section of names could not be read.
-    pub section: bool,
+    /// Whether a whole section could not be read. If so, every unknown name may belong to it.
+    pub has_unread_section: bool,
 }
 
-impl Lost {
-    /// Whether a name that is not known may be one of these, or "lost.port" of an instance that is one.
-    pub fn may_hold(&self, name: &str) -> bool {
-        self.section || beginnings(name).chain([name]).any(|name| self.names.contains(name))
+impl UnreadNames {
+    /// Whether an unknown name may be an unread one, or a port ("L1.out") of an unread instance.
+    pub fn may_include(&self, name: &str) -> bool {
+        self.has_unread_section || instance_prefixes(name).chain([name]).any(|name| self.names.contains(name))
     }
 }
 
-/// A patch as it was written.
+/// A patch: a document and the fields decoded from it.
 ///
-/// The fields are what was read from the document. To change a patch, use [`Patch::edit`], which changes the fields and the
-/// document: what is written is the document, not the fields.
+/// To change a patch, use [`Patch::edit`], which changes the fields and the document together. [`Patch::write`] writes
+/// the document, so direct changes of the fields are not written.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// let patch = PatchBuilder::new("spring")
+///     .parameter("k", 2.0, "N/mm", [0.0, 10.0])
+///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]))
+///     .build()?;
+/// assert_eq!(patch.title, "spring");
+/// assert_eq!(patch.parameters["k"].unit.to_si(2.0), 2000.0);
+/// assert_eq!(patch.elements["A1"].plugs[0].from.value, "A1");
+/// # Ok::<(), Box<patchcord_core::document::Report>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Patch {
+    /// Name of the file, as reports print it.
     pub(super) file: String,
     /// The text that was read, and the edits made since.
-    pub(super) origin: Source,
+    pub(super) edited_text: EditedText,
+    /// The faults found while decoding, in the order of decoding.
     pub(super) findings: Vec<Diagnostic>,
-    pub(super) lost: Lost,
-    /// The section "elements" as it is written, before macros are expanded.
-    pub(super) own: IndexMap<String, Item>,
-    /// The tables that were read from CSV files.
-    pub(super) tables: Arc<Tables>,
-    /// Title of the patch.
+    /// The names whose entries could not be read.
+    pub(super) unread: UnreadNames,
+    /// The section "elements" as written, before macros are expanded.
+    pub(super) element_section: IndexMap<String, SectionEntry>,
+    /// The points that were read from CSV files. Copies of the patch share them.
+    pub(super) tables: Arc<PointsBySpan>,
+    /// Title of the patch; empty if the document has none.
     pub title: String,
-    /// Where it comes from.
+    /// Source of the patch, such as a book and a figure.
     pub source: String,
-    /// Free text.
+    /// Free text; empty if the document has none.
     pub note: String,
-    /// The machine it is made for.
+    /// Name of the machine for which the patch is made. `None` is the machine without limits.
     pub machine: Option<Placed<String>>,
-    /// Machine seconds per problem second.
+    /// Machine seconds per problem second; 1 by default.
     pub time_scale: f64,
     /// Parameters by name.
     pub parameters: IndexMap<String, Parameter>,
     /// Scales by name.
     pub scales: IndexMap<String, Scale>,
     /// Drives by name.
-    pub drives: IndexMap<String, Entry>,
-    /// Elements by name, those of instances of macros among them ("L1.A1").
-    pub elements: IndexMap<String, Entry>,
+    pub drives: IndexMap<String, ElementEntry>,
+    /// Elements by name, including the elements of macro instances ("L1.A1").
+    pub elements: IndexMap<String, ElementEntry>,
     /// Macros by name.
     pub macros: IndexMap<String, Macro>,
-    /// Instances of macros by name; one inside another ("L1.inner") comes after it.
+    /// Instances of macros by name. An instance inside another one ("L1.inner") follows it.
     pub instances: IndexMap<String, Instance>,
-    /// The names that cords and signals give to elements inside instances: "L1", "L1.minus".
-    pub(crate) ports: IndexMap<String, Port>,
-    /// Where the section of macros stands.
-    pub(crate) macros_at: Span,
+    /// The outputs of instances under the names that cords and signals use: "L1", "L1.minus".
+    pub(crate) instance_outputs: IndexMap<String, InstanceOutput>,
+    /// Position of the section "macros" in the document.
+    pub(crate) macros_span: Span,
     /// Signals by name.
     pub signals: IndexMap<String, Signal>,
-    /// How to run.
+    /// Length, step and phases of the run.
     pub run: RunPlan,
-    /// What to record.
+    /// Names of the signals, drives and elements to record.
     pub record: Vec<Placed<String>>,
-    /// What to draw.
+    /// The pictures to draw.
     pub pictures: Vec<PictureSpec>,
 }
 
 impl Patch {
+    /// A patch with a text but with default values in all fields. The decoder fills it.
     pub(super) fn empty(file: &str, text: &str) -> Patch {
         Patch {
             file: file.to_owned(),
-            origin: Source::read(text),
+            edited_text: EditedText::unedited(text),
             findings: Vec::new(),
-            lost: Lost::default(),
-            own: IndexMap::new(),
+            unread: UnreadNames::default(),
+            element_section: IndexMap::new(),
             tables: Arc::default(),
             title: String::new(),
             source: String::new(),
@@ -244,8 +284,8 @@ impl Patch {
             elements: IndexMap::new(),
             macros: IndexMap::new(),
             instances: IndexMap::new(),
-            ports: IndexMap::new(),
-            macros_at: Span::default(),
+            instance_outputs: IndexMap::new(),
+            macros_span: Span::default(),
             signals: IndexMap::new(),
             run: RunPlan::default(),
             record: Vec::new(),
@@ -253,47 +293,80 @@ impl Patch {
         }
     }
 
-    /// What was found wrong while reading.
+    /// The faults found while decoding. The checks of [`Circuit::new`](crate::circuit::Circuit::new) add theirs.
     pub(crate) fn findings(&self) -> &[Diagnostic] {
         &self.findings
     }
 
-    /// The names that could not be read.
-    pub(crate) fn lost(&self) -> &Lost {
-        &self.lost
+    /// The names whose entries could not be read.
+    pub(crate) fn unread_names(&self) -> &UnreadNames {
+        &self.unread
     }
 
-    /// The file's name, as the reader wrote it.
+    /// The name of the file, as the caller specified it.
     pub fn file(&self) -> &str {
         &self.file
     }
 
-    /// The text as it was written, or as [`Patch::from_value`] printed it. If the patch was edited since, the text is
-    /// rendered with the edits when it is first read: only the edited places differ from the text that was read.
+    /// The text of the document, as read or as printed by [`Patch::from_value`].
+    ///
+    /// If the patch has been edited since, the text is rendered with the edits on the first call. Only the edited
+    /// places differ from the original text.
     pub fn text(&self) -> &str {
-        self.origin.text()
+        self.edited_text.text()
     }
 
-    /// The document as a JSON value: key order and the text of numbers as written. It is made when it is first read.
+    /// The document as a JSON value, with keys in the order of the text and numbers as written. It is made on the first
+    /// call.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::Patch;
+    ///
+    /// let patch = Patch::parse("p.json", r#"{"patchcord": 1, "time_scale": 10}"#)?;
+    /// assert_eq!(patch.value()["time_scale"], 10);
+    /// assert_eq!(patch.time_scale, 10.0);
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
     pub fn value(&self) -> &Value {
-        self.origin.value()
+        self.edited_text.value()
     }
 
-    /// The cords of an element, or of an instance of a macro, as the document has them: the jack or port, and the name
-    /// that is plugged in there ("E1.out", not the element behind it). Empty if the section "elements" has no such name.
+    /// The cords into an element or an instance of a macro, as the document has them.
+    ///
+    /// Each item is the jack or port and the name that is plugged in: ("x1", "E1.out"), not the element behind the
+    /// port. There are no items if the section "elements" does not contain the name.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let summer = ElementBuilder::new("summer").cords("x1", ["+100"]).cords("x10", ["A1"]);
+    /// let patch = PatchBuilder::new("sum").element("A1", summer).build()?;
+    /// let cords: Vec<_> = patch.written_cords("A1").collect();
+    /// assert_eq!(cords, [("x1", "+100"), ("x10", "A1")]);
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
     pub fn written_cords<'p>(&'p self, element: &str) -> impl Iterator<Item = (&'p str, &'p str)> + use<'p> {
-        self.own.get(element).map_or_else(Vec::new, Item::written_cords).into_iter()
+        self.element_section.get(element).map_or_else(Vec::new, SectionEntry::written_cords).into_iter()
     }
 
-    /// The patch read again from its text, so that its parts have their positions there. `None` if it was not edited since
-    /// it was read.
+    /// Reads the patch again from its text, so that all its parts have positions in the text.
+    ///
+    /// `None` if the patch was not edited since it was read: the positions are then valid.
     pub(crate) fn reread(&self) -> Option<Result<Patch, Box<Report>>> {
-        self.origin.is_edited().then(|| Patch::parse(&self.file, self.text()))
+        self.edited_text.is_edited().then(|| Patch::parse(&self.file, self.text()))
     }
 }
 
-/// What stands before the dots of a name: the instances that it may be a port of. More dots than these are never
-/// instances inside instances.
-pub(super) fn beginnings(name: &str) -> impl Iterator<Item = &str> {
-    name.match_indices('.').map(|(dot, _)| &name[..dot]).take(64)
+/// Largest number of dots in a name at which a port is looked for. Macros nest at most 20 levels deep, but their names
+/// may contain dots too. The limit keeps the search short for absurd names.
+const MAX_PREFIXES: usize = 64;
+
+/// The parts of a name before each of its dots: the instances of which it may name a port. "L1.inner.out" gives "L1"
+/// and "L1.inner".
+pub(super) fn instance_prefixes(name: &str) -> impl Iterator<Item = &str> {
+    name.match_indices('.').map(|(dot, _)| &name[..dot]).take(MAX_PREFIXES)
 }

@@ -1,4 +1,11 @@
-//! The patch: what a document says, read, edited and built.
+//! The patch: a document with elements and cords, decoded into fields.
+//!
+//! `file` reads the text and `decode` fills the fields of a [`Patch`] from its JSON tree. `table_file` adds points from
+//! CSV files. `macros` replaces instances of macros by their elements. Every fault becomes a diagnostic with a
+//! position, and decoding continues, so that a user sees all faults at once.
+//!
+//! [`PatchBuilder`] makes a patch in Rust. [`PatchEditor`] changes the fields of a patch and its document together;
+//! `render` then writes the edits into the text, which otherwise stays as it is.
 
 mod builder;
 mod decode;
@@ -7,21 +14,21 @@ mod decode_entry;
 mod decode_run;
 mod document;
 mod edit;
+mod edited_text;
 mod file;
 mod macros;
 mod names;
 mod render;
 mod schema;
-mod source;
 mod table_file;
 
 pub use builder::{ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder};
-pub(crate) use document::Lost;
+pub(crate) use document::UnreadNames;
 pub use document::{
-    Amount, Entry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Plug, RunPlan, Scale, Signal,
+    Amount, ElementEntry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Plug, RunPlan, Scale, Signal,
 };
 pub use edit::{Edit, EditError, PatchEditor};
-pub use macros::{Feed, Inlet, Instance, InstanceSetting, Macro, MacroOutput, MacroSetting};
-pub use names::{outlet_name, quantity_name, same_name};
+pub use macros::{DrivenJack, Instance, InstanceInput, InstanceSetting, Macro, MacroOutput, MacroSetting};
+pub use names::{check_output_name, check_quantity_name, duplicate_name};
 pub use schema::json_schema;
-pub use table_file::{no_unit, order_hint};
+pub use table_file::{time_order_hint, unreadable_unit};

@@ -1,54 +1,98 @@
-//! What may name a thing of a patch.
+//! The rules for names in a patch.
+//!
+//! Parameters, scales and settings of macros are named in formulas. Elements, drives, signals and ports are named by
+//! cords and in recorded tables. The second group may contain more characters.
 
 use crate::document::{Code, Diagnostic, Span, TIME_SCALE};
 use crate::elements::REFERENCES;
 use patchcord_expr::Callee;
 
-/// Columns of the recorded table that are no signals.
-const COLUMNS: [&str; 3] = ["t", "run", "phase"];
+/// Columns of a recorded table that are not signals. No output may have such a name.
+const TABLE_COLUMNS: [&str; 3] = ["t", "run", "phase"];
 
-/// What is wrong with the name of something that formulas name.
-pub fn quantity_name(name: &str, span: Span, noun: &str) -> Option<Diagnostic> {
-    let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    let reserved = name == "pi" || name == TIME_SCALE || Callee::named(name).is_some();
-    let hint = if reserved {
-        "the name has a meaning of its own in formulas"
+/// Checks a name that formulas use. `noun` is the kind of object, such as "parameter".
+///
+/// A valid name consists of ASCII letters, digits and _, and does not begin with a digit. It is not "pi", the time
+/// scale or a function. `None` if the name is valid.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::Span;
+/// use patchcord_core::patch::check_quantity_name;
+///
+/// assert_eq!(check_quantity_name("k_1", Span::default(), "parameter"), None);
+/// let finding = check_quantity_name("sin", Span::default(), "parameter").expect("sin is reserved");
+/// assert_eq!(finding.message, "\"sin\" cannot name a parameter");
+/// ```
+pub fn check_quantity_name(name: &str, span: Span, noun: &str) -> Option<Diagnostic> {
+    let has_valid_start = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+    let has_valid_characters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let is_reserved = name == "pi" || name == TIME_SCALE || Callee::from_name(name).is_some();
+    let hint = if is_reserved {
+        "the name is reserved in formulas"
     } else {
-        "formulas read letters, digits and _, a letter first"
+        "use letters, digits and _, and begin with a letter"
     };
-    (!starts || !plain || reserved).then(|| bad_name(name, span, noun, hint))
+    (!has_valid_start || !has_valid_characters || is_reserved).then(|| invalid_name(name, span, noun, hint))
 }
 
-/// What is wrong with the name of something that cords name or that can be recorded.
-pub fn outlet_name(name: &str, span: Span, noun: &str) -> Option<Diagnostic> {
-    let plain = name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c));
-    let starts = name.starts_with(char::is_alphabetic);
-    let reserved = COLUMNS.contains(&name) || is_reference(name);
-    let hint = if reserved {
-        "the machine uses this name itself"
+/// Checks a name that cords use or that can be recorded. `noun` is the kind of object, such as "element".
+///
+/// A valid name begins with a letter and consists of letters, digits, _, - and the dot. It is not a reference ("+100")
+/// or a column of recorded tables. `None` if the name is valid.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::Span;
+/// use patchcord_core::patch::check_output_name;
+///
+/// assert_eq!(check_output_name("L1.A-2", Span::default(), "element"), None);
+/// let finding = check_output_name("+100", Span::default(), "element").expect("+100 is a reference");
+/// assert_eq!(finding.message, "\"+100\" cannot name an element");
+/// ```
+pub fn check_output_name(name: &str, span: Span, noun: &str) -> Option<Diagnostic> {
+    let has_valid_characters = name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c));
+    let has_valid_start = name.starts_with(char::is_alphabetic);
+    let is_reserved = TABLE_COLUMNS.contains(&name) || is_reference(name);
+    let hint = if is_reserved {
+        "the name is reserved"
     } else {
-        "use letters, digits, _ - . and a letter first"
+        "use letters, digits, _, - and ., and begin with a letter"
     };
-    (!starts || !plain || reserved).then(|| bad_name(name, span, noun, hint))
+    (!has_valid_start || !has_valid_characters || is_reserved).then(|| invalid_name(name, span, noun, hint))
 }
 
-/// Whether a name is that of +100, -100 or ground.
+/// Whether a name is that of a reference: +100, -100 or ground.
 pub(crate) fn is_reference(name: &str) -> bool {
     REFERENCES.iter().any(|(reference, _)| *reference == name)
 }
 
-fn bad_name(name: &str, span: Span, noun: &str, hint: &str) -> Diagnostic {
+/// The diagnostic for an invalid name.
+fn invalid_name(name: &str, span: Span, noun: &str, hint: &str) -> Diagnostic {
     let message = format!("\"{name}\" cannot name {}", with_article(noun));
     Diagnostic::at(Code::BadName, span, message).hint(hint)
 }
 
-/// Two things of one name.
-pub fn same_name(name: &str, span: Span, noun: &str, first: &str) -> Diagnostic {
-    let message = format!("the {noun} {name} has the name of {}", with_article(first));
+/// The diagnostic for two objects with the same name. `noun` is the kind of object at `span`, and `first_noun` is the
+/// kind of the other.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::Span;
+/// use patchcord_core::patch::duplicate_name;
+///
+/// let finding = duplicate_name("A1", Span::default(), "drive", "element");
+/// assert_eq!(finding.message, "the drive A1 has the name of an element");
+/// ```
+pub fn duplicate_name(name: &str, span: Span, noun: &str, first_noun: &str) -> Diagnostic {
+    let message = format!("the {noun} {name} has the name of {}", with_article(first_noun));
     Diagnostic::at(Code::DuplicateName, span, message).hint("rename one of them")
 }
 
+/// A noun with "a" or "an" in front.
 fn with_article(noun: &str) -> String {
     let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     format!("{article} {noun}")

@@ -1,13 +1,31 @@
-//! The JSON Schema of patch documents, made from the table of elements.
+//! The JSON Schema of patch documents.
+//!
+//! The schema is made from the registry of elements and the table of machines, so it cannot differ from what the
+//! decoder reads. Editors use it to complete keys and to mark faults. It cannot check names of cords and units of
+//! formulas; the program does.
 
 use serde_json::{Map, Value, json};
 
 use super::document::FORMAT_VERSION;
-use crate::document::LEAST_TOLERANCE;
+use crate::document::MIN_TOLERANCE;
 use crate::elements::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
 use crate::machines::{self, Part, REFERENCE};
 
-/// The schema (draft 2020-12) that editors can check and complete patches with.
+/// The JSON Schema (draft 2020-12) of a patch document.
+///
+/// The file docs/patch.schema.json contains it. Every description is a short text that editors show for a
+/// key.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::patch::json_schema;
+///
+/// let schema = json_schema();
+/// assert_eq!(schema["title"], "patchcord patch");
+/// assert_eq!(schema["required"], serde_json::json!(["patchcord"]));
+/// assert_eq!(schema["properties"]["time_scale"]["exclusiveMinimum"], 0);
+/// ```
 pub fn json_schema() -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -17,51 +35,62 @@ pub fn json_schema() -> Value {
         "required": ["patchcord"],
         "additionalProperties": false,
         "properties": {
-            "$schema": text("where this schema stands"),
+            "$schema": text("where this schema is"),
             "patchcord": {"const": FORMAT_VERSION, "description": "version of the format"},
-            "title": text("what the patch is"),
-            "source": text("where it comes from"),
-            "note": text("anything else"),
-            "machine": {"enum": machine_names(), "description": "the machine it is made for"},
-            "time_scale": {"type": "number", "exclusiveMinimum": 0, "description": "machine seconds per problem second"},
-            "parameters": named(parameter()),
-            "scales": named(scale()),
-            "drives": named(one_of(Family::Drive)),
-            "macros": named(macro_of_elements()),
-            "elements": elements(),
-            "signals": named(signal()),
+            "title": text("title of the patch"),
+            "source": text("source of the patch"),
+            "note": text("free text"),
+            "machine": {"enum": machine_names(), "description": "the machine for which the patch is made"},
+            "time_scale": {
+                "type": "number",
+                "exclusiveMinimum": 0,
+                "description": "machine seconds per problem second",
+            },
+            "parameters": section(parameter()),
+            "scales": section(scale()),
+            "drives": section(drive()),
+            "macros": section(macro_definition()),
+            "elements": element_section(),
+            "signals": section(signal()),
             "run": run(),
-            "record": names("signals, drives or elements to record"),
+            "record": name_list("signals, drives or elements to record"),
             "pictures": {"type": "array", "items": picture()},
         },
         "$defs": {"formula": formula(), "cords": cords(), "element": element(), "phases": phases()},
     })
 }
 
+/// The names of all machines.
 fn machine_names() -> Vec<&'static str> {
     machines::ALL.iter().map(|machine| machine.name).collect()
 }
 
+/// A text with a description.
 fn text(description: &str) -> Value {
     json!({"type": "string", "description": description})
 }
 
-fn names(description: &str) -> Value {
+/// A list of names.
+fn name_list(description: &str) -> Value {
     json!({"type": "array", "items": {"type": "string"}, "description": description})
 }
 
-fn named(value: Value) -> Value {
+/// An object with any names as keys, all with values of one form.
+fn section(value: Value) -> Value {
     json!({"type": "object", "additionalProperties": value})
 }
 
+/// An object with these keys only.
 fn object(required: &[&str], properties: Value) -> Value {
     json!({"type": "object", "required": required, "additionalProperties": false, "properties": properties})
 }
 
+/// A number or a formula.
 fn formula() -> Value {
     json!({"type": ["number", "string"], "description": "a number, or a formula of parameters and scales"})
 }
 
+/// One cord or a list of cords.
 fn cords() -> Value {
     json!({
         "description": "the outputs plugged in: names of elements, drives, +100, -100 or ground",
@@ -69,6 +98,7 @@ fn cords() -> Value {
     })
 }
 
+/// An entry of "parameters".
 fn parameter() -> Value {
     object(
         &["value", "unit"],
@@ -76,37 +106,40 @@ fn parameter() -> Value {
             "value": {"type": "number"},
             "unit": text("unit of value and range, such as N s/m"),
             "range": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
-            "description": text("what it is"),
-            "note": text("anything else"),
+            "description": text("description"),
+            "note": text("free text"),
         }),
     )
 }
 
+/// An entry of "scales".
 fn scale() -> Value {
     object(
         &["per_volt", "unit"],
         json!({
             "per_volt": {"$ref": "#/$defs/formula"},
             "unit": text("unit of the quantity"),
-            "description": text("what it scales"),
-            "note": text("anything else"),
+            "description": text("description"),
+            "note": text("free text"),
         }),
     )
 }
 
+/// An entry of "signals".
 fn signal() -> Value {
     object(
         &["at"],
         json!({
-            "at": text("the element at whose output it is read"),
-            "scale": text("its scale; volts without one"),
-            "factor": {"type": "number", "description": "what the scaled voltage is multiplied by"},
-            "description": text("what it is"),
-            "note": text("anything else"),
+            "at": text("the element or drive whose output is read"),
+            "scale": text("scale of the signal; volts if absent"),
+            "factor": {"type": "number", "description": "factor by which the scaled voltage is multiplied"},
+            "description": text("description"),
+            "note": text("free text"),
         }),
     )
 }
 
+/// The section "run". "for" and "repeat" exclude "phases".
 fn run() -> Value {
     let time = json!({"type": "number", "exclusiveMinimum": 0, "description": "problem seconds"});
     let mut run = object(
@@ -116,31 +149,32 @@ fn run() -> Value {
             "step": time,
             "tolerance": {
                 "type": "number",
-                "minimum": LEAST_TOLERANCE,
-                "description": "what the errors of all steps may add up to, in machine units of 100 V",
+                "minimum": MIN_TOLERANCE,
+                "description": "permitted sum of the errors of all steps, in machine units of 100 V",
             },
             "every": time,
             "repeat": {"type": "integer", "minimum": 1, "description": "runs from initial condition"},
             "hold_on_overload": {"type": "boolean"},
             "phases": {"$ref": "#/$defs/phases"},
-            "note": text("anything else"),
+            "note": text("free text"),
         }),
     );
-    let beside_phases = |key: &str| json!({"required": [key, "phases"]});
-    run["not"] = json!({"anyOf": [beside_phases("for"), beside_phases("repeat")]});
+    let with_phases = |key: &str| json!({"required": [key, "phases"]});
+    run["not"] = json!({"anyOf": [with_phases("for"), with_phases("repeat")]});
     run
 }
 
+/// The list "phases". Each phase has one of five forms.
 fn phases() -> Value {
     let time = json!({"type": "number", "exclusiveMinimum": 0, "description": "problem seconds"});
     let set = json!({
         "type": "object",
         "minProperties": 1,
         "additionalProperties": {"$ref": "#/$defs/formula"},
-        "description": "parameters, and what they are set to: in formulas signals may stand too",
+        "description": "parameters and their new values; formulas may also contain signals",
     });
-    let times = json!({"type": "integer", "minimum": 1, "description": "how many times"});
-    let one_of = [
+    let times = json!({"type": "integer", "minimum": 1, "description": "number of repetitions"});
+    let forms = [
         phase("initial_condition", json!({"const": true}), &[]),
         phase("operate", time.clone(), &[("until", until())]),
         phase("hold", time, &[]),
@@ -150,29 +184,34 @@ fn phases() -> Value {
     json!({
         "type": "array",
         "minItems": 1,
-        "items": {"oneOf": one_of},
-        "description": "what is done in the run, one after the other",
+        "items": {"oneOf": forms},
+        "description": "the phases of the run, in order",
     })
 }
 
-fn phase(deed: &str, value: Value, others: &[(&str, Value)]) -> Value {
-    let mut properties = Map::from_iter([(deed.to_owned(), value)]);
-    properties.extend(others.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
-    properties.insert("note".into(), text("anything else"));
-    let required: &[&str] = if deed == "repeat" { &["repeat", "phases"] } else { &[deed] };
+/// A phase: the key of the action with its value, and the other keys that the action permits.
+///
+/// A repetition needs its list of phases in addition to the number of repetitions.
+fn phase(action: &str, value: Value, other_keys: &[(&str, Value)]) -> Value {
+    let mut properties = Map::from_iter([(action.to_owned(), value)]);
+    properties.extend(other_keys.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
+    properties.insert("note".into(), text("free text"));
+    let required: &[&str] = if action == "repeat" { &["repeat", "phases"] } else { &[action] };
     object(required, Value::Object(properties))
 }
 
+/// The relay that ends a phase: its name, or an object with the relay and the position.
 fn until() -> Value {
     let positions: Vec<_> = REGISTRY.iter().flat_map(|kind| kind.positions).collect();
     let relay = text("the relay that ends the phase");
-    let becomes = json!({"enum": positions, "description": "the position that it must go to"});
+    let becomes = json!({"enum": positions, "description": "the position to which the relay must switch"});
     json!({
-        "description": "the switching that ends the phase before its time",
+        "description": "the relay that ends the phase early",
         "oneOf": [{"type": "string"}, object(&["relay"], json!({"relay": relay, "becomes": becomes}))],
     })
 }
 
+/// A picture.
 fn picture() -> Value {
     object(
         &["y"],
@@ -180,73 +219,82 @@ fn picture() -> Value {
             "title": text("title above the picture"),
             "x": text("signal along the horizontal axis; t is time"),
             "y": {"$ref": "#/$defs/cords"},
-            "note": text("anything else"),
+            "note": text("free text"),
         }),
     )
 }
 
-fn one_of(family: Family) -> Value {
-    json!({"oneOf": kinds(family)})
+/// An entry of "drives": one of the kinds of drives.
+fn drive() -> Value {
+    json!({"oneOf": entries(Family::Drive)})
 }
 
-fn kinds(family: Family) -> Vec<Value> {
+/// The entries of all kinds of a family.
+fn entries(family: Family) -> Vec<Value> {
     REGISTRY.iter().filter(|kind| kind.family == family).map(|kind| entry(kind)).collect()
 }
 
-fn elements() -> Value {
-    named(json!({"$ref": "#/$defs/element"}))
+/// A section "elements": that of the patch or of a macro.
+fn element_section() -> Value {
+    section(json!({"$ref": "#/$defs/element"}))
 }
 
-/// An element of a kind, or an instance of a macro.
+/// An entry of "elements": an element of a kind, or an instance of a macro.
 fn element() -> Value {
-    let mut choices = kinds(Family::Computing);
-    choices.push(instance());
-    json!({"oneOf": choices})
+    let mut forms = entries(Family::Computing);
+    forms.push(instance());
+    json!({"oneOf": forms})
 }
 
-/// Any other kind is a macro of the patch: its ports and settings are known there only.
+/// An instance of a macro. Its kind is any text that is not the name of a kind. The schema does not know the ports and
+/// settings of the macro, so it permits any keys.
 fn instance() -> Value {
-    let taken: Vec<_> = REGISTRY.iter().map(|kind| kind.name).collect();
+    let kind_names: Vec<_> = REGISTRY.iter().map(|kind| kind.name).collect();
     json!({
         "type": "object",
         "required": ["kind"],
         "properties": {
-            "kind": {"type": "string", "not": {"enum": taken}, "description": "the name of a macro"},
-            "note": text("anything else"),
+            "kind": {"type": "string", "not": {"enum": kind_names}, "description": "the name of a macro"},
+            "note": text("free text"),
         },
         "additionalProperties": {
             "type": ["string", "number", "array"],
             "items": {"type": "string"},
-            "description": "what is plugged into an input of the macro, or the value of a setting",
+            "description": "the cord into an input of the macro, or the value of a setting",
         },
     })
 }
 
-fn macro_of_elements() -> Value {
-    let ports = |description: &str| named(text(description));
-    let mut outputs = ports("the element inside that it is");
+/// An entry of "macros".
+fn macro_definition() -> Value {
+    let ports = |description: &str| section(text(description));
+    let mut outputs = ports("the element inside the macro whose output it is");
     outputs["minProperties"] = 1.into();
     let setting = object(
         &["unit"],
         json!({
-            "unit": text("its unit, such as s: plain numbers stand in it"),
+            "unit": text("unit of plain numbers, such as s"),
             "default": {"$ref": "#/$defs/formula"},
-            "description": text("what it does"),
-            "note": text("anything else"),
+            "description": text("effect of the setting"),
+            "note": text("free text"),
         }),
     );
     object(
         &["outputs", "elements"],
         json!({
-            "note": text("what it is"),
-            "inputs": ports("what is plugged in there"),
+            "note": text("free text"),
+            "inputs": ports("description of the input"),
             "outputs": outputs,
-            "settings": named(setting),
-            "elements": elements(),
+            "settings": section(setting),
+            "elements": element_section(),
         }),
     )
 }
 
+/// An entry of one kind, with its inputs and settings.
+///
+/// Unknown keys are refused. Required keys are "kind", the inputs that must be driven, the settings without a
+/// default and the scale of a drive.
 fn entry(kind: &Kind) -> Value {
     let mut properties = Map::new();
     properties.insert("kind".into(), json!({"const": kind.name, "description": kind.summary}));
@@ -259,15 +307,16 @@ fn entry(kind: &Kind) -> Value {
         }
     }
     if kind.family == Family::Drive {
-        properties.insert("scale".into(), text("the scale of what it gives"));
+        properties.insert("scale".into(), text("the scale of the drive's output"));
         required.push("scale");
     } else {
-        properties.insert("uses".into(), uses(kind));
+        properties.insert("uses".into(), machine_parts(kind));
     }
-    properties.insert("note".into(), text("anything else"));
+    properties.insert("note".into(), text("free text"));
     object(&required, Value::Object(properties))
 }
 
+/// Adds the inputs of a kind: one key "in" with jacks for an amplifier, otherwise a key for each input.
 fn inputs(kind: &Kind, properties: &mut Map<String, Value>, required: &mut Vec<&'static str>) {
     let Some(main) = kind.inputs.first() else { return };
     if main.jacks == Jacks::Gains {
@@ -276,17 +325,18 @@ fn inputs(kind: &Kind, properties: &mut Map<String, Value>, required: &mut Vec<&
         return;
     }
     for input in kind.inputs {
-        properties.insert(input.name.into(), plugged(input));
+        properties.insert(input.name.into(), input_cords(input));
         required.extend(input.required.then_some(input.name));
     }
 }
 
+/// The object "in" of an amplifier. An input with gains permits any gain in its key: "x1", "x10", "x2.5".
 fn jacks(inputs: &[Input]) -> Value {
     let (mut patterns, mut properties) = (Map::new(), Map::new());
     for input in inputs {
         match input.jacks {
-            Jacks::Gains => patterns.insert(format!("^{}[0-9.]+$", input.name), plugged(input)),
-            _ => properties.insert(input.name.to_owned(), plugged(input)),
+            Jacks::Gains => patterns.insert(format!("^{}[0-9.]+$", input.name), input_cords(input)),
+            _ => properties.insert(input.name.to_owned(), input_cords(input)),
         };
     }
     json!({
@@ -298,31 +348,35 @@ fn jacks(inputs: &[Input]) -> Value {
     })
 }
 
-/// The cords of an input.
-fn plugged(input: &Input) -> Value {
+/// The cords of an input: any number, or a list of the number that the input requires.
+fn input_cords(input: &Input) -> Value {
     let Jacks::Exactly(count) = input.jacks else {
         return json!({"$ref": "#/$defs/cords", "description": input.description});
     };
-    let mut cords = names(input.description);
+    let mut cords = name_list(input.description);
     cords["minItems"] = count.into();
     cords["maxItems"] = count.into();
     cords
 }
 
+/// Adds a setting to the keys. A setting such as "limit.lower" is added to the object "limit".
 fn insert_setting(setting: &Setting, properties: &mut Map<String, Value>) {
     match setting.name.split_once('.') {
         None => {
-            properties.insert(setting.name.into(), value(setting));
+            properties.insert(setting.name.into(), setting_value(setting));
         }
         Some((group, key)) => {
             let empty = json!({"type": "object", "additionalProperties": false, "properties": {}});
             let group = properties.entry(group).or_insert(empty);
-            group["properties"][key] = value(setting);
+            group["properties"][key] = setting_value(setting);
         }
     }
 }
 
-fn value(setting: &Setting) -> Value {
+/// The value of a setting, in the form of its measure.
+///
+/// The description ends with the unit in brackets. A number in the document can be a formula too, except in points.
+fn setting_value(setting: &Setting) -> Value {
     let description = format!("{} [{}]", setting.description, setting.unit());
     match setting.measure {
         Measure::Flag => json!({"type": "boolean", "description": description}),
@@ -335,28 +389,29 @@ fn value(setting: &Setting) -> Value {
     }
 }
 
-/// A list of points, or the file that holds them.
-fn points(number: Value, least: usize, description: &str) -> Value {
+/// A list of at least `minimum_count` points, or a reference to a CSV file.
+fn points(number: Value, minimum_count: usize, description: &str) -> Value {
     let list = json!({
         "type": "array",
-        "minItems": least,
+        "minItems": minimum_count,
         "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2},
     });
     let file = object(
         &["csv"],
         json!({
-            "csv": text("CSV file, from the folder of the patch: a line of names, and a line of numbers for every point"),
+            "csv": text("CSV file, relative to the folder of the patch: a line of column names, then a line per point"),
             "x": text("column of the first numbers; the first column if absent"),
-            "y": text("column of the second numbers; the one beside x if absent"),
+            "y": text("column of the second numbers; the column to the right of x if absent"),
         }),
     );
     json!({"oneOf": [list, file], "description": description})
 }
 
-fn uses(kind: &Kind) -> Value {
+/// The object "uses": lists of machine parts, for the parts that the kind can use.
+fn machine_parts(kind: &Kind) -> Value {
     let mut properties = Map::new();
     for part in Part::ALL.iter().filter(|part| kind.parts.iter().any(|takes| takes.part == **part)) {
-        properties.insert(part.key().to_owned(), names("which of the machine's parts it is made of"));
+        properties.insert(part.key().to_owned(), name_list("names of the machine's parts that it uses"));
     }
     json!({"type": "object", "additionalProperties": false, "properties": properties})
 }
@@ -365,18 +420,19 @@ fn uses(kind: &Kind) -> Value {
 mod tests {
     use super::*;
 
+    /// The schema of a kind's entry.
     fn schema_of(kind: &str) -> Value {
         entry(REGISTRY.iter().find(|row| row.name == kind).unwrap())
     }
 
     #[test]
-    fn an_input_that_takes_two_cords_says_so() {
+    fn an_input_for_exactly_two_cords_requires_a_list_of_two_names() {
         let cords = &schema_of("diode-lower-of")["properties"]["in"];
         assert_eq!((&cords["minItems"], &cords["maxItems"]), (&json!(2), &json!(2)));
     }
 
     #[test]
-    fn required_are_the_inputs_that_the_patch_must_drive() {
+    fn the_required_keys_of_an_element_are_the_inputs_that_must_be_driven() {
         for kind in REGISTRY.iter().filter(|kind| kind.family == Family::Computing) {
             let schema = entry(kind);
             let required = schema["required"].as_array().unwrap();

@@ -1,109 +1,122 @@
-//! Points that stand in a CSV file instead of the patch.
+//! Reads the points of settings from CSV files: `{"csv": file, "x": column, "y": column}`.
+//!
+//! The decoder notes each reference to a file as a [`TableFile`]. After macros are expanded, [`read_tables`] reads the
+//! files, converts columns with another unit, checks the points and puts them into the settings. Each reference is read
+//! once, even if many instances of a macro use it.
 
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::decode_curve::{Mirror, Points, SORT, curve_of, points_of};
+use super::decode_curve::{PointList, SORT_HINT, Symmetry, checked_curve, checked_time_points};
 use super::document::{Amount, Patch};
-use crate::document::csv_rows::{self, Asked, Fault, Rows, Told, excerpt};
-use crate::document::fields::{Fields, Findings, word};
+use crate::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable, UnitComment, excerpt};
+use crate::document::fields::{Fields, Findings, string};
 use crate::document::tree::Node;
 use crate::document::{Code, Diagnostic, Placed, Span};
 use patchcord_expr::Unit;
 
-/// The file that a setting asks for, and what its points are for.
+/// A reference from a setting to a CSV file.
 #[derive(Debug, Clone)]
 pub(crate) struct TableFile {
-    setting: usize,
+    /// Index of the setting in its kind.
+    setting_index: usize,
+    /// Path of the file, relative to the folder of the patch.
     file: Placed<String>,
-    /// The names of the columns along x and y.
+    /// The names of the columns for x and y. `None` if the document does not specify the column.
     columns: [Option<Placed<String>>; 2],
-    pub(super) purpose: Purpose,
+    /// The purpose of the points, which decides their units and checks.
+    pub(super) purpose: TablePurpose,
+    /// Position of the reference in the document.
     span: Span,
 }
 
-/// What points are for.
+/// The purpose of points.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Purpose {
-    /// Values of a drive at problem times.
-    InTime,
-    /// A curve in volts.
-    Curve(Mirror),
+pub(super) enum TablePurpose {
+    /// Values of a drive, in the unit of its scale, at times in problem seconds.
+    Time,
+    /// A curve from volts to volts.
+    Curve(Symmetry),
 }
 
-/// Reads what a setting asks for: {"csv": file, "x": column, "y": column}.
-pub(super) fn asked(
+/// Decodes a reference to a CSV file. `None` if the name of the file cannot be read.
+pub(super) fn decode_table_file(
     node: &Node,
-    setting: usize,
-    purpose: Purpose,
+    setting_index: usize,
+    purpose: TablePurpose,
     findings: &mut Findings,
 ) -> Option<TableFile> {
     let mut fields = Fields::of(node, "a table in a file", findings)?;
-    let file = fields.need("csv", "the file that holds the table, from the folder of the patch");
-    let file = file.and_then(|node| word(node, "csv", findings));
-    let columns = ["x", "y"].map(|key| fields.take(key).and_then(|node| word(node, key, findings)));
+    let file = fields.require("csv", "the file with the table, relative to the folder of the patch");
+    let file = file.and_then(|node| string(node, "csv", findings));
+    let columns = ["x", "y"].map(|key| fields.take(key).and_then(|node| string(node, key, findings)));
     fields.finish(findings);
-    Some(TableFile { setting, file: file?, columns, purpose, span: node.span })
+    Some(TableFile { setting_index, file: file?, columns, purpose, span: node.span })
 }
 
-/// The tables of a patch hold no more points than this, however often one is used.
-const MOST_POINTS: usize = 10_000_000;
+/// Largest number of points in the tables of a patch, counting a table once for each setting that uses it. At 16 bytes
+/// per point this limits the tables to 160 MB.
+const MAX_TABLE_POINTS: usize = 10_000_000;
 
-/// The points that were read from files, by the place that names the file: the instances of a macro share them. `None` if a
-/// file could not be read, which has been reported.
-pub(super) type Tables = HashMap<Span, Option<Vec<[f64; 2]>>>;
+/// The points that were read from files, by the position of the reference. Instances of a macro share a position.
+/// `None` if the file could not be read, which has been reported.
+pub(super) type PointsBySpan = HashMap<Span, Option<Vec<[f64; 2]>>>;
 
-/// Reads every file that the drives and elements of a patch still ask for, from a folder. What the patch has read before is
-/// not read again.
-pub(super) fn read_all(patch: &mut Patch, folder: &Path) {
+/// Reads the files to which drives and elements of a patch refer. Paths are relative to `folder`.
+///
+/// A reference that the patch has read before is not read again: edited patches keep their tables.
+pub(super) fn read_tables(patch: &mut Patch, folder: &Path) {
     let Patch { scales, drives, elements, tables, findings, .. } = patch;
-    // An edited patch has the points of its drives already.
+    // The drives of an edited patch have their points already.
     let present = drives.values().flat_map(|drive| &drive.settings).flatten();
     let present = present.map(|setting| match &setting.value {
         Amount::Points(points) if tables.contains_key(&setting.span) => points.len(),
         _ => 0,
     });
-    let room = MOST_POINTS.checked_sub(present.sum());
-    let mut files = Files { folder, read: tables, room };
+    let remaining_points = MAX_TABLE_POINTS.checked_sub(present.sum());
+    let mut reader = TableReader { folder, tables, remaining_points };
     for entry in drives.values_mut().chain(elements.values_mut()) {
         let scale = entry.scale.as_ref().and_then(|scale| scales.get(&scale.value));
-        for asked in std::mem::take(&mut entry.files) {
-            let points = files.points(&asked, scale.map(|scale| &scale.unit), findings);
-            entry.settings[asked.setting] =
-                points.map(|points| Placed { value: Amount::Points(points), span: asked.span });
+        for table_file in std::mem::take(&mut entry.table_files) {
+            let points = reader.points(&table_file, scale.map(|scale| &scale.unit), findings);
+            entry.settings[table_file.setting_index] =
+                points.map(|points| Placed { value: Amount::Points(points), span: table_file.span });
         }
     }
 }
 
-/// Files that are being read.
-struct Files<'f> {
+/// Reads the files of a patch and counts their points.
+struct TableReader<'f> {
+    /// The folder to which paths are relative.
     folder: &'f Path,
-    /// The points that were read so far.
-    read: &'f mut Arc<Tables>,
-    /// Points that the patch may still hold; `None` once that many were asked for.
-    room: Option<usize>,
+    /// The points that have been read.
+    tables: &'f mut Arc<PointsBySpan>,
+    /// Number of points that the patch may still contain. `None` once the limit is exceeded.
+    remaining_points: Option<usize>,
 }
 
-impl Files<'_> {
-    /// The points that a place asks for.
+impl TableReader<'_> {
+    /// The points of a reference. `unit` is that of the drive's scale. `None` if they cannot be read, or if the tables
+    /// of the patch exceed the limit.
     fn points(
         &mut self,
-        asked: &TableFile,
+        table_file: &TableFile,
         unit: Option<&Unit>,
         findings: &mut Findings,
     ) -> Option<Vec<[f64; 2]>> {
-        let room = self.room?;
-        if !self.read.contains_key(&asked.span) {
-            let points = asked.read(self.folder, unit, findings);
-            Arc::make_mut(self.read).insert(asked.span, points);
+        let remaining_points = self.remaining_points?;
+        if !self.tables.contains_key(&table_file.span) {
+            let points = table_file.read(self.folder, unit, findings);
+            Arc::make_mut(self.tables).insert(table_file.span, points);
         }
-        let points = self.read.get(&asked.span)?.as_ref()?;
-        self.room = room.checked_sub(points.len());
-        if self.room.is_none() {
-            let message = format!("the tables of the patch hold more than {MOST_POINTS} points together");
+        let points = self.tables.get(&table_file.span)?.as_ref()?;
+        self.remaining_points = remaining_points.checked_sub(points.len());
+        if self.remaining_points.is_none() {
+            let message =
+                format!("the tables of the patch have more than {MAX_TABLE_POINTS} points in total");
             let hint = "record less often, or use one table in fewer places";
-            findings.push(Diagnostic::at(Code::BadTable, asked.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::BadTable, table_file.span, message).hint(hint));
             return None;
         }
         Some(points.clone())
@@ -111,16 +124,19 @@ impl Files<'_> {
 }
 
 impl TableFile {
-    /// Bytes of its texts.
+    /// Size of its texts in bytes. The expansion of macros counts it.
     pub(super) fn size(&self) -> usize {
         let texts = self.columns.iter().flatten().chain([&self.file]);
         texts.map(|text| text.value.len()).sum()
     }
 
+    /// Reads the columns, converts their units and checks the points. `None` after a report.
     fn read(&self, folder: &Path, unit: Option<&Unit>, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
         let path = folder.join(&self.file.value);
-        match csv_rows::read(&path, &self.asked()).and_then(|rows| self.in_units(rows, unit, &path)) {
-            Ok(rows) => self.judged(rows, &path, findings),
+        match csv_table::read(&path, &self.column_selectors())
+            .and_then(|rows| self.converted(rows, unit, &path))
+        {
+            Ok(rows) => self.checked_points(rows, &path, findings),
             Err(faults) => {
                 findings.extend(faults.into_iter().map(|fault| self.diagnostic(fault)));
                 None
@@ -128,103 +144,126 @@ impl TableFile {
         }
     }
 
-    /// The columns by name, or the first and the one beside that along x.
-    fn asked(&self) -> [Asked<'_>; 2] {
-        let named = |axis: usize| self.columns[axis].as_ref().map(|name| Asked::Named(&name.value));
-        [named(0).unwrap_or(Asked::First), named(1).unwrap_or(Asked::Beside)]
+    /// The columns to read: by name, or by default the first column for x and the one to the right of x for y.
+    fn column_selectors(&self) -> [ColumnSelector<'_>; 2] {
+        let named = |axis: usize| self.columns[axis].as_ref().map(|name| ColumnSelector::Named(&name.value));
+        [named(0).unwrap_or(ColumnSelector::First), named(1).unwrap_or(ColumnSelector::Next)]
     }
 
-    fn diagnostic(&self, fault: Fault) -> Diagnostic {
+    /// Converts a fault of the file to a diagnostic at the name of the column or of the file.
+    fn diagnostic(&self, fault: CsvFault) -> Diagnostic {
         let named = fault.column.and_then(|axis| self.columns[axis].as_ref());
         let span = named.map_or(self.file.span, |name| name.span);
         Diagnostic::at(Code::BadTable, span, fault.message).hint(fault.hint)
     }
 
-    /// The rows in the units of their place, where the file tells others.
-    fn in_units(&self, mut rows: Rows, unit: Option<&Unit>, path: &Path) -> Result<Rows, Vec<Fault>> {
+    /// Converts columns to the required unit if a comment line of the file gives another one. Columns without a unit
+    /// remain as they are.
+    ///
+    /// Required are seconds and the unit of the drive's scale for a table in time, and volts for a curve.
+    ///
+    /// # Errors
+    /// If the unit of a column cannot be read, or has another dimension than the required unit.
+    fn converted(
+        &self,
+        mut rows: CsvTable,
+        unit: Option<&Unit>,
+        path: &Path,
+    ) -> Result<CsvTable, Vec<CsvFault>> {
         let volts = Unit::parse("V").ok();
         let seconds = Unit::parse("s").ok();
-        let places = match self.purpose {
-            Purpose::InTime => [seconds.as_ref(), unit],
-            Purpose::Curve(_) => [volts.as_ref(), volts.as_ref()],
+        let required_units = match self.purpose {
+            TablePurpose::Time => [seconds.as_ref(), unit],
+            TablePurpose::Curve(_) => [volts.as_ref(), volts.as_ref()],
         };
         let mut faults = Vec::new();
         for axis in [0, 1] {
             let Some(comment) = &rows.units[axis] else { continue };
-            let told = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
-            let Some(told) = told else {
-                faults.push(no_unit(&rows.names[axis], comment, path, axis));
+            let column_unit = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
+            let Some(column_unit) = column_unit else {
+                faults.push(unreadable_unit(&rows.names[axis], comment, path, axis));
                 continue;
             };
-            let Some(place) = places[axis] else { continue };
-            if told.dimension() != place.dimension() {
-                faults.push(other_unit(&rows.names[axis], &told, place, path, axis));
-            } else if told.factor() != place.factor() {
+            let Some(required) = required_units[axis] else { continue };
+            if column_unit.dimension() != required.dimension() {
+                faults.push(wrong_dimension(&rows.names[axis], &column_unit, required, path, axis));
+            } else if column_unit.factor() != required.factor() {
                 rows.columns[axis]
                     .iter_mut()
-                    .for_each(|number| *number = place.out_of_si(told.to_si(*number)));
+                    .for_each(|number| *number = required.out_of_si(column_unit.to_si(*number)));
             }
         }
         if faults.is_empty() { Ok(rows) } else { Err(faults) }
     }
 
-    /// The points, once they are found fit for their purpose.
-    fn judged(&self, rows: Rows, path: &Path, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
-        let place =
+    /// Makes points from the rows and checks them for their purpose. Reports give the line of the file. `None` after a
+    /// report.
+    fn checked_points(&self, rows: CsvTable, path: &Path, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+        let locate =
             |index: usize| (self.file.span, format!(", in line {} of {}", rows.lines[index], path.display()));
-        let order_hint = order_hint(&rows).unwrap_or(SORT);
-        let points = Points {
+        let order_hint = time_order_hint(&rows).unwrap_or(SORT_HINT);
+        let points = PointList {
             points: rows.columns[0].iter().zip(&rows.columns[1]).map(|(x, y)| [*x, *y]).collect(),
-            place: &place,
+            locate: &locate,
             span: self.file.span,
             code: Code::BadTable,
             order_hint,
         };
         match self.purpose {
-            Purpose::InTime => points_of(points, findings),
-            Purpose::Curve(mirror) => curve_of(points, "points", mirror, findings),
+            TablePurpose::Time => checked_time_points(points, findings),
+            TablePurpose::Curve(symmetry) => checked_curve(points, "points", symmetry, findings),
         }
     }
 }
 
-/// The fault of a comment whose unit cannot be read.
-pub fn no_unit(name: &str, comment: &Told, path: &Path, axis: usize) -> Fault {
+/// The fault of a comment line whose unit cannot be read.
+///
+/// `name` is the name of the column, and `axis` is its index among the requested columns.
+pub fn unreadable_unit(name: &str, comment: &UnitComment, path: &Path, axis: usize) -> CsvFault {
     let message = format!(
-        "line {} of {} tells \"{}\" as the unit of the column {name}, which is no unit",
+        "line {} of {} gives \"{}\" as the unit of the column {name}, which is not a unit",
         comment.line,
         path.display(),
         excerpt(&comment.text)
     );
-    let hint = format!("write \"# {name}: unit\" with nothing behind the unit, or a comment without a colon");
-    Fault { column: Some(axis), ..Fault::new(message, hint) }
+    let hint = format!("write \"# {name}: unit\" with nothing after the unit, or a comment without a colon");
+    CsvFault { column: Some(axis), ..CsvFault::new(message, hint) }
 }
 
-/// What to do where the first column does not rise: a recorded run tells by its columns why its times do not.
-pub fn order_hint(rows: &Rows) -> Option<&'static str> {
-    let has = |column: &str| rows.names[0] == "t" && rows.all_names.iter().any(|name| name == column);
+/// The hint if the first column is not strictly increasing and the file is a recorded run.
+///
+/// A recorded run has the columns "t" and "run" or "phase". The time restarts with each run, and a jump has two lines
+/// with the same time. `None` if neither is the cause.
+pub fn time_order_hint(rows: &CsvTable) -> Option<&'static str> {
+    let has_column = |column: &str| rows.names[0] == "t" && rows.all_names.iter().any(|name| name == column);
     let pair = rows.columns[0].windows(2).find(|pair| pair[1] <= pair[0])?;
-    let begins_anew = pair[1] < pair[0] || pair[1] == 0.0;
-    if begins_anew && has("run") {
-        Some(SEVERAL_RUNS)
-    } else if pair[1] == pair[0] && has("phase") {
-        Some(JUMP)
+    let is_restart = pair[1] < pair[0] || pair[1] == 0.0;
+    if is_restart && has_column("run") {
+        Some(SEVERAL_RUNS_HINT)
+    } else if pair[1] == pair[0] && has_column("phase") {
+        Some(JUMP_HINT)
     } else {
         None
     }
 }
 
-const SEVERAL_RUNS: &str = "the table holds several runs (initial_condition, repeat), and t begins anew with each: keep the \
-                            lines of one \"run\"";
-const JUMP: &str = "a phase that ends with a relay (until) or changes a parameter (set) writes a jump as two lines of \
-                    one time: keep one of them, or make the second a little later";
+/// The hint for a recorded table with several runs.
+const SEVERAL_RUNS_HINT: &str = "the table contains several runs (initial_condition, repeat), and t restarts with \
+                                 each: keep the lines of one \"run\"";
 
-fn other_unit(name: &str, told: &Unit, place: &Unit, path: &Path, axis: usize) -> Fault {
+/// The hint for a recorded table with a jump.
+const JUMP_HINT: &str = "a phase that ends with a relay (until) or changes a parameter (set) writes a jump as two \
+                         lines with the same time: keep one of them, or make the second slightly later";
+
+/// The fault of a column whose unit has another dimension than the required unit.
+fn wrong_dimension(name: &str, column_unit: &Unit, required: &Unit, path: &Path, axis: usize) -> CsvFault {
     let message = format!(
-        "the column {name} of {} is in {}, and {} is needed here",
+        "the column {name} of {} is in {}, but {} is needed here",
         path.display(),
-        told.text(),
-        place.text()
+        column_unit.text(),
+        required.text()
     );
-    let hint = format!("take another column or scale, or correct the line \"# {name}: {}\"", told.text());
-    Fault { column: Some(axis), ..Fault::new(message, hint) }
+    let hint =
+        format!("use another column or scale, or correct the line \"# {name}: {}\"", column_unit.text());
+    CsvFault { column: Some(axis), ..CsvFault::new(message, hint) }
 }

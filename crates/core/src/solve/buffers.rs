@@ -1,4 +1,8 @@
-//! Buffers of a step. They are allocated once, so that a run allocates nothing from step to step.
+//! Buffers of a step. They are allocated once, so that a step allocates no memory.
+//!
+//! The buffers hold the step that was tried last (stages, end), and the start of the step that was accepted last. A
+//! step is tried by `runge_kutta` and accepted by `Solver::make_present`. Interpolation overwrites `states` and
+//! `voltages`.
 
 use super::tableau::Tableau;
 use super::turning_points::Samples;
@@ -7,21 +11,22 @@ use crate::ir::{Program, Scratch};
 /// The step tried last, and the start of the step accepted last.
 #[derive(Debug, Clone)]
 pub(super) struct StepBuffers {
-    /// Rates of the stages of the tried step, and the rates at its end, in volts per problem second.
+    /// Rates of the stages of the tried step, and last the rates at its end, in volts per problem second. A row has one
+    /// rate per state.
     pub stage_rates: Vec<Vec<f64>>,
-    /// Voltages of the stages that are checked for events within the step (`Tableau::checked_stages`).
+    /// Voltages of the stages that are checked for events within the step, in the order of `Tableau::checked_stages`.
     pub checked_voltages: Vec<Vec<f64>>,
-    /// The share of the tried step at which an event may come and go; `None` if no stage shows one.
+    /// The share (0 ... 1) of the tried step at which an event may come and go; `None` if no stage suggests one.
     pub hint: Option<f64>,
     /// States at the end of the tried step, or at the instant interpolated last.
     pub states: Vec<f64>,
-    /// Every voltage at the end of the tried step, or at the instant interpolated last.
+    /// Every voltage at the end of the tried step, or at the instant interpolated last, one per operation of the body.
     pub voltages: Vec<f64>,
     /// Outputs of the delay lines for the present evaluation.
     pub delayed: Vec<f64>,
-    /// Scratch memory of an evaluation, and the loops that it could not solve.
+    /// Scratch memory of an evaluation, with the faults of loops that it could not solve.
     pub evaluation: Scratch,
-    /// Fourth differences of the inputs of the delay lines over the last step, in volts.
+    /// Fourth differences of the inputs of the delay lines over the quarters of the last step, in volts.
     pub fourth_differences: Vec<f64>,
     /// The start of the step accepted last.
     pub last: StepStart,
@@ -34,15 +39,16 @@ pub(super) struct StepStart {
     pub time: f64,
     /// The states in volts.
     pub states: Vec<f64>,
-    /// Every voltage.
+    /// Every voltage, one per operation of the body.
     pub voltages: Vec<f64>,
 }
 
 impl StepBuffers {
-    /// Buffers for the steps of a program by a method.
+    /// Buffers of the sizes that a program and a method need. All values are 0.
     pub fn new(program: &Program, method: &Tableau) -> Self {
         let zeros = |count: usize| vec![0.0; count];
-        let (states, body, delays) = (program.states.len(), program.body.len(), program.delays.len());
+        let (states, body, delays) =
+            (program.lowered.states.len(), program.lowered.body.len(), program.lowered.delays.len());
         StepBuffers {
             stage_rates: vec![zeros(states); method.rates()],
             checked_voltages: vec![zeros(body); method.checked_stages.len()],
@@ -56,19 +62,19 @@ impl StepBuffers {
         }
     }
 
-    /// Samples of a voltage over the tried step: at both ends and at the two checked stages. `None` if the method
-    /// checks fewer than two stages.
+    /// Samples of a voltage over the tried step: at both ends and at the two checked stages. `begin` and `end` are all
+    /// voltages at the ends, and `voltage` chooses or computes one from them. `None` if the method does not check two
+    /// stages.
     pub fn samples(
         &self,
         method: &Tableau,
         [begin, end]: [&[f64]; 2],
         voltage: impl Fn(&[f64]) -> f64,
     ) -> Option<Samples> {
-        let ([near, far], [early, late]) = (method.checked_stages, self.checked_voltages.as_slice()) else {
-            return None;
-        };
-        let share = |stage: &usize| method.stages[*stage].at;
+        let [early_stage, late_stage] = method.checked_stages else { return None };
+        let [early, late] = self.checked_voltages.as_slice() else { return None };
+        let share = |stage: &usize| method.stages[*stage].node;
         let values = [begin, early, late, end].map(voltage);
-        Some(Samples { shares: [0.0, share(near), share(far), 1.0], values })
+        Some(Samples { shares: [0.0, share(early_stage), share(late_stage), 1.0], values })
     }
 }

@@ -1,48 +1,76 @@
 //! Errors of a run: why it stopped, or could not begin.
+//!
+//! Every message says what is wrong, at which element and problem time, and what the user can do. [`RunError::code`] is
+//! the stable name for programs. [`RunError::element`] is the element whose line in the patch the command line prints.
+//! Options of the command line are not named here: the command line adds them.
 
 use std::fmt;
 
-use crate::document::{outside, told};
+use crate::document::{format_number, range_violation};
 use crate::ir::SettingError;
 use crate::trace::Trace;
 
 /// Why a run stopped, or could not begin.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::{Machine, RunError};
+///
+/// let lag = ElementBuilder::new("lag").cords("x1", ["+100"]).set("time", 1e-4);
+/// let patch = PatchBuilder::new("fast lag").element("L1", lag).build()?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let error: RunError = Machine::new(&program, 1e-3).unwrap_err();
+/// assert_eq!((error.code(), error.element()), ("lag-too-short", Some("L1")));
+/// assert!(error.to_string().ends_with("choose a step of at most 0.0001 s"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
     /// The output of an element is not a number.
-    #[error("{element} gave a voltage that is not a number at t = {time} s")]
+    #[error(
+        "the output of {element} is not a number at t = {time} s; look for an overflow or a division by 0 in its inputs"
+    )]
     NotANumber {
         /// The first element, in the order of evaluation, whose output is not a number.
         element: String,
         /// Problem time in seconds.
         time: f64,
     },
-    /// A loop without an integrator does not have exactly one solution.
+    /// A loop without an integrator does not have exactly one solution. Example: "at t = 0.5 s the loop M, A5 has no
+    /// integrator and 3 solutions: ...".
     #[error("at t = {time} s the loop {members} has no integrator and {solutions}; {advice}")]
     Loop {
-        /// Names of the members, in their order in the loop.
+        /// Names of the members, in their order in the loop, separated by ", ".
         members: String,
-        /// Name of the member at which the loop is opened for the solution.
+        /// Name of the member whose output is the unknown for which the loop is solved.
         opened: String,
-        /// The number of solutions, as a phrase.
+        /// The number of solutions and their voltages, as a phrase that follows "has no integrator and".
         solutions: String,
-        /// Advice to the user.
+        /// Advice to the user, as a sentence without a full stop.
         advice: &'static str,
         /// Problem time in seconds.
         time: f64,
     },
-    /// A quantity has no derivative by a parameter.
+    /// A quantity has no derivative by a parameter, in the whole run.
     #[error("there is no derivative by {parameter}: {why}")]
     NoDerivative {
         /// Name of the parameter.
         parameter: String,
-        /// The reason.
+        /// The reason and the advice, separated by ";".
         why: String,
     },
-    /// The derivative by a parameter ends at an event.
-    #[error("at t = {time} s {element} {why}: there is no derivative by {parameter} from there on")]
+    /// The derivative by a parameter exists up to an event, and not after it. The state after the event would jump if
+    /// the parameter changed.
+    #[error(
+        "at t = {time} s {element} {why}; from there on there is no derivative by {parameter}; end the run earlier, or \
+         change a parameter slightly"
+    )]
     DerivativeLost {
-        /// The parameter.
+        /// Name of the parameter.
         parameter: String,
         /// Name of the element that switches.
         element: String,
@@ -51,41 +79,42 @@ pub enum RunError {
         /// Problem time in seconds.
         time: f64,
     },
-    /// A mode changes, or a kink is crossed, again and again (chatter).
+    /// A mode changes, or a kink is crossed, so often that time would not advance (chatter).
     #[error(
         "{element} switched more than {most} times within {within} s at t = {time} s: it chatters; {advice}",
-        within = told(*within), time = told(*time)
+        within = format_number(*within), time = format_number(*time)
     )]
     Chatter {
-        /// The element.
+        /// Name of the element that switches, or whose curve has the kink.
         element: String,
         /// The largest number of changes allowed.
         most: usize,
-        /// The time in which they are allowed, in problem seconds.
+        /// The length of time for which that number is allowed, in problem seconds.
         within: f64,
         /// Problem time in seconds.
         time: f64,
-        /// Advice to the user.
+        /// Advice to the user, as a sentence without a full stop.
         advice: &'static str,
     },
     /// No step is short enough to keep the error of a voltage within the tolerance.
     #[error(
-        "{element} cannot be followed at t = {time} s: even a step of {step} s exceeds the tolerance; take a larger \
+        "{element} changes too fast at t = {time} s: even a step of {step} s exceeds the tolerance; choose a larger \
          tolerance, or find out why the voltage diverges there",
-        time = told(*time), step = told(*step)
+        time = format_number(*time), step = format_number(*step)
     )]
     StepTooShort {
-        /// The integrator or lag with the largest error, or the element that takes a sine or cosine.
+        /// Name of the integrator or lag with the largest error, or of the element whose sine or cosine turns too fast.
         element: String,
         /// Problem time in seconds.
         time: f64,
         /// The shortest step tried, in problem seconds.
         step: f64,
     },
-    /// A delay is shorter than the step.
+    /// A delay is shorter than the step. Only equal steps have this limit: adaptive steps are at most as long as a
+    /// delay.
     #[error(
-        "{element} delays by {delay} s, less than the step of {step} s; take a step of at most {delay} s",
-        delay = told(*delay), step = told(*step)
+        "{element} delays by {delay} s, less than the step of {step} s; choose a step of at most {delay} s",
+        delay = format_number(*delay), step = format_number(*step)
     )]
     DelayTooShort {
         /// Name of the delay line.
@@ -95,10 +124,10 @@ pub enum RunError {
         /// The step in problem seconds.
         step: f64,
     },
-    /// The time constant of a lag is shorter than the step.
+    /// The time constant of a lag is shorter than the step. Only equal steps have this limit.
     #[error(
-        "{element} has a time constant of {time} s, less than the step of {step} s; take a step of at most {time} s",
-        time = told(*time), step = told(*step)
+        "{element} has a time constant of {time} s, less than the step of {step} s; choose a step of at most {time} s",
+        time = format_number(*time), step = format_number(*step)
     )]
     LagTooShort {
         /// Name of the lag.
@@ -108,105 +137,108 @@ pub enum RunError {
         /// The step in problem seconds.
         step: f64,
     },
-    /// A parameter, or a setting that follows from one, cannot have a value.
+    /// A parameter is unknown, or it or a setting that follows from it is outside its range.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// No element has this name.
-    #[error("there is no element {0}")]
+    /// No element has this name. The field is the name.
+    #[error("there is no element {0}; choose a name from the patch")]
     UnknownElement(String),
-    /// No signal has this name.
-    #[error("there is no signal {0} to record")]
+    /// No signal, element or drive has this name, so it cannot be recorded. The field is the name.
+    #[error("there is no signal {0} to record; choose a signal, an element or a drive of the patch")]
     UnknownSignal(String),
-    /// An integrator set to a voltage outside its limits.
+    /// An integrator was to be set to a voltage outside its limits.
     #[error(
-        "{integrator} cannot be set to {volts} V, {fault}",
-        volts = told(*volts),
-        fault = outside(*volts, (*low, *high), "V")
+        "{integrator} cannot be set to {volts} V, {fault}; choose a voltage within the limits",
+        volts = format_number(*volts),
+        fault = range_violation(*volts, (*low, *high), "V")
     )]
     StateOutsideRange {
-        /// The integrator.
+        /// Name of the integrator.
         integrator: String,
-        /// The voltage that was given.
+        /// The voltage that was given, in volts.
         volts: f64,
         /// Lower limit of the integrator in volts.
         low: f64,
         /// Upper limit of the integrator in volts.
         high: f64,
     },
-    /// A phase waits for an element that does not switch.
-    #[error("{0} does not switch: a phase can wait for a relay only")]
+    /// A phase waits for an element that does not switch. The field is its name.
+    #[error("{0} does not switch, so no phase can wait for it; name a relay")]
     NotARelay(String),
     /// A phase waits for a position that its relay does not have.
-    #[error("{relay} does not become \"{position}\", but {known}")]
+    #[error("{relay} has no position \"{position}\"; choose {known}")]
     UnknownPosition {
         /// Name of the relay.
         relay: String,
         /// The position that was given.
         position: String,
-        /// The positions of the relay, joined by "or".
+        /// The positions of the relay, joined by " or ".
         known: String,
     },
-    /// The formula that a phase sets a parameter to has no value.
-    #[error("{parameter} cannot be set to {formula}: {message}")]
+    /// A phase sets a parameter to a formula that has no value, or whose unit does not fit.
+    #[error("{parameter} cannot be set to {formula}: {message}; correct the formula in the phase")]
     BadFormula {
         /// Name of the parameter.
         parameter: String,
         /// Text of the formula.
         formula: String,
-        /// The error of the formula.
+        /// What is wrong with the formula.
         message: String,
     },
     /// A phase sets a parameter on which the scale of a recorded signal depends.
-    #[error("the scale of {signal} would change within its record")]
+    #[error(
+        "a phase would change the scale of {signal} within its record; set the parameter before the run, or do not \
+         record {signal}"
+    )]
     Rescaled {
         /// Name of the signal.
         signal: String,
     },
     /// No phase of the run takes time.
-    #[error("no phase of the run takes any time")]
+    #[error("no phase of the run takes any time; add a phase \"operate\" or \"hold\"")]
     NoTime,
     /// A repetition without phases, or of 0 times.
-    #[error("a repetition has no phases, or is repeated 0 times")]
+    #[error("a repetition has no phases or 0 times; give it at least one phase and one time")]
     EmptyRepeat,
-    /// Times that a run needs, and that neither the patch nor the caller specifies.
-    #[error("the patch's \"run\" does not give {}", listed(.0))]
-    Missing(Vec<TimeSetting>),
+    /// Neither the patch nor the caller specifies these times, which a run needs. The list is not empty.
+    #[error("the patch's \"run\" does not give {}", name_list(.0))]
+    MissingTimes(Vec<TimeSetting>),
     /// A time is not positive and finite.
-    #[error("{which} must be positive, got {value} s", value = told(*value))]
+    #[error("{which} must be positive and finite, got {value} s", value = format_number(*value))]
     NotATime {
         /// The use of the time.
         which: TimeSetting,
-        /// The value that was given.
+        /// The value that was given, in seconds.
         value: f64,
     },
     /// The tolerance is too small or not finite.
     #[error(
-        "the tolerance must be at least {least}, got {value}: rounding makes smaller errors impossible",
-        value = told(*value), least = told(*least)
+        "the tolerance must be finite and at least {least}, got {value}; rounding makes smaller errors impossible",
+        value = format_number(*value), least = format_number(*least)
     )]
     NotATolerance {
-        /// The value that was given.
+        /// The value that was given, as a share of 100 V.
         value: f64,
-        /// The least tolerance.
+        /// The least tolerance that is allowed, [`MIN_TOLERANCE`](crate::document::MIN_TOLERANCE).
         least: f64,
     },
     /// The step, or the time between samples, is longer than the run.
     #[error(
         "{which} is {value} s, longer than the run of {duration} s",
-        value = told(*value), duration = told(*duration)
+        value = format_number(*value), duration = format_number(*duration)
     )]
     LongerThanRun {
         /// The use of the time.
         which: TimeSetting,
         /// The time in problem seconds.
         value: f64,
-        /// Length of the run in problem seconds.
+        /// The longest time between two initial conditions, in problem seconds.
         duration: f64,
     },
-    /// The run would take too many steps.
+    /// The run would take too many steps, or an adaptive run has taken too many.
     #[error(
         "the run would take {steps} steps, {work} at a million steps a second; at most {most} are allowed",
-        steps = told(*steps), work = work(*steps), most = told(*most)
+        steps = format_number(*steps), work = computing_time(*steps), most = format_number(*most)
     )]
     TooManySteps {
         /// Steps of all phases, with repetitions.
@@ -217,10 +249,10 @@ pub enum RunError {
     /// A noise drive would draw too many numbers.
     #[error(
         "{element} would draw {numbers} numbers in the run; at most {most} are allowed; choose a longer \"every\"",
-        numbers = told(*numbers), most = told(*most)
+        numbers = format_number(*numbers), most = format_number(*most)
     )]
     NoiseTooFine {
-        /// Name of the drive.
+        /// Name of the noise drive.
         element: String,
         /// Numbers drawn in all phases, with repetitions.
         numbers: f64,
@@ -230,7 +262,7 @@ pub enum RunError {
     /// The run would record too many numbers for the memory.
     #[error(
         "the run would record {numbers} numbers; at most {most} are allowed",
-        numbers = told(*numbers), most = told(*most)
+        numbers = format_number(*numbers), most = format_number(*most)
     )]
     TooManyNumbers {
         /// The recorded numbers, with repetitions: times and signals of every sample, 16 numbers for every phase and
@@ -242,7 +274,8 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// The element that the error is about; `None` if it is not about one element.
+    /// The element that the error is about; `None` if it is not about one element. For a loop it is the member whose
+    /// output is the unknown.
     pub fn element(&self) -> Option<&str> {
         match self {
             RunError::NotANumber { element, .. }
@@ -256,7 +289,7 @@ impl RunError {
         }
     }
 
-    /// A stable name for programs that read failures, such as "chatter".
+    /// A stable name for programs that read failures, such as "chatter". JSON output contains it under "code".
     pub fn code(&self) -> &'static str {
         match self {
             RunError::NotANumber { .. } => "not-a-number",
@@ -278,7 +311,7 @@ impl RunError {
             RunError::NoTime => "no-time",
             RunError::EmptyRepeat => "empty-repeat",
             RunError::NoiseTooFine { .. } => "noise-too-fine",
-            RunError::Missing(_) => "missing-time",
+            RunError::MissingTimes(_) => "missing-time",
             RunError::NotATime { .. } => "not-a-time",
             RunError::NotATolerance { .. } => "not-a-tolerance",
             RunError::LongerThanRun { .. } => "longer-than-run",
@@ -288,14 +321,23 @@ impl RunError {
     }
 }
 
-/// The times in the settings of a run.
+/// The times in the settings of a run. An error names one of them in words and by its key in the patch.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::solve::TimeSetting;
+///
+/// assert_eq!(TimeSetting::Every.key(), "every");
+/// assert_eq!(TimeSetting::Every.to_string(), "the time between samples");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeSetting {
     /// Length of the run, or of a phase in which the machine operates.
     Duration,
     /// Length of a hold.
     Hold,
-    /// Length of the solver's steps.
+    /// Length of the solver's equal steps, or of the first step tried if steps adapt.
     Step,
     /// Time between recorded samples.
     Every,
@@ -324,34 +366,56 @@ impl fmt::Display for TimeSetting {
     }
 }
 
-/// The names and keys of times, joined by "and".
-fn listed(times: &[TimeSetting]) -> String {
+/// The names and keys of times, joined by "and", such as "the length of the run ("for") and the step ("step")".
+fn name_list(times: &[TimeSetting]) -> String {
     let names: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\")", time.key())).collect();
     names.join(" and ")
 }
 
-/// The time that a number of steps takes at a million steps a second, in whole hours, days or years.
-fn work(steps: f64) -> String {
+/// The time that a number of steps takes at a million steps a second, in whole hours, days or years. The speed is a
+/// round number; docs/performance.md has measured ones.
+fn computing_time(steps: f64) -> String {
     let hours = steps / 1e6 / 3600.0;
     match hours {
         ..48.0 => format!("{hours:.0} hours"),
         ..17520.0 => format!("{:.0} days", hours / 24.0),
-        _ => format!("{} years", told((hours / 8760.0).round())),
+        _ => format!("{} years", format_number((hours / 8760.0).round())),
     }
 }
 
-/// A run that stopped before its end.
+/// A run that stopped before its end, with the record up to the error.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::{RunSettings, run};
+///
+/// // dx/dt = -x, from 50 V
+/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("decay").element("A1", decay).run(1.0, 1e-3).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let program = Program::new(&circuit)?;
+/// let stopped = run(&program, &RunSettings::of(&circuit)?.with_step(5.0)).unwrap_err();
+/// assert_eq!(stopped.error.code(), "longer-than-run");
+/// assert_eq!(stopped.to_string(), "the step is 5 s, longer than the run of 1 s");
+/// // The run did not begin.
+/// assert!(stopped.trace.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{error}")]
-pub struct Stopped {
-    /// The reason.
+pub struct StoppedRun {
+    /// The reason why the run stopped.
     pub error: RunError,
-    /// The record up to then; empty if the run did not begin.
+    /// The samples, sweeps and phases before the error; empty if the run did not begin.
     pub trace: Box<Trace>,
 }
 
-impl From<RunError> for Stopped {
+impl From<RunError> for StoppedRun {
     fn from(error: RunError) -> Self {
-        Stopped { error, trace: Box::default() }
+        StoppedRun { error, trace: Box::default() }
     }
 }

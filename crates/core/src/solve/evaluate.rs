@@ -1,14 +1,15 @@
 //! Evaluation of all voltages: at the present instant, and at the end or a stage of a tried step.
 //!
-//! Both functions read the delay lines, run the operations of the program's body and leave the voltages in place. The
-//! present instant has two sides if something jumps there, so the caller chooses the [`Side`].
+//! [`present`] evaluates the state in place, and [`trial`] evaluates the states in the buffers. Both read the delay
+//! lines and run the operations of the program's body. If a voltage jumps at the present instant, the caller chooses
+//! the [`Side`] of the jump.
 
 use super::buffers::StepBuffers;
 use super::error::RunError;
 use super::state::{Solver, SolverState, read_rates};
 use crate::delay_line::DelayLine;
-use crate::ir::{LoopFault, Program, Sources, remedy, tell};
-use crate::trace::Work;
+use crate::ir::{LoopFault, Program, Sources, describe_solutions, remedy};
+use crate::trace::WorkCounters;
 
 /// The side of an instant at which delay lines may jump.
 #[derive(Debug, Clone, Copy)]
@@ -22,15 +23,15 @@ pub(super) enum Side {
 /// The voltages that an evaluation calculates. Rates alone are enough at most stages of a step, and cheaper.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Scope {
-    /// All voltages that change within a step.
+    /// All voltages that change within a step, guards and recorded signals included.
     All,
     /// Only the voltages on which rates depend.
     Rates,
 }
 
 impl Solver<'_> {
-    /// Evaluates every voltage and rate after whatever jumped at the present instant, and counts it as work.
-    pub fn evaluate(&mut self, work: &mut Work) {
+    /// Evaluates every voltage, rate and derivative at the present instant, after a jump there, and counts the work.
+    pub fn evaluate(&mut self, work: &mut WorkCounters) {
         work.evaluations += 1;
         self.evaluate_now(Side::After);
     }
@@ -39,8 +40,8 @@ impl Solver<'_> {
     pub fn evaluate_now(&mut self, side: Side) {
         let Solver { setup, state, delay_lines, buffers, sensitivities } = self;
         present(setup.program, state, delay_lines, buffers, side);
-        if let Some(own) = sensitivities {
-            own.evaluate(setup.program, state, delay_lines);
+        if let Some(sensitivities) = sensitivities {
+            sensitivities.evaluate(setup.program, state, delay_lines);
         }
     }
 }
@@ -55,12 +56,12 @@ fn present(
     side: Side,
 ) {
     buffers.evaluation.faults.clear();
-    let output: fn(&mut DelayLine, f64) -> f64 = match side {
-        Side::Before => DelayLine::next_until,
-        Side::After => DelayLine::next_from,
+    let read_line: fn(&mut DelayLine, f64) -> f64 = match side {
+        Side::Before => DelayLine::next_left_limit,
+        Side::After => DelayLine::next_right_limit,
     };
     for (delayed, line) in buffers.delayed.iter_mut().zip(delay_lines) {
-        *delayed = output(line, state.time);
+        *delayed = read_line(line, state.time);
     }
     let from = Sources {
         parameters: &state.parameters,
@@ -73,14 +74,19 @@ fn present(
         kept: &state.sampled,
         levels: &state.levels,
     };
-    program.evaluate_range(0..program.body.len(), &from, &mut state.voltages, &mut buffers.evaluation);
-    let still = program.parts.moving;
-    buffers.voltages[..still].copy_from_slice(&state.voltages[..still]);
+    program.evaluate_range(
+        0..program.lowered.body.len(),
+        &from,
+        &mut state.voltages,
+        &mut buffers.evaluation,
+    );
+    let first_moving = program.lowered.sections.moving;
+    buffers.voltages[..first_moving].copy_from_slice(&state.voltages[..first_moving]);
     read_rates(program, &state.voltages, &mut state.rates);
 }
 
-/// Evaluates the voltages for the states in the buffers at a later time. If something jumps at that time, the voltages
-/// are those before the jump. Faults of loops are added to those already listed.
+/// Evaluates the voltages for the states in the buffers at a problem time within or at the end of a step. If a voltage
+/// jumps at that time, the voltages are those before the jump. Faults of loops are added to those already listed.
 #[inline]
 pub(super) fn trial(
     program: &Program,
@@ -91,9 +97,10 @@ pub(super) fn trial(
     scope: Scope,
 ) {
     for (delayed, line) in buffers.delayed.iter_mut().zip(delay_lines) {
-        *delayed = line.next_until(time);
+        *delayed = line.next_left_limit(time);
     }
-    let (moving, watched, all) = (program.parts.moving, program.parts.watched, program.body.len());
+    let (moving, watched, all) =
+        (program.lowered.sections.moving, program.lowered.sections.watched, program.lowered.body.len());
     let range = match scope {
         Scope::All => moving..all,
         Scope::Rates => moving..watched,
@@ -122,17 +129,17 @@ pub(super) fn check_voltages(
     faults: &[LoopFault],
 ) -> Result<(), RunError> {
     if let Some(&LoopFault { index, solutions }) = faults.first() {
-        let entry = &program.loops[index];
+        let unsolved = &program.lowered.loops[index];
         return Err(RunError::Loop {
-            members: entry.members.join(", "),
-            opened: entry.opened().to_owned(),
-            solutions: tell(entry, solutions),
-            advice: remedy(entry, solutions).1,
+            members: unsolved.members.join(", "),
+            opened: unsolved.opened().to_owned(),
+            solutions: describe_solutions(unsolved, solutions),
+            advice: remedy(unsolved, solutions).1,
             time: state.time,
         });
     }
-    match program.in_order().find(|outlet| state.voltages[outlet.register.index()].is_nan()) {
-        Some(outlet) => Err(RunError::NotANumber { element: outlet.name.clone(), time: state.time }),
+    match program.in_evaluation_order().find(|output| state.voltages[output.register.index()].is_nan()) {
+        Some(output) => Err(RunError::NotANumber { element: output.name.clone(), time: state.time }),
         None => Ok(()),
     }
 }

@@ -1,73 +1,78 @@
 //! Location of the first event within a tried step.
 //!
-//! An event has a value that passes 0 when the event comes. The search keeps a bracket of two shares of the step: at
-//! the lower one the event has not come, at the upper one it has. Each try takes the zero of the polynomial through up
-//! to four known values, with bisection as a safeguard. A change of mode is located just past its zero, a kink within a
-//! tolerance around it. The located event is the first one, because each try may show an earlier event, which is then
-//! located instead.
+//! An event has a value that rises through 0 when the event occurs. The search keeps a bracket of two shares of the
+//! step: at the lower one the event has not occurred, at the upper one it has. Each try takes the zero of the
+//! polynomial through up to four known values, with bisection as a safeguard. A change of mode is located just past its
+//! zero, a kink within a tolerance around it. If a try shows an earlier event, the search continues with that one, so
+//! the located event is the first.
+//!
+//! The solver and the kernels use the same search, through the trait [`EventFunction`].
 
 use std::mem;
 
-use crate::divided::divide;
+use crate::divided_differences::newton_coefficients;
 
-/// An event is located when its instant is known to this share of the step.
+/// Width of the bracket at which an event is located, as a share of the step.
 const SHARE_TOLERANCE: f64 = 1e-13;
-/// An event is also located at this share of the step if the values of the bracket differ by rounding alone.
+/// Width of the bracket, as a share of the step, at which an event is also located if the values at both ends differ by
+/// rounding only.
 const SHARE_TOLERANCE_IN_ROUNDING: f64 = 1e-11;
-/// Values that differ by less than this, in volts, differ by rounding: one bit of 100 V.
+/// Difference of two values, in volts, that rounding explains: one bit of 100 V is 1.4e-14 V.
 const VALUE_ROUNDING: f64 = 1.5e-14;
-/// This number of tries follow the polynomial. After them every third try bisects, and both ends approach the event.
+/// Number of tries that follow the polynomial. After them every third try bisects, and both ends approach the event.
 const POLYNOMIAL_TRIES: usize = 10;
-/// The first try beyond the expected zero is this share of a step past it: one bit of the end of the step.
-const JUST_PAST: f64 = 1e-16;
-/// Each further try that falls on the same side as the one before goes this many times further beyond the zero.
-const FURTHER: f64 = 8.0;
-/// The zero of a polynomial is found by at most this many steps of Newton's method.
+/// Distance of the first try past the expected zero, as a share of the step: about one bit of the share 1.
+const MIN_OVERSHOOT: f64 = 1e-16;
+/// Factor by which that distance grows with each further try that falls on the same side as the try before.
+const OVERSHOOT_GROWTH: f64 = 8.0;
+/// Largest number of steps of Newton's method for the zero of a polynomial.
 const MAX_NEWTON_STEPS: usize = 60;
-/// A search takes at most this many tries. They make the bracket smaller than the rounding of the step.
+/// Largest number of tries of a search. Every third try bisects, so the bracket is then as small as the rounding of the
+/// step.
 const MAX_TRIES: usize = 150;
 
-/// A step that can be tried at any length, with the events on the way and their values in volts.
+/// A step that can be tried at any length, with the events that it would cross and their values in volts.
 pub(super) trait EventFunction {
+    /// Identifies an event, such as the guard of a mode or the index of a kink.
     type Event: Copy + PartialEq;
 
-    /// Tries a step of this length in seconds. All other methods but `present_value` then refer to its end.
+    /// Tries a step of this length in problem seconds. All other methods except `present_value` then refer to its end.
     fn evaluate(&mut self, length: f64);
 
-    /// An event on the way to the end of the tried step; `None` if there is none.
+    /// An event that has occurred at the end of the tried step; `None` if there is none.
     fn event(&self) -> Option<Self::Event>;
 
     /// Whether the stages of the tried step show or suggest an event that its end does not show.
     fn has_hint(&self) -> bool;
 
-    /// The share of the tried step at which that event may be.
+    /// The share (0 ... 1) of the tried step at which that event may be.
     fn hint_share(&self) -> f64;
 
-    /// The value of an event at the present: negative before the event.
+    /// The value of an event at the present, in volts: negative before the event.
     fn present_value(&self, event: Self::Event) -> f64;
 
-    /// The value of an event at the end of the tried step: negative before the event.
+    /// The value of an event at the end of the tried step, in volts: negative before the event.
     fn value(&self, event: Self::Event) -> f64;
 
-    /// A step may end on either side of an event if the value is smaller than this, in volts; 0 if it must end past the
-    /// event.
+    /// The value without sign, in volts, up to which a step may end on either side of an event; 0 if it must end past
+    /// the event.
     fn tolerance(&self, event: Self::Event) -> f64;
 }
 
-/// Locates the first event of the step tried last: the share of the step (1 without an event), and the event. The step
-/// is left tried up to that share. Events that come and go are found if a stage hints at them. `near` is a share near
-/// which the event is expected, if that is known.
+/// Locates the first event of the step tried last. Returns the share of the step (1 without an event) and the event;
+/// the step up to that share is the one tried last. Events that come and go are found if a stage hints at them.
+/// `expected_share` is a share near which the event is expected, if that is known. `length` is in problem seconds.
 pub(super) fn first_event<F: EventFunction>(
     function: &mut F,
     length: f64,
-    near: Option<f64>,
+    expected_share: Option<f64>,
 ) -> (f64, Option<F::Event>) {
     let (mut share, mut first) = (1.0, function.event());
     if let Some(event) = &mut first {
-        (share, *event) = locate(function, length, *event, near);
+        (share, *event) = locate(function, length, *event, expected_share);
     }
     for _ in 0..MAX_TRIES {
-        // An event that comes and goes within the tolerance of a share is at that share.
+        // Below the tolerance, no earlier event is searched.
         if !function.has_hint() || share <= SHARE_TOLERANCE {
             break;
         }
@@ -77,19 +82,19 @@ pub(super) fn first_event<F: EventFunction>(
             function.evaluate(share * length);
             break;
         };
-        let (place, event) = locate(function, earlier * length, event, None);
-        (share, first) = (earlier * place, Some(event));
+        let (fraction, event) = locate(function, earlier * length, event, None);
+        (share, first) = (earlier * fraction, Some(event));
     }
     (share, first)
 }
 
-/// Locates the first event of the step tried last, of which one event is known: by the zero of the polynomial through
-/// its values, with bisection as a safeguard.
+/// Locates the first event of the step tried last, which has an event at its end. Each pass takes the zero of the
+/// polynomial through the known values, or bisects. An earlier event that a try shows begins a new bracket.
 fn locate<F: EventFunction>(
     function: &mut F,
     length: f64,
     mut event: F::Event,
-    mut near: Option<f64>,
+    mut expected_share: Option<f64>,
 ) -> (f64, F::Event) {
     let end = Sample { share: 1.0, value: function.value(event) };
     let mut bracket = Bracket::new(function.present_value(event), end);
@@ -98,11 +103,11 @@ fn locate<F: EventFunction>(
             break;
         }
         let tolerance = function.tolerance(event);
-        let place = near.take().unwrap_or_else(|| bracket.next(tries, tolerance == 0.0));
-        let share = bracket.inside(place, tries);
+        let candidate = expected_share.take().unwrap_or_else(|| bracket.next(tries, tolerance == 0.0));
+        let share = bracket.clamp_inside(candidate, tries);
         function.evaluate(share * length);
-        let met = function.event();
-        if let Some(first) = met.filter(|first| *first != event) {
+        let reached = function.event();
+        if let Some(first) = reached.filter(|first| *first != event) {
             event = first;
             let end = Sample { share, value: function.value(event) };
             bracket = Bracket::new(function.present_value(event), end);
@@ -112,7 +117,7 @@ fn locate<F: EventFunction>(
         if value.abs() < tolerance {
             return (share, event);
         }
-        bracket.narrow(Sample { share, value }, met.is_some());
+        bracket.narrow(Sample { share, value }, reached.is_some());
     }
     if !bracket.is_at_upper_end() {
         function.evaluate(bracket.high.share * length);
@@ -123,123 +128,137 @@ fn locate<F: EventFunction>(
 /// The value of an event at a share of the step.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
+    /// Share of the step, 0 ... 1.
     share: f64,
+    /// Value in volts; negative before the event.
     value: f64,
 }
 
-/// The shares of a step between which an event comes.
+/// The shares of a step between which an event occurs.
 struct Bracket {
-    /// The end at which the event has not come.
+    /// The end at which the event has not occurred.
     low: Sample,
-    /// The end at which it has come.
+    /// The end at which it has occurred.
     high: Sample,
-    /// The ends before these, the latest first.
-    former: [Sample; 2],
-    /// Number of known samples: the two ends and up to two former ends.
-    known: usize,
-    /// The next try is this far beyond the zero, towards the end that was not moved last.
-    beyond: f64,
+    /// The ends that were replaced last, the latest first.
+    previous_ends: [Sample; 2],
+    /// Number of known samples (2 ... 4): the two ends and up to two previous ends.
+    sample_count: usize,
+    /// Distance of the next try past the zero, as a share of the step, towards the end that was not moved last:
+    /// positive after the lower end moved, negative after the upper end moved.
+    overshoot: f64,
 }
 
 impl Bracket {
-    /// The bracket from the present to a share at which the event has come.
+    /// The bracket from the present to a share at which the event has occurred.
     fn new(present_value: f64, high: Sample) -> Self {
         let low = Sample { share: 0.0, value: present_value };
-        Bracket { low, high, former: [low, high], known: 2, beyond: 0.0 }
+        Bracket { low, high, previous_ends: [low, high], sample_count: 2, overshoot: 0.0 }
     }
 
+    /// The distance between the ends, as a share of the step.
     fn width(&self) -> f64 {
         self.high.share - self.low.share
     }
 
-    /// Whether the instant of the event is known well enough.
+    /// Whether the bracket is narrow enough to locate the event.
     fn is_located(&self) -> bool {
-        let rise = self.high.value - self.low.value;
+        let value_range = self.high.value - self.low.value;
         self.width() <= SHARE_TOLERANCE
-            || (self.width() <= SHARE_TOLERANCE_IN_ROUNDING && self.passes_zero() && rise <= VALUE_ROUNDING)
+            || (self.width() <= SHARE_TOLERANCE_IN_ROUNDING
+                && self.passes_zero()
+                && value_range <= VALUE_ROUNDING)
     }
 
-    /// Whether the value rises through 0 between the ends. If there are several events, the value of the first need
-    /// not.
+    /// Whether the value rises through 0 between the ends. If several events are near each other, the value of this one
+    /// may not.
     fn passes_zero(&self) -> bool {
         self.low.value <= 0.0 && self.high.value >= 0.0 && self.low.value < self.high.value
     }
 
     /// Whether the last try was at the upper end.
     fn is_at_upper_end(&self) -> bool {
-        self.beyond <= 0.0
+        self.overshoot <= 0.0
     }
 
-    /// The share to try next: the zero of the polynomial, or beyond it if `goes_beyond`, or the middle.
-    fn next(&self, tries: usize, goes_beyond: bool) -> f64 {
+    /// The share to try next: the zero of the polynomial, or a share past it if the step must end past the event, or
+    /// the middle. `tries` is the number of tries before.
+    fn next(&self, tries: usize, must_pass: bool) -> f64 {
         if !self.passes_zero() || (tries >= POLYNOMIAL_TRIES && tries.is_multiple_of(3)) {
             return self.low.share + 0.5 * self.width();
         }
-        self.zero() + if goes_beyond { self.beyond } else { 0.0 }
+        self.zero() + if must_pass { self.overshoot } else { 0.0 }
     }
 
-    /// A share, or the nearest share strictly between the ends. After many tries it keeps some distance from both.
-    fn inside(&self, place: f64, tries: usize) -> f64 {
+    /// A share, or the nearest share strictly between the ends. After many tries it keeps a larger distance from both.
+    fn clamp_inside(&self, candidate: f64, tries: usize) -> f64 {
         let width = self.width();
-        let edge =
-            if tries >= POLYNOMIAL_TRIES { 0.5 * SHARE_TOLERANCE.max(width * 1e-3) } else { JUST_PAST };
-        let edge = edge.min(0.25 * width);
-        place.clamp(self.low.share + edge, self.high.share - edge)
+        let margin =
+            if tries >= POLYNOMIAL_TRIES { 0.5 * SHARE_TOLERANCE.max(width * 1e-3) } else { MIN_OVERSHOOT };
+        let margin = margin.min(0.25 * width);
+        candidate.clamp(self.low.share + margin, self.high.share - margin)
     }
 
-    /// The zero of the polynomial through the known samples, by Newton's method. Steps that leave the ends bisect.
+    /// The zero of the polynomial through the known samples, by Newton's method from the secant. A Newton step that
+    /// leaves the bracket is replaced by a bisection.
     fn zero(&self) -> f64 {
-        let samples = [self.low, self.high, self.former[0], self.former[1]];
-        let polynomial = Polynomial::through(samples, self.known);
+        let samples = [self.low, self.high, self.previous_ends[0], self.previous_ends[1]];
+        let polynomial = Polynomial::through(samples, self.sample_count);
         let (mut low, mut high) = (self.low.share, self.high.share);
         let mut share = low - self.low.value * self.width() / (self.high.value - self.low.value);
         for _ in 0..MAX_NEWTON_STEPS {
-            let (value, slope) = polynomial.at(share);
-            let back = value / slope;
-            if back.abs() < 0.1 * SHARE_TOLERANCE {
+            let (value, slope) = polynomial.evaluate(share);
+            let newton_step = value / slope;
+            if newton_step.abs() < 0.1 * SHARE_TOLERANCE {
                 break;
             }
             *(if value < 0.0 { &mut low } else { &mut high }) = share;
-            let next = share - back;
+            let next = share - newton_step;
             share = if next > low && next < high { next } else { 0.5 * (low + high) };
         }
         share
     }
 
-    /// Moves one end to a sample: the upper end if the event has come there, else the lower end.
-    fn narrow(&mut self, to: Sample, has_come: bool) {
-        let end = if has_come { &mut self.high } else { &mut self.low };
-        self.former = [mem::replace(end, to), self.former[0]];
-        self.known = (self.known + 1).min(4);
-        let back = if has_come { -0.5 * SHARE_TOLERANCE } else { JUST_PAST };
-        self.beyond = if self.beyond * back > 0.0 { FURTHER * self.beyond } else { back };
+    /// Moves one end to a sample: the upper end if the event has occurred there, else the lower end.
+    fn narrow(&mut self, sample: Sample, is_past_event: bool) {
+        let end = if is_past_event { &mut self.high } else { &mut self.low };
+        self.previous_ends = [mem::replace(end, sample), self.previous_ends[0]];
+        self.sample_count = (self.sample_count + 1).min(4);
+        let first_overshoot = if is_past_event { -0.5 * SHARE_TOLERANCE } else { MIN_OVERSHOOT };
+        self.overshoot = if self.overshoot * first_overshoot > 0.0 {
+            OVERSHOOT_GROWTH * self.overshoot
+        } else {
+            first_overshoot
+        };
     }
 }
 
-/// The polynomial through samples. The end of a Runge-Kutta step is a polynomial in its length if no kink is on the
-/// way.
+/// The polynomial through two to four samples in Newton's form. It predicts well, because the end of a Runge-Kutta step
+/// is a polynomial in its length as long as the step crosses no kink.
 struct Polynomial {
+    /// The shares of the samples.
     shares: [f64; 4],
-    /// Divided differences of the values.
+    /// Divided differences of the values; only the first `sample_count` are used.
     differences: [f64; 4],
-    known: usize,
+    /// The number of samples.
+    sample_count: usize,
 }
 
 impl Polynomial {
-    /// The polynomial through the first `known` samples.
-    fn through(samples: [Sample; 4], known: usize) -> Self {
+    /// The polynomial through the first `sample_count` samples.
+    fn through(samples: [Sample; 4], sample_count: usize) -> Self {
         let shares = samples.map(|sample| sample.share);
         let mut differences = samples.map(|sample| sample.value);
-        divide(&shares, &mut differences[..known]);
-        Polynomial { shares, differences, known }
+        newton_coefficients(&shares, &mut differences[..sample_count]);
+        Polynomial { shares, differences, sample_count }
     }
 
-    /// The value and the slope at a share.
-    fn at(&self, share: f64) -> (f64, f64) {
-        let first = (self.differences[self.known - 1], 0.0);
-        (0..self.known - 1).rev().fold(first, |(value, slope), place| {
-            let from = share - self.shares[place];
-            (value * from + self.differences[place], slope * from + value)
+    /// The value and the slope at a share, by Horner's scheme.
+    fn evaluate(&self, share: f64) -> (f64, f64) {
+        let highest = (self.differences[self.sample_count - 1], 0.0);
+        (0..self.sample_count - 1).rev().fold(highest, |(value, slope), index| {
+            let offset = share - self.shares[index];
+            (value * offset + self.differences[index], slope * offset + value)
         })
     }
 }
@@ -250,9 +269,13 @@ mod tests {
 
     /// A voltage over the length of a step, and an event while it is above 0.
     struct Voltage<F> {
+        /// The voltage at the end of a step of a length.
         value: F,
+        /// The length tried last, in seconds.
         length: f64,
+        /// The number of evaluations.
         tries: usize,
+        /// The share at which every try hints at an earlier event.
         hint: Option<f64>,
     }
 
@@ -290,49 +313,46 @@ mod tests {
     }
 
     /// The share at which a voltage passes 0 in a step of 1 s, and the number of tries.
-    fn first(value: impl Fn(f64) -> f64, hint: Option<f64>) -> (f64, usize) {
+    fn locate_zero(value: impl Fn(f64) -> f64, hint: Option<f64>) -> (f64, usize) {
         let mut voltage = Voltage { value, length: 1.0, tries: 0, hint };
-        let (share, met) = first_event(&mut voltage, 1.0, None);
-        assert!(met.is_some() && voltage.length == share && (voltage.value)(share) > 0.0, "{share}");
+        let (share, reached) = first_event(&mut voltage, 1.0, None);
+        assert!(reached.is_some() && voltage.length == share && (voltage.value)(share) > 0.0, "{share}");
         (share, voltage.tries)
     }
 
     #[test]
-    fn zeros_are_located_in_a_few_tries() {
-        let fall = (0.3_f64).exp();
+    fn a_zero_is_located_in_a_few_tries() {
+        let threshold = (0.3_f64).exp();
         type Case<'a> = (&'a dyn Fn(f64) -> f64, f64, usize);
         let cases: [Case<'_>; 6] = [
             (&|t| t - 0.7, 0.7, 3),
-            // From rest, as when friction lets go.
+            // From rest, as when a stuck body begins to slide.
             (&|t| 0.6 * t * t - 5e-4, (5e-4_f64 / 0.6).sqrt(), 7),
             (&|t| 40.0 * t * t * t - 1e-3, (1e-3_f64 / 40.0).cbrt(), 10),
-            (&|t| fall - (0.3 + 2.0 * (0.15 - t)).exp(), 0.15, 8),
-            // A corner on the way.
+            (&|t| threshold - (0.3 + 2.0 * (0.15 - t)).exp(), 0.15, 8),
+            // A corner within the step.
             (&|t| t.max(30.0 * t - 20.0) - 0.9, 20.9 / 30.0, 18),
             (&|t| 1e-12 * t - 3e-13, 0.3, 6),
         ];
-        for (place, (value, expected, most)) in cases.into_iter().enumerate() {
-            let (share, tries) = first(value, None);
-            assert!(
-                (share - expected).abs() <= 2.0 * SHARE_TOLERANCE,
-                "case {place}: {share} for {expected}"
-            );
-            assert!(tries <= most, "case {place}: {tries} tries");
+        for (case, (value, expected, max_tries)) in cases.into_iter().enumerate() {
+            let (share, tries) = locate_zero(value, None);
+            assert!((share - expected).abs() <= 2.0 * SHARE_TOLERANCE, "case {case}: {share} for {expected}");
+            assert!(tries <= max_tries, "case {case}: {tries} tries");
         }
     }
 
-    /// A voltage that is rounded to a bit of 100 V.
+    /// The voltage is rounded to a bit of 100 V.
     #[test]
-    fn the_search_ends_at_the_rounding_of_the_voltage() {
+    fn the_search_ends_when_only_rounding_is_left() {
         let rounded = |t: f64| (1e-3 * (t - 0.4) + 50.0) - 50.0;
-        let (share, tries) = first(rounded, None);
+        let (share, tries) = locate_zero(rounded, None);
         assert!((share - 0.4).abs() <= SHARE_TOLERANCE_IN_ROUNDING && tries <= 10, "{share}, {tries} tries");
     }
 
-    /// An event that is due at once, while every try hints at an earlier one.
+    /// The event is due at once, while every try hints at an earlier one.
     #[test]
-    fn earlier_events_are_searched_to_the_tolerance_only() {
-        let (share, tries) = first(|_| 1e-8, Some(0.5));
+    fn no_earlier_event_is_searched_below_the_tolerance() {
+        let (share, tries) = locate_zero(|_| 1e-8, Some(0.5));
         assert!(share <= SHARE_TOLERANCE && tries <= 2 * MAX_TRIES, "{share}, {tries} tries");
     }
 }

@@ -1,8 +1,8 @@
-//! Events: changes of mode and kinks. They are located within a step, stepped to and carried out.
+//! Events: changes of mode and crossings of kinks. A step ends at the first event in it.
 //!
-//! [`Machine::step_to`] advances time: it tries a step, locates the first event in it, checks the error and accepts the
-//! step up to the event. [`Machine::handle_events`] then carries out what is due at its end. Events are counted,
-//! because a mode that changes without end (chatter) would stop the clock.
+//! [`Machine::step_to`] advances time. It tries a step, locates the first event in it, checks the error and accepts the
+//! step up to the event. [`Machine::handle_events`] then makes the jumps and changes of mode that are due at its end.
+//! Events are counted, because time would not advance if a mode changed without end (chatter).
 
 use std::sync::Arc;
 
@@ -13,40 +13,40 @@ use super::machine::Machine;
 use super::observer::StepObserver;
 use super::runge_kutta;
 use super::state::{Setup, Solver, SolverState};
-use crate::ir::{Calm, Crossing, Guard, ON_THE_KINK, Program, Transition};
-use crate::trace::Work;
+use crate::ir::{ChatterRemedy, Guard, KINK_TOLERANCE, KinkCrossing, Program, Transition};
+use crate::trace::WorkCounters;
 
-/// A mode that changes, or a kink that is crossed, more often than this within the counting span chatters. The span is
-/// one of equal steps, or the share [`CHATTER_SPAN`] of the first step tried if steps adapt.
-const MAX_CHANGES: u32 = 1000;
-/// The counting span for chatter if steps adapt, as a share of the first step tried.
-const CHATTER_SPAN: f64 = 0.01;
+/// Number of changes of one mode, or of crossings of one kink, in a counting span above which it chatters. The counting
+/// span is one of the equal steps, or the share [`CHATTER_SPAN_SHARE`] of the first step tried if steps adapt.
+const MAX_EVENTS_PER_SPAN: u32 = 1000;
+/// Length of the counting span for chatter if steps adapt, as a share of the first step tried.
+const CHATTER_SPAN_SHARE: f64 = 0.01;
 
-/// An event that a step must not reach across.
+/// An event at which a step has to end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
-    /// A change of mode.
-    Change(Guard),
-    /// A crossing of the kink of this index.
-    Kink(usize, Crossing),
+    /// A change of mode, with the guard that causes it.
+    ModeChange(Guard),
+    /// A crossing of the kink with this index in [`Setup::kinks`].
+    Kink(usize, KinkCrossing),
 }
 
 impl Event {
-    /// The voltage by which the event is passed; negative before the event.
+    /// The voltage by which the event is passed, in volts; negative before the event.
     fn value(self, voltages: &[f64]) -> f64 {
         match self {
-            Event::Change(guard) => guard.excess(voltages),
-            Event::Kink(_, crossing) => crossing.excess(voltages),
+            Event::ModeChange(guard) => guard.value(voltages),
+            Event::Kink(_, crossing) => crossing.value(voltages),
         }
     }
 }
 
-/// Counts of events, by which chatter is detected, and the corners at which the present phase has to stop.
+/// Counts of events, by which chatter is detected, and the corners at which a kernel has to stop in the present phase.
 #[derive(Debug, Clone)]
 pub(super) struct EventState {
-    /// Changes of every mode since `counted_since`.
+    /// Number of changes of every mode since `counted_since`, in the order of `Program::modes`.
     pub changes: Vec<u32>,
-    /// Crossings of every kink since then.
+    /// Number of crossings of every kink since `counted_since`, in the order of [`Setup::kinks`].
     pub crossings: Vec<u32>,
     /// The beginning of the counting span, in problem seconds.
     counted_since: f64,
@@ -55,11 +55,11 @@ pub(super) struct EventState {
 }
 
 impl EventState {
-    /// No events of a program.
+    /// The counts of a program, all 0.
     pub fn new(program: &Program) -> Self {
         EventState {
-            changes: vec![0; program.modes.len()],
-            crossings: vec![0; program.kinks.len() + program.guard_kinks.len()],
+            changes: vec![0; program.lowered.modes.len()],
+            crossings: vec![0; program.lowered.kinks.len() + program.lowered.guard_kinks.len()],
             counted_since: 0.0,
             corners_off_grid: Arc::default(),
         }
@@ -70,7 +70,8 @@ impl EventState {
         self.counted_since = 0.0;
     }
 
-    /// Begins a new counting span if the present one is over. With `None` every call begins one.
+    /// Begins a new counting span at a problem time if `span` seconds have passed since the last began. With `None`
+    /// every call begins one.
     pub fn begin_counting(&mut self, time: f64, span: Option<f64>) {
         if span.is_none_or(|span| time - self.counted_since >= span) {
             self.counted_since = time;
@@ -82,9 +83,10 @@ impl EventState {
 
 /// A tried step of the solver, in which events are located.
 struct StepTrial<'a, 'p> {
+    /// The solver; its state stays at the present while steps are tried.
     solver: &'a mut Solver<'p>,
     /// Counts the evaluations of all tries.
-    work: &'a mut Work,
+    work: &'a mut WorkCounters,
 }
 
 impl EventFunction for StepTrial<'_, '_> {
@@ -117,12 +119,12 @@ impl EventFunction for StepTrial<'_, '_> {
     }
 
     fn tolerance(&self, event: Event) -> f64 {
-        if matches!(event, Event::Kink(..)) { ON_THE_KINK } else { 0.0 }
+        if matches!(event, Event::Kink(..)) { KINK_TOLERANCE } else { 0.0 }
     }
 }
 
 impl<'p> Machine<'p> {
-    /// A step that is tried from the present.
+    /// A step to be tried from the present.
     fn step_trial(&mut self) -> StepTrial<'_, 'p> {
         StepTrial { solver: &mut self.solver, work: &mut self.work }
     }
@@ -130,34 +132,38 @@ impl<'p> Machine<'p> {
     /// Begins a new counting span for events if the present one is over.
     pub(super) fn begin_counting(&mut self) {
         let setup = &self.solver.setup;
-        let span = setup.is_adaptive.then_some(CHATTER_SPAN * setup.step);
+        let span = setup.is_adaptive.then_some(CHATTER_SPAN_SHARE * setup.step);
         self.events.begin_counting(self.solver.state.time, span);
     }
 
-    /// Advances to a problem time, and stops at every event on the way. With step control it takes one step only.
+    /// Advances to a problem time in a new counting span, and handles every event before it. With step control it takes
+    /// one step only.
+    ///
+    /// # Errors
+    /// As for [`Machine::step_to`].
     pub(super) fn advance(&mut self, target: f64, observer: &mut impl StepObserver) -> Result<(), RunError> {
         self.begin_counting();
         self.step_to(target, None, observer)
     }
 
-    /// Advances to a problem time within the present counting span. `change` is the time until a change of mode that is
-    /// already known approximately, in seconds.
+    /// Advances to a problem time within the present counting span. `mode_change` is the time in seconds until a change
+    /// of mode that a kernel has located, if any.
     ///
     /// Each pass tries a step to the next discontinuity, shortens it to the first event, checks its error, accepts it
-    /// and carries out the events at its end. A step that is rejected is tried again with a shorter target.
+    /// and handles the events at its end. A step that is rejected is tried again with a shorter target.
     ///
     /// # Errors
     /// If a voltage is not a number, a loop is not solved, a mode chatters, or the step becomes too short.
     pub(super) fn step_to(
         &mut self,
         mut target: f64,
-        mut change: Option<f64>,
+        mut mode_change: Option<f64>,
         observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
-        if let Some(later) = change
-            && self.step_to_change(later, target, observer)?
+        if let Some(seconds) = mode_change
+            && self.step_to_mode_change(seconds, target, observer)?
         {
-            change = None;
+            mode_change = None;
         }
         while self.solver.state.time < target && !observer.is_phase_over() {
             let Solver { setup, state, delay_lines, .. } = &self.solver;
@@ -170,8 +176,8 @@ impl<'p> Machine<'p> {
                 target = self.solver.state.time + shorter;
                 continue;
             }
-            let near = change.take().map(|later| later / length);
-            let (share, met) = first_event(&mut self.step_trial(), length, near);
+            let expected_share = mode_change.take().map(|seconds| seconds / length);
+            let (share, event) = first_event(&mut self.step_trial(), length, expected_share);
             if let Some(control) = &mut self.control
                 && let Some(shorter) = control.reject(&self.solver, &mut self.work, share * length)?
             {
@@ -180,7 +186,7 @@ impl<'p> Machine<'p> {
             }
             let time = if share >= 1.0 { end } else { self.solver.state.time + share * length };
             self.accept_step(time, observer)?;
-            if let Some(Event::Kink(kink, _)) = met {
+            if let Some(Event::Kink(kink, _)) = event {
                 cross_kink(&mut self.solver, &mut self.events, &mut self.work, kink)?;
             }
             self.handle_events(observer)?;
@@ -191,9 +197,12 @@ impl<'p> Machine<'p> {
         Ok(())
     }
 
-    /// Takes one step to the change of mode that a kernel found on the way to `target`, and carries it out. Returns
-    /// false and takes no step if the change is not due there.
-    fn step_to_change(
+    /// Takes one step of `length` seconds to the change of mode that a kernel found before `target`, and makes the
+    /// change. Returns false and takes no step if the change is not due there.
+    ///
+    /// # Errors
+    /// If the step or the change fails.
+    fn step_to_mode_change(
         &mut self,
         length: f64,
         target: f64,
@@ -201,7 +210,7 @@ impl<'p> Machine<'p> {
     ) -> Result<bool, RunError> {
         let mut trial = self.step_trial();
         trial.evaluate(length);
-        let is_due = matches!(trial.event(), Some(Event::Change(_))) && !trial.has_hint();
+        let is_due = matches!(trial.event(), Some(Event::ModeChange(_))) && !trial.has_hint();
         if is_due {
             let time = self.solver.state.time;
             let is_whole = length >= target - time;
@@ -211,8 +220,7 @@ impl<'p> Machine<'p> {
         Ok(is_due)
     }
 
-    /// Carries out the discontinuities and changes of mode that are due at the end of a step, and shows the result to
-    /// the observer.
+    /// Handles the discontinuities and changes of mode that are due at the end of a step, and calls the observer.
     ///
     /// # Errors
     /// If a mode chatters, a voltage is not a number, or an event has no derivative.
@@ -229,36 +237,36 @@ impl<'p> Machine<'p> {
     }
 }
 
-/// Carries out every change of mode that is due, and those that follow from it, until no change is due. Returns whether
-/// any mode changed.
+/// Makes every change of mode that is due, and those that follow from it, until no change is due. All voltages are
+/// evaluated after each round of changes. Returns whether any mode changed.
 ///
 /// # Errors
 /// If a mode chatters.
 pub(super) fn settle_modes(
     solver: &mut Solver<'_>,
     events: &mut EventState,
-    work: &mut Work,
+    work: &mut WorkCounters,
 ) -> Result<bool, RunError> {
     let before = work.changes;
     loop {
-        let (mut any, mut chatters) = (false, None);
+        let (mut has_changed, mut chattering_mode) = (false, None);
         let Solver { setup, state, sensitivities, .. } = &mut *solver;
         let program = setup.program;
         program.change_modes(&state.voltages, &mut state.modes, &mut state.states, |mode, transition| {
-            any = true;
-            if let Some(own) = sensitivities.as_deref_mut() {
-                own.change_mode(program, &state.voltages, mode, transition);
+            has_changed = true;
+            if let Some(sensitivities) = sensitivities.as_deref_mut() {
+                sensitivities.change_mode(program, &state.voltages, mode, transition);
             }
             events.changes[mode] += 1;
             work.changes += 1;
-            if events.changes[mode] > MAX_CHANGES {
-                chatters = Some(&program.modes[mode]);
+            if events.changes[mode] > MAX_EVENTS_PER_SPAN {
+                chattering_mode = Some(&program.lowered.modes[mode]);
             }
         });
-        if let Some(mode) = chatters {
-            return Err(chatter(&solver.setup, solver.state.time, mode.element, mode.calmed_by));
+        if let Some(mode) = chattering_mode {
+            return Err(chatter(&solver.setup, solver.state.time, mode.element, mode.chatter_remedy));
         }
-        if !any {
+        if !has_changed {
             return Ok(work.changes > before);
         }
         solver.evaluate(work);
@@ -266,59 +274,64 @@ pub(super) fn settle_modes(
     }
 }
 
-/// The transitions that are possible from the present modes.
+/// The transitions that are possible from the present modes, in the order of `Program::modes`.
 pub(super) fn open_transitions<'a>(
     program: &'a Program,
     modes: &'a [f64],
 ) -> impl Iterator<Item = &'a Transition> {
-    let pairs = program.modes.iter().zip(modes);
-    pairs.flat_map(|(mode, value)| mode.transitions.iter().filter(move |open| open.from == *value))
+    let pairs = program.lowered.modes.iter().zip(modes);
+    pairs
+        .flat_map(|(mode, value)| mode.transitions.iter().filter(move |transition| transition.from == *value))
 }
 
-/// An event on the way from the present to these voltages; `None` if there is none. Changes of mode come before kinks.
+/// An event between the present and these voltages; `None` if there is none. Changes of mode come before kinks.
 pub(super) fn event_at(setup: &Setup<'_>, state: &SolverState, voltages: &[f64]) -> Option<Event> {
-    let mut guards = open_transitions(setup.program, &state.modes).map(|open| open.guard);
-    let due = guards.find(|guard| guard.holds(voltages)).map(Event::Change);
+    let mut guards = open_transitions(setup.program, &state.modes).map(|transition| transition.guard);
+    let due = guards.find(|guard| guard.holds(voltages)).map(Event::ModeChange);
     due.or_else(|| kink_crossed(setup, &state.voltages, voltages))
 }
 
-/// The first kink that is crossed between two sets of voltages.
-fn kink_crossed(setup: &Setup<'_>, from: &[f64], to: &[f64]) -> Option<Event> {
+/// The first kink, by index, that is crossed between two sets of voltages.
+fn kink_crossed(setup: &Setup<'_>, start_voltages: &[f64], end_voltages: &[f64]) -> Option<Event> {
     setup.kinks().enumerate().find_map(|(index, kink)| {
-        let [from, to] = [from, to].map(|voltages| kink.value(voltages));
-        Some(Event::Kink(index, kink.crossed(&setup.program.tables, from, to)?))
+        let [start, end] = [start_voltages, end_voltages].map(|voltages| kink.value(voltages));
+        Some(Event::Kink(index, kink.crossed(&setup.program.tables, start, end)?))
     })
 }
 
-/// Counts the crossing of a kink, and records that voltages turn a corner at the present instant.
+/// Counts the crossing of the kink with this index, and records in the delay lines that their inputs may have a corner
+/// at the present instant.
 ///
 /// # Errors
 /// If the kink is crossed so often that its element chatters.
 fn cross_kink(
     solver: &mut Solver<'_>,
     events: &mut EventState,
-    work: &mut Work,
+    work: &mut WorkCounters,
     index: usize,
 ) -> Result<(), RunError> {
     work.crossings += 1;
     events.crossings[index] += 1;
-    if let Some(kink) = solver.setup.kinks().nth(index).filter(|_| events.crossings[index] > MAX_CHANGES) {
-        return Err(chatter(&solver.setup, solver.state.time, kink.element, Calm::Drive));
+    if let Some(kink) =
+        solver.setup.kinks().nth(index).filter(|_| events.crossings[index] > MAX_EVENTS_PER_SPAN)
+    {
+        return Err(chatter(&solver.setup, solver.state.time, kink.element, ChatterRemedy::None));
     }
     solver.record_discontinuity();
     Ok(())
 }
 
-/// The error of an element that chatters at a problem time.
-fn chatter(setup: &Setup<'_>, time: f64, element: usize, remedy: Calm) -> RunError {
+/// The error of an element, given by its index, that chatters at a problem time, with advice that fits the element and
+/// the kind of steps.
+fn chatter(setup: &Setup<'_>, time: f64, element: usize, remedy: ChatterRemedy) -> RunError {
     let element = setup.program.name(element).to_owned();
-    let within = if setup.is_adaptive { CHATTER_SPAN * setup.step } else { setup.step };
+    let within = if setup.is_adaptive { CHATTER_SPAN_SHARE * setup.step } else { setup.step };
     let advice = match (remedy, setup.is_adaptive) {
-        (Calm::Rest, _) => "give it a larger \"rest\": what is thrown back below it stays at the stop",
-        (Calm::Hysteresis, false) => "give it hysteresis, or take a shorter step",
-        (Calm::Hysteresis, true) => "give it hysteresis",
-        (Calm::Drive, false) => "look for what drives it to and fro, or take a shorter step",
-        (Calm::Drive, true) => "look for what drives it to and fro",
+        (ChatterRemedy::Rest, _) => "give it a larger \"rest\": a rebound below it ends at the stop",
+        (ChatterRemedy::Hysteresis, false) => "give it hysteresis, or choose a shorter step",
+        (ChatterRemedy::Hysteresis, true) => "give it hysteresis",
+        (ChatterRemedy::None, false) => "find out why its input oscillates, or choose a shorter step",
+        (ChatterRemedy::None, true) => "find out why its input oscillates",
     };
-    RunError::Chatter { element, most: MAX_CHANGES as usize, within, time, advice }
+    RunError::Chatter { element, most: MAX_EVENTS_PER_SPAN as usize, within, time, advice }
 }

@@ -1,9 +1,11 @@
-//! The fast path: long stretches in which no mode changes and no amplifier reaches a limit run in a kernel.
+//! The fast path: while no mode changes and no amplifier enters or leaves overload, a kernel takes the equal steps.
 //!
-//! A kernel is the program specialised for its present modes and amplifier states, interpreted or compiled. The machine
-//! enters the fast path at the beginning of a step ([`Machine::enter_fast_path`]), runs the kernel as far as nothing
-//! happens ([`Machine::run_kernel`]), and leaves it with the state where the kernel halted
+//! A kernel is the program specialised to its present modes and amplifier states, interpreted or compiled. The machine
+//! enters the fast path at the beginning of a step ([`Machine::enter_fast_path`]). It runs the kernel until an event or
+//! a jump is due ([`Machine::run_kernel`]), and takes over the state where the kernel halted
 //! ([`Machine::leave_fast_path`]). Kernels cross corners of diodes and tables by themselves.
+//!
+//! Runs with and without the fast path give the same results, apart from rounding.
 
 use std::mem;
 use std::sync::Arc;
@@ -20,69 +22,76 @@ use super::runge_kutta::flush_tiny_states;
 use super::state::{Solver, SolverState};
 use crate::delay_line::DelayLine;
 use crate::ir::{Program, Register};
-use crate::kernel::{Asked, Backend, Folded, Frame, Kernels, Kind, Look, Met, Stance, Steps};
+use crate::kernel::{
+    AmplifierState, Backend, Frame, Kernels, LookResult, SharedKernel, Specialisation, Steps, WatchHit,
+    WatchKind,
+};
 use crate::machines::REFERENCE;
-use crate::trace::Work;
+use crate::trace::WorkCounters;
 
-/// After this number of steps, states that are too small to matter are set to 0.
+/// Number of steps of the grid after which states below [`MIN_STATE`](super::runge_kutta::MIN_STATE) are set to 0.
+/// From there a decay needs many more steps to reach subnormal numbers.
 pub(super) const FLUSH_INTERVAL: u64 = 64;
-/// At most this many kernel runs are kept. The oldest is dropped for a new one.
+/// Largest number of kernel runs that a machine keeps. The oldest is dropped for a new one.
 const MAX_RUNS: usize = 64;
-/// A kernel crosses at most this many corners within one step. The machine then takes the step and detects chatter.
+/// Largest number of corners that a kernel crosses within one step. If there are more, the machine takes the step
+/// without the kernel, and detects chatter.
 const MAX_CROSSINGS: usize = 100;
 
-/// The kernels of a machine, one for every specialisation that it has met.
+/// The kernels of a machine, one for every specialisation in which it has run.
 #[derive(Debug, Clone)]
 pub(super) struct FastPath {
-    /// The backend that takes the steps. It is set to the reference if the program has no kernel.
+    /// The backend that takes the steps. It is set to the reference if the program turns out to have no kernel.
     backend: Backend,
-    /// Registers of the recorded voltages.
-    recorded: Vec<Register>,
-    /// The kernels, the oldest first.
+    /// Registers of the recorded voltages, in the order of the tracks.
+    recorded_registers: Vec<Register>,
+    /// The kernels with their variables, the oldest first.
     runs: Vec<KernelRun>,
-    /// The state of every amplifier with a lamp when a kernel was looked for last.
-    amplifiers: Vec<Asked>,
+    /// The state of every amplifier with a lamp when the fast path was entered last, in the order of `Program::lamps`.
+    amplifiers: Vec<AmplifierState>,
 }
 
 /// A kernel with its variables.
 ///
-/// Between runs the variables are outdated. During a run the kernel also holds the delay lines of the machine, so the
+/// Between runs the variables are outdated. During a run the frame also contains the delay lines of the machine, so the
 /// machine cannot take steps by itself.
 #[derive(Debug, Clone)]
 pub(super) struct KernelRun {
-    /// The specialised program, shared with other machines of the same program.
-    pub folded: Arc<Folded>,
+    /// The specialised program, which all machines of the same program share.
+    pub shared: Arc<SharedKernel>,
+    /// The backend that runs the kernel.
     backend: Backend,
     /// Time, states, rates, delay lines and recorded voltages of the kernel.
     pub frame: Frame<f64>,
-    /// Whether the factors have to be calculated from the coefficients before the next start.
+    /// Whether the factors have to be calculated from the coefficients before the next start: at first, after a change
+    /// of coefficients, and after the kernel was invalid.
     needs_factors: bool,
 }
 
 /// A kernel run in progress. It stays valid until the machine leaves the fast path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ActiveRun {
-    /// Index of the run.
+    /// Index of the kernel in `FastPath::runs`.
     run: usize,
-    /// The first jump that is known to come, in problem seconds; infinity if there is none.
-    until: f64,
-    /// Number of steps that end before `until`.
-    pub left: u64,
-    /// Whether an event is known to come in the next step.
-    pub meets: bool,
+    /// The time of the first known jump, in problem seconds; infinity if there is none.
+    jump_time: f64,
+    /// Number of whole steps that end before `jump_time`.
+    pub steps_left: u64,
+    /// Whether an event is known to occur in the next step.
+    pub is_event_next: bool,
 }
 
 /// The reason why a kernel halted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Halt {
     /// It took all its steps.
-    Quiet,
+    Completed,
     /// It is at a known jump.
     Jump,
-    /// A mode changes after this time in seconds.
-    Change(f64),
-    /// It met something that a kernel cannot decide, such as the end of a range.
-    Unclear,
+    /// A mode changes after this time from the present, in problem seconds.
+    ModeChange(f64),
+    /// Only the machine can take the next step, for example because an amplifier reaches the end of its range.
+    Unsupported,
 }
 
 impl FastPath {
@@ -90,112 +99,120 @@ impl FastPath {
     pub fn new(program: &Program) -> Self {
         FastPath {
             backend: Backend::default(),
-            recorded: Vec::new(),
+            recorded_registers: Vec::new(),
             runs: Vec::new(),
-            amplifiers: vec![Asked::Within; program.lamps.len()],
+            amplifiers: vec![AmplifierState::Within; program.lowered.lamps.len()],
         }
     }
 
-    /// Drops all kernels, and begins again with another backend and other recorded voltages.
-    pub fn restart(&mut self, backend: Backend, recorded: Vec<Register>) {
-        (self.backend, self.recorded, self.runs) = (backend, recorded, Vec::new());
+    /// Drops all kernels, and sets another backend and other recorded voltages.
+    pub fn restart(&mut self, backend: Backend, recorded_registers: Vec<Register>) {
+        (self.backend, self.recorded_registers, self.runs) = (backend, recorded_registers, Vec::new());
     }
 
-    /// Marks the factors of all kernels as outdated, after coefficients changed.
-    pub fn forget_factors(&mut self) {
+    /// Marks the factors of all kernels as outdated. Call it after coefficients changed.
+    pub fn invalidate_factors(&mut self) {
         self.runs.iter_mut().for_each(|run| run.needs_factors = true);
     }
 
-    /// The run in progress.
+    /// The kernel run in progress.
     pub fn run_mut(&mut self, active: ActiveRun) -> &mut KernelRun {
         &mut self.runs[active.run]
     }
 
     /// The kernel of the run in progress.
-    pub fn kernel(&self, active: ActiveRun) -> &Arc<Folded> {
-        &self.runs[active.run].folded
+    pub fn kernel(&self, active: ActiveRun) -> &Arc<SharedKernel> {
+        &self.runs[active.run].shared
     }
 
     /// Reads the state of every amplifier with a lamp from the present voltages.
     fn read_amplifiers(&mut self, program: &Program, voltages: &[f64]) {
-        for (amplifier, lamp) in self.amplifiers.iter_mut().zip(&program.lamps) {
-            *amplifier = Asked::of(voltages[lamp.demand.index()]);
+        for (amplifier, lamp) in self.amplifiers.iter_mut().zip(&program.lowered.lamps) {
+            *amplifier = AmplifierState::of(voltages[lamp.demand.index()]);
         }
     }
 
-    /// Index of the run for these modes and the amplifier states read last; `None` if the program has no kernel there.
-    fn run_for(&mut self, program: &Program, modes: &[f64]) -> Option<usize> {
-        let stance = Stance { modes, asked: &self.amplifiers };
-        let known = self.runs.iter().position(|run| run.folded.is_for(stance));
-        if known.is_some() {
-            return known;
+    /// Index of the kernel run for these modes and the amplifier states read last; `None` if the program has no kernel.
+    fn find_or_make_run(&mut self, program: &Program, modes: &[f64]) -> Option<usize> {
+        let specialisation = Specialisation { modes, amplifiers: &self.amplifiers };
+        let existing = self.runs.iter().position(|run| run.shared.is_for(specialisation));
+        if existing.is_some() {
+            return existing;
         }
-        let folded = Kernels::of(program, stance, &self.recorded)?;
-        let frame = folded.frame(self.backend);
+        let shared = Kernels::of(program, specialisation, &self.recorded_registers)?;
+        let frame = shared.frame(self.backend);
         if self.runs.len() == MAX_RUNS {
             self.runs.remove(0);
         }
-        self.runs.push(KernelRun { folded, backend: self.backend, frame, needs_factors: true });
+        self.runs.push(KernelRun { shared, backend: self.backend, frame, needs_factors: true });
         Some(self.runs.len() - 1)
     }
 }
 
 impl KernelRun {
-    /// Takes over the state and the delay lines of a machine. Returns whether the kernel is valid there; if not, the
-    /// delay lines are given back.
+    /// Takes over the state and the delay lines of a machine. Returns whether the kernel is valid there. If not, the
+    /// delay lines are returned.
     fn start(&mut self, program: &Program, state: &SolverState, delay_lines: &mut Vec<DelayLine>) -> bool {
-        self.exchange_lines(delay_lines);
-        let holds = self.begin(program, state);
-        if !holds {
-            self.exchange_lines(delay_lines);
+        self.swap_delay_lines(delay_lines);
+        let is_valid = self.begin(program, state);
+        if !is_valid {
+            self.swap_delay_lines(delay_lines);
         }
-        holds
+        is_valid
     }
 
-    /// Begins at the state of a machine. Returns whether the kernel is valid there.
+    /// Copies the state of a machine into the frame and evaluates it. Returns whether the kernel is valid there.
     fn begin(&mut self, program: &Program, state: &SolverState) -> bool {
-        let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
-        frame.put_standing(kernel, &state.sampled, &state.levels);
+        let (kernel, frame) = (&self.shared.kernel, &mut self.frame);
+        frame.set_held_inputs(kernel, &state.sampled, &state.levels);
         frame.states.copy_from_slice(&state.states);
         frame.rates.copy_from_slice(&state.rates);
         frame.time = state.time;
-        let holds = kernel.settle(frame, program, &state.coefficients, self.needs_factors);
-        frame.see_anew();
-        self.needs_factors = !holds;
-        holds
+        let is_valid = kernel.settle(frame, program, &state.coefficients, self.needs_factors);
+        frame.reset_extremes();
+        self.needs_factors = !is_valid;
+        is_valid
     }
 
-    /// Exchanges the delay lines with those of a machine.
-    fn exchange_lines(&mut self, delay_lines: &mut Vec<DelayLine>) {
+    /// Exchanges the delay lines of the frame with those of a machine.
+    fn swap_delay_lines(&mut self, delay_lines: &mut Vec<DelayLine>) {
         mem::swap(&mut self.frame.lines[0], delay_lines);
     }
 
-    /// Gives time, states, sampled values and delay lines back to a machine.
-    fn hand_back(&mut self, state: &mut SolverState, delay_lines: &mut Vec<DelayLine>) {
-        self.exchange_lines(delay_lines);
+    /// Returns time, states, sampled values and delay lines to a machine.
+    fn return_state(&mut self, state: &mut SolverState, delay_lines: &mut Vec<DelayLine>) {
+        self.swap_delay_lines(delay_lines);
         state.time = self.frame.time;
         state.states.copy_from_slice(&self.frame.states);
-        state.sampled.copy_from_slice(self.frame.kept(&self.folded.kernel));
+        state.sampled.copy_from_slice(self.frame.kept(&self.shared.kernel));
     }
 
-    /// Crosses the corner at which the kernel is. Returns whether the kernel is valid on the other side.
-    fn cross(&mut self, program: &Program, coefficients: &[f64], met: Met) -> bool {
-        let KernelRun { folded, frame, .. } = self;
-        let fits = folded.kernel.cross(frame, program, coefficients, met);
-        self.show(&program.tables);
-        let KernelRun { folded, frame, .. } = self;
-        let holds = folded.kernel.stand(frame) && fits;
-        // A state that a limit holds from here on is exactly at the limit, and was not before.
-        folded.kernel.see_now(frame);
-        self.needs_factors = !holds;
-        holds
+    /// Crosses the corner at which the kernel is, and evaluates everything on the other side. Returns whether the
+    /// kernel is valid there.
+    fn cross_corner(&mut self, program: &Program, coefficients: &[f64], hit: WatchHit) -> bool {
+        let KernelRun { shared, frame, .. } = self;
+        let factors_fit = shared.kernel.switch_branch(frame, program, coefficients, hit);
+        self.evaluate_present(&program.tables);
+        let KernelRun { shared, frame, .. } = self;
+        let is_valid = shared.kernel.accept_present(frame) && factors_fit;
+        // A state that a limit holds from now on is exactly at the limit only after the corner.
+        shared.kernel.observe_present(frame);
+        self.needs_factors = !is_valid;
+        is_valid
     }
 
-    /// Takes steps of a grid until an event comes, and returns the number of steps taken. The recorded voltages at the
-    /// end of each are kept if `is_remembered`.
-    fn steps(&mut self, tables: &[Vec<[f64; 2]>], steps: &Steps, is_remembered: bool) -> u64 {
-        self.frame.remember(is_remembered);
-        self.folded.steps(&mut self.frame, tables, steps, self.backend)
+    /// A step of the kernel that was not tried yet. `work` counts its evaluations.
+    #[inline]
+    fn trial<'a>(&'a mut self, tables: &'a [Vec<[f64; 2]>], work: &'a mut WorkCounters) -> KernelTrial<'a> {
+        let KernelRun { shared, frame, backend, .. } = self;
+        KernelTrial { shared, backend: *backend, frame, tables, work, last: LookResult::Quiet }
+    }
+
+    /// Takes steps of a grid until an event is due in the next one, and returns the number of steps taken. If
+    /// `keeps_trail`, the recorded voltages at the end of each step are stored.
+    fn steps(&mut self, tables: &[Vec<[f64; 2]>], steps: &Steps, keeps_trail: bool) -> u64 {
+        self.frame.record_trail(keeps_trail);
+        self.shared.steps(&mut self.frame, tables, steps, self.backend)
     }
 
     /// The problem time in seconds.
@@ -203,44 +220,44 @@ impl KernelRun {
         self.frame.time
     }
 
-    /// Evaluates the recorded voltages at a problem time within the last step.
+    /// Evaluates the recorded voltages at a problem time within the last step, by the cubic through its ends.
     pub fn interpolate(&mut self, tables: &[Vec<[f64; 2]>], time: f64) {
-        let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
-        let [begin, length] = kernel.last_stretch(frame);
-        kernel.go_back(frame, tables, time, hermite(length, (time - begin) / length));
-        self.folded.work_out(frame, tables, self.backend);
+        let (kernel, frame) = (&self.shared.kernel, &mut self.frame);
+        let [begin, length] = kernel.last_step(frame);
+        kernel.set_past_inputs(frame, tables, time, hermite(length, (time - begin) / length));
+        self.shared.evaluate(frame, tables, self.backend);
     }
 
-    /// Evaluates the recorded voltages at the present time.
-    pub fn show(&mut self, tables: &[Vec<[f64; 2]>]) {
-        self.folded.kernel.stay(&mut self.frame, tables);
-        self.folded.work_out(&mut self.frame, tables, self.backend);
+    /// Evaluates the recorded voltages at the present time and states.
+    pub fn evaluate_present(&mut self, tables: &[Vec<[f64; 2]>]) {
+        self.shared.kernel.set_present_inputs(&mut self.frame, tables);
+        self.shared.evaluate(&mut self.frame, tables, self.backend);
     }
 
-    /// The recorded voltages at the end of one of the steps taken last, if these were kept. Steps count from 0.
+    /// The recorded voltages at the end of one of the steps taken last, which were stored. Steps count from 0.
     pub fn voltages_after(&self, step: u64) -> impl Iterator<Item = f64> + '_ {
-        let kernel = &self.folded.kernel;
-        (0..kernel.seen.len()).map(move |index| self.frame.seen_after(kernel, step, index))
+        let kernel = &self.shared.kernel;
+        (0..kernel.recorded.len()).map(move |index| self.frame.recorded_after(kernel, step, index))
     }
 
-    /// The recorded voltages as they were evaluated last.
+    /// The recorded voltages at the instant that was evaluated last, in volts, in the order of the tracks.
     pub fn voltages(&self) -> impl Iterator<Item = f64> + '_ {
-        let kernel = &self.folded.kernel;
-        (0..kernel.seen.len()).map(|index| self.frame.last_seen(kernel, index))
+        let kernel = &self.shared.kernel;
+        (0..kernel.recorded.len()).map(|index| self.frame.last_recorded(kernel, index))
     }
 
-    /// The minimum and the maximum of every recorded voltage since the start, each as problem time and volts, in the
-    /// order in which they came; `None` for a voltage without extremum.
+    /// The minimum and the maximum of every recorded voltage since the kernel was entered, each as problem time and
+    /// volts, in order of time; `None` for a voltage that is constant or linear in time.
     pub fn extremes(&self) -> impl Iterator<Item = Option<[(f64, f64); 2]>> + '_ {
-        let kernel = &self.folded.kernel;
-        (0..kernel.seen.len()).map(|index| self.frame.extremes(kernel, index))
+        let kernel = &self.shared.kernel;
+        (0..kernel.recorded.len()).map(|index| self.frame.extremes(kernel, index))
     }
 }
 
 impl Machine<'_> {
     /// Enters the fast path before the first of these steps: finds or makes the kernel for the present modes and
-    /// amplifier states, and hands the state over to it. Returns `None` if that is not possible: with the reference
-    /// backend, with derivatives, with a lamp that is due, or if the program has no kernel for its present modes.
+    /// amplifier states, and moves the state into it. Returns `None` if that is not possible: with the reference
+    /// backend, with derivatives, while a lamp can light, or if the program has no kernel that is valid at present.
     pub(super) fn enter_fast_path(&mut self, steps: Steps) -> Option<ActiveRun> {
         let Machine { solver, events, lamps, fast_path, .. } = self;
         if fast_path.backend == Backend::Reference || solver.sensitivities.is_some() {
@@ -248,21 +265,21 @@ impl Machine<'_> {
         }
         let Solver { setup, state, delay_lines, .. } = solver;
         fast_path.read_amplifiers(setup.program, &state.voltages);
-        if lamps.is_on && !is_no_lamp_due(setup.program, state, &fast_path.amplifiers, lamps) {
+        if lamps.is_on && !has_no_lamp_due(setup.program, state, &fast_path.amplifiers, lamps) {
             return None;
         }
-        let until = end_of_kernel_run(setup, state, delay_lines, &events.corners_off_grid);
-        let left = steps.before(until, INSTANT_TOLERANCE * setup.step);
-        let Some(run) = fast_path.run_for(setup.program, &state.modes) else {
+        let jump_time = end_of_kernel_run(setup, state, delay_lines, &events.corners_off_grid);
+        let steps_left = steps.before(jump_time, INSTANT_TOLERANCE * setup.step);
+        let Some(run) = fast_path.find_or_make_run(setup.program, &state.modes) else {
             fast_path.backend = Backend::Reference;
             return None;
         };
         let is_started = fast_path.runs[run].start(setup.program, state, delay_lines);
-        is_started.then_some(ActiveRun { run, until, left, meets: false })
+        is_started.then_some(ActiveRun { run, jump_time, steps_left, is_event_next: false })
     }
 
-    /// Runs the kernel for some steps of a grid. Returns the number of steps taken and why it halted. If not all steps
-    /// were taken, the machine is inside the next one, or at its beginning.
+    /// Runs the kernel for some steps of a grid. Returns the number of whole steps taken and why the kernel halted. If
+    /// not all steps were taken, the machine is inside the next one, or at its beginning.
     pub(super) fn run_kernel(
         &mut self,
         active: ActiveRun,
@@ -271,11 +288,11 @@ impl Machine<'_> {
     ) -> (u64, Halt) {
         let Machine { solver, fast_path, work, .. } = self;
         let run = &mut fast_path.runs[active.run];
-        run_steps(solver.setup.program, &mut solver.state, work, run, steps, active.meets, observer)
+        run_steps(solver.setup.program, &mut solver.state, work, run, steps, active.is_event_next, observer)
     }
 
-    /// Runs the kernel to the known jump, or to `end` if that comes first. The result is [`Halt::Jump`] if it reached
-    /// that time, even if nothing jumps at `end`: the machine then carries out whatever is due there.
+    /// Runs the kernel to the known jump, or to the problem time `end` if that is earlier. The result is [`Halt::Jump`]
+    /// if the kernel reached that time, also if no voltage jumps at `end`. The machine then handles what is due there.
     pub(super) fn run_kernel_to(
         &mut self,
         active: ActiveRun,
@@ -284,12 +301,16 @@ impl Machine<'_> {
     ) -> Halt {
         let Machine { solver, fast_path, work, .. } = self;
         let Solver { setup, state, .. } = solver;
-        let end = if active.until < end - INSTANT_TOLERANCE * setup.step { active.until } else { end };
+        let end =
+            if active.jump_time < end - INSTANT_TOLERANCE * setup.step { active.jump_time } else { end };
         step_across(setup.program, state, work, &mut fast_path.runs[active.run], end, true, observer)
     }
 
     /// Leaves the fast path where the kernel halted, and evaluates all voltages there. At a jump the voltages are those
-    /// before it.
+    /// before it, and the caller handles the jump.
+    ///
+    /// # Errors
+    /// If a voltage is not a number, or a loop does not have exactly one solution.
     pub(super) fn leave_fast_path(
         &mut self,
         active: ActiveRun,
@@ -299,75 +320,85 @@ impl Machine<'_> {
         let Machine { solver, fast_path, .. } = &mut *self;
         let run = &mut fast_path.runs[active.run];
         // The kernel may have evaluated a later instant last.
-        run.show(&solver.setup.program.tables);
+        run.evaluate_present(&solver.setup.program.tables);
         observer.left_fast_path(run);
-        run.hand_back(&mut solver.state, &mut solver.delay_lines);
+        run.return_state(&mut solver.state, &mut solver.delay_lines);
         if halt != Halt::Jump {
-            return self.show_side(Side::After);
+            return self.evaluate_side(Side::After);
         }
-        self.show_side(Side::Before)?;
+        self.evaluate_side(Side::Before)?;
         observer.before_jump(&self.solver);
         Ok(())
     }
 
-    /// Counts steps that a batch took for this machine up to a problem time. Each step takes four evaluations.
-    pub(super) fn note_kernel_steps(&mut self, count: u64, time: f64) {
+    /// Counts steps that a batch took for this machine up to a problem time. Each step counts as four evaluations.
+    pub(super) fn count_kernel_steps(&mut self, count: u64, time: f64) {
         self.work.steps += count;
         self.work.evaluations += 4 * count;
         self.solver.state.time = time;
     }
 }
 
-/// Whether no lamp can light within a kernel run: no amplifier is driven beyond its range, and no integrator is held at
-/// ±100 V and driven further. Kernels light no lamps.
-fn is_no_lamp_due(program: &Program, state: &SolverState, amplifiers: &[Asked], lamps: &Lamps) -> bool {
-    let at_rest = lamps.overdrive.iter().all(|overdrive| *overdrive == 0.0);
-    let in_range = amplifiers.iter().all(|amplifier| *amplifier == Asked::Within);
-    let mut states = program.states.iter().zip(&state.states);
-    at_rest
-        && in_range
-        && states
-            .all(|(own, volts)| volts.abs() < REFERENCE || state.voltages[own.demand.index()] * volts <= 0.0)
+/// Whether no lamp can light within a kernel run: no amplifier is demanded beyond its range, and no integrator is held
+/// at ±100 V and driven further. Kernels light no lamps; they halt at the end of a range instead.
+fn has_no_lamp_due(
+    program: &Program,
+    state: &SolverState,
+    amplifiers: &[AmplifierState],
+    lamps: &Lamps,
+) -> bool {
+    let has_no_overdrive = lamps.overdrive.iter().all(|overdrive| *overdrive == 0.0);
+    let are_in_range = amplifiers.iter().all(|amplifier| *amplifier == AmplifierState::Within);
+    let mut states = program.lowered.states.iter().zip(&state.states);
+    has_no_overdrive
+        && are_in_range
+        && states.all(|(integrator, volts)| {
+            volts.abs() < REFERENCE || state.voltages[integrator.demand.index()] * volts <= 0.0
+        })
 }
 
-/// Runs a kernel for some steps of a grid, in blocks that end where a sample is due or tiny states are flushed. `meets`
-/// is whether an event comes in the first step. Returns the number of steps taken and why the kernel halted.
+/// Runs a kernel for some steps of a grid, in blocks that end where a sample is due or tiny states are flushed.
+/// `is_event_next` is whether an event is due in the first step. Returns the number of whole steps taken and why the
+/// kernel halted.
 fn run_steps(
     program: &Program,
     state: &mut SolverState,
-    work: &mut Work,
+    work: &mut WorkCounters,
     run: &mut KernelRun,
     steps: Steps,
-    mut meets: bool,
+    mut is_event_next: bool,
     observer: &mut impl StepObserver,
 ) -> (u64, Halt) {
     let mut taken = 0;
     while taken < steps.count {
-        let left = steps.after(taken);
+        let remaining = steps.after(taken);
         // Tiny states are flushed on a separate grid, so that recording changes no bit.
-        let most = Steps { count: left.up_to_multiple_of(FLUSH_INTERVAL).min(left.count), ..left };
-        let remembers = run.folded.remembers(run.backend);
-        let count = match remembers {
-            true => observer.steps_before_inner_sample(most),
-            false => most.until(observer.next_sample()),
+        let flush_block =
+            Steps { count: remaining.up_to_multiple_of(FLUSH_INTERVAL).min(remaining.count), ..remaining };
+        let keeps_trail = run.shared.keeps_trail(run.backend);
+        let count = match keeps_trail {
+            true => observer.steps_before_inner_sample(flush_block),
+            false => flush_block.until(observer.next_sample()),
         };
-        let block = Steps { count: if meets { 0 } else { count }, ..left };
-        let done = run.steps(&program.tables, &block, remembers);
-        meets = false;
+        let block = Steps { count: if is_event_next { 0 } else { count }, ..remaining };
+        let done = run.steps(&program.tables, &block, keeps_trail);
+        is_event_next = false;
         work.steps += done;
         work.evaluations += 4 * done;
         if done > 0 {
             state.time = run.frame.time;
-            match remembers {
-                true => observer.kernel_stepped_recording(state.time, run, Steps { count: done, ..left }),
+            match keeps_trail {
+                true => {
+                    observer.kernel_stepped_recording(state.time, run, Steps { count: done, ..remaining })
+                }
                 false => observer.kernel_stepped(state.time, &program.tables, run),
             }
         }
         taken += done;
         // An event is crossed within the step, and a sample within a step is interpolated in it.
         if done < count || count == 0 {
-            match step_across(program, state, work, run, left.end_of(done), false, observer) {
-                Halt::Quiet => taken += 1,
+            match step_across(program, state, work, run, remaining.end_of(done), false, observer) {
+                Halt::Completed => taken += 1,
                 halt => return (taken, halt),
             }
         }
@@ -375,128 +406,160 @@ fn run_steps(
             flush_tiny_states(&mut run.frame.states);
         }
     }
-    (taken, Halt::Quiet)
+    (taken, Halt::Completed)
 }
 
-/// Runs a kernel to a problem time and across every corner on the way. Each pass of the loop tries a step to the end of
-/// the present piece, locates the first event in it, and accepts the step up to the event. It halts at other events,
-/// and at `end` if something `jumps` there.
+/// Runs a kernel to the problem time `end`, and crosses every corner before it. Each pass of the loop tries a step to
+/// the end of the present piece, locates the first event in it, and accepts the step up to the event. The kernel halts
+/// at other events, and at `end` if `is_jump_at_end`.
 fn step_across(
     program: &Program,
     state: &mut SolverState,
-    work: &mut Work,
+    work: &mut WorkCounters,
     run: &mut KernelRun,
     end: f64,
-    jumps: bool,
+    is_jump_at_end: bool,
     observer: &mut impl StepObserver,
 ) -> Halt {
     let tables: &[Vec<[f64; 2]>] = &program.tables;
-    run.show(tables);
-    run.frame.stand();
+    run.evaluate_present(tables);
+    run.frame.accept_present();
     for _ in 0..MAX_CROSSINGS {
-        let KernelRun { folded, frame, backend, .. } = &mut *run;
-        let mut trial =
-            KernelTrial { folded, frame, backend: *backend, tables, work: &mut *work, last: Look::Quiet };
-        let target = folded.kernel.end_of_piece(trial.frame, end);
-        let length = target - trial.frame.time;
-        trial.evaluate(length);
-        // The kernel leaves the corner to the other side than the one it is on.
-        if let Some(met) = folded.kernel.left_behind(trial.frame) {
-            if !run.cross(program, &state.coefficients, met) {
-                return Halt::Unclear;
+        let mut trial = run.trial(tables, work);
+        let (time, corner) = match trial.locate_end(end) {
+            TrialEnd::OnCorner(hit) => {
+                if !run.cross_corner(program, &state.coefficients, hit) {
+                    return Halt::Unsupported;
+                }
+                continue;
             }
-            continue;
+            TrialEnd::Halted(halt) => return halt,
+            TrialEnd::At { time, corner } => (time, corner),
+        };
+        if time >= end && is_jump_at_end {
+            trial.accept_up_to(time);
+            state.time = time;
+            observer.kernel_reached_jump(time, tables, run);
+            return Halt::Jump;
         }
-        // The machine takes the step if a range ends.
-        if trial.event().is_some_and(|met| met.kind == Kind::Range) {
-            return Halt::Unclear;
-        }
-        let (share, met) = first_event(&mut trial, length, None);
-        let time = if share >= 1.0 { target } else { trial.frame.time + share * length };
-        match met.map(|met| met.kind) {
-            Some(Kind::Guard) => return Halt::Change(share * length),
-            Some(Kind::Range) => return Halt::Unclear,
-            _ if time >= end && jumps => {
-                trial.accept_up_to(time);
-                state.time = time;
-                observer.kernel_reached_jump(time, tables, run);
-                return Halt::Jump;
-            }
-            _ => {}
-        }
-        trial.accept(time);
-        if met.is_some() {
-            folded.kernel.remember_corner(trial.frame);
-        }
+        trial.accept(time, corner.is_some());
         state.time = time;
         observer.kernel_stepped(time, tables, run);
-        if let Some(met) = met {
+        if let Some(hit) = corner {
             work.crossings += 1;
-            if !run.cross(program, &state.coefficients, met) {
-                return Halt::Unclear;
+            if !run.cross_corner(program, &state.coefficients, hit) {
+                return Halt::Unsupported;
             }
         }
         if time >= end {
-            return Halt::Quiet;
+            return Halt::Completed;
         }
     }
-    Halt::Unclear
+    Halt::Unsupported
 }
 
 /// A tried step of a kernel, in which events are located. Its values are in volts, as those of the machine.
 struct KernelTrial<'a> {
-    folded: &'a Folded,
+    /// The kernel.
+    shared: &'a SharedKernel,
+    /// The backend that evaluates the step.
     backend: Backend,
+    /// The variables of the kernel.
     frame: &'a mut Frame<f64>,
+    /// The points of all tables of the program.
     tables: &'a [Vec<[f64; 2]>],
-    work: &'a mut Work,
+    /// Counts the evaluations of all tries and the accepted steps.
+    work: &'a mut WorkCounters,
     /// The result of the step tried last.
-    last: Look,
+    last: LookResult,
+}
+
+/// How a tried step of a kernel ends.
+#[derive(Debug, Clone, Copy)]
+enum TrialEnd {
+    /// The kernel is on this corner, and leaves it on the other side than that of its branch.
+    OnCorner(WatchHit),
+    /// The kernel halts before the end of the step.
+    Halted(Halt),
+    /// The step can be accepted.
+    At {
+        /// The problem time at its end, in seconds.
+        time: f64,
+        /// The corner at its end, if there is one.
+        corner: Option<WatchHit>,
+    },
 }
 
 impl KernelTrial<'_> {
-    /// Accepts the tried step up to a time.
-    fn accept(&mut self, time: f64) {
-        self.work.steps += 1;
-        self.folded.kernel.take(self.frame, time);
+    /// Tries a step to the end of the present piece, at most to the problem time `end`, and locates the first event in
+    /// it.
+    #[inline]
+    fn locate_end(&mut self, end: f64) -> TrialEnd {
+        let target = self.shared.kernel.end_of_piece(self.frame, end);
+        let length = target - self.frame.time;
+        self.evaluate(length);
+        if let Some(hit) = self.shared.kernel.passed_corner(self.frame) {
+            return TrialEnd::OnCorner(hit);
+        }
+        // The machine takes the step if a range ends.
+        if self.event().is_some_and(|hit| hit.kind == WatchKind::Range) {
+            return TrialEnd::Halted(Halt::Unsupported);
+        }
+        let (share, corner) = first_event(self, length, None);
+        let time = if share >= 1.0 { target } else { self.frame.time + share * length };
+        match corner.map(|hit| hit.kind) {
+            Some(WatchKind::Guard) => TrialEnd::Halted(Halt::ModeChange(share * length)),
+            Some(WatchKind::Range) => TrialEnd::Halted(Halt::Unsupported),
+            _ => TrialEnd::At { time, corner },
+        }
     }
 
-    /// Accepts the tried step up to a jump, which the machine carries out.
+    /// Accepts the tried step, which ends at this problem time. `is_at_corner` is whether it ends at a corner.
+    #[inline]
+    fn accept(&mut self, time: f64, is_at_corner: bool) {
+        self.work.steps += 1;
+        self.shared.kernel.accept_step(self.frame, time);
+        if is_at_corner {
+            self.shared.kernel.mark_discontinuity(self.frame);
+        }
+    }
+
+    /// Accepts the tried step up to a jump at this problem time, which the machine handles.
     fn accept_up_to(&mut self, time: f64) {
         self.work.steps += 1;
-        self.folded.kernel.take_up_to(self.frame, time);
+        self.shared.kernel.accept_step_before_jump(self.frame, time);
     }
 }
 
 impl EventFunction for KernelTrial<'_> {
-    type Event = Met;
+    type Event = WatchHit;
 
     fn evaluate(&mut self, length: f64) {
         self.work.evaluations += 4;
-        self.last = self.folded.look(self.frame, self.tables, length, self.backend);
+        self.last = self.shared.look(self.frame, self.tables, length, self.backend);
     }
 
-    fn event(&self) -> Option<Met> {
-        if self.last == Look::Ahead { self.folded.kernel.met(self.frame) } else { None }
+    fn event(&self) -> Option<WatchHit> {
+        if self.last == LookResult::AtEnd { self.shared.kernel.first_hit(self.frame) } else { None }
     }
 
     fn has_hint(&self) -> bool {
-        self.last == Look::Within
+        self.last == LookResult::Inside
     }
 
     fn hint_share(&self) -> f64 {
         0.5
     }
 
-    fn present_value(&self, met: Met) -> f64 {
-        self.folded.kernel.excess_now(self.frame, met)
+    fn present_value(&self, hit: WatchHit) -> f64 {
+        self.shared.kernel.value_now(self.frame, hit)
     }
 
-    fn value(&self, met: Met) -> f64 {
-        self.folded.kernel.excess(self.frame, met)
+    fn value(&self, hit: WatchHit) -> f64 {
+        self.shared.kernel.value(self.frame, hit)
     }
 
-    fn tolerance(&self, met: Met) -> f64 {
-        met.room()
+    fn tolerance(&self, hit: WatchHit) -> f64 {
+        hit.tolerance()
     }
 }

@@ -1,7 +1,8 @@
 //! Detection of events that come and go within one step, so that the end of the step does not show them.
 //!
 //! The checked stages of the tried step are searched first. If none of them shows an event, the voltages of guards and
-//! kinks are interpolated through the stages: a voltage that turns just before its event may graze it.
+//! kinks are interpolated by the cubic through the stages. A voltage that turns just before its event may graze it, so
+//! the location of events then tries a step to the turning point.
 
 use super::buffers::StepBuffers;
 use super::events::{event_at, open_transitions};
@@ -12,17 +13,18 @@ use super::turning_points::Samples;
 /// watched voltage turns just before its event. `None` if there is no sign of such an event.
 pub(super) fn hint(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
     let method = setup.method;
-    let stages = method.checked_stages.iter().map(|stage| method.stages[*stage].at);
+    let stages = method.checked_stages.iter().map(|stage| method.stages[*stage].node);
     let mut checked = stages.zip(&buffers.checked_voltages);
-    let shown = checked.find(|(_, voltages)| event_at(setup, state, voltages).is_some());
-    shown.map(|(share, _)| share).or_else(|| grazing_time(setup, state, buffers))
+    let visible = checked.find(|(_, voltages)| event_at(setup, state, voltages).is_some());
+    visible.map(|(share, _)| share).or_else(|| grazing_time(setup, state, buffers))
 }
 
-/// The share of the tried step at which the first guard or kink turns just before its event.
+/// The share (0 ... 1) of the tried step at which the first guard or kink turns just before its event; `None` if none
+/// does, or if the method has fewer than two checked stages.
 fn grazing_time(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
     let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
     let guards = open_transitions(setup.program, &state.modes).filter_map(|open| {
-        let samples = buffers.samples(setup.method, ends, |voltages| open.guard.excess(voltages))?;
+        let samples = buffers.samples(setup.method, ends, |voltages| open.guard.value(voltages))?;
         turn_towards(&samples, |_, to| to >= 0.0)
     });
     let kinks = setup.kinks().filter_map(|kink| {
@@ -32,9 +34,9 @@ fn grazing_time(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -
     guards.chain(kinks).reduce(f64::min)
 }
 
-/// The share at which a voltage turns that would have met an event with a slightly larger swing. `meets` decides it
-/// from the voltage at the beginning and at the turning point.
-fn turn_towards(samples: &Samples, meets: impl Fn(f64, f64) -> bool) -> Option<f64> {
+/// The share (0 ... 1) at which a voltage turns, if a slightly larger swing would reach an event. `reaches` decides
+/// that from the voltage at the beginning and the voltage with margin at the turning point.
+fn turn_towards(samples: &Samples, reaches: impl Fn(f64, f64) -> bool) -> Option<f64> {
     let mut turns = samples.turning_points();
-    turns.find(|turn| meets(samples.values[0], samples.with_margin(turn))).map(|turn| turn.share)
+    turns.find(|turn| reaches(samples.values[0], samples.with_margin(turn))).map(|turn| turn.share)
 }

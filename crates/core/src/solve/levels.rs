@@ -1,15 +1,16 @@
-//! Levels in a run: voltages that stay constant between known instants, at which they jump to the next number.
+//! Levels in a run: values that stay constant between known instants, at which they jump to the next value.
 //!
-//! A level is a noise voltage, whose numbers follow each other on a separate grid, or a table whose values are held.
+//! A level is a noise voltage, which draws a number at every instant of its grid, or a table whose values are held
+//! until the next point. The instants are known in advance, so every step ends at the next of them.
 
 use super::discontinuities::INSTANT_TOLERANCE;
 use super::error::RunError;
 use super::run::MAX_STEPS;
 use super::state::{Setup, SolverState};
 use crate::grid::Grid;
-use crate::ir::{Distribution, Level, Noise, Program, Tables, held, points_by};
+use crate::ir::{Distribution, Level, Noise, Program, Tables, held_value, points_passed};
 
-/// The position of a level in its sequence of numbers.
+/// The position of a level in its sequence of values.
 #[derive(Debug, Clone)]
 pub(super) enum LevelSource {
     /// A noise voltage.
@@ -18,21 +19,24 @@ pub(super) enum LevelSource {
     Points {
         /// Index of the table.
         table: usize,
-        /// Number of points whose time has come.
-        after: usize,
+        /// Number of points whose time has passed. The value is that of the last of them, or of the first point before
+        /// any.
+        passed: usize,
     },
 }
 
 /// The position of a noise voltage in its sequence of numbers.
 #[derive(Debug, Clone)]
 pub(super) struct NoiseSource {
-    /// Seed of the sequence.
+    /// Seed of the sequence, a whole number.
     seed: f64,
     /// Problem seconds between two numbers.
     every: f64,
+    /// The distribution of the numbers.
     distribution: Distribution,
+    /// The instants at which numbers are drawn.
     grid: Grid,
-    /// Index of the present number.
+    /// Index of the present number, from 0.
     index: u64,
 }
 
@@ -43,7 +47,7 @@ impl NoiseSource {
         NoiseSource { seed, every, distribution: noise.distribution, grid: Grid::new(every), index: 0 }
     }
 
-    /// Moves to the number at a time.
+    /// Moves to the number of a problem time.
     fn seek(&mut self, time: f64) {
         self.index = self.grid.steps_in(time);
     }
@@ -53,7 +57,7 @@ impl NoiseSource {
         self.distribution.number(self.seed, self.index)
     }
 
-    /// The time of the next number.
+    /// The problem time of the next number.
     fn next(&self) -> f64 {
         self.grid.time(self.index + 1)
     }
@@ -65,13 +69,13 @@ impl NoiseSource {
 }
 
 impl LevelSource {
-    /// The sources of all levels of a program, each at its first number.
+    /// The sources of all levels of a program, each at its first value, in the order of `Program::levels`.
     pub fn all(program: &Program, coefficients: &[f64]) -> Vec<Self> {
         let source = |level: &Level| match level {
             Level::Noise(noise) => LevelSource::Noise(NoiseSource::new(noise, coefficients)),
-            Level::Points { table } => LevelSource::Points { table: *table, after: 0 },
+            Level::Points { table } => LevelSource::Points { table: *table, passed: 0 },
         };
-        program.levels.iter().map(source).collect()
+        program.lowered.levels.iter().map(source).collect()
     }
 
     /// The source of a noise voltage; `None` for a table.
@@ -82,32 +86,34 @@ impl LevelSource {
         }
     }
 
-    /// Moves to the number at a time. Points of a table up to `tolerance` seconds later count as reached.
+    /// Moves to the value of a problem time. Points of a table up to `tolerance` seconds later count as passed.
     fn seek(&mut self, tables: &Tables, time: f64, tolerance: f64) {
         match self {
             LevelSource::Noise(source) => source.seek(time),
-            LevelSource::Points { table, after } => *after = points_by(&tables[*table], time + tolerance),
+            LevelSource::Points { table, passed } => {
+                *passed = points_passed(&tables[*table], time + tolerance);
+            }
         }
     }
 
-    /// Moves to the number at a time, and returns whether it is another one than before.
+    /// Moves forward to the value of a problem time, and returns whether the level jumped.
     fn advance_to(&mut self, tables: &Tables, time: f64) -> bool {
         let is_due = self.next(tables) <= time;
         match self {
             LevelSource::Noise(source) if is_due => {
                 source.index = source.grid.steps_in(time).max(source.index + 1);
             }
-            LevelSource::Points { table, after } if is_due => *after = points_by(&tables[*table], time),
+            LevelSource::Points { table, passed } if is_due => *passed = points_passed(&tables[*table], time),
             _ => {}
         }
         is_due
     }
 
-    /// The present number.
-    fn number(&self, tables: &Tables) -> f64 {
+    /// The present value.
+    fn value(&self, tables: &Tables) -> f64 {
         match self {
             LevelSource::Noise(source) => source.number(),
-            LevelSource::Points { table, after } => held(&tables[*table], *after),
+            LevelSource::Points { table, passed } => held_value(&tables[*table], *passed),
         }
     }
 
@@ -115,14 +121,15 @@ impl LevelSource {
     pub fn next(&self, tables: &Tables) -> f64 {
         match self {
             LevelSource::Noise(source) => source.next(),
-            LevelSource::Points { table, after } => {
-                tables[*table].get(*after).map_or(f64::INFINITY, |point| point[0])
+            LevelSource::Points { table, passed } => {
+                tables[*table].get(*passed).map_or(f64::INFINITY, |point| point[0])
             }
         }
     }
 }
 
-/// The number of jumps of all levels per problem second. For a table it is the average over its length.
+/// The number of jumps of all levels per problem second. For a table it is the average over its length. Delay lines
+/// allocate memory by it.
 pub(super) fn jump_rate(program: &Program, sources: &[LevelSource]) -> f64 {
     let rate = |source: &LevelSource| match source {
         LevelSource::Noise(source) => source.rate(),
@@ -135,33 +142,33 @@ pub(super) fn jump_rate(program: &Program, sources: &[LevelSource]) -> f64 {
 }
 
 impl SolverState {
-    /// Makes the sources again from the present coefficients, and moves all levels to the present time.
+    /// Makes the sources from the present coefficients, and moves all levels to the present time.
     pub fn begin_levels(&mut self, setup: &Setup<'_>) {
         self.level_sources = LevelSource::all(setup.program, &self.coefficients);
         let (tables, tolerance) = (&setup.program.tables, INSTANT_TOLERANCE * setup.step);
         for (source, level) in self.level_sources.iter_mut().zip(&mut self.levels) {
             source.seek(tables, self.time, tolerance);
-            *level = source.number(tables);
+            *level = source.value(tables);
         }
     }
 
-    /// Moves all levels to a time, and returns whether any of them jumped.
+    /// Moves all levels forward to a problem time, and returns whether any of them jumped.
     pub fn change_levels(&mut self, tables: &Tables, time: f64) -> bool {
-        let mut any = false;
+        let mut has_jumped = false;
         for (source, level) in self.level_sources.iter_mut().zip(&mut self.levels) {
             if source.advance_to(tables, time) {
-                *level = source.number(tables);
-                any = true;
+                *level = source.value(tables);
+                has_jumped = true;
             }
         }
-        any
+        has_jumped
     }
 }
 
-/// Checks that noise does not draw so many numbers that a run of this length in seconds would never end.
+/// Checks that a run of this length in problem seconds draws an acceptable number of noise values.
 ///
 /// # Errors
-/// If a noise voltage draws more than [`MAX_STEPS`] numbers.
+/// If a noise voltage draws more than [`MAX_STEPS`] numbers: every number ends a step.
 pub(super) fn check_noise(program: &Program, sources: &[LevelSource], length: f64) -> Result<(), RunError> {
     let noises = sources.iter().filter_map(LevelSource::as_noise);
     for (source, noise) in noises.zip(program.noises()) {

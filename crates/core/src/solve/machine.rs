@@ -1,8 +1,8 @@
 //! The machine: a program with a solver, events, lamps and a clock, in one of the modes of an analogue computer.
 //!
-//! The groups of a machine are separate fields, so that each function takes only what it needs. Evaluation and steps
-//! need the [`Solver`]. Located events also need [`EventState`]. Long stretches without events run in a compiled kernel
-//! ([`FastPath`]). This module holds construction, initial condition, the readings and the acceptance of a step; the
+//! The parts of a machine are separate fields, so that each function borrows only what it needs. Evaluation and steps
+//! need the [`Solver`]. Located events also need [`EventState`]. While no event is due, a kernel takes the steps
+//! ([`FastPath`]). This module contains construction, initial condition, measurements and the acceptance of a step. The
 //! loops that advance time are in `operation` and `events`.
 
 use super::buffers::StepBuffers;
@@ -22,46 +22,88 @@ use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::ir::Program;
 use crate::kernel::Backend;
-use crate::trace::{Overload, Work};
+use crate::trace::{Overload, WorkCounters};
 
 /// The mode of operation of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MachineMode {
-    /// Integrators are at their initial conditions; all other elements compute (also the problem check).
+    /// Integrators are at their initial conditions and all other elements compute. The problem check uses this mode.
     InitialCondition,
-    /// Integrators integrate.
+    /// Integrators integrate, and problem time advances.
     Operate,
-    /// Integrators keep their outputs and time does not advance. Pots may be set and voltages read.
+    /// Integrators keep their outputs and problem time does not advance. Parameters can be set and voltages read.
     Hold,
 }
 
 /// A program that can be run step by step.
 ///
-/// All times are problem times in seconds. Steps are equal and by the classical Runge-Kutta method of order 4
-/// ([`Machine::new`]), or they adapt to a tolerance and are by the pair of orders 5 and 4 of Dormand and Prince
-/// ([`Machine::adaptive`]). Steps end at changes of mode (relays, brakes, stops) and at kinks (diodes, limits, tables),
-/// which are located within the step.
+/// All times are problem times in seconds. Equal steps use the classical Runge-Kutta method of order 4
+/// ([`Machine::new`]). Steps that adapt to a tolerance use the pair of orders 5 and 4 of Dormand and Prince
+/// ([`Machine::adaptive`]). Steps end at changes of mode (relays, brakes, stops) and at kinks (diodes, limits, tables).
+/// These events are located within the step.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::Machine;
+///
+/// // dx/dt = -x, from 50 V
+/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let mut machine = Machine::new(&program, 1e-3)?;
+/// machine.operate(1.0)?;
+/// assert!((machine.voltage("A1")? - 50.0 * (-1.0f64).exp()).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Machine<'p> {
+    /// The state at the present instant, and everything needed to take a step from it.
     pub(super) solver: Solver<'p>,
     /// The control of the step size; `None` for equal steps.
     pub(super) control: Option<StepControl>,
+    /// Counts of events, by which chatter is detected.
     pub(super) events: EventState,
+    /// The overload lamps.
     pub(super) lamps: Lamps,
+    /// The kernels for steps without events.
     pub(super) fast_path: FastPath,
+    /// The mode of operation.
     pub(super) mode: MachineMode,
     /// Work done since the last initial condition.
-    pub(super) work: Work,
+    pub(super) work: WorkCounters,
 }
 
 impl<'p> Machine<'p> {
     /// Makes a machine in initial condition with equal steps, given in problem seconds.
     ///
     /// # Errors
-    /// If the step is not a positive time, a delay or a lag is shorter than the step, or a voltage in initial condition
-    /// is not a number.
+    /// If the step is not a positive time, a delay or a lag is shorter than the step, or
+    /// [`Machine::initial_condition`] fails.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let machine = Machine::new(&program, 1e-3)?;
+    /// assert_eq!((machine.time(), machine.step(), machine.voltage("A1")?), (0.0, 1e-3, 50.0));
+    /// let error = Machine::new(&program, 0.0).unwrap_err();
+    /// assert_eq!(error.to_string(), "the step must be positive and finite, got 0 s");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(program: &'p Program, step: f64) -> Result<Self, RunError> {
-        Machine::unstarted(program, step, &CLASSICAL, None)?.start()
+        Machine::allocate(program, step, &CLASSICAL, None)?.start()
     }
 
     /// Makes a machine in initial condition whose steps adapt to a tolerance. The tolerance bounds the sum of the
@@ -69,21 +111,43 @@ impl<'p> Machine<'p> {
     /// first step tried, in problem seconds.
     ///
     /// # Errors
-    /// If the tolerance is below [`LEAST_TOLERANCE`](super::LEAST_TOLERANCE) or not finite, the first step is not a
-    /// positive time, or a voltage in initial condition is not a number.
+    /// If the tolerance is below [`MIN_TOLERANCE`](super::MIN_TOLERANCE) or not finite, the first step is not a
+    /// positive time, or [`Machine::initial_condition`] fails.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let mut machine = Machine::adaptive(&program, 1e-9, 1e-3)?;
+    /// machine.operate(1.0)?;
+    /// assert!((machine.voltage("A1")? - 50.0 * (-1.0f64).exp()).abs() < 1e-5);
+    /// assert_eq!(Machine::adaptive(&program, 0.0, 1e-3).unwrap_err().code(), "not-a-tolerance");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn adaptive(program: &'p Program, tolerance: f64, first: f64) -> Result<Self, RunError> {
         check_tolerance(tolerance)?;
         let control = StepControl::new(tolerance, first);
-        Machine::unstarted(program, first, &DORMAND_PRINCE, Some(control))?.start()
+        Machine::allocate(program, first, &DORMAND_PRINCE, Some(control))?.start()
     }
 
-    /// The same machine with another backend for its steps.
-    pub fn on(mut self, backend: Backend) -> Self {
+    /// The same machine with another backend for its steps. All backends except the reference give the same bits.
+    pub fn with_backend(mut self, backend: Backend) -> Self {
         self.fast_path.restart(backend, Vec::new());
         self
     }
 
-    /// Checks the time constants and goes into initial condition.
+    /// Checks the time constants, and puts the machine into initial condition.
+    ///
+    /// # Errors
+    /// If a delay or a lag is shorter than equal steps, or [`Machine::initial_condition`] fails.
     fn start(mut self) -> Result<Self, RunError> {
         check_times(&self.solver)?;
         self.initial_condition()?;
@@ -91,7 +155,10 @@ impl<'p> Machine<'p> {
     }
 
     /// Makes a machine with all its buffers. No voltage is evaluated yet.
-    fn unstarted(
+    ///
+    /// # Errors
+    /// If the step is not positive and finite.
+    fn allocate(
         program: &'p Program,
         step: f64,
         method: &'static Tableau,
@@ -117,14 +184,16 @@ impl<'p> Machine<'p> {
             lamps: Lamps::new(program),
             fast_path: FastPath::new(program),
             mode: MachineMode::InitialCondition,
-            work: Work::default(),
+            work: WorkCounters::default(),
         })
     }
 
-    /// Puts every integrator at its initial condition, sets time to 0, and turns all lamps off.
+    /// Puts every integrator at its initial condition, sets time to 0, and turns all lamps off. Delay lines are
+    /// emptied, and levels begin with their first number.
     ///
     /// # Errors
-    /// If a voltage is not a number, or modes do not settle.
+    /// If a voltage is not a number, a loop does not have exactly one solution, a mode chatters, or a derivative does
+    /// not exist.
     pub fn initial_condition(&mut self) -> Result<(), RunError> {
         self.mode = MachineMode::InitialCondition;
         let Solver { setup, state, delay_lines, sensitivities, .. } = &mut self.solver;
@@ -136,27 +205,72 @@ impl<'p> Machine<'p> {
         delay_lines.iter_mut().for_each(DelayLine::clear);
         state.begin_levels(setup);
         self.lamps.reset();
-        self.work = Work::default();
-        if let Some(own) = sensitivities {
-            own.begin(setup.program);
+        self.work = WorkCounters::default();
+        if let Some(sensitivities) = sensitivities {
+            sensitivities.begin(setup.program);
         }
         let outcome = self.reevaluate();
-        if let Some(own) = &mut self.solver.sensitivities {
-            own.finish_begin();
+        if let Some(sensitivities) = &mut self.solver.sensitivities {
+            sensitivities.finish_begin();
         }
         outcome?;
         self.solver.check_derivatives()
     }
 
-    /// Integrates for a length of problem time in seconds.
+    /// Integrates for a length of problem time in seconds, which may be 0. If the length is not a whole number of
+    /// steps, a shorter step follows.
     ///
     /// # Errors
-    /// If a voltage is not a number, a loop does not have exactly one solution, or a mode chatters.
+    /// If the length is negative or not finite, a voltage is not a number, a loop does not have exactly one solution, a
+    /// mode chatters, an adaptive step becomes too short, or a derivative does not exist.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let mut machine = Machine::new(&program, 1e-3)?;
+    /// machine.operate(0.25)?;
+    /// machine.operate(0.75)?;
+    /// assert!((machine.time() - 1.0).abs() < 1e-12);
+    /// let error = machine.operate(-1.0).unwrap_err();
+    /// assert_eq!(error.to_string(), "the length of the run must be positive and finite, got -1 s");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn operate(&mut self, length: f64) -> Result<(), RunError> {
         self.operate_observed(length, &mut NoObserver)
     }
 
     /// Holds every integrator at its output. Time does not advance.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::{Machine, MachineMode};
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let mut machine = Machine::new(&program, 1e-3)?;
+    /// assert_eq!(machine.mode(), MachineMode::InitialCondition);
+    /// machine.operate(0.5)?;
+    /// machine.hold();
+    /// assert_eq!(machine.mode(), MachineMode::Hold);
+    /// machine.initial_condition()?;
+    /// assert_eq!((machine.time(), machine.voltage("A1")?), (0.0, 50.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn hold(&mut self) {
         self.mode = MachineMode::Hold;
     }
@@ -176,7 +290,10 @@ impl<'p> Machine<'p> {
         self.solver.setup.step
     }
 
-    /// Evaluates everything again after an operator changed something at the present instant.
+    /// Evaluates all voltages again and settles the modes, after an operator changed something at the present instant.
+    ///
+    /// # Errors
+    /// If a voltage is not a number, a loop does not have exactly one solution, or a mode chatters.
     pub(super) fn reevaluate(&mut self) -> Result<(), RunError> {
         self.events.changes.fill(0);
         self.solver.evaluate(&mut self.work);
@@ -186,44 +303,102 @@ impl<'p> Machine<'p> {
         self.check_present()
     }
 
-    /// Checks the voltages of the present instant after a jump, and lights lamps of amplifiers. The last step has no
-    /// length then.
+    /// Checks the voltages of the present instant after a jump, and lights lamps of amplifiers. The last step counts as
+    /// a step of length 0 at the present.
+    ///
+    /// # Errors
+    /// If a voltage is not a number, or a loop does not have exactly one solution.
     pub(super) fn check_present(&mut self) -> Result<(), RunError> {
         let Solver { setup, state, buffers, .. } = &mut self.solver;
         buffers.last.time = state.time;
         check_voltages(setup.program, state, &buffers.evaluation.faults)?;
         if self.lamps.is_on {
-            self.lamps.watch_amplifiers(&mut self.solver);
+            self.lamps.check_amplifiers(&mut self.solver);
         }
         Ok(())
     }
 
-    /// The voltage at an element's output, in volts.
+    /// The present voltage at the output of an element, drive or reference, in volts.
     ///
     /// # Errors
     /// If no element, drive or reference has this name.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let machine = Machine::new(&program, 1e-3)?;
+    /// assert_eq!((machine.voltage("A1")?, machine.voltage("-100")?), (50.0, -100.0));
+    /// let error = machine.voltage("A2").unwrap_err();
+    /// assert_eq!(error.to_string(), "there is no element A2; choose a name from the patch");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn voltage(&self, element: &str) -> Result<f64, RunError> {
         let program = self.solver.setup.program;
         let index = program.element(element).ok_or_else(|| RunError::UnknownElement(element.to_owned()))?;
-        Ok(self.solver.state.voltages[program.elements[index].register.index()])
+        Ok(self.solver.state.voltages[program.lowered.elements[index].register.index()])
     }
 
     /// The position of a switching element, such as "pulled-in"; `None` if the element has no positions or does not
     /// exist.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// let relay = ElementBuilder::new("relay").cord("in", "+100").cord("on", "+100").cord("off", "-100");
+    /// let relay = relay.set("pull_in", 10).set("drop_out", 5);
+    /// let patch = PatchBuilder::new("comparator").element("K1", relay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let machine = Machine::new(&program, 1e-3)?;
+    /// assert_eq!((machine.position("K1"), machine.position("K2")), (Some("pulled-in"), None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn position(&self, element: &str) -> Option<&'static str> {
         let program = self.solver.setup.program;
         let index = program.element(element)?;
-        let switch = program.switches.iter().find(|switch| switch.element == index)?;
+        let switch = program.lowered.switches.iter().find(|switch| switch.element == index)?;
         switch.positions.get(self.solver.state.modes[switch.mode] as usize).copied()
     }
 
     /// The overloads since the last initial condition, in the order in which the lamps lit.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // The demanded output is -1000 V.
+    /// let summer = ElementBuilder::new("summer").cords("x10", ["+100"]);
+    /// let patch = PatchBuilder::new("overload").element("S1", summer).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let machine = Machine::new(&program, 1e-3)?;
+    /// assert!(machine.is_overloaded());
+    /// assert_eq!(machine.overloads()[0].element, "S1");
+    /// assert_eq!(machine.voltage("S1")?, -100.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn overloads(&self) -> Vec<Overload> {
         self.lamps.history(self.solver.setup.program)
     }
 
-    /// The work done since the last initial condition.
-    pub fn work(&self) -> Work {
+    /// The steps, evaluations and events since the last initial condition.
+    pub fn work(&self) -> WorkCounters {
         self.work
     }
 
@@ -232,18 +407,41 @@ impl<'p> Machine<'p> {
         self.lamps.is_any_lit()
     }
 
-    /// The rates of the states, in volts per problem second, in the order of [`Program::states`].
+    /// The present rates of the states, in volts per problem second, in the order of [`Program::states`]. A state that
+    /// is held at a limit has rate 0.
     pub fn rates(&self) -> &[f64] {
         &self.solver.state.rates
     }
 
-    /// The states, in volts, in the order of [`Program::states`].
+    /// The present states (outputs of integrators and lags), in volts, in the order of [`Program::states`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let machine = Machine::new(&program, 1e-3)?;
+    /// assert_eq!(program.states(), ["A1"]);
+    /// assert_eq!((machine.states()[0], machine.rates()[0]), (50.0, -50.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn states(&self) -> &[f64] {
         &self.solver.state.states
     }
 
-    /// Accepts the tried step, which ends at this time: moves the solver there, checks voltages and lamps, and shows
-    /// the step to the observer.
+    /// Accepts the tried step, which ends at this time. The solver moves there, voltages and lamps are checked, delay
+    /// lines are filled, and the observer is called. Values are sampled last: the observer needs those of the beginning
+    /// of the step.
+    ///
+    /// # Errors
+    /// If a voltage is not a number, a loop does not have exactly one solution, or a derivative does not exist.
     pub(super) fn accept_step(
         &mut self,
         time: f64,
@@ -257,8 +455,8 @@ impl<'p> Machine<'p> {
         self.solver.check_derivatives()?;
         if self.lamps.is_on {
             let Solver { setup, state, buffers, .. } = &self.solver;
-            self.lamps.watch_integrators(setup.program, state, &buffers.last);
-            self.lamps.watch_amplifiers(&mut self.solver);
+            self.lamps.check_integrators(setup.program, state, &buffers.last);
+            self.lamps.check_amplifiers(&mut self.solver);
         }
         self.solver.record_delay_inputs(self.control.as_ref());
         observer.step_accepted(&mut self.solver);
@@ -266,21 +464,25 @@ impl<'p> Machine<'p> {
         Ok(())
     }
 
-    /// Moves back to just before or after a jump at the present instant, without counting work.
-    pub(super) fn show_side(&mut self, side: Side) -> Result<(), RunError> {
+    /// Evaluates the voltages just before or after a jump at the present instant, without counting work.
+    ///
+    /// # Errors
+    /// As for [`Machine::check_present`].
+    pub(super) fn evaluate_side(&mut self, side: Side) -> Result<(), RunError> {
         self.solver.evaluate_now(side);
         self.check_present()
     }
 }
 
-/// The empty delay lines of a program. Each has room for the jumps that levels can bring within its delay.
+/// The empty delay lines of a program, in the order of `Program::delays`. Each has capacity for the jumps that levels
+/// can put into it within its delay.
 fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayLine> {
     let jumps = jump_rate(program, &LevelSource::all(program, coefficients));
-    let lines = program.delays.iter().map(|delay| {
+    let lines = program.lowered.delays.iter().map(|delay| {
         let time = coefficients[delay.time as usize] * delay.problem_seconds;
         DelayLine::new(time, coefficients[delay.initial as usize], step)
-            .with_room_for(jumps)
-            .hearing(&delay.hears)
+            .with_capacity_for(jumps)
+            .with_upstream(&delay.upstream)
     });
     lines.collect()
 }

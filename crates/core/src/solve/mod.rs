@@ -1,10 +1,11 @@
-//! Running a program: the machine with its modes, steps, located events, overloads and recording.
+//! Runs a program: integration, located events, overload lamps, phases, recording and derivatives.
 //!
-//! `machine` joins the parts. `state`, `buffers`, `evaluate`, `runge_kutta` and `dense_output` take and interpolate a
-//! step; `step_control` adapts its length. `events`, `event_location`, `grazing`, `turning_points` and
-//! `discontinuities` find what happens within it. `fast_path` and `batch` run kernels instead, alone and side by side.
-//! `operation`, `player` and `run` go through the phases of a run, `recorder` keeps its record, and `sensitivity` its
-//! derivatives.
+//! `machine` joins the modules. `evaluate`, `runge_kutta`, `tableau` and `dense_output` take a step and interpolate in
+//! it; `state` and `buffers` hold its data, and `step_control` adapts its length. `events`, `event_location`,
+//! `grazing`, `turning_points`, `levels` and `discontinuities` find the events and jumps at which a step has to end.
+//! `fast_path` runs a compiled or interpreted kernel while no event is due, and `batch` runs kernels in lanes.
+//! `operation`, `player` and `run` play the phases of a run. `recorder` records signals, `extrema` and `lamps` find
+//! their peaks and overloads, and `sensitivity` computes derivatives. `controls` and `drive_table` change settings.
 
 mod batch;
 mod buffers;
@@ -35,10 +36,10 @@ mod step_control;
 mod tableau;
 mod turning_points;
 
-pub use crate::document::{Change, LEAST_TOLERANCE, Phase, Until};
+pub use crate::document::{MIN_TOLERANCE, ParameterChange, Phase, SwitchCondition};
 pub use crate::kernel::{Backend, LANES};
-pub use crate::trace::{Overload, Work};
+pub use crate::trace::{Overload, WorkCounters};
 pub use drive_table::{DriveTableError, set_curve, set_drive_table};
-pub use error::{RunError, Stopped, TimeSetting};
+pub use error::{RunError, StoppedRun, TimeSetting};
 pub use machine::{Machine, MachineMode};
-pub use run::{RunSettings, check, machine_after, run, run_abreast, run_watched};
+pub use run::{RunSettings, check, machine_after, run, run_batch, run_with_progress};

@@ -1,7 +1,8 @@
-//! Observers of a machine: who records a run, and who decides when it stops.
+//! Observers of a machine: they record a run and decide when it stops.
 //!
-//! An observer sees the solver after every accepted step and after the events at its end. On the fast path it sees the
-//! kernel instead. It never sees lamps (except to decide whether to stop), event counts or the fast path itself.
+//! The machine calls an observer after every accepted step and after the events at its end. Without the fast path the
+//! observer reads the solver, and on the fast path the kernel. The calls of a step come in this order: `step_accepted`,
+//! `before_jump` if a voltage jumps, `step_ended`. [`Recorder`](super::recorder::Recorder) is the observer of a run.
 
 use super::fast_path::KernelRun;
 use super::lamps::Lamps;
@@ -10,31 +11,33 @@ use crate::kernel::Steps;
 
 /// An observer of the steps of a machine. Times are problem times in seconds.
 pub(super) trait StepObserver {
-    /// A step was accepted. The solver can interpolate in it; events at its end are not carried out yet.
+    /// A step was accepted. The solver can interpolate in it. Events at its end have not been handled yet.
     fn step_accepted(&mut self, solver: &mut Solver<'_>);
 
-    /// A step has ended, and the events due at its end were carried out.
+    /// A step has ended, and the events due at its end have been handled.
     fn step_ended(&mut self, solver: &Solver<'_>);
 
     /// The solver is at an instant at which something jumps, just before the jump.
     fn before_jump(&mut self, _solver: &Solver<'_>) {}
 
-    /// A kernel ran up to a jump at this time. Samples before it may be due.
+    /// A kernel ran up to a jump at this time. Samples before the jump may be due.
     fn kernel_reached_jump(&mut self, _time: f64, _tables: &[Vec<[f64; 2]>], _run: &mut KernelRun) {}
 
-    /// A kernel took steps up to this time. Only the last of them may have passed a sample.
+    /// A kernel took steps up to this time. The times of samples that are due are within the last of them or at its
+    /// end.
     fn kernel_stepped(&mut self, _time: f64, _tables: &[Vec<[f64; 2]>], _run: &mut KernelRun) {}
 
-    /// A kernel took steps up to this time and kept the recorded voltages at the end of each. No sample is within one
-    /// of these steps.
+    /// A kernel took these steps up to this time, and kept the recorded voltages at the end of each. Samples are due at
+    /// ends of steps only.
     fn kernel_stepped_recording(&mut self, _time: f64, _run: &KernelRun, _steps: Steps) {}
 
-    /// The number of steps, from the first, that end before the first sample within a step.
+    /// The number of steps, from the first, that come before the first step with a sample strictly inside it.
     fn steps_before_inner_sample(&self, steps: Steps) -> u64 {
         steps.count
     }
 
-    /// The machine left the fast path, and the kernel is where the machine continues.
+    /// The machine leaves the fast path. The kernel is at the instant at which the machine continues, and has the
+    /// extremes since it was entered.
     fn left_fast_path(&mut self, _run: &KernelRun) {}
 
     /// The time of the next sample; infinity if there is none.
@@ -42,10 +45,10 @@ pub(super) trait StepObserver {
         f64::INFINITY
     }
 
-    /// Whether the machine has to go into hold at the end of a step, because of the lamps.
+    /// Whether the machine has to go into hold at the end of a whole step, because a lamp is lit.
     fn should_stop(&self, lamps: &Lamps) -> bool;
 
-    /// Whether the machine has to go into hold at this very instant.
+    /// Whether the machine has to go into hold at the present instant, also within a step of the grid.
     fn is_phase_over(&self) -> bool {
         false
     }

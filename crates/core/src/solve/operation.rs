@@ -1,7 +1,8 @@
 //! Operation of a machine over a length of time: in equal steps, or in steps that adapt to a tolerance.
 //!
-//! Equal steps run on the fast path whenever it is possible. A batch of machines runs some steps at a time, so an
-//! operation in equal steps can be interrupted after any of them ([`Operation`]).
+//! Equal steps run on the fast path whenever possible. A batch of machines runs some steps at a time, so an operation
+//! in equal steps can be interrupted after any of them. [`Operation`] is the position in it. The end of an operation
+//! need not be on the grid of equal steps: a shorter step follows.
 
 use super::discontinuities::INSTANT_TOLERANCE;
 use super::error::{RunError, TimeSetting};
@@ -11,15 +12,16 @@ use super::observer::StepObserver;
 use super::run::MAX_STEPS;
 use crate::kernel::Steps;
 
-/// No adaptive step is longer than this share of the time to operate: an element at rest may begin to move.
-const LONGEST_STEP: f64 = 0.05;
+/// Largest adaptive step as a share of the time to operate. Without it, the first step after a standstill could skip
+/// the beginning of a motion.
+const LONGEST_STEP_SHARE: f64 = 0.05;
 
 /// A phase in which a machine operates in equal steps.
 ///
-/// The phase takes the whole steps of the grid first. A rest shorter than a step follows in [`Machine::end_operation`].
+/// The phase takes the whole steps of the grid first. A shorter step may follow in [`Machine::end_operation`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Operation {
-    /// The steps that are left.
+    /// The steps that are not taken yet. The first of them is the next step.
     pub steps: Steps,
     /// The kernel run on the fast path; `None` if the machine is not on it.
     pub active: Option<ActiveRun>,
@@ -28,22 +30,22 @@ pub(super) struct Operation {
 }
 
 impl Operation {
-    /// Removes the first `count` steps, which have been taken.
-    pub fn pass(&mut self, count: u64) {
+    /// Removes the first `count` steps, which have been taken. An event that was expected in the next step is over.
+    pub fn count_taken(&mut self, count: u64) {
         self.steps = self.steps.after(count);
         if let Some(active) = &mut self.active {
-            (active.left, active.meets) = (active.left - count, false);
+            (active.steps_left, active.is_event_next) = (active.steps_left - count, false);
         }
     }
 
-    /// Ends the phase here.
+    /// Ends the phase at the present instant: no steps are left.
     fn stop(&mut self) {
         self.steps.count = 0;
     }
 }
 
 impl Machine<'_> {
-    /// Operates for a length of problem time in seconds and shows every step to an observer.
+    /// Operates for a length of problem time in seconds, and passes every step to an observer.
     ///
     /// # Errors
     /// If the length is negative or not finite, or a step fails.
@@ -65,37 +67,38 @@ impl Machine<'_> {
     /// # Errors
     /// If the run takes too many steps, or a step fails.
     fn operate_adaptive(&mut self, end: f64, observer: &mut impl StepObserver) -> Result<(), RunError> {
-        let longest = LONGEST_STEP * (end - self.solver.state.time);
-        while self.solver.state.time < end && !self.hold_if_asked(observer) {
+        let longest = LONGEST_STEP_SHARE * (end - self.solver.state.time);
+        while self.solver.state.time < end && !self.hold_if_stopped(observer) {
             let (steps, most) = (self.work.steps as f64, MAX_STEPS);
             if steps > most {
                 return Err(RunError::TooManySteps { steps, most });
             }
-            let (next, left) = (self.next_step().min(longest), end - self.solver.state.time);
-            // The last two steps share the rest, so that neither is much too short.
-            let step = if next < left { next.min(0.5 * left) } else { left };
+            let (next, remaining) = (self.next_step().min(longest), end - self.solver.state.time);
+            // The last two steps share the remaining time, so that neither is much too short.
+            let step = if next < remaining { next.min(0.5 * remaining) } else { remaining };
             let target = self.solver.state.time + step;
-            self.advance(if step < left { target } else { end }, observer)?;
+            self.advance(if step < remaining { target } else { end }, observer)?;
         }
-        self.hold_if_asked(observer);
+        self.hold_if_stopped(observer);
         Ok(())
     }
 
-    /// Length of the next step in problem seconds.
+    /// Length of the next step in problem seconds: constant, or by the step control.
     fn next_step(&self) -> f64 {
         let solver = &self.solver;
         self.control.map_or(solver.setup.step, |control| control.next_step(&solver.delay_lines))
     }
 
-    /// Goes into hold if the observer asks for it. Returns whether the machine is in hold.
-    pub(super) fn hold_if_asked(&mut self, observer: &impl StepObserver) -> bool {
+    /// Puts the machine into hold if the observer ends the phase or stops the run. Returns whether it is in hold.
+    pub(super) fn hold_if_stopped(&mut self, observer: &impl StepObserver) -> bool {
         if observer.is_phase_over() || observer.should_stop(&self.lamps) {
             self.hold();
         }
         self.mode == MachineMode::Hold
     }
 
-    /// Begins to operate for a length of problem time in seconds.
+    /// Begins to operate for a length of problem time in seconds. The steps begin at the present time, on a grid of
+    /// equal steps. Corners of tables that are not on this grid are listed, because a kernel has to stop there.
     ///
     /// # Errors
     /// If the length is negative or not finite.
@@ -106,16 +109,17 @@ impl Machine<'_> {
         self.mode = MachineMode::Operate;
         let (setup, time) = (&self.solver.setup, self.solver.state.time);
         let corners = &setup.program.corners;
-        self.events.corners_off_grid = corners.off(time, setup.grid, INSTANT_TOLERANCE * setup.step);
+        self.events.corners_off_grid = corners.off_grid(time, setup.grid, INSTANT_TOLERANCE * setup.step);
         let count = setup.grid.steps_in(length);
         let steps = Steps { begin: time, grid: setup.grid, first: 1, count };
         Ok(Operation { steps, active: None, end: time + length })
     }
 
-    /// Takes at most `count` of the steps that are left. The machine may then be on the fast path.
+    /// Takes at most `count` of the steps that are left. Afterwards the machine may be on the fast path
+    /// (`operation.active`).
     ///
-    /// Each pass of the loop either runs the kernel, or enters the fast path, or takes one step without it. If the
-    /// observer stops the machine, no steps are left.
+    /// Each pass of the loop runs the kernel, enters the fast path, or takes one step without it. If the observer stops
+    /// the machine, no steps are left.
     ///
     /// # Errors
     /// If a step fails.
@@ -125,24 +129,24 @@ impl Machine<'_> {
         count: u64,
         observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
-        let last = operation.steps.count.saturating_sub(count);
-        while operation.steps.count > last {
-            let steps = Steps { count: operation.steps.count - last, ..operation.steps };
+        let count_after = operation.steps.count.saturating_sub(count);
+        while operation.steps.count > count_after {
+            let steps = Steps { count: operation.steps.count - count_after, ..operation.steps };
             match operation.active {
                 Some(active) => {
-                    let steps = Steps { count: steps.count.min(active.left), ..steps };
+                    let steps = Steps { count: steps.count.min(active.steps_left), ..steps };
                     let (taken, halt) = self.run_kernel(active, steps, observer);
-                    operation.pass(taken);
-                    if operation.steps.count > last {
+                    operation.count_taken(taken);
+                    if operation.steps.count > count_after {
                         self.finish_step(operation, active, halt, observer)?;
                     }
                 }
-                None if self.hold_if_asked(observer) => operation.stop(),
+                None if self.hold_if_stopped(observer) => operation.stop(),
                 None => {
                     operation.active = self.enter_fast_path(operation.steps);
                     if operation.active.is_none() {
                         self.advance(operation.steps.end_of(0), observer)?;
-                        operation.pass(1);
+                        operation.count_taken(1);
                     }
                 }
             }
@@ -151,6 +155,9 @@ impl Machine<'_> {
     }
 
     /// Takes the step in which the kernel halted: by the kernel up to the halt, then without it to the end of the step.
+    ///
+    /// # Errors
+    /// If the step fails.
     fn finish_step(
         &mut self,
         operation: &mut Operation,
@@ -159,35 +166,38 @@ impl Machine<'_> {
         observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
         let end = operation.steps.end_of(0);
-        let halt = if halt == Halt::Quiet { self.run_kernel_to(active, end, observer) } else { halt };
+        let halt = if halt == Halt::Completed { self.run_kernel_to(active, end, observer) } else { halt };
         self.leave_fast_path(active, halt, observer)?;
         operation.active = None;
         self.begin_counting();
         if halt == Halt::Jump {
             self.handle_events(observer)?;
         }
-        let change = if let Halt::Change(later) = halt { Some(later) } else { None };
-        self.step_to(end, change, observer)?;
-        operation.pass(1);
+        let mode_change = if let Halt::ModeChange(seconds) = halt { Some(seconds) } else { None };
+        self.step_to(end, mode_change, observer)?;
+        operation.count_taken(1);
         Ok(())
     }
 
-    /// Ends the phase and leaves the fast path. The rest beyond the last whole step is stepped through, unless it is
-    /// rounding.
+    /// Ends the phase and leaves the fast path. A shorter step to the end of the phase follows the last whole step,
+    /// unless the difference is rounding (less than 1e-9 of a step).
+    ///
+    /// # Errors
+    /// If the shorter step fails, or a voltage is not a number.
     pub(super) fn end_operation(
         &mut self,
         operation: Operation,
         observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
         if let Some(active) = operation.active {
-            self.leave_fast_path(active, Halt::Unclear, observer)?;
+            self.leave_fast_path(active, Halt::Unsupported, observer)?;
         }
         let is_held = self.mode() == MachineMode::Hold;
-        let rest = operation.end - self.solver.state.time;
-        if !is_held && rest > 1e-9 * self.solver.setup.step && !self.hold_if_asked(observer) {
+        let remainder = operation.end - self.solver.state.time;
+        if !is_held && remainder > 1e-9 * self.solver.setup.step && !self.hold_if_stopped(observer) {
             self.advance(operation.end, observer)?;
         }
-        self.hold_if_asked(observer);
+        self.hold_if_stopped(observer);
         Ok(())
     }
 }

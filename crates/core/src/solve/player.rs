@@ -1,53 +1,60 @@
-//! The player: takes a machine and its recorder through the phases of a run.
+//! The player: plays the phases of a run on a machine with a recorder.
 //!
-//! Phases are initial condition, operation, hold, changes of parameters and repetitions of these. Each phase is marked
-//! in the record with its beginning, its end and the reason why it ended. A batch plays the same phases, but takes the
-//! steps of an operation itself ([`Player::begin_operating`], [`Player::end_operating`]).
+//! Phases are initial condition, operation, hold, changes of parameters and repetitions of these. The record contains
+//! the beginning and the end of each phase, and the reason why it ended. A batch plays the same phases, but takes the
+//! steps of an operation itself, between [`Player::begin_operating`] and [`Player::end_operating`].
 
 use super::error::RunError;
 use super::levels::check_noise;
 use super::machine::{Machine, MachineMode};
 use super::observer::StepObserver as _;
-use super::recorder::{Recorder, Watch};
-use crate::document::{Change, Phase, Until};
-use crate::grid::SAME;
-use crate::ir::{Program, Standing, Switch};
-use crate::trace::{Deed, Ending, NewValue, Trace};
-use patchcord_expr::FormulaMeasure;
+use super::recorder::{EndCondition, Recorder};
+use crate::document::{ParameterChange, Phase, SwitchCondition};
+use crate::grid::SAME_INSTANT;
+use crate::ir::{Program, RunScope, Switch};
+use crate::trace::{NewValue, PhaseEnd, PhaseKind, Trace};
+use patchcord_expr::FormulaDimension;
 
 /// A machine, its recorder, and their position in the run.
 pub(super) struct Player<'p, 'w> {
+    /// The machine on which the phases are played.
     pub machine: Machine<'p>,
     /// The observer of the machine.
     pub recorder: Recorder<'w>,
-    /// The time in seconds that the machine still operates, at most.
-    left: f64,
-    /// The time by the recorder's clock, summed over all runs, at which the player stops; infinity to play all phases.
+    /// Upper limit of the time that the machine will still operate, in problem seconds, with all repetitions. It limits
+    /// the number of noise values.
+    operating_time_left: f64,
+    /// The time by the recorder's clock, in seconds summed over all sweeps, at which the player stops; infinity to play
+    /// all phases.
     end: f64,
     /// Whether an overload ended the sweep. Phases that take time are then skipped until the next initial condition.
     is_held: bool,
 }
 
 /// A phase in which the machine operates.
-pub(super) struct Operating<'p> {
-    /// The longest time that the phase lasts, in seconds.
+pub(super) struct OperatePhase<'p> {
+    /// The longest time that the phase lasts, in problem seconds.
     pub time: f64,
-    /// The relay that may end the phase earlier.
+    /// The relay that may end the phase earlier; `None` if the phase does not wait for one.
     relay: Option<&'p Switch>,
 }
 
 impl<'p, 'w> Player<'p, 'w> {
-    /// A player of a run that operates for at most `left` seconds.
-    pub fn new(machine: Machine<'p>, recorder: Recorder<'w>, left: f64) -> Self {
-        Player { machine, recorder, left, end: f64::INFINITY, is_held: false }
+    /// A player of a run that operates for at most `operating_time_left` problem seconds.
+    pub fn new(machine: Machine<'p>, recorder: Recorder<'w>, operating_time_left: f64) -> Self {
+        Player { machine, recorder, operating_time_left, end: f64::INFINITY, is_held: false }
     }
 
-    /// The same player that stops after some seconds by the recorder's clock, and leaves the machine as it is then.
-    pub fn ending_at(self, end: f64) -> Self {
+    /// The same player that stops at a time by the recorder's clock, in seconds summed over all sweeps, and leaves the
+    /// machine in the state of that time.
+    pub fn with_end(self, end: f64) -> Self {
         Player { end, ..self }
     }
 
-    /// Plays all phases. A run always begins in initial condition, even if its first phase does not say so.
+    /// Plays all phases. A run always begins in initial condition, even if its first phase is another one.
+    ///
+    /// # Errors
+    /// As for [`Player::play`].
     pub fn run(&mut self, phases: &[Phase]) -> Result<(), RunError> {
         if !begins_in_initial_condition(phases) {
             self.play(&Phase::InitialCondition)?;
@@ -55,35 +62,35 @@ impl<'p, 'w> Player<'p, 'w> {
         self.play_all(phases)
     }
 
-    /// Ends the record and returns it.
+    /// Ends the last sweep, and returns the record.
     pub fn finish(mut self) -> Trace {
         let Machine { solver, lamps, work, .. } = &self.machine;
-        self.recorder.end(solver, lamps, *work, self.is_held);
+        self.recorder.end_sweep(solver, lamps, *work, self.is_held);
         self.recorder.trace
     }
 
-    /// The machine, and the time by the recorder's clock in seconds, summed over all runs.
+    /// The machine, and the time by the recorder's clock in seconds, summed over all sweeps.
     pub fn into_machine(self) -> (Machine<'p>, f64) {
         let recorded = self.recorded();
         (self.machine, recorded)
     }
 
-    /// The seconds recorded so far, summed over all runs.
+    /// The seconds recorded so far, summed over all sweeps.
     fn recorded(&self) -> f64 {
         self.recorder.recorded(self.machine.time())
     }
 
-    /// Seconds until the player stops.
-    fn rest(&self) -> f64 {
+    /// Seconds by the recorder's clock until the player stops; infinity to play all phases.
+    fn remaining(&self) -> f64 {
         self.end - self.recorded()
     }
 
-    /// Whether the player stops here, apart from rounding.
+    /// Whether the player has reached the time at which it stops, apart from rounding.
     fn is_over(&self) -> bool {
-        self.rest() <= SAME * self.recorded()
+        self.remaining() <= SAME_INSTANT * self.recorded()
     }
 
-    /// Plays phases in their order.
+    /// Plays phases in their order, up to the first error.
     fn play_all(&mut self, phases: &[Phase]) -> Result<(), RunError> {
         phases.iter().try_for_each(|phase| self.play(phase))
     }
@@ -91,7 +98,7 @@ impl<'p, 'w> Player<'p, 'w> {
     /// Plays one phase. After the end of the run, and in hold after an overload, phases are skipped.
     ///
     /// # Errors
-    /// If the machine fails, or the phase cannot be carried out.
+    /// If a step fails, a name is unknown, or a parameter cannot be set.
     pub fn play(&mut self, phase: &Phase) -> Result<(), RunError> {
         match phase {
             Phase::Operate { time, until } => self.operate(*time, until.as_ref()),
@@ -100,7 +107,7 @@ impl<'p, 'w> Player<'p, 'w> {
             Phase::Set { changes } => self.set(changes),
             Phase::Repeat { times, phases } => self.repeat(*times, phases),
             Phase::Hold { .. } if self.is_held => Ok(()),
-            Phase::Hold { time } => self.hold(time.min(self.rest())),
+            Phase::Hold { time } => self.hold(time.min(self.remaining())),
         }
     }
 
@@ -115,116 +122,127 @@ impl<'p, 'w> Player<'p, 'w> {
         Ok(())
     }
 
-    /// Plays a phase and records its beginning and its end.
-    fn marked(
+    /// Calls `body`, which plays a phase, and records the beginning and the end of the phase.
+    ///
+    /// # Errors
+    /// The error of `body`. The phase then ends with [`PhaseEnd::Stopped`].
+    fn play_recorded(
         &mut self,
-        phase: Deed,
-        act: impl FnOnce(&mut Self) -> Result<Ending, RunError>,
+        phase: PhaseKind,
+        body: impl FnOnce(&mut Self) -> Result<PhaseEnd, RunError>,
     ) -> Result<(), RunError> {
-        self.recorder.mark(self.machine.time(), phase);
-        let outcome = act(self);
-        self.mark_end(outcome.clone().unwrap_or(Ending::Stopped));
+        self.recorder.begin_phase(self.machine.time(), phase);
+        let outcome = body(self);
+        self.end_phase(outcome.clone().unwrap_or(PhaseEnd::Stopped));
         outcome.map(drop)
     }
 
     /// Records the end of the present phase.
-    fn mark_end(&mut self, ended: Ending) {
-        self.recorder.mark_end(self.machine.time(), &self.machine.lamps, ended);
+    fn end_phase(&mut self, reason: PhaseEnd) {
+        self.recorder.end_phase(self.machine.time(), &self.machine.lamps, reason);
     }
 
-    /// Records the present voltages, unless the last sample shows them.
-    fn show(&mut self) {
-        self.recorder.show(&self.machine.solver, &self.machine.lamps);
+    /// Records the present voltages, unless the last sample has them.
+    fn sample_present(&mut self) {
+        self.recorder.sample_present(&self.machine.solver, &self.machine.lamps);
     }
 
     /// Ends the sweep and puts the machine into initial condition.
     fn initial_condition(&mut self) -> Result<(), RunError> {
         let Machine { solver, lamps, work, .. } = &self.machine;
-        self.recorder.end(solver, lamps, *work, self.is_held);
+        self.recorder.end_sweep(solver, lamps, *work, self.is_held);
         self.is_held = false;
         let outcome = self.machine.initial_condition();
         self.recorder.invalidate_sample();
-        self.marked(Deed::InitialCondition, |_| outcome.map(|()| Ending::Time))
+        self.play_recorded(PhaseKind::InitialCondition, |_| outcome.map(|()| PhaseEnd::Time))
     }
 
-    /// Operates for a time in seconds, or until a relay switches.
-    fn operate(&mut self, time: f64, until: Option<&Until>) -> Result<(), RunError> {
-        let Some(operating) = self.begin_operating(time, until)? else { return Ok(()) };
-        let outcome = self.machine.operate_observed(operating.time, &mut self.recorder);
-        self.end_operating(operating, outcome)
+    /// Operates for a time in problem seconds, or until a relay switches if that is earlier.
+    fn operate(&mut self, time: f64, until: Option<&SwitchCondition>) -> Result<(), RunError> {
+        let Some(phase) = self.begin_operating(time, until)? else { return Ok(()) };
+        let outcome = self.machine.operate_observed(phase.time, &mut self.recorder);
+        self.end_operating(phase, outcome)
     }
 
-    /// Begins a phase in which the machine operates; `None` if the phase is skipped.
+    /// Begins a phase in which the machine operates for a time in problem seconds; `None` if the phase is skipped,
+    /// because the player has stopped or an overload has ended the sweep.
+    ///
+    /// # Errors
+    /// If the relay of `until` or its position is unknown.
     pub fn begin_operating(
         &mut self,
         time: f64,
-        until: Option<&Until>,
-    ) -> Result<Option<Operating<'p>>, RunError> {
-        self.left -= time;
+        until: Option<&SwitchCondition>,
+    ) -> Result<Option<OperatePhase<'p>>, RunError> {
+        self.operating_time_left -= time;
         if self.is_over() || self.is_held {
             return Ok(None);
         }
-        let time = time.min(self.rest());
-        self.show();
+        let time = time.min(self.remaining());
+        self.sample_present();
         let program = self.machine.solver.setup.program;
-        let relay = until.map(|until| relay(program, until)).transpose()?;
-        self.recorder.watch = relay.map(|(relay, wanted)| Watch {
+        let relay = until.map(|until| find_relay(program, until)).transpose()?;
+        self.recorder.end_condition = relay.map(|(relay, target)| EndCondition {
             mode: relay.mode,
             last: self.machine.solver.state.modes[relay.mode],
-            wanted,
+            target,
             is_met: false,
         });
-        let named = |until: &Until| {
+        let relay_names = |until: &SwitchCondition| {
             (until.relay.value.clone(), until.becomes.as_ref().map(|position| position.value.clone()))
         };
-        self.recorder.mark(self.machine.time(), Deed::Operate { until: until.map(named) });
-        Ok(Some(Operating { time, relay: relay.map(|(relay, _)| relay) }))
+        self.recorder.begin_phase(self.machine.time(), PhaseKind::Operate { until: until.map(relay_names) });
+        Ok(Some(OperatePhase { time, relay: relay.map(|(relay, _)| relay) }))
     }
 
-    /// Ends the phase after the machine has operated with this outcome.
+    /// Ends the phase after the machine has operated with this outcome, and records its end.
+    ///
+    /// # Errors
+    /// The error of the outcome.
     pub fn end_operating(
         &mut self,
-        operating: Operating<'p>,
+        phase: OperatePhase<'p>,
         outcome: Result<(), RunError>,
     ) -> Result<(), RunError> {
-        let watch = self.recorder.watch.take().filter(|watch| watch.is_met);
-        let switched = operating.relay.zip(watch).map(|(relay, watch)| position(relay, watch));
-        let ending = outcome.map(|()| self.ending(switched));
-        self.mark_end(ending.clone().unwrap_or(Ending::Stopped));
-        ending.map(drop)
+        let end_condition = self.recorder.end_condition.take().filter(|end_condition| end_condition.is_met);
+        let switched =
+            phase.relay.zip(end_condition).map(|(relay, end_condition)| position_name(relay, end_condition));
+        let reason = outcome.map(|()| self.end_reason(switched));
+        self.end_phase(reason.clone().unwrap_or(PhaseEnd::Stopped));
+        reason.map(drop)
     }
 
-    /// Why operation ended: by time, by an overload, or by the relay that switched to this position.
-    fn ending(&mut self, switched: Option<String>) -> Ending {
+    /// Why an operation ended: by time, by an overload, or by a relay, whose new position is `switched`.
+    fn end_reason(&mut self, switched: Option<String>) -> PhaseEnd {
         match switched {
             Some(position) => {
-                if let Some(own) = &mut self.machine.solver.sensitivities {
-                    own.end_phase();
+                if let Some(sensitivities) = &mut self.machine.solver.sensitivities {
+                    sensitivities.end_phase();
                 }
-                self.show();
-                Ending::Switched(position)
+                self.sample_present();
+                PhaseEnd::Switched(position)
             }
             None if self.machine.mode() == MachineMode::Hold => {
                 self.is_held = true;
-                Ending::Overload
+                PhaseEnd::Overload
             }
-            None => Ending::Time,
+            None => PhaseEnd::Time,
         }
     }
 
-    /// Holds the machine for a time in seconds. An overload may end the sweep instead.
+    /// Holds the machine for a time in seconds. If a lamp is lit and the run holds on overload, the sweep ends instead.
     fn hold(&mut self, time: f64) -> Result<(), RunError> {
-        self.show();
+        self.sample_present();
         self.machine.hold();
-        self.marked(Deed::Hold, |player| {
+        self.play_recorded(PhaseKind::Hold, |player| {
             if player.recorder.should_stop(&player.machine.lamps) {
                 player.is_held = true;
-                return Ok(Ending::Overload);
+                return Ok(PhaseEnd::Overload);
             }
             player.machine.solver.enter_phase();
-            player.recorder.hold(&player.machine.solver, time);
+            player.recorder.record_hold(&player.machine.solver, time);
             player.machine.solver.leave_event()?;
-            Ok(Ending::Time)
+            Ok(PhaseEnd::Time)
         })
     }
 
@@ -233,30 +251,30 @@ impl<'p, 'w> Player<'p, 'w> {
     /// # Errors
     /// If a formula has no value, a parameter cannot have its value, noise becomes too fine, or the scale of a recorded
     /// signal changes.
-    fn set(&mut self, changes: &[Change]) -> Result<(), RunError> {
-        self.recorder.show_end(&self.machine.solver, &self.machine.lamps, self.is_held);
+    fn set(&mut self, changes: &[ParameterChange]) -> Result<(), RunError> {
+        self.recorder.sample_before_change(&self.machine.solver, &self.machine.lamps, self.is_held);
         let values: Result<Vec<_>, _> = changes.iter().map(|change| self.new_value(change)).collect();
-        let listed = values.as_ref().cloned().unwrap_or_default();
+        let recorded_values = values.as_ref().cloned().unwrap_or_default();
         self.machine.solver.enter_phase();
         let slopes: Vec<_> = changes.iter().map(|change| self.slopes(change)).collect();
-        self.marked(Deed::Set(listed), |player| {
+        self.play_recorded(PhaseKind::Set(recorded_values), |player| {
             let values = values?;
             let pairs: Vec<_> = values.iter().map(|new| (new.parameter.as_str(), new.value)).collect();
             player.machine.set_with_slopes(&pairs, Some(&slopes))?;
             let solver = &player.machine.solver;
-            check_noise(solver.setup.program, &solver.state.level_sources, player.left)?;
+            check_noise(solver.setup.program, &solver.state.level_sources, player.operating_time_left)?;
             player.recorder.invalidate_sample();
             match player.recorder.rescaled(solver) {
                 Some(signal) => Err(RunError::Rescaled { signal: signal.to_owned() }),
-                None => Ok(Ending::Time),
+                None => Ok(PhaseEnd::Time),
             }
         })
     }
 
-    /// The present values that formulas of the run can name.
-    fn standing(&self) -> Standing<'_> {
+    /// The present parameters, scales and signals, which formulas of a phase can name.
+    fn scope(&self) -> RunScope<'_> {
         let state = &self.machine.solver.state;
-        Standing {
+        RunScope {
             program: self.machine.solver.setup.program,
             parameters: &state.parameters,
             coefficients: &state.coefficients,
@@ -264,27 +282,33 @@ impl<'p, 'w> Player<'p, 'w> {
         }
     }
 
-    /// The slopes of the new value of a parameter, one for every parameter by which derivatives are carried along.
-    fn slopes(&self, change: &Change) -> Vec<f64> {
-        let own = self.machine.solver.sensitivities.as_ref();
-        own.map_or(Vec::new(), |own| own.slopes_of_formula(&self.standing(), &change.to.value))
+    /// The derivatives of the new value of a parameter in SI units, one for every parameter by which derivatives are
+    /// computed.
+    fn slopes(&self, change: &ParameterChange) -> Vec<f64> {
+        let sensitivities = self.machine.solver.sensitivities.as_ref();
+        sensitivities.map_or(Vec::new(), |sensitivities| {
+            sensitivities.slopes_of_formula(&self.scope(), &change.to.value)
+        })
     }
 
-    /// The value to which a change sets its parameter, in the declared unit, and the value before.
-    fn new_value(&self, change: &Change) -> Result<NewValue, RunError> {
-        let (solver, standing) = (&self.machine.solver, self.standing());
+    /// The value to which a change sets its parameter and the value before, both in the declared unit.
+    ///
+    /// # Errors
+    /// If the parameter is unknown, or the formula has no value.
+    fn new_value(&self, change: &ParameterChange) -> Result<NewValue, RunError> {
+        let (solver, scope) = (&self.machine.solver, self.scope());
         let (name, formula) = (&change.parameter.value, &change.to.value);
         let program = solver.setup.program;
         let index = program.parameter_index(name)?;
-        let value = standing.value_for(index, formula);
+        let value = scope.value_for(index, formula);
         let value = value.map_err(|error| bad_formula(change, error.message))?;
         let slot = &program.parameters[index];
-        let before = solver.state.parameters[index] / slot.per_unit;
-        Ok(NewValue { parameter: name.clone(), value, before, unit: slot.unit.clone() })
+        let before = solver.state.parameters[index] / slot.declared.per_unit;
+        Ok(NewValue { parameter: name.clone(), value, before, unit: slot.declared.unit.clone() })
     }
 }
 
-/// Whether the first phase, also within repetitions, is the initial condition.
+/// Whether the first phase, or the first phase of a repetition in its place, is the initial condition.
 pub(super) fn begins_in_initial_condition(phases: &[Phase]) -> bool {
     match phases.first() {
         Some(Phase::InitialCondition) => true,
@@ -294,10 +318,16 @@ pub(super) fn begins_in_initial_condition(phases: &[Phase]) -> bool {
 }
 
 /// The relay that ends a phase, and the value that its mode must take; `None` for any change.
-fn relay<'p>(program: &'p Program, until: &Until) -> Result<(&'p Switch, Option<f64>), RunError> {
+///
+/// # Errors
+/// If the element or the position is unknown, or the element does not switch.
+fn find_relay<'p>(
+    program: &'p Program,
+    until: &SwitchCondition,
+) -> Result<(&'p Switch, Option<f64>), RunError> {
     let name = &until.relay.value;
     let element = program.element(name).ok_or_else(|| RunError::UnknownElement(name.clone()))?;
-    let relay = program.switches.iter().find(|switch| switch.element == element);
+    let relay = program.lowered.switches.iter().find(|switch| switch.element == element);
     let relay = relay.ok_or_else(|| RunError::NotARelay(name.clone()))?;
     let Some(becomes) = &until.becomes else { return Ok((relay, None)) };
     match relay.positions.iter().position(|position| *position == becomes.value) {
@@ -310,47 +340,51 @@ fn relay<'p>(program: &'p Program, until: &Until) -> Result<(&'p Switch, Option<
     }
 }
 
-/// The name of the position in which a watched relay is.
-fn position(relay: &Switch, watch: Watch) -> String {
-    relay.positions.get(watch.last as usize).copied().unwrap_or_default().to_owned()
+/// The name of the position into which the relay of an end condition switched.
+fn position_name(relay: &Switch, end_condition: EndCondition) -> String {
+    relay.positions.get(end_condition.last as usize).copied().unwrap_or_default().to_owned()
 }
 
-/// Checks that a program has everything that phases name, in fitting units.
+/// Checks before a run that a program has all relays, positions and parameters that phases name, and that the units of
+/// formulas fit.
 ///
 /// # Errors
 /// If a parameter, relay or position is unknown, or the unit of a formula does not fit its parameter.
 pub(super) fn check(program: &Program, phases: &[Phase]) -> Result<(), RunError> {
     let mut outcome = Ok(());
-    let mut each = |phase: &Phase| {
+    let mut check_phase = |phase: &Phase| {
         if outcome.is_ok() {
             outcome = match phase {
-                Phase::Operate { until: Some(until), .. } => relay(program, until).map(drop),
+                Phase::Operate { until: Some(until), .. } => find_relay(program, until).map(drop),
                 Phase::Set { changes } => changes.iter().try_for_each(|change| check_change(program, change)),
                 _ => Ok(()),
             };
         }
     };
-    phases.iter().for_each(|phase| phase.for_each(&mut each));
+    phases.iter().for_each(|phase| phase.for_each(&mut check_phase));
     outcome
 }
 
 /// Checks the name of the parameter that a change sets, and the unit of its formula.
-fn check_change(program: &Program, change: &Change) -> Result<(), RunError> {
+///
+/// # Errors
+/// If the parameter or a name in the formula is unknown, or the units do not fit.
+fn check_change(program: &Program, change: &ParameterChange) -> Result<(), RunError> {
     let index = program.parameter_index(&change.parameter.value)?;
-    let standing = Standing { program, parameters: &[], coefficients: &[], registers: None };
-    let measure = change.to.value.dimension(&standing);
-    let measure = measure.map_err(|error| bad_formula(change, error.message))?;
-    let wanted = program.parameters[index].dimension;
-    match measure {
-        FormulaMeasure::Of(found) if found != wanted => {
-            Err(bad_formula(change, format!("it is in {found}, and {wanted} is wanted")))
+    let scope = RunScope { program, parameters: &[], coefficients: &[], registers: None };
+    let dimension = change.to.value.dimension(&scope);
+    let dimension = dimension.map_err(|error| bad_formula(change, error.message))?;
+    let expected = program.parameters[index].declared.dimension;
+    match dimension {
+        FormulaDimension::Of(unit) if unit != expected => {
+            Err(bad_formula(change, format!("the formula gives {unit}, but the parameter needs {expected}")))
         }
         _ => Ok(()),
     }
 }
 
 /// The error of a formula that gives no value for its parameter.
-fn bad_formula(change: &Change, message: String) -> RunError {
+fn bad_formula(change: &ParameterChange, message: String) -> RunError {
     let (parameter, formula) = (change.parameter.value.clone(), change.to.value.text().to_owned());
     RunError::BadFormula { parameter, formula, message }
 }

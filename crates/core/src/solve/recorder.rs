@@ -1,8 +1,8 @@
 //! The recorder: samples voltages on a separate time grid while the machine operates and holds.
 //!
-//! The recorder's clock counts the time of the machine and the time in hold. A sample within a step is interpolated, so
-//! recording never changes the steps. For every signal the recorder also keeps the minimum and the maximum, which need
-//! not be at a sample.
+//! The recorder's clock is the problem time plus the time in hold. It begins at 0 in every sweep. A sweep lasts from
+//! one initial condition to the next. A sample within a step is interpolated, so recording never changes the steps. For
+//! every signal the recorder also keeps the minimum and the maximum of each sweep, which may be between samples.
 
 use std::ops::Range;
 
@@ -12,77 +12,80 @@ use super::lamps::Lamps;
 use super::observer::StepObserver;
 use super::run::RunSettings;
 use super::state::Solver;
-use crate::grid::{Grid, SAME};
-use crate::ir::{Probe, Program, Register};
+use crate::grid::{Grid, SAME_INSTANT};
+use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
-use crate::trace::{Deed, Ending, Mark, Sweep, Trace, Track, Work};
+use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Sweep, Trace, Track, WorkCounters};
 
-/// Samples voltages on a separate time grid. Its clock also runs while the machine holds.
+/// Samples the signals of a run, and records its sweeps and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
     /// The record so far.
     pub trace: Trace,
-    /// Called with the seconds recorded so far, summed over all runs.
+    /// Called with the seconds recorded so far, summed over all sweeps.
     progress: &'a mut dyn FnMut(f64),
     /// Seconds recorded before the present sweep.
-    before: f64,
-    /// The recorded signals.
-    probes: Vec<Probe>,
+    recorded_before: f64,
+    /// The recorded signals, in the order of their tracks.
+    signals: Vec<SignalInfo>,
+    /// The instants of the samples.
     grid: Grid,
     /// Index of the next sample in the grid of the present sweep.
-    next: u64,
-    /// Time of the next sample by the recorder's clock.
+    next_index: u64,
+    /// Time of the next sample by the recorder's clock, in seconds.
     next_time: f64,
-    /// Seconds that the present sweep was held: the recorder's clock minus problem time.
-    held: f64,
+    /// Seconds that the present sweep has been in hold: the recorder's clock minus problem time.
+    hold_time: f64,
     /// Whether a sweep has begun since the last initial condition.
-    running: bool,
-    /// Whether the last sample shows the present voltages.
+    is_in_sweep: bool,
+    /// Whether the last sample has the present voltages.
     is_fresh: bool,
-    /// The seconds that the sweep had been held when a lamp lit, by element; `None` for a lamp that is off.
-    lit: Vec<Option<f64>>,
+    /// The value of `hold_time` when the lamp of each element lit; `None` for a lamp that is off. The time of an
+    /// overload by the recorder's clock follows from it.
+    hold_time_when_lit: Vec<Option<f64>>,
     /// Whether the machine goes into hold when a lamp lights.
     hold_on_overload: bool,
-    /// The change of a relay that ends the present phase; `None` if no relay does.
-    pub watch: Option<Watch>,
-    /// Every voltage just before the last changes of mode, while a relay is watched.
-    unswitched: Vec<f64>,
-    /// The recorded derivatives just before the last changes of mode.
-    unswitched_derivatives: Vec<f64>,
+    /// The change of mode that ends the present phase; `None` if no relay ends it.
+    pub end_condition: Option<EndCondition>,
+    /// Every voltage just before the last changes of mode. It is updated only if there is an end condition.
+    voltages_before_switching: Vec<f64>,
+    /// The recorded derivatives just before the last changes of mode, in the order of their tracks.
+    derivatives_before_switching: Vec<f64>,
 }
 
-/// The instant that a sample shows.
+/// The instant whose voltages a sample contains.
 #[derive(Clone, Copy)]
 enum Instant {
     /// The present.
-    Now,
-    /// The instant that the solver interpolated last.
+    Present,
+    /// The instant at which the solver interpolated last.
     Interpolated,
 }
 
-/// A mode whose change ends a phase.
+/// The change of a mode that ends a phase.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Watch {
-    /// Index of the mode.
+pub(super) struct EndCondition {
+    /// Index of the mode in `Program::modes`.
     pub mode: usize,
-    /// Value of the mode when it was read last.
+    /// Value of the mode after the last step, or at the beginning of the phase.
     pub last: f64,
     /// The value that the mode must take; `None` for any value other than `last`.
-    pub wanted: Option<f64>,
-    /// Whether the change has come.
+    pub target: Option<f64>,
+    /// Whether the change has occurred.
     pub is_met: bool,
 }
 
-impl Watch {
-    /// Reads the mode after a step.
+impl EndCondition {
+    /// Reads the modes after a step, and notes whether the change has occurred.
     fn read(&mut self, modes: &[f64]) {
         let value = modes[self.mode];
-        self.is_met |= value != self.last && self.wanted.is_none_or(|wanted| wanted == value);
+        self.is_met |= value != self.last && self.target.is_none_or(|target| target == value);
         self.last = value;
     }
 }
 
 impl<'a> Recorder<'a> {
-    /// A recorder of the signals that the settings name.
+    /// A recorder of the signals that the settings name, with empty tracks. The solver is in initial condition and
+    /// computes the derivatives that the settings name.
     ///
     /// # Errors
     /// If a signal is unknown.
@@ -92,111 +95,113 @@ impl<'a> Recorder<'a> {
         settings: &RunSettings,
         progress: &'a mut dyn FnMut(f64),
     ) -> Result<Self, RunError> {
-        let probes: Result<Vec<_>, _> = settings.record.iter().map(|name| find(program, name)).collect();
-        let probes = probes?;
-        let mut tracks: Vec<_> = probes.iter().map(|probe| track(probe, solver)).collect();
-        let derivatives = tracks.iter().flat_map(|track| derivatives(track, solver, settings));
+        let signals: Result<Vec<_>, _> =
+            settings.record.iter().map(|name| find_signal(program, name)).collect();
+        let signals = signals?;
+        let mut tracks: Vec<_> = signals.iter().map(|signal| empty_track(signal, solver)).collect();
+        let derivatives = tracks.iter().flat_map(|track| derivative_tracks(track, solver, settings));
         let derivatives: Vec<_> = derivatives.collect();
         let count = derivatives.len();
         tracks.extend(derivatives);
         Ok(Recorder {
             trace: Trace { tracks, ..Trace::default() },
             progress,
-            before: 0.0,
-            probes,
+            recorded_before: 0.0,
+            signals,
             grid: Grid::new(settings.every),
-            next: 0,
+            next_index: 0,
             next_time: 0.0,
-            held: 0.0,
-            running: false,
+            hold_time: 0.0,
+            is_in_sweep: false,
             is_fresh: false,
-            lit: vec![None; program.elements.len()],
+            hold_time_when_lit: vec![None; program.lowered.elements.len()],
             hold_on_overload: settings.hold_on_overload,
-            watch: None,
-            unswitched: vec![0.0; solver.state.voltages.len()],
-            unswitched_derivatives: vec![0.0; count],
+            end_condition: None,
+            voltages_before_switching: vec![0.0; solver.state.voltages.len()],
+            derivatives_before_switching: vec![0.0; count],
         })
     }
 
-    /// The registers of the recorded voltages.
+    /// The registers of the recorded voltages, in the order of the tracks.
     pub fn registers(&self) -> Vec<Register> {
-        self.probes.iter().map(|probe| probe.register).collect()
+        self.signals.iter().map(|signal| signal.register).collect()
     }
 
     /// The recorder's clock at a problem time: seconds since the sweep began.
     fn clock(&self, time: f64) -> f64 {
-        time + self.held
+        time + self.hold_time
     }
 
-    /// Seconds recorded up to a problem time, summed over all runs.
+    /// Seconds recorded up to a problem time of the present sweep, summed over all sweeps.
     pub fn recorded(&self, time: f64) -> f64 {
-        self.before + if self.running { self.clock(time) } else { 0.0 }
+        self.recorded_before + if self.is_in_sweep { self.clock(time) } else { 0.0 }
     }
 
-    /// Begins a sweep if none has begun, and records the present voltages unless the last sample shows them.
-    pub fn show(&mut self, solver: &Solver<'_>, lamps: &Lamps) {
-        if !self.running {
+    /// Records the present voltages, unless the last sample has them. If no sweep has begun, one begins with this
+    /// sample.
+    pub fn sample_present(&mut self, solver: &Solver<'_>, lamps: &Lamps) {
+        if !self.is_in_sweep {
             self.trace.sweeps.push(Sweep { first: self.trace.time.len(), ..Sweep::default() });
-            (self.held, self.running, self.is_fresh) = (0.0, true, false);
-            self.wait_for(1);
-            // A lamp that is lit now was already lit in initial condition.
-            self.lit = lamps.lit.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
+            (self.hold_time, self.is_in_sweep, self.is_fresh) = (0.0, true, false);
+            self.set_next_sample(1);
+            // A lamp that is lit now was lit in initial condition.
+            self.hold_time_when_lit = lamps.lit.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
         }
         if !self.is_fresh {
-            self.write(self.clock(solver.state.time), solver, Instant::Now);
+            self.write_sample(self.clock(solver.state.time), solver, Instant::Present);
             self.is_fresh = true;
         }
     }
 
-    /// Records the present voltages before a change by hand, if the sweep continues after it.
-    pub fn show_end(&mut self, solver: &Solver<'_>, lamps: &Lamps, is_held: bool) {
-        if self.running && !is_held {
-            self.show(solver, lamps);
+    /// Records the present voltages before a phase changes parameters, if the sweep continues after it.
+    pub fn sample_before_change(&mut self, solver: &Solver<'_>, lamps: &Lamps, is_held: bool) {
+        if self.is_in_sweep && !is_held {
+            self.sample_present(solver, lamps);
         }
     }
 
-    /// Records that a phase begins at a problem time. A phase that takes time begins at the last sample, any other
-    /// phase before the next sample.
-    pub fn mark(&mut self, time: f64, phase: Deed) {
-        let takes_time = matches!(phase, Deed::Operate { .. } | Deed::Hold);
-        let begin = if self.running { self.clock(time) } else { 0.0 };
-        self.trace.marks.push(Mark {
+    /// Records that a phase begins at a problem time. The first sample of a phase that takes time is the last one
+    /// written; that of any other phase is the next one.
+    pub fn begin_phase(&mut self, time: f64, phase: PhaseKind) {
+        let takes_time = matches!(phase, PhaseKind::Operate { .. } | PhaseKind::Hold);
+        let begin = if self.is_in_sweep { self.clock(time) } else { 0.0 };
+        self.trace.phase_records.push(PhaseRecord {
             phase,
-            sweep: self.trace.sweeps.len() - usize::from(self.running),
+            sweep: self.trace.sweeps.len() - usize::from(self.is_in_sweep),
             begin,
             end: begin,
             problem_time: time,
             sample: self.trace.len() - usize::from(takes_time),
-            ended: Ending::Time,
+            ended: PhaseEnd::Time,
         });
     }
 
-    /// Records that the phase ended at a problem time, and which lamps are lit.
-    pub fn mark_end(&mut self, time: f64, lamps: &Lamps, ended: Ending) {
-        let end = if self.running { self.clock(time) } else { 0.0 };
-        if let Some(mark) = self.trace.marks.last_mut() {
-            (mark.end, mark.ended) = (end, ended);
+    /// Records that the present phase ended at a problem time, and which lamps are lit.
+    pub fn end_phase(&mut self, time: f64, lamps: &Lamps, ended: PhaseEnd) {
+        let end = if self.is_in_sweep { self.clock(time) } else { 0.0 };
+        if let Some(record) = self.trace.phase_records.last_mut() {
+            (record.end, record.ended) = (end, ended);
         }
-        for (lit, lamp) in self.lit.iter_mut().zip(&lamps.lit) {
-            *lit = lit.or(lamp.map(|_| self.held));
+        for (hold_time, lamp) in self.hold_time_when_lit.iter_mut().zip(&lamps.lit) {
+            *hold_time = hold_time.or(lamp.map(|_| self.hold_time));
         }
     }
 
-    /// Notes that a change was made by hand, so the last sample does not show the present voltages.
+    /// Notes that the present voltages have changed without a step, so the last sample does not have them.
     pub fn invalidate_sample(&mut self) {
         self.is_fresh = false;
     }
 
-    /// Records a machine that is held for a time in seconds. All samples show the same voltages.
-    pub fn hold(&mut self, solver: &Solver<'_>, time: f64) {
+    /// Records a machine that is in hold for a time in seconds. All samples have the same voltages.
+    pub fn record_hold(&mut self, solver: &Solver<'_>, time: f64) {
         let end = self.clock(solver.state.time) + time;
         self.is_fresh = false;
-        while let Some(time) = self.next_before(end * (1.0 + SAME)) {
-            self.write(time, solver, Instant::Now);
-            self.wait_for(self.next + 1);
-            self.is_fresh = time > end * (1.0 - SAME);
+        while let Some(time) = self.next_before(end * (1.0 + SAME_INSTANT)) {
+            self.write_sample(time, solver, Instant::Present);
+            self.set_next_sample(self.next_index + 1);
+            self.is_fresh = time > end * (1.0 - SAME_INSTANT);
         }
-        self.held += time;
+        self.hold_time += time;
         self.report_progress(solver.state.time);
     }
 
@@ -206,10 +211,10 @@ impl<'a> Recorder<'a> {
         (self.progress)(recorded);
     }
 
-    /// Ends the sweep, if one has begun: adds its end, its overloads and its work to the record. `held` is whether an
-    /// overload ended it.
-    pub fn end(&mut self, solver: &Solver<'_>, lamps: &Lamps, work: Work, held: bool) {
-        if !std::mem::take(&mut self.running) {
+    /// Ends the sweep, if one has begun: adds its end, its overloads and its work to the record. `is_held` is whether
+    /// an overload ended it.
+    pub fn end_sweep(&mut self, solver: &Solver<'_>, lamps: &Lamps, work: WorkCounters, is_held: bool) {
+        if !std::mem::take(&mut self.is_in_sweep) {
             return;
         }
         let program = solver.setup.program;
@@ -217,166 +222,177 @@ impl<'a> Recorder<'a> {
         if let Some(sweep) = self.trace.sweeps.last_mut() {
             sweep.overloads = lamps.history(program);
             for overload in &mut sweep.overloads {
-                let lit = program.element(&overload.element).and_then(|element| self.lit[element]);
-                overload.time += lit.unwrap_or(self.held);
+                let hold_time =
+                    program.element(&overload.element).and_then(|element| self.hold_time_when_lit[element]);
+                overload.time += hold_time.unwrap_or(self.hold_time);
             }
-            (sweep.end, sweep.work, sweep.held) = (end, work, held);
+            (sweep.end, sweep.work, sweep.held) = (end, work, is_held);
         }
-        self.before += end;
+        self.recorded_before += end;
     }
 
-    /// A recorded signal whose scale changed since the record began; `None` if there is none.
+    /// Name of a recorded signal whose scale has changed since the record began; `None` if there is none.
     pub fn rescaled(&self, solver: &Solver<'_>) -> Option<&str> {
-        let pairs = self.trace.tracks.iter().zip(&self.probes);
-        let mut changed = pairs.filter(|(track, probe)| track.per_volt != per_volt(probe, solver));
+        let pairs = self.trace.tracks.iter().zip(&self.signals);
+        let mut changed = pairs.filter(|(track, signal)| track.per_volt != per_volt(signal, solver));
         changed.next().map(|(track, _)| track.name.as_str())
     }
 
-    /// The time of the next sample by the recorder's clock, if it is before `end`.
+    /// The time of the next sample by the recorder's clock; `None` if it is not before `end`.
     fn next_before(&self, end: f64) -> Option<f64> {
         (self.next_time < end).then_some(self.next_time)
     }
 
-    /// Moves on to the sample of this index.
-    fn wait_for(&mut self, next: u64) {
-        (self.next, self.next_time) = (next, self.grid.time(next));
+    /// Sets the index of the next sample in the grid.
+    fn set_next_sample(&mut self, index: u64) {
+        (self.next_index, self.next_time) = (index, self.grid.time(index));
     }
 
-    /// Writes a sample at a time of the recorder's clock.
-    fn write(&mut self, time: f64, solver: &Solver<'_>, instant: Instant) {
-        let run = self.trace.sweeps.len() - 1;
+    /// Writes a sample of all tracks at a time of the recorder's clock.
+    fn write_sample(&mut self, time: f64, solver: &Solver<'_>, instant: Instant) {
+        let sweep = self.trace.sweeps.len() - 1;
         self.trace.time.push(time);
-        let values = values(&self.probes, solver, instant);
-        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
+        let values = track_values(&self.signals, solver, instant);
+        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(sweep, time, value));
     }
 
-    /// Writes a sample of the voltages just before the last changes of mode.
-    fn write_unswitched(&mut self, time: f64) {
-        let run = self.trace.sweeps.len() - 1;
+    /// Writes a sample of the voltages just before the last changes of mode, at a time of the recorder's clock.
+    fn write_sample_before_switching(&mut self, time: f64) {
+        let sweep = self.trace.sweeps.len() - 1;
         self.trace.time.push(time);
-        let voltages = self.probes.iter().map(|probe| self.unswitched[probe.register.index()]);
-        let values = voltages.chain(self.unswitched_derivatives.iter().copied());
-        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
+        let voltages =
+            self.signals.iter().map(|signal| self.voltages_before_switching[signal.register.index()]);
+        let values = voltages.chain(self.derivatives_before_switching.iter().copied());
+        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(sweep, time, value));
     }
 
-    /// Writes a sample of the voltages of a kernel, and moves on to the next sample.
-    fn write_voltages(&mut self, time: f64, voltages: impl Iterator<Item = f64>) {
+    /// Writes a sample of the voltages of a kernel, in the order of the tracks, and advances to the next sample.
+    fn write_kernel_sample(&mut self, time: f64, voltages: impl Iterator<Item = f64>) {
         self.trace.time.push(time);
         self.trace.tracks.iter_mut().zip(voltages).for_each(|(track, volts)| track.volts.push(volts));
-        self.wait_for(self.next + 1);
+        self.set_next_sample(self.next_index + 1);
     }
 
-    /// The time at which a step ends, by the recorder's clock.
+    /// The time by the recorder's clock at which one of some steps ends. Steps count from 0.
     fn end_of(&self, steps: Steps, step: u64) -> f64 {
-        steps.end_of(step) + self.held
+        steps.end_of(step) + self.hold_time
     }
 
-    /// All of some steps if a sample comes before their end, else an empty range.
+    /// The indices of all steps if a sample is due before their end, else an empty range.
     fn steps_with_samples(&self, steps: Steps) -> Range<u64> {
-        let comes = steps.count > 0 && self.next_time < self.end_of(steps, steps.count - 1) * (1.0 + SAME);
-        0..if comes { steps.count } else { 0 }
+        let is_sample_due =
+            steps.count > 0 && self.next_time < self.end_of(steps, steps.count - 1) * (1.0 + SAME_INSTANT);
+        0..if is_sample_due { steps.count } else { 0 }
     }
 
-    /// Updates extrema by the voltages that a kernel evaluated within a step. Those at the ends of steps are read when
-    /// the kernel run ends.
-    fn see_within(&mut self, time: f64, run: &KernelRun) {
+    /// Updates the extremes by the voltages that a kernel evaluated within a step, at a time of the recorder's clock.
+    /// The kernel itself tracks the voltages at the ends of steps ([`left_fast_path`](StepObserver::left_fast_path)).
+    fn observe_within(&mut self, time: f64, run: &KernelRun) {
         let sweep = self.trace.sweeps.len() - 1;
         let values = self.trace.tracks.iter_mut().zip(run.voltages());
-        values.for_each(|(track, volts)| track.see(sweep, time, volts));
+        values.for_each(|(track, volts)| track.observe(sweep, time, volts));
     }
 
-    /// The time of the sample that is due at a problem time; `None` if no sample is due.
-    pub fn due(&self, time: f64) -> Option<f64> {
-        self.next_before(self.clock(time) * (1.0 + SAME))
+    /// The time by the recorder's clock of the sample that is due at a problem time; `None` if no sample is due.
+    pub fn due_sample(&self, time: f64) -> Option<f64> {
+        self.next_before(self.clock(time) * (1.0 + SAME_INSTANT))
     }
 
-    /// Writes the sample at the end of a kernel's step, if it is due. The kernel has evaluated its voltages.
+    /// Writes the sample at the end of a kernel's step, if it is due at this problem time. The caller has evaluated the
+    /// recorded voltages.
     pub fn sample_kernel(&mut self, time: f64, run: &KernelRun) {
-        let due = self.due(time);
+        let due = self.due_sample(time);
         if let Some(time) = due {
-            self.write_voltages(time, run.voltages());
+            self.write_kernel_sample(time, run.voltages());
         }
         self.is_fresh = due.is_some();
         self.report_progress(time);
     }
 
-    /// Updates extrema of signals within the last step.
-    fn see_extrema(&mut self, solver: &mut Solver<'_>) {
-        let run = self.trace.sweeps.len() - 1;
-        for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
-            let Some(course) = track.courses.get(run) else { continue };
-            let extrema = solver.extrema_beyond(probe.register, [course.least.volts, course.most.volts]);
-            extrema.into_iter().flatten().for_each(|(time, volts)| track.see(run, time + self.held, volts));
+    /// Updates the extremes of all signals by the extrema within the last step.
+    fn observe_extrema(&mut self, solver: &mut Solver<'_>) {
+        let sweep = self.trace.sweeps.len() - 1;
+        for (track, signal) in self.trace.tracks.iter_mut().zip(&self.signals) {
+            let Some(extremes) = track.extremes.get(sweep) else { continue };
+            let extrema =
+                solver.extrema_outside(signal.register, [extremes.least.volts, extremes.most.volts]);
+            extrema
+                .into_iter()
+                .flatten()
+                .for_each(|(time, volts)| track.observe(sweep, time + self.hold_time, volts));
         }
     }
 
-    /// Updates extrema by the present voltages.
-    fn see(&mut self, solver: &Solver<'_>) {
-        let (run, time) = (self.trace.sweeps.len() - 1, self.clock(solver.state.time));
-        let values = values(&self.probes, solver, Instant::Now);
-        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.see(run, time, value));
+    /// Updates the extremes of all tracks by the present values.
+    fn observe_present(&mut self, solver: &Solver<'_>) {
+        let (sweep, time) = (self.trace.sweeps.len() - 1, self.clock(solver.state.time));
+        let values = track_values(&self.signals, solver, Instant::Present);
+        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.observe(sweep, time, value));
     }
 }
 
 impl StepObserver for Recorder<'_> {
-    /// Writes the samples within the step, and updates extrema by the step and its end before modes change.
+    /// Writes the samples within the step, and updates the extremes by the step and its end before modes change.
     fn step_accepted(&mut self, solver: &mut Solver<'_>) {
-        while let Some(time) = self.next_before(self.clock(solver.state.time) * (1.0 - SAME)) {
-            solver.interpolate(time - self.held);
-            self.write(time, solver, Instant::Interpolated);
-            self.wait_for(self.next + 1);
+        while let Some(time) = self.next_before(self.clock(solver.state.time) * (1.0 - SAME_INSTANT)) {
+            solver.interpolate(time - self.hold_time);
+            self.write_sample(time, solver, Instant::Interpolated);
+            self.set_next_sample(self.next_index + 1);
         }
-        self.see_extrema(solver);
-        self.see(solver);
+        self.observe_extrema(solver);
+        self.observe_present(solver);
         self.before_jump(solver);
     }
 
-    /// Keeps the voltages before relays switch.
+    /// Keeps the voltages before relays switch, if a relay may end the phase.
     fn before_jump(&mut self, solver: &Solver<'_>) {
-        if self.watch.is_some() {
-            self.unswitched.copy_from_slice(&solver.state.voltages);
-            let derivatives = values(&self.probes, solver, Instant::Now).skip(self.probes.len());
-            self.unswitched_derivatives.iter_mut().zip(derivatives).for_each(|(place, value)| *place = value);
+        if self.end_condition.is_some() {
+            self.voltages_before_switching.copy_from_slice(&solver.state.voltages);
+            let derivatives = track_values(&self.signals, solver, Instant::Present).skip(self.signals.len());
+            self.derivatives_before_switching
+                .iter_mut()
+                .zip(derivatives)
+                .for_each(|(slope, value)| *slope = value);
         }
     }
 
-    /// Writes the sample at the end of the step, after relays have switched. If that ends the phase, the voltages
-    /// before are written, too.
+    /// Writes the sample at the end of the step, after relays have switched. If a relay ends the phase, a sample of the
+    /// voltages before it switched comes first.
     fn step_ended(&mut self, solver: &Solver<'_>) {
-        let due = self.due(solver.state.time);
-        if let Some(watch) = &mut self.watch {
-            watch.read(&solver.state.modes);
+        let due = self.due_sample(solver.state.time);
+        if let Some(end_condition) = &mut self.end_condition {
+            end_condition.read(&solver.state.modes);
         }
         if self.is_phase_over() {
-            self.write_unswitched(due.unwrap_or(self.clock(solver.state.time)));
+            self.write_sample_before_switching(due.unwrap_or(self.clock(solver.state.time)));
         }
-        self.see(solver);
+        self.observe_present(solver);
         self.is_fresh = due.is_some();
         if let Some(time) = due {
-            self.write(time, solver, Instant::Now);
-            self.wait_for(self.next + 1);
+            self.write_sample(time, solver, Instant::Present);
+            self.set_next_sample(self.next_index + 1);
         }
         self.report_progress(solver.state.time);
     }
 
     fn next_sample(&self) -> f64 {
-        self.next_time - self.held
+        self.next_time - self.hold_time
     }
 
     /// Writes the samples within the kernel's last step.
     fn kernel_reached_jump(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
-        while let Some(sample) = self.next_before(self.clock(time) * (1.0 - SAME)) {
-            run.interpolate(tables, sample - self.held);
-            self.see_within(sample, run);
-            self.write_voltages(sample, run.voltages());
+        while let Some(sample) = self.next_before(self.clock(time) * (1.0 - SAME_INSTANT)) {
+            run.interpolate(tables, sample - self.hold_time);
+            self.observe_within(sample, run);
+            self.write_kernel_sample(sample, run.voltages());
         }
     }
 
-    /// Writes the samples within the kernel's last step and at its end.
+    /// Writes the samples within the kernel's last step and the one at its end.
     fn kernel_stepped(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
         self.kernel_reached_jump(time, tables, run);
-        if self.due(time).is_some() {
-            run.show(tables);
+        if self.due_sample(time).is_some() {
+            run.evaluate_present(tables);
         }
         self.sample_kernel(time, run);
     }
@@ -385,37 +401,37 @@ impl StepObserver for Recorder<'_> {
     fn kernel_stepped_recording(&mut self, time: f64, run: &KernelRun, steps: Steps) {
         self.is_fresh = false;
         for step in self.steps_with_samples(steps) {
-            self.is_fresh = self.next_time < self.end_of(steps, step) * (1.0 + SAME);
+            self.is_fresh = self.next_time < self.end_of(steps, step) * (1.0 + SAME_INSTANT);
             if self.is_fresh {
-                self.write_voltages(self.next_time, run.voltages_after(step));
+                self.write_kernel_sample(self.next_time, run.voltages_after(step));
             }
         }
         self.report_progress(time);
     }
 
     fn steps_before_inner_sample(&self, steps: Steps) -> u64 {
-        let (mut next, mut time) = (self.next, self.next_time);
+        let (mut index, mut time) = (self.next_index, self.next_time);
         for step in self.steps_with_samples(steps) {
             let end = self.end_of(steps, step);
-            if time < end * (1.0 - SAME) {
+            if time < end * (1.0 - SAME_INSTANT) {
                 return step;
             }
-            if time < end * (1.0 + SAME) {
-                next += 1;
-                time = self.grid.time(next);
+            if time < end * (1.0 + SAME_INSTANT) {
+                index += 1;
+                time = self.grid.time(index);
             }
         }
         steps.count
     }
 
-    /// Updates extrema by those of the kernel run.
+    /// Updates the extremes by those of the kernel run, and by its last voltages.
     fn left_fast_path(&mut self, run: &KernelRun) {
         let sweep = self.trace.sweeps.len() - 1;
         for (track, (extremes, last)) in self.trace.tracks.iter_mut().zip(run.extremes().zip(run.voltages()))
         {
-            let met = extremes.into_iter().flatten().filter(|(at, _)| at.is_finite());
-            met.for_each(|(at, volts)| track.see(sweep, at + self.held, volts));
-            track.see(sweep, run.time() + self.held, last);
+            let reached = extremes.into_iter().flatten().filter(|(time, _)| time.is_finite());
+            reached.for_each(|(time, volts)| track.observe(sweep, time + self.hold_time, volts));
+            track.observe(sweep, run.time() + self.hold_time, last);
         }
     }
 
@@ -424,43 +440,50 @@ impl StepObserver for Recorder<'_> {
     }
 
     fn is_phase_over(&self) -> bool {
-        self.watch.is_some_and(|watch| watch.is_met)
+        self.end_condition.is_some_and(|end_condition| end_condition.is_met)
     }
 }
 
 /// The signal of this name.
-fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
-    let found = program.signals.iter().find(|probe| probe.name == name).cloned();
-    found.ok_or_else(|| RunError::UnknownSignal(name.to_owned()))
+///
+/// # Errors
+/// If there is none.
+fn find_signal(program: &Program, name: &str) -> Result<SignalInfo, RunError> {
+    let signal = program.lowered.signals.iter().find(|signal| signal.name == name).cloned();
+    signal.ok_or_else(|| RunError::UnknownSignal(name.to_owned()))
 }
 
 /// An empty track of a signal.
-fn track(probe: &Probe, solver: &Solver<'_>) -> Track {
-    Track::new(&probe.name, &probe.unit, per_volt(probe, solver))
+fn empty_track(signal: &SignalInfo, solver: &Solver<'_>) -> Track {
+    Track::new(&signal.name, &signal.unit, per_volt(signal, solver))
 }
 
-/// Empty tracks of the derivatives of a signal, one for every parameter of the settings.
-fn derivatives(track: &Track, solver: &Solver<'_>, settings: &RunSettings) -> Vec<Track> {
-    let by = |name: &String| {
-        let slot = solver.setup.program.parameters.iter().find(|slot| slot.name == *name)?;
-        Some(track.differentiated(name, slot.value / slot.per_unit, &slot.unit))
+/// Empty tracks of the derivatives of a signal, one for every parameter of the settings, in their order.
+fn derivative_tracks(track: &Track, solver: &Solver<'_>, settings: &RunSettings) -> Vec<Track> {
+    let derivative_track = |name: &String| {
+        let slot = solver.setup.program.parameters.iter().find(|slot| slot.declared.name == *name)?;
+        Some(track.differentiated(name, slot.value / slot.declared.per_unit, &slot.declared.unit))
     };
-    settings.sensitivities.iter().filter_map(by).collect()
+    settings.sensitivities.iter().filter_map(derivative_track).collect()
 }
 
-/// The values of all tracks in their order: the voltages of the signals, then the derivatives of each signal.
-fn values(probes: &[Probe], solver: &Solver<'_>, instant: Instant) -> impl Iterator<Item = f64> {
-    let is_now = matches!(instant, Instant::Now);
-    let registers = if is_now { &solver.state.voltages } else { &solver.buffers.voltages };
-    let voltages = probes.iter().map(|probe| registers[probe.register.index()]);
-    let derivatives = solver.sensitivities.iter().flat_map(move |own| {
-        let of = move |probe| (0..own.count()).map(move |place| own.derivative(place, probe, solver, is_now));
-        probes.iter().flat_map(of)
+/// The values of all tracks in their order: the voltages of all signals, then the derivatives of the first signal by
+/// every parameter, then those of the second signal, and so on.
+fn track_values(signals: &[SignalInfo], solver: &Solver<'_>, instant: Instant) -> impl Iterator<Item = f64> {
+    let is_present = matches!(instant, Instant::Present);
+    let registers = if is_present { &solver.state.voltages } else { &solver.buffers.voltages };
+    let voltages = signals.iter().map(|signal| registers[signal.register.index()]);
+    let derivatives = solver.sensitivities.iter().flat_map(move |sensitivities| {
+        let of_signal = move |signal| {
+            (0..sensitivities.count())
+                .map(move |index| sensitivities.derivative(index, signal, solver, is_present))
+        };
+        signals.iter().flat_map(of_signal)
     });
     voltages.chain(derivatives)
 }
 
 /// The value of one volt of a signal, in the unit of the signal.
-fn per_volt(probe: &Probe, solver: &Solver<'_>) -> f64 {
-    probe.per_volt.map_or(1.0, |index| solver.state.coefficient(index) / probe.per_unit)
+fn per_volt(signal: &SignalInfo, solver: &Solver<'_>) -> f64 {
+    signal.per_volt.map_or(1.0, |index| solver.state.coefficient(index) / signal.per_unit)
 }

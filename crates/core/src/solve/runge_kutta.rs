@@ -1,4 +1,4 @@
-//! A step of any explicit Runge-Kutta method, given by its table of numbers.
+//! A step of any explicit Runge-Kutta method, specified by its [`Tableau`].
 //!
 //! [`try_step`] evaluates a step from the present without accepting it: it leaves the states and voltages at the end in
 //! the buffers. A caller then looks for events, checks the error ([`largest_error`]) and either accepts the step or
@@ -8,16 +8,16 @@ use super::buffers::StepBuffers;
 use super::evaluate::{Scope, trial};
 use super::grazing;
 use super::state::{Setup, SolverState, read_rates};
-use super::tableau::{Share, Tableau};
+use super::tableau::{StageWeight, Tableau};
 use crate::delay_line::DelayLine;
 use crate::machines::REFERENCE;
 
-/// States smaller than this, in volts, are set to 0. Processors are slow on subnormal numbers, which decays would
-/// reach.
-pub(super) const SMALLEST: f64 = 1e-100;
+/// Least state, in volts without sign, that is kept; smaller ones are set to 0. Without this a decay would reach
+/// subnormal numbers (below 2.2e-308), on which processors are slow.
+pub(super) const MIN_STATE: f64 = 1e-100;
 
-/// Tries a step of this length in problem seconds from the present. Modes stay as they are. States, voltages and stages
-/// of the step are then in the buffers.
+/// Tries a step of this length in problem seconds from the present, without a change of modes. The states, voltages and
+/// stages of the step are then in the buffers, with a hint of events within it.
 pub(super) fn try_step(
     setup: &Setup<'_>,
     state: &SolverState,
@@ -29,10 +29,10 @@ pub(super) fn try_step(
     buffers.evaluation.faults.clear();
     buffers.stage_rates[0].copy_from_slice(&state.rates);
     for (stage, row) in method.stages.iter().enumerate() {
-        advance_states(&mut buffers.states, &state.states, &buffers.stage_rates, row.from, length);
-        let checked = method.checked_stages.iter().position(|own| *own == stage);
+        advance_states(&mut buffers.states, &state.states, &buffers.stage_rates, row.weights, length);
+        let checked = method.checked_stages.iter().position(|checked| *checked == stage);
         let scope = if checked.is_some() { Scope::All } else { Scope::Rates };
-        trial(program, state, delay_lines, buffers, state.time + row.at * length, scope);
+        trial(program, state, delay_lines, buffers, state.time + row.node * length, scope);
         read_rates(program, &buffers.voltages, &mut buffers.stage_rates[stage + 1]);
         if let Some(checked) = checked {
             buffers.checked_voltages[checked].copy_from_slice(&buffers.voltages);
@@ -42,8 +42,8 @@ pub(super) fn try_step(
         &mut buffers.states,
         &state.states,
         &buffers.stage_rates,
-        method.end,
-        length / method.parts,
+        method.end_weights,
+        length / method.divisor,
     );
     flush_tiny_states(&mut buffers.states);
     trial(program, state, delay_lines, buffers, state.time + length, Scope::All);
@@ -51,23 +51,24 @@ pub(super) fn try_step(
     buffers.hint = grazing::hint(setup, state, buffers);
 }
 
-/// Number of evaluations that [`try_step`] takes. The first stage needs none: its rates are those of the present.
-/// Whoever tries a step counts them as work.
+/// Number of evaluations that [`try_step`] takes; its caller counts them as work. The first stage needs none, because
+/// its rates are those of the present.
 pub(super) fn evaluations(method: &Tableau) -> u64 {
     method.rates() as u64 - 1
 }
 
-/// States at a stage: `into = from + length * (weighted sum of the rates)`.
+/// Calculates the states at a stage: `into = from + length * (weighted sum of the rates)`. `rates` has a row per stage
+/// and a column per state. The sensitivities use the same formula for slopes.
 #[inline]
 pub(super) fn advance_states(
     into: &mut [f64],
     from: &[f64],
     rates: &[Vec<f64>],
-    shares: &[Share],
+    weights: &[StageWeight],
     length: f64,
 ) {
-    for (index, (trial, state)) in into.iter_mut().zip(from).enumerate() {
-        *trial = state + length * weighted_sum(rates, shares, index);
+    for (index, (stage_state, state)) in into.iter_mut().zip(from).enumerate() {
+        *stage_state = state + length * weighted_sum(rates, weights, index);
     }
 }
 
@@ -79,7 +80,7 @@ pub(super) fn largest_error(
     states: usize,
     length: f64,
 ) -> (usize, f64) {
-    let error = |state| length * weighted_sum(stage_rates, method.difference, state).abs() / REFERENCE;
+    let error = |state| length * weighted_sum(stage_rates, method.error_weights, state).abs() / REFERENCE;
     let larger = |worst: (usize, f64), state| {
         let error = error(state);
         if error > worst.1 || error.is_nan() { (state, error) } else { worst }
@@ -87,12 +88,12 @@ pub(super) fn largest_error(
     (0..states).fold((0, 0.0), larger)
 }
 
-/// Sets states below [`SMALLEST`] to 0.
+/// Sets states below [`MIN_STATE`] to 0, without regard to sign.
 pub(super) fn flush_tiny_states(states: &mut [f64]) {
-    states.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
+    states.iter_mut().filter(|volts| volts.abs() < MIN_STATE).for_each(|volts| *volts = 0.0);
 }
 
-/// The sum of the rates of a state, each multiplied by its share.
-pub(super) fn weighted_sum(rates: &[Vec<f64>], shares: &[Share], state: usize) -> f64 {
-    shares.iter().map(|(stage, share)| share * rates[*stage][state]).sum()
+/// The sum of the rates of a state at the stages, each multiplied by its weight.
+pub(super) fn weighted_sum(rates: &[Vec<f64>], weights: &[StageWeight], state: usize) -> f64 {
+    weights.iter().map(|(stage, weight)| weight * rates[*stage][state]).sum()
 }

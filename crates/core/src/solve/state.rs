@@ -1,8 +1,8 @@
-//! The solver: a program at an instant, with everything that is needed to take a step from there.
+//! The solver: a program at an instant, with the data and buffers to take a step from this instant.
 //!
-//! [`Setup`] is constant in a run. [`SolverState`] is what the rest of a run depends on. [`Solver`] joins both with the
-//! delay lines, the buffers of a step and the derivatives. It is the only part of a machine that an observer sees, and
-//! it knows neither lamps nor event counts nor the fast path.
+//! [`Setup`] is constant in a run. The rest of a run depends on [`SolverState`] and the delay lines. [`Solver`] joins
+//! both with the buffers of a step and the derivatives. It is the only part of a machine that an observer reads. It
+//! contains no lamps, event counts or kernels.
 
 use super::buffers::StepBuffers;
 use super::levels::LevelSource;
@@ -12,9 +12,10 @@ use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::ir::{Kink, Program, TimeConstant};
 
-/// The constants of a run.
+/// The constants of a run: program, method and step length.
 #[derive(Debug, Clone)]
 pub(super) struct Setup<'p> {
+    /// The program that is run.
     pub program: &'p Program,
     /// The Runge-Kutta method.
     pub method: &'static Tableau,
@@ -27,15 +28,15 @@ pub(super) struct Setup<'p> {
 }
 
 impl Setup<'_> {
-    /// The kinks that no step reaches across. Kinks of guards alone are included only if steps adapt: a long step could
-    /// miss an event behind such a kink.
+    /// The kinks at which a step has to end. Kinks that change guards only are included only if steps adapt: a long
+    /// step could miss an event beyond such a kink. Indices of kinks count in this order.
     pub fn kinks(&self) -> impl Iterator<Item = &Kink> {
-        let of_guards = if self.is_adaptive { self.program.guard_kinks.as_slice() } else { &[] };
-        self.program.kinks.iter().chain(of_guards)
+        let of_guards = if self.is_adaptive { self.program.lowered.guard_kinks.as_slice() } else { &[] };
+        self.program.lowered.kinks.iter().chain(of_guards)
     }
 }
 
-/// The state of the solver: everything that the rest of a run depends on, except the contents of the delay lines.
+/// The state of the solver: all quantities on which the rest of a run depends, except the contents of the delay lines.
 #[derive(Debug, Clone)]
 pub(super) struct SolverState {
     /// Problem time since initial condition, in seconds.
@@ -48,15 +49,15 @@ pub(super) struct SolverState {
     pub voltages: Vec<f64>,
     /// Rates of the states at `time`, in volts per problem second.
     pub rates: Vec<f64>,
-    /// Values sampled at the end of a step. They stay constant within the next step.
+    /// Values sampled at the end of a step, in the order of `Program::kept`. They stay constant within the next step.
     pub sampled: Vec<f64>,
-    /// The present number of every level (noise, or a table whose values are held).
+    /// The present value of every level (noise, or a table whose values are held), in the order of `Program::levels`.
     pub levels: Vec<f64>,
-    /// The position of every level in its sequence of numbers.
+    /// The position of every level in its sequence of values, in the same order.
     pub level_sources: Vec<LevelSource>,
-    /// Parameters in SI units.
+    /// Parameters in SI units, in the order of `Program::parameters`.
     pub parameters: Vec<f64>,
-    /// Coefficients calculated from the parameters.
+    /// Coefficients calculated from the parameters, in the order of `Program::coefficients`.
     pub coefficients: Vec<f64>,
 }
 
@@ -66,12 +67,12 @@ impl SolverState {
         let zeros = |count: usize| vec![0.0; count];
         SolverState {
             time: 0.0,
-            states: zeros(program.states.len()),
-            modes: zeros(program.modes.len()),
-            voltages: zeros(program.body.len()),
-            rates: zeros(program.states.len()),
-            sampled: zeros(program.kept.len()),
-            levels: zeros(program.levels.len()),
+            states: zeros(program.lowered.states.len()),
+            modes: zeros(program.lowered.modes.len()),
+            voltages: zeros(program.lowered.body.len()),
+            rates: zeros(program.lowered.states.len()),
+            sampled: zeros(program.lowered.kept.len()),
+            levels: zeros(program.lowered.levels.len()),
             level_sources: LevelSource::all(program, &coefficients),
             parameters,
             coefficients,
@@ -82,20 +83,20 @@ impl SolverState {
     /// until the next evaluation.
     pub fn reset(&mut self, program: &Program) {
         self.time = 0.0;
-        for (value, state) in self.states.iter_mut().zip(&program.states) {
+        for (value, state) in self.states.iter_mut().zip(&program.lowered.states) {
             *value = self.coefficients[state.initial as usize];
         }
-        for (value, mode) in self.modes.iter_mut().zip(&program.modes) {
+        for (value, mode) in self.modes.iter_mut().zip(&program.lowered.modes) {
             *value = mode.initial;
         }
-        for (value, kept) in self.sampled.iter_mut().zip(&program.kept) {
+        for (value, kept) in self.sampled.iter_mut().zip(&program.lowered.kept) {
             *value = self.coefficients[kept.initial as usize];
         }
     }
 
     /// Resets the modes of one element, given by its index, to the initial condition.
     pub fn reset_modes(&mut self, program: &Program, element: usize) {
-        for (value, mode) in self.modes.iter_mut().zip(&program.modes) {
+        for (value, mode) in self.modes.iter_mut().zip(&program.lowered.modes) {
             if mode.element == element {
                 *value = mode.initial;
             }
@@ -113,30 +114,34 @@ impl SolverState {
     }
 }
 
-/// A program at an instant, with what is needed to evaluate it at other instants: to try a step, to accept it and to
-/// interpolate in it.
+/// A program at an instant, with the data and buffers to try a step, to accept it and to interpolate in it.
 #[derive(Debug, Clone)]
 pub(super) struct Solver<'p> {
+    /// The constants of the run.
     pub setup: Setup<'p>,
+    /// The state at the present instant.
     pub state: SolverState,
     /// The past of every delayed input, in the order of `Program::delays`. Reading a line moves its cursor, so the
-    /// lines are apart from the state.
+    /// lines are not part of the state, which is only read while a step is tried.
     pub delay_lines: Vec<DelayLine>,
+    /// The tried step, and the start of the last accepted one.
     pub buffers: StepBuffers,
-    /// Derivatives by parameters; `None` if none are carried along.
+    /// Derivatives by parameters; `None` if none are computed.
     pub sensitivities: Option<Box<Sensitivities>>,
 }
 
 impl Solver<'_> {
-    /// Makes the derivatives follow the tried step, which ends at this time. Call it before [`Solver::make_present`].
+    /// Advances the derivatives over the tried step, which ends at this problem time. Call it before
+    /// [`Solver::make_present`], while the state is still that of the beginning.
     pub fn follow_step(&mut self, end: f64) {
         let Solver { setup, state, delay_lines, buffers, sensitivities } = self;
-        if let Some(own) = sensitivities {
-            own.follow_step(setup, state, delay_lines, buffers, end);
+        if let Some(sensitivities) = sensitivities {
+            sensitivities.follow_step(setup, state, delay_lines, buffers, end);
         }
     }
 
-    /// Moves the state to the end of the tried step, and keeps the start of that step in the buffers.
+    /// Moves the state to the end of the tried step, at this problem time, and keeps the start of that step in the
+    /// buffers.
     pub fn make_present(&mut self, time: f64) {
         let Solver { setup, state, buffers, .. } = self;
         buffers.last.time = state.time;
@@ -148,23 +153,24 @@ impl Solver<'_> {
         read_rates(setup.program, &state.voltages, &mut state.rates);
     }
 
-    /// Samples the present values that stay constant within the next step. An observer that interpolates in the last
-    /// step needs the values from its beginning, so call this after the observer.
+    /// Samples the present values that stay constant within the next step. Call this after the observer: interpolation
+    /// in the last step needs the values from its beginning.
     pub fn sample_values(&mut self) {
         let Solver { setup, state, sensitivities, .. } = self;
-        for (value, kept) in state.sampled.iter_mut().zip(&setup.program.kept) {
+        for (value, kept) in state.sampled.iter_mut().zip(&setup.program.lowered.kept) {
             *value = state.voltages[kept.next.index()];
         }
-        if let Some(own) = sensitivities {
-            own.sample_values(setup.program);
+        if let Some(sensitivities) = sensitivities {
+            sensitivities.sample_values(setup.program);
         }
     }
 }
 
-/// Reads the rates of the states from the voltages of an instant, or the slopes of the rates from the slopes.
+/// Reads the rates of the states from the voltages of an instant, or the slopes of the rates from the slopes of the
+/// voltages. The order is that of `Program::states`.
 #[inline]
 pub(super) fn read_rates(program: &Program, voltages: &[f64], into: &mut [f64]) {
-    for (rate, state) in into.iter_mut().zip(&program.states) {
+    for (rate, state) in into.iter_mut().zip(&program.lowered.states) {
         *rate = voltages[state.rate.index()];
     }
 }

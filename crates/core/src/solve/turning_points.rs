@@ -1,40 +1,44 @@
 //! Turning points of a voltage within a step, by the cubic through four samples.
+//!
+//! The samples are the voltages at both ends of a step and at two of its stages. Their turning points suggest events
+//! that come and go within the step (`grazing`), and peaks between its ends (`extrema`).
 
-use crate::divided::divide;
+use crate::divided_differences::newton_coefficients;
 
-/// A voltage at four instants of a step, the first of which is its beginning.
+/// A voltage at four instants of a step, in order of time. The first is the beginning of the step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Samples {
     /// The instants as shares of the length of the step, from 0 to 1.
     pub shares: [f64; 4],
-    /// The voltage at each instant.
+    /// The voltage at each instant, in volts.
     pub values: [f64; 4],
 }
 
-/// The value at a turning point of the cubic may be wrong by this share of the swing of the samples.
-const MARGIN: f64 = 0.1;
+/// Margin for the error of the cubic at a turning point, as a share of the swing of the samples.
+const TURN_MARGIN: f64 = 0.1;
 
 /// A maximum or a minimum of the cubic through the samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TurningPoint {
     /// The instant as a share of the length of the step.
     pub share: f64,
-    /// The voltage there.
+    /// The voltage of the cubic at that instant, in volts.
     pub value: f64,
-    /// Whether it is a maximum.
+    /// Whether it is a maximum; otherwise it is a minimum.
     pub is_peak: bool,
 }
 
 impl Samples {
-    /// The turning points of the cubic through the samples (Newton's form) that are inside the step: at most two.
+    /// The turning points of the cubic through the samples (Newton's form) that are strictly inside the step: at most
+    /// two. They are the roots of a quadratic, in the form without cancellation, so their order is not that of time.
     pub fn turning_points(&self) -> impl Iterator<Item = TurningPoint> {
         let [_, near, far, _] = self.shares;
         let [first, second, third, fourth] = self.divided_differences();
         let cubic = fourth;
         let square = third - cubic * (near + far);
         let linear = second - near * third + cubic * near * far;
-        let under = square * square - 3.0 * cubic * linear;
-        let sum = -(square + square.signum() * under.sqrt());
+        let discriminant = square * square - 3.0 * cubic * linear;
+        let sum = -(square + square.signum() * discriminant.sqrt());
         let roots = [sum / (3.0 * cubic), linear / sum];
         roots.into_iter().filter(|share| *share > 0.0 && *share < 1.0).map(move |share| TurningPoint {
             share,
@@ -45,20 +49,20 @@ impl Samples {
 
     /// The value at a turning point, moved outwards by the margin of error of the cubic.
     pub fn with_margin(&self, turn: &TurningPoint) -> f64 {
-        let margin = MARGIN * self.swing();
+        let margin = TURN_MARGIN * self.swing();
         if turn.is_peak { turn.value + margin } else { turn.value - margin }
     }
 
-    /// The difference between the largest and the least sample.
+    /// The difference between the largest and the least sample, in volts.
     pub fn swing(&self) -> f64 {
-        let most = self.values.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        most - self.values.into_iter().fold(f64::INFINITY, f64::min)
+        let largest = self.values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        largest - self.values.into_iter().fold(f64::INFINITY, f64::min)
     }
 
-    /// Divided differences of the values over the shares.
+    /// Divided differences of the values over the shares: the coefficients of Newton's form.
     fn divided_differences(&self) -> [f64; 4] {
         let mut table = self.values;
-        divide(&self.shares, &mut table);
+        newton_coefficients(&self.shares, &mut table);
         table
     }
 }
@@ -67,6 +71,7 @@ impl Samples {
 mod tests {
     use super::*;
 
+    /// Samples of a curve at 0, 0.3, 0.8 and 1.
     fn samples(curve: impl Fn(f64) -> f64) -> Samples {
         let shares = [0.0, 0.3, 0.8, 1.0];
         Samples { shares, values: shares.map(curve) }

@@ -1,4 +1,7 @@
-//! Traces as CSV in physical units.
+//! Writes traces as CSV in physical units.
+//!
+//! The comment lines at the top give the unit of each column. Numbers are printed with as few digits as read back to
+//! the same bits, so a file can be compared with a later run byte by byte.
 
 use std::io::Write;
 
@@ -10,12 +13,29 @@ use super::Trace;
 pub struct CsvError(#[from] std::io::Error);
 
 impl Trace {
-    /// Writes the trace: units in `#` comment lines, then the column `t` in seconds and a column a signal;
-    /// several sweeps are told apart by a column `run`, phases by a last column `phase`, both from 1. Numbers read
-    /// back to the same bits.
+    /// Writes the trace as CSV.
+    ///
+    /// The first lines are `#` comments with the unit of each column. The header follows: `t` in seconds, one column
+    /// per signal, `run` if the trace has several sweeps, and `phase` if it has phases. Runs and phases count from 1.
+    /// Numbers read back to the same bits.
     ///
     /// # Errors
-    /// When the writer refuses.
+    /// If the writer reports an error.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::trace::{Trace, Track};
+    ///
+    /// let mut x = Track::new("x", "mm", 2.0);
+    /// x.record(0, 0.0, 1.5);
+    /// x.record(0, 0.1, 2.0);
+    /// let trace = Trace { time: vec![0.0, 0.1], tracks: vec![x], ..Trace::default() };
+    /// let mut csv = Vec::new();
+    /// trace.write_csv(&mut csv)?;
+    /// assert_eq!(String::from_utf8(csv)?, "# t: s\n# x: mm\nt,x\n0,3\n0.1,4\n");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn write_csv(&self, mut to: impl Write) -> Result<(), CsvError> {
         writeln!(to, "# t: s")?;
         for track in &self.tracks {
@@ -35,25 +55,38 @@ impl Trace {
         Ok(())
     }
 
+    /// The cells of one sample, without the phase.
     fn row(&self, sample: usize) -> impl Iterator<Item = String> + '_ {
-        let values = self.tracks.iter().map(move |track| number(track.volts[sample] * track.per_volt));
+        let values = self.tracks.iter().map(move |track| format_exact(track.volts[sample] * track.per_volt));
         let run = (self.sweeps.len() > 1).then(|| (self.sweep_of(sample) + 1).to_string());
-        [number(self.time[sample])].into_iter().chain(values).chain(run)
+        [format_exact(self.time[sample])].into_iter().chain(values).chain(run)
     }
 }
 
-/// A unit as a person may have written it, without what would break a comment line.
+/// A unit as the patch writes it, without line breaks and control characters: these would end the comment line.
 fn on_one_line(unit: &str) -> String {
     let words: Vec<_> = unit.split_whitespace().collect();
     words.join(" ").chars().filter(|letter| !letter.is_control()).collect()
 }
 
-/// The shortest text that reads back to the same number; -0 is 0.
-pub fn number(value: f64) -> String {
+/// The shortest text that reads back to the same number; -0 is printed as 0.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::trace::format_exact;
+///
+/// assert_eq!(format_exact(3.0), "3");
+/// assert_eq!(format_exact(-0.0), "0");
+/// assert_eq!(format_exact(0.1), "0.1");
+/// assert_eq!(format_exact(1e-9), "1e-9");
+/// ```
+pub fn format_exact(value: f64) -> String {
     let text = format!("{:?}", value + 0.0);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
+/// The error of the writer behind an error of the CSV library.
 fn into_io(error: csv::Error) -> std::io::Error {
     error.into()
 }

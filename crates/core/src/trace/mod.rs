@@ -1,92 +1,143 @@
-//! The trace: what was recorded, in volts, with scales to physical units and the overload history.
+//! The trace: the recorded signals of a run, its phases and its overloads.
+//!
+//! The recorder in `solve` fills a trace; instruments, drawings and the command line read it. Voltages are stored in
+//! volts, with the factor that converts them to the physical unit. The trace knows nothing of how a run is computed.
 
 mod csv;
-mod mark;
+mod phase_record;
 mod track;
 
 pub use self::csv::CsvError;
-pub use self::csv::number;
-pub use self::mark::{Deed, Ending, Mark, NewValue};
-pub use self::track::{Course, Derivative, Moment, Track};
+pub use self::csv::format_exact;
+pub use self::phase_record::{NewValue, PhaseEnd, PhaseKind, PhaseRecord};
+pub use self::track::{Derivative, Extremum, SignalExtremes, Track};
 
-/// A recorded run, or several of them one after the other (repetitive operation).
+/// One recorded run, or several consecutive ones (repetitive operation).
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::trace::{Trace, Track};
+///
+/// let mut x = Track::new("x", "mm", 2.0);
+/// x.record(0, 0.0, 1.5);
+/// x.record(0, 0.1, -4.0);
+/// let trace = Trace { time: vec![0.0, 0.1], tracks: vec![x], ..Trace::default() };
+/// assert_eq!(trace.len(), 2);
+/// assert_eq!(trace.values("x"), Some(vec![3.0, -8.0]));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Trace {
-    /// Time of every sample by the recorder's clock, in seconds: problem time and what was held until then. Begins
-    /// anew at 0 with every sweep. All times of a trace are by this clock.
+    /// Time of every sample in seconds of the recorder's clock: problem time plus the time spent in hold. The clock
+    /// restarts at 0 in every sweep. Every time in a trace refers to this clock.
     pub time: Vec<f64>,
-    /// The recorded signals.
+    /// The recorded signals, each with one sample per entry of `time`.
     pub tracks: Vec<Track>,
-    /// The runs that make up the trace.
+    /// The runs that make up the trace, in order.
     pub sweeps: Vec<Sweep>,
-    /// The phases of the runs, in their order.
-    pub marks: Vec<Mark>,
+    /// The phases of all runs, in order.
+    pub phase_records: Vec<PhaseRecord>,
 }
 
-/// One run from initial condition.
+/// One run that starts at initial condition.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sweep {
-    /// Index of its first sample.
+    /// Index of its first sample in the trace.
     pub first: usize,
-    /// When it ended, in seconds.
+    /// Time at which it ended, in seconds of the recorder's clock.
     pub end: f64,
-    /// What it took.
-    pub work: Work,
+    /// The work that the solver did.
+    pub work: WorkCounters,
     /// Whether an overload put the machine into hold.
     pub held: bool,
-    /// The lamps that lit, in their order.
+    /// The overload lamps that lit, in order of time.
     pub overloads: Vec<Overload>,
 }
 
-/// What a run took.
+/// Counts of the solver's work in one run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Work {
-    /// Steps, those shortened to meet a change of mode or a kink counted too.
+pub struct WorkCounters {
+    /// Accepted steps, including those shortened to end at a change of mode or at a kink.
     pub steps: u64,
-    /// Changes of mode of elements and drives: what the command line calls switchings.
+    /// Changes of mode of elements and drives. The command line prints them as "switchings".
     pub changes: u64,
-    /// Kinks stepped to: where the curve of a diode, a limit or a table turns a corner.
+    /// Kinks at which a step ended. A kink is a corner in the curve of a diode, a limit or a table.
     pub crossings: u64,
-    /// Steps that were not right to the tolerance, and were tried again shorter.
+    /// Steps that exceeded the tolerance and were repeated with a shorter length.
     pub rejections: u64,
-    /// How often the circuit was worked out; what recording looks at is not counted.
+    /// Evaluations of the circuit, without those that only the recorder needed.
     pub evaluations: u64,
 }
 
-/// An overload lamp that lit. Lamps stay lit until the next initial condition.
+/// An overload lamp that lit. A lamp stays lit until the next initial condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overload {
-    /// The amplifier.
+    /// Name of the amplifier.
     pub element: String,
-    /// When it was first asked for more than 100 V, in seconds.
+    /// Time at which the demanded output first exceeded 100 V, in seconds of the recorder's clock.
     pub time: f64,
-    /// The largest voltage, without sign, that it was asked for.
+    /// The largest demanded output, in volts without sign.
     pub peak: f64,
-    /// The overload that caused it: the earliest among the amplifiers from which a chain of cords leads here.
+    /// Name of the amplifier whose overload caused this one: the earliest overload among the amplifiers with a chain
+    /// of cords to this one. `None` if there is no such amplifier.
     pub caused_by: Option<String>,
 }
 
 impl Trace {
-    /// The track of a signal.
+    /// The track of the signal with this name.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::{RunSettings, run};
+    ///
+    /// // dx/dt = -x, from 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).run(1.0, 1e-3).build()?;
+    /// let circuit = Circuit::new(&patch)?;
+    /// let program = Program::new(&circuit)?;
+    /// let trace = run(&program, &RunSettings::of(&circuit)?)?;
+    /// let track = trace.track("A1").expect("a patch without signals records its elements");
+    /// assert_eq!((track.unit.as_str(), track.volts[0]), ("V", 50.0));
+    /// assert_eq!(track.volts.len(), trace.len());
+    /// assert!(trace.track("x").is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn track(&self, name: &str) -> Option<&Track> {
         self.tracks.iter().find(|track| track.name == name)
     }
 
-    /// The track of the derivative of a signal by a parameter.
+    /// The track of the derivative of a signal with respect to a parameter.
     pub fn derivative(&self, signal: &str, parameter: &str) -> Option<&Track> {
         let is_it = |of: &Derivative| of.signal == signal && of.parameter == parameter;
         self.tracks.iter().find(|track| track.derivative.as_ref().is_some_and(is_it))
     }
 
-    /// The samples of a signal in physical units.
+    /// The samples of a signal in its physical unit.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::trace::{Trace, Track};
+    ///
+    /// let mut speed = Track::new("v", "mm/s", 0.5);
+    /// speed.record(0, 0.0, 10.0);
+    /// let trace = Trace { time: vec![0.0], tracks: vec![speed], ..Trace::default() };
+    /// assert_eq!(trace.values("v"), Some(vec![5.0]));
+    /// assert_eq!(trace.values("x"), None);
+    /// ```
     pub fn values(&self, name: &str) -> Option<Vec<f64>> {
         self.track(name).map(|track| track.values().collect())
     }
 
-    /// The same run with nothing recorded of it.
+    /// The same trace without its recorded signals. Times, sweeps and phases stay.
     pub fn without_tracks(&self) -> Trace {
-        let (time, sweeps, marks) = (self.time.clone(), self.sweeps.clone(), self.marks.clone());
-        Trace { time, tracks: Vec::new(), sweeps, marks }
+        let (time, sweeps, phase_records) =
+            (self.time.clone(), self.sweeps.clone(), self.phase_records.clone());
+        Trace { time, tracks: Vec::new(), sweeps, phase_records }
     }
 
     /// Number of samples.
@@ -94,17 +145,49 @@ impl Trace {
         self.time.len()
     }
 
-    /// Whether nothing was recorded.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 
-    /// Every overload of every sweep.
+    /// The overloads of all sweeps, in order.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::{RunSettings, run};
+    ///
+    /// // The demand of S1 is -1000 t and exceeds 100 V at t = 0.1 s.
+    /// # let ramp = ElementBuilder::new("integrator").cords("x1", ["-100"]);
+    /// # let summer = ElementBuilder::new("summer").cords("x10", ["A1"]);
+    /// # let patch = PatchBuilder::new("overload").element("A1", ramp).element("S1", summer);
+    /// # let patch = patch.run(0.5, 1e-3).build()?;
+    /// let circuit = Circuit::new(&patch)?;
+    /// let program = Program::new(&circuit)?;
+    /// let trace = run(&program, &RunSettings::of(&circuit)?)?;
+    /// let lamp = trace.overloads().next().expect("S1 is overloaded");
+    /// assert_eq!(lamp.element, "S1");
+    /// assert!((lamp.time - 0.1).abs() < 1e-2 && lamp.peak > 100.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn overloads(&self) -> impl Iterator<Item = &Overload> {
         self.sweeps.iter().flat_map(|sweep| &sweep.overloads)
     }
 
-    /// The sweep that a sample belongs to, counted from 0.
+    /// Index of the sweep that a sample belongs to, from 0.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::trace::{Sweep, Trace};
+    ///
+    /// let sweeps = [0, 5].map(|first| Sweep { first, ..Sweep::default() });
+    /// let trace = Trace { time: vec![0.0; 10], sweeps: sweeps.to_vec(), ..Trace::default() };
+    /// assert_eq!([0, 4, 5, 9].map(|sample| trace.sweep_of(sample)), [0, 0, 1, 1]);
+    /// ```
     pub fn sweep_of(&self, sample: usize) -> usize {
         self.sweeps.partition_point(|sweep| sweep.first <= sample).saturating_sub(1)
     }

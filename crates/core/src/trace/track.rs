@@ -1,67 +1,93 @@
-//! One recorded signal.
+//! One recorded signal: its samples, its extremes and its scale.
+//!
+//! The recorder appends samples at the recording interval. In addition, it passes every step's voltages to
+//! [`Track::observe`], so that the extremes also include peaks between two samples.
 
 use crate::document::{derivative_name, derivative_unit};
 
 /// One recorded signal.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::trace::Track;
+///
+/// let mut track = Track::new("x", "mm", 2.0);
+/// track.record(0, 0.0, 1.5);
+/// track.record(0, 0.1, -4.0);
+/// assert_eq!(track.values().collect::<Vec<_>>(), [3.0, -8.0]);
+/// let least = track.extremes[0].least;
+/// assert_eq!((least.time, least.volts), (0.1, -4.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
     /// Name of the signal.
     pub name: String,
-    /// Text of its unit; "V" where it has no scale.
+    /// Text of its unit; "V" if it has no scale.
     pub unit: String,
     /// Value of one volt in that unit.
     pub per_volt: f64,
-    /// Voltage of every sample.
+    /// Voltage of every sample, in volts.
     pub volts: Vec<f64>,
-    /// What it went through in every run, between the samples too; nothing where it was never seen.
-    pub courses: Vec<Course>,
-    /// What it is the derivative of, where it is one; its volts are then values in its unit.
+    /// The extremes in every run, including the voltages between the samples. Empty if no voltage was observed.
+    pub extremes: Vec<SignalExtremes>,
+    /// Set if the track is the derivative of another one. `volts` are then values in `unit`, and `per_volt` is 1.
     pub derivative: Option<Derivative>,
 }
 
-/// Of what a track is the derivative, and by what.
+/// The signal and the parameter of a derivative.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Derivative {
-    /// Name of the signal, of which there is a track as well.
+    /// Name of the signal that is differentiated. The trace also has a track for it.
     pub signal: String,
     /// Name of the parameter.
     pub parameter: String,
     /// The parameter's value at the beginning of the run, in its declared unit.
     pub value: f64,
-    /// Text of that unit.
+    /// Text of the declared unit.
     pub unit: String,
 }
 
-/// What a signal went through in a run: watched at every step, recorded there or not.
+/// First, last, least and largest voltage of a signal in one run. Every step is included, recorded or not.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Course {
-    /// First voltage.
+pub struct SignalExtremes {
+    /// First voltage, in volts.
     pub start: f64,
-    /// Last voltage.
+    /// Last voltage, in volts.
     pub end: f64,
-    /// Least voltage, and when it was met first.
-    pub least: Moment,
-    /// Largest voltage, and when it was met first.
-    pub most: Moment,
+    /// Least voltage, and the time at which it first occurred.
+    pub least: Extremum,
+    /// Largest voltage, and the time at which it first occurred.
+    pub most: Extremum,
 }
 
-/// A voltage at an instant.
+/// A voltage and its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
-    /// In seconds.
+pub struct Extremum {
+    /// Time in seconds of the recorder's clock.
     pub time: f64,
-    /// In volts.
+    /// Voltage in volts.
     pub volts: f64,
 }
 
 impl Track {
-    /// A track on which nothing is recorded yet.
+    /// A track without samples.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, per_volt: f64) -> Self {
-        let (volts, courses) = (Vec::new(), Vec::new());
-        Track { name: name.into(), unit: unit.into(), per_volt, volts, courses, derivative: None }
+        let (volts, extremes) = (Vec::new(), Vec::new());
+        Track { name: name.into(), unit: unit.into(), per_volt, volts, extremes, derivative: None }
     }
 
-    /// The track of a derivative of this one, on which nothing is recorded yet.
+    /// A track without samples for the derivative of this signal with respect to a parameter.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::trace::Track;
+    ///
+    /// let track = Track::new("x", "V", 1.0).differentiated("k", 0.5, "1");
+    /// assert_eq!((track.name.as_str(), track.unit.as_str()), ("d x / d k", "V"));
+    /// assert_eq!(track.derivative.unwrap().parameter, "k");
+    /// ```
     pub fn differentiated(&self, parameter: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
         let (parameter, unit, signal) = (parameter.into(), unit.into(), self.name.clone());
         let track = Track::new(derivative_name(&signal, &parameter), derivative_unit(&self.unit, &unit), 1.0);
@@ -73,32 +99,46 @@ impl Track {
         self.volts.iter().map(|volts| volts * self.per_volt)
     }
 
-    /// Writes a sample of a run down; runs are counted from 0 and begun in their order.
+    /// Appends a sample of a run. Runs count from 0 and start in order.
     pub fn record(&mut self, run: usize, time: f64, volts: f64) {
         self.volts.push(volts);
-        self.see(run, time, volts);
+        self.observe(run, time, volts);
     }
 
-    /// Takes note of a voltage without recording it.
-    pub fn see(&mut self, run: usize, time: f64, volts: f64) {
-        let moment = Moment { time, volts };
-        match self.courses.get_mut(run) {
-            Some(course) => course.goes_on(moment),
-            None => self.courses.push(Course { start: volts, end: volts, least: moment, most: moment }),
+    /// Includes a voltage in the extremes without recording a sample.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::trace::Track;
+    ///
+    /// let mut track = Track::new("x", "V", 1.0);
+    /// track.record(0, 0.0, 1.0);
+    /// track.observe(0, 0.05, 9.0);
+    /// track.record(0, 0.1, 2.0);
+    /// assert_eq!(track.volts, [1.0, 2.0]);
+    /// assert_eq!(track.extremes[0].most.volts, 9.0);
+    /// ```
+    pub fn observe(&mut self, run: usize, time: f64, volts: f64) {
+        let at = Extremum { time, volts };
+        match self.extremes.get_mut(run) {
+            Some(extremes) => extremes.extend(at),
+            None => self.extremes.push(SignalExtremes { start: volts, end: volts, least: at, most: at }),
         }
     }
 }
 
-impl Course {
-    fn goes_on(&mut self, moment: Moment) {
-        self.end = moment.volts;
-        // Moments may be told later than others that came after them: the first of several that are alike counts.
-        let is_earlier = |than: Moment| moment.volts == than.volts && moment.time < than.time;
-        if moment.volts < self.least.volts || is_earlier(self.least) {
-            self.least = moment;
+impl SignalExtremes {
+    /// Includes a voltage. It becomes the last one.
+    fn extend(&mut self, at: Extremum) {
+        self.end = at.volts;
+        // Voltages may arrive out of order in time: of several equal extremes, the earliest counts.
+        let is_earlier = |than: Extremum| at.volts == than.volts && at.time < than.time;
+        if at.volts < self.least.volts || is_earlier(self.least) {
+            self.least = at;
         }
-        if moment.volts > self.most.volts || is_earlier(self.most) {
-            self.most = moment;
+        if at.volts > self.most.volts || is_earlier(self.most) {
+            self.most = at;
         }
     }
 }

@@ -1,18 +1,17 @@
-//! Which patches there are, and whether generated files are fresh.
+//! The patch files of the repository, and the check that generated files are up to date.
 
 use std::path::{Path, PathBuf};
 
-/// Every patch that comes with the program, whatever its folder; effects are parts of patches, and experiments name them.
-pub fn shipped() -> Vec<PathBuf> {
-    let mut found = patches_in(&rooted("patches"));
+/// Every shipped patch of every folder. Effects and experiments are other documents and are left out.
+pub fn shipped_files() -> Vec<PathBuf> {
+    let mut files = patches_in(&repository_path("patches"));
     let is_experiment = |file: &Path| file.to_str().unwrap().ends_with(".experiment.json");
-    found.retain(|file| !file.starts_with(rooted("patches/effects")) && !is_experiment(file));
-    assert!(found.len() >= 25, "{found:?}");
-    found
+    files.retain(|file| !file.starts_with(repository_path("patches/effects")) && !is_experiment(file));
+    assert!(files.len() >= 25, "{files:?}");
+    files
 }
 
-/// Shipped patches that between them have every kind of behaviour: what is tested on all patches only when asked for is
-/// tested on these in every run.
+/// Shipped patches that together show every kind of behaviour. Slow tests use all patches; the usual tests use these.
 const REPRESENTATIVE: [&str; 9] = [
     "lessons/bouncing-ball",
     "lessons/lorenz",
@@ -25,40 +24,41 @@ const REPRESENTATIVE: [&str; 9] = [
     "thesis/fig-8-16",
 ];
 
-/// The representative patches.
-pub fn representative() -> Vec<PathBuf> {
-    REPRESENTATIVE.map(|stem| rooted(&format!("patches/{stem}.json"))).to_vec()
+/// The files of the representative patches.
+pub fn representative_files() -> Vec<PathBuf> {
+    REPRESENTATIVE.map(|stem| repository_path(&format!("patches/{stem}.json"))).to_vec()
 }
 
-/// The patches of the tests, but for the wrong ones.
-pub fn of_tests() -> Vec<PathBuf> {
-    let mut found = patches_in(&rooted("crates/core/tests/patches"));
-    found.retain(|file| !file.starts_with(rooted("crates/core/tests/patches/bad")));
-    assert!(found.len() >= 9, "{found:?}");
-    found
+/// The valid patches of crates/core/tests/patches.
+pub fn test_patch_files() -> Vec<PathBuf> {
+    let mut files = patches_in(&repository_path("crates/core/tests/patches"));
+    files.retain(|file| !file.starts_with(repository_path("crates/core/tests/patches/bad")));
+    assert!(files.len() >= 9, "{files:?}");
+    files
 }
 
-/// Holds a generated file against what it would be now, or writes it anew where that is asked for. `package` is the
-/// crate whose tests do so.
-pub fn check_fresh(path: &str, fresh: &[u8], package: &str) {
+/// Asserts that a generated file has the contents `fresh`, or writes it if PATCHCORD_BLESS is set. The message names
+/// `package`, the crate whose tests write the file.
+pub fn assert_up_to_date(path: &str, fresh: &[u8], package: &str) {
     if std::env::var_os("PATCHCORD_BLESS").is_some() {
-        std::fs::write(rooted(path), fresh).unwrap();
+        std::fs::write(repository_path(path), fresh).unwrap();
     }
-    let stored = std::fs::read(rooted(path)).unwrap_or_default();
+    let stored = std::fs::read(repository_path(path)).unwrap_or_default();
     assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test -p {package} rewrites it");
 }
 
-/// A path below the top of the repository, whichever crate the test belongs to.
-pub fn rooted(path: &str) -> PathBuf {
-    let top = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().find(|folder| folder.join("crates").is_dir());
-    top.unwrap().join(path)
+/// A path relative to the root of the repository. It is the same for the tests of every crate.
+pub fn repository_path(path: &str) -> PathBuf {
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().find(|folder| folder.join("crates").is_dir());
+    root.unwrap().join(path)
 }
 
-/// By name, those of folders within it too.
+/// The JSON files of a folder and its subfolders, sorted by name.
 fn patches_in(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<_> = folder.read_dir().unwrap().map(|entry| entry.unwrap().path()).collect();
     entries.sort();
-    let found =
+    let files =
         entries.into_iter().flat_map(|path| if path.is_dir() { patches_in(&path) } else { vec![path] });
-    found.filter(|file| file.extension().is_some_and(|extension| extension == "json")).collect()
+    files.filter(|file| file.extension().is_some_and(|extension| extension == "json")).collect()
 }

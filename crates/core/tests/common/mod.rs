@@ -1,13 +1,13 @@
-//! What tests of whole patches share: the journey to a program, roots of closed solutions, and exact
-//! derivatives held against differences.
+//! Helpers for tests of whole patches: they build and run programs, find roots of closed solutions, and compare exact
+//! derivatives with differences.
 
-#![allow(dead_code, reason = "every test binary takes what it needs")]
+#![allow(dead_code, reason = "no test binary uses all helpers")]
 
 pub mod circuits;
-pub mod dice;
 pub mod files;
 pub mod mutated;
 pub mod pages;
+pub mod random;
 pub mod traces;
 
 use std::fs;
@@ -20,12 +20,12 @@ use patchcord_core::ir::{ParameterSlot, Program};
 use patchcord_core::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord_core::solve::Machine;
 
-/// A patch of crates/core/tests/patches.
+/// The patch of a file in crates/core/tests/patches, such as "loop-lag".
 pub fn patch(stem: &str) -> Patch {
     read(&format!("crates/core/tests/patches/{stem}.json"))
 }
 
-/// A patch that comes with the program, such as "lessons/lorenz".
+/// A shipped patch, such as "lessons/lorenz".
 pub fn shipped(stem: &str) -> Patch {
     read(&format!("patches/{stem}.json"))
 }
@@ -36,12 +36,12 @@ pub fn slideway() -> Patch {
 }
 
 fn read(file: &str) -> Patch {
-    patch_of(&files::rooted(file))
+    patch_of(&files::repository_path(file))
 }
 
-/// The document of a patch as it was written.
+/// The JSON document of a shipped patch.
 pub fn document(stem: &str) -> Value {
-    let file = files::rooted(&format!("patches/{stem}.json"));
+    let file = files::repository_path(&format!("patches/{stem}.json"));
     serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
 }
 
@@ -50,18 +50,17 @@ pub fn patch_of(file: &Path) -> Patch {
     Patch::read(file).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A patch's circuit, with parameters changed.
+/// A patch's circuit with these parameter values.
 pub fn circuit(patch: &Patch, changes: &[(&str, f64)]) -> Circuit {
-    let changes: Vec<_> = changes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    Circuit::new(patch, &changes).unwrap_or_else(|report| panic!("{report}"))
+    Circuit::with_parameters(patch, changes.iter().copied()).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// A circuit's program.
+/// The program of a circuit.
 pub fn program_of(circuit: &Circuit) -> Program {
     Program::new(circuit).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// A patch's program, with parameters changed.
+/// A patch's program with these parameter values.
 pub fn program(patch: &Patch, changes: &[(&str, f64)]) -> Program {
     program_of(&circuit(patch, changes))
 }
@@ -87,9 +86,10 @@ pub fn source(builder: PatchBuilder, name: &str, height: f64) -> PatchBuilder {
     builder.drive(name, "volt", element("step").set("height", height))
 }
 
-/// A2'' = -4 dz(A2), dz a dead zone of +-10 V, from 0 V upward: level flight at 30 V/s between half swings of 15 V.
-pub fn play() -> Program {
-    let builder = volts("play")
+/// A2'' = -4 dz(A2) with a dead zone dz of +-10 V, from 0 V upward. Straight lines of 30 V/s alternate with half swings
+/// of 15 V.
+pub fn dead_zone_oscillator() -> Program {
+    let builder = volts("dead zone oscillator")
         .element("DZ", element("dead-zone").cord("in", "A2").set("lower", -10).set("upper", 10))
         .element("A1", element("integrator").cords("x4", ["DZ"]).set("initial", 30))
         .element("S1", element("summer").cords("x1", ["A1"]))
@@ -97,9 +97,9 @@ pub fn play() -> Program {
     built(builder)
 }
 
-/// A mass that sticks and slips, driven by curves through points: most lie on the ends of steps of 1 ms, one within rounding
-/// of an end, some elsewhere. One curve also switches a relay, and a diode L gives the lower of it and the way A2. What is fed back is
-/// told.
+/// A mass that sticks and slips, driven by two tables. Most table times are ends of steps of 1 ms, one is within
+/// rounding of such an end, some are elsewhere. One table also switches a relay. The diode L gives the lower of that
+/// table and the position A2. `fed_back` names the element that drives the feedback pot.
 pub fn driven_by_points(fed_back: &str) -> Patch {
     let height = |time: f64| 50.0 * (90.0 * time).sin() + 25.0 * (31.0 * time).cos();
     let curve = |times: Vec<f64>| {
@@ -133,15 +133,15 @@ pub fn driven_by_points(fed_back: &str) -> Patch {
         .unwrap()
 }
 
-/// An oscillator behind one delay line, D1, through which a curve drives it, beside a link; it comes back through another, D2,
-/// by which a relay switches.
-pub fn late(link: ElementBuilder) -> Patch {
+/// An oscillator with two delay lines. A table drives it through D1 and through the element `link`. Its output is fed
+/// back through D2, which also switches a relay.
+pub fn delay_loop(link: ElementBuilder) -> Patch {
     let height = |time: f64| 30.0 * (40.0 * time).sin() + 15.0 * (113.0 * time).cos();
     let points: Vec<_> =
         (0..=100).map(|place| f64::from(place) / 100.0).map(|time| [time, height(time)]).collect();
     let delay = |from: &str, time: &str| element("delay").cord("in", from).set("delay", time);
     let relay = element("relay").cord("in", "D2").cord("on", "C").cord("off", "ground");
-    volts("late")
+    volts("delay loop")
         .parameter("T", 0.05, "s", [1e-4, 2.0])
         .parameter("F", 0.02, "s", [1e-4, 2.0])
         .drive("u", "volt", element("table").set("points", serde_json::json!(points)))
@@ -157,24 +157,24 @@ pub fn late(link: ElementBuilder) -> Patch {
         .unwrap()
 }
 
-/// The same with a diode that takes the lower of what comes and what swings.
-pub fn late_and_bent() -> Patch {
-    late(element("diode-lower-of").cords("in", ["D1", "A2"]))
+/// The delay loop whose link is a diode: the lower of D1 and A2.
+pub fn delay_loop_with_diode() -> Patch {
+    delay_loop(element("diode-lower-of").cords("in", ["D1", "A2"]))
 }
 
-/// A machine that has run for a time.
-pub fn ran(program: &Program, step: f64, length: f64) -> Machine<'_> {
+/// A machine after `length` problem seconds of operation in equal steps.
+pub fn run_for(program: &Program, step: f64, length: f64) -> Machine<'_> {
     let mut machine = Machine::new(program, step).unwrap_or_else(|error| panic!("{error}"));
     machine.operate(length).unwrap_or_else(|error| panic!("{error}"));
     machine
 }
 
-/// The voltage at an output.
+/// The voltage at the output of an element.
 pub fn voltage(machine: &Machine<'_>, element: &str) -> f64 {
     machine.voltage(element).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Where a function changes its sign between two places at which it has different ones.
+/// The root of a function between `low` and `high`, by bisection. The function has different signs at the two.
 pub fn root(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let (mut low, mut high) = (low, high);
     let rising = function(low) < function(high);
@@ -185,13 +185,14 @@ pub fn root(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     high
 }
 
-/// So many random cases, without a file of past failures: a case that failed becomes a test of its own.
+/// The configuration of a property test with `cases` random cases. It keeps no file of past failures: a case that
+/// failed becomes a separate test.
 pub fn random_cases(cases: u32) -> proptest::test_runner::Config {
     proptest::test_runner::Config { cases, failure_persistence: None, ..Default::default() }
 }
 
-/// The slope of the straight line through (log step, log error): the order that is reached.
-pub fn order(steps: &[f64], errors: &[f64]) -> f64 {
+/// The observed order of convergence: the slope of the straight line through (log step, log error).
+pub fn convergence_order(steps: &[f64], errors: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let logs = |values: &[f64]| values.iter().map(|value| value.ln()).collect::<Vec<_>>();
     let (x, y) = (logs(steps), logs(errors));
@@ -200,72 +201,79 @@ pub fn order(steps: &[f64], errors: &[f64]) -> f64 {
     products / x.iter().map(|x| (x - mean_x).powi(2)).sum::<f64>()
 }
 
-/// Holds a program's exact derivatives against central differences of its rates, at instants away from kinks.
+/// Compares a program's exact derivatives with central differences of its rates, at instants away from kinks.
 pub fn check_derivatives(program: &Program, step: f64, instants: &[f64]) {
-    check_derivatives_but(program, step, instants, &[]);
+    check_derivatives_except(program, step, instants, &[]);
 }
 
-/// The same, where some states stand at a kink (stuck, resting, at a limit) and cannot be moved both ways.
-pub fn check_derivatives_but(program: &Program, step: f64, instants: &[f64], held: &[&str]) {
+/// The same comparison without the states in `held`. These are at a kink (stuck, resting, at a limit) and cannot be
+/// varied in both directions.
+pub fn check_derivatives_except(program: &Program, step: f64, instants: &[f64], held: &[&str]) {
     for instant in instants {
-        let machine = ran(program, step, *instant);
+        let machine = run_for(program, step, *instant);
         let exact = machine.linearise();
         for (column, state) in
             exact.states.iter().enumerate().filter(|(_, state)| !held.contains(&state.as_str()))
         {
             let found = difference_by_state(&machine, state, machine.states()[column]);
-            let told: Vec<f64> = exact.by_states.column(column).iter().copied().collect();
-            compare(&told, &found, &format!("by {state} at {instant} s"));
+            let derivatives: Vec<f64> = exact.by_states.iter().map(|row| row[column]).collect();
+            assert_close(&derivatives, &found, &format!("by {state} at {instant} s"));
         }
         for (column, slot) in program.parameters().iter().enumerate() {
             if is_at_edge(slot) {
                 continue;
             }
-            let si = slot.value.abs().max(1e-3 * slot.per_unit);
-            let found =
-                difference_by_parameter(&machine, &slot.name, slot.value / slot.per_unit, si / slot.per_unit);
-            let told = exact.by_parameters.column(column);
-            let told: Vec<f64> = told.iter().map(|slope| slope * si).collect();
-            compare(&told, &found, &format!("by {} at {instant} s", slot.name));
+            let size_si = slot.value.abs().max(1e-3 * slot.declared.per_unit);
+            let found = difference_by_parameter(
+                &machine,
+                &slot.declared.name,
+                slot.value / slot.declared.per_unit,
+                size_si / slot.declared.per_unit,
+            );
+            let derivatives: Vec<f64> = exact.by_parameters.iter().map(|row| row[column] * size_si).collect();
+            assert_close(&derivatives, &found, &format!("by {} at {instant} s", slot.declared.name));
         }
     }
 }
 
-/// Whether a parameter stands at an end of its range, from which it cannot be turned both ways.
+/// Whether a parameter is at an end of its range, where it cannot be varied in both directions.
 fn is_at_edge(slot: &ParameterSlot) -> bool {
-    let value = slot.value / slot.per_unit;
-    slot.range.is_some_and(|(low, high)| value <= low || value >= high)
+    let value = slot.value / slot.declared.per_unit;
+    slot.declared.range.is_some_and(|(low, high)| value <= low || value >= high)
 }
 
+/// The difference of all rates per volt of a state.
 fn difference_by_state(machine: &Machine<'_>, state: &str, volts: f64) -> Vec<f64> {
     let rates = |volts: f64| {
         let mut moved = machine.clone();
         moved.set_state(state, volts).unwrap_or_else(|error| panic!("{error}"));
         moved.rates().to_vec()
     };
-    // Most rates are straight lines of the states: a wide difference keeps rounding out.
-    central(rates, volts, 1e-3)
+    // Most rates are linear in the states, so a wide difference reduces the effect of rounding.
+    central_difference(rates, volts, 1e-3)
 }
 
-/// The difference per share of the parameter, so that every entry is in volts per second.
+/// The difference of all rates per fraction of a parameter's size, so that every entry is in volts per second.
 fn difference_by_parameter(machine: &Machine<'_>, name: &str, value: f64, size: f64) -> Vec<f64> {
-    let rates = |share: f64| {
-        let mut turned = machine.clone();
-        turned.set(name, value + share * size).unwrap_or_else(|error| panic!("{name}: {error}"));
-        turned.rates().to_vec()
+    let rates = |fraction: f64| {
+        let mut changed = machine.clone();
+        changed.set(name, value + fraction * size).unwrap_or_else(|error| panic!("{name}: {error}"));
+        changed.rates().to_vec()
     };
-    central(rates, 0.0, 1e-5)
+    central_difference(rates, 0.0, 1e-5)
 }
 
-fn central(rates: impl Fn(f64) -> Vec<f64>, at: f64, distance: f64) -> Vec<f64> {
-    let (above, below) = (rates(at + distance), rates(at - distance));
+fn central_difference(rates: impl Fn(f64) -> Vec<f64>, centre: f64, distance: f64) -> Vec<f64> {
+    let (above, below) = (rates(centre + distance), rates(centre - distance));
     above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * distance)).collect()
 }
 
-/// Differences are good to about the square of their distance, 1e-10, and to rounding of rates over distance.
-fn compare(told: &[f64], found: &[f64], what: &str) {
-    for (row, (told, found)) in told.iter().zip(found).enumerate() {
-        let allowed = 1e-7 * (1.0 + told.abs());
-        assert!((told - found).abs() <= allowed, "rate {row} {what}: {told} against {found}");
+/// Asserts that derivatives equal differences. The error of a difference is about the square of its distance, 1e-10,
+/// plus the rounding of the rates divided by the distance.
+fn assert_close(derivatives: &[f64], differences: &[f64], context: &str) {
+    for (row, (derivative, difference)) in derivatives.iter().zip(differences).enumerate() {
+        let allowed = 1e-7 * (1.0 + derivative.abs());
+        let is_close = (derivative - difference).abs() <= allowed;
+        assert!(is_close, "rate {row} {context}: derivative {derivative}, difference {difference}");
     }
 }

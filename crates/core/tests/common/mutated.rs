@@ -1,9 +1,10 @@
-//! Documents that somebody or something has spoilt.
+//! Randomly damaged documents.
 
-/// Numbers that look like chance and are the same in every run (xorshift).
-pub struct Dice(pub u64);
+/// A xorshift generator (Marsaglia 2003): the same random numbers in every run. The field is the seed, not 0.
+pub struct Xorshift(pub u64);
 
-impl Dice {
+impl Xorshift {
+    /// A number from 0 up to `end`, without `end`; 0 if `end` is 0.
     fn below(&mut self, end: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -16,20 +17,21 @@ impl Dice {
     }
 }
 
-/// Words, numbers and signs of a JSON text, each by itself.
+/// The words, numbers and punctuation characters of a JSON text.
 fn tokens(text: &str) -> Vec<&str> {
-    let is_sign = |letter: char| !(letter.is_alphanumeric() || "+-._".contains(letter));
-    text.split_inclusive(is_sign)
-        .flat_map(|piece| {
-            let sign = piece.char_indices().last().filter(|(_, last)| is_sign(*last));
-            let (word, sign) = piece.split_at(sign.map_or(piece.len(), |(at, _)| at));
-            [word, sign]
+    let is_punctuation = |letter: char| !(letter.is_alphanumeric() || "+-._".contains(letter));
+    text.split_inclusive(is_punctuation)
+        .flat_map(|chunk| {
+            let punctuation = chunk.char_indices().last().filter(|(_, last)| is_punctuation(*last));
+            let (word, punctuation) = chunk.split_at(punctuation.map_or(chunk.len(), |(at, _)| at));
+            [word, punctuation]
         })
         .filter(|token| !token.is_empty())
         .collect()
 }
 
-const STRANGE: &[&str] = &[
+/// Tokens with which a token is replaced: extreme numbers, names of jacks and kinds, unusual characters.
+const REPLACEMENTS: &[&str] = &[
     "null",
     "true",
     "0",
@@ -68,38 +70,38 @@ const STRANGE: &[&str] = &[
     "kind",
 ];
 
-/// The text with one token deleted, doubled, exchanged for another, or replaced by something strange.
-fn with_another_token(text: &str, dice: &mut Dice) -> String {
+/// The text with one token deleted, doubled, swapped with another, or replaced.
+fn with_changed_token(text: &str, random: &mut Xorshift) -> String {
     let mut tokens = tokens(text);
-    let (at, other) = (dice.below(tokens.len()), dice.below(tokens.len()));
-    match dice.below(5) {
-        0 => drop(tokens.remove(at)),
-        1 => tokens.insert(at, tokens[at]),
-        2 => tokens.swap(at, other),
-        3 => tokens[at] = tokens[other],
-        _ => tokens[at] = dice.one_of(STRANGE),
+    let (index, other) = (random.below(tokens.len()), random.below(tokens.len()));
+    match random.below(5) {
+        0 => drop(tokens.remove(index)),
+        1 => tokens.insert(index, tokens[index]),
+        2 => tokens.swap(index, other),
+        3 => tokens[index] = tokens[other],
+        _ => tokens[index] = random.one_of(REPLACEMENTS),
     }
     tokens.concat()
 }
 
-/// The text with one byte deleted or replaced, or cut off there.
-fn with_another_byte(text: &str, dice: &mut Dice) -> String {
+/// The text with one byte deleted or replaced, or truncated at that byte.
+fn with_changed_byte(text: &str, random: &mut Xorshift) -> String {
     let mut bytes = text.as_bytes().to_vec();
-    let at = dice.below(bytes.len());
-    match dice.below(8) {
-        0 => bytes.truncate(at),
-        1..4 => drop(bytes.remove(at)),
-        _ => bytes[at] = *dice.one_of(&b"{}[],:\"\\ 0123456789.eE+-abxyzABS\n/*".each_ref()),
+    let index = random.below(bytes.len());
+    match random.below(8) {
+        0 => bytes.truncate(index),
+        1..4 => drop(bytes.remove(index)),
+        _ => bytes[index] = *random.one_of(&b"{}[],:\"\\ 0123456789.eE+-abxyzABS\n/*".each_ref()),
     }
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The text with one to three changes.
-pub fn mutated(text: &str, dice: &mut Dice) -> String {
-    let rounds = 1 + dice.below(3);
-    (0..rounds).fold(text.to_owned(), |text, _| match dice.below(3) {
+/// The text with one to three random changes.
+pub fn mutated(text: &str, random: &mut Xorshift) -> String {
+    let changes = 1 + random.below(3);
+    (0..changes).fold(text.to_owned(), |text, _| match random.below(3) {
         _ if text.is_empty() => text,
-        0 => with_another_byte(&text, dice),
-        _ => with_another_token(&text, dice),
+        0 => with_changed_byte(&text, random),
+        _ => with_changed_token(&text, random),
     })
 }

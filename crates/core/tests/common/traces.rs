@@ -1,21 +1,22 @@
-//! Traces compared to the last bit.
+//! Bitwise comparison of traces.
 
-use patchcord_core::trace::{Course, Trace};
+use patchcord_core::trace::{SignalExtremes, Trace};
 
-/// Every number that a run leaves, as its bits: 0 and -0 are equal, and not the same.
+/// The bits of every number of a trace. They distinguish 0 from -0, which compare equal as numbers.
 pub fn bits(trace: &Trace) -> Vec<u64> {
     let volts = trace.tracks.iter().flat_map(|track| track.volts.iter().copied());
-    let courses = trace.tracks.iter().flat_map(|track| &track.courses).flat_map(parts);
+    let extremes = trace.tracks.iter().flat_map(|track| &track.extremes).flat_map(extreme_values);
     let overloads = trace.overloads().flat_map(|overload| [overload.time, overload.peak]);
-    let marks = trace.marks.iter().flat_map(|mark| [mark.begin, mark.end, mark.problem_time]);
+    let phases =
+        trace.phase_records.iter().flat_map(|record| [record.begin, record.end, record.problem_time]);
     let ends = trace.sweeps.iter().map(|sweep| sweep.end);
     let all =
-        trace.time.iter().copied().chain(volts).chain(courses).chain(overloads).chain(marks).chain(ends);
+        trace.time.iter().copied().chain(volts).chain(extremes).chain(overloads).chain(phases).chain(ends);
     all.map(f64::to_bits).collect()
 }
 
-/// The numbers of a course.
-pub fn parts(course: &Course) -> [f64; 6] {
-    let Course { start, end, least, most } = course;
+/// The numbers of a signal's extremes.
+pub fn extreme_values(extremes: &SignalExtremes) -> [f64; 6] {
+    let SignalExtremes { start, end, least, most } = extremes;
     [*start, *end, least.volts, least.time, most.volts, most.time]
 }

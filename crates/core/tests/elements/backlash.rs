@@ -1,22 +1,23 @@
-//! Backlash: the play operator.
+//! Backlash, also called the play operator.
 
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 
-use crate::common::{built, element, order, ran, random_cases, source, volts};
+use crate::common::{built, convergence_order, element, random_cases, run_for, source, volts};
 use crate::elements::bench::{ANY, apply, assert_out, at, bench, has_exact_derivatives, near, out};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::ElementBuilder;
 
-fn play(width: f64, initial: f64) -> ElementBuilder {
+/// A backlash of this width in V.
+fn backlash(width: f64, initial: f64) -> ElementBuilder {
     element("backlash").cord("in", "a").set("width", width).set("initial", initial)
 }
 
-/// A sine of 50 V and 1 Hz through 20 V of play.
+/// A sine of 50 V and 1 Hz through a backlash of 20 V.
 fn sine() -> Program {
     let sine = element("sine").set("amplitude", 50).set("frequency", 1);
-    built(volts("sine").drive("a", "volt", sine).element("E", play(20.0, 0.0)))
+    built(volts("sine").drive("a", "volt", sine).element("E", backlash(20.0, 0.0)))
 }
 
 proptest! {
@@ -24,7 +25,7 @@ proptest! {
 
     #[test]
     fn law(width in 0.0..80.0f64, initial in ANY, moves in proptest::collection::vec(ANY, 1..20)) {
-        let program = bench(play(width, initial));
+        let program = bench(backlash(width, initial));
         let mut machine = at(&program, &[0.0]);
         let mut expected = initial.clamp(-0.5 * width, 0.5 * width);
         prop_assert!(near(out(&machine), expected));
@@ -42,23 +43,23 @@ proptest! {
 #[test]
 fn overload() {
     let pair = element("diode-lower-of").set("in", serde_json::json!(["u", "u"])).set("drop", 10);
-    let builder = source(volts("high"), "u", 100.0).element("a", pair).element("E", play(6.0, 0.0));
+    let builder = source(volts("high"), "u", 100.0).element("a", pair).element("E", backlash(6.0, 0.0));
     let program = built(builder);
-    let machine = ran(&program, 1e-3, 0.01);
+    let machine = run_for(&program, 1e-3, 0.01);
     assert_eq!((out(&machine), machine.overloads()[0].peak), (100.0, 107.0));
 }
 
 #[test]
 fn modes() {
-    let program = bench(play(20.0, 5.0));
+    let program = bench(backlash(20.0, 5.0));
     let mut machine = at(&program, &[0.0]);
     assert_out(&machine, 5.0, "in initial condition");
     machine.operate(2e-3).unwrap();
     apply(&mut machine, &[40.0]);
-    assert_out(&machine, 30.0, "pushed in operation");
+    assert_out(&machine, 30.0, "pushed in operate");
     machine.hold();
     apply(&mut machine, &[21.0]);
-    assert_out(&machine, 30.0, "in hold, back across the play");
+    assert_out(&machine, 30.0, "in hold, moved back within the width");
     apply(&mut machine, &[15.0]);
     assert_out(&machine, 25.0, "in hold, pushed back");
     machine.operate(2e-3).unwrap();
@@ -68,49 +69,49 @@ fn modes() {
 }
 
 #[test]
-fn a_sine_that_turns_at_the_ends_of_steps_is_followed_exactly() {
+fn a_sine_whose_peaks_are_at_ends_of_steps_is_exact() {
     let program = sine();
     for step in [1.0 / 8.0, 1.0 / 100.0] {
-        // Up to 50 - 10 V, level until the sine has come down by 20 V, down to -50 + 10 V, level again.
+        // Up to 50 - 10 V, constant until the sine has fallen by 20 V, down to -50 + 10 V, constant again.
         let level = (0.6f64).acos() / TAU;
         assert!(0.25 + level < 0.45);
         for (time, expected) in
             [(0.26, 40.0), (0.25 + level - 1e-3, 40.0), (0.75, -40.0), (0.76, -40.0), (1.25, 40.0)]
         {
-            let found = out(&ran(&program, step, time));
+            let found = out(&run_for(&program, step, time));
             assert!((found - expected).abs() < 1e-11, "{step} {time} {found}");
         }
-        let found = out(&ran(&program, step, 0.45));
+        let found = out(&run_for(&program, step, 0.45));
         assert!((found - (50.0 * (TAU * 0.45).sin() + 10.0)).abs() < 1e-11, "{found}");
     }
 }
 
-/// The sine turns at 0.25 s, in the middle of a step for these.
+/// The peak of the sine at 0.25 s is in the middle of a step.
 #[test]
-fn a_turn_within_a_step_is_missed_by_its_square() {
+fn a_peak_within_a_step_has_an_error_of_second_order() {
     let program = sine();
     let steps = [1.0 / 22.0, 1.0 / 42.0, 1.0 / 82.0, 1.0 / 162.0];
-    let errors = steps.map(|step| 40.0 - out(&ran(&program, step, 0.3)));
-    let reached = order(&steps, &errors);
-    assert!((1.95..2.05).contains(&reached), "{reached} {errors:?}");
+    let errors = steps.map(|step| 40.0 - out(&run_for(&program, step, 0.3)));
+    let observed = convergence_order(&steps, &errors);
+    assert!((1.95..2.05).contains(&observed), "{observed} {errors:?}");
     for (step, error) in steps.iter().zip(errors) {
-        let most = 50.0 * (TAU * step).powi(2) / 8.0;
-        assert!((0.9 * most..most).contains(&error), "{step} {error} {most}");
+        let bound = 50.0 * (TAU * step).powi(2) / 8.0;
+        assert!((0.9 * bound..bound).contains(&error), "{step} {error} {bound}");
     }
 }
 
-/// In a loop without an integrator it is a straight piece.
+/// In a loop without an integrator a backlash is a linear piece.
 #[test]
-fn a_loop_through_it_is_solved() {
+fn a_loop_through_a_backlash_is_solved() {
     let builder = source(volts("loop"), "u", 30.0)
         .element("S", element("summer").cords("x1", ["u"]).cords("x0.5", ["E"]))
         .element("a", element("summer").cords("x1", ["S"]))
-        .element("E", play(10.0, 0.0));
+        .element("E", backlash(10.0, 0.0));
     // E = 30 + E / 2 - 5.
-    assert_out(&ran(&built(builder), 1e-2, 0.1), 50.0, "pushed up");
+    assert_out(&run_for(&built(builder), 1e-2, 0.1), 50.0, "pushed up");
 }
 
 #[test]
 fn derivatives() {
-    has_exact_derivatives(play(90.0, 0.0), 30.0, &[]);
+    has_exact_derivatives(backlash(90.0, 0.0), 30.0, &[]);
 }

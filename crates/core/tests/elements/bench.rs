@@ -1,26 +1,27 @@
-//! One element, called E, between drives a, b and c whose voltages are parameters and can be set in every mode.
+//! A test bench for one element E. The voltages of its drives a, b and c are parameters, which can be set in every
+//! mode.
 
 use std::ops::Range;
 
 use serde_json::json;
 
-use crate::common::{built, check_derivatives, element, ran, voltage, volts};
+use crate::common::{built, check_derivatives, element, run_for, voltage, volts};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 use patchcord_core::solve::{Machine, MachineMode};
 
-/// Every voltage that an output can have.
+/// The range of output voltages.
 pub const ANY: Range<f64> = -100.0..100.0;
 
-/// The drives.
+/// The names of the drives, which are also the names of their parameters.
 const DRIVES: [&str; 3] = ["a", "b", "c"];
 
-/// What an amplifier makes of a voltage that it is asked for.
+/// The output of an amplifier for a demanded voltage.
 pub fn clip(volts: f64) -> f64 {
     volts.clamp(-100.0, 100.0)
 }
 
-/// A patch with the drives a, b, c.
+/// A patch with these drives.
 fn drives(names: &[&str]) -> PatchBuilder {
     names.iter().fold(volts("bench"), |builder, name| {
         let drive = element("step").set("height", *name);
@@ -28,21 +29,21 @@ fn drives(names: &[&str]) -> PatchBuilder {
     })
 }
 
-/// An element on the bench. Diode pairs called high and low give 10 V more and less than a: up to 110 V.
+/// The program of an element on the bench. The diode pairs "high" and "low" give 10 V more and less than a.
 pub fn bench(element: ElementBuilder) -> Program {
     let pair = |kind| crate::common::element(kind).set("in", json!(["a", "a"])).set("drop", 10);
     let builder = drives(&DRIVES).element("high", pair("diode-lower-of"));
     built(builder.element("low", pair("diode-upper-of")).element("E", element))
 }
 
-/// A drive on the bench, in volts.
+/// The program of a drive on the bench, in volts.
 pub fn bench_drive(drive: ElementBuilder) -> Program {
     built(drives(&DRIVES).drive("E", "volt", drive))
 }
 
-/// A machine in initial condition, with voltages of a, b, c.
+/// A machine in initial condition with these voltages of a, b, c.
 pub fn at<'p>(program: &'p Program, volts: &[f64]) -> Machine<'p> {
-    let mut machine = ran(program, 1e-3, 0.0);
+    let mut machine = run_for(program, 1e-3, 0.0);
     machine.initial_condition().unwrap();
     apply(&mut machine, volts);
     machine
@@ -60,27 +61,27 @@ pub fn out(machine: &Machine<'_>) -> f64 {
     voltage(machine, "E")
 }
 
-/// What an element gives in initial condition, with voltages of a, b, c.
+/// The output of an element in initial condition with these voltages of a, b, c.
 pub fn output(element: ElementBuilder, volts: &[f64]) -> f64 {
     out(&at(&bench(element), volts))
 }
 
-/// Whether two voltages are the same but for rounding.
+/// Whether two voltages are equal up to rounding.
 pub fn near(found: f64, expected: f64) -> bool {
     (found - expected).abs() <= 1e-12 * (1.0 + found.abs().max(expected.abs()))
 }
 
-/// Asserts that the output is what is expected but for rounding.
+/// Asserts that the output is equal to `expected` up to rounding.
 pub fn assert_out(machine: &Machine<'_>, expected: f64, when: &str) {
-    assert!(near(out(machine), expected), "{when}: {} instead of {expected}", out(machine));
+    assert!(near(out(machine), expected), "{when}: {}, expected {expected}", out(machine));
 }
 
-/// An amplifier asked for too much: it stops at ±100 V, its lamp lights and stays lit when its inputs fall to 0,
-/// and the history tells what was asked for.
-pub fn stops_at_100_volts(element: ElementBuilder, volts: &[f64], asked: f64) {
+/// Asserts the behaviour of an overloaded amplifier. Its output stops at ±100 V, its lamp stays lit after its inputs
+/// fall to 0, and the overload's peak is the demanded voltage.
+pub fn stops_at_100_volts(element: ElementBuilder, volts: &[f64], demand: f64) {
     let program = bench(element);
     let mut machine = at(&program, volts);
-    tells_overload(&machine, asked);
+    assert_overload(&machine, demand);
     machine.operate(2e-3).unwrap();
     apply(&mut machine, &[0.0; 3]);
     assert!(machine.is_overloaded(), "the lamp stays lit");
@@ -88,20 +89,21 @@ pub fn stops_at_100_volts(element: ElementBuilder, volts: &[f64], asked: f64) {
     assert!(!machine.is_overloaded(), "the lamp goes out in initial condition");
 }
 
-/// A drive that begins beyond 100 V.
-pub fn drive_stops_at_100_volts(drive: ElementBuilder, asked: f64) {
-    tells_overload(&at(&bench_drive(drive), &[]), asked);
+/// Asserts that a drive with an initial demand above 100 V is overloaded.
+pub fn drive_stops_at_100_volts(drive: ElementBuilder, demand: f64) {
+    assert_overload(&at(&bench_drive(drive), &[]), demand);
 }
 
-fn tells_overload(machine: &Machine<'_>, asked: f64) {
-    assert_eq!(out(machine), 100f64.copysign(asked));
-    let told = machine.overloads();
-    let [lamp] = told.as_slice() else { panic!("one lamp lights: {told:?}") };
+/// Asserts that E is overloaded at t = 0 with this demanded voltage.
+fn assert_overload(machine: &Machine<'_>, demand: f64) {
+    assert_eq!(out(machine), 100f64.copysign(demand));
+    let overloads = machine.overloads();
+    let [lamp] = overloads.as_slice() else { panic!("expected one lamp: {overloads:?}") };
     assert_eq!((lamp.element.as_str(), lamp.time, lamp.caused_by.as_deref()), ("E", 0.0, None));
-    assert!(near(lamp.peak, asked.abs()), "{lamp:?}");
+    assert!(near(lamp.peak, demand.abs()), "{lamp:?}");
 }
 
-/// A network without an amplifier: it gives what its law says, beyond 100 V as well, and has no lamp.
+/// Asserts that a network without an amplifier follows its formula beyond 100 V and lights no lamp.
 pub fn has_no_lamp(element: ElementBuilder, volts: &[f64], expected: f64) {
     let program = bench(element);
     let mut machine = at(&program, volts);
@@ -110,8 +112,8 @@ pub fn has_no_lamp(element: ElementBuilder, volts: &[f64], expected: f64) {
     assert!(!machine.is_overloaded(), "{:?}", machine.overloads());
 }
 
-/// An element without memory follows its inputs in initial condition, in operation and in hold: three sets of
-/// voltages, and what the law makes of each.
+/// Asserts that an element without memory follows its inputs in initial condition, operate and hold. Each case has
+/// input voltages and the expected output.
 pub fn computes_in_every_mode(element: ElementBuilder, cases: [(&[f64], f64); 3]) {
     let [initial, operating, held] = cases;
     let program = bench(element);
@@ -126,7 +128,8 @@ pub fn computes_in_every_mode(element: ElementBuilder, cases: [(&[f64], f64); 3]
     assert_out(&machine, held.1, "in hold");
 }
 
-/// A drive stands at its value of t = 0 in initial condition; in hold its time stops, and runs on from there.
+/// Asserts that a drive has its value of t = 0 in initial condition, and that its time stops in hold and then
+/// continues.
 pub fn waits_in_hold(drive: ElementBuilder, law: impl Fn(f64) -> f64) {
     let program = bench_drive(drive);
     let mut machine = at(&program, &[]);
@@ -139,10 +142,10 @@ pub fn waits_in_hold(drive: ElementBuilder, law: impl Fn(f64) -> f64) {
     assert_out(&machine, law(0.58), "after hold");
 }
 
-/// Exact derivatives through an element, by the state of an integrator that stands in the place of a, by the
-/// voltage of b, and by parameters: name, value, unit, range.
+/// Compares exact derivatives through an element with differences. They are by the state of an integrator that replaces
+/// a, by the voltage of b, and by parameters (name, value, unit, range).
 pub fn has_exact_derivatives(
-    element_of: ElementBuilder,
+    tested: ElementBuilder,
     initial: f64,
     parameters: &[(&str, f64, &str, [f64; 2])],
 ) {
@@ -150,6 +153,6 @@ pub fn has_exact_derivatives(
     let builder = parameters.iter().fold(drives(&["b"]), |builder, (name, value, unit, range)| {
         builder.parameter(name, *value, unit, *range)
     });
-    let program = built(builder.element("a", integrator).element("E", element_of));
+    let program = built(builder.element("a", integrator).element("E", tested));
     check_derivatives(&program, 1e-3, &[0.0, 0.1, 0.3]);
 }

@@ -17,7 +17,7 @@ proptest! {
         let preset = output(element("cos").cord("in", "a"), &[a]);
         prop_assert!((preset - 100.0 * (PI * a / 100.0).cos()).abs() < 1e-12);
         let set = element("cos").cord("in", "a").set("amplitude", amplitude).set("angle_per_volt", scale);
-        // An angle of 100 rad is good to 1e-14.
+        // The rounding of an angle of 100 rad is 1e-14.
         prop_assert!((output(set, &[a]) - amplitude * (scale * a).cos()).abs() < 1e-11);
     }
 }

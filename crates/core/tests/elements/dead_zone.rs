@@ -18,9 +18,9 @@ proptest! {
     #[test]
     fn law(a in ANY, lower in -100.0..99.0f64, width in 0.01..1.0f64, slope in 0.0..5.0f64) {
         let upper = lower + width * (100.0 - lower);
-        let beyond = if a > upper { a - upper } else if a < lower { a - lower } else { 0.0 };
-        prop_assert!(near(output(zone(lower, upper), &[a]), clip(beyond)));
-        prop_assert!(near(output(zone(lower, upper).set("slope", slope), &[a]), clip(slope * beyond)));
+        let excess = if a > upper { a - upper } else if a < lower { a - lower } else { 0.0 };
+        prop_assert!(near(output(zone(lower, upper), &[a]), clip(excess)));
+        prop_assert!(near(output(zone(lower, upper).set("slope", slope), &[a]), clip(slope * excess)));
     }
 }
 

@@ -1,8 +1,8 @@
-//! Delay line. Sines, jumps and feedback through it: crates/core/tests/delay.rs.
+//! Delay line. crates/core/tests/delay.rs tests sines, jumps and feedback through it.
 
 use proptest::prelude::*;
 
-use crate::common::{built, element, ran, random_cases, volts};
+use crate::common::{built, element, random_cases, run_for, volts};
 use crate::elements::bench::{ANY, apply, assert_out, at, bench, has_no_lamp, out};
 
 proptest! {
@@ -13,10 +13,10 @@ proptest! {
         let ramp = element("ramp").set("start", start * 0.3).set("rate", rate);
         let line = element("delay").cord("in", "u").set("delay", delay).set("initial", initial);
         let program = built(volts("delayed").drive("u", "volt", ramp).element("E", line));
-        let late = time - delay;
-        prop_assume!(late.abs() > 1e-6);
-        let expected = if late < 0.0 { initial } else { start * 0.3 + rate * late };
-        let found = out(&ran(&program, 7e-3, time));
+        let delayed_time = time - delay;
+        prop_assume!(delayed_time.abs() > 1e-6);
+        let expected = if delayed_time < 0.0 { initial } else { start * 0.3 + rate * delayed_time };
+        let found = out(&run_for(&program, 7e-3, time));
         prop_assert!((found - expected).abs() < 1e-9, "{found} {expected}");
     }
 }
@@ -36,9 +36,9 @@ fn modes() {
     apply(&mut machine, &[-80.0]);
     assert_out(&machine, 40.0, "in hold");
     machine.operate(0.09).unwrap();
-    assert_out(&machine, 40.0, "what went in before hold");
+    assert_out(&machine, 40.0, "the input before hold");
     machine.operate(0.02).unwrap();
-    assert_out(&machine, -80.0, "what went in during hold");
+    assert_out(&machine, -80.0, "the input during hold");
     machine.initial_condition().unwrap();
     assert_out(&machine, 12.0, "in initial condition again");
 }

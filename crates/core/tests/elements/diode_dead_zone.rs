@@ -17,14 +17,14 @@ proptest! {
     #[test]
     fn law(a in ANY, bias in 0.0..100.0f64, r in 0.0..1.0f64, drop in 0.0..5.0f64) {
         let out = |a: f64| output(zone(r).set("drop", drop), &[a, bias, -bias]);
-        // Nothing up to where the bias holds the diodes shut, slope 1 - r beyond.
-        let beyond = (a.abs() * (1.0 - r) - r * bias - drop).max(0.0);
-        prop_assert!((out(a) - beyond.copysign(a)).abs() < 1e-12, "{} {beyond}", out(a));
+        // The output is 0 while the bias blocks the diodes. Beyond that the slope is 1 - r.
+        let excess = (a.abs() * (1.0 - r) - r * bias - drop).max(0.0);
+        prop_assert!((out(a) - excess.copysign(a)).abs() < 1e-12, "{} {excess}", out(a));
         prop_assert_eq!(out(-a), -out(a));
     }
 
     #[test]
-    fn each_bias_sets_its_own_side(a in ANY, plus in 0.0..100.0f64, minus in -100.0..0.0f64) {
+    fn each_bias_determines_one_edge(a in ANY, plus in 0.0..100.0f64, minus in -100.0..0.0f64) {
         let (upper, lower) = (0.75 * a + 0.25 * minus, 0.75 * a + 0.25 * plus);
         let expected = upper.max(0.0) + lower.min(0.0);
         prop_assert!(near(output(zone(0.25), &[a, plus, minus]), expected));
@@ -33,7 +33,7 @@ proptest! {
 
 #[test]
 fn overload() {
-    // Both diodes conduct where the biases are exchanged: 75 + 25 and 75 - 25 V.
+    // Both diodes conduct if the biases are exchanged: 75 + 25 and 75 - 25 V.
     has_no_lamp(zone(0.25), &[100.0, -100.0, 100.0], 100.0);
     // The same with 110 V: 82.5 + 25 V.
     has_no_lamp(zone(0.25).cord("in", "high"), &[100.0, -100.0, 100.0], 107.5);

@@ -1,9 +1,9 @@
-//! Exponential of a voltage. That it undoes the logarithm: log.
+//! Exponential of a voltage. The module log tests that it is the inverse of the logarithm.
 
 use proptest::prelude::*;
 use serde_json::json;
 
-use crate::common::{built, element, ran, random_cases, source, voltage, volts};
+use crate::common::{built, element, random_cases, run_for, source, voltage, volts};
 use crate::elements::bench::{
     ANY, clip, computes_in_every_mode, has_exact_derivatives, near, output, stops_at_100_volts,
 };
@@ -24,7 +24,7 @@ proptest! {
 fn overload() {
     let exp = || element("exp").cord("in", "a");
     stops_at_100_volts(exp().set("reference", 2), &[100.0], 200.0);
-    // The steepest there is.
+    // The smallest permitted "per_decade".
     stops_at_100_volts(exp().set("per_decade", 1), &[100.0], 1e100);
     stops_at_100_volts(exp().set("per_decade", 1).set("reference", 100), &[100.0], 1e102);
 }
@@ -44,14 +44,14 @@ fn derivatives() {
 }
 
 #[test]
-fn beyond_the_range_of_numbers_it_stops_too() {
-    // 40 diode pairs of 10 V make 500 V of 100 V: 10^500 has no number.
+fn an_exponential_that_overflows_stops_at_100_volts() {
+    // 40 diode pairs of 10 V raise 100 V to 500 V, and 10^500 is not a finite number.
     let builder = source(volts("high"), "D0", 100.0);
-    let builder = (1..=40).fold(builder, |builder, at| {
-        let from = format!("D{}", at - 1);
+    let builder = (1..=40).fold(builder, |builder, index| {
+        let from = format!("D{}", index - 1);
         let pair = element("diode-lower-of").set("in", json!([from, from])).set("drop", 10);
-        builder.element(&format!("D{at}"), pair)
+        builder.element(&format!("D{index}"), pair)
     });
     let program = built(builder.element("E", element("exp").cord("in", "D40").set("per_decade", 1)));
-    assert_eq!(voltage(&ran(&program, 1e-3, 1e-2), "E"), 100.0);
+    assert_eq!(voltage(&run_for(&program, 1e-3, 1e-2), "E"), 100.0);
 }

@@ -14,7 +14,7 @@ fn generator(points: &[[f64; 2]], symmetry: &str) -> ElementBuilder {
     element("function-generator").cord("in", "a").set("points", json!(points)).set("symmetry", symmetry)
 }
 
-/// The curve: the segment below the first point that lies above the input, the outermost ones continued.
+/// The value of the curve at an input. The outermost segments continue beyond the points.
 fn curve(points: &[[f64; 2]], input: f64) -> f64 {
     let last = points.len() - 1;
     let above = (1..last).find(|index| input < points[*index][0]).unwrap_or(last);
@@ -22,12 +22,12 @@ fn curve(points: &[[f64; 2]], input: f64) -> f64 {
     (y0 * (x1 - input) + y1 * (input - x0)) / (x1 - x0)
 }
 
-/// Two to eight points, from `from` on, in steps of 0.5 V or more.
+/// Two to eight points at least 0.5 V apart. The first is within `from`.
 fn points(from: std::ops::Range<f64>) -> impl Strategy<Value = Vec<[f64; 2]>> {
     (from, prop::collection::vec((0.5..15.0f64, ANY), 1..8), ANY).prop_map(|(first, more, out)| {
         let mut points = vec![[first, out]];
-        for (wait, volts) in more {
-            points.push([(points[points.len() - 1][0] + wait).min(100.0), volts]);
+        for (distance, volts) in more {
+            points.push([(points[points.len() - 1][0] + distance).min(100.0), volts]);
         }
         points.dedup_by_key(|point| point[0]);
         points
@@ -40,7 +40,7 @@ proptest! {
     #[test]
     fn law(a in ANY, points in points(-100.0..0.0)) {
         let (found, expected) = (output(generator(&points, "none"), &[a]), clip(curve(&points, a)));
-        // Segments of 0.5 V, continued over 200 V, magnify the rounding of 100 V 400 times.
+        // A segment of 0.5 V that continues over 200 V amplifies the rounding of 100 V 400 times.
         prop_assert!((found - expected).abs() < 1e-10, "{found} {expected}");
     }
 
@@ -56,8 +56,9 @@ proptest! {
     }
 }
 
-/// A dead zone of 20 V, and x^2 / 100 V in three segments.
+/// The upper half of a dead zone of 20 V.
 const ZONE: [[f64; 2]; 2] = [[20.0, 0.0], [100.0, 80.0]];
+/// x^2 / 100 V in three segments.
 const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [30.0, 9.0], [60.0, 36.0], [100.0, 100.0]];
 
 #[test]
@@ -81,11 +82,11 @@ fn modes() {
 }
 
 #[test]
-fn an_odd_dead_zone_is_the_dead_zone() {
+fn an_odd_generator_equals_a_dead_zone() {
     let zone = element("dead-zone").cord("in", "a").set("lower", -20).set("upper", 20);
-    let made = generator(&[[0.0, 0.0], ZONE[0], ZONE[1]], "odd");
+    let odd_generator = generator(&[[0.0, 0.0], ZONE[0], ZONE[1]], "odd");
     for volts in [-100.0, -33.0, -20.0, -5.0, 0.0, 12.0, 20.0, 81.0, 100.0] {
-        assert!(near(output(made.clone(), &[volts]), output(zone.clone(), &[volts])), "{volts}");
+        assert!(near(output(odd_generator.clone(), &[volts]), output(zone.clone(), &[volts])), "{volts}");
     }
 }
 

@@ -1,9 +1,10 @@
-//! Integrating amplifier. Its limit: crates/core/tests/limit.rs; its brake: crates/core/tests/brake.rs; its stops: crates/core/tests/bouncing_ball.rs.
+//! Integrating amplifier. crates/core/tests/limit.rs tests its limits, crates/core/tests/brake.rs its brake, and
+//! crates/core/tests/bouncing_ball.rs its gap.
 
 use proptest::prelude::*;
 use serde_json::json;
 
-use crate::common::{built, element, ran, random_cases, voltage, volts};
+use crate::common::{built, element, random_cases, run_for, voltage, volts};
 use crate::elements::bench::{ANY, apply, assert_out, at, bench, out};
 
 proptest! {
@@ -32,9 +33,9 @@ proptest! {
     }
 
     #[test]
-    fn law_of_the_brake(a in -40.0..40.0f64, level in 0.0..40.0f64, start in -20.0..20.0f64, rests in any::<bool>(),
-                        length in 0.1..1.0f64) {
-        let start = if rests { 0.0 } else { start };
+    fn law_of_the_brake(a in -40.0..40.0f64, level in 0.0..40.0f64, start in -20.0..20.0f64,
+                        starts_at_rest in any::<bool>(), length in 0.1..1.0f64) {
+        let start = if starts_at_rest { 0.0 } else { start };
         let braked = element("integrator").cords("x1", ["a"]).cords("brake_x1", ["b"]).set("initial", start);
         let program = bench(braked);
         let mut machine = at(&program, &[a, level]);
@@ -43,24 +44,25 @@ proptest! {
         prop_assert!((out(&machine) - expected).abs() < 1e-10, "{} {expected}", out(&machine));
     }
 
-    /// A fall of `room` volts from the speed `start`, and a way back up to its top at most.
+    /// A fall by `distance` from the speed `start`, and a return that ends at its highest point at the latest.
     #[test]
-    fn law_of_a_stop(pull in 1.0..20.0f64, start in 0.0..20.0f64, room in 1.0..10.0f64, kept in 0.2..1.0f64,
-                     share in 0.01..1.0f64) {
-        let falling = element("integrator").cords("x1", ["u"]).cords("gap", ["A2"]).set("restitution", kept);
+    fn law_of_a_stop(pull in 1.0..20.0f64, start in 0.0..20.0f64, distance in 1.0..10.0f64, restitution in 0.2..1.0f64,
+                     fraction in 0.01..1.0f64) {
+        let falling = element("integrator").cords("x1", ["u"]).cords("gap", ["A2"]).set("restitution", restitution);
         let builder = volts("stop").drive("u", "volt", element("step").set("height", -pull));
         let builder = builder.element("A1", falling.set("initial", start));
-        let program = built(builder.element("A2", element("integrator").cords("x1", ["A1"]).set("initial", room)));
-        let speed = (start * start + 2.0 * pull * room).sqrt();
+        let program = built(builder.element("A2", element("integrator").cords("x1", ["A1"]).set("initial", distance)));
+        let speed = (start * start + 2.0 * pull * distance).sqrt();
         let hit = (speed - start) / pull;
-        let length = share * (hit + kept * speed / pull);
-        let found = voltage(&ran(&program, 1e-2, length), "A1");
-        let expected = if length < hit { start + pull * length } else { pull * (length - hit) - kept * speed };
+        let length = fraction * (hit + restitution * speed / pull);
+        let found = voltage(&run_for(&program, 1e-2, length), "A1");
+        let expected = if length < hit { start + pull * length } else { pull * (length - hit) - restitution * speed };
         prop_assert!((found - expected).abs() < 1e-9, "{found} {expected}");
     }
 }
 
-/// The output after a time, of a constant net rate: slowed down to rest, and on from there by what the brake leaves.
+/// The output after `length` seconds at a constant rate `net` with a brake. It slows down to rest, and then moves on if
+/// the rate exceeds the brake's level.
 fn braked_by(level: f64, net: f64, start: f64, length: f64) -> f64 {
     let slipping = net - level * start.signum();
     let rest = if start == 0.0 { 0.0 } else { -start / slipping };
@@ -76,10 +78,13 @@ fn overload() {
     let mut machine = at(&program, &[-100.0]);
     machine.operate(0.15).unwrap();
     assert_eq!(out(&machine), 100.0);
-    let told = machine.overloads();
-    // 1000 V/s: at the limit after 0.1 s, and 50 V beyond it 0.05 s later.
-    assert_eq!((told.len(), told[0].element.as_str()), (1, "E"));
-    assert!((told[0].time - 0.1).abs() < 1e-9 && (told[0].peak - 150.0).abs() < 1e-6, "{told:?}");
+    let overloads = machine.overloads();
+    // 1000 V/s: the limit after 0.1 s, and a demand 50 V higher 0.05 s later.
+    assert_eq!((overloads.len(), overloads[0].element.as_str()), (1, "E"));
+    assert!(
+        (overloads[0].time - 0.1).abs() < 1e-9 && (overloads[0].peak - 150.0).abs() < 1e-6,
+        "{overloads:?}"
+    );
     machine.initial_condition().unwrap();
     assert!(!machine.is_overloaded());
 }

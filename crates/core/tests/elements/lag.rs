@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::common::{built, check_derivatives, element, ran, random_cases, voltage, volts};
+use crate::common::{built, check_derivatives, element, random_cases, run_for, voltage, volts};
 use crate::elements::bench::{ANY, apply, assert_out, at, bench, out};
 use patchcord_core::patch::ElementBuilder;
 use patchcord_core::solve::{Machine, RunError};
@@ -20,8 +20,8 @@ proptest! {
         let program = bench(lag);
         let mut machine = at(&program, &[a, b]);
         machine.operate(length).unwrap();
-        let asked = -(0.5 * a + 2.0 * b);
-        let expected = asked + (start - asked) * (-length / time).exp();
+        let target = -(0.5 * a + 2.0 * b);
+        let expected = target + (start - target) * (-length / time).exp();
         // RK4 with steps of 1/20 of the time constant: under (h / T)^4 / 120 of 200 V.
         prop_assert!((out(&machine) - expected).abs() < 1.1e-5, "{} {expected}", out(&machine));
     }
@@ -31,17 +31,17 @@ proptest! {
 fn overload() {
     let program = bench(element("lag").cords("x2", ["a"]).set("time", 0.1));
     let mut machine = at(&program, &[-75.0]);
-    // On its way to 150 V it meets the limit after T ln 3; without the limit it would come to 150 V.
-    let meets = 0.1 * 3f64.ln();
-    machine.operate(meets - 1e-6).unwrap();
+    // The lag approaches 150 V and reaches the limit of 100 V after T ln 3.
+    let limit_time = 0.1 * 3f64.ln();
+    machine.operate(limit_time - 1e-6).unwrap();
     assert!(out(&machine) < 100.0 && !machine.is_overloaded());
     machine.operate(2.0).unwrap();
     assert_eq!(out(&machine), 100.0);
-    let told = machine.overloads();
-    assert_eq!((told.len(), told[0].element.as_str()), (1, "E"));
-    assert!((told[0].time - meets).abs() < 1e-3 + 1e-9, "{told:?}");
-    assert!((told[0].peak - 150.0).abs() < 1e-3, "{told:?}");
-    // It leaves the limit at once when its input turns.
+    let overloads = machine.overloads();
+    assert_eq!((overloads.len(), overloads[0].element.as_str()), (1, "E"));
+    assert!((overloads[0].time - limit_time).abs() < 1e-3 + 1e-9, "{overloads:?}");
+    assert!((overloads[0].peak - 150.0).abs() < 1e-3, "{overloads:?}");
+    // It leaves the limit immediately when its input changes.
     apply(&mut machine, &[-25.0]);
     machine.operate(0.1).unwrap();
     assert!((out(&machine) - (50.0 + 50.0 * (-1f64).exp())).abs() < 1e-6, "{}", out(&machine));
@@ -57,19 +57,19 @@ fn modes() {
     assert_out(&machine, 12.0, "in initial condition");
     machine.operate(0.1).unwrap();
     machine.hold();
-    let kept = out(&machine);
+    let held = out(&machine);
     apply(&mut machine, &[-80.0]);
-    assert_eq!(out(&machine), kept, "in hold");
+    assert_eq!(out(&machine), held, "in hold");
     machine.operate(0.1).unwrap();
-    let expected = 80.0 + (kept - 80.0) * (-1f64).exp();
+    let expected = 80.0 + (held - 80.0) * (-1f64).exp();
     assert!((out(&machine) - expected).abs() < 1e-6, "after hold");
 }
 
 #[test]
-fn it_is_the_lag_patched_of_a_summer_an_integrator_and_pots() {
-    // Fig 8.15: an integrator of the difference between its input and its own output inverted.
+fn a_lag_equals_a_patched_lag_of_a_summer_an_integrator_and_a_pot() {
+    // Fig 8.15: an integrator of the difference between the input and the inverted output.
     let sine = element("sine").set("amplitude", 30).set("frequency", 3);
-    let builder = volts("twins")
+    let builder = volts("two lags")
         .drive("u", "volt", sine)
         .element("E", element("lag").cords("x1", ["u"]).set("time", 0.05).set("initial", -20))
         .element("P", element("pot").cord("in", "S").set("setting", 0.2))
@@ -77,21 +77,21 @@ fn it_is_the_lag_patched_of_a_summer_an_integrator_and_pots() {
         .element("A", element("integrator").cords("x100", ["B"]).set("initial", -20))
         .element("B", element("inverter").cord("in", "P"));
     let program = built(builder);
-    let machine = ran(&program, 1e-3, 0.7);
+    let machine = run_for(&program, 1e-3, 0.7);
     assert!((voltage(&machine, "E") - voltage(&machine, "A")).abs() < 1e-11);
 }
 
 #[test]
-fn its_time_is_machine_time() {
+fn the_time_constant_is_in_machine_seconds() {
     let slow =
         volts("slow").time_scale(10.0).element("E", element("lag").cords("x1", ["ground"]).set("time", 2));
     let program = built(slow.element("F", element("lag").cords("x1", ["-100"]).set("time", 2)));
     let expected = 100.0 * (1.0 - (-0.5f64 / 0.2).exp());
-    assert!((voltage(&ran(&program, 1e-3, 0.5), "F") - expected).abs() < 1e-6);
+    assert!((voltage(&run_for(&program, 1e-3, 0.5), "F") - expected).abs() < 1e-6);
 }
 
 #[test]
-fn a_step_longer_than_its_time_is_refused() {
+fn a_step_longer_than_the_time_constant_is_refused() {
     let program = bench(lag(1e-3));
     assert!(Machine::new(&program, 1e-3).is_ok());
     match Machine::new(&program, 1.1e-3) {
@@ -104,8 +104,7 @@ fn a_step_longer_than_its_time_is_refused() {
 
 #[test]
 fn derivatives() {
-    let builder =
-        volts("lagging").parameter("T", 0.2, "s", [0.05, 1.0]).parameter("u", 30.0, "1", [1.0, 90.0]);
+    let builder = volts("lag").parameter("T", 0.2, "s", [0.05, 1.0]).parameter("u", 30.0, "1", [1.0, 90.0]);
     let builder = builder.element("P", element("pot").cord("in", "-100").set("setting", "u / 100"));
     let lag = element("lag").cords("x1", ["P"]).cords("x0.5", ["A"]).set("time", "T").set("initial", 5);
     let program = built(builder.element("E", lag).element("A", element("integrator").cords("x1", ["E"])));

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::common::{built, element, ran, random_cases, source, voltage, volts};
+use crate::common::{built, element, random_cases, run_for, source, voltage, volts};
 use crate::elements::bench::{
     ANY, assert_out, at, bench, clip, computes_in_every_mode, has_exact_derivatives, near, output,
     stops_at_100_volts,
@@ -22,19 +22,19 @@ proptest! {
     }
 
     #[test]
-    fn at_and_below_the_least_input_it_stays_there(a in ANY, least in 1e-6..1.0f64) {
+    fn inputs_below_the_least_input_count_as_the_least_input(a in ANY, least in 1e-6..1.0f64) {
         let log = element("log").cord("in", "a").set("least", least).set("per_decade", 10);
         prop_assert!(near(output(log, &[-a.abs()]), 10.0 * least.log10()));
     }
 
     #[test]
-    fn the_exponential_undoes_it(decades in -2.0..2.0f64) {
+    fn the_exponential_is_the_inverse(decades in -2.0..2.0f64) {
         let a = 10f64.powf(decades);
-        let builder = source(volts("there and back"), "u", a);
+        let builder = source(volts("logarithm and exponential"), "u", a);
         let builder = builder.element("L", element("log").cord("in", "u"));
         let program = built(builder.element("E", element("exp").cord("in", "L")));
-        let back = voltage(&ran(&program, 1e-3, 0.0), "E");
-        prop_assert!((back / a - 1.0).abs() < 1e-12, "{back} {a}");
+        let restored = voltage(&run_for(&program, 1e-3, 0.0), "E");
+        prop_assert!((restored / a - 1.0).abs() < 1e-12, "{restored} {a}");
     }
 }
 
@@ -48,7 +48,7 @@ fn overload() {
 }
 
 #[test]
-fn a_least_input_that_is_not_too_small_keeps_it_from_overload_at_0_volts() {
+fn a_large_least_input_prevents_an_overload_at_0_volts() {
     let program = bench(element("log").cord("in", "a").set("least", 0.01));
     let machine = at(&program, &[0.0]);
     assert_out(&machine, -100.0, "two decades below the reference");

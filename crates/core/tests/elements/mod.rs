@@ -1,7 +1,7 @@
-//! Every kind of element and drive on the bench, one module a kind.
+//! Tests of every kind of element and drive, with one module for each kind.
 //!
-//! A module has at least three tests: `law` (random inputs and settings against a plain formula), `overload` (what
-//! it does at ±100 V) and `modes` (what it gives in initial condition, and what it does in hold).
+//! A module has at least three tests. `law` compares random inputs and settings with a formula, `overload` tests the
+//! behaviour at ±100 V, and `modes` tests initial condition, operate and hold.
 
 mod bench;
 
@@ -39,13 +39,14 @@ use std::fs;
 
 use patchcord_core::elements::REGISTRY;
 
-/// Files of this folder that are no kind's module.
-const COMMON: [&str; 2] = ["mod", "bench"];
+/// Modules of this folder that do not belong to a kind.
+const HELPERS: [&str; 2] = ["mod", "bench"];
 
+/// The folder of the modules.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/elements");
 
 #[test]
-fn every_kind_has_its_module() {
+fn every_kind_has_a_module_with_the_three_tests() {
     for kind in REGISTRY {
         let module = kind.name.replace('-', "_");
         let text = fs::read_to_string(format!("{FOLDER}/{module}.rs"));
@@ -59,11 +60,12 @@ fn every_kind_has_its_module() {
 }
 
 #[test]
-fn every_module_has_its_kind() {
+fn every_module_belongs_to_a_kind() {
     for entry in fs::read_dir(FOLDER).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let stem = name.strip_suffix(".rs").unwrap_or(&name);
-        let known = COMMON.contains(&stem) || REGISTRY.iter().any(|kind| kind.name.replace('-', "_") == stem);
-        assert!(known, "there is no kind for tests/elements/{name}");
+        let is_expected =
+            HELPERS.contains(&stem) || REGISTRY.iter().any(|kind| kind.name.replace('-', "_") == stem);
+        assert!(is_expected, "there is no kind for tests/elements/{name}");
     }
 }

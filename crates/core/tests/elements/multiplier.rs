@@ -1,4 +1,4 @@
-//! Quarter-squares multiplier. In a loop: crates/core/tests/loops.rs.
+//! Quarter-squares multiplier. crates/core/tests/loops.rs tests it in a loop.
 
 use proptest::prelude::*;
 

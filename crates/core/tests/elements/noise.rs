@@ -6,7 +6,7 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use proptest::prelude::*;
 
-use crate::common::{built, element, order, ran, random_cases, voltage, volts};
+use crate::common::{built, convergence_order, element, random_cases, run_for, voltage, volts};
 use crate::elements::bench::{bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, SettingError, SettingFault};
@@ -18,20 +18,20 @@ fn noise(seed: u64, every: f64) -> ElementBuilder {
     element("noise").set("rms", 1).set("every", every).set("seed", seed)
 }
 
-/// The first numbers of a row, read off the stream one after the other.
-fn row(seed: u64, uniform: bool, count: usize) -> Vec<f64> {
+/// The first numbers of a noise sequence, computed from the ChaCha8 stream in order.
+fn sequence(seed: u64, uniform: bool, count: usize) -> Vec<f64> {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&(seed as f64).to_le_bytes());
     let mut stream = ChaCha8Rng::from_seed(key);
-    let mut share = || ((stream.next_u64() >> 12) as f64 + 0.5) / 2f64.powi(52);
+    let mut next_unit = || ((stream.next_u64() >> 12) as f64 + 0.5) / 2f64.powi(52);
     let number = |first: f64, second: f64| match uniform {
         true => 12f64.sqrt() * (first - 0.5),
         false => (-2.0 * first.ln()).sqrt() * (TAU * second).cos(),
     };
     (0..count)
         .map(|_| {
-            let first = share();
-            number(first, share())
+            let first = next_unit();
+            number(first, next_unit())
         })
         .collect()
 }
@@ -46,10 +46,10 @@ proptest! {
     ) {
         let distribution = if uniform { "uniform" } else { "normal" };
         let drive = noise(seed, every).set("rms", rms).set("offset", offset).set("distribution", distribution);
-        let place = (time / every).floor();
-        prop_assume!((time - place * every).min((place + 1.0) * every - time) > 1e-6);
-        let found = out(&ran(&bench_drive(drive), step, time));
-        let expected = offset + rms * row(seed, uniform, 101)[place as usize];
+        let index = (time / every).floor();
+        prop_assume!((time - index * every).min((index + 1.0) * every - time) > 1e-6);
+        let found = out(&run_for(&bench_drive(drive), step, time));
+        let expected = offset + rms * sequence(seed, uniform, 101)[index as usize];
         prop_assert!(near(found, expected), "{found} {expected}");
     }
 }
@@ -61,28 +61,28 @@ fn overload() {
 
 #[test]
 fn modes() {
-    let numbers = row(5, false, 10);
+    let numbers = sequence(5, false, 10);
     waits_in_hold(noise(5, 0.1), |time| numbers[(time * 10.0) as usize]);
 }
 
-/// Numbers worked out apart from this program, from the definition of ChaCha in another language.
+/// The expected numbers were computed by an independent implementation of ChaCha in another language.
 #[test]
-fn the_numbers_are_those_of_the_definition() {
+fn the_numbers_agree_with_an_independent_implementation() {
     let normal = [(0, -1.0916459870920308), (1, 0.9701778571107535), (1000, 0.270083015796877)];
     let uniform = [(0, -0.610815102637512), (1, 0.2354789139191683), (1000, -0.1610323722978622)];
     for (word, expected) in [("normal", normal), ("uniform", uniform)] {
         let program = bench_drive(noise(1, 1e-3).set("distribution", word));
-        for (place, number) in expected {
-            let machine = ran(&program, 0.01, f64::from(place) * 1e-3);
-            assert!(near(out(&machine), number), "{word} {place}: {}", out(&machine));
+        for (index, number) in expected {
+            let machine = run_for(&program, 0.01, f64::from(index) * 1e-3);
+            assert!(near(out(&machine), number), "{word} {index}: {}", out(&machine));
         }
     }
 }
 
-/// A long row as the machine gives it, a step for every number.
-fn long_row(distribution: &str) -> Vec<f64> {
+/// LENGTH numbers of a machine, one for each step.
+fn long_sequence(distribution: &str) -> Vec<f64> {
     let program = bench_drive(noise(3, 0.01).set("distribution", distribution));
-    let mut machine = ran(&program, 0.01, 0.0);
+    let mut machine = run_for(&program, 0.01, 0.0);
     let next = |_| {
         let number = out(&machine);
         machine.operate(0.01).unwrap();
@@ -91,36 +91,38 @@ fn long_row(distribution: &str) -> Vec<f64> {
     (0..LENGTH).map(next).collect()
 }
 
+/// Numbers of a long sequence.
 const LENGTH: usize = 20_000;
-/// Four standard deviations of a mean of so many numbers of variance 1.
+/// Four standard deviations of the mean of LENGTH numbers with the variance 1.
 const FOUR_SIGMA: f64 = 4.0 / 141.4;
 
 #[test]
-fn numbers_have_mean_0_variance_1_and_do_not_know_of_each_other() {
+fn numbers_have_mean_0_and_variance_1_and_are_uncorrelated() {
     for (distribution, fourth_moment) in [("normal", 3.0), ("uniform", 1.8)] {
-        let row = long_row(distribution);
+        let sequence = long_sequence(distribution);
         let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / LENGTH as f64;
-        assert!(mean(&mut row.iter().copied()).abs() < FOUR_SIGMA, "{distribution}");
-        let variance = mean(&mut row.iter().map(|number| number * number));
+        assert!(mean(&mut sequence.iter().copied()).abs() < FOUR_SIGMA, "{distribution}");
+        let variance = mean(&mut sequence.iter().map(|number| number * number));
         let spread: f64 = fourth_moment - 1.0;
         assert!((variance - 1.0).abs() < FOUR_SIGMA * spread.sqrt(), "{distribution} {variance}");
         for lag in 1..=50 {
-            let product = mean(&mut row.iter().zip(&row[lag..]).map(|(a, b)| a * b));
+            let product = mean(&mut sequence.iter().zip(&sequence[lag..]).map(|(a, b)| a * b));
             assert!(product.abs() < FOUR_SIGMA, "{distribution} {lag} {product}");
         }
     }
 }
 
-/// Chi-square over fifty equally likely parts: 49 degrees of freedom, between its quantiles of 0.1 and 99.9 %.
+/// Chi-square over fifty equally likely intervals has 49 degrees of freedom. It is between its quantiles of 0.1 and
+/// 99.9 %.
 #[test]
-fn numbers_are_distributed_as_they_say() {
+fn numbers_have_their_declared_distribution() {
     let normal = |number: f64| 0.5 * libm::erfc(-number / SQRT_2);
     let uniform = |number: f64| 0.5 + number / 12f64.sqrt();
-    let share: [(&str, &dyn Fn(f64) -> f64); 2] = [("normal", &normal), ("uniform", &uniform)];
-    for (distribution, share) in share {
+    let distributions: [(&str, &dyn Fn(f64) -> f64); 2] = [("normal", &normal), ("uniform", &uniform)];
+    for (distribution, cumulative) in distributions {
         let mut counts = [0.0; 50];
-        for number in long_row(distribution) {
-            counts[(50.0 * share(number)) as usize] += 1.0;
+        for number in long_sequence(distribution) {
+            counts[(50.0 * cumulative(number)) as usize] += 1.0;
         }
         let expected = LENGTH as f64 / 50.0;
         let chi_square: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
@@ -128,7 +130,7 @@ fn numbers_are_distributed_as_they_say() {
     }
 }
 
-/// Noise into an integrator, and through a delay line into another.
+/// Noise that drives one integrator directly and another through a delay line.
 fn integrated() -> Program {
     built(
         volts("integrated")
@@ -141,27 +143,27 @@ fn integrated() -> Program {
 }
 
 #[test]
-fn voltages_are_the_same_whatever_the_step() {
+fn voltages_do_not_depend_on_the_step() {
     let program = integrated();
-    let numbers = row(11, false, 80);
+    let numbers = sequence(11, false, 80);
     let sum = |time: f64| {
         let whole = (time / 0.013).floor();
         let before: f64 = numbers[..whole as usize].iter().sum();
         -20.0 * (0.013 * before + (time - 0.013 * whole) * numbers[whole as usize])
     };
-    let reference = ran(&program, 1e-4, 1.0);
+    let reference = run_for(&program, 1e-4, 1.0);
     for step in [0.003, 0.013, 0.07, 0.25] {
-        let machine = ran(&program, step, 1.0);
+        let machine = run_for(&program, step, 1.0);
         assert!((voltage(&machine, "A") - sum(1.0)).abs() < 1e-11, "{step}");
-        assert!((voltage(&machine, "B") - sum(0.75)).abs() < 1e-11, "{step}: behind a delay line");
-        let apart = voltage(&machine, "C") - voltage(&reference, "C");
-        assert!(apart.abs() < 1e-9, "{step} {apart:e}: no stretch is longer than 0.013 s");
+        assert!((voltage(&machine, "B") - sum(0.75)).abs() < 1e-11, "{step}: after a delay line");
+        let difference = voltage(&machine, "C") - voltage(&reference, "C");
+        assert!(difference.abs() < 1e-9, "{step} {difference:e}: no step is longer than 0.013 s");
     }
 }
 
-/// Six hundred rows, each into an integrator: the variance grows as rms^2 x every x t.
+/// Six hundred integrated sequences: their variance is rms^2 x every x t.
 #[test]
-fn integrated_noise_grows_as_the_root_of_time() {
+fn integrated_noise_grows_with_the_square_root_of_time() {
     let names = |index: u64| (format!("u{index}"), format!("A{index}"));
     let builder = (0..600).fold(volts("walks"), |builder: PatchBuilder, index| {
         let (drive, integrator) = names(index);
@@ -171,47 +173,49 @@ fn integrated_noise_grows_as_the_root_of_time() {
     let program = built(builder);
     let times = [1.0, 2.0, 4.0, 8.0];
     let deviations = times.map(|time| {
-        let machine = ran(&program, 0.05, time);
+        let machine = run_for(&program, 0.05, time);
         let squares: f64 = machine.states().iter().map(|volts| volts * volts).sum();
         (squares / 600.0).sqrt()
     });
     for (time, deviation) in times.iter().zip(deviations) {
-        // A variance of 600 numbers is known to sqrt(2 / 600) of itself, its root to half of that.
+        // The relative uncertainty of a variance of 600 numbers is sqrt(2 / 600), that of its root half of that.
         let expected = 3.0 * (0.05 * time).sqrt();
         assert!((deviation / expected - 1.0).abs() < 4.0 * (0.5f64 / 600.0).sqrt(), "{time} {deviation}");
     }
-    let power = order(&times, &deviations);
+    let power = convergence_order(&times, &deviations);
     assert!((0.45..0.55).contains(&power), "{power}");
 }
 
 #[test]
-fn a_recorded_jump_is_seen_before_and_after() {
+fn samples_before_and_after_a_jump_have_the_right_number() {
     let patch = volts("recorded").drive("u", "volt", noise(2, 0.1)).record(["u"]).build().unwrap();
-    let circuit = Circuit::new(&patch, &[]).unwrap();
+    let circuit = Circuit::new(&patch).unwrap();
     let settings = RunSettings { step: 0.03, every: 0.05, ..RunSettings::of(&circuit).unwrap() };
     let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
-    let numbers = row(2, false, 11);
-    for (place, volts) in trace.tracks[0].volts.iter().enumerate() {
-        assert!(near(*volts, numbers[place / 2]), "{place} {volts}");
+    let numbers = sequence(2, false, 11);
+    for (index, volts) in trace.tracks[0].volts.iter().enumerate() {
+        assert!(near(*volts, numbers[index / 2]), "{index} {volts}");
     }
 }
 
-fn turned() -> Program {
+/// Noise whose seed and interval are parameters.
+fn with_changeable_grid() -> Program {
     let drive = element("noise").set("rms", 1).set("every", "T").set("seed", "s");
-    let builder = volts("turned").parameter("s", 1.0, "1", [0.0, 10.0]).parameter("T", 0.1, "s", [0.01, 1.0]);
+    let builder =
+        volts("changeable").parameter("s", 1.0, "1", [0.0, 10.0]).parameter("T", 0.1, "s", [0.01, 1.0]);
     built(builder.drive("u", "volt", drive))
 }
 
 #[test]
-fn seed_and_grid_are_turned_while_it_runs() {
-    let program = turned();
-    let mut machine = ran(&program, 0.01, 0.55);
-    assert!(near(voltage(&machine, "u"), row(1, false, 6)[5]));
+fn seed_and_interval_can_be_changed_during_a_run() {
+    let program = with_changeable_grid();
+    let mut machine = run_for(&program, 0.01, 0.55);
+    assert!(near(voltage(&machine, "u"), sequence(1, false, 6)[5]));
     machine.set("s", 4.0).unwrap();
-    assert!(near(voltage(&machine, "u"), row(4, false, 6)[5]), "another row, at the same place");
+    assert!(near(voltage(&machine, "u"), sequence(4, false, 6)[5]), "another sequence with the same index");
     machine.set("T", 0.05).unwrap();
     machine.operate(0.06).unwrap();
-    assert!(near(voltage(&machine, "u"), row(4, false, 13)[12]), "another grid, from t = 0 on");
+    assert!(near(voltage(&machine, "u"), sequence(4, false, 13)[12]), "another interval, counted from t = 0");
     let refused = machine.set("s", 4.5);
     let is_not_whole = matches!(
         refused,
@@ -219,21 +223,21 @@ fn seed_and_grid_are_turned_while_it_runs() {
     );
     assert!(is_not_whole, "{refused:?}");
     machine.initial_condition().unwrap();
-    assert!(near(voltage(&machine, "u"), row(4, false, 1)[0]));
+    assert!(near(voltage(&machine, "u"), sequence(4, false, 1)[0]));
 }
 
 #[test]
-fn a_grid_beyond_reason_is_refused() {
+fn too_many_numbers_in_a_run_are_refused() {
     let patch = volts("fine").drive("u", "volt", noise(1, 1e-9)).record(["u"]).build().unwrap();
-    let circuit = Circuit::new(&patch, &[]).unwrap();
+    let circuit = Circuit::new(&patch).unwrap();
     let settings = RunSettings { step: 1.0, every: 1.0, ..RunSettings::of(&circuit).unwrap() };
-    let settings = settings.lasting(200.0);
+    let settings = settings.with_duration(200.0);
     let stopped = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap_err();
     assert!(matches!(&stopped.error, RunError::NoiseTooFine { element, .. } if element == "u"), "{stopped}");
 }
 
-/// Noise whose height, in a quantity of -0.5 m/s per volt, is a parameter.
-fn of_any_height() -> Program {
+/// Noise whose rms is a parameter, on a scale of -0.5 m/s per volt.
+fn with_changeable_rms() -> Program {
     let drive = element("noise").set("rms", "r").set("every", "T").set("seed", 3);
     let builder = PatchBuilder::new("height").scale("velocity", -0.5, "m/s");
     let builder = builder.parameter("r", 1.0, "m/s", [-5.0, 5.0]).parameter("T", 0.1, "s", [1e-9, 1.0]);
@@ -241,17 +245,17 @@ fn of_any_height() -> Program {
 }
 
 #[test]
-fn a_height_below_0_cannot_be_set_whatever_the_sign_of_the_scale() {
-    let program = of_any_height();
-    let mut machine = ran(&program, 0.1, 0.0);
+fn a_negative_rms_cannot_be_set_on_a_negative_scale() {
+    let program = with_changeable_rms();
+    let mut machine = run_for(&program, 0.1, 0.0);
     machine.set("r", 2.0).unwrap();
-    assert!(near(voltage(&machine, "u"), -4.0 * row(3, false, 1)[0]));
-    assert_eq!(machine.set("r", -2.0).unwrap_err().to_string(), "u rms comes to -2, below 0");
+    assert!(near(voltage(&machine, "u"), -4.0 * sequence(3, false, 1)[0]));
+    assert_eq!(machine.set("r", -2.0).unwrap_err().to_string(), "u rms is -2, below 0");
 }
 
 #[test]
-fn a_grid_beyond_reason_cannot_be_set_within_a_run() {
-    let program = of_any_height();
+fn a_phase_that_sets_a_too_short_interval_stops_the_run() {
+    let program = with_changeable_rms();
     let phases = vec![Phase::operate(50.0), Phase::set("T", 1e-9), Phase::operate(150.0)];
     let record = vec!["u".to_owned()];
     let settings = RunSettings {
@@ -270,5 +274,5 @@ fn a_grid_beyond_reason_cannot_be_set_within_a_run() {
         matches!(&stopped.error, RunError::NoiseTooFine { numbers, .. } if *numbers > 1.4e11),
         "{stopped}"
     );
-    assert!((stopped.trace.time.last().unwrap() - 50.0).abs() < 1e-9, "and the record until then stays");
+    assert!((stopped.trace.time.last().unwrap() - 50.0).abs() < 1e-9, "the record up to that phase is kept");
 }

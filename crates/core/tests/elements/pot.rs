@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::common::{built, element, ran, random_cases, voltage, volts};
+use crate::common::{built, element, random_cases, run_for, voltage, volts};
 use crate::elements::bench::{
     ANY, assert_out, at, bench, computes_in_every_mode, has_exact_derivatives, has_no_lamp, output,
 };
@@ -28,11 +28,11 @@ fn modes() {
 }
 
 #[test]
-fn it_is_turned_in_hold() {
-    let builder = volts("turned").parameter("s", 0.5, "1", [0.0, 1.0]);
+fn a_pot_can_be_changed_in_hold() {
+    let builder = volts("changed").parameter("s", 0.5, "1", [0.0, 1.0]);
     let pot = element("pot").cord("in", "+100").set("setting", "s");
     let program = built(builder.element("P", pot));
-    let mut machine = ran(&program, 1e-3, 0.1);
+    let mut machine = run_for(&program, 1e-3, 0.1);
     machine.hold();
     machine.set("s", 0.7).unwrap();
     assert_eq!(voltage(&machine, "P"), 70.0);
@@ -45,7 +45,7 @@ fn derivatives() {
 }
 
 #[test]
-fn its_ends_are_the_ends_of_the_track() {
+fn the_settings_0_and_1_are_the_ends_of_the_pot() {
     for (setting, expected) in [(0, 0.0), (1, -63.0)] {
         let program = bench(element("pot").cord("in", "a").set("setting", setting));
         assert_out(&at(&program, &[-63.0]), expected, "at an end");

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::common::{element, ran, random_cases};
+use crate::common::{element, random_cases, run_for};
 use crate::elements::bench::{ANY, bench_drive, clip, drive_stops_at_100_volts, near, out, waits_in_hold};
 
 proptest! {
@@ -13,7 +13,7 @@ proptest! {
         let ramp = element("ramp").set("start", start).set("rate", rate);
         let program = bench_drive(if turns { ramp.set("turn", turn) } else { ramp });
         let run = if turns && time > turn { 2.0 * turn - time } else { time };
-        let found = out(&ran(&program, 0.1, time));
+        let found = out(&run_for(&program, 0.1, time));
         prop_assert!(near(found, clip(start + rate * run)), "{found}");
     }
 }

@@ -1,4 +1,4 @@
-//! Comparator with a relay. Where it switches within a run: crates/core/tests/relay.rs.
+//! Comparator with a relay. crates/core/tests/relay.rs tests the times of switching.
 
 use proptest::prelude::*;
 
@@ -24,7 +24,7 @@ proptest! {
 }
 
 #[test]
-fn two_voltages_are_compared() {
+fn a_relay_compares_two_voltages() {
     let relay = element("relay").cord("in", "a").cord("against", "b").cord("on", "+100").cord("off", "c");
     let program = bench(relay.set("pull_in", 2).set("drop_out", -2));
     let mut machine = at(&program, &[50.0, 50.0, -3.0]);
@@ -52,7 +52,7 @@ fn modes() {
     apply(&mut machine, &[0.0]);
     machine.hold();
     apply(&mut machine, &[0.0, 9.0, -4.0]);
-    assert_out(&machine, -4.0, "in hold it stays, and passes on what it is connected to");
+    assert_out(&machine, -4.0, "in hold it keeps its position and follows the connected voltage");
     machine.operate(2e-3).unwrap();
     assert_out(&machine, -4.0, "after hold");
 }

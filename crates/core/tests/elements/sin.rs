@@ -17,7 +17,7 @@ proptest! {
         let preset = output(element("sin").cord("in", "a"), &[a]);
         prop_assert!((preset - 100.0 * (PI * a / 100.0).sin()).abs() < 1e-12);
         let set = element("sin").cord("in", "a").set("amplitude", amplitude).set("angle_per_volt", scale);
-        // An angle of 100 rad is good to 1e-14.
+        // The rounding of an angle of 100 rad is 1e-14.
         prop_assert!((output(set, &[a]) - amplitude * (scale * a).sin()).abs() < 1e-11);
     }
 }
@@ -46,7 +46,7 @@ fn derivatives() {
 }
 
 #[test]
-fn beyond_100_volts_the_sine_goes_on() {
+fn the_sine_continues_beyond_100_volts() {
     let program = bench(element("sin").cord("in", "high"));
     assert_out(&at(&program, &[100.0]), -100.0 * (PI * 0.1).sin(), "at 198 degrees");
 }

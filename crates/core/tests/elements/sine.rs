@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 
-use crate::common::{element, ran, random_cases};
+use crate::common::{element, random_cases, run_for};
 use crate::elements::bench::{bench_drive, drive_stops_at_100_volts, out, waits_in_hold};
 
 proptest! {
@@ -18,7 +18,7 @@ proptest! {
         let sine = element("sine").set("amplitude", amplitude).set("frequency", frequency).set("phase", phase);
         let program = bench_drive(sine.set("offset", offset));
         let expected = offset + amplitude * (TAU * frequency * time + phase).sin();
-        let found = out(&ran(&program, 0.1, time));
+        let found = out(&run_for(&program, 0.1, time));
         prop_assert!((found - expected).abs() < 1e-12, "{found} {expected}");
     }
 }

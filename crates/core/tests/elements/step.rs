@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::common::{element, ran, random_cases};
+use crate::common::{element, random_cases, run_for};
 use crate::elements::bench::{ANY, bench_drive, drive_stops_at_100_volts, out, waits_in_hold};
 
 proptest! {
@@ -12,7 +12,7 @@ proptest! {
     fn law(height in ANY, at in 0.0..1.0f64, time in 0.0..1.0f64) {
         prop_assume!((time - at).abs() > 1e-9);
         let program = bench_drive(element("step").set("height", height).set("at", at));
-        prop_assert_eq!(out(&ran(&program, 0.1, time)), if time >= at { height } else { 0.0 });
+        prop_assert_eq!(out(&run_for(&program, 0.1, time)), if time >= at { height } else { 0.0 });
     }
 }
 

@@ -24,8 +24,8 @@ proptest! {
         let limit = json!({"upper": upper, "lower": lower, "slope": slope, "drop": drop});
         let out = output(element("summer").cords("x1", ["a"]).set("limit", limit), &[a]);
         let (high, low) = (upper + drop, lower - drop);
-        let beyond = |limit: f64| limit + slope * (-a - limit);
-        let expected = if -a > high { beyond(high) } else if -a < low { beyond(low) } else { -a };
+        let soft_limit = |limit: f64| limit + slope * (-a - limit);
+        let expected = if -a > high { soft_limit(high) } else if -a < low { soft_limit(low) } else { -a };
         prop_assert!(near(out, expected), "{out} {expected}");
     }
 }

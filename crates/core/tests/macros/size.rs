@@ -1,58 +1,66 @@
-//! What macros may come to when they are written out, and the files that their tables stand in.
+//! The size limits of expanded macros, and table files inside macros.
 
 use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::common::{element, program, ran, voltage, volts};
+use crate::common::{element, program, run_for, voltage, volts};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Report};
 use patchcord_core::patch::{ElementBuilder, MacroBuilder, Patch, PatchBuilder};
 
-/// A chain of so many instances of a macro that holds this element.
-fn chain(of: ElementBuilder, instances: usize) -> PatchBuilder {
-    let bend = MacroBuilder::new().input("in", "").output("out", "F").element("F", of.cord("in", "in"));
-    let first = volts("a chain").define("bend", bend).signal("end", &format!("B{instances}"), "volt", 1.0);
-    (1..=instances).fold(first, |chain, at| {
-        let before = if at == 1 { "+100".to_owned() } else { format!("B{}", at - 1) };
-        chain.element(&format!("B{at}"), element("bend").cord("in", &before))
+/// A chain of instances of a macro that contains one element.
+fn chain(element_of_macro: ElementBuilder, instances: usize) -> PatchBuilder {
+    let definition = MacroBuilder::new()
+        .input("in", "")
+        .output("out", "F")
+        .element("F", element_of_macro.cord("in", "in"));
+    let first =
+        volts("a chain").define("half", definition).signal("end", &format!("B{instances}"), "volt", 1.0);
+    (1..=instances).fold(first, |chain, index| {
+        let before = if index == 1 { "+100".to_owned() } else { format!("B{}", index - 1) };
+        chain.element(&format!("B{index}"), element("half").cord("in", &before))
     })
 }
 
-fn bend(points: Value) -> ElementBuilder {
+/// A function generator with these points.
+fn generator(points: Value) -> ElementBuilder {
     element("function-generator").set("points", points)
 }
 
-/// A curve of so many points: half of what comes in.
+/// `count` points of a straight line with the slope 1/2.
 fn points(count: usize) -> Vec<[f64; 2]> {
-    (0..count).map(|at| at as f64 / count as f64).map(|volts| [100.0 * volts, 50.0 * volts]).collect()
+    (0..count).map(|index| index as f64 / count as f64).map(|volts| [100.0 * volts, 50.0 * volts]).collect()
 }
 
-/// What is said of a patch that cannot be read.
-fn told(patch: &Patch) -> Report {
-    *Circuit::new(patch, &[]).unwrap_err()
+/// The report of a patch that is refused.
+fn refusal(patch: &Patch) -> Report {
+    *Circuit::new(patch).unwrap_err()
 }
 
-fn is_too_large(of: ElementBuilder, instances: usize) -> bool {
-    let Err(report) = Circuit::new(&chain(of, instances).build().unwrap(), &[]) else { return false };
+/// Whether a chain of instances is refused because its expansion is too large.
+fn is_too_large(element_of_macro: ElementBuilder, instances: usize) -> bool {
+    let Err(report) = Circuit::new(&chain(element_of_macro, instances).build().unwrap()) else {
+        return false;
+    };
     report.findings.iter().any(|finding| finding.code == Code::MacroTooLarge)
 }
 
 #[test]
-fn points_notes_and_parts_count_when_macros_are_written_out() {
-    assert!(!is_too_large(bend(json!(points(1000))), 300));
-    assert!(is_too_large(bend(json!(points(1000))), 600));
-    let noted = |note: usize| bend(json!([[0, 0], [1, 1]])).set("note", "n".repeat(note));
+fn points_notes_and_parts_count_towards_the_size_of_an_expansion() {
+    assert!(!is_too_large(generator(json!(points(1000))), 300));
+    assert!(is_too_large(generator(json!(points(1000))), 600));
+    let noted = |note: usize| generator(json!([[0, 0], [1, 1]])).set("note", "n".repeat(note));
     assert!(!is_too_large(noted(10_000), 300));
     assert!(is_too_large(noted(10_000), 2_000));
     let parts = json!({"function_generators": vec![""; 1000]});
-    let listed = bend(json!([[0, 0], [1, 1]])).set("uses", parts);
+    let listed = generator(json!([[0, 0], [1, 1]])).set("uses", parts);
     assert!(!is_too_large(listed.clone(), 1));
     assert!(is_too_large(listed, 400));
 }
 
-/// A patch file beside a table of so many points, read from elsewhere.
-fn beside_a_table(patch: PatchBuilder, count: usize) -> Patch {
+/// A patch that is read from a folder with the table file tables/half.csv of `count` points.
+fn with_table_file(patch: PatchBuilder, count: usize) -> Patch {
     let folder = tempfile::tempdir().unwrap();
     let rows: String = points(count).iter().map(|[x, y]| format!("{x},{y}\n")).collect();
     fs::create_dir(folder.path().join("tables")).unwrap();
@@ -63,16 +71,16 @@ fn beside_a_table(patch: PatchBuilder, count: usize) -> Patch {
 }
 
 #[test]
-fn a_table_inside_a_macro_is_looked_for_from_the_folder_of_the_patch() {
-    let patch = beside_a_table(chain(bend(json!({"csv": "tables/half.csv"})), 3), 10);
+fn a_table_path_inside_a_macro_is_relative_to_the_patch_file() {
+    let patch = with_table_file(chain(generator(json!({"csv": "tables/half.csv"})), 3), 10);
     let program = program(&patch, &[]);
-    assert!((voltage(&ran(&program, 1e-2, 0.1), "B3.F") - 12.5).abs() < 1e-12);
+    assert!((voltage(&run_for(&program, 1e-2, 0.1), "B3.F") - 12.5).abs() < 1e-12);
 }
 
 #[test]
-fn a_table_that_is_used_too_often_is_told_once() {
-    let patch = beside_a_table(chain(bend(json!({"csv": "tables/half.csv"})), 1002), 10_000);
-    let [finding] = &told(&patch).findings[..] else { panic!("{}", told(&patch)) };
+fn too_many_uses_of_a_table_give_one_finding() {
+    let patch = with_table_file(chain(generator(json!({"csv": "tables/half.csv"})), 1002), 10_000);
+    let [finding] = &refusal(&patch).findings[..] else { panic!("{}", refusal(&patch)) };
     assert_eq!(finding.code, Code::BadTable);
     assert!(finding.message.contains("more than 10000000 points"), "{}", finding.message);
 }

@@ -1,28 +1,28 @@
-//! Derivatives against differences of runs, through everything that switches.
+//! Derivatives through every kind of event, compared with differences of runs.
 
 use crate::common::{element, patch, slideway, volts};
-use crate::sensitivity::bench::Case;
+use crate::sensitivity::comparison::Case;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::RunSettings;
 
 fn shipped(file: &str) -> Patch {
-    Patch::read(format!("../../patches/{file}.json").as_ref()).unwrap_or_else(|error| panic!("{error}"))
+    Patch::read(format!("../../patches/{file}.json")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
-fn a_bouncing_ball() {
+fn derivatives_of_a_bouncing_ball_agree() {
     let case = || Case::new(patch("bouncing-ball"), &[], 3.3);
     case().check(&["g", "h0", "e"], 1e-6, 0.97);
-    case().with(|own| RunSettings { tolerance: Some(1e-10), ..own }).check(&["g", "e"], 1e-6, 0.9);
+    case().with(|settings| RunSettings { tolerance: Some(1e-10), ..settings }).check(&["g", "e"], 1e-6, 0.9);
 }
 
 #[test]
-fn a_relay_oscillator() {
+fn derivatives_of_a_relay_oscillator_agree() {
     Case::new(patch("relay-oscillator"), &[], 3.0).check(&["slope", "a_high", "a_low"], 1e-6, 0.95);
 }
 
 #[test]
-fn stick_and_slip_on_a_brake() {
+fn derivatives_of_stick_slip_with_a_brake_agree() {
     Case::new(patch("stick-slip-brake"), &[], 4.0).check(
         &["m", "k", "Fs", "Fk", "v_pull", "v_relay"],
         1e-5,
@@ -31,9 +31,9 @@ fn stick_and_slip_on_a_brake() {
 }
 
 #[test]
-fn delay_lines() {
-    // The slope of the delay's cubic is of order 3: 1e-6 of the largest derivative at 5 ms.
-    Case::new(patch("delay-line"), &[], 4.0).with(|own| RunSettings { step: 5e-3, ..own }).check(
+fn derivatives_of_delay_lines_agree() {
+    // The slope of the cubic in the delay line has order 3: an error of 1e-6 of the largest derivative at 5 ms.
+    Case::new(patch("delay-line"), &[], 4.0).with(|settings| RunSettings { step: 5e-3, ..settings }).check(
         &["T", "T_x", "x0", "height", "tone"],
         1e-6,
         0.95,
@@ -41,22 +41,21 @@ fn delay_lines() {
 }
 
 #[test]
-fn stick_slip_of_fig_8_16() {
-    let case = || Case { share: 1e-6, ..Case::new(slideway(), &[], 0.5) };
+fn derivatives_of_fig_8_16_agree() {
+    let case = || Case { relative_step: 1e-6, ..Case::new(slideway(), &[], 0.5) };
     case().check(&["M", "K", "f", "Fs", "VcL", "Tc"], 1e-5, 0.9);
-    case().with(|own| RunSettings { tolerance: Some(1e-9), ..own }).check(&["M", "Fs"], 1e-6, 0.9);
+    case().with(|settings| RunSettings { tolerance: Some(1e-9), ..settings }).check(&["M", "Fs"], 1e-6, 0.9);
 }
 
 #[test]
-fn stick_slip_on_a_true_brake() {
-    let case = Case { share: 1e-6, ..Case::new(shipped("thesis/fig-8-16-coulomb"), &[], 0.5) };
+fn derivatives_of_fig_8_16_with_a_brake_agree() {
+    let case = Case { relative_step: 1e-6, ..Case::new(shipped("thesis/fig-8-16-coulomb"), &[], 0.5) };
     case.check(&["M", "K", "f", "Fs", "VcL", "Tc"], 1e-6, 0.9);
 }
 
-/// Machine seconds that are not problem seconds, a drive whose corners fall on no step, and a loop without an
-/// integrator.
+/// A time-scaled patch with a table whose corners are within steps, and a loop without an integrator.
 #[test]
-fn a_slow_machine_behind_a_table() {
+fn derivatives_of_a_time_scaled_patch_agree() {
     let points = serde_json::json!([[0.313, 0], [1.271, 30], [1.277, -30], [1.9, 5]]);
     let builder = volts("slow")
         .time_scale(2.5)
@@ -81,15 +80,15 @@ fn a_slow_machine_behind_a_table() {
 }
 
 #[test]
-fn limits_are_met_and_left() {
+fn derivatives_agree_at_and_after_a_limit() {
     let case = Case::new(patch("integrator-limit"), &[("t_turn", 19.3)], 30.0);
     case.check(&["u", "t_turn"], 1e-7, 0.95);
 }
 
 #[test]
-fn a_rough_voltage_through_everything_that_remembers() {
-    // Noise leaves the delay lines with pieces of few samples, which coarse steps draw roughly.
-    Case::new(patch("memory"), &[], 4.0).with(|own| RunSettings { step: 1e-3, ..own }).check(
+fn derivatives_of_noise_through_elements_with_memory_agree() {
+    // Noise gives the delay lines pieces of few samples, which need short steps.
+    Case::new(patch("memory"), &[], 4.0).with(|settings| RunSettings { step: 1e-3, ..settings }).check(
         &["top"],
         1e-7,
         0.9,

@@ -1,9 +1,9 @@
-//! Derivatives of runs by parameters: against closed solutions, and against differences of whole runs.
+//! Derivatives of runs by parameters, compared with closed solutions and with differences of whole runs.
 
-mod bench;
-mod closed;
+mod closed_form;
+mod comparison;
 mod differences;
 mod phases;
 mod random;
-mod refused;
 mod shipped;
+mod undefined;

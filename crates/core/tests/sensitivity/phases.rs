@@ -1,13 +1,13 @@
 //! Derivatives through the phases of a run.
 
 use crate::common::{element, volts};
-use crate::sensitivity::bench::Case;
+use crate::sensitivity::comparison::Case;
 use patchcord_core::patch::Patch;
-use patchcord_core::solve::{Change, Phase, RunSettings};
+use patchcord_core::solve::{ParameterChange, Phase, RunSettings};
 use patchcord_core::trace::Trace;
 use patchcord_expr::Formula;
 
-/// 80 V that decay with the rate `a`; K1 releases at 20 V.
+/// A decay from 80 V with the rate `a`. The relay K1 releases at 20 V.
 fn decay() -> Patch {
     let relay = element("relay").set("drop_out", "mark / volt").set("pull_in", 30);
     let builder = volts("decay")
@@ -22,28 +22,28 @@ fn decay() -> Patch {
 }
 
 fn set(parameter: &str, to: &str) -> Phase {
-    Phase::Set { changes: vec![Change::new(parameter, Formula::parse(to).unwrap())] }
+    Phase::Set { changes: vec![ParameterChange::new(parameter, Formula::parse(to).unwrap())] }
 }
 
 fn case(phases: &[Phase]) -> Case {
     let record = vec!["level".to_owned()];
-    Case::new(decay(), &[], 1.0).with(|own| RunSettings {
+    Case::new(decay(), &[], 1.0).with(|settings| RunSettings {
         phases: phases.to_vec(),
         every: 0.0317,
         record,
-        ..own
+        ..settings
     })
 }
 
-/// The derivative at the sample before a time of the record.
+/// The last sample before a time: its time and its derivative.
 fn at(trace: &Trace, by: &str, time: f64) -> (f64, f64) {
     let sample = trace.time.partition_point(|sample| *sample < time) - 1;
     (trace.time[sample], trace.derivative("level", by).unwrap().volts[sample])
 }
 
 #[test]
-fn what_follows_a_relay_begins_at_a_moving_instant() {
-    // 80 e^-at until 20 V at T = ln 4 / a, held for half a second, then 20 e^-2(t - T).
+fn the_phase_after_a_relay_switches_begins_at_a_moving_instant() {
+    // 80 e^-at until 20 V at T = ln 4 / a, then a hold of half a second, then 20 e^-2(t - T).
     let phases = [
         Phase::operate_until(10.0, "K1", None),
         Phase::Hold { time: 0.5 },
@@ -51,23 +51,23 @@ fn what_follows_a_relay_begins_at_a_moving_instant() {
         Phase::operate(1.0),
     ];
     let trace = case(&phases).trace(&["a", "mark"]);
-    let (end, moves) = (4.0f64.ln(), [-(4.0f64.ln()), -1.0 / 20.0]);
-    for (name, moves) in ["a", "mark"].into_iter().zip(moves) {
+    let (end, time_derivative) = (4.0f64.ln(), [-(4.0f64.ln()), -1.0 / 20.0]);
+    for (name, time_derivative) in ["a", "mark"].into_iter().zip(time_derivative) {
         let (time, found) = at(&trace, name, end - 0.1);
-        let wanted = if name == "a" { -time * 80.0 * (-time).exp() } else { 0.0 };
-        assert!((found - wanted).abs() < 1e-9, "{name} at {time}: {found} and not {wanted}");
+        let expected = if name == "a" { -time * 80.0 * (-time).exp() } else { 0.0 };
+        assert!((found - expected).abs() < 1e-9, "{name} at {time}: {found}, expected {expected}");
         let held = at(&trace, name, end + 0.4).1;
-        let wanted = if name == "mark" { 1.0 } else { 0.0 };
-        assert!((held - wanted).abs() < 1e-9, "{name} held: {held}");
+        let expected = if name == "mark" { 1.0 } else { 0.0 };
+        assert!((held - expected).abs() < 1e-9, "{name} held: {held}");
         let (time, found) = at(&trace, name, end + 1.3);
-        let gone = (-2.0 * (time - end - 0.5)).exp();
-        let wanted = 20.0 * gone * 2.0 * moves + if name == "mark" { gone } else { 0.0 };
-        assert!((found - wanted).abs() < 1e-9, "{name} at {time}: {found} and not {wanted}");
+        let decay = (-2.0 * (time - end - 0.5)).exp();
+        let expected = 20.0 * decay * 2.0 * time_derivative + if name == "mark" { decay } else { 0.0 };
+        assert!((found - expected).abs() < 1e-9, "{name} at {time}: {found}, expected {expected}");
     }
 }
 
 #[test]
-fn differences_agree_through_phases() {
+fn derivatives_through_phases_agree_with_differences() {
     let shots = [
         Phase::InitialCondition,
         Phase::operate(0.4),
@@ -79,9 +79,9 @@ fn differences_agree_through_phases() {
         Phase::operate(0.4),
     ];
     let twice = [Phase::Repeat { times: 2, phases: shots.to_vec() }];
-    // A repeated run sets anew from what the first one left.
+    // In the second repetition the formulas use the values that the first one ended with.
     for phases in [shots.as_slice(), &shots[..5], &twice[..]] {
-        let case = Case { share: 1e-4, ..case(phases) };
+        let case = Case { relative_step: 1e-4, ..case(phases) };
         case.check(&["a", "b"], 1e-5, 0.9);
     }
 }

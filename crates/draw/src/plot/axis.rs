@@ -1,57 +1,79 @@
-/// The scale of one edge of the screen.
+//! The axes of a scope picture and the choice of their ranges.
+//!
+//! A linear axis has 2 to 100 equal divisions, each 1, 2 or 5 times a power of ten, as on an
+//! oscilloscope. The range is the finest one that covers the values and has a division line at zero.
+
+/// The scale along one edge of the screen.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::Axis;
+///
+/// let axis = Axis::fit("x", "mm", [0.0, 30.0].into_iter(), 10);
+/// assert_eq!((axis.low, axis.high, axis.divisions), (0.0, 50.0, 10));
+/// let axis = Axis::fit_tight("x", "mm", [0.0, 30.0].into_iter(), 10);
+/// assert_eq!((axis.low, axis.high, axis.divisions), (0.0, 30.0, 6));
+/// let axis = Axis::logarithmic("frequency", "Hz", 0.1, 1000.0);
+/// assert_eq!((axis.low, axis.high, axis.divisions), (0.1, 1000.0, 4));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What is read on the axis, such as `v_i`.
+    /// The name of the quantity, such as `v_i`.
     pub label: String,
-    /// Its unit, such as `mm/s`; empty if it has none.
+    /// The unit, such as `mm/s`; empty if there is none.
     pub unit: String,
     /// The value at the left or lower end.
     pub low: f64,
-    /// The value at the right or upper end; may lie below `low`.
+    /// The value at the right or upper end; may be less than `low`.
     pub high: f64,
-    /// How many equal divisions the graticule has along this axis, 1 to 100.
+    /// The number of divisions of the graticule along this axis, 1 to 100.
     pub divisions: usize,
-    /// Whether equal lengths are equal ratios; the ends then lie above 0.
+    /// Whether equal lengths are equal ratios. Both ends are then positive.
     pub logarithmic: bool,
 }
 
-/// By how much of a division data may overshoot before a further one is
-/// needed: sums of rounded time steps should not cost a division.
-const SLACK: f64 = 1e-6;
+/// The part of a division by which values may exceed the range. The rounding of summed time steps
+/// must not add a division.
+const OVERSHOOT: f64 = 1e-6;
 
-/// Values beyond these are as good as infinite, or zero, for a drawing.
-const LARGEST: f64 = 1e300;
-const SMALLEST: f64 = 1e-290;
+/// Larger values are clamped to this, so that differences of values stay finite.
+const MAX_MAGNITUDE: f64 = 1e300;
+/// Values that are all smaller than this are treated as zero.
+const MIN_MAGNITUDE: f64 = 1e-290;
 
-/// A spread below this part of the value is rounding, not signal.
-const ROUNDING: f64 = 1e-9;
+/// A relative spread of the values below this is rounding, and the values count as constant.
+const MIN_RELATIVE_SPREAD: f64 = 1e-9;
 
-/// A gap to zero of at most this part of the spread is closed.
-const NEAR: f64 = 0.25;
+/// The range is extended to zero if the gap to zero is at most this part of the spread.
+const MAX_GAP_TO_ZERO: f64 = 0.25;
 
 impl Axis {
-    /// The most divisions an axis can be drawn with.
-    pub const MOST_DIVISIONS: usize = 100;
+    /// The maximum number of divisions of an axis.
+    pub const MAX_DIVISIONS: usize = 100;
 
-    /// The usual number of divisions along the foot of the screen.
-    pub const ACROSS: usize = 10;
+    /// The usual number of divisions of a horizontal axis, as on an oscilloscope.
+    pub const HORIZONTAL_DIVISIONS: usize = 10;
 
-    /// The usual number of divisions up the side of the screen.
-    pub const UP: usize = 8;
+    /// The usual number of divisions of a vertical axis, as on an oscilloscope.
+    pub const VERTICAL_DIVISIONS: usize = 8;
 
-    /// An axis of exactly `divisions` divisions (held to 2 to 100), each 1, 2
-    /// or 5 times a power of ten, covering all finite `values` to within a
-    /// millionth of a division. Zero lies on a division line, and on the screen
-    /// if it is near the values. Values that do not spread get room around them.
+    /// Returns an axis with exactly `divisions` divisions that covers all finite `values`.
+    ///
+    /// `divisions` is clamped to 2 to 100. Each division is 1, 2 or 5 times a power of ten. The values
+    /// may exceed the range by a millionth of a division. Zero is on a division line, and it is within
+    /// the range if it is near the values. If all values are equal, the range extends from zero to
+    /// them; if there are none or all are zero, it includes -1 to 1. Example: 0 to 30 with 10
+    /// divisions gives 0 to 50.
     pub fn fit(
         label: impl Into<String>,
         unit: impl Into<String>,
         values: impl Iterator<Item = f64>,
         divisions: usize,
     ) -> Axis {
-        let divisions = divisions.clamp(2, Axis::MOST_DIVISIONS);
-        let span = Span::of(values);
-        let (step, first) = span.whole_screen(divisions as f64);
+        let divisions = divisions.clamp(2, Axis::MAX_DIVISIONS);
+        let span = ValueRange::of(values);
+        let (step, first) = span.covering_step(divisions as f64);
         Axis {
             label: label.into(),
             unit: unit.into(),
@@ -62,17 +84,19 @@ impl Axis {
         }
     }
 
-    /// Like [`Axis::fit`], but with as few of the at most `divisions` divisions
-    /// as the values need, so that none at the ends is empty.
-    pub fn snug(
+    /// Returns an axis like [`Axis::fit`], but without empty divisions at the ends.
+    ///
+    /// `divisions` is the maximum number of divisions. Example: 0 to 30 with at most 10 divisions gives
+    /// 0 to 30 with 6 divisions.
+    pub fn fit_tight(
         label: impl Into<String>,
         unit: impl Into<String>,
         values: impl Iterator<Item = f64>,
         divisions: usize,
     ) -> Axis {
-        let most = divisions.clamp(2, Axis::MOST_DIVISIONS);
-        let span = Span::of(values);
-        let (step, _) = span.whole_screen(most as f64);
+        let max = divisions.clamp(2, Axis::MAX_DIVISIONS);
+        let span = ValueRange::of(values);
+        let (step, _) = span.covering_step(max as f64);
         let (first, last) = span.lines_around(step);
         Axis {
             label: label.into(),
@@ -84,51 +108,57 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis from one value above 0 to a larger one, with as many divisions as there are decades, at most
-    /// [`Axis::MOST_DIVISIONS`].
-    pub fn ratios(label: impl Into<String>, unit: impl Into<String>, low: f64, high: f64) -> Axis {
-        let above_zero = |value: f64| if value.is_nan() { 1.0 } else { value.clamp(1.0 / LARGEST, LARGEST) };
-        let low = above_zero(low);
-        let high = Some(above_zero(high)).filter(|high| *high > low).unwrap_or(10.0 * low);
+    /// Returns a logarithmic axis from `low` to `high`, with one division for each decade.
+    ///
+    /// The number of divisions is at most [`Axis::MAX_DIVISIONS`]. Both ends must be positive; other
+    /// values are replaced by the nearest permitted one, and NaN by 1. If `high` is not greater than
+    /// `low`, it becomes ten times `low`.
+    pub fn logarithmic(label: impl Into<String>, unit: impl Into<String>, low: f64, high: f64) -> Axis {
+        let positive =
+            |value: f64| if value.is_nan() { 1.0 } else { value.clamp(1.0 / MAX_MAGNITUDE, MAX_MAGNITUDE) };
+        let low = positive(low);
+        let high = Some(positive(high)).filter(|high| *high > low).unwrap_or(10.0 * low);
         let decades = (high.log10() - low.log10()).round();
         Axis {
             label: label.into(),
             unit: unit.into(),
             low,
             high,
-            divisions: decades.clamp(1.0, Axis::MOST_DIVISIONS as f64) as usize,
+            divisions: decades.clamp(1.0, Axis::MAX_DIVISIONS as f64) as usize,
             logarithmic: true,
         }
     }
 
-    /// Whether every division of a logarithmic axis is a decade, from one power of ten to the next.
-    pub(super) fn is_of_decades(&self) -> bool {
+    /// Whether the divisions of a logarithmic axis run from one power of ten to the next.
+    pub(super) fn has_decade_divisions(&self) -> bool {
         let ends = [self.low.log10(), self.high.log10()];
-        let is_whole = |number: f64| (number - number.round()).abs() < SLACK;
+        let is_whole = |number: f64| (number - number.round()).abs() < OVERSHOOT;
         ends.iter().all(|end| is_whole(*end)) && (ends[1] - ends[0]).round() == self.divisions as f64
     }
 
-    /// So many times the powers of ten, as far as they lie between the ends of a logarithmic axis.
-    pub(super) fn multiples(&self, times: std::ops::Range<u32>) -> impl Iterator<Item = f64> {
+    /// Returns the given multiples of all powers of ten between the ends of a logarithmic axis.
+    ///
+    /// The values are in ascending order of the power; values at the ends are not included.
+    pub(super) fn multiples(&self, factors: std::ops::Range<u32>) -> impl Iterator<Item = f64> {
         let exponents = self.low.log10().floor() as i32..=self.high.log10().floor() as i32;
         let all = exponents.flat_map(move |exponent| {
-            // Read as decimals, they are rounded once.
-            times.clone().filter_map(move |times| format!("{times}e{exponent}").parse::<f64>().ok())
+            // Parsing the decimal text rounds each value only once.
+            factors.clone().filter_map(move |factor| format!("{factor}e{exponent}").parse::<f64>().ok())
         });
-        all.filter(|value| (SLACK..1.0 - SLACK).contains(&self.fraction(*value)))
+        all.filter(|value| (OVERSHOOT..1.0 - OVERSHOOT).contains(&self.fraction(*value)))
     }
 
-    /// Where a finite value lies: 0 at the low end, 1 at the high end.
+    /// Returns the position of a finite value: 0 at the low end, 1 at the high end.
     pub(super) fn fraction(&self, value: f64) -> f64 {
         if self.logarithmic {
             let decades = |value: f64| value.max(f64::MIN_POSITIVE).log10() - self.low.log10();
             return decades(value) / decades(self.high);
         }
-        // Halves keep differences of very large values finite.
+        // The values are halved so that differences of very large values stay finite.
         (value / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0)
     }
 
-    /// The value at a division line, counted from the low end.
+    /// Returns the value at a division line; line 0 is the low end.
     pub(super) fn line(&self, index: usize) -> f64 {
         let part = index as f64 / self.divisions as f64;
         if self.logarithmic {
@@ -137,31 +167,32 @@ impl Axis {
         self.low * (1.0 - part) + self.high * part
     }
 
-    /// The division line at zero, if zero is on one.
+    /// Returns the division line at zero; `None` if zero is not on a line of the axis.
     pub(super) fn zero_line(&self) -> Option<usize> {
         let line = self.lines_to_zero()?;
         (0.0..=self.divisions as f64).contains(&line).then_some(line as usize)
     }
 
-    /// Where to begin when only every `stride`-th division line gets a number:
-    /// such that zero, wherever it is, would be among the numbers.
+    /// Returns the first line that has a number if only every `stride`-th line has one.
+    ///
+    /// The line of zero is then one of them, also if zero is outside the axis.
     pub(super) fn anchor(&self, stride: usize) -> usize {
         let to_zero = self.lines_to_zero().unwrap_or(0.0);
         to_zero.rem_euclid(stride as f64) as usize
     }
 
-    /// How many divisions above the low end zero is, if that is a whole number.
+    /// Returns the number of divisions from the low end to zero; `None` if it is not whole.
     fn lines_to_zero(&self) -> Option<f64> {
         if self.logarithmic {
             return None;
         }
         let position = self.fraction(0.0) * self.divisions as f64;
-        ((position - position.round()).abs() < SLACK).then_some(position.round())
+        ((position - position.round()).abs() < OVERSHOOT).then_some(position.round())
     }
 
-    /// Whether the axis has a range and a number of divisions to draw.
+    /// Whether the range is finite and not empty and the number of divisions is permitted.
     pub(super) fn is_drawable(&self) -> bool {
-        (1..=Axis::MOST_DIVISIONS).contains(&self.divisions)
+        (1..=Axis::MAX_DIVISIONS).contains(&self.divisions)
             && self.low.abs().max(self.high.abs()) <= f64::MAX
             && (!self.logarithmic || (self.low > 0.0 && self.high > self.low))
             && self.fraction(self.high) == 1.0
@@ -169,51 +200,55 @@ impl Axis {
     }
 }
 
-/// The range that an axis has to cover; never empty.
-struct Span {
+/// The range that an axis must cover; never empty.
+struct ValueRange {
+    /// The lowest value, or 0 if zero is near.
     low: f64,
+    /// The highest value, or 0 if zero is near.
     high: f64,
 }
 
-impl Span {
-    fn of(values: impl Iterator<Item = f64>) -> Span {
+impl ValueRange {
+    /// Returns the range of all finite values, extended to zero if zero is near.
+    fn of(values: impl Iterator<Item = f64>) -> ValueRange {
         let (low, high) = values
             .filter(|value| value.is_finite())
-            .map(|value| value.clamp(-LARGEST, LARGEST))
+            .map(|value| value.clamp(-MAX_MAGNITUDE, MAX_MAGNITUDE))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-        Span { low, high }.spread().with_near_zero()
+        ValueRange { low, high }.widened().extended_to_zero()
     }
 
-    /// Gives values that do not spread a range to be drawn in: down to zero,
-    /// or one to either side of zero.
-    fn spread(self) -> Span {
+    /// Extends the range of constant values to zero, and an empty or zero range to -1 to 1.
+    fn widened(self) -> ValueRange {
         let size = self.low.abs().max(self.high.abs());
-        if self.low > self.high || size < SMALLEST {
-            Span { low: -1.0, high: 1.0 }
-        } else if self.high - self.low < ROUNDING * size {
-            Span { low: self.low.min(0.0), high: self.high.max(0.0) }
+        if self.low > self.high || size < MIN_MAGNITUDE {
+            ValueRange { low: -1.0, high: 1.0 }
+        } else if self.high - self.low < MIN_RELATIVE_SPREAD * size {
+            ValueRange { low: self.low.min(0.0), high: self.high.max(0.0) }
         } else {
             self
         }
     }
 
-    fn with_near_zero(self) -> Span {
-        let reach = NEAR * (self.high - self.low);
+    /// Extends the range to zero if zero is near.
+    fn extended_to_zero(self) -> ValueRange {
+        let reach = MAX_GAP_TO_ZERO * (self.high - self.low);
         let low = if (0.0..=reach).contains(&self.low) { 0.0 } else { self.low };
         let high = if (-reach..=0.0).contains(&self.high) { 0.0 } else { self.high };
-        Span { low, high }
+        ValueRange { low, high }
     }
 
-    /// The division lines just outside the range, counted from zero.
+    /// Returns the division lines just outside the range, counted from zero.
     fn lines_around(&self, step: Step) -> (f64, f64) {
         let unit = step.times(1.0);
-        ((self.low / unit + SLACK).floor(), (self.high / unit - SLACK).ceil())
+        ((self.low / unit + OVERSHOOT).floor(), (self.high / unit - OVERSHOOT).ceil())
     }
 
-    /// The finest step with which a screen of `divisions` covers the range, and
-    /// the division line, counted from zero, at which the screen begins.
-    fn whole_screen(&self, divisions: f64) -> (Step, f64) {
-        let mut step = Step::below((self.high - self.low) / divisions);
+    /// Returns the finest step with which `divisions` divisions cover the range, and the first line.
+    ///
+    /// The first line is the low end of the axis, counted in steps from zero.
+    fn covering_step(&self, divisions: f64) -> (Step, f64) {
+        let mut step = Step::at_most((self.high - self.low) / divisions);
         loop {
             let (below, above) = self.lines_around(step);
             if above - below <= divisions {
@@ -223,10 +258,12 @@ impl Span {
         }
     }
 
-    /// Where the screen begins, between `least` and `most`: zero at an end if
-    /// the data lie on one side of it, else zero or the data in the middle.
-    fn first_line(&self, least: f64, most: f64, divisions: f64) -> f64 {
-        let allowed = |line: f64| (least..=most).contains(&line);
+    /// Returns the first line of the axis, between `min` and `max`.
+    ///
+    /// If all values have the same sign, zero is at an end if possible. Otherwise zero is in the middle
+    /// if possible, else the values are.
+    fn first_line(&self, min: f64, max: f64, divisions: f64) -> f64 {
+        let allowed = |line: f64| (min..=max).contains(&line);
         let centred = -(divisions / 2.0).floor();
         if self.low >= 0.0 && allowed(0.0) {
             0.0
@@ -235,7 +272,7 @@ impl Span {
         } else if allowed(centred) {
             centred
         } else {
-            ((least + most) / 2.0).floor()
+            ((min + max) / 2.0).floor()
         }
     }
 }
@@ -243,16 +280,19 @@ impl Span {
 /// The size of a division: 1, 2 or 5 times a power of ten.
 #[derive(Clone, Copy)]
 struct Step {
+    /// 1, 2 or 5.
     mantissa: f64,
+    /// The power of ten.
     exponent: i32,
 }
 
 impl Step {
-    /// The power of ten at or just below a positive size.
-    fn below(size: f64) -> Step {
-        Step { mantissa: 1.0, exponent: (size.log10() - SLACK).floor() as i32 }
+    /// Returns the largest power of ten that is at most a positive size.
+    fn at_most(size: f64) -> Step {
+        Step { mantissa: 1.0, exponent: (size.log10() - OVERSHOOT).floor() as i32 }
     }
 
+    /// Returns the next larger step in the series 1, 2, 5, 10.
     fn next(self) -> Step {
         let (mantissa, carry) = match self.mantissa {
             1.0 => (2.0, 0),
@@ -262,8 +302,10 @@ impl Step {
         Step { mantissa, exponent: self.exponent + carry }
     }
 
-    /// A multiple of the step. Dividing by a whole power of ten gives the
-    /// nearest number to 0.3 where multiplying by 0.1 would not.
+    /// Returns `count` steps.
+    ///
+    /// Negative exponents divide by a power of ten, because 3 / 10 is the 64-bit number nearest to 0.3
+    /// and 3 * 0.1 is not.
     fn times(self, count: f64) -> f64 {
         let power = 10f64.powi(self.exponent.abs());
         if self.exponent < 0 { count * self.mantissa / power } else { count * self.mantissa * power }
@@ -280,8 +322,8 @@ mod tests {
         (axis.low, axis.high)
     }
 
-    fn snug(values: &[f64]) -> (f64, f64, usize) {
-        let axis = Axis::snug("x", "", values.iter().copied(), 10);
+    fn tight(values: &[f64]) -> (f64, f64, usize) {
+        let axis = Axis::fit_tight("x", "", values.iter().copied(), 10);
         (axis.low, axis.high, axis.divisions)
     }
 
@@ -298,26 +340,26 @@ mod tests {
     }
 
     #[test]
-    fn near_zero_is_taken_in_and_far_zero_is_not() {
+    fn the_range_includes_zero_only_if_near() {
         assert_eq!(range(&[1.0, 7.0], 8).0, 0.0);
         assert!(range(&[990.0, 1000.0], 8).0 > 900.0);
     }
 
     #[test]
-    fn rounding_in_the_last_sample_costs_no_division() {
+    fn rounding_in_the_last_sample_adds_no_division() {
         assert_eq!(range(&[0.0, 10.000000001], 10), (0.0, 10.0));
         assert_eq!(range(&[0.0, 0.1 + 0.2], 3), (0.0, 0.3));
     }
 
     #[test]
-    fn snug_axes_have_no_empty_divisions() {
-        assert_eq!(snug(&[0.0, 30.0]), (0.0, 30.0, 6));
-        assert_eq!(snug(&[-1.0, 1.0]), (-1.0, 1.0, 10));
-        assert_eq!(snug(&[0.0, 0.0]), (-1.0, 1.0, 10));
+    fn tight_axes_have_no_empty_divisions() {
+        assert_eq!(tight(&[0.0, 30.0]), (0.0, 30.0, 6));
+        assert_eq!(tight(&[-1.0, 1.0]), (-1.0, 1.0, 10));
+        assert_eq!(tight(&[0.0, 0.0]), (-1.0, 1.0, 10));
     }
 
     #[test]
-    fn data_without_spread_have_a_sensible_range() {
+    fn constant_values_have_a_sensible_range() {
         assert_eq!(range(&[], 10), (-1.0, 1.0));
         assert_eq!(range(&[0.0, 0.0], 10), (-1.0, 1.0));
         assert_eq!(range(&[f64::NAN, f64::INFINITY], 10), (-1.0, 1.0));
@@ -327,20 +369,20 @@ mod tests {
     }
 
     #[test]
-    fn infinities_and_gaps_are_passed_over() {
+    fn infinities_and_gaps_are_ignored() {
         let values = [1.0, f64::NAN, f64::NEG_INFINITY, 10.0, f64::INFINITY];
         assert_eq!(range(&values, 10), (0.0, 10.0));
     }
 
     #[test]
-    fn extreme_values_are_survived() {
+    fn extreme_values_give_a_drawable_axis() {
         let axis = Axis::fit("x", "", [f64::MAX, f64::MIN].into_iter(), 0);
         assert!(axis.is_drawable(), "{axis:?}");
     }
 
     #[test]
-    fn ratios_have_the_ends_asked_for() {
-        let axis = |low, high| Axis::ratios("f", "Hz", low, high);
+    fn logarithmic_axes_have_the_given_ends() {
+        let axis = |low, high| Axis::logarithmic("f", "Hz", low, high);
         let ends = |axis: Axis| (axis.low, axis.high, axis.divisions);
         assert_eq!(ends(axis(0.1, 1000.0)), (0.1, 1000.0, 4));
         assert_eq!(ends(axis(25.0, 40.0)), (25.0, 40.0, 1));
@@ -349,7 +391,9 @@ mod tests {
         assert_eq!([0.1, 1.0, 10.0, 1000.0].map(|value| four.fraction(value)), [0.0, 0.25, 0.5, 1.0]);
         assert!(four.is_drawable() && four.fraction(-1.0) < -10.0 && four.zero_line().is_none());
         assert!(
-            four.is_of_decades() && !axis(25.0, 40.0).is_of_decades() && !axis(1e-99, 1e99).is_of_decades()
+            four.has_decade_divisions()
+                && !axis(25.0, 40.0).has_decade_divisions()
+                && !axis(1e-99, 1e99).has_decade_divisions()
         );
         assert_eq!(four.multiples(1..2).collect::<Vec<_>>(), [1.0, 10.0, 100.0]);
         assert_eq!(axis(0.25, 4.0).multiples(2..4).collect::<Vec<_>>(), [0.3, 2.0, 3.0]);
@@ -378,7 +422,7 @@ mod tests {
             let values: Vec<f64> = stream.by_ref().take(1 + round % 4).collect();
             let divisions = 2 + round % 12;
             check(&Axis::fit("x", "", values.iter().copied(), divisions), &values);
-            check(&Axis::snug("x", "", values.iter().copied(), divisions), &values);
+            check(&Axis::fit_tight("x", "", values.iter().copied(), divisions), &values);
         }
     }
 
@@ -386,8 +430,8 @@ mod tests {
         assert!(axis.is_drawable() && axis.high > axis.low, "{axis:?}");
         let step = (axis.high - axis.low) / axis.divisions as f64;
         for value in values {
-            assert!(*value >= axis.low - 2.0 * SLACK * step, "{value} in {axis:?}");
-            assert!(*value <= axis.high + 2.0 * SLACK * step, "{value} in {axis:?}");
+            assert!(*value >= axis.low - 2.0 * OVERSHOOT * step, "{value} in {axis:?}");
+            assert!(*value <= axis.high + 2.0 * OVERSHOOT * step, "{value} in {axis:?}");
         }
         let mantissa = step / 10f64.powf((step.log10() + 1e-9).floor());
         assert!([1.0, 2.0, 5.0].iter().any(|m| (mantissa - m).abs() < 1e-6), "{axis:?}");

@@ -1,7 +1,9 @@
+//! Draws one picture from back to front: background, spans, error bands, graticule, traces, texts.
+
 use super::font::Font;
 use super::layout::Frame;
 use super::surface::Surface;
-use super::{Picture, PlotError, band, graticule, header, labels, marks, palette, scales, trace};
+use super::{Picture, PlotError, band, graticule, header, labels, markers, palette, scales, trace};
 
 /// Draws one picture into the upper left corner of a surface.
 pub(super) fn picture(
@@ -13,20 +15,20 @@ pub(super) fn picture(
     surface.rectangle((0.0, 0.0), (frame.width, frame.height), palette::PAGE)?;
     let top = header::draw(picture, frame, font, surface)?;
     let screen = frame.screen(top);
-    graticule::ground(screen, surface)?;
+    graticule::background(screen, surface)?;
     band::spans(picture, screen, surface)?;
     band::draw(picture, screen, surface)?;
     graticule::draw(picture, screen, surface)?;
-    let texts = marks::draw(picture, screen, font, surface)?;
+    let marker_labels = markers::draw(picture, screen, font, surface)?;
     let mut drawn = Vec::new();
-    let (behind, before): (Vec<_>, Vec<_>) =
+    let (background, foreground): (Vec<_>, Vec<_>) =
         picture.channels.iter().enumerate().partition(|(_, channel)| channel.faint);
-    for (index, channel) in behind.into_iter().chain(before) {
+    for (index, channel) in background.into_iter().chain(foreground) {
         let lines = trace::lines(picture, channel, screen, frame.unit);
         trace::draw(&lines, (index, channel), surface)?;
         drawn.extend(lines);
     }
-    labels::draw(picture, &drawn, texts, screen, font, surface)?;
+    labels::draw(picture, &drawn, marker_labels, screen, font, surface)?;
     graticule::border(screen, surface)?;
     scales::draw(picture, frame, screen, font, surface)
 }

@@ -1,86 +1,115 @@
+//! Line drawings as data: schematics, patch panels and figures.
+
 use super::clip::Area;
 use super::font::{self, Font};
-use super::surface::{Lettering, Surface};
+use super::surface::{Surface, TextStyle};
 use super::theme::{Ink, Theme};
 use super::{Format, PlotError, raster, svg};
 
-/// A line drawing as data: what is drawn where, in pixels at 100 %, from the upper left corner.
+/// A line drawing: a list of primitives on a page.
+///
+/// Positions and lengths are in pixels at 100 %, from the upper left corner; y points down.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{Drawing, Format, Ink, PlotError, Primitive, Theme, render_drawing};
+///
+/// let line = Primitive::Line { points: vec![(10.0, 10.0), (90.0, 40.0)], width: 1.5, ink: Ink::Line };
+/// let drawing = Drawing { width: 100.0, height: 50.0, primitives: vec![line] };
+/// let svg = render_drawing(&drawing, Format::Svg, Theme::Light)?;
+/// assert!(svg.starts_with(b"<?xml"));
+/// assert_ne!(svg, render_drawing(&drawing, Format::Svg, Theme::Dark)?);
+/// # Ok::<(), PlotError>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Drawing {
-    /// Pixels across.
+    /// The width of the page.
     pub width: f64,
-    /// Pixels down.
+    /// The height of the page.
     pub height: f64,
-    /// What is drawn, the hindmost first.
-    pub marks: Vec<Stroke>,
+    /// The primitives from back to front.
+    pub primitives: Vec<Primitive>,
 }
 
-/// One thing drawn.
+/// One element of a drawing.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Stroke {
-    /// A line through points, with round joins and ends.
+pub enum Primitive {
+    /// A polyline with round joins and ends.
     Line {
-        /// The points.
+        /// The corners in order.
         points: Vec<(f64, f64)>,
-        /// Its thickness.
+        /// The thickness of the line.
         width: f64,
-        /// Its colour.
+        /// The colour.
         ink: Ink,
     },
-    /// A filled area within straight edges.
+    /// A filled polygon.
     Area {
-        /// Its corners.
+        /// The corners in order; the last is joined to the first.
         corners: Vec<(f64, f64)>,
-        /// Its colour.
+        /// The colour.
         ink: Ink,
     },
-    /// A circle's edge.
+    /// The outline of a circle.
     Ring {
-        /// Its centre.
+        /// The centre.
         centre: (f64, f64),
-        /// Its radius.
+        /// The radius.
         radius: f64,
-        /// Thickness of the edge.
+        /// The thickness of the outline.
         width: f64,
-        /// Its colour.
+        /// The colour.
         ink: Ink,
     },
     /// A filled circle.
     Disc {
-        /// Its centre.
+        /// The centre.
         centre: (f64, f64),
-        /// Its radius.
+        /// The radius.
         radius: f64,
-        /// Its colour.
+        /// The colour.
         ink: Ink,
     },
     /// A line of text.
     Text(Label),
 }
 
-/// A line of text in a place.
+/// A line of text at a position.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{Align, Ink, Label, text_width};
+///
+/// let label = Label { text: "v_o".to_owned(), at: (50.0, 20.0), size: 10.0, align: Align::Middle, ink: Ink::Line };
+/// let area = label.area();
+/// assert!((area.width() - text_width("v_o", 10.0)).abs() < 1e-9);
+/// assert!((area.left + area.right - 100.0).abs() < 1e-9, "centred at 50");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// What it says.
+    /// The text.
     pub text: String,
-    /// A point of its baseline.
+    /// A point on the baseline.
     pub at: (f64, f64),
-    /// Its em size.
+    /// The em size.
     pub size: f64,
-    /// Which part of the text is at that point.
+    /// The part of the text that is at that point.
     pub align: Align,
-    /// Its colour.
+    /// The colour.
     pub ink: Ink,
 }
 
 pub use super::surface::Align;
 
-/// Height of capitals and depth of tails, in ems.
+/// The height of capitals above the baseline, in ems of the built-in font.
 const RISE: f64 = 0.76;
+/// The depth of descenders below the baseline, in ems.
 const DEPTH: f64 = 0.24;
 
 impl Label {
-    /// The room that the text takes.
+    /// Returns the rectangle that the text occupies.
     pub fn area(&self) -> Area {
         let width = text_width(&self.text, self.size);
         let left = self.at.0 - self.align.shift(width);
@@ -93,58 +122,82 @@ impl Label {
     }
 }
 
-impl Stroke {
-    /// The same mark in another place.
+impl Primitive {
+    /// Returns the primitive shifted by `by`.
     #[must_use]
-    pub fn moved(self, by: (f64, f64)) -> Stroke {
+    pub fn moved(self, by: (f64, f64)) -> Primitive {
         let shift = |at: (f64, f64)| (at.0 + by.0, at.1 + by.1);
         let all = |points: Vec<(f64, f64)>| points.into_iter().map(shift).collect();
         match self {
-            Stroke::Line { points, width, ink } => Stroke::Line { points: all(points), width, ink },
-            Stroke::Area { corners, ink } => Stroke::Area { corners: all(corners), ink },
-            Stroke::Ring { centre, radius, width, ink } => {
-                Stroke::Ring { centre: shift(centre), radius, width, ink }
+            Primitive::Line { points, width, ink } => Primitive::Line { points: all(points), width, ink },
+            Primitive::Area { corners, ink } => Primitive::Area { corners: all(corners), ink },
+            Primitive::Ring { centre, radius, width, ink } => {
+                Primitive::Ring { centre: shift(centre), radius, width, ink }
             }
-            Stroke::Disc { centre, radius, ink } => Stroke::Disc { centre: shift(centre), radius, ink },
-            Stroke::Text(label) => Stroke::Text(Label { at: shift(label.at), ..label }),
+            Primitive::Disc { centre, radius, ink } => Primitive::Disc { centre: shift(centre), radius, ink },
+            Primitive::Text(label) => Primitive::Text(Label { at: shift(label.at), ..label }),
         }
     }
 }
 
-/// How wide a line of text is at an em size.
+/// Returns the width of a line of text at an em size; 0 if the font cannot be read.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::text_width;
+///
+/// assert!((text_width("nn", 10.0) - 2.0 * text_width("n", 10.0)).abs() < 1e-6);
+/// assert_eq!(text_width("", 10.0), 0.0);
+/// ```
 pub fn text_width(text: &str, size: f64) -> f64 {
-    Font::shared().map_or(0.0, |font| font.width(&font::plain(text), size))
+    Font::shared().map_or(0.0, |font| font.width(&font::printable(text), size))
 }
 
-/// The text as one plain line, cut to a width, with an ellipsis where something is lost.
-pub fn text_within(text: &str, size: f64, room: f64) -> String {
-    Font::shared().map_or_else(|_| String::new(), |font| font.shortened(text, size, room))
+/// Truncates a text to a maximum width. A truncated text ends in an ellipsis.
+///
+/// Control characters, including line breaks, become blanks.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{text_width, truncate_text};
+///
+/// assert_eq!(truncate_text("velocity", 10.0, 1000.0), "velocity");
+/// let short = truncate_text("velocity", 10.0, 30.0);
+/// assert!(short.ends_with('…') && text_width(&short, 10.0) <= 30.0);
+/// ```
+pub fn truncate_text(text: &str, size: f64, max_width: f64) -> String {
+    Font::shared().map_or_else(|_| String::new(), |font| font.truncated(text, size, max_width))
 }
 
-/// The bytes of a file with a drawing. The same drawing always gives the same bytes.
+/// Renders a drawing and returns the bytes of the file. Equal drawings give equal bytes.
 ///
 /// # Errors
-/// [`PlotError::TooLarge`] when a side is longer than [`Drawing::LONGEST`], or a PNG has more than
-/// [`Drawing::MOST_PIXELS`]; the others when the file cannot be put together.
+///
+/// [`PlotError::TooLarge`] if a side is longer than [`Drawing::MAX_SIDE`] or a PNG has more than
+/// [`Drawing::MAX_PNG_PIXELS`]. [`PlotError::Font`], [`PlotError::Drawing`] and [`PlotError::Png`] if
+/// a library fails.
 pub fn render_drawing(drawing: &Drawing, format: Format, theme: Theme) -> Result<Vec<u8>, PlotError> {
     let size = drawing.size(format)?;
     let font = Font::load()?;
     match format {
-        Format::Svg => svg::drawing(size, |surface| drawing.paint(theme, surface)),
-        Format::Png => raster::drawing(size, &font, |surface| drawing.paint(theme, surface)),
+        Format::Svg => svg::render_drawing(size, |surface| drawing.paint(theme, surface)),
+        Format::Png => raster::render_drawing(size, &font, |surface| drawing.paint(theme, surface)),
     }
 }
 
 impl Drawing {
-    /// The longest side that can be drawn, in pixels.
-    pub const LONGEST: f64 = 60_000.0;
-    /// The most pixels of a PNG.
-    pub const MOST_PIXELS: f64 = 100e6;
+    /// The maximum length of a side, in pixels. It keeps SVG coordinates well within 32 bits.
+    pub const MAX_SIDE: f64 = 60_000.0;
+    /// The maximum number of pixels of a PNG; an uncompressed image of this size takes 300 MB.
+    pub const MAX_PNG_PIXELS: f64 = 100e6;
 
+    /// Returns the size in whole pixels, or an error if it exceeds the limits.
     fn size(&self, format: Format) -> Result<(u32, u32), PlotError> {
         let (width, height) = (self.width.ceil(), self.height.ceil());
-        let sides_fit = [width, height].iter().all(|side| (1.0..=Self::LONGEST).contains(side));
-        let pixels_fit = format == Format::Svg || width * height <= Self::MOST_PIXELS;
+        let sides_fit = [width, height].iter().all(|side| (1.0..=Self::MAX_SIDE).contains(side));
+        let pixels_fit = format == Format::Svg || width * height <= Self::MAX_PNG_PIXELS;
         if sides_fit && pixels_fit {
             Ok((width as u32, height as u32))
         } else {
@@ -153,34 +206,36 @@ impl Drawing {
                 height,
                 limit: match sides_fit {
                     true => format!(
-                        "a PNG has at most {:.0} million pixels; as SVG it can",
-                        Self::MOST_PIXELS / 1e6
+                        "a PNG has at most {:.0} million pixels; an SVG has no such limit",
+                        Self::MAX_PNG_PIXELS / 1e6
                     ),
-                    false => format!("a side has at most {} pixels", Self::LONGEST),
+                    false => format!("a side has at most {} pixels", Self::MAX_SIDE),
                 },
             })
         }
     }
 
+    /// Draws the page and then the primitives from back to front.
     fn paint(&self, theme: Theme, surface: &mut dyn Surface) -> Result<(), PlotError> {
         surface.rectangle((0.0, 0.0), (self.width.ceil(), self.height.ceil()), theme.colour(Ink::Page))?;
-        self.marks.iter().try_for_each(|mark| mark.paint(theme, surface))
+        self.primitives.iter().try_for_each(|primitive| primitive.paint(theme, surface))
     }
 }
 
-impl Stroke {
+impl Primitive {
+    /// Draws the primitive in the colours of a theme.
     fn paint(&self, theme: Theme, surface: &mut dyn Surface) -> Result<(), PlotError> {
         match self {
-            Stroke::Line { points, width, ink } => surface.line(points, *width, theme.colour(*ink)),
-            Stroke::Area { corners, ink } => surface.area(corners, theme.colour(*ink)),
-            Stroke::Ring { centre, radius, width, ink } => {
+            Primitive::Line { points, width, ink } => surface.line(points, *width, theme.colour(*ink)),
+            Primitive::Area { corners, ink } => surface.area(corners, theme.colour(*ink)),
+            Primitive::Ring { centre, radius, width, ink } => {
                 surface.ring(*centre, *radius, *width, theme.colour(*ink))
             }
-            Stroke::Disc { centre, radius, ink } => surface.line(&[*centre], *radius, theme.colour(*ink)),
-            Stroke::Text(label) => {
-                let lettering =
-                    Lettering { size: label.size, colour: theme.colour(label.ink), align: label.align };
-                surface.text(&font::plain(&label.text), label.at, lettering)
+            Primitive::Disc { centre, radius, ink } => surface.line(&[*centre], *radius, theme.colour(*ink)),
+            Primitive::Text(label) => {
+                let style =
+                    TextStyle { size: label.size, colour: theme.colour(label.ink), align: label.align };
+                surface.text(&font::printable(&label.text), label.at, style)
             }
         }
     }
@@ -192,23 +247,23 @@ mod tests {
 
     fn drawing() -> Drawing {
         let text = |text: &str, at| {
-            Stroke::Text(Label { text: text.into(), at, size: 10.0, align: Align::Middle, ink: Ink::Line })
+            Primitive::Text(Label { text: text.into(), at, size: 10.0, align: Align::Middle, ink: Ink::Line })
         };
         Drawing {
             width: 120.0,
             height: 80.0,
-            marks: vec![
-                Stroke::Area { corners: vec![(10.0, 10.0), (60.0, 40.0), (10.0, 70.0)], ink: Ink::Body },
-                Stroke::Line { points: vec![(10.0, 10.0), (60.0, 40.0)], width: 1.5, ink: Ink::Line },
-                Stroke::Ring { centre: (90.0, 40.0), radius: 15.0, width: 1.5, ink: Ink::Line },
-                Stroke::Disc { centre: (60.0, 40.0), radius: 3.0, ink: Ink::Signal },
+            primitives: vec![
+                Primitive::Area { corners: vec![(10.0, 10.0), (60.0, 40.0), (10.0, 70.0)], ink: Ink::Body },
+                Primitive::Line { points: vec![(10.0, 10.0), (60.0, 40.0)], width: 1.5, ink: Ink::Line },
+                Primitive::Ring { centre: (90.0, 40.0), radius: 15.0, width: 1.5, ink: Ink::Line },
+                Primitive::Disc { centre: (60.0, 40.0), radius: 3.0, ink: Ink::Signal },
                 text("A<1> & \u{1}", (60.0, 75.0)),
             ],
         }
     }
 
     #[test]
-    fn both_formats_and_themes_are_drawn_alike_every_time() {
+    fn rendering_is_repeatable_in_both_formats() {
         for format in [Format::Svg, Format::Png] {
             let [light, again, dark] = [Theme::Light, Theme::Light, Theme::Dark]
                 .map(|theme| render_drawing(&drawing(), format, theme).unwrap());
@@ -230,19 +285,19 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_large_is_refused() {
+    fn too_large_drawings_are_rejected() {
         let large = |width, format| {
-            let drawing = Drawing { width, height: 20_000.0, marks: vec![] };
+            let drawing = Drawing { width, height: 20_000.0, primitives: vec![] };
             render_drawing(&drawing, format, Theme::Light).map(|bytes| bytes.len())
         };
         assert!(large(20_000.0, Format::Svg).is_ok());
         let error = large(20_000.0, Format::Png).unwrap_err().to_string();
-        assert!(error.contains("as SVG"), "{error}");
+        assert!(error.contains("SVG"), "{error}");
         assert!(large(70_000.0, Format::Svg).is_err() && large(f64::NAN, Format::Svg).is_err());
     }
 
     #[test]
-    fn a_label_takes_the_room_of_its_text() {
+    fn a_label_covers_its_text() {
         let label = Label {
             text: "velocity".into(),
             at: (50.0, 20.0),

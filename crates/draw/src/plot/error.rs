@@ -1,58 +1,61 @@
 use super::Size;
 
-/// Why no picture was drawn.
+/// The reasons why a picture or drawing cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// The file name does not end in a known extension.
-    #[error("`{file}` names no known picture format; known are .svg and .png")]
+    /// The extension of the file name is neither `.svg` nor `.png`.
+    #[error("unknown picture format of `{file}`: the extension must be .svg or .png")]
     UnknownFormat {
-        /// The file name as given.
+        /// The file name as the user gave it.
         file: String,
     },
-    /// The sheet is empty.
+    /// The sheet contains no picture.
     #[error("there is no picture to draw")]
     NoPictures,
-    /// The size of a picture is outside what can be drawn.
+    /// A side of a picture is shorter than [`Size::MIN_SIDE`] or longer than [`Size::MAX_SIDE`].
     #[error(
-        "a picture of {width} x {height} pixels cannot be drawn; each side must be {least} to {most}",
-        width = .0.width, height = .0.height, least = Size::LEAST, most = Size::MOST
+        "each side of a picture must have {least} to {most} pixels, got {width} x {height}",
+        width = .0.width, height = .0.height, least = Size::MIN_SIDE, most = Size::MAX_SIDE
     )]
     Size(Size),
-    /// The stacked pictures make too tall a sheet.
-    #[error("{pictures} pictures stack to more than {most} pixels; draw fewer or smaller ones", most = Size::TALLEST)]
+    /// The stacked pictures are higher than [`Size::MAX_SHEET_HEIGHT`].
+    #[error(
+        "a sheet of {pictures} pictures is higher than {most} pixels; draw fewer or smaller pictures",
+        most = Size::MAX_SHEET_HEIGHT
+    )]
     TooTall {
-        /// How many pictures were to be stacked.
+        /// The number of pictures of the sheet.
         pictures: usize,
     },
-    /// A line drawing is larger than can be drawn.
+    /// A line drawing exceeds the limits of [`super::Drawing`].
     #[error("a drawing of {width:.0} x {height:.0} pixels cannot be drawn: {limit}")]
     TooLarge {
-        /// Pixels across.
+        /// The width in pixels.
         width: f64,
-        /// Pixels down.
+        /// The height in pixels.
         height: f64,
-        /// What is the most.
+        /// The limit that is exceeded, as a sentence.
         limit: String,
     },
-    /// An axis has no finite range, or a number of divisions that cannot be drawn.
+    /// The range of an axis is empty or not finite, or its number of divisions is out of range.
     #[error("axis `{label}`: {low} to {high} in {divisions} divisions cannot be drawn")]
     Range {
         /// The label of the axis.
         label: String,
-        /// The low end of its range.
+        /// The value at its low end.
         low: f64,
-        /// The high end of its range.
+        /// The value at its high end.
         high: f64,
         /// Its number of divisions.
         divisions: usize,
     },
-    /// The built-in font could not be read.
+    /// The built-in font cannot be read.
     #[error("the built-in font cannot be read: {0}")]
     Font(#[from] ab_glyph::InvalidFont),
-    /// Drawing failed.
+    /// The drawing library failed.
     #[error("drawing failed: {0}")]
     Drawing(String),
-    /// The PNG file could not be put together.
+    /// The PNG encoder failed.
     #[error("writing PNG failed: {0}")]
     Png(#[from] png::EncodingError),
 }

@@ -1,22 +1,36 @@
+//! The picture file formats.
+
 use std::path::Path;
 
 use super::PlotError;
 
-/// The kinds of picture file that can be written.
+/// A picture file format.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::Format;
+/// use std::path::Path;
+///
+/// assert_eq!(Format::from_path(Path::new("run.SVG"))?, Format::Svg);
+/// let error = Format::from_path(Path::new("run.pdf")).unwrap_err();
+/// assert_eq!(error.to_string(), "unknown picture format of `run.pdf`: the extension must be .svg or .png");
+/// # Ok::<(), patchcord_draw::plot::PlotError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Scalable drawing, UTF-8 text.
+    /// Scalable vector graphics, UTF-8 text.
     Svg,
-    /// Pixels, 8 bits each of red, green and blue.
+    /// A pixel image with 8 bits each for red, green and blue.
     Png,
 }
 
 impl Format {
-    /// The format a file name asks for by its extension, in either case.
+    /// Returns the format for the extension of a file name, in upper or lower case.
     ///
     /// # Errors
     ///
-    /// [`PlotError::UnknownFormat`] when the extension is neither `svg` nor `png`.
+    /// [`PlotError::UnknownFormat`] if the extension is neither `svg` nor `png`.
     pub fn from_path(path: &Path) -> Result<Format, PlotError> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         match extension.to_str() {

@@ -1,23 +1,25 @@
+//! The screen: background, division lines, small marks and border.
+
 use plotters::style::RGBColor;
 
 use super::clip::Area;
 use super::surface::Surface;
 use super::{Axis, Picture, PlotError, palette};
 
-/// Small marks on the centre lines per division.
-const MARKS: usize = 5;
+/// The number of small marks per division on the centre lines.
+const MARKS_PER_DIVISION: usize = 5;
 
-/// How far a small mark stands out on either side of the centre line.
-const MARK: f64 = 3.5;
+/// The length of a small mark on each side of the centre line.
+const HALF_MARK: f64 = 3.5;
 
-/// Marks closer than this would run together.
-const LEAST_MARK_GAP: f64 = 4.0;
+/// The minimum distance of small marks; closer marks would merge, so none are drawn.
+const MIN_MARK_GAP: f64 = 4.0;
 
 /// Half the thickness of every line of the graticule.
-const HALF: f64 = 0.5;
+const HALF_WIDTH: f64 = 0.5;
 
 /// Draws the empty screen.
-pub(super) fn ground(screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
+pub(super) fn background(screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
     surface.rectangle((screen.left, screen.top), (screen.right, screen.bottom), palette::SCREEN)
 }
 
@@ -26,10 +28,10 @@ pub(super) fn draw(picture: &Picture, screen: Area, surface: &mut dyn Surface) -
     for strong in [false, true] {
         let colour = if strong { palette::CENTRE } else { palette::GRID };
         for line in inner_lines(&picture.horizontal, strong) {
-            upright(column(screen, line), (screen.top, screen.bottom), colour, surface)?;
+            vertical_line(column(screen, line), (screen.top, screen.bottom), colour, surface)?;
         }
         for line in inner_lines(&picture.vertical, strong) {
-            level(row(screen, line), (screen.left, screen.right), colour, surface)?;
+            horizontal_line(row(screen, line), (screen.left, screen.right), colour, surface)?;
         }
     }
     marks(picture, screen, surface)
@@ -38,16 +40,18 @@ pub(super) fn draw(picture: &Picture, screen: Area, surface: &mut dyn Surface) -
 /// Draws the edges of the screen.
 pub(super) fn border(screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
     for x in [screen.left, screen.right] {
-        upright(x, (screen.top - HALF, screen.bottom + HALF), palette::BORDER, surface)?;
+        vertical_line(x, (screen.top - HALF_WIDTH, screen.bottom + HALF_WIDTH), palette::BORDER, surface)?;
     }
     for y in [screen.top, screen.bottom] {
-        level(y, (screen.left - HALF, screen.right + HALF), palette::BORDER, surface)?;
+        horizontal_line(y, (screen.left - HALF_WIDTH, screen.right + HALF_WIDTH), palette::BORDER, surface)?;
     }
     Ok(())
 }
 
-/// Where the division lines between the edges are, as parts of the screen: the
-/// strong ones, in the centre, at zero and at decades, or the others.
+/// Returns the division lines between the edges, as fractions of the axis.
+///
+/// The strong lines are those in the centre, at zero and at decades. Depending on `strong`, these or
+/// the other lines are returned.
 fn inner_lines(axis: &Axis, strong: bool) -> Vec<f64> {
     if axis.logarithmic {
         return decade_lines(axis, strong);
@@ -61,25 +65,26 @@ fn inner_lines(axis: &Axis, strong: bool) -> Vec<f64> {
         .collect()
 }
 
-/// More decades than this leave no room for lines within them.
-const MOST_DIVIDED: usize = 12;
+/// The maximum number of decades with lines at 2 to 9 times the powers of ten; with more decades the
+/// lines would merge.
+const MAX_SUBDIVIDED_DECADES: usize = 12;
 
-/// The strong lines at the decades, or the others at 2 to 9 times them.
+/// Returns the strong lines at the powers of ten, or the others at 2 to 9 times them.
 fn decade_lines(axis: &Axis, strong: bool) -> Vec<f64> {
-    let times = match strong {
+    let factors = match strong {
         true => 1..2,
-        false if axis.divisions <= MOST_DIVIDED => 2..10,
+        false if axis.divisions <= MAX_SUBDIVIDED_DECADES => 2..10,
         false => 0..0,
     };
-    axis.multiples(times).map(|value| axis.fraction(value)).collect()
+    axis.multiples(factors).map(|value| axis.fraction(value)).collect()
 }
 
-/// The division line in the centre, or next to it.
+/// Returns the division line in the centre; for an odd number, the one just below it.
 fn centre_line(axis: &Axis) -> usize {
     axis.divisions / 2
 }
 
-/// The small marks along both centre lines; on a screen of decades there are none.
+/// Draws the small marks along both centre lines; a logarithmic screen has none.
 fn marks(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
     if picture.horizontal.logarithmic || picture.vertical.logarithmic {
         return Ok(());
@@ -87,37 +92,50 @@ fn marks(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(
     let centre = |axis: &Axis| centre_line(axis) as f64 / axis.divisions as f64;
     let x = column(screen, centre(&picture.horizontal));
     let y = row(screen, centre(&picture.vertical));
-    for part in mark_parts(&picture.horizontal, screen.width()) {
-        let ends = (y - MARK, y + MARK);
-        upright(column(screen, part), ends, palette::CENTRE, surface)?;
+    for fraction in mark_fractions(&picture.horizontal, screen.width()) {
+        let ends = (y - HALF_MARK, y + HALF_MARK);
+        vertical_line(column(screen, fraction), ends, palette::CENTRE, surface)?;
     }
-    for part in mark_parts(&picture.vertical, screen.height()) {
-        let ends = (x - MARK, x + MARK);
-        level(row(screen, part), ends, palette::CENTRE, surface)?;
+    for fraction in mark_fractions(&picture.vertical, screen.height()) {
+        let ends = (x - HALF_MARK, x + HALF_MARK);
+        horizontal_line(row(screen, fraction), ends, palette::CENTRE, surface)?;
     }
     Ok(())
 }
 
-fn mark_parts(axis: &Axis, length: f64) -> impl Iterator<Item = f64> {
-    let count = axis.divisions * MARKS;
-    let count = if length / count as f64 >= LEAST_MARK_GAP { count } else { 0 };
+/// Returns the positions of the small marks along an axis, as fractions; none if they would be too close.
+fn mark_fractions(axis: &Axis, length: f64) -> impl Iterator<Item = f64> {
+    let count = axis.divisions * MARKS_PER_DIVISION;
+    let count = if length / count as f64 >= MIN_MARK_GAP { count } else { 0 };
     (1..count).map(move |mark| mark as f64 / count as f64)
 }
 
-/// The middle of the pixel column at a part of the width.
-fn column(screen: Area, part: f64) -> f64 {
-    (screen.left + part * screen.width()).floor() + HALF
+/// Returns the middle of the pixel column at a fraction of the width.
+fn column(screen: Area, fraction: f64) -> f64 {
+    (screen.left + fraction * screen.width()).floor() + HALF_WIDTH
 }
 
-/// The middle of the pixel row at a part of the height, counted from below.
-fn row(screen: Area, part: f64) -> f64 {
-    (screen.bottom - part * screen.height()).floor() + HALF
+/// Returns the middle of the pixel row at a fraction of the height, counted from the lower edge.
+fn row(screen: Area, fraction: f64) -> f64 {
+    (screen.bottom - fraction * screen.height()).floor() + HALF_WIDTH
 }
 
-fn upright(x: f64, ends: (f64, f64), colour: RGBColor, surface: &mut dyn Surface) -> Result<(), PlotError> {
-    surface.rectangle((x - HALF, ends.0), (x + HALF, ends.1), colour)
+/// Draws a line one unit wide at `x`, between two heights.
+fn vertical_line(
+    x: f64,
+    ends: (f64, f64),
+    colour: RGBColor,
+    surface: &mut dyn Surface,
+) -> Result<(), PlotError> {
+    surface.rectangle((x - HALF_WIDTH, ends.0), (x + HALF_WIDTH, ends.1), colour)
 }
 
-fn level(y: f64, ends: (f64, f64), colour: RGBColor, surface: &mut dyn Surface) -> Result<(), PlotError> {
-    surface.rectangle((ends.0, y - HALF), (ends.1, y + HALF), colour)
+/// Draws a line one unit high at `y`, between two positions.
+fn horizontal_line(
+    y: f64,
+    ends: (f64, f64),
+    colour: RGBColor,
+    surface: &mut dyn Surface,
+) -> Result<(), PlotError> {
+    surface.rectangle((ends.0, y - HALF_WIDTH), (ends.1, y + HALF_WIDTH), colour)
 }

@@ -1,122 +1,143 @@
+//! The rows above the screen: title, note and legend.
+
 use plotters::style::RGBColor;
 
 use super::font::Font;
 use super::layout::{Frame, LABEL_TEXT, MARGIN};
-use super::surface::{Align, Lettering, Surface};
+use super::surface::{Align, Surface, TextStyle};
 use super::{Channel, Picture, PlotError, palette, trace};
 
+/// The em size of the title.
 const TITLE_TEXT: f64 = 18.0;
+/// The em size of the note.
 const NOTE_TEXT: f64 = 12.5;
 
-/// Heights of the rows of the head; the last holds the vertical titles.
+/// The height of the row of the title.
 const TITLE_ROW: f64 = 24.0;
+/// The height of the row of the note.
 const NOTE_ROW: f64 = 20.0;
+/// The height of a row of the legend.
 const LEGEND_ROW: f64 = 21.0;
+/// The height of the row with the titles of the vertical axes.
 const AXIS_ROW: f64 = 36.0;
 
-/// Space above the first row.
-const ABOVE: f64 = 10.0;
+/// The space above the first row.
+const TOP_MARGIN: f64 = 10.0;
 
-/// Length of the line before a name in the legend, and the gap after it.
-const SAMPLE: f64 = 24.0;
+/// The length of the line before a name in the legend.
+const SAMPLE_LENGTH: f64 = 24.0;
+/// The gap between that line and the name.
 const SAMPLE_GAP: f64 = 7.0;
 
-/// How far above the baseline of a name its line is.
+/// The height of that line above the baseline of the name.
 const SAMPLE_ABOVE: f64 = 0.34 * LABEL_TEXT;
 
-/// Gap between the entries of the legend.
-const BETWEEN: f64 = 22.0;
+/// The gap between the entries of the legend.
+const ENTRY_GAP: f64 = 22.0;
 
-/// Rows of legend beyond these would leave no room for the screen.
-const MOST_LEGEND_ROWS: usize = 4;
+/// The maximum number of rows of the legend; more rows would leave too little height for the screen.
+const MAX_LEGEND_ROWS: usize = 4;
 
-/// Draws title, note and legend, and tells where the screen begins.
+/// Draws title, note and legend, and returns the upper edge of the screen.
 pub(super) fn draw(
     picture: &Picture,
     frame: &Frame,
     font: &Font,
     surface: &mut dyn Surface,
 ) -> Result<f64, PlotError> {
-    let legend = legend(picture, font, frame.text_room());
-    let mut head = Head { frame, font, surface, baseline: ABOVE };
-    let rest = head.title_row(&picture.title, legend)?;
+    let legend = legend(picture, font, frame.max_text_width());
+    let mut header = HeaderWriter { frame, font, surface, baseline: TOP_MARGIN };
+    let remaining = header.title_row(&picture.title, legend)?;
     if let Some(note) = &picture.note {
-        head.baseline += NOTE_ROW;
-        head.write(note, NOTE_TEXT, palette::NOTE)?;
+        header.baseline += NOTE_ROW;
+        header.write(note, NOTE_TEXT, palette::NOTE)?;
     }
-    for row in rows(rest, frame.text_room()) {
-        head.baseline += LEGEND_ROW;
-        head.legend_row(&row, MARGIN)?;
+    for row in rows(remaining, frame.max_text_width()) {
+        header.baseline += LEGEND_ROW;
+        header.legend_row(&row, MARGIN)?;
     }
-    Ok(head.baseline + AXIS_ROW)
+    Ok(header.baseline + AXIS_ROW)
 }
 
 /// The rows above the screen, written one below the other.
-struct Head<'a> {
+struct HeaderWriter<'a> {
+    /// The size of the picture and of its margins.
     frame: &'a Frame,
+    /// The font, for the widths of names.
     font: &'a Font,
+    /// The surface that is drawn on.
     surface: &'a mut dyn Surface,
-    /// That of the latest row.
+    /// The baseline of the last row.
     baseline: f64,
 }
 
-impl Head<'_> {
-    /// Writes the title and, if there is room beside it, the legend, and gives back
-    /// what of the legend is still to be written.
-    fn title_row<'a>(&mut self, title: &str, legend: Vec<Entry<'a>>) -> Result<Vec<Entry<'a>>, PlotError> {
-        let room = self.frame.text_room();
+impl HeaderWriter<'_> {
+    /// Writes the title, and the legend to its right if both fit in one row.
+    ///
+    /// Returns the entries of the legend that are not yet written.
+    fn title_row<'a>(
+        &mut self,
+        title: &str,
+        legend: Vec<LegendEntry<'a>>,
+    ) -> Result<Vec<LegendEntry<'a>>, PlotError> {
+        let max_width = self.frame.max_text_width();
         let title_width = self.font.width(title, TITLE_TEXT);
-        let beside = !legend.is_empty() && width(&legend) <= room - title_width - BETWEEN;
-        if beside || !title.is_empty() {
+        let in_same_row = !legend.is_empty() && width(&legend) <= max_width - title_width - ENTRY_GAP;
+        if in_same_row || !title.is_empty() {
             self.baseline += TITLE_ROW;
             self.write(title, TITLE_TEXT, palette::TEXT)?;
         }
-        if !beside {
+        if !in_same_row {
             return Ok(legend);
         }
         self.legend_row(&legend, self.frame.width - MARGIN - width(&legend))?;
         Ok(Vec::new())
     }
 
+    /// Writes a text at the left margin of the last row, truncated to the width of the picture.
     fn write(&mut self, text: &str, size: f64, colour: RGBColor) -> Result<(), PlotError> {
-        let text = self.font.shortened(text, size, self.frame.text_room());
-        let lettering = Lettering { size, colour, align: Align::Start };
-        self.surface.text(&text, (MARGIN, self.baseline), lettering)
+        let text = self.font.truncated(text, size, self.frame.max_text_width());
+        let style = TextStyle { size, colour, align: Align::Start };
+        self.surface.text(&text, (MARGIN, self.baseline), style)
     }
 
-    fn legend_row(&mut self, row: &[Entry<'_>], left: f64) -> Result<(), PlotError> {
-        let lettering = Lettering { size: LABEL_TEXT, colour: palette::TEXT, align: Align::Start };
+    /// Writes entries of the legend next to each other, from `left` on.
+    fn legend_row(&mut self, row: &[LegendEntry<'_>], left: f64) -> Result<(), PlotError> {
+        let style = TextStyle { size: LABEL_TEXT, colour: palette::TEXT, align: Align::Start };
         let mut x = left;
         for entry in row {
             let y = self.baseline - SAMPLE_ABOVE;
-            let (width, points) = trace::sample(entry.channel, (x, y), SAMPLE);
+            let (width, points) = trace::legend_sample(entry.channel, (x, y), SAMPLE_LENGTH);
             self.surface.line(&points, width, entry.colour)?;
-            let at = (x + SAMPLE + SAMPLE_GAP, self.baseline);
-            self.surface.text(&entry.name, at, lettering)?;
-            x += entry.width + BETWEEN;
+            let at = (x + SAMPLE_LENGTH + SAMPLE_GAP, self.baseline);
+            self.surface.text(&entry.name, at, style)?;
+            x += entry.width + ENTRY_GAP;
         }
         Ok(())
     }
 }
 
-/// One channel in the legend.
-struct Entry<'a> {
+/// The entry of one channel in the legend.
+struct LegendEntry<'a> {
     name: String,
+    /// The width with the sample, without the gap to the next entry.
     width: f64,
     colour: RGBColor,
     channel: &'a Channel,
 }
 
-/// A single channel needs no legend, unless it is read at the right.
-fn legend<'a>(picture: &'a Picture, font: &Font, room: f64) -> Vec<Entry<'a>> {
+/// Returns the entries of the legend.
+///
+/// A single channel has no legend, unless there is a right axis.
+fn legend<'a>(picture: &'a Picture, font: &Font, max_width: f64) -> Vec<LegendEntry<'a>> {
     if picture.channels.len() < 2 && picture.vertical_right.is_none() {
         return Vec::new();
     }
-    let room = room - SAMPLE - SAMPLE_GAP;
+    let max_width = max_width - SAMPLE_LENGTH - SAMPLE_GAP;
     let entry = |(index, channel): (usize, &'a Channel)| {
-        let name = font.shortened_before(reading(picture, channel), &channel.name, LABEL_TEXT, room);
-        Entry {
-            width: SAMPLE + SAMPLE_GAP + font.width(&name, LABEL_TEXT),
+        let name = font.truncated_before(axis_note(picture, channel), &channel.name, LABEL_TEXT, max_width);
+        LegendEntry {
+            width: SAMPLE_LENGTH + SAMPLE_GAP + font.width(&name, LABEL_TEXT),
             name,
             colour: palette::channel(index, channel),
             channel,
@@ -125,8 +146,8 @@ fn legend<'a>(picture: &'a Picture, font: &Font, room: f64) -> Vec<Entry<'a>> {
     picture.channels.iter().enumerate().map(entry).collect()
 }
 
-/// On which axis to read a channel, if there are two.
-fn reading(picture: &Picture, channel: &Channel) -> &'static str {
+/// Returns the name suffix for the axis that a channel uses; empty if there is only one.
+fn axis_note(picture: &Picture, channel: &Channel) -> &'static str {
     match (&picture.vertical_right, channel.right) {
         (None, _) => "",
         (Some(_), false) => " (left)",
@@ -134,20 +155,20 @@ fn reading(picture: &Picture, channel: &Channel) -> &'static str {
     }
 }
 
-fn width(row: &[Entry<'_>]) -> f64 {
-    let gaps = row.len().saturating_sub(1) as f64 * BETWEEN;
+fn width(row: &[LegendEntry<'_>]) -> f64 {
+    let gaps = row.len().saturating_sub(1) as f64 * ENTRY_GAP;
     row.iter().map(|entry| entry.width).sum::<f64>() + gaps
 }
 
-/// The legend broken into rows no wider than the room.
-fn rows(legend: Vec<Entry<'_>>, room: f64) -> Vec<Vec<Entry<'_>>> {
-    let mut rows: Vec<Vec<Entry<'_>>> = Vec::new();
+/// Breaks the legend into rows of at most `max_width`.
+fn rows(legend: Vec<LegendEntry<'_>>, max_width: f64) -> Vec<Vec<LegendEntry<'_>>> {
+    let mut rows: Vec<Vec<LegendEntry<'_>>> = Vec::new();
     for entry in legend {
         match rows.last_mut() {
-            Some(row) if width(row) + BETWEEN + entry.width <= room => row.push(entry),
+            Some(row) if width(row) + ENTRY_GAP + entry.width <= max_width => row.push(entry),
             _ => rows.push(vec![entry]),
         }
     }
-    rows.truncate(MOST_LEGEND_ROWS);
+    rows.truncate(MAX_LEGEND_ROWS);
     rows
 }

@@ -1,30 +1,38 @@
-use super::clip::{Area, clipped};
+//! The labels next to lines and dots.
+//!
+//! For each label the positions next to points near the end of its line are tried. A position must be
+//! on the screen and free of other texts. The first one that crosses no line and is close to its own
+//! line only is used; if there is none, the one with the smallest penalty.
+
+use super::clip::{Area, clip};
 use super::font::Font;
-use super::surface::{Align, Lettering, Surface};
-use super::trace::{DOT, Line, Projection};
+use super::surface::{Align, Surface, TextStyle};
+use super::trace::{DOT_RADIUS, Line, Projection};
 use super::{Channel, Picture, PlotError, palette};
 
-/// Em size of the labels.
-const TEXT: f64 = 11.5;
+/// The em size of the labels.
+const TEXT_SIZE: f64 = 11.5;
 
-/// Distance of a label from its point, and the height that it takes.
-const AWAY: f64 = 5.0;
+/// The distance from a point to its label.
+const OFFSET: f64 = 5.0;
+/// The height of a label.
 const HEIGHT: f64 = 12.0;
 
-/// A line nearer than this may be taken for the one that a label belongs to.
-const NEAR: f64 = 8.0;
+/// A line closer to a label than this could be mistaken for the line of the label.
+const AMBIGUITY_DISTANCE: f64 = 8.0;
 
-/// How much worse than a line that is near is one that crosses the label.
-const CROSSED: usize = 10;
+/// The penalty of a line that crosses the label, relative to a line that is close to it.
+const CROSSING_PENALTY: usize = 10;
 
-/// How many points of a line are tried for its label, from its end backward.
-const TRIED: usize = 40;
+/// The number of steps backward from the end of a line at which a label is tried.
+const STEPS: usize = 40;
 
-/// How far back from the end of a line its label may stand, as a share of its points.
-const REACH: f64 = 0.7;
+/// The share of the points of a line, from its end backward, at which a label may be.
+const MAX_SHARE: f64 = 0.7;
 
-/// Writes the labels of the channels beside their lines, where they cross fewest of them; where there is no room
-/// for a label it is left out. `taken` is where other texts stand.
+/// Writes the labels of the channels. A label is omitted if no position is free.
+///
+/// `lines` are the visible lines of all channels, and `taken` the areas of other texts.
 pub(super) fn draw(
     picture: &Picture,
     lines: &[Line],
@@ -34,100 +42,117 @@ pub(super) fn draw(
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
     for channel in &picture.channels {
-        let onto = Projection { picture, channel, screen };
+        let projection = Projection { picture, channel, screen };
         for (end, label) in &channel.labels {
-            let label = font.shortened(label, TEXT, screen.width() / 2.0);
-            let width = font.width(&label, TEXT);
-            let points = tried(channel, *end).filter_map(|point| channel.points.get(point));
-            let all = points.flat_map(|point| places(onto.place(*point), clearance(channel), width));
-            let is_free = |place: &Area| screen.holds(place) && !taken.iter().any(|other| other.meets(place));
-            if let Some(place) = clearest(all.filter(is_free), lines) {
-                let lettering = Lettering { size: TEXT, colour: palette::TEXT, align: Align::Start };
-                surface.text(&label, (place.left, place.bottom - 0.2 * HEIGHT), lettering)?;
-                taken.push(place);
+            let label = font.truncated(label, TEXT_SIZE, screen.width() / 2.0);
+            let width = font.width(&label, TEXT_SIZE);
+            let points = candidate_points(channel, *end).filter_map(|point| channel.points.get(point));
+            let all =
+                points.flat_map(|point| label_areas(projection.project(*point), clearance(channel), width));
+            let is_free =
+                |area: &Area| screen.encloses(area) && !taken.iter().any(|other| other.overlaps(area));
+            if let Some(area) = least_ambiguous(all.filter(is_free), lines) {
+                let style = TextStyle { size: TEXT_SIZE, colour: palette::TEXT, align: Align::Start };
+                surface.text(&label, (area.left, area.bottom - 0.2 * HEIGHT), style)?;
+                taken.push(area);
             }
         }
     }
     Ok(())
 }
 
-/// How far from its point a label stands: clear of a dot.
+/// Returns the distance of a label from its point. The label of a dot is clear of the dot.
 fn clearance(channel: &Channel) -> f64 {
-    if channel.dots { AWAY + DOT } else { AWAY }
+    if channel.dots { OFFSET + DOT_RADIUS } else { OFFSET }
 }
 
-/// Points of the line that ends at a point, from there backward; a dot stands alone.
-fn tried(channel: &Channel, end: usize) -> impl Iterator<Item = usize> {
-    let begin = if channel.dots { end } else { begin_of_line(channel, end) };
-    let back = (end - begin) as f64 * REACH / TRIED as f64;
-    let mut points: Vec<usize> = (0..=TRIED).map(|tried| end - (tried as f64 * back) as usize).collect();
+/// Returns the indices of the points at which the label of the line that ends at `end` is candidate_points.
+///
+/// They are in order from `end` backward and do not leave the line. For a dot it is `end` only.
+fn candidate_points(channel: &Channel, end: usize) -> impl Iterator<Item = usize> {
+    let begin = if channel.dots { end } else { line_start(channel, end) };
+    let back = (end - begin) as f64 * MAX_SHARE / STEPS as f64;
+    let mut points: Vec<usize> = (0..=STEPS).map(|step| end - (step as f64 * back) as usize).collect();
     points.dedup();
     points.into_iter()
 }
 
-fn begin_of_line(channel: &Channel, end: usize) -> usize {
+fn line_start(channel: &Channel, end: usize) -> usize {
     channel.breaks.iter().copied().filter(|begin| *begin <= end).max().unwrap_or(0)
 }
 
-/// Where the label of a point may stand, the best place first: to its right, above and below it.
-fn places((x, y): (f64, f64), clear: f64, width: f64) -> [Area; 5] {
+/// Returns the possible areas of a label next to a point in order of preference: right, above, below.
+fn label_areas((x, y): (f64, f64), clearance: f64, width: f64) -> [Area; 5] {
     let area = |left: f64, middle: f64| Area {
         left,
         top: middle - HEIGHT / 2.0,
         right: left + width,
         bottom: middle + HEIGHT / 2.0,
     };
-    let (right, left, away) = (x + clear, x - clear - width, HEIGHT / 2.0 + clear);
-    [area(right, y), area(right, y - away), area(right, y + away), area(left, y - away), area(left, y + away)]
+    let (right, left, offset) = (x + clearance, x - clearance - width, HEIGHT / 2.0 + clearance);
+    [
+        area(right, y),
+        area(right, y - offset),
+        area(right, y + offset),
+        area(left, y - offset),
+        area(left, y + offset),
+    ]
 }
 
-/// The first place that crosses no line and is near to one only, its own; where there is none, the best of them.
-fn clearest(places: impl Iterator<Item = Area>, lines: &[Line]) -> Option<Area> {
+/// Returns the first area that no line crosses and that is close to one line only.
+///
+/// If there is none, the area with the smallest penalty is returned; `None` if there are no areas.
+fn least_ambiguous(areas: impl Iterator<Item = Area>, lines: &[Line]) -> Option<Area> {
     let mut best: Option<(usize, Area)> = None;
-    for place in places {
-        let met = |area: Area| lines.iter().filter(|line| !clipped(line, area).is_empty()).count();
-        let doubt = CROSSED * met(place) + met(place.grown(NEAR)).saturating_sub(1);
-        if doubt == 0 {
-            return Some(place);
+    for area in areas {
+        let line_count = |area: Area| lines.iter().filter(|line| !clip(line, area).is_empty()).count();
+        let close = line_count(area.grown(AMBIGUITY_DISTANCE));
+        let penalty = CROSSING_PENALTY * line_count(area) + close.saturating_sub(1);
+        if penalty == 0 {
+            return Some(area);
         }
-        if best.is_none_or(|(least, _)| doubt < least) {
-            best = Some((doubt, place));
+        if best.is_none_or(|(lowest, _)| penalty < lowest) {
+            best = Some((penalty, area));
         }
     }
-    best.map(|(_, place)| place)
+    best.map(|(_, area)| area)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const PLACE: Area = Area { left: 10.0, top: 10.0, right: 20.0, bottom: 20.0 };
+    const LABEL: Area = Area { left: 10.0, top: 10.0, right: 20.0, bottom: 20.0 };
 
     #[test]
-    fn a_label_stands_where_no_line_is() {
-        let beside = Area { left: 30.0, right: 40.0, ..PLACE };
+    fn a_label_avoids_lines() {
+        let next = Area { left: 30.0, right: 40.0, ..LABEL };
         let line = vec![(0.0, 15.0), (21.0, 15.0)];
-        assert_eq!(clearest([PLACE, beside].into_iter(), std::slice::from_ref(&line)), Some(beside));
+        assert_eq!(least_ambiguous([LABEL, next].into_iter(), std::slice::from_ref(&line)), Some(next));
         let other = vec![(35.0, 0.0), (35.0, 40.0)];
         let both = [line, other.clone(), other];
-        assert_eq!(clearest([beside, PLACE].into_iter(), &both), Some(PLACE), "one line is less than two");
-        assert_eq!(clearest(std::iter::empty(), &both), None);
-        let near = [vec![(5.0, 0.0), (5.0, 40.0)], vec![(25.0, 0.0), (25.0, 40.0)]];
-        let clear = Area { left: 50.0, right: 60.0, ..PLACE };
         assert_eq!(
-            clearest([PLACE, clear].into_iter(), &near),
+            least_ambiguous([next, LABEL].into_iter(), &both),
+            Some(LABEL),
+            "one crossing is better than two"
+        );
+        assert_eq!(least_ambiguous(std::iter::empty(), &both), None);
+        let near = [vec![(5.0, 0.0), (5.0, 40.0)], vec![(25.0, 0.0), (25.0, 40.0)]];
+        let clear = Area { left: 50.0, right: 60.0, ..LABEL };
+        assert_eq!(
+            least_ambiguous([LABEL, clear].into_iter(), &near),
             Some(clear),
-            "a label between two lines is neither's"
+            "a label between two lines is ambiguous"
         );
     }
 
     #[test]
     fn the_label_of_a_line_stays_on_that_line() {
         let channel = Channel { breaks: vec![0, 100, 200], ..Channel::line("", vec![(0.0, 0.0); 300]) };
-        let all: Vec<usize> = tried(&channel, 199).collect();
+        let all: Vec<usize> = candidate_points(&channel, 199).collect();
         assert_eq!((all[0], all.iter().min()), (199, Some(&130)));
-        assert_eq!(tried(&channel, 100).collect::<Vec<_>>(), [100]);
+        assert_eq!(candidate_points(&channel, 100).collect::<Vec<_>>(), [100]);
         let dots = Channel::dots("", vec![(0.0, 0.0); 300]);
-        assert_eq!(tried(&dots, 199).collect::<Vec<_>>(), [199]);
+        assert_eq!(candidate_points(&dots, 199).collect::<Vec<_>>(), [199]);
     }
 }

@@ -1,9 +1,10 @@
-//! Oscilloscope-style pictures and line drawings, drawn as SVG or PNG.
+//! Oscilloscope pictures and line drawings as SVG or PNG files.
 //!
-//! A [`Picture`] says what is on the screen: axes, channels, title and note.
-//! [`render`] turns a sheet of pictures, stacked one below the other, into the
-//! bytes of a file. A [`Drawing`] is lines, areas and texts in their places, and
-//! [`render_drawing`] makes a file of it. Nothing here knows where the numbers come from.
+//! A [`Picture`] describes one screen: its axes, channels, title and note. [`render()`] stacks pictures
+//! one below the other and returns the bytes of a file. A [`Drawing`] is a list of lines, areas and
+//! texts at fixed positions; [`render_drawing()`] returns the bytes of its file. Both use the same
+//! surfaces for SVG and PNG and the same built-in font. This module knows positions and numbers
+//! only; the callers choose what the numbers mean.
 
 mod axis;
 mod band;
@@ -17,7 +18,7 @@ mod graticule;
 mod header;
 mod labels;
 mod layout;
-mod marks;
+mod markers;
 mod palette;
 mod picture;
 mod raster;
@@ -32,10 +33,10 @@ mod trace;
 
 pub use axis::Axis;
 pub use clip::Area;
-pub use drawing::{Align, Drawing, Label, Stroke, render_drawing, text_width, text_within};
+pub use drawing::{Align, Drawing, Label, Primitive, render_drawing, text_width, truncate_text};
 pub use error::PlotError;
 pub use format::Format;
-pub use picture::{Channel, Mark, Picture};
+pub use picture::{Channel, Marker, Picture};
 pub use render::{Size, render};
 pub use theme::{Ink, Theme};
 pub use thin::{drop_repeats, thin};

@@ -1,19 +1,32 @@
+//! The colours of scope pictures.
+
 use plotters::style::RGBColor;
 
 use super::Channel;
 
+/// The background of the picture.
 pub(super) const PAGE: RGBColor = RGBColor(255, 255, 255);
+/// The background of the screen.
 pub(super) const SCREEN: RGBColor = RGBColor(250, 251, 252);
+/// Ordinary division lines.
 pub(super) const GRID: RGBColor = RGBColor(219, 224, 230);
+/// The centre lines, the lines at zero and the decades.
 pub(super) const CENTRE: RGBColor = RGBColor(160, 169, 180);
+/// The edges of the screen.
 pub(super) const BORDER: RGBColor = RGBColor(74, 85, 96);
+/// Titles, numbers and names.
 pub(super) const TEXT: RGBColor = RGBColor(28, 32, 38);
+/// The note under the title, and labels of markers.
 pub(super) const NOTE: RGBColor = RGBColor(90, 98, 108);
+/// Highlighted spans of the horizontal axis.
 pub(super) const SPAN: RGBColor = RGBColor(236, 238, 241);
+/// Faint channels.
 const FAINT: RGBColor = RGBColor(176, 183, 192);
-pub(super) const MARK: RGBColor = RGBColor(132, 140, 152);
+/// The dashed lines of markers.
+pub(super) const MARKER: RGBColor = RGBColor(132, 140, 152);
 
-/// Neighbours differ in hue to colour-blind eyes and in lightness on grey paper.
+/// The colours of the traces in order. Neighbours differ in hue for colour-blind readers and in
+/// lightness in a grey print.
 const TRACES: [RGBColor; 6] = [
     RGBColor(11, 61, 145),
     RGBColor(213, 94, 0),
@@ -23,21 +36,23 @@ const TRACES: [RGBColor; 6] = [
     RGBColor(150, 60, 140),
 ];
 
-/// The colour of a channel by its place among the channels.
+/// Returns the colour of the channel with this index; the colours repeat after six channels.
 pub(super) fn trace(index: usize) -> RGBColor {
     TRACES[index % TRACES.len()]
 }
 
-/// The colour in which a channel is drawn.
+/// Returns the colour of a channel; a faint channel is grey.
 pub(super) fn channel(index: usize, channel: &Channel) -> RGBColor {
     if channel.faint { FAINT } else { trace(index) }
 }
 
-/// How much of a colour is left in what stands behind it.
-const PALE: f64 = 0.3;
+/// The share of the trace colour in the colour of its error band.
+const BAND_SHARE: f64 = 0.3;
 
-/// The colour of what belongs to a trace and stands behind it.
+/// Returns the pale colour of the error band of a trace.
 pub(super) fn pale(colour: RGBColor) -> RGBColor {
-    let mixed = |own: u8, ground: u8| (f64::from(ground) + PALE * (f64::from(own) - f64::from(ground))) as u8;
-    RGBColor(mixed(colour.0, SCREEN.0), mixed(colour.1, SCREEN.1), mixed(colour.2, SCREEN.2))
+    let mix = |own: u8, background: u8| {
+        (f64::from(background) + BAND_SHARE * (f64::from(own) - f64::from(background))) as u8
+    };
+    RGBColor(mix(colour.0, SCREEN.0), mix(colour.1, SCREEN.1), mix(colour.2, SCREEN.2))
 }

@@ -1,59 +1,86 @@
+//! A scope picture as data.
+
 use super::Axis;
 
-/// One scope picture: what is on the screen, as data.
+/// A scope picture: axes, channels and texts.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{Axis, Channel, Picture};
+///
+/// let points = vec![(0.0, 0.0), (1.0, 2.0), (2.0, 1.0)];
+/// let horizontal = Axis::fit("t", "s", points.iter().map(|point| point.0), Axis::HORIZONTAL_DIVISIONS);
+/// let vertical = Axis::fit("x", "mm", points.iter().map(|point| point.1), Axis::VERTICAL_DIVISIONS);
+/// let channels = vec![Channel::line("x", points)];
+/// let picture = Picture { channels, ..Picture::new("Position", horizontal, vertical) };
+/// assert_eq!((picture.title.as_str(), picture.channels.len()), ("Position", 1));
+/// assert!(picture.vertical_right.is_none() && picture.markers.is_empty());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// The heading; may be empty.
+    /// The title; may be empty.
     pub title: String,
-    /// The axis along the foot of the screen.
+    /// The horizontal axis.
     pub horizontal: Axis,
-    /// The axis at the left, on which channels are read unless they say otherwise.
+    /// The left vertical axis. Channels use it unless [`Channel::right`] is set.
     pub vertical: Axis,
-    /// The axis at the right, for channels whose unit or range differs.
+    /// The right vertical axis, for channels with another unit or range; `None` if there is none.
     pub vertical_right: Option<Axis>,
-    /// The traces, in the order in which they are drawn and coloured.
+    /// The channels. Their order sets the colours and the order of drawing.
     pub channels: Vec<Channel>,
-    /// One line under the title, such as the settings of the run.
+    /// A line under the title, such as the settings of the run.
     pub note: Option<String>,
-    /// Places along the foot at which something happened, drawn as thin upright lines with labels.
-    pub marks: Vec<Mark>,
-    /// Stretches along the foot that stand out, from where to where: the screen is darker there.
+    /// Events, drawn as dashed vertical lines with labels.
+    pub markers: Vec<Marker>,
+    /// Highlighted ranges `[from, to]` of the horizontal axis; the screen is darker there.
     pub spans: Vec<[f64; 2]>,
 }
 
-/// A place along the foot of the screen at which something happened.
+/// An event on the horizontal axis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
-    /// Where, in the unit of the horizontal axis.
+pub struct Marker {
+    /// The position in the unit of the horizontal axis.
     pub at: f64,
-    /// What, in few words; left out where there is no room for it.
+    /// A short label. It is omitted if it does not fit.
     pub label: String,
 }
 
 /// One trace on the screen.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::Channel;
+///
+/// let model = Channel::line("model", vec![(0.0, 1.0), (1.0, 2.0)]);
+/// let measured = Channel { errors: vec![0.1, 0.1], ..Channel::dots("measured", vec![(0.0, 1.1), (1.0, 1.9)]) };
+/// assert!(!model.dots && measured.dots);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// What the legend calls the trace.
+    /// The name in the legend.
     pub name: String,
-    /// The points in the units of the axes; a point that is not finite lifts the pen.
+    /// The points in the units of the axes. A point that is not finite interrupts the line.
     pub points: Vec<(f64, f64)>,
-    /// Whether the trace is read on [`Picture::vertical_right`]; without that
-    /// axis it is read on [`Picture::vertical`].
+    /// Whether the trace uses [`Picture::vertical_right`]. If that axis is `None`, the trace uses
+    /// [`Picture::vertical`].
     pub right: bool,
-    /// Indices of points at which the pen is lifted and a new line starts.
+    /// Indices of points at which a new line starts.
     pub breaks: Vec<usize>,
-    /// Indices of points, and what is written beside them; left out where there is no room for it.
+    /// Indices of points and the labels next to them. A label is omitted if it does not fit.
     pub labels: Vec<(usize, String)>,
-    /// Whether the points are dots that no line joins, as measurements are.
+    /// Whether the points are drawn as separate dots, as for measurements.
     pub dots: bool,
-    /// By how much each point may be off, up and down: a band behind a line, a bar through a dot. Empty where that is not told.
+    /// The error of each point, up and down, in the unit of the axis; empty if it is not known. It is
+    /// drawn as a band behind a line or as a bar through a dot.
     pub errors: Vec<f64>,
-    /// Whether the trace stands behind the others, grey and small.
+    /// Whether the trace is drawn thin and grey behind the others.
     pub faint: bool,
 }
 
 impl Channel {
-    /// A line through points, read at the left.
+    /// Returns a line through points that uses the left axis.
     pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Channel {
         Channel {
             name: name.into(),
@@ -67,20 +94,20 @@ impl Channel {
         }
     }
 
-    /// Points that no line joins, read at the left.
+    /// Returns separate dots that use the left axis.
     pub fn dots(name: impl Into<String>, points: Vec<(f64, f64)>) -> Channel {
         Channel { dots: true, ..Channel::line(name, points) }
     }
 }
 
 impl Picture {
-    /// A picture with nothing on its screen yet.
+    /// Returns a picture without channels.
     pub fn new(title: impl Into<String>, horizontal: Axis, vertical: Axis) -> Picture {
-        let (vertical_right, channels, note, marks, spans) = (None, vec![], None, vec![], vec![]);
-        Picture { title: title.into(), horizontal, vertical, vertical_right, channels, note, marks, spans }
+        let (vertical_right, channels, note, markers, spans) = (None, vec![], None, vec![], vec![]);
+        Picture { title: title.into(), horizontal, vertical, vertical_right, channels, note, markers, spans }
     }
 
-    /// The vertical axis on which a channel is read.
+    /// Returns the vertical axis that a channel uses.
     pub(super) fn axis_of(&self, channel: &Channel) -> &Axis {
         match &self.vertical_right {
             Some(right) if channel.right => right,
@@ -88,7 +115,7 @@ impl Picture {
         }
     }
 
-    /// Every axis of the picture.
+    /// Returns every axis of the picture.
     pub(super) fn axes(&self) -> impl Iterator<Item = &Axis> {
         [&self.horizontal, &self.vertical].into_iter().chain(&self.vertical_right)
     }

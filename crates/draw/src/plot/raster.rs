@@ -1,26 +1,21 @@
-use std::f64::consts::TAU;
+//! The PNG backend.
+//!
+//! Everything is drawn with antialiasing into one pixmap per picture. Texts are filled outlines of the
+//! built-in font, so the file does not depend on installed fonts. The pixels of all pictures form one
+//! image.
 
-use plotters::backend::{BitMapBackend, DrawingBackend as _};
-use plotters::style::{Color as _, RGBColor};
+use ab_glyph::OutlineCurve;
+use plotters::style::RGBColor;
+use tiny_skia::{
+    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform,
+};
 
 use super::layout::Frame;
-use super::surface::{Lettering, Surface, drawing_error, whole_point, whole_points};
+use super::surface::{Surface, TextStyle, drawing_error};
 use super::{Picture, PlotError, Size, draw, font::Font};
 
-/// Bytes of red, green and blue.
-const CHANNELS: usize = 3;
-
-/// Above this many pixels pictures are drawn less fine, to spare memory.
-const LARGE: u32 = 4_000_000;
-
-/// Above this many pixels lines are not smoothed at all.
-const VERY_LARGE: u32 = 20_000_000;
-
-/// Edges of a circle drawn as a polygon.
-const CIRCLE_EDGES: u32 = 64;
-
-/// The pictures one below the other as the bytes of a PNG file.
-pub(super) fn sheet(
+/// Renders pictures one below the other and returns the bytes of a PNG file.
+pub(super) fn render_sheet(
     pictures: &[Picture],
     size: Size,
     frame: &Frame,
@@ -33,12 +28,22 @@ pub(super) fn sheet(
     encode(&pixels, size.width, size.height * pictures.len() as u32)
 }
 
+/// Renders a line drawing and returns the bytes of a PNG file.
+pub(super) fn render_drawing(
+    (width, height): (u32, u32),
+    font: &Font,
+    paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
+) -> Result<Vec<u8>, PlotError> {
+    encode(&paint_pixels((width, height), 1.0, font, paint)?, width, height)
+}
+
+/// Returns the bytes of a PNG file. `pixels` are red, green and blue of each pixel, row by row.
 fn encode(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PlotError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // Flat areas, of which a picture mostly consists, pack best as they are.
+    // A picture consists mostly of flat areas, which compress best without a filter.
     encoder.set_compression(png::Compression::Default);
     encoder.set_filter(png::FilterType::NoFilter);
     let mut writer = encoder.write_header()?;
@@ -47,124 +52,122 @@ fn encode(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PlotError> 
     Ok(file)
 }
 
-/// The library draws lines without smoothing, so the picture is drawn several
-/// times as large as wanted and averaged down.
+/// Returns the pixels of one picture.
 fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<Vec<u8>, PlotError> {
-    painted((size.width, size.height), frame.unit, font, |surface| {
+    paint_pixels((size.width, size.height), frame.unit, font, |surface| {
         draw::picture(picture, frame, font, surface)
     })
 }
 
-/// A line drawing as the bytes of a PNG file.
-pub(super) fn drawing(
+/// Returns what `paint` draws on a white page: red, green and blue of each pixel, row by row.
+fn paint_pixels(
     (width, height): (u32, u32),
-    font: &Font,
-    paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
-) -> Result<Vec<u8>, PlotError> {
-    encode(&painted((width, height), 1.0, font, paint)?, width, height)
-}
-
-fn painted(
-    size: (u32, u32),
     unit: f64,
     font: &Font,
     paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
 ) -> Result<Vec<u8>, PlotError> {
-    let pixels = size.0 * size.1;
-    let fineness = [(LARGE, 4), (VERY_LARGE, 2)].iter().find(|(most, _)| pixels <= *most);
-    let fineness = fineness.map_or(1, |(_, fineness)| *fineness);
-    let (width, height) = (size.0 * fineness, size.1 * fineness);
-    let mut fine = vec![0; width as usize * height as usize * CHANNELS];
-    let mut surface = RasterSurface {
-        backend: BitMapBackend::with_buffer(&mut fine, (width, height)),
-        scale: unit * f64::from(fineness),
-        font,
-    };
+    let mut pixels = Pixmap::new(width, height).ok_or_else(|| drawing_error("the picture has no pixels"))?;
+    pixels.fill(Color::WHITE);
+    let mut surface = RasterSurface { pixels, scale: unit as f32, font };
     paint(&mut surface)?;
-    surface.backend.present().map_err(drawing_error)?;
-    drop(surface);
-    Ok(averaged(&fine, width as usize, fineness as usize))
+    Ok(surface.pixels.pixels().iter().flat_map(|own| [own.red(), own.green(), own.blue()]).collect())
 }
 
-/// The picture with squares of `side` by `side` pixels made into one.
-fn averaged(fine: &[u8], width: usize, side: usize) -> Vec<u8> {
-    let row = width * CHANNELS;
-    let area = (side * side) as u32;
-    let mut pixels = Vec::with_capacity(fine.len() / (side * side));
-    for band in fine.chunks_exact(row * side) {
-        let mut sums = vec![area / 2; row / side];
-        for line in band.chunks_exact(row) {
-            add_squares(line, side, &mut sums);
-        }
-        pixels.extend(sums.into_iter().map(|sum| (sum / area) as u8));
-    }
-    pixels
-}
-
-fn add_squares(line: &[u8], side: usize, sums: &mut [u32]) {
-    let squares = line.chunks_exact(side * CHANNELS);
-    for (square, sums) in squares.zip(sums.chunks_exact_mut(CHANNELS)) {
-        for pixel in square.chunks_exact(CHANNELS) {
-            for (sum, value) in sums.iter_mut().zip(pixel) {
-                *sum += u32::from(*value);
-            }
-        }
-    }
-}
-
+/// A surface that draws into pixels.
 struct RasterSurface<'a> {
-    backend: BitMapBackend<'a>,
-    scale: f64,
+    /// The pixels drawn so far.
+    pixels: Pixmap,
+    /// Pixels per picture unit.
+    scale: f32,
+    /// The font of all texts.
     font: &'a Font,
 }
 
 impl RasterSurface<'_> {
-    /// The library rounds the corners of thick lines down, which makes their
-    /// width depend on the direction; this draws them rounded to the nearest.
-    fn thick_segment(
-        &mut self,
-        from: (i32, i32),
-        to: (i32, i32),
-        width: f64,
-        colour: RGBColor,
-    ) -> Result<(), PlotError> {
-        let (dx, dy) = (f64::from(to.0 - from.0), f64::from(to.1 - from.1));
-        let half = width / 2.0 / dx.hypot(dy);
-        let corner = |at: (i32, i32), side: f64| {
-            let at = (f64::from(at.0), f64::from(at.1));
-            whole_point((at.0 - side * dy * half, at.1 + side * dx * half), 1.0)
-        };
-        let corners = [corner(from, 1.0), corner(to, 1.0), corner(to, -1.0), corner(from, -1.0)];
-        self.backend.fill_polygon(corners, &colour).map_err(drawing_error)
+    /// Returns the transformation from picture units to pixels.
+    fn transform(&self) -> Transform {
+        Transform::from_scale(self.scale, self.scale)
     }
 
-    fn disc(&mut self, at: (i32, i32), diameter: f64, colour: RGBColor) -> Result<(), PlotError> {
-        let radius = (diameter / 2.0).round() as u32;
-        self.backend.draw_circle(at, radius, &colour, true).map_err(drawing_error)
+    /// Fills a path; nothing is drawn without a path.
+    fn fill(&mut self, path: Option<Path>, colour: RGBColor) {
+        if let Some(path) = path {
+            self.pixels.fill_path(&path, &ink(colour), FillRule::Winding, self.transform(), None);
+        }
     }
+
+    /// Draws a line along a path, with round joins and ends; nothing is drawn without a path.
+    fn stroke(&mut self, path: Option<Path>, width: f64, colour: RGBColor) {
+        let (line_cap, line_join) = (LineCap::Round, LineJoin::Round);
+        let stroke = Stroke { width: width as f32, line_cap, line_join, ..Stroke::default() };
+        if let Some(path) = path {
+            self.pixels.stroke_path(&path, &ink(colour), &stroke, self.transform(), None);
+        }
+    }
+}
+
+/// Returns an opaque paint of a colour.
+fn ink(colour: RGBColor) -> Paint<'static> {
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(colour.0, colour.1, colour.2, u8::MAX);
+    paint
+}
+
+/// Returns the path through some points; `None` if there are too few.
+fn polyline(points: &[(f64, f64)], is_closed: bool) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    for (index, (x, y)) in points.iter().enumerate() {
+        match index {
+            0 => path.move_to(*x as f32, *y as f32),
+            _ => path.line_to(*x as f32, *y as f32),
+        }
+    }
+    if is_closed {
+        path.close();
+    }
+    path.finish()
+}
+
+/// Returns the path of the outlines of letters.
+fn glyph_path(curves: &[OutlineCurve]) -> Option<Path> {
+    let (mut path, mut end) = (PathBuilder::new(), None);
+    for curve in curves {
+        let (OutlineCurve::Line(from, to)
+        | OutlineCurve::Quad(from, _, to)
+        | OutlineCurve::Cubic(from, .., to)) = *curve;
+        if end != Some(from) {
+            path.move_to(from.x, from.y);
+        }
+        end = Some(to);
+        match curve {
+            OutlineCurve::Line(..) => path.line_to(to.x, to.y),
+            OutlineCurve::Quad(_, by, _) => path.quad_to(by.x, by.y, to.x, to.y),
+            OutlineCurve::Cubic(_, one, two, _) => path.cubic_to(one.x, one.y, two.x, two.y, to.x, to.y),
+        }
+    }
+    path.finish()
 }
 
 impl Surface for RasterSurface<'_> {
     fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Result<(), PlotError> {
-        let (from, to) = (whole_point(from, self.scale), whole_point(to, self.scale));
-        self.backend.draw_rect(from, to, &colour, true).map_err(drawing_error)
+        let rectangle = Rect::from_ltrb(from.0 as f32, from.1 as f32, to.0 as f32, to.1 as f32);
+        self.fill(rectangle.map(PathBuilder::from_rect), colour);
+        Ok(())
     }
 
     fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError> {
-        let width = width * self.scale;
-        let points = whole_points(points, self.scale);
-        if let [dot] = points[..] {
-            return self.disc(dot, 2.0 * width, colour);
-        }
-        for ends in points.windows(2) {
-            self.thick_segment(ends[0], ends[1], width, colour)?;
-            self.disc(ends[1], width - 1.0, colour)?;
+        let Some(first) = points.first() else { return Ok(()) };
+        if points.iter().all(|point| point == first) {
+            self.fill(PathBuilder::from_circle(first.0 as f32, first.1 as f32, width as f32), colour);
+        } else {
+            self.stroke(polyline(points, false), width, colour);
         }
         Ok(())
     }
 
     fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError> {
-        self.backend.fill_polygon(whole_points(corners, self.scale), &colour).map_err(drawing_error)
+        self.fill(polyline(corners, true), colour);
+        Ok(())
     }
 
     fn ring(
@@ -174,27 +177,16 @@ impl Surface for RasterSurface<'_> {
         width: f64,
         colour: RGBColor,
     ) -> Result<(), PlotError> {
-        let corner = |edge: u32| {
-            let (sin, cos) = (TAU * f64::from(edge) / f64::from(CIRCLE_EDGES)).sin_cos();
-            (centre.0 + radius * cos, centre.1 + radius * sin)
-        };
-        let corners: Vec<_> = (0..=CIRCLE_EDGES).map(corner).collect();
-        self.line(&corners, width, colour)
+        let circle = PathBuilder::from_circle(centre.0 as f32, centre.1 as f32, radius as f32);
+        self.stroke(circle, width, colour);
+        Ok(())
     }
 
-    fn text(&mut self, text: &str, at: (f64, f64), lettering: Lettering) -> Result<(), PlotError> {
-        let size = lettering.size * self.scale;
-        let shift = lettering.align.shift(self.font.width(text, size));
-        let start = (at.0 * self.scale - shift, at.1 * self.scale);
-        let mut outcome = Ok(());
-        let backend = &mut self.backend;
-        self.font.paint(text, size, start, |pixel, cover| {
-            let ink = lettering.colour.mix(cover).to_backend_color();
-            if let Err(error) = backend.draw_pixel(pixel, ink) {
-                outcome = Err(drawing_error(error));
-            }
-        });
-        outcome
+    fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError> {
+        let start = at.0 - style.align.shift(self.font.width(text, style.size));
+        let curves = self.font.outlines(text, style.size, (start, at.1));
+        self.fill(glyph_path(&curves), style.colour);
+        Ok(())
     }
 }
 
@@ -202,18 +194,42 @@ impl Surface for RasterSurface<'_> {
 mod tests {
     use super::*;
 
+    const BLACK: RGBColor = RGBColor(0, 0, 0);
+
+    /// Returns the red channel of an image that is 8 pixels wide and 4 pixels high.
+    fn painted(paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>) -> Vec<u8> {
+        let font = Font::load().unwrap();
+        paint_pixels((8, 4), 2.0, &font, paint).unwrap().into_iter().step_by(3).collect()
+    }
+
     #[test]
-    fn squares_are_averaged_channel_by_channel() {
-        let fine = [
-            [0, 10, 255],
-            [0, 20, 255],
-            [8, 8, 8],
-            [8, 8, 8],
-            [0, 30, 255],
-            [4, 40, 255],
-            [8, 8, 8],
-            [8, 8, 8],
-        ];
-        assert_eq!(averaged(fine.as_flattened(), 4, 2), [1, 25, 255, 8, 8, 8]);
+    fn an_area_covers_its_pixels() {
+        let corners = [(1.0, 0.5), (3.0, 0.5), (3.0, 1.5), (1.0, 1.5)];
+        let red = painted(|surface| surface.area(&corners, BLACK));
+        let row = [255, 255, 0, 0, 0, 0, 255, 255];
+        assert_eq!(red, [[255; 8], row, row, [255; 8]].concat());
+        assert_eq!(painted(|surface| surface.rectangle((1.0, 0.5), (3.0, 1.5), BLACK)), red);
+    }
+
+    #[test]
+    fn a_pixel_that_is_half_covered_is_grey() {
+        let red = painted(|surface| surface.rectangle((0.0, 0.0), (4.0, 0.25), BLACK));
+        assert!(red[..8].iter().all(|value| (126..=129).contains(value)), "{red:?}");
+    }
+
+    #[test]
+    fn a_line_without_length_is_a_disc() {
+        let red = painted(|surface| surface.line(&[(2.0, 1.0), (2.0, 1.0)], 1.0, BLACK));
+        assert_eq!((red[8 + 3], red[8 + 4], red[0]), (0, 0, 255));
+        assert_eq!(painted(|surface| surface.line(&[], 1.0, BLACK)), [255; 32]);
+    }
+
+    #[test]
+    fn text_is_painted_above_its_baseline() {
+        let style = TextStyle { size: 4.0, colour: BLACK, align: super::super::surface::Align::Middle };
+        let red = painted(|surface| surface.text("H", (2.0, 2.0), style));
+        assert!(red.iter().any(|value| *value < 128));
+        let below = painted(|surface| surface.text("H", (2.0, 0.0), style));
+        assert_eq!(below, [255; 32]);
     }
 }

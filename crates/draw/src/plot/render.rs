@@ -1,23 +1,37 @@
+//! Renders a sheet of scope pictures.
+
 use super::font::Font;
 use super::layout::Frame;
 use super::{Axis, Format, Picture, PlotError, raster, svg};
 
 /// The size of one picture in pixels.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{Axis, Format, Picture, Size, render};
+///
+/// assert_eq!(Size::default(), Size { width: 900, height: 560 });
+/// let axis = || Axis::fit("x", "", [0.0, 1.0].into_iter(), 10);
+/// let small = Size { width: 100, height: 100 };
+/// let error = render(&[Picture::new("", axis(), axis())], Format::Svg, small).unwrap_err();
+/// assert_eq!(error.to_string(), "each side of a picture must have 240 to 4000 pixels, got 100 x 100");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
-    /// Pixels across, [`Size::LEAST`] to [`Size::MOST`].
+    /// The width, from [`Size::MIN_SIDE`] to [`Size::MAX_SIDE`].
     pub width: u32,
-    /// Pixels down, [`Size::LEAST`] to [`Size::MOST`].
+    /// The height, from [`Size::MIN_SIDE`] to [`Size::MAX_SIDE`].
     pub height: u32,
 }
 
 impl Size {
-    /// The shortest side a picture may have.
-    pub const LEAST: u32 = 240;
-    /// The longest side a picture may have.
-    pub const MOST: u32 = 4000;
-    /// The greatest height of a sheet of pictures.
-    pub const TALLEST: u32 = 60_000;
+    /// The minimum length of a side; a smaller picture has no space for its numbers and texts.
+    pub const MIN_SIDE: u32 = 240;
+    /// The maximum length of a side of a picture.
+    pub const MAX_SIDE: u32 = 4000;
+    /// The maximum height of a sheet of pictures.
+    pub const MAX_SHEET_HEIGHT: u32 = 60_000;
 }
 
 impl Default for Size {
@@ -26,43 +40,59 @@ impl Default for Size {
     }
 }
 
-/// Draws pictures, each of the given size, one below the other, and gives the
-/// bytes of a file. The same pictures always give the same bytes.
+/// Renders pictures one below the other, each of the given size, and returns the bytes of the file.
 ///
-/// Long traces are thinned to what can be seen; lines end at the edge of the
-/// screen; texts too long for the picture are cut and end in an ellipsis.
+/// Equal pictures give equal bytes. Long traces are thinned to the resolution of the picture. Lines
+/// are clipped at the edge of the screen. Texts that are too long end in an ellipsis.
 ///
 /// # Errors
 ///
-/// [`PlotError::NoPictures`] without a picture, [`PlotError::Size`] and
-/// [`PlotError::TooTall`] for sizes beyond the limits of [`Size`],
-/// [`PlotError::Range`] for an axis whose ends are equal or not finite or whose
-/// divisions are not 1 to [`Axis::MOST_DIVISIONS`], and the others when the
-/// file cannot be put together.
+/// * [`PlotError::NoPictures`] if there is no picture.
+/// * [`PlotError::Size`] or [`PlotError::TooTall`] if the limits of [`Size`] are exceeded.
+/// * [`PlotError::Range`] if the ends of an axis are equal or not finite, or if its number of divisions
+///   is not 1 to [`Axis::MAX_DIVISIONS`].
+/// * [`PlotError::Font`], [`PlotError::Drawing`] or [`PlotError::Png`] if a library fails.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{Axis, Channel, Format, Picture, PlotError, Size, render};
+///
+/// let axis = |label: &str, divisions: usize| Axis::fit(label, "mm", [0.0, 8.0].into_iter(), divisions);
+/// let channels = vec![Channel::line("y", vec![(0.0, 0.0), (8.0, 8.0)])];
+/// let picture = Picture { channels, ..Picture::new("Line", axis("x", 10), axis("y", 8)) };
+///
+/// let png = render(&[picture], Format::Png, Size { width: 320, height: 240 })?;
+/// assert!(png.starts_with(b"\x89PNG"));
+/// assert!(matches!(render(&[], Format::Svg, Size::default()), Err(PlotError::NoPictures)));
+/// # Ok::<(), PlotError>(())
+/// ```
 pub fn render(pictures: &[Picture], format: Format, size: Size) -> Result<Vec<u8>, PlotError> {
     check_size(size, pictures.len())?;
     pictures.iter().flat_map(Picture::axes).try_for_each(check_axis)?;
     let font = Font::load()?;
-    let frame = Frame::around(pictures, size, &font);
+    let frame = Frame::for_pictures(pictures, size, &font);
     match format {
-        Format::Svg => svg::sheet(pictures, size, &frame, &font),
-        Format::Png => raster::sheet(pictures, size, &frame, &font),
+        Format::Svg => svg::render_sheet(pictures, size, &frame, &font),
+        Format::Png => raster::render_sheet(pictures, size, &frame, &font),
     }
 }
 
+/// Checks the size of a picture and the number of pictures, before anything is drawn.
 fn check_size(size: Size, pictures: usize) -> Result<(), PlotError> {
-    let possible = Size::LEAST..=Size::MOST;
+    let permitted = Size::MIN_SIDE..=Size::MAX_SIDE;
     if pictures == 0 {
         Err(PlotError::NoPictures)
-    } else if !possible.contains(&size.width) || !possible.contains(&size.height) {
+    } else if !permitted.contains(&size.width) || !permitted.contains(&size.height) {
         Err(PlotError::Size(size))
-    } else if pictures > (Size::TALLEST / size.height) as usize {
+    } else if pictures > (Size::MAX_SHEET_HEIGHT / size.height) as usize {
         Err(PlotError::TooTall { pictures })
     } else {
         Ok(())
     }
 }
 
+/// Checks that an axis can be drawn.
 fn check_axis(axis: &Axis) -> Result<(), PlotError> {
     if axis.is_drawable() {
         return Ok(());
@@ -78,7 +108,7 @@ fn check_axis(axis: &Axis) -> Result<(), PlotError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Channel, Mark};
+    use crate::plot::{Channel, Marker};
 
     fn channel(name: &str, points: Vec<(f64, f64)>) -> Channel {
         Channel::line(name, points)
@@ -86,8 +116,8 @@ mod tests {
 
     fn picture(channels: Vec<Channel>) -> Picture {
         let values = || channels.iter().flat_map(|channel| &channel.points);
-        let horizontal = Axis::fit("t", "s", values().map(|at| at.0), Axis::ACROSS);
-        let vertical = Axis::fit("v_o", "mm/s", values().map(|at| at.1), Axis::UP);
+        let horizontal = Axis::fit("t", "s", values().map(|at| at.0), Axis::HORIZONTAL_DIVISIONS);
+        let vertical = Axis::fit("v_o", "mm/s", values().map(|at| at.1), Axis::VERTICAL_DIVISIONS);
         let note = Some("100 ms/div".to_owned());
         Picture { channels, note, ..Picture::new("Stick & <slip>", horizontal, vertical) }
     }
@@ -101,14 +131,14 @@ mod tests {
         String::from_utf8(render(pictures, Format::Svg, Size::default()).unwrap()).unwrap()
     }
 
-    /// Width and height as the file itself tells them.
+    /// Returns the width and height in the header of a PNG file.
     fn png_size(file: &[u8]) -> (u32, u32) {
         let number = |at: usize| u32::from_be_bytes(file[at..at + 4].try_into().unwrap());
         (number(16), number(20))
     }
 
     #[test]
-    fn svg_holds_the_texts() {
+    fn svg_contains_the_texts() {
         let text = svg(&[wave()]);
         for part in ["Stick &amp; &lt;slip&gt;", "v_o, mm/s", "t, s", "100 ms/div", "−4"] {
             assert!(text.contains(part), "{part}");
@@ -122,7 +152,7 @@ mod tests {
         let mut second = channel("x_o", vec![(0.0, 1.0), (10.0, 2.0)]);
         second.right = true;
         two.channels.push(second);
-        two.vertical_right = Some(Axis::fit("x_o", "mm", [0.0, 2.0].into_iter(), Axis::UP));
+        two.vertical_right = Some(Axis::fit("x_o", "mm", [0.0, 2.0].into_iter(), Axis::VERTICAL_DIVISIONS));
         let text = svg(&[two]);
         for part in ["v_o (left)", "x_o (right)", "x_o, mm"] {
             assert!(text.contains(part), "{part}");
@@ -147,24 +177,24 @@ mod tests {
     }
 
     #[test]
-    fn marks_and_labels_are_written_where_there_is_room() {
-        let mark = |at: f64, label: &str| Mark { at, label: label.to_owned() };
+    fn markers_and_labels_are_written_if_they_fit() {
+        let mark = |at: f64, label: &str| Marker { at, label: label.to_owned() };
         let mut marked = wave();
-        marked.marks =
-            vec![mark(4.0, "k = 20 N/m"), mark(2.0, "hold"), mark(2.1, "below"), mark(2.2, "no room")];
-        marked.marks.push(mark(99.0, "outside"));
+        marked.markers =
+            vec![mark(4.0, "k = 20 N/m"), mark(2.0, "hold"), mark(2.1, "below"), mark(2.2, "no space")];
+        marked.markers.push(mark(99.0, "outside"));
         marked.channels[0].labels = vec![(499, "m = 2 kg".to_owned()), (7000, "nowhere".to_owned())];
         let text = svg(&[marked.clone()]);
         for part in ["hold", "below", "k = 20 N/m", "m = 2 kg"] {
             assert!(text.contains(&format!(">\n{part}\n<")), "{part}");
         }
-        for part in ["no room", "outside", "nowhere"] {
+        for part in ["no space", "outside", "nowhere"] {
             assert!(!text.contains(part), "{part}");
         }
         assert!(!render(&[marked], Format::Png, Size::default()).unwrap().is_empty());
     }
 
-    /// The corners of the areas of a file.
+    /// Returns the corners of each polygon of an SVG file.
     fn areas(text: &str) -> Vec<Vec<(f64, f64)>> {
         let corner = |pair: &str| {
             let (x, y) = pair.split_once(',').unwrap();
@@ -183,7 +213,7 @@ mod tests {
         let plain = picture(vec![channel("line", line.points.clone())]);
         let lines = |picture: Picture| svg(&[picture]).matches("<polyline").count();
         let banded = svg(&[Picture { channels: vec![line], ..plain.clone() }]);
-        // What lies beyond the screen ends at its edge.
+        // The band is clamped to the screen.
         let heights = areas(&banded).into_iter().map(|corners| {
             let ends =
                 corners.iter().map(|at| at.1).fold([f64::MAX, f64::MIN], |[a, b], y| [a.min(y), b.max(y)]);
@@ -198,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_faint_stands_behind_and_spans_behind_all() {
+    fn faint_traces_are_behind_and_spans_are_at_the_back() {
         let faint = Channel { faint: true, ..channel("scatter", vec![(0.0, 0.0), (9.0, 3.0)]) };
         let marked = Picture { spans: vec![[2.0, 4.0], [9.0, 99.0]], ..wave() };
         let rectangles = |picture: Picture| svg(&[picture]).matches("<rect").count();
@@ -212,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_pictures_are_drawn() {
+    fn degenerate_pictures_are_drawn() {
         let nan = f64::NAN;
         let mut odd = picture(vec![
             channel("", vec![]),
@@ -225,7 +255,7 @@ mod tests {
         odd.channels[0].name = "name ".repeat(200);
         odd.note = Some("note ".repeat(200));
         let marks = [f64::NAN, f64::INFINITY, f64::MIN, 0.0, 0.5, 0.5];
-        odd.marks = marks.map(|at| Mark { at, label: "mark ".repeat(200) }).to_vec();
+        odd.markers = marks.map(|at| Marker { at, label: "mark ".repeat(200) }).to_vec();
         odd.channels[1].labels = vec![(0, "label ".repeat(200)), (1, String::new())];
         odd.channels[2].labels = vec![(1, "far".to_owned())];
         odd.channels[1].errors = vec![f64::NAN, 1.0];
@@ -233,7 +263,7 @@ mod tests {
         odd.channels[3].errors = vec![1.0; 7];
         odd.spans = vec![[f64::NAN, 1.0], [f64::MIN, f64::MAX], [1.0, 0.0]];
         odd.channels.extend((0..40).map(|n| channel(&format!("channel number {n}"), vec![])));
-        let size = Size { width: Size::LEAST, height: Size::LEAST };
+        let size = Size { width: Size::MIN_SIDE, height: Size::MIN_SIDE };
         for format in [Format::Svg, Format::Png] {
             assert!(!render(&[odd.clone(), picture(vec![])], format, size).unwrap().is_empty());
         }
@@ -241,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_requests_are_refused() {
+    fn invalid_requests_are_rejected() {
         let refused = |pictures: &[Picture], width| {
             let size = Size { width, height: 560 };
             render(pictures, Format::Svg, size).unwrap_err()

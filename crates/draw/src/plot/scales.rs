@@ -1,26 +1,30 @@
+//! The numbers and titles around the screen.
+
 use plotters::style::RGBColor;
 
 use super::clip::Area;
 use super::font::Font;
 use super::layout::{Frame, LABEL_TEXT, MARGIN, TICK_GAP, TICK_TEXT};
-use super::surface::{Align, Lettering, Surface};
+use super::surface::{Align, Surface, TextStyle};
 use super::{Axis, Picture, PlotError, palette, ticks};
 
-/// How far below the middle of a number its baseline is.
+/// The distance from the middle of a digit down to its baseline.
 const HALF_DIGIT: f64 = 0.36 * TICK_TEXT;
 
-/// How far below the screen the baselines of the numbers and the title are.
+/// The distance from the screen down to the baseline of the numbers.
 const NUMBERS_BELOW: f64 = 20.0;
+/// The distance from the screen down to the baseline of the horizontal title.
 const TITLE_BELOW: f64 = 42.0;
 
-/// How far above the screen the baselines of the vertical titles are.
+/// The distance from the screen up to the baselines of the vertical titles.
 const TITLES_ABOVE: f64 = 13.0;
 
-/// Room between neighbouring numbers.
-const BETWEEN_NUMBERS: f64 = 14.0;
+/// The minimum gap between neighbouring numbers.
+const NUMBER_GAP: f64 = 14.0;
 
-/// Length of the marks that carry numbers off the graticule.
-const MARK: f64 = 5.0;
+/// The length of the marks of the right axis. They are drawn if its divisions differ from those of
+/// the graticule.
+const MARK_LENGTH: f64 = 5.0;
 
 /// Draws the numbers and titles around the screen.
 pub(super) fn draw(
@@ -32,12 +36,12 @@ pub(super) fn draw(
 ) -> Result<(), PlotError> {
     let mut scales = Scales { frame, screen, font, surface };
     let (left, right) = colours(picture);
-    scales.foot(&picture.horizontal)?;
-    scales.side(&picture.vertical, Side::Left, left)?;
-    scales.side_title(picture, &picture.vertical, Side::Left, left)?;
+    scales.horizontal_scale(&picture.horizontal)?;
+    scales.vertical_scale(&picture.vertical, Side::Left, left)?;
+    scales.vertical_title(picture, &picture.vertical, Side::Left, left)?;
     if let Some(axis) = &picture.vertical_right {
-        scales.side(axis, Side::Right, right)?;
-        scales.side_title(picture, axis, Side::Right, right)?;
+        scales.vertical_scale(axis, Side::Right, right)?;
+        scales.vertical_title(picture, axis, Side::Right, right)?;
         if axis.divisions != picture.vertical.divisions {
             scales.right_marks(axis)?;
         }
@@ -45,7 +49,9 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// With a right axis, either side has the colour of its first channel.
+/// Returns the colours of the left and the right scale.
+///
+/// If there is a right axis, each scale has the colour of its first channel.
 fn colours(picture: &Picture) -> (RGBColor, RGBColor) {
     let colour = |right: bool| {
         let first = picture.channels.iter().position(|channel| channel.right == right);
@@ -57,24 +63,30 @@ fn colours(picture: &Picture) -> (RGBColor, RGBColor) {
     (colour(false), colour(true))
 }
 
+/// The side of the screen on which a vertical scale is.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
     Left,
     Right,
 }
 
+/// Writes the scales of one picture.
 struct Scales<'a> {
+    /// The size of the picture and of its margins.
     frame: &'a Frame,
     screen: Area,
+    /// The font, for the widths of numbers.
     font: &'a Font,
+    /// The surface that is drawn on.
     surface: &'a mut dyn Surface,
 }
 
 impl Scales<'_> {
-    fn foot(&mut self, axis: &Axis) -> Result<(), PlotError> {
+    /// Writes the numbers and the title below the screen.
+    fn horizontal_scale(&mut self, axis: &Axis) -> Result<(), PlotError> {
         let screen = self.screen;
-        let room_for = |text: &str| self.font.width(text, TICK_TEXT) + BETWEEN_NUMBERS;
-        for tick in ticks::fitting(axis, screen.width(), room_for) {
+        let extent = |text: &str| self.font.width(text, TICK_TEXT) + NUMBER_GAP;
+        for tick in ticks::fit(axis, screen.width(), extent) {
             let x = screen.left + tick.fraction * screen.width();
             let at = (x, screen.bottom + NUMBERS_BELOW);
             self.write(&tick.text, at, TICK_TEXT, palette::TEXT, Align::Middle)?;
@@ -85,31 +97,33 @@ impl Scales<'_> {
         self.write(&title, at, LABEL_TEXT, palette::TEXT, Align::Middle)
     }
 
-    fn side(&mut self, axis: &Axis, side: Side, colour: RGBColor) -> Result<(), PlotError> {
+    /// Writes the numbers at one side of the screen.
+    fn vertical_scale(&mut self, axis: &Axis, side: Side, colour: RGBColor) -> Result<(), PlotError> {
         let screen = self.screen;
         let (x, align) = match side {
             Side::Left => (screen.left - TICK_GAP, Align::End),
             Side::Right => (screen.right + TICK_GAP, Align::Start),
         };
-        for tick in ticks::fitting(axis, screen.height(), |_| 1.4 * TICK_TEXT) {
+        for tick in ticks::fit(axis, screen.height(), |_| 1.4 * TICK_TEXT) {
             let y = screen.bottom - tick.fraction * screen.height() + HALF_DIGIT;
             self.write(&tick.text, (x, y), TICK_TEXT, colour, align)?;
         }
         Ok(())
     }
 
-    /// Vertical titles stand level above the screen, where they can be read
-    /// without turning the head; two of them share the width.
-    fn side_title(
+    /// Writes the title of a vertical axis horizontally above the screen, where it is easy to read.
+    ///
+    /// Two titles share the width.
+    fn vertical_title(
         &mut self,
         picture: &Picture,
         axis: &Axis,
         side: Side,
         colour: RGBColor,
     ) -> Result<(), PlotError> {
-        let sharers = 1.0 + f64::from(picture.vertical_right.is_some());
-        let room = self.frame.text_room() / sharers - MARGIN;
-        let title = self.title(axis, room);
+        let titles = 1.0 + f64::from(picture.vertical_right.is_some());
+        let max_width = self.frame.max_text_width() / titles - MARGIN;
+        let title = self.title(axis, max_width);
         let (x, align) = match side {
             Side::Left => (MARGIN, Align::Start),
             Side::Right => (self.frame.width - MARGIN, Align::End),
@@ -118,21 +132,23 @@ impl Scales<'_> {
         self.write(&title, at, LABEL_TEXT, colour, align)
     }
 
-    /// Label and unit; if they do not fit, the label gives way.
-    fn title(&self, axis: &Axis, room: f64) -> String {
-        self.font.shortened_before(&ticks::unit(axis), &axis.label, LABEL_TEXT, room)
+    /// Returns label and unit. If they do not fit, the label is truncated.
+    fn title(&self, axis: &Axis, max_width: f64) -> String {
+        self.font.truncated_before(&ticks::unit(axis), &axis.label, LABEL_TEXT, max_width)
     }
 
+    /// Draws a mark at each division of the right axis.
     fn right_marks(&mut self, axis: &Axis) -> Result<(), PlotError> {
         let x = self.screen.right;
         for line in 0..=axis.divisions {
-            let part = line as f64 / axis.divisions as f64;
-            let y = (self.screen.bottom - part * self.screen.height()).floor();
-            self.surface.rectangle((x, y), (x + MARK, y + 1.0), palette::BORDER)?;
+            let fraction = line as f64 / axis.divisions as f64;
+            let y = (self.screen.bottom - fraction * self.screen.height()).floor();
+            self.surface.rectangle((x, y), (x + MARK_LENGTH, y + 1.0), palette::BORDER)?;
         }
         Ok(())
     }
 
+    /// Writes one line of text; `at` is a point on its baseline.
     fn write(
         &mut self,
         text: &str,
@@ -141,7 +157,7 @@ impl Scales<'_> {
         colour: RGBColor,
         align: Align,
     ) -> Result<(), PlotError> {
-        let lettering = Lettering { size, colour, align };
-        self.surface.text(text, at, lettering)
+        let style = TextStyle { size, colour, align };
+        self.surface.text(text, at, style)
     }
 }

@@ -1,20 +1,25 @@
+//! The interface of the drawing backends for SVG and PNG.
+
 use plotters::style::RGBColor;
 
 use super::PlotError;
 
-/// What can be drawn on. Positions and sizes are in picture units, of which an
-/// ordinary picture is 900 wide, counted from its upper left corner.
+/// A surface that pictures and drawings are drawn on.
+///
+/// Positions and lengths are in picture units from the upper left corner; y points down. An ordinary
+/// picture is 900 units wide.
 pub(super) trait Surface {
     /// Fills a rectangle between its upper left and lower right corners.
     fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Result<(), PlotError>;
 
-    /// Draws a line with round joins and ends; points in one place make a dot.
+    /// Draws a polyline with round joins and ends. If all points coincide, it is a disc with radius
+    /// `width`.
     fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError>;
 
-    /// Fills the area within corners.
+    /// Fills a polygon.
     fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError>;
 
-    /// Draws the edge of a circle.
+    /// Draws the outline of a circle.
     fn ring(
         &mut self,
         centre: (f64, f64),
@@ -23,32 +28,32 @@ pub(super) trait Surface {
         colour: RGBColor,
     ) -> Result<(), PlotError>;
 
-    /// Writes a line of text; `at` is on its baseline.
-    fn text(&mut self, text: &str, at: (f64, f64), lettering: Lettering) -> Result<(), PlotError>;
+    /// Writes a line of text; `at` is a point on its baseline.
+    fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError>;
 }
 
-/// How a line of text is written.
+/// The size, colour and alignment of a line of text.
 #[derive(Clone, Copy)]
-pub(super) struct Lettering {
+pub(super) struct TextStyle {
     /// The em size in picture units.
     pub size: f64,
     pub colour: RGBColor,
     pub align: Align,
 }
 
-/// Which part of a line of text is at the position given.
+/// The part of a line of text that is at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Align {
-    /// Its beginning.
+    /// The start of the text.
     Start,
-    /// Its middle.
+    /// The middle of the text.
     Middle,
-    /// Its end.
+    /// The end of the text.
     End,
 }
 
 impl Align {
-    /// How far before the position a text begins.
+    /// Returns the distance from the start of a text of this width to its position.
     pub(super) fn shift(self, width: f64) -> f64 {
         match self {
             Align::Start => 0.0,
@@ -58,19 +63,19 @@ impl Align {
     }
 }
 
-/// Whole backend positions, neighbours in the same place told once.
+/// Returns backend positions rounded to whole numbers; repeated neighbours are dropped.
 pub(super) fn whole_points(points: &[(f64, f64)], scale: f64) -> Vec<(i32, i32)> {
     let mut whole: Vec<(i32, i32)> = points.iter().map(|at| whole_point(*at, scale)).collect();
     whole.dedup();
     whole
 }
 
-/// The backend position nearest to a picture position.
+/// Returns the whole backend position nearest to a picture position.
 pub(super) fn whole_point(at: (f64, f64), scale: f64) -> (i32, i32) {
     ((at.0 * scale).round() as i32, (at.1 * scale).round() as i32)
 }
 
-/// A failure of the drawing library in this module's own terms.
+/// Converts an error of the drawing library.
 pub(super) fn drawing_error(error: impl std::fmt::Display) -> PlotError {
     PlotError::Drawing(error.to_string())
 }

@@ -1,3 +1,8 @@
+//! The SVG backend.
+//!
+//! Texts stay texts, so they can be searched and copied. Their width is that of the built-in font only if
+//! the viewer has this font; the other families are of similar width.
+
 use std::fmt::Write as _;
 
 use plotters::backend::{DrawingBackend as _, SVGBackend};
@@ -5,22 +10,23 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color as _, FontDesc, FontFamily, FontStyle, RGBColor};
 
 use super::layout::Frame;
-use super::surface::{Align, Lettering, Surface, drawing_error, whole_point, whole_points};
+use super::surface::{Align, Surface, TextStyle, drawing_error, whole_point, whole_points};
 use super::{Picture, PlotError, Size, draw, font::Font};
 
-/// Positions are whole numbers of tenths of a pixel.
-const FINENESS: u32 = 10;
+/// The number of coordinate units per pixel. The drawing library takes whole coordinates only.
+const UNITS_PER_PIXEL: u32 = 10;
 
+/// The font families: the built-in font first, then common fonts of similar width.
 const FAMILY: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
 
-/// The library divides font sizes by this to get the em size.
+/// The factor by which the drawing library divides font sizes to get the em size.
 const LIBRARY_FONT_FACTOR: f64 = 1.24;
 
-/// The library puts the baseline of top-aligned text this many ems down.
+/// The distance, in ems, from the top of top-aligned text to its baseline in the drawing library.
 const LIBRARY_ASCENT: f64 = 0.76;
 
-/// The pictures one below the other as the bytes of an SVG file.
-pub(super) fn sheet(
+/// Renders pictures one below the other and returns the bytes of an SVG file.
+pub(super) fn render_sheet(
     pictures: &[Picture],
     size: Size,
     frame: &Frame,
@@ -30,7 +36,7 @@ pub(super) fn sheet(
     let (width, height) = (size.width as usize, size.height as usize * pictures.len());
     open_sheet(&mut text, width, height).map_err(drawing_error)?;
     for (index, picture) in pictures.iter().enumerate() {
-        let top = index * (size.height * FINENESS) as usize;
+        let top = index * (size.height * UNITS_PER_PIXEL) as usize;
         writeln!(text, r#"<g transform="translate(0 {top})">"#).map_err(drawing_error)?;
         text.push_str(&one_picture(picture, size, frame, font)?);
         text.push_str("</g>\n");
@@ -39,44 +45,47 @@ pub(super) fn sheet(
     Ok(text.into_bytes())
 }
 
-/// Round joins keep the corners of noisy traces from growing spikes.
+/// Writes the start of the file. Line joins are round, because mitred joins of noisy traces would
+/// have spikes.
 fn open_sheet(text: &mut String, width: usize, height: usize) -> std::fmt::Result {
-    let fineness = FINENESS as usize;
+    let units = UNITS_PER_PIXEL as usize;
     writeln!(text, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(
         text,
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {} {}" stroke-linejoin="round" stroke-linecap="round">"#,
-        width * fineness,
-        height * fineness
+        width * units,
+        height * units
     )
 }
 
-/// A line drawing as the bytes of an SVG file.
-pub(super) fn drawing(
+/// Renders a line drawing and returns the bytes of an SVG file.
+pub(super) fn render_drawing(
     (width, height): (u32, u32),
     paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
 ) -> Result<Vec<u8>, PlotError> {
     let mut text = String::new();
     open_sheet(&mut text, width as usize, height as usize).map_err(drawing_error)?;
-    text.push_str(&painted((width, height), 1.0, paint)?);
+    text.push_str(&paint_text((width, height), 1.0, paint)?);
     text.push_str("</svg>\n");
     Ok(text.into_bytes())
 }
 
+/// Returns the SVG text of one picture, without the start and the end of the file.
 fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<String, PlotError> {
-    painted((size.width, size.height), frame.unit, |surface| draw::picture(picture, frame, font, surface))
+    paint_text((size.width, size.height), frame.unit, |surface| draw::picture(picture, frame, font, surface))
 }
 
-fn painted(
+/// Returns the SVG text of what `paint` draws.
+fn paint_text(
     size: (u32, u32),
     unit: f64,
     paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
 ) -> Result<String, PlotError> {
     let mut text = String::new();
-    let fine_size = (size.0 * FINENESS, size.1 * FINENESS);
+    let coordinate_size = (size.0 * UNITS_PER_PIXEL, size.1 * UNITS_PER_PIXEL);
     let mut surface = SvgSurface {
-        backend: SVGBackend::with_string(&mut text, fine_size),
-        scale: unit * f64::from(FINENESS),
+        backend: SVGBackend::with_string(&mut text, coordinate_size),
+        scale: unit * f64::from(UNITS_PER_PIXEL),
     };
     paint(&mut surface)?;
     surface.backend.present().map_err(drawing_error)?;
@@ -84,8 +93,11 @@ fn painted(
     Ok(text)
 }
 
+/// A surface that writes SVG elements.
 struct SvgSurface<'a> {
+    /// The writer of the drawing library. It takes whole coordinate units.
     backend: SVGBackend<'a>,
+    /// Coordinate units per picture unit.
     scale: f64,
 }
 
@@ -122,17 +134,20 @@ impl Surface for SvgSurface<'_> {
         self.backend.draw_circle(centre, radius, &colour.stroke_width(width), false).map_err(drawing_error)
     }
 
-    fn text(&mut self, text: &str, at: (f64, f64), lettering: Lettering) -> Result<(), PlotError> {
-        let size = lettering.size * self.scale * LIBRARY_FONT_FACTOR;
-        let top = at.1 - lettering.size * LIBRARY_ASCENT;
-        let style = FontDesc::new(FontFamily::Name(FAMILY), size, FontStyle::Normal)
-            .color(&lettering.colour)
-            .pos(Pos::new(side(lettering.align), VPos::Top));
-        self.backend.draw_text(text, &style, whole_point((at.0, top), self.scale)).map_err(drawing_error)
+    fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError> {
+        let size = style.size * self.scale * LIBRARY_FONT_FACTOR;
+        let top = at.1 - style.size * LIBRARY_ASCENT;
+        let library_style = FontDesc::new(FontFamily::Name(FAMILY), size, FontStyle::Normal)
+            .color(&style.colour)
+            .pos(Pos::new(horizontal_position(style.align), VPos::Top));
+        self.backend
+            .draw_text(text, &library_style, whole_point((at.0, top), self.scale))
+            .map_err(drawing_error)
     }
 }
 
-fn side(align: Align) -> HPos {
+/// Returns the alignment in terms of the drawing library.
+fn horizontal_position(align: Align) -> HPos {
     match align {
         Align::Start => HPos::Left,
         Align::Middle => HPos::Center,

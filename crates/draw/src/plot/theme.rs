@@ -1,39 +1,41 @@
+//! The colours of line drawings in a light and a dark theme.
+
 use plotters::style::RGBColor;
 
-/// Colours of line drawings.
+/// The colour theme of a line drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Theme {
-    /// Dark ink on white paper.
+    /// Dark lines on a white page.
     #[default]
     Light,
-    /// Light ink on a dark page.
+    /// Light lines on a dark page.
     Dark,
 }
 
-/// What a mark is drawn for; the theme gives it a colour.
+/// The role of a primitive in a drawing; the theme assigns a colour to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
-    /// The page itself.
+    /// The background of the page.
     Page,
-    /// The inside of symbols.
+    /// The inside of symbols and fields.
     Body,
-    /// Edges of symbols, and their names.
+    /// Edges and names of symbols.
     Line,
-    /// Cords of a schematic.
+    /// Connections of a schematic.
     Wire,
-    /// Small print and frames.
+    /// Secondary text and frames.
     Soft,
-    /// Rules and the lines of a panel.
+    /// Rules, and the lines of a patch panel.
     Faint,
     /// Names of signals.
     Signal,
     /// Voltages.
     Voltage,
-    /// A cord of a patch panel, by its number.
+    /// A cord of a patch panel, by its number; the colours repeat after [`Ink::CORD_COLOURS`].
     Cord(usize),
 }
 
-/// Colours of patch cords: light page, dark page.
+/// The colours of patch cords, for the light and the dark theme.
 const CORDS: [(RGBColor, RGBColor); 8] = [
     (RGBColor(200, 30, 45), RGBColor(240, 98, 98)),
     (RGBColor(20, 95, 190), RGBColor(96, 165, 250)),
@@ -46,11 +48,12 @@ const CORDS: [(RGBColor, RGBColor); 8] = [
 ];
 
 impl Ink {
-    /// So many colours cords of a patch panel have.
-    pub const CORDS: usize = CORDS.len();
+    /// The number of different colours of patch cords.
+    pub const CORD_COLOURS: usize = CORDS.len();
 }
 
 impl Theme {
+    /// Returns the colour of an ink.
     pub(super) fn colour(self, ink: Ink) -> RGBColor {
         let (light, dark) = match ink {
             Ink::Page => (RGBColor(255, 255, 255), RGBColor(20, 24, 30)),

@@ -1,7 +1,22 @@
-/// Thins a long record of which x never turns back, for a picture `columns`
-/// pixels wide whose edges are at `low` and `high`: of each pixel column the
-/// first, lowest, highest and last point stay, in their order, so that no spike
-/// vanishes. Of neighbouring points that are not finite one stays.
+//! Thins long records of points to what a picture can show.
+
+/// Thins a record with monotonic x for a picture that is `columns` pixels wide.
+///
+/// `low` and `high` are the x values at the edges of the picture. In each pixel column the first,
+/// lowest, highest and last points are kept in their order, so spikes stay visible. Of consecutive
+/// points that are not finite one is kept.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::thin;
+///
+/// let mut points: Vec<(f64, f64)> = (0..10_000).map(|index| (f64::from(index) / 10_000.0, 0.0)).collect();
+/// points[5_000].1 = 9.0;
+/// let kept = thin(&points, 0.0, 1.0, 100);
+/// assert!(kept.len() <= 4 * 100);
+/// assert!(kept.contains(&(0.5, 9.0)), "the spike is kept");
+/// ```
 pub fn thin(points: &[(f64, f64)], low: f64, high: f64, columns: usize) -> Vec<(f64, f64)> {
     let column = |point: &(f64, f64)| column_of(*point, low, high, columns);
     let mut kept = Vec::new();
@@ -11,10 +26,20 @@ pub fn thin(points: &[(f64, f64)], low: f64, high: f64, columns: usize) -> Vec<(
     kept
 }
 
-/// Drops points that lie in the same pixel as the point before them, a pixel
-/// being `pixel.0` wide and `pixel.1` high in the units of the points. Good for
-/// curves that turn back. Of neighbouring points that are not finite one stays;
-/// with a pixel that has no positive size all points stay.
+/// Drops each point that is in the same pixel as the point before it.
+///
+/// `pixel` is the width and height of a pixel in the units of the points. This suits curves whose x
+/// is not monotonic. Of consecutive points that are not finite one is kept. If the size of the pixel
+/// is not positive, all points are kept.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::drop_repeats;
+///
+/// let points = [(0.0, 0.0), (0.2, 0.3), (1.5, 0.0)];
+/// assert_eq!(drop_repeats(&points, (1.0, 1.0)), [(0.0, 0.0), (1.5, 0.0)]);
+/// ```
 pub fn drop_repeats(points: &[(f64, f64)], pixel: (f64, f64)) -> Vec<(f64, f64)> {
     let mut kept = points.to_vec();
     if pixel.0 > 0.0 && pixel.1 > 0.0 {
@@ -25,28 +50,32 @@ pub fn drop_repeats(points: &[(f64, f64)], pixel: (f64, f64)) -> Vec<(f64, f64)>
     kept
 }
 
-/// Whether x goes one way all along.
-pub(super) fn is_one_way(points: &[(f64, f64)]) -> bool {
+/// Whether x never decreases or never increases.
+pub(super) fn is_monotonic(points: &[(f64, f64)]) -> bool {
     points.is_sorted_by(|one, next| one.0 <= next.0) || points.is_sorted_by(|one, next| one.0 >= next.0)
 }
 
-/// Whether a point can be drawn.
+/// Whether both coordinates are finite.
 pub(super) fn is_finite(point: (f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
-/// The pixel column of a point; all points beyond an edge share one column.
+/// Returns the pixel column of a point; `None` if the point is not finite.
+///
+/// All points beyond an edge share one column.
 fn column_of(point: (f64, f64), low: f64, high: f64, columns: usize) -> Option<i64> {
     let columns = columns as f64;
     let position = (point.0 - low) / (high - low) * columns;
     is_finite(point).then(|| position.floor().clamp(-1.0, columns) as i64)
 }
 
-/// Keeps what a column of points shows; a chunk that starts with a gap is one.
+/// Keeps the first, lowest, highest and last points of a column.
+///
+/// If the first point is not finite, no point of the chunk is, and only the first is kept.
 fn keep_extremes(chunk: &[(f64, f64)], kept: &mut Vec<(f64, f64)>) {
-    let gap = chunk.first().is_some_and(|point| !is_finite(*point));
+    let is_gap = chunk.first().is_some_and(|point| !is_finite(*point));
     let by_height = |one: &usize, other: &usize| chunk[*one].1.total_cmp(&chunk[*other].1);
-    let indices = 0..if gap { 1 } else { chunk.len() };
+    let indices = 0..if is_gap { 1 } else { chunk.len() };
     let lowest = indices.clone().min_by(by_height);
     let highest = indices.clone().max_by(by_height);
     let mut chosen: Vec<usize> =
@@ -65,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lone_spike_survives() {
+    fn a_single_spike_is_kept() {
         let mut points = record(100_000);
         points[54_321].1 = 9.0;
         points[54_400].1 = -7.0;
@@ -75,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn order_and_ends_stay() {
+    fn order_and_ends_are_kept() {
         let points = record(10_000);
         let kept = thin(&points, 0.0, 1.0, 100);
         assert!(kept.is_sorted_by(|one, next| one.0 < next.0));
@@ -100,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_stay_gaps() {
+    fn gaps_are_kept() {
         let mut points = record(1000);
         points[300].1 = f64::NAN;
         points[301].1 = f64::INFINITY;
@@ -110,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_requests_are_survived() {
+    fn degenerate_arguments_are_accepted() {
         assert!(thin(&[], 0.0, 1.0, 10).is_empty());
         assert!(drop_repeats(&[], (1.0, 1.0)).is_empty());
         let points = record(100);
@@ -120,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_that_turns_back_loses_only_repeats() {
+    fn a_closed_curve_loses_only_repeats() {
         let circle: Vec<(f64, f64)> = (0..100_000)
             .map(|n| f64::from(n) / 100_000.0 * std::f64::consts::TAU)
             .map(|angle| (angle.cos(), angle.sin()))
@@ -132,8 +161,8 @@ mod tests {
 
     #[test]
     fn direction_of_x_is_recognised() {
-        assert!(is_one_way(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]));
-        assert!(is_one_way(&[(1.0, 0.0), (0.0, 0.0)]));
-        assert!(!is_one_way(&[(1.0, 0.0), (0.0, 0.0), (0.5, 0.0)]));
+        assert!(is_monotonic(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]));
+        assert!(is_monotonic(&[(1.0, 0.0), (0.0, 0.0)]));
+        assert!(!is_monotonic(&[(1.0, 0.0), (0.0, 0.0), (0.5, 0.0)]));
     }
 }

@@ -1,48 +1,56 @@
+//! The numbers at the division lines of an axis.
+//!
+//! A linear axis shows as many numbers as fit: at every division line, or every second, fifth or
+//! tenth, always including zero if zero is on a line. Very large and very small values are divided by
+//! a power of ten that is shown with the unit. A logarithmic axis shows its decades, or its two ends
+//! and round values between them.
+
 use super::Axis;
 
-/// A number beside a division line.
+/// A number at a division line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
-    /// Where the line is: 0 at the low end of the axis, 1 at the high end.
+    /// The position of the line: 0 at the low end of the axis, 1 at the high end.
     pub fraction: f64,
     pub text: String,
 }
 
-/// Values from the first to below the second are written out; larger and
-/// smaller ones with a power of ten beside the unit.
-const WRITTEN_OUT: std::ops::Range<f64> = 0.01..100_000.0;
+/// If the largest absolute value of an axis is in this range, its numbers have no power of ten.
+const PLAIN_SIZES: std::ops::Range<f64> = 0.01..100_000.0;
 
-/// Large numbers with divisions below this are written out all the same, since
-/// a power of ten would move their digits behind the point.
-const COARSE: f64 = 100.0;
+/// Large values with divisions smaller than this have no power of ten either. A power of ten would
+/// move their significant digits behind the decimal point.
+const MIN_SCALED_DIVISION: f64 = 100.0;
 
-/// A difference that is not worth a decimal, in divisions.
-const NO_DIFFERENCE: f64 = 1e-6;
+/// Rounding errors below this part of a division need no further decimal.
+const DECIMAL_TOLERANCE: f64 = 1e-6;
 
-/// Decimals beyond the first digit of a division that are worth showing.
+/// The maximum number of decimals after the first digit of a division.
 const EXTRA_DECIMALS: i32 = 2;
 
-/// As many numbers as fit beside an axis `length` long, each taking `room_for`
-/// its text: at every division line, or every second, fifth or tenth.
-pub(super) fn fitting(axis: &Axis, length: f64, room_for: impl Fn(&str) -> f64) -> Vec<Tick> {
-    if axis.logarithmic && !axis.is_of_decades() {
-        return between(axis, length, room_for);
+/// Returns as many numbers as fit along an axis of this length.
+///
+/// `extent` returns the length that a text needs along the axis, including the gap to the next. The
+/// numbers are at every division line, or at every second, fifth, tenth, twentieth or fiftieth.
+pub(super) fn fit(axis: &Axis, length: f64, extent: impl Fn(&str) -> f64) -> Vec<Tick> {
+    if axis.logarithmic && !axis.has_decade_divisions() {
+        return logarithmic_ticks(axis, length, extent);
     }
     let division = length / axis.divisions as f64;
     let fits = |ticks: &[Tick], stride: usize| {
-        let widest = ticks.iter().map(|tick| room_for(&tick.text));
+        let widest = ticks.iter().map(|tick| extent(&tick.text));
         widest.fold(0.0, f64::max) <= division * stride as f64
     };
     [1, 2, 5, 10, 20, 50]
         .into_iter()
-        .map(|stride| (stride, every(axis, stride)))
+        .map(|stride| (stride, with_stride(axis, stride)))
         .find(|(stride, ticks)| fits(ticks, *stride))
         .map(|(_, ticks)| ticks)
-        .unwrap_or_else(|| every(axis, axis.divisions))
+        .unwrap_or_else(|| with_stride(axis, axis.divisions))
 }
 
-/// The numbers at every `stride`-th division line, zero among them if it can be.
-pub(super) fn every(axis: &Axis, stride: usize) -> Vec<Tick> {
+/// Returns the numbers at every `stride`-th division line. Zero is one of them if it is on a line.
+pub(super) fn with_stride(axis: &Axis, stride: usize) -> Vec<Tick> {
     if axis.logarithmic {
         return decades(axis, stride);
     }
@@ -57,7 +65,7 @@ pub(super) fn every(axis: &Axis, stride: usize) -> Vec<Tick> {
         .zip(values)
         .map(|(line, value)| Tick {
             fraction: *line as f64 / axis.divisions as f64,
-            text: number(value, division, decimals),
+            text: format_number(value, division, decimals),
         })
         .collect()
 }
@@ -66,30 +74,32 @@ fn decades(axis: &Axis, stride: usize) -> Vec<Tick> {
     (0..=axis.divisions).step_by(stride).map(|line| tick(axis, axis.line(line))).collect()
 }
 
-/// The numbers of a logarithmic axis whose ends are no decades: both ends, and between them at 1 to 9 times the
-/// decades, or at the decades, or none.
-fn between(axis: &Axis, length: f64, room_for: impl Fn(&str) -> f64) -> Vec<Tick> {
-    let apart = |one: &Tick, next: &Tick| {
-        (next.fraction - one.fraction) * length >= room_for(&one.text).max(room_for(&next.text))
+/// Returns the numbers of a logarithmic axis whose ends are not powers of ten.
+///
+/// Both ends have a number. Between them are the multiples 1 to 9 of the powers of ten if they fit,
+/// else the powers of ten if they fit, else none.
+fn logarithmic_ticks(axis: &Axis, length: f64, extent: impl Fn(&str) -> f64) -> Vec<Tick> {
+    let is_separate = |one: &Tick, next: &Tick| {
+        (next.fraction - one.fraction) * length >= extent(&one.text).max(extent(&next.text))
     };
     let ends = [axis.low, axis.high].map(|end| tick(axis, end));
     let inner = [1..10, 1..2].map(|times| {
         let all = axis.multiples(times).map(|value| tick(axis, value));
-        all.filter(|tick| apart(&ends[0], tick) && apart(tick, &ends[1])).collect::<Vec<_>>()
+        all.filter(|tick| is_separate(&ends[0], tick) && is_separate(tick, &ends[1])).collect::<Vec<_>>()
     });
-    let fits = |ticks: &Vec<Tick>| ticks.windows(2).all(|pair| apart(&pair[0], &pair[1]));
+    let fits = |ticks: &Vec<Tick>| ticks.windows(2).all(|pair| is_separate(&pair[0], &pair[1]));
     let [low, high] = ends.clone();
     [low].into_iter().chain(inner.into_iter().find(fits).into_iter().flatten()).chain([high]).collect()
 }
 
-/// The number of a value on a logarithmic axis, to four digits.
+/// Returns the number of a value on a logarithmic axis, to four digits: `0.3`, `33.33`, `2·10⁵`.
 fn tick(axis: &Axis, value: f64) -> Tick {
     let power = format!("{value:.3e}");
     let short = power.parse().unwrap_or(value);
     let text = match power.split_once('e') {
-        Some((times, exponent)) if !RATIOS_WRITTEN_OUT.contains(&short) => {
+        Some((times, exponent)) if !PLAIN_LOGARITHMIC_VALUES.contains(&short) => {
             let times = times.trim_end_matches('0').trim_end_matches('.');
-            let power = format!("10{}", raised(exponent.parse().unwrap_or(0)));
+            let power = format!("10{}", superscript(exponent.parse().unwrap_or(0)));
             if times == "1" { power } else { format!("{times}·{power}") }
         }
         _ => short.to_string(),
@@ -97,62 +107,64 @@ fn tick(axis: &Axis, value: f64) -> Tick {
     Tick { fraction: axis.fraction(value), text }
 }
 
-/// Values on a logarithmic axis from the first to below the second are written out.
-const RATIOS_WRITTEN_OUT: std::ops::Range<f64> = 0.001..100_000.0;
+/// Values in this range have no power of ten on a logarithmic axis.
+const PLAIN_LOGARITHMIC_VALUES: std::ops::Range<f64> = 0.001..100_000.0;
 
-/// What stands after the label of an axis in its title: the unit, with the power
-/// of ten by which the numbers are to be taken.
+/// Returns the text after the label in the title of an axis: `, mm/s` or `, 10⁻³ mm/s`.
+///
+/// The power of ten is the factor by which the numbers of the axis are multiplied.
 pub(super) fn unit(axis: &Axis) -> String {
     let power = match exponent(axis) {
         0 => String::new(),
-        exponent => format!("10{}", raised(exponent)),
+        exponent => format!("10{}", superscript(exponent)),
     };
     let parts = [power.as_str(), axis.unit.as_str()];
     let unit = parts.map(str::trim).join(" ").trim().to_owned();
     if unit.is_empty() || axis.label.is_empty() { unit } else { format!(", {unit}") }
 }
 
-/// The power of ten, a multiple of three, left out of the numbers.
+/// Returns the exponent of the power of ten by which the numbers are divided; a multiple of three.
 fn exponent(axis: &Axis) -> i32 {
     if axis.logarithmic {
         return 0;
     }
     let size = axis.low.abs().max(axis.high.abs());
-    let detailed = size >= WRITTEN_OUT.end && division(axis, 1.0) < COARSE;
-    if WRITTEN_OUT.contains(&size) || size == 0.0 || detailed {
+    let detailed = size >= PLAIN_SIZES.end && division(axis, 1.0) < MIN_SCALED_DIVISION;
+    if PLAIN_SIZES.contains(&size) || size == 0.0 || detailed {
         0
     } else {
-        // Smaller powers would come out as zero.
+        // The power for a smaller exponent would underflow to zero.
         ((size.log10() / 3.0).floor() as i32 * 3).max(-306)
     }
 }
 
-/// The size of a division in a unit.
+/// Returns the absolute size of a division, in multiples of `unit`.
 fn division(axis: &Axis, unit: f64) -> f64 {
     ((axis.high / unit - axis.low / unit) / axis.divisions as f64).abs()
 }
 
-/// The fewest decimals that tell all the numbers exactly, within reason.
+/// Returns the smallest number of decimals with which all numbers are exact, up to a maximum.
 fn decimals(values: &[f64], division: f64) -> usize {
-    let most = (EXTRA_DECIMALS - division.log10().floor() as i32).max(0) as usize;
+    let max = (EXTRA_DECIMALS - division.log10().floor() as i32).max(0) as usize;
     let exact = |decimals: usize| {
         let power = 10f64.powi(decimals as i32);
         let error = |value: &f64| ((value * power).round() / power - value).abs();
-        values.iter().all(|value| error(value) < NO_DIFFERENCE * division)
+        values.iter().all(|value| error(value) < DECIMAL_TOLERANCE * division)
     };
-    (0..most).find(|decimals| exact(*decimals)).unwrap_or(most)
+    (0..max).find(|decimals| exact(*decimals)).unwrap_or(max)
 }
 
-fn number(value: f64, division: f64, decimals: usize) -> String {
-    if value.abs() < NO_DIFFERENCE * division {
+/// Formats a number with a proper minus sign; values that are zero up to rounding become `0`.
+fn format_number(value: f64, division: f64, decimals: usize) -> String {
+    if value.abs() < DECIMAL_TOLERANCE * division {
         "0".to_owned()
     } else {
         format!("{value:.decimals$}").replace('-', "−")
     }
 }
 
-/// A whole number in superscript digits.
-fn raised(number: i32) -> String {
+/// Formats a whole number in superscript digits.
+fn superscript(number: i32) -> String {
     let digit = |letter: char| match letter {
         '-' => '⁻',
         '1' => '¹',
@@ -172,13 +184,13 @@ mod tests {
     }
 
     fn texts(low: f64, high: f64, divisions: usize, stride: usize) -> String {
-        let ticks = every(&axis(low, high, divisions), stride);
+        let ticks = with_stride(&axis(low, high, divisions), stride);
         let texts: Vec<String> = ticks.into_iter().map(|tick| tick.text).collect();
         texts.join(" ")
     }
 
     #[test]
-    fn numbers_are_short_and_alike() {
+    fn numbers_are_short_and_uniform() {
         assert_eq!(texts(0.0, 8.0, 4, 1), "0 2 4 6 8");
         assert_eq!(texts(-0.4, 0.4, 8, 2), "−0.4 −0.2 0 0.2 0.4");
         assert_eq!(texts(0.0, 2.0, 4, 1), "0 0.5 1.0 1.5 2.0");
@@ -200,17 +212,18 @@ mod tests {
     }
 
     #[test]
-    fn decades_are_numbers_as_long_as_they_are_short() {
-        let axis = Axis::ratios("f", "Hz", 1e-5, 1e6);
-        let texts: Vec<String> = every(&axis, 1).into_iter().map(|tick| tick.text).collect();
+    fn long_decades_become_powers_of_ten() {
+        let axis = Axis::logarithmic("f", "Hz", 1e-5, 1e6);
+        let texts: Vec<String> = with_stride(&axis, 1).into_iter().map(|tick| tick.text).collect();
         assert_eq!(texts.join(" "), "10⁻⁵ 10⁻⁴ 0.001 0.01 0.1 1 10 100 1000 10000 10⁵ 10⁶");
-        assert_eq!((every(&axis, 5).len(), unit(&axis).as_str()), (3, ", Hz"));
+        assert_eq!((with_stride(&axis, 5).len(), unit(&axis).as_str()), (3, ", Hz"));
     }
 
     #[test]
-    fn ends_that_are_no_decades_have_their_numbers() {
+    fn ends_between_decades_have_numbers() {
         let texts = |low, high, length| {
-            let ticks = fitting(&Axis::ratios("f", "Hz", low, high), length, |text| 10.0 * text.len() as f64);
+            let ticks =
+                fit(&Axis::logarithmic("f", "Hz", low, high), length, |text| 10.0 * text.len() as f64);
             ticks.into_iter().map(|tick| tick.text).collect::<Vec<_>>().join(" ")
         };
         assert_eq!(texts(25.0, 40.0, 500.0), "25 30 40");
@@ -225,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn titles_do_without_what_is_missing() {
+    fn titles_omit_missing_parts() {
         let mut bare = axis(-1.0, 1.0, 2);
         bare.unit.clear();
         assert_eq!(unit(&bare), "");
@@ -237,16 +250,16 @@ mod tests {
 
     #[test]
     fn crowded_numbers_are_thinned_around_zero() {
-        let ticks = fitting(&axis(-3.0, 5.0, 8), 80.0, |_| 15.0);
+        let ticks = fit(&axis(-3.0, 5.0, 8), 80.0, |_| 15.0);
         let texts: Vec<&str> = ticks.iter().map(|tick| tick.text.as_str()).collect();
         assert_eq!(texts, ["−2", "0", "2", "4"]);
-        assert!(!fitting(&axis(-3.0, 5.0, 8), 8.0, |_| 1000.0).is_empty());
+        assert!(!fit(&axis(-3.0, 5.0, 8), 8.0, |_| 1000.0).is_empty());
     }
 
     #[test]
     fn extreme_ranges_have_finite_numbers() {
         for size in [1e-300, 1e-12, 1e12, 1e300] {
-            for tick in every(&axis(-size, size, 2), 1) {
+            for tick in with_stride(&axis(-size, size, 2), 1) {
                 assert!(tick.text.len() < 8, "{size}: {}", tick.text);
             }
         }

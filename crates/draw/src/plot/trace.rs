@@ -1,49 +1,55 @@
-use super::clip::{Area, clipped};
+//! Projects the points of a channel projection the screen and draws its trace.
+//!
+//! The points are split at breaks and gaps, projected, thinned to the resolution of the picture, and
+//! clip to the screen. All lengths are in picture units; an ordinary picture is 900 units wide.
+
+use super::clip::{Area, clip};
 use super::surface::Surface;
-use super::thin::{drop_repeats, is_finite, is_one_way, thin};
+use super::thin::{drop_repeats, is_finite, is_monotonic, thin};
 use super::{Channel, Picture, PlotError, palette};
 
-/// Thickness of a trace.
-const WIDTH: f64 = 1.6;
+/// The thickness of a trace.
+const LINE_WIDTH: f64 = 1.6;
 
-/// Radius of a dot: a line of one point is a disc as wide as its thickness to either side.
-pub(super) const DOT: f64 = 4.0;
+/// The radius of a dot. A line of one point is drawn as a disc with its thickness as radius.
+pub(super) const DOT_RADIUS: f64 = 4.0;
 
-/// The same of what stands behind.
-const FAINT_WIDTH: f64 = 1.0;
-const FAINT_DOT: f64 = 2.2;
+/// The thickness of a faint trace.
+const FAINT_LINE_WIDTH: f64 = 1.0;
+/// The radius of a faint dot.
+const FAINT_DOT_RADIUS: f64 = 2.2;
 
-/// Thickness of the sample of a trace in the legend.
-const SAMPLE_WIDTH: f64 = 2.4;
+/// The thickness of the line in the legend.
+const LEGEND_LINE_WIDTH: f64 = 2.4;
 
-/// Points closer than half a pixel add nothing to a trace.
+/// The resolution to which a trace is thinned; points closer than half a pixel are not visible.
 const POINTS_PER_PIXEL: f64 = 2.0;
 
-/// Positions are held this near to the screen, in picture units, so that far
-/// points do not overflow while directions stay right.
-const FAR: f64 = 1e7;
+/// Positions are clamped to this magnitude, in picture units. It prevents overflow of distant points
+/// and is large enough to keep the directions of lines.
+const MAX_COORDINATE: f64 = 1e7;
 
-/// Points this near outside the edge are still drawn: ranges are only as exact
-/// as the rounding of the data.
-const TOLERANCE: f64 = 0.25;
+/// Points outside the screen by at most this distance are drawn, because ranges may be exceeded by
+/// the rounding of the data.
+const EDGE_TOLERANCE: f64 = 0.25;
 
-/// Points joined without lifting the pen.
+/// The points of one connected line.
 pub(super) type Line = Vec<(f64, f64)>;
 
-/// The lines of a channel on the screen, in picture units.
+/// Returns the visible lines of a channel, in picture units. `unit` is the pixels per picture unit.
 pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f64) -> Vec<Line> {
-    let onto = Projection { picture, channel, screen };
-    let fineness = unit * POINTS_PER_PIXEL;
+    let projection = Projection { picture, channel, screen };
+    let resolution = unit * POINTS_PER_PIXEL;
     let window = Area {
-        left: screen.left - TOLERANCE,
-        top: screen.top - TOLERANCE,
-        right: screen.right + TOLERANCE,
-        bottom: screen.bottom + TOLERANCE,
+        left: screen.left - EDGE_TOLERANCE,
+        top: screen.top - EDGE_TOLERANCE,
+        right: screen.right + EDGE_TOLERANCE,
+        bottom: screen.bottom + EDGE_TOLERANCE,
     };
-    runs(&channel.points, channel)
+    segments(&channel.points, channel)
         .into_iter()
-        .map(|run| onto.thinned(run, fineness))
-        .flat_map(|run| clipped(&run, window))
+        .map(|segment| projection.thinned(segment, resolution))
+        .flat_map(|segment| clip(&segment, window))
         .collect()
 }
 
@@ -59,24 +65,28 @@ pub(super) fn draw(
 
 fn width(channel: &Channel) -> f64 {
     match (channel.dots, channel.faint) {
-        (true, false) => DOT,
-        (true, true) => FAINT_DOT,
-        (false, false) => WIDTH,
-        (false, true) => FAINT_WIDTH,
+        (true, false) => DOT_RADIUS,
+        (true, true) => FAINT_DOT_RADIUS,
+        (false, false) => LINE_WIDTH,
+        (false, true) => FAINT_LINE_WIDTH,
     }
 }
 
-/// The sample of a trace in the legend: from a place along a line that it is as long as, its thickness and the points.
-pub(super) fn sample(channel: &Channel, (x, y): (f64, f64), length: f64) -> (f64, Line) {
+/// Returns the thickness and the points of the sample of a trace in the legend.
+///
+/// The sample starts at the given position and is `length` long.
+pub(super) fn legend_sample(channel: &Channel, (x, y): (f64, f64), length: f64) -> (f64, Line) {
     match (channel.dots, channel.faint) {
         (true, _) => (width(channel), vec![(x + length / 2.0, y)]),
-        (false, true) => (FAINT_WIDTH, vec![(x, y), (x + length, y)]),
-        (false, false) => (SAMPLE_WIDTH, vec![(x, y), (x + length, y)]),
+        (false, true) => (FAINT_LINE_WIDTH, vec![(x, y), (x + length, y)]),
+        (false, false) => (LEGEND_LINE_WIDTH, vec![(x, y), (x + length, y)]),
     }
 }
 
-/// The stretches of points of a channel drawn without lifting the pen.
-pub(super) fn runs<'a>(points: &'a [(f64, f64)], channel: &Channel) -> Vec<&'a [(f64, f64)]> {
+/// Splits the points of a channel at its breaks and at points that are not finite.
+///
+/// If the channel is drawn as dots, every finite point is a segment.
+pub(super) fn segments<'a>(points: &'a [(f64, f64)], channel: &Channel) -> Vec<&'a [(f64, f64)]> {
     if channel.dots {
         return points.chunks(1).filter(|point| is_finite(point[0])).collect();
     }
@@ -91,11 +101,11 @@ pub(super) fn runs<'a>(points: &'a [(f64, f64)], channel: &Channel) -> Vec<&'a [
     starts
         .windows(2)
         .flat_map(|ends| points[ends[0]..ends[1]].split(|point| !is_finite(*point)))
-        .filter(|run| !run.is_empty())
+        .filter(|segment| !segment.is_empty())
         .collect()
 }
 
-/// The way from the units of the axes to the screen.
+/// The projection from the units of the axes to positions on the screen.
 pub(super) struct Projection<'a> {
     pub picture: &'a Picture,
     pub channel: &'a Channel,
@@ -103,23 +113,24 @@ pub(super) struct Projection<'a> {
 }
 
 impl Projection<'_> {
-    pub(super) fn place(&self, point: (f64, f64)) -> (f64, f64) {
-        let across = self.picture.horizontal.fraction(point.0);
-        let up = self.picture.axis_of(self.channel).fraction(point.1);
+    /// Returns the position of a point in picture units.
+    pub(super) fn project(&self, point: (f64, f64)) -> (f64, f64) {
+        let x = self.picture.horizontal.fraction(point.0);
+        let y = self.picture.axis_of(self.channel).fraction(point.1);
         (
-            (self.screen.left + across * self.screen.width()).clamp(-FAR, FAR),
-            (self.screen.bottom - up * self.screen.height()).clamp(-FAR, FAR),
+            (self.screen.left + x * self.screen.width()).clamp(-MAX_COORDINATE, MAX_COORDINATE),
+            (self.screen.bottom - y * self.screen.height()).clamp(-MAX_COORDINATE, MAX_COORDINATE),
         )
     }
 
-    /// The points on the screen, without those that would not be seen.
-    fn thinned(&self, run: &[(f64, f64)], fineness: f64) -> Line {
-        let placed: Line = run.iter().map(|point| self.place(*point)).collect();
-        if is_one_way(run) {
-            let columns = (self.screen.width() * fineness) as usize;
-            thin(&placed, self.screen.left, self.screen.right, columns)
+    /// Returns the projected points without those that add nothing visible.
+    fn thinned(&self, segment: &[(f64, f64)], resolution: f64) -> Line {
+        let projected: Line = segment.iter().map(|point| self.project(*point)).collect();
+        if is_monotonic(segment) {
+            let columns = (self.screen.width() * resolution) as usize;
+            thin(&projected, self.screen.left, self.screen.right, columns)
         } else {
-            drop_repeats(&placed, (1.0 / fineness, 1.0 / fineness))
+            drop_repeats(&projected, (1.0 / resolution, 1.0 / resolution))
         }
     }
 }
@@ -139,13 +150,13 @@ mod tests {
     }
 
     #[test]
-    fn points_land_where_the_axes_say() {
+    fn points_are_projected_by_the_axes() {
         let lines = drawn(vec![(0.0, 0.0), (5.0, 10.0), (10.0, 5.0)], vec![]);
         assert_eq!(lines, [[(0.0, 100.0), (50.0, 0.0), (100.0, 50.0)]]);
     }
 
     #[test]
-    fn breaks_and_gaps_lift_the_pen() {
+    fn breaks_and_gaps_split_the_line() {
         let points: Vec<(f64, f64)> = (0..10).map(|n| (f64::from(n), 5.0)).collect();
         assert_eq!(drawn(points.clone(), vec![3, 0, 7, 99, 3]).len(), 3);
         let mut gaps = points;
@@ -156,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn no_line_joins_dots() {
+    fn dots_are_not_joined() {
         let picture = |channel| {
             let axis = || Axis::fit("x", "", [0.0, 10.0].into_iter(), 10);
             Picture { channels: vec![channel], ..Picture::new("", axis(), axis()) }
@@ -173,9 +184,9 @@ mod tests {
     }
 
     #[test]
-    fn far_points_keep_the_direction() {
+    fn distant_points_keep_the_direction() {
         let lines = drawn(vec![(5.0, 5.0), (5.0, f64::MAX)], vec![]);
-        assert_eq!(lines, [[(50.0, 50.0), (50.0, -TOLERANCE)]]);
+        assert_eq!(lines, [[(50.0, 50.0), (50.0, -EDGE_TOLERANCE)]]);
     }
 
     #[test]

@@ -1,34 +1,50 @@
-//! From the circuit to symbols and lists.
+//! Converts the items of a view into symbols, and lists settings, drives, signals and notes.
 
-use super::lists::{List, Row};
-use super::symbol::{Jack, Outlet, Setting, Source, Standing, Symbol, Value, digits, quantity, share, volts};
-use super::view::{Item, View};
+use super::lists::{List, ListRow};
+use super::symbol::{
+    CordSource, ElementState, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting, format_fraction,
+    format_number, format_quantity, format_volts,
+};
+use super::view::{View, ViewItem};
 use patchcord_core::circuit::{Circuit, Cord, Element};
 use patchcord_core::elements::{Default, Jacks, Measure, Setting as SettingRow};
-use patchcord_core::patch::{Amount, Entry, Instance, InstanceSetting};
+use patchcord_core::patch::{Amount, ElementEntry, Instance, InstanceSetting};
 use patchcord_expr::{Formula, Unit};
 
-/// The symbols of what stands on a drawing, drives first, in the order of the document.
-pub(super) fn symbols(view: &View<'_>, standing: &dyn Fn(&str) -> Option<Standing>) -> Vec<Symbol> {
-    let describer = Describer { view, standing };
+/// Returns the symbols of the items of a view, in their order.
+///
+/// `state` returns the state of an element, by its full name, if voltages are drawn.
+pub(super) fn symbols(view: &View<'_>, state: &dyn Fn(&str) -> Option<ElementState>) -> Vec<Symbol> {
+    let describer = Describer { view, state };
     view.items.iter().map(|item| describer.symbol(*item)).collect()
 }
 
+/// Makes the symbols of one view.
 struct Describer<'a> {
+    /// The items and the sources of their cords.
     view: &'a View<'a>,
-    standing: &'a dyn Fn(&str) -> Option<Standing>,
+    /// Returns the state of an element by its full name; `None` if no voltages are drawn.
+    state: &'a dyn Fn(&str) -> Option<ElementState>,
 }
 
 impl Describer<'_> {
-    fn symbol(&self, item: Item<'_>) -> Symbol {
+    /// Returns the symbol of an item.
+    ///
+    /// An input port has no jack. An output port has one jack, with a cord from the element that drives the port.
+    fn symbol(&self, item: ViewItem<'_>) -> Symbol {
         match item {
-            Item::Element(index) => self.element(index),
-            Item::Instance(name, instance) => self.instance(name, instance),
-            Item::Inlet(port) => terminal(port, "port-in", None),
-            Item::Outlet(port, element) => terminal(port, "port-out", self.view.source_named(element)),
+            ViewItem::Element(index) => self.element(index),
+            ViewItem::Instance(name, instance) => self.instance(name, instance),
+            ViewItem::InputPort(port) => terminal(port, "port-in", None),
+            ViewItem::OutputPort(port, element) => {
+                terminal(port, "port-out", self.view.source_named(element))
+            }
         }
     }
 
+    /// Returns the symbol of an element or a drive.
+    ///
+    /// The name is the one inside the opened instance. Parts and note are those of the entry in the patch.
     fn element(&self, index: usize) -> Symbol {
         let (circuit, patch) = (self.view.circuit, self.view.circuit.patch());
         let element = circuit.element(index);
@@ -40,15 +56,16 @@ impl Describer<'_> {
             jacks: self.jacks(index, element),
             settings: settings(circuit, element),
             parts: entry.map(parts).unwrap_or_default(),
-            outlets: vec![self.outlet("", &element.name)],
-            position: (self.standing)(&element.name).and_then(|standing| standing.position),
+            outputs: vec![self.output("", &element.name)],
+            position: (self.state)(&element.name).and_then(|state| state.position),
             inside: Vec::new(),
             note: entry.map(|entry| entry.note.clone()).unwrap_or_default(),
         }
     }
 
+    /// Returns the jacks with cords, in the order of the inputs. Only inputs with gains have a gain.
     fn jacks(&self, index: usize, element: &Element) -> Vec<Jack> {
-        let jack = |(cord, from): (Cord, Source)| {
+        let jack = |(cord, from): (Cord, CordSource)| {
             let input = &element.kind.inputs[cord.input];
             let gain = (input.jacks == Jacks::Gains).then_some(cord.gain);
             Jack { input: input.name.to_owned(), gain, from }
@@ -56,39 +73,48 @@ impl Describer<'_> {
         self.view.cords(index).into_iter().map(jack).collect()
     }
 
+    /// Returns the box of an instance.
+    ///
+    /// It has a jack for each input port with a cord and an output for each output port. Signals at members that are no
+    /// outputs are listed as `inside`, because the box has no point at which they could be written.
     fn instance(&self, name: &str, instance: &Instance) -> Symbol {
-        let plugged = self.view.plugged(instance);
+        let sources = self.view.port_sources(instance);
         let ports = instance.outputs.iter();
-        let comes_out = |element: &str| instance.outputs.values().any(|out| out == element);
-        let inside = instance.members.iter().filter(|member| !comes_out(member));
+        let is_output = |element: &str| instance.outputs.values().any(|out| out == element);
+        let inside = instance.members.iter().filter(|member| !is_output(member));
         Symbol {
             name: self.view.local(name).to_owned(),
-            kind: instance.of.clone(),
+            kind: instance.macro_name.clone(),
             shape: "macro",
-            jacks: plugged.map(|(port, from)| Jack { input: port.to_owned(), gain: None, from }).collect(),
+            jacks: sources.map(|(port, from)| Jack { input: port.to_owned(), gain: None, from }).collect(),
             settings: instance_settings(self.view.circuit, name, instance),
             parts: Vec::new(),
-            outlets: ports.map(|(port, element)| self.outlet(port, element)).collect(),
+            outputs: ports.map(|(port, element)| self.output(port, element)).collect(),
             position: None,
             inside: inside.flat_map(|member| self.signals(member)).collect(),
             note: instance.note.clone(),
         }
     }
 
-    fn outlet(&self, port: &str, element: &str) -> Outlet {
-        let volts = (self.standing)(element).map(|standing| standing.volts);
-        Outlet { port: port.to_owned(), signals: self.signals(element), volts }
+    /// Returns an output with the names of its signals and its voltage.
+    ///
+    /// `element` is the full name of the element with the voltage. `port` is empty for a single element.
+    fn output(&self, port: &str, element: &str) -> SymbolOutput {
+        let volts = (self.state)(element).map(|state| state.volts);
+        SymbolOutput { port: port.to_owned(), signals: self.signals(element), volts }
     }
 
-    /// The signals that are read at an element.
+    /// Returns the names of the signals at an element.
     fn signals(&self, element: &str) -> Vec<String> {
         let signals = self.view.circuit.patch().signals.iter();
-        signals.filter(|(_, signal)| signal.at.value == element).map(|(name, _)| name.clone()).collect()
+        signals.filter(|(_, signal)| signal.element.value == element).map(|(name, _)| name.clone()).collect()
     }
 }
 
-/// A port of an opened instance.
-fn terminal(port: &str, shape: &'static str, from: Option<Source>) -> Symbol {
+/// Returns the symbol of a port of the opened instance.
+///
+/// `shape` is "port-in" or "port-out", and `from` is the source of the only cord of an output port.
+fn terminal(port: &str, shape: &'static str, from: Option<CordSource>) -> Symbol {
     Symbol {
         name: port.to_owned(),
         kind: "port".to_owned(),
@@ -96,44 +122,54 @@ fn terminal(port: &str, shape: &'static str, from: Option<Source>) -> Symbol {
         jacks: from.into_iter().map(|from| Jack { input: String::new(), gain: None, from }).collect(),
         settings: Vec::new(),
         parts: Vec::new(),
-        outlets: vec![Outlet::default()],
+        outputs: vec![SymbolOutput::default()],
         position: None,
         inside: Vec::new(),
         note: String::new(),
     }
 }
 
-/// The settings of an instance, in the units that its macro gives them.
-fn instance_settings(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<Setting> {
+/// Returns the settings of an instance in the units of its macro.
+fn instance_settings(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
     let setting = |(key, made): (&String, &InstanceSetting)| {
         let value = circuit.per_volt(circuit.derived_index(&format!("{name}.{key}"))?)?;
         let text = made.value.value.text();
-        Some(Setting {
+        Some(SymbolSetting {
             name: key.clone(),
             formula: text.trim().parse::<f64>().is_err().then(|| text.to_owned()),
-            value: Value::Number(value),
-            shown: quantity(made.unit.text(), value),
-            // The box writes all settings of its instance: only formulas are listed.
+            value: SettingValue::Number(value),
+            shown: format_quantity(made.unit.text(), value),
+            // The box shows all settings of its instance, so only formulas are listed.
             is_given: false,
         })
     };
     instance.settings.iter().filter_map(setting).collect()
 }
 
-fn parts(entry: &Entry) -> Vec<String> {
-    entry.uses.iter().flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
+/// Returns the names of the machine parts that an entry of the patch specifies.
+fn parts(entry: &ElementEntry) -> Vec<String> {
+    entry.machine_parts.iter().flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
 }
 
-fn settings(circuit: &Circuit, element: &Element) -> Vec<Setting> {
+/// Returns the settings of an element with their defaults. A setting without a value is omitted.
+fn settings(circuit: &Circuit, element: &Element) -> Vec<SymbolSetting> {
     let rows = element.kind.settings.iter().zip(&element.settings);
     rows.filter_map(|(row, given)| match given {
         Some(placed) => given_setting(circuit, element, row, &placed.value),
-        None => preset(circuit, element, row),
+        None => default_setting(circuit, element, row),
     })
     .collect()
 }
 
-fn given_setting(circuit: &Circuit, element: &Element, row: &SettingRow, amount: &Amount) -> Option<Setting> {
+/// Returns a setting that the patch specifies; `None` if its formula has no value.
+///
+/// The formula is omitted if it is a plain number, because the drawing shows this number already.
+fn given_setting(
+    circuit: &Circuit,
+    element: &Element,
+    row: &SettingRow,
+    amount: &Amount,
+) -> Option<SymbolSetting> {
     let (value, formula, shown) = match (amount, row.measure) {
         (Amount::Formula(formula), _) => {
             let value = formula.evaluate(circuit.quantities()).ok()?;
@@ -141,40 +177,43 @@ fn given_setting(circuit: &Circuit, element: &Element, row: &SettingRow, amount:
             let value = in_unit(circuit, row, formula, value, &unit);
             let is_number = formula.text().trim().parse::<f64>().is_ok();
             let formula = (!is_number).then(|| formula.text().to_owned());
-            (Value::Number(value), formula, shown(row, value, &unit))
+            (SettingValue::Number(value), formula, shown(row, value, &unit))
         }
-        (Amount::Flag(flag), _) => (Value::Flag(*flag), None, flag_told(*flag)),
+        (Amount::Flag(flag), _) => (SettingValue::Flag(*flag), None, format_flag(*flag)),
         (Amount::Choice(index), Measure::Choice(words)) => {
             let word = words.get(*index)?;
-            (Value::Word(word), None, (*word).to_owned())
+            (SettingValue::Word(word), None, (*word).to_owned())
         }
-        (Amount::Points(points), _) => (Value::Points(points.clone()), None, points_told(points)),
+        (Amount::Points(points), _) => (SettingValue::Points(points.clone()), None, format_points(points)),
         (Amount::Choice(_), _) => return None,
     };
-    Some(Setting { name: row.name.to_owned(), formula, value, shown, is_given: true })
+    Some(SymbolSetting { name: row.name.to_owned(), formula, value, shown, is_given: true })
 }
 
-/// The flags of all elements say whether a contact is closed.
-fn flag_told(closed: bool) -> String {
+/// Formats a flag. Every flag of an element is the state of a contact.
+fn format_flag(closed: bool) -> String {
     if closed { "closed" } else { "open" }.to_owned()
 }
 
-fn preset(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<Setting> {
+/// Returns the default of a setting that the patch does not specify; `None` if there is no default number.
+fn default_setting(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<SymbolSetting> {
     let Default::Number(number) = row.default else { return None };
     let value = match row.measure {
-        Measure::Flag => Value::Flag(number != 0.0),
-        Measure::Choice(words) => Value::Word(words.get(number as usize)?),
-        _ => Value::Number(number),
+        Measure::Flag => SettingValue::Flag(number != 0.0),
+        Measure::Choice(words) => SettingValue::Word(words.get(number as usize)?),
+        _ => SettingValue::Number(number),
     };
     let shown = match &value {
-        Value::Flag(flag) => flag_told(*flag),
-        Value::Word(word) => (*word).to_owned(),
+        SettingValue::Flag(flag) => format_flag(*flag),
+        SettingValue::Word(word) => (*word).to_owned(),
         _ => shown(row, number, &unit(circuit, element, row)),
     };
-    Some(Setting { name: row.name.to_owned(), formula: None, value, shown, is_given: false })
+    Some(SymbolSetting { name: row.name.to_owned(), formula: None, value, shown, is_given: false })
 }
 
-/// The unit of a setting's numbers.
+/// Returns the unit of the numbers of a setting.
+///
+/// Settings of a drive that are values of its signal have the unit of its scale, or that unit per second.
 fn unit(circuit: &Circuit, element: &Element, row: &SettingRow) -> String {
     let scale = element.scale.map(|scale| circuit.derived_unit(scale));
     match (row.measure, scale) {
@@ -184,61 +223,74 @@ fn unit(circuit: &Circuit, element: &Element, row: &SettingRow) -> String {
     }
 }
 
-/// A formula's value in the unit of its place: of a drive's settings it comes in SI.
+/// Converts the value of a formula into the unit of its setting.
+///
+/// A formula for a setting of a drive has a value in SI units, unless it is a plain number.
 fn in_unit(circuit: &Circuit, row: &SettingRow, formula: &Formula, value: f64, unit: &str) -> f64 {
     let is_of_signal = matches!(row.measure, Measure::Signal | Measure::SignalRate);
     match Unit::parse(unit) {
-        Ok(unit) if is_of_signal && !circuit.is_plain(formula) => unit.out_of_si(value),
+        Ok(unit) if is_of_signal && !circuit.is_literal(formula) => unit.out_of_si(value),
         _ => value,
     }
 }
 
-/// A value as the drawing shows it.
+/// Formats a value with its unit for the drawing.
 fn shown(row: &SettingRow, value: f64, unit: &str) -> String {
     match row.measure {
-        Measure::Fraction => share(value),
-        Measure::Ratio => digits(value),
+        Measure::Fraction => format_fraction(value),
+        Measure::Ratio => format_number(value),
         Measure::Whole => value.to_string(),
-        Measure::Volts => volts(value),
-        Measure::MachineSeconds => quantity("s", value),
-        _ => quantity(unit, value),
+        Measure::Volts => format_volts(value),
+        Measure::MachineSeconds => format_quantity("s", value),
+        _ => format_quantity(unit, value),
     }
 }
 
-/// More points than this are not told one by one.
-const MOST_POINTS: usize = 8;
+/// The maximum number of points that are listed individually.
+const MAX_LISTED_POINTS: usize = 8;
 
-/// Points as text; of many the first ones.
-fn points_told(points: &[[f64; 2]]) -> String {
-    let told = points.iter().take(MOST_POINTS).map(|[x, y]| format!("({}, {})", digits(*x), digits(*y)));
-    let told = told.collect::<Vec<_>>().join(" ");
-    if points.len() > MOST_POINTS { format!("{told} … {} points", points.len()) } else { told }
+/// Formats points; only the first ones if there are many.
+fn format_points(points: &[[f64; 2]]) -> String {
+    let texts = points
+        .iter()
+        .take(MAX_LISTED_POINTS)
+        .map(|[x, y]| format!("({}, {})", format_number(*x), format_number(*y)));
+    let texts = texts.collect::<Vec<_>>().join(" ");
+    if points.len() > MAX_LISTED_POINTS { format!("{texts} … {} points", points.len()) } else { texts }
 }
 
-/// Machine and time scale, for the small print.
+/// Returns the line of small print with the machine and the time scale.
 pub(super) fn machine_line(circuit: &Circuit) -> String {
     let machine = circuit.machine().title;
     match circuit.time_scale() {
         1.0 => machine.to_owned(),
-        scale => format!("{machine}; time_scale {}: machine seconds per problem second", digits(scale)),
+        scale => {
+            format!("{machine}; time_scale {}: machine seconds per problem second", format_number(scale))
+        }
     }
 }
 
-/// The lists below a drawing: settings that it does not tell, drives, signals, notes. Symbols come with what their
-/// names begin with.
+/// Returns the lists below a drawing: settings, drives, signals and notes. Empty lists are omitted.
+///
+/// Each symbol has the prefix of its names. Settings that the drawing shows, according to
+/// `shows_setting`, are listed only if they have a formula.
 pub(super) fn lists(
     circuit: &Circuit,
     symbols: &[(&str, &Symbol)],
-    tells: fn(&Symbol, &Setting) -> bool,
+    shows_setting: fn(&Symbol, &SymbolSetting) -> bool,
 ) -> Vec<List> {
     let is_drive = |symbol: &Symbol| symbol.shape.starts_with("drive-");
     let elements = symbols.iter().filter(|(_, symbol)| !is_drive(symbol));
     let drives = symbols.iter().filter(|(_, symbol)| is_drive(symbol));
     let notes = symbols.iter().filter(|(_, symbol)| !symbol.note.is_empty());
-    let note =
-        |(prefix, symbol): &(&str, &Symbol)| Row::new(&format!("{prefix}{}", symbol.name), "", &symbol.note);
+    let note = |(prefix, symbol): &(&str, &Symbol)| {
+        ListRow::new(&format!("{prefix}{}", symbol.name), "", &symbol.note)
+    };
     let lists = [
-        ("Settings", elements.flat_map(|(prefix, symbol)| setting_rows(prefix, symbol, tells)).collect()),
+        (
+            "Settings",
+            elements.flat_map(|(prefix, symbol)| setting_rows(prefix, symbol, shows_setting)).collect(),
+        ),
         ("Drives", drives.map(|(_, drive)| drive_row(circuit, drive)).collect()),
         ("Signals", signal_rows(circuit)),
         ("Notes", notes.map(note).collect::<Vec<_>>()),
@@ -247,53 +299,66 @@ pub(super) fn lists(
     lists.filter(|list| !list.rows.is_empty()).collect()
 }
 
-/// Settings that come of formulas, and those that the drawing does not tell.
+/// Returns rows for the settings with formulas and for those that the drawing does not show.
 fn setting_rows<'a>(
     prefix: &'a str,
     symbol: &'a Symbol,
-    tells: fn(&Symbol, &Setting) -> bool,
-) -> impl Iterator<Item = Row> + 'a {
-    let listed =
-        symbol.settings.iter().filter(move |setting| setting.formula.is_some() || !tells(symbol, setting));
+    shows_setting: fn(&Symbol, &SymbolSetting) -> bool,
+) -> impl Iterator<Item = ListRow> + 'a {
+    let listed = symbol
+        .settings
+        .iter()
+        .filter(move |setting| setting.formula.is_some() || !shows_setting(symbol, setting));
     listed.map(move |setting| setting_row(prefix, symbol, setting))
 }
 
-fn setting_row(prefix: &str, symbol: &Symbol, setting: &Setting) -> Row {
+/// Returns the row of one setting.
+///
+/// The setting of a potentiometer and the state of a switch have the name of the element alone, such as `P1`. Other
+/// settings add their name: `A1 initial`. Points are in the text column, because they are long.
+fn setting_row(prefix: &str, symbol: &Symbol, setting: &SymbolSetting) -> ListRow {
     let name = match setting.name.as_str() {
         "setting" | "closed" => format!("{prefix}{}", symbol.name),
         other => format!("{prefix}{} {other}", symbol.name),
     };
     match setting.value {
-        Value::Points(_) => Row::new(&name, "", &setting.shown),
-        _ => Row::new(&name, &setting.shown, setting.formula.as_deref().unwrap_or_default()),
+        SettingValue::Points(_) => ListRow::new(&name, "", &setting.shown),
+        _ => ListRow::new(&name, &setting.shown, setting.formula.as_deref().unwrap_or_default()),
     }
 }
 
-fn drive_row(circuit: &Circuit, drive: &Symbol) -> Row {
-    let told = drive.settings.iter().map(|setting| format!("{} {}", setting.name, setting.shown));
+/// Returns the row of a drive: its name, the physical value of one volt, its kind and its settings.
+///
+/// Example: `push`, `1 V = 20 mN`, `sine: amplitude 1 N, frequency 1 Hz, ...`.
+fn drive_row(circuit: &Circuit, drive: &Symbol) -> ListRow {
+    let texts = drive.settings.iter().map(|setting| format!("{} {}", setting.name, setting.shown));
     let scale = circuit.elements().into_iter().find(|element| element.name == drive.name);
     let volt = scale.and_then(|element| volt(circuit, element.scale?, 1.0)).unwrap_or_default();
-    Row::new(&drive.name, &volt, &format!("{}: {}", drive.kind, told.collect::<Vec<_>>().join(", ")))
+    ListRow::new(&drive.name, &volt, &format!("{}: {}", drive.kind, texts.collect::<Vec<_>>().join(", ")))
 }
 
-fn signal_rows(circuit: &Circuit) -> Vec<Row> {
+/// Returns a row for each signal: its name, the physical value of one volt, and the element at which it is.
+///
+/// A signal in volts has a value only if it has a factor.
+fn signal_rows(circuit: &Circuit) -> Vec<ListRow> {
     let signals = circuit.patch().signals.iter();
     let row = |(name, signal): (&String, &patchcord_core::patch::Signal)| {
         let scale = signal.scale.as_ref().and_then(|scale| circuit.derived_index(&scale.value));
         let volt = match scale {
             Some(scale) => volt(circuit, scale, signal.factor),
-            None => (signal.factor != 1.0).then(|| stands_for("V", signal.factor)),
+            None => (signal.factor != 1.0).then(|| volt_text("V", signal.factor)),
         };
-        Row::new(name, &volt.unwrap_or_default(), &format!("at {}", signal.at.value))
+        ListRow::new(name, &volt.unwrap_or_default(), &format!("at {}", signal.element.value))
     };
     signals.map(row).collect()
 }
 
-/// What one volt stands for: "1 V = 0.254 mm/s".
+/// Returns the physical value of one volt: `1 V = 0.254 mm/s`.
 fn volt(circuit: &Circuit, scale: usize, factor: f64) -> Option<String> {
-    Some(stands_for(circuit.derived_unit(scale).text(), factor * circuit.per_volt(scale)?))
+    Some(volt_text(circuit.derived_unit(scale).text(), factor * circuit.per_volt(scale)?))
 }
 
-fn stands_for(unit: &str, value: f64) -> String {
-    format!("1 V = {}", quantity(unit, value))
+/// Formats the physical value of one volt with a unit prefix.
+fn volt_text(unit: &str, value: f64) -> String {
+    format!("1 V = {}", format_quantity(unit, value))
 }

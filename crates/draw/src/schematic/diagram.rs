@@ -1,12 +1,41 @@
-//! Symbols and cords with their places.
+//! Symbols and nets with their positions.
+//!
+//! Each symbol is drawn once to get its size and the positions of its jacks. The layout positions the
+//! symbols and routes the nets. Then each symbol is drawn again with its jacks in the order of the layout.
 
-use super::layout::{Graph, Layout, Net as Wire, Node, Point, Route, layout};
+use super::layout::{Graph, Layout, Net as LayoutNet, Node, Point, Route, layout};
 use super::shapes::{self, Art, CORD};
 use super::sheet::DrawError;
-use super::symbol::{Source, Symbol};
-use crate::plot::{Area, Drawing, Ink, Label, Stroke};
+use super::symbol::{CordSource, Symbol};
+use crate::plot::{Area, Drawing, Ink, Label, Primitive};
 
-/// Symbols with their places, and nets with their lines, in pixels from the upper left corner of the sheet.
+/// Symbols with positions and nets with lines.
+///
+/// Positions are in pixels from the upper left corner of the sheet.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_draw::schematic::Schematic;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = PatchBuilder::new("Decay")
+///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50))
+///     .element("P1", ElementBuilder::new("pot").cord("in", "A1").set("setting", 0.5))
+///     .run(1.0, 1e-3)
+///     .build()?;
+/// let diagram = Schematic::new(&Circuit::new(&patch)?, "", "", &|_| None)?.main;
+///
+/// // The output of A1 drives jack 0 of P1.
+/// let net = &diagram.nets[0];
+/// assert_eq!(diagram.symbols[net.from].symbol.name, "A1");
+/// assert_eq!(net.to, [(1, 0)]);
+/// assert_eq!(diagram.symbols[1].symbol.jacks[0].input, "in");
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Diagram {
     /// The symbols: input ports, drives, elements and instances in the order of the document, output ports.
@@ -15,68 +44,79 @@ pub struct Diagram {
     pub nets: Vec<Net>,
 }
 
-/// A symbol in its place.
+/// A symbol with its position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedSymbol {
-    /// What is drawn; its jacks from the top down.
+    /// The symbol; its jacks are in order from the top down.
     pub symbol: Symbol,
-    /// Its anchor.
+    /// The anchor, which is the origin of the primitives of the symbol.
     pub at: Point,
-    /// Its room, texts included.
+    /// The area of the symbol, including its texts.
     pub area: Area,
-    /// Where cords arrive, jack by jack.
+    /// The ends of the cords at the input jacks, in their order.
     pub inputs: Vec<Point>,
-    /// Where cords leave, outlet by outlet.
+    /// The starts of the cords at the outputs, in their order.
     pub outputs: Vec<Point>,
-    marks: Vec<Stroke>,
+    /// The primitives at their positions on the sheet.
+    primitives: Vec<Primitive>,
 }
 
-/// A cord from an output to every jack that it is plugged into.
+/// A net: an output and every jack that is connected to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Net {
-    /// Index of the symbol that drives it.
+    /// The index of the symbol with the output.
     pub from: usize,
-    /// Which of the symbol's outlets it comes from.
-    pub outlet: usize,
-    /// Symbols and jacks that read it.
+    /// The index of the output of that symbol.
+    pub output: usize,
+    /// The connected inputs: indices of the symbol and of the jack.
     pub to: Vec<(usize, usize)>,
-    /// Its lines.
+    /// The lines.
     pub route: Route,
 }
 
-/// Symbols laid out, but not yet on a sheet.
+/// Symbols and their layout, without a position on the sheet.
 pub(super) struct Plan {
+    /// The symbols, with their jacks in the order of the document.
     symbols: Vec<Symbol>,
+    /// Their boxes and nets, which are the input of the layout.
     graph: Graph,
+    /// The positions, relative to the upper left corner of the diagram.
     layout: Layout,
 }
 
 impl Plan {
+    /// Lays out symbols.
+    ///
+    /// # Errors
+    ///
+    /// If the layout is higher than a drawing may be.
     pub fn new(symbols: Vec<Symbol>) -> Result<Plan, DrawError> {
         let graph = graph(&symbols);
-        let layout = layout(&graph, Drawing::LONGEST).map_err(|height| DrawError::TooTall { height })?;
+        let layout = layout(&graph, Drawing::MAX_SIDE).map_err(|height| DrawError::TooTall { height })?;
         Ok(Plan { layout, graph, symbols })
     }
 
+    /// Returns the symbols in the order of the view.
     pub fn symbols(&self) -> &[Symbol] {
         &self.symbols
     }
 
-    /// Width and height.
+    /// Returns width and height.
     pub fn size(&self) -> (f64, f64) {
         self.layout.size
     }
 
-    /// Everything at its place, the upper left corner at `by`.
+    /// Returns the diagram with its upper left corner at `by`.
     pub fn placed(self, by: Point) -> Diagram {
         let shift = |at: Point| (at.0 + by.0, at.1 + by.1);
         let Plan { symbols, graph, layout } = self;
-        let placed = symbols.into_iter().zip(&layout.slots).zip(&layout.places);
-        let symbols = placed.map(|((symbol, slots), at)| PlacedSymbol::new(symbol, slots, shift(*at)));
+        let placed = symbols.into_iter().zip(&layout.input_slots).zip(&layout.positions);
+        let symbols =
+            placed.map(|((symbol, input_slots), at)| PlacedSymbol::new(symbol, input_slots, shift(*at)));
         let nets = graph.nets.into_iter().zip(layout.routes).map(|(net, route)| Net {
             from: net.from,
-            outlet: net.outlet,
-            to: net.to.iter().map(|(node, input)| (*node, layout.slots[*node][*input])).collect(),
+            output: net.output,
+            to: net.to.iter().map(|(node, input)| (*node, layout.input_slots[*node][*input])).collect(),
             route: Route {
                 lines: route.lines.iter().map(|line| line.map(shift)).collect(),
                 dots: route.dots.into_iter().map(shift).collect(),
@@ -88,19 +128,24 @@ impl Plan {
 }
 
 impl Diagram {
-    pub(super) fn draw(&self, marks: &mut Vec<Stroke>) {
-        self.nets.iter().for_each(|net| net.draw(marks));
-        marks.extend(self.symbols.iter().flat_map(|symbol| symbol.marks.iter().cloned()));
+    /// Adds the primitives of the diagram: the nets first, the symbols in front of them.
+    pub(super) fn draw(&self, primitives: &mut Vec<Primitive>) {
+        self.nets.iter().for_each(|net| net.draw(primitives));
+        primitives.extend(self.symbols.iter().flat_map(|symbol| symbol.primitives.iter().cloned()));
     }
 }
 
 impl PlacedSymbol {
-    fn new(mut symbol: Symbol, slots: &[usize], at: Point) -> PlacedSymbol {
+    /// Places a symbol with its anchor at `at`.
+    ///
+    /// `input_slots[n]` is the position from the top down that the layout chose for jack n. The symbol is drawn
+    /// again with its jacks in this order, because the gains are written next to the jacks.
+    fn new(mut symbol: Symbol, input_slots: &[usize], at: Point) -> PlacedSymbol {
         let mut jacks = symbol.jacks.clone();
-        symbol.jacks.into_iter().zip(slots).for_each(|(jack, slot)| jacks[*slot] = jack);
+        symbol.jacks.into_iter().zip(input_slots).for_each(|(jack, input_slot)| jacks[*input_slot] = jack);
         symbol.jacks = jacks;
         let art = shapes::draw(&symbol);
-        let shift = |place: Point| (place.0 + at.0, place.1 + at.1);
+        let shift = |point: Point| (point.0 + at.0, point.1 + at.1);
         let area = art.area();
         let area = Area {
             left: area.left + at.0,
@@ -114,62 +159,66 @@ impl PlacedSymbol {
             area,
             inputs: art.inputs.iter().copied().map(shift).collect(),
             outputs: art.outputs.iter().copied().map(shift).collect(),
-            marks: art.marks.into_iter().map(|mark| mark.moved(at)).collect(),
+            primitives: art.primitives.into_iter().map(|primitive| primitive.moved(at)).collect(),
         }
     }
 
-    /// The texts of the symbol.
+    /// Returns the texts of the symbol.
     pub fn labels(&self) -> impl Iterator<Item = &Label> {
-        self.marks.iter().filter_map(|mark| match mark {
-            Stroke::Text(label) => Some(label),
+        self.primitives.iter().filter_map(|primitive| match primitive {
+            Primitive::Text(label) => Some(label),
             _ => None,
         })
     }
 }
 
 impl Net {
-    fn draw(&self, marks: &mut Vec<Stroke>) {
+    /// Adds the lines of the net, a dot at each branch, and arrows on the lines that run back.
+    fn draw(&self, primitives: &mut Vec<Primitive>) {
         for line in &self.route.lines {
-            marks.push(Stroke::Line { points: line.to_vec(), width: CORD, ink: Ink::Wire });
+            primitives.push(Primitive::Line { points: line.to_vec(), width: CORD, ink: Ink::Wire });
         }
         for dot in &self.route.dots {
-            marks.push(Stroke::Disc { centre: *dot, radius: 3.0, ink: Ink::Wire });
+            primitives.push(Primitive::Disc { centre: *dot, radius: 3.0, ink: Ink::Wire });
         }
         for tip in &self.route.arrows {
             let corners = vec![(tip.0 - 4.0, tip.1), (tip.0 + 4.0, tip.1 - 3.5), (tip.0 + 4.0, tip.1 + 3.5)];
-            marks.push(Stroke::Area { corners, ink: Ink::Wire });
+            primitives.push(Primitive::Area { corners, ink: Ink::Wire });
         }
     }
 }
 
-/// What is laid out: boxes as large as their symbols.
+/// Returns the graph for the layout: boxes as large as their symbols, and nets.
+///
+/// The order of reading starts at ports and drives, then at integrators.
 fn graph(symbols: &[Symbol]) -> Graph {
     let nodes = symbols.iter().map(|symbol| node(symbol, shapes::draw(symbol))).collect();
-    let starts = |wanted: fn(&Symbol) -> bool| {
-        symbols.iter().enumerate().filter(move |(_, symbol)| wanted(symbol)).map(|(index, _)| index)
+    let starts = |matches: fn(&Symbol) -> bool| {
+        symbols.iter().enumerate().filter(move |(_, symbol)| matches(symbol)).map(|(index, _)| index)
     };
     let sources = starts(|symbol| symbol.shape == "port-in" || symbol.shape.starts_with("drive-"));
     let integrators = starts(|symbol| symbol.shape == "integrator");
-    Graph { nodes, nets: wires(symbols), starts: sources.chain(integrators).collect() }
+    Graph { nodes, nets: layout_nets(symbols), starts: sources.chain(integrators).collect() }
 }
 
-/// The nets of all outlets that something is plugged into.
-fn wires(symbols: &[Symbol]) -> Vec<Wire> {
+/// Returns the nets of all outputs that are connected.
+fn layout_nets(symbols: &[Symbol]) -> Vec<LayoutNet> {
     let mut readers: Vec<Vec<Vec<(usize, usize)>>> =
-        symbols.iter().map(|symbol| vec![Vec::new(); symbol.outlets.len()]).collect();
+        symbols.iter().map(|symbol| vec![Vec::new(); symbol.outputs.len()]).collect();
     for (index, symbol) in symbols.iter().enumerate() {
         for (input, jack) in symbol.jacks.iter().enumerate() {
-            if let Source::Output(from, outlet) = jack.from {
-                readers[from][outlet].push((index, input));
+            if let CordSource::Output(from, output) = jack.from {
+                readers[from][output].push((index, input));
             }
         }
     }
-    let outlets = readers.into_iter().enumerate().flat_map(|(from, outlets)| {
-        outlets.into_iter().enumerate().map(move |(outlet, to)| Wire { from, outlet, to })
+    let outputs = readers.into_iter().enumerate().flat_map(|(from, outputs)| {
+        outputs.into_iter().enumerate().map(move |(output, to)| LayoutNet { from, output, to })
     });
-    outlets.filter(|wire| !wire.to.is_empty()).collect()
+    outputs.filter(|net| !net.to.is_empty()).collect()
 }
 
+/// Returns the box of a symbol, with its area rounded outward to whole pixels.
 fn node(symbol: &Symbol, art: Art) -> Node {
     let area = art.area();
     Node {
@@ -181,7 +230,7 @@ fn node(symbol: &Symbol, art: Art) -> Node {
         },
         inputs: art.inputs,
         outputs: art.outputs,
-        free: shapes::exchangeable(symbol),
-        leans_right: symbol.shape == "potentiometer",
+        exchangeable: shapes::exchangeable(symbol),
+        prefers_right: symbol.shape == "potentiometer",
     }
 }

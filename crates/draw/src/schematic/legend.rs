@@ -1,36 +1,54 @@
 //! All symbols on one sheet.
 
 use super::shapes::{self, PRINT};
-use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share, volts};
-use crate::plot::{Align, Drawing, Ink, Label, Stroke};
+use super::symbol::{
+    CordSource, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting, format_fraction, format_number,
+    format_volts,
+};
+use crate::plot::{Align, Drawing, Ink, Label, Primitive};
 use patchcord_core::elements::{Default, Family, Jacks, Kind, Measure, REGISTRY, Setting as SettingRow};
 
-/// Symbols side by side, and the room of each.
-const ACROSS: usize = 6;
-const ROOM: (f64, f64) = (172.0, 150.0);
+/// The number of symbols in a row.
+const COLUMNS: usize = 6;
+/// The width and height of the cell of a symbol.
+const CELL: (f64, f64) = (172.0, 150.0);
+/// The margin around the sheet.
 const MARGIN: f64 = 10.0;
 
-/// The symbol of every kind of element and drive, with the name of the kind below it.
+/// Returns a drawing with the symbol of every kind of element and drive and the name of the kind.
+///
+/// The symbols are in the order of the registry of elements, from left to right and from the top down.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::Primitive;
+/// use patchcord_draw::schematic::legend;
+///
+/// let drawing = legend();
+/// let is_name = |primitive: &Primitive| matches!(primitive, Primitive::Text(label) if label.text == "summer");
+/// assert!(drawing.primitives.iter().any(is_name));
+/// ```
 pub fn legend() -> Drawing {
-    let rows = REGISTRY.len().div_ceil(ACROSS);
+    let rows = REGISTRY.len().div_ceil(COLUMNS);
     let mut drawing = Drawing {
-        width: 2.0 * MARGIN + ACROSS as f64 * ROOM.0,
-        height: 2.0 * MARGIN + rows as f64 * ROOM.1,
-        marks: Vec::new(),
+        width: 2.0 * MARGIN + COLUMNS as f64 * CELL.0,
+        height: 2.0 * MARGIN + rows as f64 * CELL.1,
+        primitives: Vec::new(),
     };
     for (index, kind) in REGISTRY.iter().enumerate() {
-        let left = MARGIN + (index % ACROSS) as f64 * ROOM.0;
-        let top = MARGIN + (index / ACROSS) as f64 * ROOM.1;
+        let left = MARGIN + (index % COLUMNS) as f64 * CELL.0;
+        let top = MARGIN + (index / COLUMNS) as f64 * CELL.1;
         let art = shapes::draw(&example(kind));
         let area = art.area();
         let by = (
-            (left + ROOM.0 / 2.0 - (area.left + area.right) / 2.0).round(),
-            (top + (ROOM.1 - 24.0) / 2.0 - (area.top + area.bottom) / 2.0).round(),
+            (left + CELL.0 / 2.0 - (area.left + area.right) / 2.0).round(),
+            (top + (CELL.1 - 24.0) / 2.0 - (area.top + area.bottom) / 2.0).round(),
         );
-        drawing.marks.extend(art.marks.into_iter().map(|mark| mark.moved(by)));
-        drawing.marks.push(Stroke::Text(Label {
+        drawing.primitives.extend(art.primitives.into_iter().map(|primitive| primitive.moved(by)));
+        drawing.primitives.push(Primitive::Text(Label {
             text: kind.name.to_owned(),
-            at: (left + ROOM.0 / 2.0, top + ROOM.1 - 8.0),
+            at: (left + CELL.0 / 2.0, top + CELL.1 - 8.0),
             size: PRINT,
             align: Align::Middle,
             ink: Ink::Signal,
@@ -39,7 +57,9 @@ pub fn legend() -> Drawing {
     drawing
 }
 
-/// A symbol of the kind, set in some way.
+/// Returns a symbol of a kind with example settings.
+///
+/// A required summing input gets a jack with gain 10 and one with gain 1. Optional inputs have no jack.
 fn example(kind: &'static Kind) -> Symbol {
     let jacks = kind.inputs.iter().filter(|input| input.required).flat_map(|input| {
         let gains: &[Option<f64>] = match input.jacks {
@@ -50,7 +70,7 @@ fn example(kind: &'static Kind) -> Symbol {
         gains.iter().map(|gain| Jack {
             input: input.name.to_owned(),
             gain: *gain,
-            from: Source::Output(0, 0),
+            from: CordSource::Output(0, 0),
         })
     });
     Symbol {
@@ -60,14 +80,17 @@ fn example(kind: &'static Kind) -> Symbol {
         jacks: jacks.collect(),
         settings: kind.settings.iter().filter_map(setting).collect(),
         parts: Vec::new(),
-        outlets: vec![Outlet::default()],
+        outputs: vec![SymbolOutput::default()],
         position: None,
         inside: Vec::new(),
         note: String::new(),
     }
 }
 
-fn setting(row: &SettingRow) -> Option<Setting> {
+/// Returns an example of a setting; `None` if the setting is absent by default.
+///
+/// A required lower level is -10 V, another required voltage is 10 V, and any other required number is 0.25.
+fn setting(row: &SettingRow) -> Option<SymbolSetting> {
     let number = match (row.default, row.name.contains("lower") || row.name == "drop_out") {
         (Default::Absent, _) => return None,
         (Default::Number(number), _) => number,
@@ -76,17 +99,18 @@ fn setting(row: &SettingRow) -> Option<Setting> {
         (Default::Required, false) => 0.25,
     };
     let (value, shown) = match row.measure {
-        Measure::Flag => (Value::Flag(number != 0.0), String::new()),
-        Measure::Choice(words) => (Value::Word(words.get(number as usize)?), String::new()),
-        Measure::Fraction => (Value::Number(number), share(number)),
-        Measure::Volts => (Value::Number(number), volts(number)),
-        Measure::MachineSeconds => (Value::Number(number), format!("{} s", digits(number))),
-        Measure::Points | Measure::Curve(_) => (Value::Points(CURVE.to_vec()), String::new()),
-        _ => (Value::Number(number), digits(number)),
+        Measure::Flag => (SettingValue::Flag(number != 0.0), String::new()),
+        Measure::Choice(words) => (SettingValue::Word(words.get(number as usize)?), String::new()),
+        Measure::Fraction => (SettingValue::Number(number), format_fraction(number)),
+        Measure::Volts => (SettingValue::Number(number), format_volts(number)),
+        Measure::MachineSeconds => (SettingValue::Number(number), format!("{} s", format_number(number))),
+        Measure::Points | Measure::Curve(_) => (SettingValue::Points(CURVE.to_vec()), String::new()),
+        _ => (SettingValue::Number(number), format_number(number)),
     };
-    Some(Setting { name: row.name.to_owned(), formula: None, value, shown, is_given: true })
+    Some(SymbolSetting { name: row.name.to_owned(), formula: None, value, shown, is_given: true })
 }
 
+/// The curve of the function generator in the legend.
 const CURVE: [[f64; 2]; 5] = [[0.0, 0.0], [1.0, 3.0], [2.0, 4.0], [3.0, 1.5], [4.0, 2.0]];
 
 #[cfg(test)]
@@ -96,8 +120,8 @@ mod tests {
     #[test]
     fn every_kind_has_its_symbol() {
         for kind in REGISTRY {
-            let known = shapes::SHAPES.iter().any(|(name, ..)| *name == kind.symbol);
-            assert!(known, "{}: src/schematic/shapes has no symbol {}", kind.name, kind.symbol);
+            let has_shape = shapes::SHAPES.iter().any(|(name, ..)| *name == kind.symbol);
+            assert!(has_shape, "{}: src/schematic/shapes has no symbol {}", kind.name, kind.symbol);
             let symbol = example(kind);
             assert!(shapes::draw(&symbol).inputs.len() >= symbol.jacks.len(), "{}", kind.name);
         }

@@ -1,7 +1,9 @@
-//! The schematic of a circuit: the symbols of the trade, laid out so that signals run from left to right.
+//! Schematics and patch panels of a circuit.
 //!
-//! [`Schematic::new`] makes it of a circuit, [`Schematic::drawing`] draws it. Cords run level and upright; where
-//! cords of one output part, there is a dot; what goes back runs below.
+//! [`Schematic::new`] converts a circuit into symbols, lays them out so that signals run from left to
+//! right, and routes the cords. [`Schematic::drawing`] returns the drawing. Cords consist of horizontal
+//! and vertical lines, a dot marks each branch, and feedback runs below its row. [`Board`] is the patch
+//! panel with modules, jacks and cords. [`legend()`] shows every symbol.
 
 mod board;
 mod describe;
@@ -20,6 +22,6 @@ pub use board::{Board, Cord, Link, Module};
 pub use diagram::{Diagram, Net, PlacedSymbol};
 pub use layout::{Point, Route};
 pub use legend::legend;
-pub use lists::{List, Row};
-pub use sheet::{DrawError, Opened, Schematic};
-pub use symbol::{Jack, Outlet, Setting, Source, Standing, Symbol, Value};
+pub use lists::{List, ListRow};
+pub use sheet::{DrawError, OpenedMacro, Schematic};
+pub use symbol::{CordSource, ElementState, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting};

@@ -1,4 +1,6 @@
-//! The schematic as data, and as a drawing.
+//! The schematic as data and as a drawing.
+//!
+//! The main diagram is at the top, followed by each macro and then by the lists.
 
 use indexmap::IndexMap;
 
@@ -7,192 +9,255 @@ use super::diagram::{Diagram, Plan};
 use super::heading::{self, Heading};
 use super::layout::Point;
 use super::lists::{self, List};
-use super::symbol::Standing;
-use super::view::{Show, View};
+use super::symbol::ElementState;
+use super::view::{View, ViewScope};
 use super::{describe, shapes};
-use crate::plot::{Drawing, Ink, Stroke};
+use crate::plot::{Drawing, Ink, Primitive};
 use patchcord_core::circuit::Circuit;
 
-/// Symbols with their places, and nets with their lines, in pixels from the upper left corner of the sheet.
+/// A schematic: symbols with positions and nets with lines.
+///
+/// Positions are in pixels from the upper left corner of the sheet.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_draw::schematic::Schematic;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = PatchBuilder::new("Decay")
+///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50))
+///     .element("P1", ElementBuilder::new("pot").cord("in", "A1").set("setting", 0.5))
+///     .run(1.0, 1e-3)
+///     .build()?;
+///
+/// // Without voltages
+/// let schematic = Schematic::new(&Circuit::new(&patch)?, "a note", "", &|_| None)?;
+/// let symbols = &schematic.main.symbols;
+/// assert_eq!((symbols[0].symbol.name.as_str(), symbols[1].symbol.name.as_str()), ("A1", "P1"));
+/// assert_eq!(schematic.main.nets.len(), 2);
+/// assert!(schematic.macros.is_empty() && schematic.drawing().width > 0.0);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schematic {
+    /// The title, the source, the machine and the notes above the diagram.
     heading: Heading,
-    /// The circuit, instances of macros as boxes.
+    /// The circuit, with macro instances as boxes or expanded.
     pub main: Diagram,
-    /// The macros in it, opened.
-    pub macros: Vec<Opened>,
-    /// Lists below the drawing.
+    /// Every macro of the circuit, opened once.
+    pub macros: Vec<OpenedMacro>,
+    /// The lists below the drawing.
     pub lists: Vec<List>,
-    /// Width of the drawing, and where it ends above the lists.
+    /// The width of the drawing without margins.
     width: f64,
+    /// The lower edge of the last diagram.
     bottom: f64,
 }
 
-/// What is inside of a macro, as one of its instances has it.
+/// The inside of a macro, shown for one of its instances.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Opened {
+pub struct OpenedMacro {
+    /// The name of the macro, its note and its other instances.
     heading: Heading,
-    /// The macro.
+    /// The name of the macro.
     pub of: String,
     /// The instance whose settings, signals and voltages are shown.
     pub instance: String,
-    /// Its ports, elements and cords, by the names that they have in the macro.
+    /// The ports, elements and cords, with their names in the macro.
     pub diagram: Diagram,
-    /// Where its heading stands.
+    /// The position of the heading.
     at: Point,
 }
 
-/// Why there is no schematic.
+/// The reasons why a schematic or patch panel cannot be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DrawError {
-    /// More symbols than a person could find their way in.
-    #[error("{count} symbols are too many for one sheet: {most} can be drawn", most = Schematic::MOST)]
-    TooMany {
-        /// How many there are.
+    /// The sheet would have more than [`Schematic::MAX_SYMBOLS`] symbols.
+    #[error("{count} symbols are too many for one sheet; the maximum is {most}", most = Schematic::MAX_SYMBOLS)]
+    TooManySymbols {
+        /// The number of symbols.
         count: usize,
     },
-    /// More cords than a person could follow on a panel.
-    #[error("{count} cords are too many for one panel: {most} can be drawn", most = Board::MOST_CORDS)]
+    /// The panel would have more than [`Board::MAX_CORDS`] cords.
+    #[error("{count} cords are too many for one panel; the maximum is {most}", most = Board::MAX_CORDS)]
     TooManyCords {
-        /// How many there are.
+        /// The number of cords.
         count: usize,
     },
-    /// More in one layer than a sheet has room for.
+    /// The sheet would be higher than [`Drawing::MAX_SIDE`].
     #[error(
-        "a drawing at least {height:.0} pixels high cannot be drawn: a side has at most {most} pixels",
-        most = Drawing::LONGEST
+        "the drawing would be at least {height:.0} pixels high: a side has at most {most} pixels",
+        most = Drawing::MAX_SIDE
     )]
     TooTall {
-        /// How high it would be at least.
+        /// A lower bound of the height, in pixels.
         height: f64,
     },
 }
 
 impl DrawError {
-    /// Refuses more symbols than a sheet takes.
+    /// Returns an error if there are more symbols than a sheet may have.
     pub(super) fn check(count: usize) -> Result<(), DrawError> {
-        if count > Schematic::MOST { Err(DrawError::TooMany { count }) } else { Ok(()) }
+        if count > Schematic::MAX_SYMBOLS { Err(DrawError::TooManySymbols { count }) } else { Ok(()) }
     }
 }
 
-/// Room around everything.
+/// The margin around the sheet.
 const MARGIN: f64 = 28.0;
 
-/// Room above a line across the sheet, and from there to what stands below it.
-const RULE: f64 = 14.0;
-const ABOVE: f64 = 20.0;
+/// The gap above a rule across the sheet.
+const ABOVE_RULE: f64 = 14.0;
+/// The gap below a rule.
+const BELOW_RULE: f64 = 20.0;
 
 impl Schematic {
-    /// The most symbols that are drawn on a sheet.
-    pub const MOST: usize = 1000;
+    /// The maximum number of symbols on a sheet; more are not readable.
+    pub const MAX_SYMBOLS: usize = 1000;
 
-    /// The schematic of a circuit: instances of macros as boxes, and below it every macro once, opened. `standing`
-    /// tells the voltages to be written at outputs and the positions of what switches, `instant` when they are so, `note` is
-    /// small print. Sheets with and without voltages have everything in the same places.
+    /// Returns the schematic of a circuit: macro instances as boxes, and below it every macro once.
+    ///
+    /// `note` and `instant` are printed below the title. `state` returns the voltage and the switching
+    /// position of an element for the drawing, or `None` to draw no voltages; `instant` is the text
+    /// for the time of these voltages. Sheets with and without voltages have the same layout.
     ///
     /// # Errors
-    /// When more than [`Schematic::MOST`] symbols have to be drawn, or the sheet would be higher than [`Drawing::LONGEST`].
+    ///
+    /// If there are more than [`Schematic::MAX_SYMBOLS`] symbols, or the sheet would be higher than
+    /// [`Drawing::MAX_SIDE`].
+    ///
+    /// # Examples
+    ///
+    /// With the voltages of all elements at an instant:
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_draw::schematic::{ElementState, Schematic};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let patch = PatchBuilder::new("Decay")
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["P1"]).set("initial", 50))
+    ///     .element("P1", ElementBuilder::new("pot").cord("in", "A1").set("setting", 0.5))
+    ///     .run(1.0, 1e-3)
+    ///     .build()?;
+    ///
+    /// let volts = |name: &str| if name == "A1" { 50.0 } else { 25.0 };
+    /// let state = |name: &str| Some(ElementState { volts: volts(name), position: None });
+    /// let schematic = Schematic::new(&Circuit::new(&patch)?, "", "voltages at t = 0", &state)?;
+    /// assert_eq!(schematic.main.symbols[0].symbol.outputs[0].volts, Some(50.0));
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn new(
         circuit: &Circuit,
         note: &str,
         instant: &str,
-        standing: &dyn Fn(&str) -> Option<Standing>,
+        state: &dyn Fn(&str) -> Option<ElementState>,
     ) -> Result<Schematic, DrawError> {
-        let first = used(circuit).into_values().map(|instances| Show::Inside(instances[0]));
-        let shows: Vec<Show<'_>> = std::iter::once(Show::Boxes).chain(first).collect();
-        Schematic::of(circuit, &shows, note, instant, standing)
+        let first = macros_in_use(circuit).into_values().map(|instances| ViewScope::Inside(instances[0]));
+        let scopes: Vec<ViewScope<'_>> = std::iter::once(ViewScope::Boxes).chain(first).collect();
+        Schematic::of(circuit, &scopes, note, instant, state)
     }
 
-    /// The schematic of a circuit with every instance opened in its place.
+    /// Returns the schematic of a circuit with every macro instance replaced by its elements.
     ///
     /// # Errors
+    ///
     /// As for [`Schematic::new`].
-    pub fn opened(
+    pub fn expanded(
         circuit: &Circuit,
         note: &str,
         instant: &str,
-        standing: &dyn Fn(&str) -> Option<Standing>,
+        state: &dyn Fn(&str) -> Option<ElementState>,
     ) -> Result<Schematic, DrawError> {
-        Schematic::of(circuit, &[Show::Elements], note, instant, standing)
+        Schematic::of(circuit, &[ViewScope::Elements], note, instant, state)
     }
 
+    /// Returns the schematic with one diagram for each scope, one below the other.
+    ///
+    /// All symbols are laid out before the first is placed, because the widest diagram sets the width of the sheet. The
+    /// number of symbols is checked before that, since the layout takes most of the time.
     fn of(
         circuit: &Circuit,
-        shows: &[Show<'_>],
+        scopes: &[ViewScope<'_>],
         note: &str,
         instant: &str,
-        standing: &dyn Fn(&str) -> Option<Standing>,
+        state: &dyn Fn(&str) -> Option<ElementState>,
     ) -> Result<Schematic, DrawError> {
-        let views: Vec<View<'_>> = shows.iter().map(|show| View::new(circuit, *show)).collect();
+        let views: Vec<View<'_>> = scopes.iter().map(|scope| View::new(circuit, *scope)).collect();
         DrawError::check(views.iter().map(|view| view.items.len()).sum())?;
-        let plans = views.iter().map(|view| Plan::new(describe::symbols(view, standing)));
+        let plans = views.iter().map(|view| Plan::new(describe::symbols(view, state)));
         let plans: Vec<Plan> = plans.collect::<Result<_, _>>()?;
         let named = views.iter().zip(&plans);
         let named =
             named.flat_map(|(view, plan)| plan.symbols().iter().map(|symbol| (&*view.prefix, symbol)));
-        let lists = describe::lists(circuit, &named.collect::<Vec<_>>(), shapes::tells);
+        let lists = describe::lists(circuit, &named.collect::<Vec<_>>(), shapes::shows_setting);
         let patch = circuit.patch();
         let width = heading::width(plans.iter().map(|plan| plan.size().0).fold(0.0, f64::max), &patch.title);
         let machine = describe::machine_line(circuit);
-        let small = [patch.source.as_str(), &machine, note];
-        let heading = Heading::new(&patch.title, &small, width).with(instant, width);
+        let notes = [patch.source.as_str(), &machine, note];
+        let heading = Heading::new(&patch.title, &notes, width).with_suffix(instant, width);
         let bottom = MARGIN + heading.height();
         let (main, macros) = (Diagram::default(), Vec::new());
         let mut schematic = Schematic { heading, main, macros, lists, width, bottom };
-        shows.iter().zip(plans).for_each(|(show, plan)| schematic.add(circuit, *show, plan));
+        scopes.iter().zip(plans).for_each(|(scope, plan)| schematic.add(circuit, *scope, plan));
         Ok(schematic)
     }
 
-    /// Puts a diagram below what is there.
-    fn add(&mut self, circuit: &Circuit, show: Show<'_>, plan: Plan) {
+    /// Adds a diagram below the last one.
+    fn add(&mut self, circuit: &Circuit, scope: ViewScope<'_>, plan: Plan) {
         let height = plan.size().1;
-        let Show::Inside(instance) = show else {
+        let ViewScope::Inside(instance) = scope else {
             self.main = plan.placed((MARGIN, self.bottom));
             self.bottom += height;
             return;
         };
         let patch = circuit.patch();
-        let of = &patch.instances[instance].of;
-        let others = used(circuit)[of.as_str()][1..].join(", ");
+        let of = &patch.instances[instance].macro_name;
+        let others = macros_in_use(circuit)[of.as_str()][1..].join(", ");
         let others = if others.is_empty() { others } else { format!("also: {others}") };
         let notes = [patch.macros[of].note.as_str(), others.as_str()];
         let heading = Heading::new(&format!("Macro {of}, as in {instance}"), &notes, self.width);
-        let at = (MARGIN, self.bottom + RULE + ABOVE);
+        let at = (MARGIN, self.bottom + ABOVE_RULE + BELOW_RULE);
         let top = at.1 + heading.height();
         let diagram = plan.placed((MARGIN, top));
-        self.macros.push(Opened { heading, of: of.clone(), instance: instance.to_owned(), diagram, at });
+        self.macros.push(OpenedMacro { heading, of: of.clone(), instance: instance.to_owned(), diagram, at });
         self.bottom = top + height;
     }
 
-    /// The drawing of the schematic.
+    /// Returns the drawing of the schematic with the lists below it.
     pub fn drawing(&self) -> Drawing {
-        let mut marks = self.heading.draw((MARGIN, MARGIN));
-        self.main.draw(&mut marks);
+        let mut primitives = self.heading.draw((MARGIN, MARGIN));
+        self.main.draw(&mut primitives);
         for opened in &self.macros {
-            marks.push(self.rule(opened.at.1 - ABOVE));
-            marks.extend(opened.heading.draw(opened.at));
-            opened.diagram.draw(&mut marks);
+            primitives.push(self.rule(opened.at.1 - BELOW_RULE));
+            primitives.extend(opened.heading.draw(opened.at));
+            opened.diagram.draw(&mut primitives);
         }
-        let rule = self.bottom + RULE;
-        let (listed, bottom) = lists::draw(&self.lists, (MARGIN, rule + ABOVE), self.width);
-        if !listed.is_empty() {
-            marks.push(self.rule(rule));
+        let rule = self.bottom + ABOVE_RULE;
+        let (list_primitives, bottom) = lists::draw(&self.lists, (MARGIN, rule + BELOW_RULE), self.width);
+        if !list_primitives.is_empty() {
+            primitives.push(self.rule(rule));
         }
-        marks.extend(listed);
-        Drawing { width: self.width + 2.0 * MARGIN, height: bottom + MARGIN / 2.0, marks }
+        primitives.extend(list_primitives);
+        Drawing { width: self.width + 2.0 * MARGIN, height: bottom + MARGIN / 2.0, primitives }
     }
 
-    /// A line across the sheet.
-    fn rule(&self, y: f64) -> Stroke {
-        Stroke::Line { points: vec![(MARGIN, y), (MARGIN + self.width, y)], width: 1.0, ink: Ink::Faint }
+    /// Returns a rule across the sheet.
+    fn rule(&self, y: f64) -> Primitive {
+        Primitive::Line { points: vec![(MARGIN, y), (MARGIN + self.width, y)], width: 1.0, ink: Ink::Faint }
     }
 }
 
-/// The macros that are used, with the names of their instances.
-fn used(circuit: &Circuit) -> IndexMap<&str, Vec<&str>> {
-    let mut used: IndexMap<&str, Vec<&str>> = IndexMap::new();
+/// Returns the macros in use with the names of their instances.
+fn macros_in_use(circuit: &Circuit) -> IndexMap<&str, Vec<&str>> {
+    let mut macros: IndexMap<&str, Vec<&str>> = IndexMap::new();
     for (name, instance) in &circuit.patch().instances {
-        used.entry(&instance.of).or_default().push(name);
+        macros.entry(&instance.macro_name).or_default().push(name);
     }
-    used
+    macros
 }

@@ -1,90 +1,101 @@
-//! What stands on a drawing: every element, instances of macros as boxes, or what is inside of one instance.
+//! The content of a drawing.
+//!
+//! A drawing shows every element of a circuit, or macro instances as boxes, or the inside of one
+//! instance. A view lists the items of the drawing in order and finds the source of each cord among
+//! them.
 
 use std::collections::HashMap;
 
-use super::symbol::Source;
+use super::symbol::CordSource;
 use patchcord_core::circuit::{Circuit, Cord};
 use patchcord_core::elements::{Family, Jacks};
-use patchcord_core::patch::{Inlet, Instance};
+use patchcord_core::patch::{Instance, InstanceInput};
 
-/// How much is opened.
+/// The part of a circuit that a drawing shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Show<'a> {
-    /// Elements only, those of instances too.
+pub(super) enum ViewScope<'a> {
+    /// All elements, including those inside instances.
     Elements,
-    /// Outermost instances as boxes.
+    /// The outermost elements, with instances as boxes.
     Boxes,
-    /// What is inside of an instance, with its ports; instances inside it as boxes.
+    /// The inside of the named instance with its ports; instances inside it are boxes.
     Inside(&'a str),
 }
 
-/// What is drawn as one symbol.
+/// An item that is drawn as one symbol.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Item<'a> {
-    /// An element or a drive, by its index in the circuit.
+pub(super) enum ViewItem<'a> {
+    /// An element or a drive: its index in the circuit.
     Element(usize),
-    /// An instance, by its name.
+    /// An instance of a macro, with its name.
     Instance(&'a str, &'a Instance),
     /// An input port of the opened instance.
-    Inlet(&'a str),
-    /// An output port of the opened instance, and the element that it is.
-    Outlet(&'a str, &'a str),
+    InputPort(&'a str),
+    /// An output port of the opened instance: its name and the element that drives it.
+    OutputPort(&'a str, &'a str),
 }
 
-/// The items of a drawing, and which of them stands for an element.
+/// The items of a drawing.
 pub(super) struct View<'a> {
+    /// The circuit that is drawn.
     pub circuit: &'a Circuit,
-    /// Input ports first, output ports last.
-    pub items: Vec<Item<'a>>,
-    /// For every element, its item.
+    /// The items: input ports first, output ports last.
+    pub items: Vec<ViewItem<'a>>,
+    /// For each element, the index of its item; `None` if the drawing does not show it.
     item_of: Vec<Option<usize>>,
+    /// The index of each element by name.
     index_of: HashMap<&'a str, usize>,
-    /// The instance that is opened.
-    around: Option<&'a Instance>,
-    /// What names inside the opened instance begin with.
+    /// The opened instance; `None` if the drawing shows the whole circuit.
+    enclosing: Option<&'a Instance>,
+    /// The prefix of names inside the opened instance, such as `spool.`; may be empty.
     pub prefix: String,
 }
 
 impl<'a> View<'a> {
-    pub fn new(circuit: &'a Circuit, show: Show<'a>) -> View<'a> {
+    /// Lists the items of a drawing.
+    ///
+    /// The order is that of the document, with the input ports before and the output ports after the elements.
+    /// An instance that is a box takes the place of its first element.
+    pub fn new(circuit: &'a Circuit, scope: ViewScope<'a>) -> View<'a> {
         let elements = circuit.elements();
-        let (around, prefix) = match show {
-            Show::Inside(name) => (circuit.patch().instances.get(name), format!("{name}.")),
-            Show::Elements | Show::Boxes => (None, String::new()),
+        let (enclosing, prefix) = match scope {
+            ViewScope::Inside(name) => (circuit.patch().instances.get(name), format!("{name}.")),
+            ViewScope::Elements | ViewScope::Boxes => (None, String::new()),
         };
         let names = elements.iter().enumerate().map(|(index, element)| (element.name.as_str(), index));
         let mut view = View {
             circuit,
-            items: around
+            items: enclosing
                 .into_iter()
-                .flat_map(|around| around.inputs.keys())
-                .map(|name| Item::Inlet(name))
+                .flat_map(|enclosing| enclosing.inputs.keys())
+                .map(|name| ViewItem::InputPort(name))
                 .collect(),
             item_of: vec![None; elements.len()],
             index_of: names.collect(),
-            around,
+            enclosing,
             prefix,
         };
-        view.place_elements(show);
-        let outlets = around.into_iter().flat_map(|around| &around.outputs);
-        view.items.extend(outlets.map(|(port, element)| Item::Outlet(port, element)));
+        view.add_elements(scope);
+        let outputs = enclosing.into_iter().flat_map(|enclosing| &enclosing.outputs);
+        view.items.extend(outputs.map(|(port, element)| ViewItem::OutputPort(port, element)));
         view
     }
 
-    fn place_elements(&mut self, show: Show<'a>) {
-        let boxes = boxes(self.circuit, show);
-        let mut placed: HashMap<&str, usize> = HashMap::new();
+    /// Adds an item for each element or for the instance that contains it.
+    fn add_elements(&mut self, scope: ViewScope<'a>) {
+        let boxes = boxes(self.circuit, scope);
+        let mut added: HashMap<&str, usize> = HashMap::new();
         for (index, element) in self.circuit.elements().into_iter().enumerate() {
-            let is_inside = self.around.is_none() || element.name.starts_with(&self.prefix);
+            let is_inside = self.enclosing.is_none() || element.name.starts_with(&self.prefix);
             if element.kind.family == Family::Reference || !is_inside {
                 continue;
             }
             let next = self.items.len();
             let (key, item) = match boxes.get(element.name.as_str()) {
-                Some((name, instance)) => (*name, Item::Instance(name, instance)),
-                None => (element.name.as_str(), Item::Element(index)),
+                Some((name, instance)) => (*name, ViewItem::Instance(name, instance)),
+                None => (element.name.as_str(), ViewItem::Element(index)),
             };
-            let item_index = *placed.entry(key).or_insert(next);
+            let item_index = *added.entry(key).or_insert(next);
             if item_index == next {
                 self.items.push(item);
             }
@@ -92,33 +103,34 @@ impl<'a> View<'a> {
         }
     }
 
-    /// A name as it is called where it is drawn.
+    /// Returns a name without the prefix of the opened instance.
     pub fn local<'n>(&self, name: &'n str) -> &'n str {
         name.strip_prefix(self.prefix.as_str()).unwrap_or(name)
     }
 
-    /// What is plugged into an element: the cord, and where it comes from.
-    pub fn cords(&self, element: usize) -> Vec<(Cord, Source)> {
+    /// Returns the cords into an element with their sources, in the order of the inputs.
+    pub fn cords(&self, element: usize) -> Vec<(Cord, CordSource)> {
         let name = &self.circuit.element(element).name;
         let mut cords = self.circuit.cords(element);
         cords.sort_by_key(|(_, cord)| cord.input);
-        let inlets = self.around.into_iter().flat_map(|around| around.inputs.values().enumerate());
-        let mut fed: Vec<(usize, &Inlet, &str)> = inlets
-            .flat_map(|(port, inlet)| inlet.feeds.iter().map(move |feed| (port, inlet, feed)))
+        let inlets = self.enclosing.into_iter().flat_map(|enclosing| enclosing.inputs.values().enumerate());
+        let mut fed: Vec<(usize, &InstanceInput, &str)> = inlets
+            .flat_map(|(port, inlet)| inlet.driven_jacks.iter().map(move |feed| (port, inlet, feed)))
             .filter(|(.., feed)| feed.element == *name)
             .map(|(port, inlet, feed)| (port, inlet, feed.jack.as_str()))
             .collect();
         let source = |(from, cord): (usize, Cord)| {
             let driver = &self.circuit.element(from).name;
             let jack = self.jack_name(element, cord);
-            let is_fed = |(_, inlet, fed): &(usize, &Inlet, &str)| drives(inlet, driver) && *fed == jack;
-            let port = fed.iter().position(is_fed).map(|at| Source::Output(fed.swap_remove(at).0, 0));
+            let is_fed =
+                |(_, inlet, fed): &(usize, &InstanceInput, &str)| drives(inlet, driver) && *fed == jack;
+            let port = fed.iter().position(is_fed).map(|at| CordSource::Output(fed.swap_remove(at).0, 0));
             Some((cord, port.or_else(|| self.source(from))?))
         };
         cords.into_iter().filter_map(source).collect()
     }
 
-    /// The key of a jack in the document.
+    /// Returns the key of a jack in the patch file, such as `x10`.
     fn jack_name(&self, element: usize, cord: Cord) -> String {
         let input = &self.circuit.element(element).kind.inputs[cord.input];
         match input.jacks {
@@ -127,56 +139,61 @@ impl<'a> View<'a> {
         }
     }
 
-    /// What is plugged into the input ports of an instance, port by port.
-    pub fn plugged(&self, instance: &'a Instance) -> impl Iterator<Item = (&'a str, Source)> {
+    /// Returns the sources of the input ports of an instance in order; ports without a cord are omitted.
+    pub fn port_sources(&self, instance: &'a Instance) -> impl Iterator<Item = (&'a str, CordSource)> {
         instance.inputs.iter().filter_map(|(port, inlet)| Some((port.as_str(), self.port_source(inlet)?)))
     }
 
-    /// Where a port of an instance is fed from: a port of the opened one, or an output.
-    fn port_source(&self, inlet: &Inlet) -> Option<Source> {
-        let outer = self.around.zip(inlet.port.as_ref());
-        match outer.and_then(|(around, port)| around.inputs.get_index_of(port)) {
-            Some(port) => Some(Source::Output(port, 0)),
+    /// Returns the source of an input port of an instance: a port of the opened instance or an output.
+    fn port_source(&self, inlet: &InstanceInput) -> Option<CordSource> {
+        let outer = self.enclosing.zip(inlet.outer_port.as_ref());
+        match outer.and_then(|(enclosing, port)| enclosing.inputs.get_index_of(port)) {
+            Some(port) => Some(CordSource::Output(port, 0)),
             None => self.source_named(inlet.driver.as_ref()?),
         }
     }
 
-    /// Where the cord of an output port of the opened instance comes from.
-    pub fn source_named(&self, element: &str) -> Option<Source> {
+    /// Returns the source that an element is in this drawing; `None` if it is unknown.
+    pub fn source_named(&self, element: &str) -> Option<CordSource> {
         self.source(*self.index_of.get(element)?)
     }
 
-    /// Where the cords of an element come from in this drawing.
-    fn source(&self, element: usize) -> Option<Source> {
+    /// Returns the source for the output of an element in this drawing.
+    ///
+    /// `None` if the element is inside a box and is not one of its outputs.
+    fn source(&self, element: usize) -> Option<CordSource> {
         let from = self.circuit.element(element);
         if let Some(item) = self.item_of[element] {
-            let outlet = match self.items[item] {
-                Item::Instance(_, instance) => instance.outputs.values().position(|at| *at == from.name)?,
+            let output = match self.items[item] {
+                ViewItem::Instance(_, instance) => {
+                    instance.outputs.values().position(|at| *at == from.name)?
+                }
                 _ => 0,
             };
-            return Some(Source::Output(item, outlet));
+            return Some(CordSource::Output(item, output));
         }
-        let mut ports = self.around.into_iter().flat_map(|around| around.inputs.values());
+        let mut ports = self.enclosing.into_iter().flat_map(|enclosing| enclosing.inputs.values());
         match ports.position(|inlet| drives(inlet, &from.name)) {
-            Some(port) => Some(Source::Output(port, 0)),
-            None => Some(Source::Reference(reference(&from.name))),
+            Some(port) => Some(CordSource::Output(port, 0)),
+            None => Some(CordSource::Reference(reference(&from.name))),
         }
     }
 }
 
-fn drives(inlet: &Inlet, driver: &str) -> bool {
+/// Whether an element drives an input port of an instance from outside.
+fn drives(inlet: &InstanceInput, driver: &str) -> bool {
     inlet.driver.as_deref() == Some(driver)
 }
 
-/// For every element in a box its box.
-fn boxes<'a>(circuit: &'a Circuit, show: Show<'a>) -> HashMap<&'a str, (&'a str, &'a Instance)> {
-    let around = match show {
-        Show::Elements => return HashMap::new(),
-        Show::Boxes => None,
-        Show::Inside(name) => Some(name),
+/// Returns the instance that contains each element in a box.
+fn boxes<'a>(circuit: &'a Circuit, scope: ViewScope<'a>) -> HashMap<&'a str, (&'a str, &'a Instance)> {
+    let enclosing = match scope {
+        ViewScope::Elements => return HashMap::new(),
+        ViewScope::Boxes => None,
+        ViewScope::Inside(name) => Some(name),
     };
     let instances = circuit.patch().instances.iter();
-    let drawn = instances.filter(|(_, instance)| instance.around.as_deref() == around);
+    let drawn = instances.filter(|(_, instance)| instance.parent.as_deref() == enclosing);
     drawn
         .flat_map(|(name, instance)| {
             instance.members.iter().map(move |member| (member.as_str(), (name.as_str(), instance)))
@@ -184,7 +201,7 @@ fn boxes<'a>(circuit: &'a Circuit, show: Show<'a>) -> HashMap<&'a str, (&'a str,
         .collect()
 }
 
-/// The name of a reference as the machine has it.
+/// Returns the name of a reference in the table of references.
 fn reference(name: &str) -> &'static str {
     let known = patchcord_core::elements::REFERENCES.iter().find(|(known, _)| *known == name);
     known.map_or("ground", |(known, _)| known)

@@ -1,30 +1,44 @@
+//! The functions that a formula can call.
+
 use crate::function::Function;
 
-/// What can be called in a formula.
+/// A function that a formula can call.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::{Callee, Function};
+///
+/// let maximum = Callee::from_name("max").expect("max is a function");
+/// assert_eq!(maximum.argument_count(), 2);
+/// assert_eq!(maximum.apply(2.0, 3.0), 3.0);
+/// assert_eq!(Callee::from_name("sqrt"), Some(Callee::Function(Function::Sqrt)));
+/// assert_eq!(Callee::from_name("Max"), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Callee {
-    /// A function that machines can take as well.
+    /// A function that a machine element can compute as well.
     Function(Function),
     /// `min(a, b)`: the smaller of two numbers.
     Minimum,
     /// `max(a, b)`: the larger of two numbers.
     Maximum,
-    /// `abs(a)`: the number without its sign.
+    /// `abs(a)`: the absolute value.
     Absolute,
 }
 
 impl Callee {
-    /// Everything that can be called.
+    /// Returns every callable function: all of [`Function`], then `min`, `max` and `abs`.
     pub fn all() -> impl Iterator<Item = Self> {
         Function::all().map(Self::Function).chain([Self::Minimum, Self::Maximum, Self::Absolute])
     }
 
-    /// The callee of this name, if there is one. Upper and lower case differ.
-    pub fn named(name: &str) -> Option<Self> {
+    /// Returns the function with this name; `None` if there is none. Names are case-sensitive.
+    pub fn from_name(name: &str) -> Option<Self> {
         Self::all().find(|callee| callee.name() == name)
     }
 
-    /// The name under which it is called.
+    /// Returns the name used in formulas.
     pub fn name(self) -> &'static str {
         match self {
             Self::Function(function) => function.name(),
@@ -34,16 +48,18 @@ impl Callee {
         }
     }
 
-    /// How many arguments it takes: 1 or 2.
-    pub fn arguments(self) -> usize {
+    /// Returns the number of arguments: 1 or 2.
+    pub fn argument_count(self) -> usize {
         match self {
-            Self::Function(function) => function.arguments(),
+            Self::Function(function) => function.argument_count(),
             Self::Minimum | Self::Maximum => 2,
             Self::Absolute => 1,
         }
     }
 
-    /// Its value; one that takes one argument ignores `b`.
+    /// Returns the value of the function. A function of one argument ignores `b`.
+    ///
+    /// The value is infinite or NaN if the arguments are outside the domain.
     pub fn apply(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Function(function) => function.apply(a, b),
@@ -53,7 +69,7 @@ impl Callee {
         }
     }
 
-    /// Which arguments it needs, if it does not take all.
+    /// Returns a sentence about the permitted arguments; `None` if all are permitted.
     pub(super) fn domain(self) -> Option<&'static str> {
         match self {
             Self::Function(function) => function.domain(),

@@ -1,32 +1,49 @@
+//! The expression tree of a formula.
+
 use std::ops::Range;
 
 use super::callee::Callee;
 
-/// A part of a formula and where it is written.
+/// A node of the expression tree and the bytes of the text that it covers.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::{Expression, Formula, Operator};
+///
+/// let formula = Formula::parse("-a * 2")?;
+/// let Expression::Binary(operator, left, right) = &formula.root().expression else {
+///     panic!("the root is a product");
+/// };
+/// assert_eq!(*operator, Operator::Multiply);
+/// assert_eq!(left.range, 0..2);
+/// assert_eq!(right.expression, Expression::Number(2.0));
+/// # Ok::<(), patchcord_expr::FormulaError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
-    /// What the part is.
+    /// The operation, name or number of this node.
     pub expression: Expression,
-    /// The bytes of the formula text it covers, with the parentheses around it.
+    /// The bytes of the formula text, including the parentheses around the node.
     pub range: Range<usize>,
 }
 
-/// What a part of a formula is.
+/// The content of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Expression {
     /// A number, or the constant `pi`.
     Number(f64),
     /// The name of a quantity.
     Name(String),
-    /// The part with the opposite sign.
+    /// The operand with the opposite sign.
     Negate(Box<Node>),
-    /// Two parts joined by an operator.
+    /// A binary operator with its left and right operands.
     Binary(Operator, Box<Node>, Box<Node>),
-    /// A function with as many arguments as it takes.
+    /// A function call. The number of arguments is always [`Callee::argument_count`].
     Call(Callee, Vec<Node>),
 }
 
-/// The sign between two parts.
+/// A binary operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operator {
     /// `+`
@@ -42,38 +59,41 @@ pub enum Operator {
 }
 
 impl Node {
-    /// The names that occur in this part, each once, in the order of their first appearance.
+    /// Returns each name below this node once, in the order of first appearance.
     pub fn names(&self) -> Vec<&str> {
         let mut names = Vec::new();
         self.collect_names(&mut names);
         names
     }
 
-    /// The same part with other names, for those that `other` has one for.
-    pub(super) fn renamed(&self, other: &impl Fn(&str) -> Option<String>) -> Node {
-        let inner = |node: &Node| Box::new(node.renamed(other));
+    /// Returns a copy of the tree with each name replaced by `new_name(name)`, if that is not `None`.
+    pub(super) fn renamed(&self, new_name: &impl Fn(&str) -> Option<String>) -> Node {
+        let inner = |node: &Node| Box::new(node.renamed(new_name));
         let expression = match &self.expression {
             Expression::Number(value) => Expression::Number(*value),
-            Expression::Name(name) => Expression::Name(other(name).unwrap_or_else(|| name.clone())),
+            Expression::Name(name) => Expression::Name(new_name(name).unwrap_or_else(|| name.clone())),
             Expression::Negate(node) => Expression::Negate(inner(node)),
             Expression::Binary(operator, left, right) => {
                 Expression::Binary(*operator, inner(left), inner(right))
             }
-            Expression::Call(callee, arguments) => {
-                Expression::Call(*callee, arguments.iter().map(|argument| argument.renamed(other)).collect())
-            }
+            Expression::Call(callee, arguments) => Expression::Call(
+                *callee,
+                arguments.iter().map(|argument| argument.renamed(new_name)).collect(),
+            ),
         };
         Node { expression, range: self.range.clone() }
     }
 
+    /// Adds the names below this node that `names` does not contain yet, from left to right.
     fn collect_names<'n>(&'n self, names: &mut Vec<&'n str>) {
         match &self.expression {
             Expression::Name(name) if !names.contains(&name.as_str()) => names.push(name),
-            _ => self.parts().iter().for_each(|part| part.collect_names(names)),
+            _ => self.operands().iter().for_each(|operand| operand.collect_names(names)),
         }
     }
 
-    fn parts(&self) -> Vec<&Node> {
+    /// Returns the nodes directly below this one, from left to right. Numbers and names have none.
+    fn operands(&self) -> Vec<&Node> {
         match &self.expression {
             Expression::Number(_) | Expression::Name(_) => Vec::new(),
             Expression::Negate(inner) => vec![inner],

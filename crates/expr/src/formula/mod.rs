@@ -1,89 +1,191 @@
-//! Expressions such as `K * position / force / 100`: reading, computing, and checking the units.
+//! Formulas such as `K * position / force / 100`: parsing, evaluation and the check of units.
+//!
+//! The text is split into tokens and parsed into a tree of nodes. Every node records the bytes of
+//! the text that it covers. Evaluation and the check of units both walk this tree and ask a scope
+//! for the values and dimensions of the names. An error carries the bytes of the node at fault and
+//! the values or units that caused it.
 
 mod callee;
 mod error;
 mod evaluate;
 mod expression;
-mod measure;
 mod parse;
 mod scope;
 mod tokens;
-mod words;
+mod unit_check;
+mod wording;
 
 pub use callee::Callee;
 pub use error::FormulaError;
 pub use expression::{Expression, Node, Operator};
-pub use measure::Measure;
 pub use scope::Scope;
+pub use unit_check::FormulaDimension;
 
 use std::fmt;
 
-/// An expression together with the text it was written as.
+/// A parsed expression together with its text.
 ///
-/// It is made of numbers (`1`, `.5`, `1e-3`), names, the constant `pi`, the operators `+ - * / ^`,
-/// parentheses, and the functions of [`Callee`]. A power is taken before a sign, so that `-2^2` is
-/// -4, and from the right, so that `2^3^2` is 512. It displays as its text.
+/// A formula consists of numbers (`1`, `.5`, `1e-3`), names, the constant `pi`, the operators
+/// `+ - * / ^`, parentheses and the functions of [`Callee`]. A power binds more strongly than a
+/// sign: `-2^2` is -4. Powers associate to the right: `2^3^2` is 512. A formula displays as its
+/// text.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::Formula;
+///
+/// let formula = Formula::parse("2 * K * position")?;
+/// assert_eq!(formula.names(), ["K", "position"]);
+/// assert_eq!(formula.to_string(), "2 * K * position");
+///
+/// let error = Formula::parse("2 *").unwrap_err();
+/// assert_eq!(error.message, "a number, a name or a parenthesis is missing here");
+/// # Ok::<(), patchcord_expr::FormulaError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formula {
+    /// The text as the user wrote it. Excerpts in error messages come from it.
     text: String,
+    /// The root of the expression tree. Its ranges count the bytes of `text`.
     root: Node,
 }
 
 impl Formula {
-    /// Reads a formula of at most 2000 bytes, nested at most 200 deep.
+    /// Parses a formula of at most 2000 bytes and at most 200 levels of nesting.
     ///
     /// # Errors
     ///
-    /// Text that is not a formula, with the bytes at fault.
+    /// If the text is not a formula. The error contains the bytes at fault.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         Ok(Self { text: text.to_owned(), root: parse::root(text)? })
     }
 
-    /// The formula that is just this number.
+    /// Returns a formula that consists of one number.
+    ///
+    /// A number that is not finite is accepted here; [`Formula::evaluate`] refuses it.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Formula;
+    ///
+    /// assert_eq!(Formula::constant(0.5).text(), "0.5");
+    /// assert_eq!(Formula::constant(45e6).text(), "4.5e7");
+    /// assert!(Formula::constant(0.5).names().is_empty());
+    /// ```
     pub fn constant(value: f64) -> Self {
-        let text = words::number(value);
+        let text = wording::format_number(value);
         let root = Node { expression: Expression::Number(value), range: 0..text.len() };
         Self { text, root }
     }
 
-    /// The text of the formula, as it was written.
+    /// Returns the text of the formula as the user wrote it.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The expression; the ranges of its nodes count the bytes of the text.
+    /// Returns the root of the expression tree. The ranges of its nodes count the bytes of the text.
     pub fn root(&self) -> &Node {
         &self.root
     }
 
-    /// The names that occur, each once, in the order of their first appearance. `pi` is none.
+    /// Returns each name of the formula once, in the order of first appearance. `pi` is a number, not
+    /// a name.
     pub fn names(&self) -> Vec<&str> {
         self.root.names()
     }
 
-    /// The same formula with other names, for those that `other` has one for; its text stays.
-    pub fn renamed(&self, other: &impl Fn(&str) -> Option<String>) -> Self {
-        Self { text: self.text.clone(), root: self.root.renamed(other) }
+    /// Returns the formula with each name replaced by `new_name(name)`.
+    ///
+    /// A name stays if `new_name` returns `None` for it. The text of the formula does not change.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Formula;
+    ///
+    /// let inside = Formula::parse("T * gain")?;
+    /// let outside = inside.renamed(&|name: &str| (name == "T").then(|| "L1.T".to_owned()));
+    /// assert_eq!(outside.names(), ["L1.T", "gain"]);
+    /// assert_eq!(outside.text(), "T * gain");
+    /// # Ok::<(), patchcord_expr::FormulaError>(())
+    /// ```
+    pub fn renamed(&self, new_name: &impl Fn(&str) -> Option<String>) -> Self {
+        Self { text: self.text.clone(), root: self.root.renamed(new_name) }
     }
 
-    /// The value, a finite number, when the names have the values they have in `scope`.
+    /// Returns the value of the formula in SI units. The value is always finite.
     ///
     /// # Errors
     ///
-    /// A name without a finite value, a denominator of 0, a root of a negative number and its
-    /// like, or a result too large for a number; with the bytes and the values at fault.
+    /// If a name has no finite value in `scope`, a denominator is 0, an argument is outside the
+    /// domain of its function, or a result overflows. The error contains the bytes and the values
+    /// at fault.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::{Dimension, Formula, Scope};
+    ///
+    /// struct Spring; // k = 200 N/m
+    ///
+    /// impl Scope for Spring {
+    ///     fn value(&self, name: &str) -> Option<f64> {
+    ///         (name == "k").then_some(200.0)
+    ///     }
+    ///     fn dimension(&self, name: &str) -> Option<Dimension> {
+    ///         (name == "k").then_some(Dimension::FORCE.over(Dimension::LENGTH))
+    ///     }
+    ///     fn names(&self) -> Vec<&str> {
+    ///         vec!["k"]
+    ///     }
+    /// }
+    ///
+    /// assert_eq!(Formula::parse("2 * k")?.evaluate(&Spring)?, 400.0);
+    /// let error = Formula::parse("1 / (k - 200)")?.evaluate(&Spring).unwrap_err();
+    /// assert_eq!(error.message, "the denominator (k - 200) is 0: k is 200");
+    /// # Ok::<(), patchcord_expr::FormulaError>(())
+    /// ```
     pub fn evaluate(&self, scope: &dyn Scope) -> Result<f64, FormulaError> {
         evaluate::value(&self.text, &self.root, scope)
     }
 
-    /// The dimension of the value, when the names have the dimensions they have in `scope`.
+    /// Returns the dimension of the value; `scope` supplies the dimensions of the names.
     ///
     /// # Errors
     ///
-    /// A name without a dimension, quantities that cannot be added or compared, an exponent or an
-    /// argument of a function that has a unit; with the bytes at fault and the units in words.
-    pub fn dimension(&self, scope: &dyn Scope) -> Result<Measure, FormulaError> {
-        measure::measure(&self.text, &self.root, scope)
+    /// If a name has no dimension in `scope`, quantities of different dimensions are added or
+    /// compared, or an exponent or an argument of a function has a unit. The error contains the
+    /// bytes at fault and names the units.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::{Dimension, Formula, FormulaDimension, Scope};
+    ///
+    /// struct Mass; // m has a dimension, but no value yet
+    ///
+    /// impl Scope for Mass {
+    ///     fn value(&self, _: &str) -> Option<f64> {
+    ///         None
+    ///     }
+    ///     fn dimension(&self, name: &str) -> Option<Dimension> {
+    ///         (name == "m").then_some(Dimension::MASS)
+    ///     }
+    ///     fn names(&self) -> Vec<&str> {
+    ///         vec!["m"]
+    ///     }
+    /// }
+    ///
+    /// let square = Formula::parse("m ^ 2")?.dimension(&Mass)?;
+    /// assert_eq!(square, FormulaDimension::Of(Dimension::MASS.power(2.0)));
+    /// let error = Formula::parse("m + 1")?.dimension(&Mass).unwrap_err();
+    /// assert_eq!(error.message, "m is in kg but 1 is a pure number");
+    /// # Ok::<(), patchcord_expr::FormulaError>(())
+    /// ```
+    pub fn dimension(&self, scope: &dyn Scope) -> Result<FormulaDimension, FormulaError> {
+        unit_check::dimension(&self.text, &self.root, scope)
     }
 }
 

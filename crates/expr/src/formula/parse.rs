@@ -1,4 +1,7 @@
-//! The reader of formulas.
+//! The recursive-descent parser of formulas.
+//!
+//! Each rule of the grammar is one method of [`Parser`]. A number, a name and a call are leaves or
+//! nodes of the tree; parentheses only widen the range of the node inside them.
 //!
 //! ```text
 //! sum     := product { ( "+" | "-" ) product }
@@ -14,61 +17,74 @@ use std::ops::Range;
 use super::callee::Callee;
 use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
-use super::tokens::{Placed, Token, tokens};
+use super::tokens::{Token, TokenKind, tokenize};
 use crate::units::nearest;
 
-const LONGEST_TEXT: usize = 2000;
-const DEEPEST_NESTING: usize = 200;
+/// The maximum length of a formula, in bytes. It bounds the time that a broken file can cost.
+const MAX_TEXT_LENGTH: usize = 2000;
+/// The maximum depth of nesting. It keeps the recursion of the parser, and of every later walk over
+/// the tree, far below the limit of the stack.
+const MAX_NESTING: usize = 200;
 
-/// The expression that a text describes.
+/// Parses a text and returns the root of its expression tree.
 pub(super) fn root(text: &str) -> Result<Node, FormulaError> {
-    if text.len() > LONGEST_TEXT {
-        let message = format!("a formula has at most {LONGEST_TEXT} bytes");
+    if text.len() > MAX_TEXT_LENGTH {
+        let message = format!("a formula has at most {MAX_TEXT_LENGTH} bytes");
         return Err(FormulaError::new(0..text.len(), message));
     }
-    let mut parser = Parser { text, tokens: tokens(text)?, at: 0, depth: 0 };
-    if parser.current().token == Token::End {
+    let mut parser = Parser { text, tokens: tokenize(text)?, at: 0, depth: 0 };
+    if parser.current().kind == TokenKind::End {
         return Err(FormulaError::new(0..text.len(), "the formula is empty"));
     }
     let root = parser.sum()?;
-    match parser.current().token {
-        Token::End => Ok(root),
+    match parser.current().kind {
+        TokenKind::End => Ok(root),
         _ => Err(parser.superfluous()),
     }
 }
 
+/// The tokens of a formula and the position of the parser in them.
 struct Parser<'t> {
+    /// The text of the formula, for names and error messages.
     text: &'t str,
-    /// Never empty, and the last one is the end.
-    tokens: Vec<Placed>,
+    /// Never empty; the last token is the end.
+    tokens: Vec<Token>,
+    /// The index of the current token.
     at: usize,
+    /// The number of calls of [`Parser::signed`] that are in progress.
     depth: usize,
 }
 
 impl<'t> Parser<'t> {
+    /// Parses terms joined by `+` and `-`. They associate to the left: `a - b - c` is `(a - b) - c`.
     fn sum(&mut self) -> Result<Node, FormulaError> {
         let mut left = self.product()?;
         while let Some(operator) = self.take_operator(&['+', '-']) {
-            left = joined(operator, left, self.product()?);
+            left = binary(operator, left, self.product()?);
         }
         Ok(left)
     }
 
+    /// Parses factors joined by `*` and `/`. They associate to the left.
     fn product(&mut self) -> Result<Node, FormulaError> {
         let mut left = self.signed()?;
         while let Some(operator) = self.take_operator(&['*', '/']) {
-            left = joined(operator, left, self.signed()?);
+            left = binary(operator, left, self.signed()?);
         }
         Ok(left)
     }
 
-    // Every kind of nesting passes through here, so this is where its depth is counted.
+    /// Parses an operand with any number of minus signs in front.
+    ///
+    /// A sign binds less strongly than a power, so `-a^2` is `-(a^2)`.
+    ///
+    /// Every kind of nesting calls this method, so the depth is counted here.
     fn signed(&mut self) -> Result<Node, FormulaError> {
         self.depth += 1;
-        if self.depth > DEEPEST_NESTING {
+        if self.depth > MAX_NESTING {
             let range = self.current().range.clone();
             return Err(FormulaError::new(range, "the formula is nested too deeply")
-                .with_hint("give a part of it a name of its own"));
+                .with_hint("define a part of it as a parameter"));
         }
         let node = match self.take('-') {
             Some(sign) => negated(sign, self.signed()?),
@@ -78,31 +94,36 @@ impl<'t> Parser<'t> {
         Ok(node)
     }
 
+    /// Parses an operand with an optional exponent.
+    ///
+    /// The exponent may have a sign and another exponent, so powers associate to the right.
     fn power(&mut self) -> Result<Node, FormulaError> {
         let base = self.primary()?;
         match self.take('^') {
-            Some(_) => Ok(joined(Operator::Power, base, self.signed()?)),
+            Some(_) => Ok(binary(Operator::Power, base, self.signed()?)),
             None => Ok(base),
         }
     }
 
+    /// Parses a number, a name, a call or a group in parentheses.
     fn primary(&mut self) -> Result<Node, FormulaError> {
-        let Placed { token, range } = self.current().clone();
-        match token {
-            Token::Number(value) => {
+        let Token { kind, range } = self.current().clone();
+        match kind {
+            TokenKind::Number(value) => {
                 self.at += 1;
                 let expression = Expression::Number(value);
                 Ok(Node { expression, range })
             }
-            Token::Name => {
+            TokenKind::Name => {
                 self.at += 1;
                 self.name_or_call(range)
             }
-            Token::Sign('(') => self.group(),
-            Token::Sign(_) | Token::End => Err(self.missing_operand()),
+            TokenKind::Sign('(') => self.group(),
+            TokenKind::Sign(_) | TokenKind::End => Err(self.missing_operand()),
         }
     }
 
+    /// Parses a sum in parentheses. The range of its node includes the parentheses.
     fn group(&mut self) -> Result<Node, FormulaError> {
         let open = self.current().range.clone();
         self.at += 1;
@@ -111,8 +132,9 @@ impl<'t> Parser<'t> {
         Ok(Node { range: open.start..end, ..inner })
     }
 
+    /// Parses what follows a name: an argument list makes it a call, and `pi` is a number.
     fn name_or_call(&mut self, range: Range<usize>) -> Result<Node, FormulaError> {
-        let name = self.written(&range);
+        let name = self.text_of(&range);
         let expression = match (self.take('('), name) {
             (Some(open), _) => return self.call(range, &open),
             (None, "pi") => Expression::Number(PI),
@@ -121,20 +143,24 @@ impl<'t> Parser<'t> {
         Ok(Node { expression, range })
     }
 
+    /// Parses a call after its opening parenthesis, and checks the number of arguments.
+    ///
+    /// `name` is the range of the function's name, and `open` is that of the parenthesis.
     fn call(&mut self, name: Range<usize>, open: &Range<usize>) -> Result<Node, FormulaError> {
-        let called = self.written(&name);
-        let callee = Callee::named(called).ok_or_else(|| no_function(called, name.clone()))?;
+        let called = self.text_of(&name);
+        let callee = Callee::from_name(called).ok_or_else(|| unknown_function(called, name.clone()))?;
         let arguments = self.arguments()?;
         let range = name.start..self.close(open)?;
-        if arguments.len() != callee.arguments() {
-            return Err(wrong_count(callee, arguments.len(), range));
+        if arguments.len() != callee.argument_count() {
+            return Err(wrong_argument_count(callee, arguments.len(), range));
         }
         let expression = Expression::Call(callee, arguments);
         Ok(Node { expression, range })
     }
 
+    /// Parses arguments separated by commas, up to the closing parenthesis. The list may be empty.
     fn arguments(&mut self) -> Result<Vec<Node>, FormulaError> {
-        if self.current().token == Token::Sign(')') {
+        if self.current().kind == TokenKind::Sign(')') {
             return Ok(Vec::new());
         }
         let mut arguments = vec![self.sum()?];
@@ -144,31 +170,36 @@ impl<'t> Parser<'t> {
         Ok(arguments)
     }
 
+    /// Consumes the closing parenthesis and returns the byte after it.
     fn close(&mut self, open: &Range<usize>) -> Result<usize, FormulaError> {
         if let Some(close) = self.take(')') {
             return Ok(close.end);
         }
-        Err(match self.current().token {
-            Token::End => FormulaError::new(open.clone(), "this parenthesis is not closed"),
+        Err(match self.current().kind {
+            TokenKind::End => FormulaError::new(open.clone(), "this parenthesis is not closed"),
             _ => self.superfluous(),
         })
     }
 
-    fn current(&self) -> &Placed {
+    /// Returns the token that is parsed next.
+    fn current(&self) -> &Token {
         &self.tokens[self.at]
     }
 
-    fn written(&self, range: &Range<usize>) -> &'t str {
+    /// Returns the text of a range.
+    fn text_of(&self, range: &Range<usize>) -> &'t str {
         &self.text[range.clone()]
     }
 
+    /// Consumes the current token and returns its range if it is this sign.
     fn take(&mut self, sign: char) -> Option<Range<usize>> {
-        let placed = self.current();
-        let found = (placed.token == Token::Sign(sign)).then(|| placed.range.clone());
+        let current = self.current();
+        let found = (current.kind == TokenKind::Sign(sign)).then(|| current.range.clone());
         self.at += usize::from(found.is_some());
         found
     }
 
+    /// Consumes the current token if it is one of these signs, and returns its operator.
     fn take_operator(&mut self, signs: &[char]) -> Option<Operator> {
         let sign = signs.iter().find(|sign| self.take(**sign).is_some())?;
         Some(match sign {
@@ -179,23 +210,24 @@ impl<'t> Parser<'t> {
         })
     }
 
+    /// Returns the error for a place where an operand must follow. A second sign gets a hint.
     fn missing_operand(&self) -> FormulaError {
         let range = self.current().range.clone();
-        let hint = match self.current().token {
-            Token::Sign('+') => Some("a positive number is written without a sign".to_owned()),
-            Token::Sign('*') => Some("a power is written with ^".to_owned()),
+        let hint = match self.current().kind {
+            TokenKind::Sign('+') => Some("a positive number is written without a sign".to_owned()),
+            TokenKind::Sign('*') => Some("a power is written with ^".to_owned()),
             _ => None,
         };
         FormulaError::new(range, "a number, a name or a parenthesis is missing here").with_hint_if(hint)
     }
 
-    /// The error for a token after what could have been the end.
+    /// Returns the error for a token that follows a complete expression.
     fn superfluous(&self) -> FormulaError {
-        let Placed { token, range } = self.current().clone();
-        let written = self.written(&range);
-        match token {
-            Token::Sign(')') => FormulaError::new(range, "this parenthesis was never opened"),
-            Token::Sign(',') => FormulaError::new(range, "a comma cannot stand here")
+        let Token { kind, range } = self.current().clone();
+        let written = self.text_of(&range);
+        match kind {
+            TokenKind::Sign(')') => FormulaError::new(range, "this parenthesis has no opening parenthesis"),
+            TokenKind::Sign(',') => FormulaError::new(range, "a comma is not allowed here")
                 .with_hint("a comma separates arguments; decimals are written with a point"),
             _ => FormulaError::new(range, format!("an operator is missing before {written}"))
                 .with_hint("a product is written with *"),
@@ -203,18 +235,21 @@ impl<'t> Parser<'t> {
     }
 }
 
-fn joined(operator: Operator, left: Node, right: Node) -> Node {
+/// Joins two operands. The range of the node extends from the first to the last byte of both.
+fn binary(operator: Operator, left: Node, right: Node) -> Node {
     Node {
         range: left.range.start..right.range.end,
         expression: Expression::Binary(operator, Box::new(left), Box::new(right)),
     }
 }
 
+/// Puts a minus sign, at the bytes `sign`, in front of an operand.
 fn negated(sign: Range<usize>, inner: Node) -> Node {
     Node { range: sign.start..inner.range.end, expression: Expression::Negate(Box::new(inner)) }
 }
 
-fn no_function(name: &str, range: Range<usize>) -> FormulaError {
+/// Returns the error for a call of an unknown function: it is misspelt, or a `*` is missing.
+fn unknown_function(name: &str, range: Range<usize>) -> FormulaError {
     let hint = match nearest(name, Callee::all().map(Callee::name)) {
         Some(near) => format!("did you mean {near}?"),
         None => format!("a product is written {name} * ( ... )"),
@@ -222,9 +257,10 @@ fn no_function(name: &str, range: Range<usize>) -> FormulaError {
     FormulaError::new(range, format!("{name} is not a function")).with_hint(hint)
 }
 
-fn wrong_count(callee: Callee, found: usize, range: Range<usize>) -> FormulaError {
+/// Returns the error for a call with `found` arguments. `range` is that of the whole call.
+fn wrong_argument_count(callee: Callee, found: usize, range: Range<usize>) -> FormulaError {
     let name = callee.name();
-    let wanted = match callee.arguments() {
+    let wanted = match callee.argument_count() {
         1 => "1 argument".to_owned(),
         several => format!("{several} arguments"),
     };

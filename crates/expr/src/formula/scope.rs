@@ -1,27 +1,60 @@
+//! The interface through which a formula looks up its names.
+
 use std::ops::Range;
 
 use super::callee::Callee;
 use super::error::FormulaError;
 use crate::units::{Dimension, nearest};
 
-/// What the names in a formula stand for.
+/// The values and dimensions of the names in a formula.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::{Dimension, Formula, Scope};
+///
+/// struct Radius; // r = 0.5 m, declared as 500 mm
+///
+/// impl Scope for Radius {
+///     fn value(&self, name: &str) -> Option<f64> {
+///         (name == "r").then_some(0.5)
+///     }
+///     fn dimension(&self, name: &str) -> Option<Dimension> {
+///         (name == "r").then_some(Dimension::LENGTH)
+///     }
+///     fn declared_unit(&self, name: &str) -> Option<&str> {
+///         (name == "r").then_some("mm")
+///     }
+///     fn names(&self) -> Vec<&str> {
+///         vec!["r"]
+///     }
+/// }
+///
+/// assert_eq!(Formula::parse("4 * r ^ 2")?.evaluate(&Radius)?, 1.0);
+/// // Error messages use the declared unit.
+/// let error = Formula::parse("sin(r)")?.dimension(&Radius).unwrap_err();
+/// assert_eq!(error.message, "sin takes a pure number, but r is in mm");
+/// # Ok::<(), patchcord_expr::FormulaError>(())
+/// ```
 pub trait Scope {
-    /// The value of a name, in SI units; `None` if it has none (here, or yet).
+    /// Returns the value of a name in SI units. `None` if the name is unknown or its value is not
+    /// available at this stage.
     fn value(&self, name: &str) -> Option<f64>;
 
-    /// The dimension of a name; `None` if it is not known.
+    /// Returns the dimension of a name; `None` if it is not known.
     fn dimension(&self, name: &str) -> Option<Dimension>;
 
-    /// Text of the unit that a name was declared in; `None` where its dimension is all that is known.
+    /// Returns the text of the unit in which a name was declared, for error messages. `None` if only
+    /// its dimension is known.
     fn declared_unit(&self, _name: &str) -> Option<&str> {
         None
     }
 
-    /// Every name that may be used, for the hint of what an unknown name was meant to be.
+    /// Returns every name that may be used; the hint for an unknown name is chosen from them.
     fn names(&self) -> Vec<&str>;
 }
 
-/// The scope in which no name is known, for formulas made of numbers only.
+/// The empty scope, for formulas without names.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoNames;
 
@@ -39,13 +72,22 @@ impl Scope for NoNames {
     }
 }
 
-/// The error for a name about which the scope does not tell `what` is asked of it.
-pub(super) fn not_told(scope: &dyn Scope, name: &str, what: &str, range: Range<usize>) -> FormulaError {
+/// Returns the error for a name that is unknown or has no `property` (`value` or `unit`) in the scope.
+///
+/// The message distinguishes three cases. A name in the list of the scope exists, but its value or
+/// unit is not available at this stage. The name of a function needs arguments. Any other name is
+/// unknown, and the hint is the most similar known name.
+pub(super) fn missing_property(
+    scope: &dyn Scope,
+    name: &str,
+    property: &str,
+    range: Range<usize>,
+) -> FormulaError {
     let names = scope.names();
     if names.contains(&name) {
-        return FormulaError::new(range, format!("{name} has no {what} here"));
+        return FormulaError::new(range, format!("{name} has no {property} here"));
     }
-    let hint = match Callee::named(name) {
+    let hint = match Callee::from_name(name) {
         Some(_) => Some(format!("{name} is a function: write {name}( ... )")),
         None => nearest(name, names).map(|near| format!("did you mean {near}?")),
     };

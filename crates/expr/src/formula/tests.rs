@@ -4,26 +4,26 @@ use super::scope::NoNames;
 use super::*;
 use crate::units::{Dimension, Unit};
 
-/// Names with their values and units.
-struct Known(Vec<(&'static str, Option<f64>, &'static str)>);
+/// A scope from a list of names with their values and units.
+struct TestScope(Vec<(&'static str, Option<f64>, &'static str)>);
 
-impl Scope for Known {
+impl Scope for TestScope {
     fn value(&self, name: &str) -> Option<f64> {
-        self.0.iter().find(|known| known.0 == name)?.1
+        self.0.iter().find(|entry| entry.0 == name)?.1
     }
 
     fn dimension(&self, name: &str) -> Option<Dimension> {
-        let known = self.0.iter().find(|known| known.0 == name)?;
-        Some(Unit::parse(known.2).ok()?.dimension())
+        let entry = self.0.iter().find(|entry| entry.0 == name)?;
+        Some(Unit::parse(entry.2).ok()?.dimension())
     }
 
     fn names(&self) -> Vec<&str> {
-        self.0.iter().map(|known| known.0).collect()
+        self.0.iter().map(|entry| entry.0).collect()
     }
 }
 
-fn bench() -> Known {
-    Known(vec![
+fn scope() -> TestScope {
+    TestScope(vec![
         ("K", Some(2e6), "N/m"),
         ("position", Some(1e-3), "m"),
         ("velocity", Some(0.5), "m/s"),
@@ -41,14 +41,14 @@ fn formula(text: &str) -> Formula {
 }
 
 fn value(text: &str) -> f64 {
-    let found = formula(text).evaluate(&bench());
+    let found = formula(text).evaluate(&scope());
     found.unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
 fn unit(text: &str) -> String {
-    match formula(text).dimension(&bench()) {
-        Ok(Measure::Free) => "free".to_owned(),
-        Ok(Measure::Of(dimension)) => dimension.to_string(),
+    match formula(text).dimension(&scope()) {
+        Ok(FormulaDimension::Literal) => "free".to_owned(),
+        Ok(FormulaDimension::Of(dimension)) => dimension.to_string(),
         Err(error) => panic!("{text}: {error}"),
     }
 }
@@ -89,7 +89,7 @@ fn computes() {
 }
 
 #[test]
-fn refuses_what_is_no_formula() {
+fn rejects_invalid_formulas() {
     let cases = [
         ("", "", "the formula is empty"),
         ("  ", "  ", "the formula is empty"),
@@ -98,13 +98,13 @@ fn refuses_what_is_no_formula() {
         ("2 x", "x", "an operator is missing before x"),
         ("2x", "x", "an operator is missing before x"),
         ("2e", "e", "an operator is missing before e"),
-        ("1,5", ",", "a comma cannot stand here"),
+        ("1,5", ",", "a comma is not allowed here"),
         ("1.2.3", "1.2.3", "1.2.3 is not a number"),
         ("1e999", "1e999", "1e999 is too large"),
         ("(1", "(", "this parenthesis is not closed"),
         ("(1 2)", "2", "an operator is missing before 2"),
-        ("1)", ")", "this parenthesis was never opened"),
-        ("2 × 3", "×", "× has no meaning in a formula"),
+        ("1)", ")", "this parenthesis has no opening parenthesis"),
+        ("2 × 3", "×", "× is not allowed in a formula"),
         ("sqr(2)", "sqr", "sqr is not a function"),
         ("sqrt()", "sqrt()", "sqrt takes 1 argument, not 0"),
         ("1 + min(2)", "min(2)", "min takes 2 arguments, not 1"),
@@ -116,7 +116,7 @@ fn refuses_what_is_no_formula() {
 }
 
 #[test]
-fn refuses_depth_and_length() {
+fn rejects_excessive_depth_and_length() {
     let deep = [
         "(".repeat(500) + "1" + &")".repeat(500),
         "-".repeat(500) + "1",
@@ -131,14 +131,14 @@ fn refuses_depth_and_length() {
 }
 
 #[test]
-fn long_flat_formulas_are_no_trouble() {
+fn long_flat_formulas_are_accepted() {
     let text = "1+".repeat(999) + "1";
     assert_eq!(value(&text), 1000.0);
     assert_eq!(unit(&text), "free");
 }
 
 #[test]
-fn says_why_there_is_no_value() {
+fn explains_why_there_is_no_value() {
     let cases = [
         ("1 / Tc", "Tc", "the denominator Tc is 0"),
         ("1 / 0", "0", "the denominator is 0"),
@@ -159,13 +159,13 @@ fn says_why_there_is_no_value() {
     ];
     for (text, part, message) in cases {
         let expected = (part.to_owned(), message.to_owned());
-        assert_eq!(fault(formula(text).evaluate(&bench()), text), expected, "{text}");
+        assert_eq!(fault(formula(text).evaluate(&scope()), text), expected, "{text}");
     }
 }
 
 #[test]
-fn hints_at_what_was_meant() {
-    let hint = |text: &str| formula(text).evaluate(&bench()).unwrap_err().hint;
+fn suggests_the_intended_name() {
+    let hint = |text: &str| formula(text).evaluate(&scope()).unwrap_err().hint;
     assert_eq!(hint("forse").as_deref(), Some("did you mean force?"));
     assert_eq!(hint("2 * sqrt").as_deref(), Some("sqrt is a function: write sqrt( ... )"));
     assert_eq!(hint("sqrt(-1)").as_deref(), Some("sqrt needs 0 or more"));
@@ -173,7 +173,7 @@ fn hints_at_what_was_meant() {
 }
 
 #[test]
-fn carries_units() {
+fn derives_units() {
     let cases = [
         ("2 * 3 + 1", "free"),
         ("sqrt(0.5)", "free"),
@@ -204,7 +204,7 @@ fn carries_units() {
 }
 
 #[test]
-fn refuses_units_that_do_not_fit() {
+fn rejects_mismatched_units() {
     let cases = [
         ("Fs + velocity", "Fs + velocity", "Fs is in N but velocity is in m/s"),
         ("50 + Fs", "50 + Fs", "50 is a pure number but Fs is in N"),
@@ -218,9 +218,9 @@ fn refuses_units_that_do_not_fit() {
     ];
     for (text, part, message) in cases {
         let expected = (part.to_owned(), message.to_owned());
-        assert_eq!(fault(formula(text).dimension(&bench()), text), expected, "{text}");
+        assert_eq!(fault(formula(text).dimension(&scope()), text), expected, "{text}");
     }
-    let hint = formula("50 + Fs").dimension(&bench()).unwrap_err().hint;
+    let hint = formula("50 + Fs").dimension(&scope()).unwrap_err().hint;
     assert_eq!(
         hint.as_deref(),
         Some("declare 50 as a parameter in N, or write its volts times a scale in N")
@@ -254,8 +254,8 @@ proptest! {
     ) {
         if let Ok(formula) = Formula::parse(&text) {
             let faults = [
-                formula.evaluate(&bench()).err(),
-                formula.dimension(&bench()).err(),
+                formula.evaluate(&scope()).err(),
+                formula.dimension(&scope()).err(),
             ];
             for error in faults.into_iter().flatten() {
                 prop_assert!(text.get(error.range).is_some());
@@ -275,8 +275,8 @@ proptest! {
         a in "(force|velocity|f|slip|3)", b in "(K|position|Fs|slip|7)"
     ) {
         let there_and_back = formula(&format!("({a} * {b}) / {b}"));
-        let found = there_and_back.dimension(&bench()).unwrap();
-        let alone = formula(&a).dimension(&bench()).unwrap();
-        prop_assert_eq!(found.or_none(), alone.or_none());
+        let found = there_and_back.dimension(&scope()).unwrap();
+        let alone = formula(&a).dimension(&scope()).unwrap();
+        prop_assert_eq!(found.or_dimensionless(), alone.or_dimensionless());
     }
 }

@@ -1,37 +1,49 @@
+//! Splits the text of a formula into tokens.
+//!
+//! A number is `1`, `.5`, `2.` or `1e-3`. A name consists of ASCII letters, digits and `_`, and does
+//! not begin with a digit. Dots belong to numbers only, so a name such as `L1.T` cannot be written in
+//! a formula; only the expansion of macros makes such names.
+
 use std::ops::Range;
 
 use super::error::FormulaError;
 
-/// The smallest part of a formula text.
+/// The kind of a token, with the value of a number.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Token {
+pub(super) enum TokenKind {
+    /// A finite, unsigned number.
     Number(f64),
+    /// A name, the name of a function, or `pi`.
     Name,
     /// One of `+ - * / ^ ( ) ,`.
     Sign(char),
+    /// The end of the text.
     End,
 }
 
-/// A token and where it is written.
+/// A token and the bytes of the text that it covers.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Placed {
-    pub token: Token,
+pub(super) struct Token {
+    /// The kind, with the value of a number.
+    pub kind: TokenKind,
+    /// The bytes of the token. The range of the end is empty, at the end of the text.
     pub range: Range<usize>,
 }
 
-/// Splits a text into tokens; the last one is the end.
-pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, FormulaError> {
+/// Splits a text into tokens. Blanks are skipped, and the last token is [`TokenKind::End`].
+pub(super) fn tokenize(text: &str) -> Result<Vec<Token>, FormulaError> {
     let mut found = Vec::new();
     let mut at = 0;
     while let Some((start, first)) = next_letter(text, at) {
-        let placed = placed(text, start, first)?;
-        at = placed.range.end;
-        found.push(placed);
+        let token = token_at(text, start, first)?;
+        at = token.range.end;
+        found.push(token);
     }
-    found.push(Placed { token: Token::End, range: text.len()..text.len() });
+    found.push(Token { kind: TokenKind::End, range: text.len()..text.len() });
     Ok(found)
 }
 
+/// Returns the first character from byte `at` that is not blank, and its position.
 fn next_letter(text: &str, at: usize) -> Option<(usize, char)> {
     text[at..]
         .char_indices()
@@ -39,48 +51,55 @@ fn next_letter(text: &str, at: usize) -> Option<(usize, char)> {
         .map(|(offset, letter)| (at + offset, letter))
 }
 
-fn placed(text: &str, start: usize, first: char) -> Result<Placed, FormulaError> {
-    let (token, length) = match first {
+/// Reads the token that begins at byte `start` with the character `first`.
+fn token_at(text: &str, start: usize, first: char) -> Result<Token, FormulaError> {
+    let (kind, length) = match first {
         '0'..='9' | '.' => {
             let length = number_length(&text[start..]);
             (number(text, start..start + length)?, length)
         }
-        'A'..='Z' | 'a'..='z' | '_' => (Token::Name, run(&text[start..], is_name_letter)),
-        '+' | '-' | '*' | '/' | '^' | '(' | ')' | ',' => (Token::Sign(first), 1),
-        _ => return Err(foreign(start, first)),
+        'A'..='Z' | 'a'..='z' | '_' => (TokenKind::Name, prefix_length(&text[start..], is_name_letter)),
+        '+' | '-' | '*' | '/' | '^' | '(' | ')' | ',' => (TokenKind::Sign(first), 1),
+        _ => return Err(unexpected_character(start, first)),
     };
-    Ok(Placed { token, range: start..start + length })
+    Ok(Token { kind, range: start..start + length })
 }
 
+/// Whether a character can be part of a name after its first character.
 fn is_name_letter(letter: char) -> bool {
     letter.is_ascii_alphanumeric() || letter == '_'
 }
 
-fn run(text: &str, belongs: impl Fn(char) -> bool) -> usize {
+/// Returns the number of leading bytes whose characters all satisfy `belongs`.
+fn prefix_length(text: &str, belongs: impl Fn(char) -> bool) -> usize {
     text.find(|letter| !belongs(letter)).unwrap_or(text.len())
 }
 
+/// Returns the number of bytes of the number at the beginning of a text: digits, dots and an exponent.
 fn number_length(text: &str) -> usize {
-    let mantissa = run(text, |letter| letter.is_ascii_digit() || letter == '.');
+    let mantissa = prefix_length(text, |letter| letter.is_ascii_digit() || letter == '.');
     mantissa + exponent_length(&text[mantissa..])
 }
 
-// An "e" without digits is no exponent but a name that follows the number.
+/// Returns the length in bytes of the exponent at the beginning of a text; 0 if there is none.
+///
+/// An "e" without digits is the start of a name, not an exponent: "2e" is "2" and "e".
 fn exponent_length(text: &str) -> usize {
     let Some(after) = text.strip_prefix(['e', 'E']) else {
         return 0;
     };
     let unsigned = after.strip_prefix(['+', '-']).unwrap_or(after);
-    match run(unsigned, |letter| letter.is_ascii_digit()) {
+    match prefix_length(unsigned, |letter| letter.is_ascii_digit()) {
         0 => 0,
         digits => text.len() - unsigned.len() + digits,
     }
 }
 
-fn number(text: &str, range: Range<usize>) -> Result<Token, FormulaError> {
+/// Parses a number. Several dots, and values above the range of an `f64`, are errors.
+fn number(text: &str, range: Range<usize>) -> Result<TokenKind, FormulaError> {
     let written = &text[range.clone()];
     match written.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(Token::Number(value)),
+        Ok(value) if value.is_finite() => Ok(TokenKind::Number(value)),
         Ok(_) => Err(FormulaError::new(range, format!("{written} is too large"))),
         Err(_) => {
             let message = format!("{written} is not a number");
@@ -89,7 +108,8 @@ fn number(text: &str, range: Range<usize>) -> Result<Token, FormulaError> {
     }
 }
 
-fn foreign(start: usize, letter: char) -> FormulaError {
+/// Returns the error for a character that no token starts with, with the ASCII sign as hint.
+fn unexpected_character(start: usize, letter: char) -> FormulaError {
     let range = start..start + letter.len_utf8();
     let meant = match letter {
         '×' | '·' | '⋅' => Some('*'),
@@ -100,6 +120,6 @@ fn foreign(start: usize, letter: char) -> FormulaError {
         _ => None,
     };
     let shown = letter.escape_debug();
-    FormulaError::new(range, format!("{shown} has no meaning in a formula"))
+    FormulaError::new(range, format!("{shown} is not allowed in a formula"))
         .with_hint_if(meant.map(|sign| format!("write {sign} instead")))
 }

@@ -1,13 +1,16 @@
+//! The dimension of a quantity: its powers of kg, m, s, A and K.
+
 use std::fmt;
 
-use super::write::written;
+use super::format::format_product;
 
-/// How far two exponents may differ and still count as the same power.
+/// Two exponents that differ by less than this are equal. It covers the rounding of roots.
 const EXPONENT_TOLERANCE: f64 = 1e-9;
 
+/// The symbols of the base units, in the order of the exponents.
 const BASE_UNITS: [&str; 5] = ["kg", "m", "s", "A", "K"];
 
-/// The dimensions that read better under a name than in base units.
+/// The dimensions that are displayed under a name instead of in base units.
 const NAMED: [(&str, Dimension); 18] = [
     ("N", Dimension::FORCE),
     ("N/m", Dimension::new(1, 0, -2, 0, 0)),
@@ -29,19 +32,34 @@ const NAMED: [(&str, Dimension); 18] = [
     ("W/K", Dimension::new(1, 2, -3, 0, -1)),
 ];
 
-/// What kind of quantity a number measures: the powers of kg, m, s, A and K in its SI unit.
+/// The dimension of a quantity: the powers of kg, m, s, A and K in its SI unit.
 ///
-/// Two dimensions are equal when their exponents agree to within 1e-9, so that a root followed by
-/// a power leads back to where it began.
+/// Two dimensions are equal if their exponents agree to within 1e-9. A root followed by a power
+/// therefore gives the original dimension again.
 ///
-/// It displays as the SI unit, `N s/m` or `kg m2`; without any unit as `a pure number`.
+/// A dimension displays as its SI unit, for example `N s/m` or `kg m2`. The dimension of a pure
+/// number displays as `a pure number`.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::Dimension;
+///
+/// let speed = Dimension::LENGTH.over(Dimension::TIME);
+/// assert_eq!(speed.to_string(), "m/s");
+/// assert_eq!(Dimension::MASS.times(speed.power(2.0)), Dimension::ENERGY);
+/// assert_eq!(Dimension::FORCE.power(0.5).power(2.0), Dimension::FORCE);
+/// assert!(speed.over(speed).is_none());
+/// assert_eq!(Dimension::NONE.to_string(), "a pure number");
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Dimension {
+    /// The powers of kg, m, s, A and K, in this order. Roots make fractions.
     exponents: [f64; 5],
 }
 
 impl Dimension {
-    /// A pure number.
+    /// The dimension of a pure number.
     pub const NONE: Self = Self::new(0, 0, 0, 0, 0);
     /// Mass, kg.
     pub const MASS: Self = Self::new(1, 0, 0, 0, 0);
@@ -80,33 +98,34 @@ impl Dimension {
     /// Magnetic flux density, T.
     pub const FLUX_DENSITY: Self = Self::new(1, 0, -2, -1, 0);
 
-    /// The dimension with these powers of kg, m, s, A and K.
+    /// Returns the dimension with these powers of kg, m, s, A and K.
     pub const fn new(kilogram: i8, metre: i8, second: i8, ampere: i8, kelvin: i8) -> Self {
         Self { exponents: [kilogram as f64, metre as f64, second as f64, ampere as f64, kelvin as f64] }
     }
 
-    /// The dimension of the product of two quantities.
+    /// Returns the dimension of the product of two quantities.
     pub fn times(self, other: Self) -> Self {
         self.combined(other, |a, b| a + b)
     }
 
-    /// The dimension of the quotient of two quantities.
+    /// Returns the dimension of the quotient of two quantities.
     pub fn over(self, other: Self) -> Self {
         self.combined(other, |a, b| a - b)
     }
 
-    /// The dimension of a quantity raised to a power; 0.5 is the square root.
+    /// Returns the dimension of a quantity raised to a power; 0.5 is the square root.
     pub fn power(self, exponent: f64) -> Self {
         Self { exponents: self.exponents.map(|own| own * exponent) }
     }
 
-    /// Whether this is a pure number.
+    /// Whether this is the dimension of a pure number.
     pub fn is_none(self) -> bool {
         self == Self::NONE
     }
 
+    /// Combines the exponents of two dimensions one by one.
     fn combined(self, other: Self, combine: impl Fn(f64, f64) -> f64) -> Self {
-        let combined = |place| combine(self.exponents[place], other.exponents[place]);
+        let combined = |index| combine(self.exponents[index], other.exponents[index]);
         Self { exponents: std::array::from_fn(combined) }
     }
 }
@@ -125,7 +144,7 @@ impl fmt::Display for Dimension {
         }
         match NAMED.iter().find(|(_, dimension)| dimension == self) {
             Some((name, _)) => out.pad(name),
-            None => out.pad(&written(BASE_UNITS.into_iter().zip(self.exponents))),
+            None => out.pad(&format_product(BASE_UNITS.into_iter().zip(self.exponents))),
         }
     }
 }
@@ -136,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_stands_for_its_dimension() {
+    fn every_named_dimension_matches_its_unit() {
         for (name, dimension) in NAMED {
             assert_eq!(Unit::parse(name).unwrap().dimension(), dimension, "{name}");
         }
@@ -157,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn roots_lead_back() {
+    fn powers_invert_roots() {
         let third = Dimension::FORCE.power(1.0 / 3.0);
         assert_eq!(third.times(third).times(third), Dimension::FORCE);
         assert_ne!(third, Dimension::FORCE);

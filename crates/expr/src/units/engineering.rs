@@ -1,47 +1,64 @@
-use super::read::Factor;
-use super::symbols::{Prefix, prefix_for, ten_to};
+//! The choice of a readable unit prefix.
+
+use super::parse::Factor;
+use super::symbols::{Prefix, power_of_ten, prefix_for};
 use super::unit::{Unit, text_of};
 
-/// Values from 1 up to this keep the prefix that was written: 1500 N is easier read than 1.5 kN.
-const LARGEST_KEPT: f64 = 1e4;
+/// Values from 1 up to this keep their prefix, because 1500 N is easier to read than 1.5 kN.
+const MAX_UNCHANGED: f64 = 1e4;
 
-/// The powers of ten among which a prefix is chosen, smallest first.
-const CHOICES: [i32; 7] = [-9, -6, -3, 0, 3, 6, 9];
+/// The powers of ten of the prefixes that may be chosen, in ascending order.
+const PREFIX_EXPONENTS: [i32; 7] = [-9, -6, -3, 0, 3, 6, 9];
 
-/// The factor and unit text with which values in `unit` are best shown.
+/// Returns the factor and the unit text with which values in `unit` are most readable.
 ///
-/// `largest` is the largest absolute value, in `unit`. Values are multiplied by the returned
-/// factor and labelled with the returned text: values up to 0.0101 m/s come out as up to 10.1
-/// mm/s. The prefix of the first factor is chosen so that the largest value lies between 1 and
-/// 1000. The unit stays as it is, with factor 1, when
+/// `largest` is the largest absolute value, in `unit`. The caller multiplies its values by the
+/// factor and labels them with the text. Example: for 0.0101 m/s the result is 1000 and `mm/s`. The
+/// prefix of the first factor is chosen so that the largest value is at least 1 and below 1000. The
+/// unit is unchanged, with factor 1, if
 ///
-/// * the largest value lies between 1 and 10 000 already, is zero, or is not finite,
-/// * the first factor has a power (`m2`), takes no prefix (`kg`, `deg`, `%`), or there is none,
-/// * no customary prefix would do: there are no kiloseconds.
+/// * the largest value is at least 1 and below 10 000, is zero, or is not finite,
+/// * the first factor has a power (`m2`) or takes no prefix (`kg`, `deg`, `%`),
+/// * the unit is a pure number,
+/// * no customary prefix gives such a value; kiloseconds, for example, are not customary.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::{Unit, engineering};
+///
+/// let (factor, unit) = engineering(&Unit::parse("m/s")?, 0.0101);
+/// assert_eq!((factor, unit.as_str()), (1000.0, "mm/s"));
+/// let (factor, unit) = engineering(&Unit::parse("N")?, 1500.0);
+/// assert_eq!((factor, unit.as_str()), (1.0, "N"));
+/// # Ok::<(), patchcord_expr::UnitError>(())
+/// ```
 pub fn engineering(unit: &Unit, largest: f64) -> (f64, String) {
     match better_prefix(unit, largest.abs()) {
         Some((first, prefix)) => {
-            let factor = ten_to(first.prefix.exponent - prefix.exponent);
+            let factor = power_of_ten(first.prefix.exponent - prefix.exponent);
             (factor, with_first_prefix(unit, prefix))
         }
         None => (1.0, unit.text().to_owned()),
     }
 }
 
+/// Returns the first factor and the prefix that makes values readable; `None` if the unit must stay.
 fn better_prefix(unit: &Unit, largest: f64) -> Option<(&Factor, Prefix)> {
     let first = unit.factors().first().filter(|first| first.power == 1.0)?;
-    let most = first.symbol.customary?;
-    if (1.0..LARGEST_KEPT).contains(&largest) {
+    let max_exponent = first.symbol.max_prefix?;
+    if (1.0..MAX_UNCHANGED).contains(&largest) {
         return None;
     }
     let fits = |exponent: &&i32| {
-        let shown = largest * ten_to(first.prefix.exponent - **exponent);
-        **exponent <= most && (1.0..1000.0).contains(&shown)
+        let shown = largest * power_of_ten(first.prefix.exponent - **exponent);
+        **exponent <= max_exponent && (1.0..1000.0).contains(&shown)
     };
-    let exponent = CHOICES.iter().find(fits)?;
+    let exponent = PREFIX_EXPONENTS.iter().find(fits)?;
     Some((first, prefix_for(*exponent)?))
 }
 
+/// Returns the text of the unit with another prefix of its first factor.
 fn with_first_prefix(unit: &Unit, prefix: Prefix) -> String {
     let mut factors = unit.factors().to_vec();
     if let Some(first) = factors.first_mut() {
@@ -79,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_units_that_do_well_or_cannot_do_better() {
+    fn keeps_units_without_a_better_prefix() {
         let cases = [
             ("N", 771.0),
             ("N", 1500.0),
@@ -106,7 +123,7 @@ mod tests {
         #[test]
         fn the_shown_value_is_the_same_quantity(exponent in -12i32..12, text in "(k|m|µ|)(N|m|V) s/kg") {
             let unit = Unit::parse(&text).unwrap();
-            let largest = 3.0 * ten_to(exponent);
+            let largest = 3.0 * power_of_ten(exponent);
             let (factor, better) = engineering(&unit, largest);
             let after = Unit::parse(&better).unwrap();
             prop_assert_eq!(after.dimension(), unit.dimension());

@@ -1,8 +1,24 @@
-/// The candidate that `wanted` was most probably meant to be, or `None` if all are far from it.
+//! Suggestions for misspelt names by edit distance.
+
+use strsim::osa_distance;
+
+/// Returns the candidate that is most similar to `wanted`; `None` if no candidate is similar.
 ///
-/// Near means: alike but for the case of the letters, or at most one letter in three (and never
-/// more than three) added, missing, exchanged or swapped with its neighbour. Of several equally
-/// near candidates the first one is taken.
+/// A candidate is similar if it differs only in upper and lower case, or by few edits. An edit adds,
+/// removes or exchanges a letter, or swaps two neighbours. One edit in three letters is permitted,
+/// at most three in all; a name of one letter permits none. Of equally similar candidates the first
+/// one is returned.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::nearest;
+///
+/// let names = ["velocity", "force", "Fs"];
+/// assert_eq!(nearest("velocty", names), Some("velocity"));
+/// assert_eq!(nearest("FORCE", names), Some("force"));
+/// assert_eq!(nearest("temperature", names), None);
+/// ```
 pub fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let allowed = allowed_edits(wanted);
     let length = wanted.chars().count();
@@ -15,6 +31,7 @@ pub fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) 
         .map(|(_, candidate)| candidate)
 }
 
+/// Returns the number of edits at which a candidate still counts as similar.
 fn allowed_edits(wanted: &str) -> usize {
     match wanted.chars().count() {
         0 | 1 => 0,
@@ -22,42 +39,10 @@ fn allowed_edits(wanted: &str) -> usize {
     }
 }
 
+/// Returns the sort key of a candidate: its edits without regard to case, then its edits.
 fn closeness(wanted: &str, candidate: &str) -> (usize, usize) {
-    let without_case = edits(&wanted.to_lowercase(), &candidate.to_lowercase());
-    (without_case, edits(wanted, candidate))
-}
-
-/// The number of edits (letter added, removed, exchanged, or two neighbours swapped).
-fn edits(from: &str, to: &str) -> usize {
-    let to: Vec<char> = to.chars().collect();
-    let mut last_letter = None;
-    let mut before: Vec<usize> = Vec::new();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for letter in from.chars() {
-        let next = next_row(letter, last_letter, &to, &before, &row);
-        before = std::mem::replace(&mut row, next);
-        last_letter = Some(letter);
-    }
-    row.last().copied().unwrap_or(0)
-}
-
-fn next_row(
-    letter: char,
-    last_letter: Option<char>,
-    to: &[char],
-    before: &[usize],
-    row: &[usize],
-) -> Vec<usize> {
-    let mut next = vec![row[0] + 1];
-    for (column, &target) in to.iter().enumerate() {
-        let exchanged = row[column] + usize::from(letter != target);
-        let mut fewest = exchanged.min(row[column + 1] + 1).min(next[column] + 1);
-        if column > 0 && last_letter == Some(target) && letter == to[column - 1] {
-            fewest = fewest.min(before[column - 1] + 1);
-        }
-        next.push(fewest);
-    }
-    next
+    let without_case = osa_distance(&wanted.to_lowercase(), &candidate.to_lowercase());
+    (without_case, osa_distance(wanted, candidate))
 }
 
 #[cfg(test)]
@@ -65,17 +50,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_edits() {
-        assert_eq!(edits("", ""), 0);
-        assert_eq!(edits("", "abc"), 3);
-        assert_eq!(edits("kitten", "sitting"), 3);
-        assert_eq!(edits("velocity", "veloctiy"), 1);
-    }
-
-    #[test]
-    fn finds_the_near_and_refuses_the_far() {
+    fn finds_similar_names_only() {
         let names = ["velocity", "force", "Fs"];
         assert_eq!(nearest("velocty", names), Some("velocity"));
+        assert_eq!(nearest("veloctiy", names), Some("velocity"));
         assert_eq!(nearest("FORCE", names), Some("force"));
         assert_eq!(nearest("fs", names), Some("Fs"));
         assert_eq!(nearest("temperature", names), None);

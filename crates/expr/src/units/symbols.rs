@@ -1,32 +1,47 @@
+//! The table of unit symbols and SI prefixes.
+//!
+//! The sizes of non-SI units are exact by definition (in, ft, lb, lbf, kgf, h) or rounded to the nearest
+//! 64-bit number (deg, rpm, psi, hp). The horsepower is the mechanical one, 550 ft lbf/s.
+
 use std::f64::consts::PI;
 
 use super::dimension::Dimension;
 use super::nearest::nearest;
 
-/// A unit that has a symbol of its own.
+/// A unit symbol without prefix, such as `N` or `min`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Symbol {
+    /// The text of the symbol.
     pub name: &'static str,
+    /// The size of the unit in SI units.
     pub factor: f64,
+    /// The dimension of the quantities that are measured in this unit.
     pub dimension: Dimension,
-    /// `None` for a unit without SI prefixes; else the largest power of ten that is customary
-    /// when a prefix has to be chosen (any prefix may be read).
-    pub customary: Option<i32>,
+    /// The power of ten of the largest prefix that is customary in output; every prefix is accepted
+    /// in input. `None` if the symbol takes no prefix.
+    pub max_prefix: Option<i32>,
 }
 
 /// An SI prefix and its power of ten.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Prefix {
+    /// The text of the prefix; empty for no prefix.
     pub name: &'static str,
+    /// The power of ten: 3 for `k`.
     pub exponent: i32,
 }
 
-/// Up to this power, ten to a whole power is a number without rounding.
-pub(super) const LARGEST_EXACT_TEN: i32 = 22;
+/// The largest whole power of ten that is exact in a 64-bit number.
+pub(super) const MAX_EXACT_POWER_OF_TEN: i32 = 22;
+/// The empty prefix.
 pub(super) const NO_PREFIX: Prefix = prefix("", 0);
+/// The symbol of the second; [`super::Unit::per_second`] needs it.
 pub(super) const SECOND: Symbol = prefixed("s", 1.0, Dimension::TIME, 0);
 
-// The first spelling of a power of ten is the one that is written; both signs for micro are read.
+/// Every prefix that is accepted.
+///
+/// Of several spellings of a power of ten, output uses the first. Both Unicode signs for micro and the
+/// letter u are accepted.
 const PREFIXES: [Prefix; 10] = [
     prefix("p", -12),
     prefix("n", -9),
@@ -40,6 +55,9 @@ const PREFIXES: [Prefix; 10] = [
     prefix("G", 9),
 ];
 
+/// Every symbol. The order decides only which of two equally similar names a hint suggests.
+///
+/// The kilogram has its own row, without prefixes, so that output keeps `kg`.
 const SYMBOLS: [Symbol; 37] = [
     prefixed("m", 1.0, Dimension::LENGTH, 3),
     plain("kg", 1.0, Dimension::MASS),
@@ -80,40 +98,44 @@ const SYMBOLS: [Symbol; 37] = [
     plain("t", 1e3, Dimension::MASS),
 ];
 
+/// Makes a prefix.
 const fn prefix(name: &'static str, exponent: i32) -> Prefix {
     Prefix { name, exponent }
 }
 
+/// Makes a symbol that takes no prefix.
 const fn plain(name: &'static str, factor: f64, dimension: Dimension) -> Symbol {
-    Symbol { name, factor, dimension, customary: None }
+    Symbol { name, factor, dimension, max_prefix: None }
 }
 
-const fn prefixed(name: &'static str, factor: f64, dimension: Dimension, customary: i32) -> Symbol {
-    Symbol { name, factor, dimension, customary: Some(customary) }
+/// Makes a symbol that takes prefixes, up to `max_prefix` in output.
+const fn prefixed(name: &'static str, factor: f64, dimension: Dimension, max_prefix: i32) -> Symbol {
+    Symbol { name, factor, dimension, max_prefix: Some(max_prefix) }
 }
 
-/// The unit of this name, with its prefix. A whole symbol goes before a prefixed one: `min` is
-/// the minute, `kg` a unit of its own.
-pub(super) fn known(name: &str) -> Option<(Prefix, Symbol)> {
+/// Splits a name into prefix and symbol; `None` if it is not a unit.
+///
+/// A symbol without prefix takes precedence: `min` is the minute, not the milli-inch.
+pub(super) fn from_name(name: &str) -> Option<(Prefix, Symbol)> {
     if let Some(symbol) = SYMBOLS.iter().find(|symbol| symbol.name == name) {
         return Some((NO_PREFIX, *symbol));
     }
     PREFIXES.iter().find_map(|prefix| {
         let bare = name.strip_prefix(prefix.name)?;
-        let mut takers = SYMBOLS.iter().filter(|symbol| symbol.customary.is_some());
-        let symbol = takers.find(|symbol| symbol.name == bare)?;
+        let mut prefixable = SYMBOLS.iter().filter(|symbol| symbol.max_prefix.is_some());
+        let symbol = prefixable.find(|symbol| symbol.name == bare)?;
         Some((*prefix, *symbol))
     })
 }
 
-/// The prefix that is written for a power of ten.
+/// Returns the prefix for a power of ten; `None` if there is none.
 pub(super) fn prefix_for(exponent: i32) -> Option<Prefix> {
     let mut every = std::iter::once(&NO_PREFIX).chain(&PREFIXES);
     every.find(|prefix| prefix.exponent == exponent).copied()
 }
 
-/// What people write out in full, and the symbol for it.
-const WRITTEN_OUT: [(&str, &str); 18] = [
+/// Unit names in full and their symbols, for hints. A plural `s` is ignored.
+const FULL_NAMES: [(&str, &str); 18] = [
     ("sec", "s"),
     ("second", "s"),
     ("minute", "min"),
@@ -134,20 +156,24 @@ const WRITTEN_OUT: [(&str, &str); 18] = [
     ("radian", "rad"),
 ];
 
-fn symbol_of(written_out: &str) -> Option<&'static str> {
-    let lower = written_out.to_lowercase();
+/// Returns the symbol for a unit that is written in full; `None` if the word is not in the list.
+fn symbol_of(full_name: &str) -> Option<&'static str> {
+    let lower = full_name.to_lowercase();
     let singular = lower.strip_suffix('s').unwrap_or(&lower);
-    WRITTEN_OUT.iter().find(|(word, _)| *word == lower || *word == singular).map(|(_, symbol)| *symbol)
+    FULL_NAMES.iter().find(|(word, _)| *word == lower || *word == singular).map(|(_, symbol)| *symbol)
 }
 
-/// What an unknown name was probably meant to be: one or two unit texts, or none.
+/// Returns at most two unit texts that the author of an unknown name probably meant.
+///
+/// A name written in full gives its symbol. Otherwise the nearest name is suggested, and a product of
+/// two units if the name is one: `Nm` gives `nm` and `N m`.
 pub(super) fn suggestions(unknown: &str) -> Vec<String> {
     if let Some(symbol) = symbol_of(unknown) {
         return vec![symbol.to_owned()];
     }
     let names = all_names();
     let near = nearest(unknown, names.iter().map(String::as_str)).map(str::to_owned);
-    match two_units_run_together(unknown) {
+    match as_product(unknown) {
         Some(product) => {
             near.filter(|name| differs_only_in_case(name, unknown)).into_iter().chain([product]).collect()
         }
@@ -155,31 +181,34 @@ pub(super) fn suggestions(unknown: &str) -> Vec<String> {
     }
 }
 
+/// Whether two names are equal without regard to upper and lower case.
 fn differs_only_in_case(name: &str, unknown: &str) -> bool {
     name.to_lowercase() == unknown.to_lowercase()
 }
 
-fn two_units_run_together(unknown: &str) -> Option<String> {
+/// Splits a name into two different units: `Nm` into `N m`.
+fn as_product(unknown: &str) -> Option<String> {
     unknown.char_indices().skip(1).find_map(|(at, _)| {
         let (left, right) = unknown.split_at(at);
-        let (own, other) = (known(left)?.1, known(right)?.1);
-        // Nobody multiplies a unit by itself so: a letter was typed twice.
+        let (own, other) = (from_name(left)?.1, from_name(right)?.1);
+        // The same unit twice is a typing error, such as "mmm", not a product.
         (own.name != other.name).then(|| format!("{left} {right}"))
     })
 }
 
+/// Returns every symbol, and every symbol with every prefix.
 fn all_names() -> Vec<String> {
     let bare = SYMBOLS.iter().map(|symbol| symbol.name.to_owned());
-    let takers = SYMBOLS.iter().filter(|symbol| symbol.customary.is_some());
-    let combined = takers.flat_map(|symbol| {
+    let prefixable = SYMBOLS.iter().filter(|symbol| symbol.max_prefix.is_some());
+    let combined = prefixable.flat_map(|symbol| {
         let join = move |prefix: &Prefix| format!("{}{}", prefix.name, symbol.name);
         PREFIXES.iter().map(join)
     });
     bare.chain(combined).collect()
 }
 
-/// Ten to a whole power, correctly rounded up to `LARGEST_EXACT_TEN`.
-pub(super) fn ten_to(exponent: i32) -> f64 {
+/// Returns ten to a whole power, correctly rounded up to [`MAX_EXACT_POWER_OF_TEN`].
+pub(super) fn power_of_ten(exponent: i32) -> f64 {
     let magnitude = (0..exponent.unsigned_abs()).fold(1.0, |product, _| product * 10.0);
     if exponent < 0 { 1.0 / magnitude } else { magnitude }
 }
@@ -191,15 +220,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_kilogram_is_known_twice() {
+    fn only_the_kilogram_has_two_readings() {
         let mut seen = HashSet::new();
         let twice: Vec<String> = all_names().into_iter().filter(|name| !seen.insert(name.clone())).collect();
         assert_eq!(twice, ["kg"]);
     }
 
     #[test]
-    fn whole_symbols_go_before_prefixed_ones() {
-        let name = |text| known(text).map(|(prefix, symbol)| (prefix.name, symbol.name));
+    fn plain_symbols_take_precedence() {
+        let name = |text| from_name(text).map(|(prefix, symbol)| (prefix.name, symbol.name));
         assert_eq!(name("min"), Some(("", "min")));
         assert_eq!(name("mm"), Some(("m", "m")));
         assert_eq!(name("Pa"), Some(("", "Pa")));
@@ -210,13 +239,13 @@ mod tests {
 
     #[test]
     fn powers_of_ten_are_exact() {
-        assert_eq!(ten_to(9), 1e9);
-        assert_eq!(ten_to(-9), 1e-9);
-        assert_eq!(ten_to(0), 1.0);
+        assert_eq!(power_of_ten(9), 1e9);
+        assert_eq!(power_of_ten(-9), 1e-9);
+        assert_eq!(power_of_ten(0), 1.0);
     }
 
     #[test]
-    fn suggests_what_was_meant() {
+    fn suggests_the_intended_unit() {
         assert_eq!(suggestions("Nm"), ["nm", "N m"]);
         assert_eq!(suggestions("KN"), ["kN", "K N"]);
         assert_eq!(suggestions("pa"), ["Pa"]);

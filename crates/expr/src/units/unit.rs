@@ -1,36 +1,74 @@
+//! A unit of measurement with its size in SI units.
+
 use std::fmt;
 
 use super::dimension::Dimension;
 use super::error::UnitError;
-use super::read::{Factor, factors};
-use super::symbols::{LARGEST_EXACT_TEN, NO_PREFIX, SECOND, ten_to};
-use super::write::written;
+use super::format::format_product;
+use super::parse::{Factor, parse_factors};
+use super::symbols::{MAX_EXACT_POWER_OF_TEN, NO_PREFIX, SECOND, power_of_ten};
 
-/// A unit of measurement: its text, what one of it is in SI units, and its dimension.
+/// A unit of measurement: its text, its size in SI units and its dimension.
 ///
-/// It displays as its text.
+/// A unit displays as its text.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::{Dimension, Unit};
+///
+/// let length = Unit::parse("mm")?;
+/// assert_eq!(length.factor(), 1e-3);
+/// assert_eq!(length.dimension(), Dimension::LENGTH);
+/// assert_eq!(length.to_si(2.0), 0.002);
+/// assert_eq!(length.per_second().text(), "mm/s");
+///
+/// let error = Unit::parse("KN").unwrap_err();
+/// assert_eq!(error.hint.as_deref(), Some("did you mean kN or K N?"));
+/// # Ok::<(), patchcord_expr::UnitError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
+    /// The text as the user wrote it, or in the regular form if the unit was computed.
     text: String,
+    /// The size of the unit in SI units; always a normal number.
     factor: f64,
+    /// The dimension that follows from the factors.
     dimension: Dimension,
+    /// The factors in the order of the text; empty for a pure number.
     factors: Vec<Factor>,
 }
 
 impl Unit {
-    /// Reads a unit such as `N s/m`, `mm`, `kg/(m s2)`, `1/s`, `%` or `1` (`""` is also 1).
+    /// Parses a unit such as `N s/m`, `mm`, `kg/(m s2)`, `1/s`, `%` or `1` (`""` is also 1).
     ///
-    /// A blank, `*` or a middle dot multiplies. A `/` divides by the one factor that follows it,
-    /// and several may follow each other: `N/m/s` is `N/(m s)`. Because readers disagree about
-    /// `kg/m s2`, a product directly after a `/` is refused. Powers are written `s2`, `s^2`,
-    /// `s-1`, `s^-1`, `s²` or `m^0.5`, up to 12. The prefixes are p, n, u or µ, m, c, k, M and G.
+    /// A blank, `*` or a middle dot multiplies. A `/` divides by the one factor that follows it;
+    /// several divisions may follow each other, so `N/m/s` is `N/(m s)`. The text `kg/m s2` is
+    /// ambiguous, so a product directly after a `/` is an error. Powers are written `s2`, `s^2`,
+    /// `s-1`, `s^-1`, `s²` or `m^0.5`; the maximum power is 12. The prefixes are p, n, u or µ, m, c,
+    /// k, M and G.
     ///
     /// # Errors
     ///
-    /// An unknown name (with the nearest known one as hint), a writing that is not clear, or a
-    /// size outside the range of numbers; always with the bytes at fault.
+    /// If a name is unknown, the text is ambiguous, or the size of the unit overflows or underflows.
+    /// The error contains the bytes at fault. For an unknown name, the hint is the nearest known one.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Unit;
+    ///
+    /// // Spellings of one unit have the same size and dimension.
+    /// let damping = Unit::parse("N s/m")?;
+    /// for text in ["N*s/m", "N·s/m", "N s m-1", "kg/s"] {
+    ///     assert_eq!(Unit::parse(text)?.dimension(), damping.dimension());
+    /// }
+    /// let error = Unit::parse("kg/m s2").unwrap_err();
+    /// assert_eq!(error.message, "it is not clear whether the / also divides by s2");
+    /// # Ok::<(), patchcord_expr::UnitError>(())
+    /// ```
     pub fn parse(text: &str) -> Result<Self, UnitError> {
-        let factors = factors(text)?;
+        let factors = parse_factors(text)?;
         let factor = size_of(&factors);
         if !factor.is_normal() {
             let message = "this unit is too large or too small for a number";
@@ -39,33 +77,54 @@ impl Unit {
         Ok(Self { text: text.to_owned(), factor, dimension: dimension_of(&factors), factors })
     }
 
-    /// The text of the unit, as it was written.
+    /// Returns the text of the unit as the user wrote it.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// What one of this unit is in SI units: 0.001 for `mm`.
+    /// Returns the size of the unit in SI units: 0.001 for `mm`.
     pub fn factor(&self) -> f64 {
         self.factor
     }
 
-    /// The kind of quantity that is measured in this unit.
+    /// Returns the dimension of the quantities that are measured in this unit.
     pub fn dimension(&self) -> Dimension {
         self.dimension
     }
 
-    /// A value given in this unit, in SI units.
+    /// Converts a value from this unit to SI units.
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.factor
     }
 
-    /// A value given in SI units, in this unit.
+    /// Converts a value from SI units to this unit.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Unit;
+    ///
+    /// assert_eq!(Unit::parse("km")?.out_of_si(2500.0), 2.5);
+    /// assert_eq!(Unit::parse("min")?.out_of_si(90.0), 1.5);
+    /// # Ok::<(), patchcord_expr::UnitError>(())
+    /// ```
     pub fn out_of_si(&self, value: f64) -> f64 {
         value / self.factor
     }
 
-    /// The unit in which the rate of change of a quantity in this unit is given: `m/s` for `m`,
-    /// `m/s2` for `m/s`, `N` for `N s`.
+    /// Returns the unit of the rate of change of a quantity in this unit: `m/s` for `m`, `m/s2` for
+    /// `m/s`, `N` for `N s`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Unit;
+    ///
+    /// for (unit, rate) in [("m", "m/s"), ("m/s", "m/s2"), ("N s", "N"), ("%", "%/s")] {
+    ///     assert_eq!(Unit::parse(unit)?.per_second().text(), rate);
+    /// }
+    /// # Ok::<(), patchcord_expr::UnitError>(())
+    /// ```
     pub fn per_second(&self) -> Self {
         let mut factors = self.factors.clone();
         match factors.iter_mut().find(|factor| is_second(factor)) {
@@ -81,7 +140,21 @@ impl Unit {
         }
     }
 
-    /// The unit of a product of quantities, each raised to a power: `N s2/m2` for `N` and `m/s` to the power -2.
+    /// Returns the unit of a product of powers of quantities.
+    ///
+    /// Example: `N` to the power 1 and `m/s` to the power -2 give `N s2/m2`. Factors of the same symbol
+    /// and prefix are merged; factors with power 0 are omitted.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Unit;
+    ///
+    /// let (force, speed) = (Unit::parse("N")?, Unit::parse("m/s")?);
+    /// let drag = Unit::of_product([(&force, 1.0), (&speed, -2.0)]);
+    /// assert_eq!(drag.text(), "N s2/m2");
+    /// # Ok::<(), patchcord_expr::UnitError>(())
+    /// ```
     pub fn of_product<'u>(parts: impl IntoIterator<Item = (&'u Unit, f64)>) -> Self {
         let mut factors: Vec<Factor> = Vec::new();
         for (unit, power) in parts {
@@ -98,6 +171,7 @@ impl Unit {
         Self { text: text_of(&factors), factor, dimension, factors }
     }
 
+    /// Returns the factors in the order of the text.
     pub(super) fn factors(&self) -> &[Factor] {
         &self.factors
     }
@@ -109,33 +183,39 @@ impl fmt::Display for Unit {
     }
 }
 
-/// The regular writing of some factors.
+/// Formats factors in the regular form: `kg m/s2`.
 pub(super) fn text_of(factors: &[Factor]) -> String {
-    written(factors.iter().map(|factor| (factor.name(), factor.power)))
+    format_product(factors.iter().map(|factor| (factor.name(), factor.power)))
 }
 
+/// Returns the dimension of a product of factors.
 fn dimension_of(factors: &[Factor]) -> Dimension {
     factors
         .iter()
         .fold(Dimension::NONE, |product, factor| product.times(factor.symbol.dimension.power(factor.power)))
 }
 
-// The prefixes are added up as powers of ten, so that decimal sizes come out without rounding.
+/// Returns the size of a product of factors in SI units.
+///
+/// The powers of ten of all prefixes are added first, so that decimal sizes are free of rounding.
 fn size_of(factors: &[Factor]) -> f64 {
     let tens = factors.iter().map(|factor| f64::from(factor.prefix.exponent) * factor.power).sum();
-    let (above, below): (Vec<_>, Vec<_>) = factors.iter().partition(|factor| factor.power > 0.0);
-    power_of_ten(tens) * size_without_prefix(&above) / size_without_prefix(&below)
+    let (positive, negative): (Vec<_>, Vec<_>) = factors.iter().partition(|factor| factor.power > 0.0);
+    real_power_of_ten(tens) * size_without_prefix(&positive) / size_without_prefix(&negative)
 }
 
+/// Returns the product of the sizes of the bare symbols, each to the absolute value of its power.
 fn size_without_prefix(factors: &[&Factor]) -> f64 {
     factors.iter().map(|factor| libm::pow(factor.symbol.factor, factor.power.abs())).product()
 }
 
-fn power_of_ten(exponent: f64) -> f64 {
-    let exact = exponent.fract() == 0.0 && exponent.abs() <= f64::from(LARGEST_EXACT_TEN);
-    if exact { ten_to(exponent as i32) } else { libm::pow(10.0, exponent) }
+/// Returns ten to a power. Whole powers up to 22 are exact; others are rounded.
+fn real_power_of_ten(exponent: f64) -> f64 {
+    let exact = exponent.fract() == 0.0 && exponent.abs() <= f64::from(MAX_EXACT_POWER_OF_TEN);
+    if exact { power_of_ten(exponent as i32) } else { libm::pow(10.0, exponent) }
 }
 
+/// Whether a factor is a power of the second without prefix.
 fn is_second(factor: &Factor) -> bool {
     factor.prefix == NO_PREFIX && factor.symbol == SECOND
 }
@@ -155,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_sizes() {
+    fn parses_sizes() {
         let sizes = [
             ("", 1.0),
             ("1", 1.0),
@@ -186,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_unit_may_be_written_in_many_ways() {
+    fn spellings_of_the_same_unit_agree() {
         let groups: [&[&str]; 4] = [
             &["N s/m", "N*s/m", "N·s/m", "N s m-1", "kg/s", " N  s / m ", "(N s)/m"],
             &["m/s2", "m/s^2", "m s-2", "m s^-2", "m/s²", "m s⁻²", "m/s/s", "m/(s s)"],
@@ -202,15 +282,15 @@ mod tests {
     }
 
     #[test]
-    fn refuses_a_product_after_a_slash() {
-        let refusal = error("kg/m s2");
-        assert_eq!(refusal.range, 3..7);
-        let hint = refusal.hint.unwrap();
+    fn rejects_a_product_after_a_slash() {
+        let found = error("kg/m s2");
+        assert_eq!(found.range, 3..7);
+        let hint = found.hint.unwrap();
         assert_eq!(hint, "write /(m s2) if it does, else put s2 before the /");
     }
 
     #[test]
-    fn names_the_part_at_fault() {
+    fn reports_the_bytes_at_fault() {
         let faults = [
             ("N sec/m", 2..5),
             ("100 N", 0..3),
@@ -236,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_sizes_beyond_the_numbers() {
+    fn rejects_sizes_that_overflow() {
         assert!(Unit::parse("Gm12 Gm12 Gm12").is_err());
         assert!(Unit::parse("1/(Gm12 Gm12 Gm12)").is_err());
         assert!(Unit::parse(&"m ".repeat(200)).is_err());
@@ -274,19 +354,19 @@ mod tests {
 
     proptest! {
         #[test]
-        fn reading_never_panics(text in "\\PC*") {
+        fn parsing_never_panics(text in "\\PC*") {
             let _ = Unit::parse(&text);
         }
 
         #[test]
-        fn reading_something_like_a_unit_never_panics(text in "[mNs1%²⁻µ() */^.2-]{0,40}") {
+        fn parsing_unit_like_text_never_panics(text in "[mNs1%²⁻µ() */^.2-]{0,40}") {
             if let Err(error) = Unit::parse(&text) {
                 prop_assert!(text.get(error.range).is_some());
             }
         }
 
         #[test]
-        fn dimensions_survive_writing_and_reading(powers in prop::array::uniform5(-9i8..=9)) {
+        fn dimensions_survive_formatting_and_parsing(powers in prop::array::uniform5(-9i8..=9)) {
             let [kilogram, metre, second, ampere, kelvin] = powers;
             let dimension = Dimension::new(kilogram, metre, second, ampere, kelvin);
             if !dimension.is_none() {
@@ -297,7 +377,7 @@ mod tests {
         }
 
         #[test]
-        fn values_survive_the_way_to_si_and_back(value in -1e6..1e6f64, text in "(mm|kN|min|ft)/(s|h|kg)2") {
+        fn conversion_to_si_and_back_keeps_the_value(value in -1e6..1e6f64, text in "(mm|kN|min|ft)/(s|h|kg)2") {
             let unit = unit(&text);
             let back = unit.out_of_si(unit.to_si(value));
             prop_assert!((back - value).abs() <= 1e-15 * value.abs());

@@ -1,4 +1,8 @@
-//! Drives that go by the clock: a run begins them anew, and records need not begin where they do.
+//! How the drives of a patch depend on time, and which of them restart with every record.
+//!
+//! A run begins at time 0, but a record may begin later in its file. A drive that moves as the patch defines it would
+//! then be wrong, because every run restarts it. A column can feed such a drive instead. Otherwise its formulas can
+//! contain the parameter [`RECORD_START`], which every run sets to the start of its record.
 
 use std::cell::OnceCell;
 
@@ -6,21 +10,23 @@ use serde_json::Value;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Placed;
-use patchcord_core::patch::{Amount, Entry, Patch};
+use patchcord_core::patch::{Amount, ElementEntry, Patch};
 use patchcord_expr::Formula;
 
-/// The parameter that says when a record begins, in seconds from where its file begins: laws that go by the clock need it.
+/// The parameter that every run sets to the start of its record, in seconds from the first sample of the file. Drives
+/// with formulas of this parameter are in phase with the record.
 pub const RECORD_START: &str = "record_start";
 
-/// A step that comes within so many seconds stands before the first sample: what is wired in begins with such steps.
-const AT_ONCE: f64 = 1e-6;
+/// A step at most this many seconds after the start counts as a constant drive. Grafted effects contain such steps.
+const STEP_AT_START: f64 = 1e-6;
 
-/// Whether a drive, as patches write it, is told when its record begins.
-pub(crate) fn is_told_the_start(drive: &Value) -> bool {
-    has_name(drive, RECORD_START)
+/// Whether a drive, as JSON of a patch, contains the start of its record in a formula.
+pub(crate) fn uses_record_start(drive: &Value) -> bool {
+    mentions_name(drive, RECORD_START)
 }
 
-/// The formula of a setting of a drive; `None` if the patch does not have the setting, or the setting is no formula.
+/// Returns the formula of a setting of a drive. None if the patch does not specify the setting, or if it is not a
+/// formula.
 fn formula_of(setting: &Option<Placed<Amount>>) -> Option<&Formula> {
     match &setting.as_ref()?.value {
         Amount::Formula(formula) => Some(formula),
@@ -28,58 +34,60 @@ fn formula_of(setting: &Option<Placed<Amount>>) -> Option<&Formula> {
     }
 }
 
-/// How a drive goes by the clock.
+/// How a drive depends on time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Going {
-    /// It stands from the beginning.
+pub(crate) enum DriveTiming {
+    /// It is constant from the start of the run.
     Constant,
-    /// It moves, and every run begins it anew.
-    Anew,
-    /// It moves as the start of the record tells it to.
-    Told,
+    /// It moves, and every run restarts it.
+    Restarts,
+    /// It moves, and its formulas contain the start of the record.
+    FollowsRecord,
 }
 
-/// The drives of a patch, and how each goes; a step at the beginning is a constant.
-pub(crate) fn goings(patch: &Patch) -> impl Iterator<Item = (&str, Going)> {
-    // Made for the first formula.
+/// Returns the name and the timing of every drive of a patch, in the order of the patch. Whether a column feeds the
+/// drive is not considered.
+pub(crate) fn drive_timings(patch: &Patch) -> impl Iterator<Item = (&str, DriveTiming)> {
+    // The circuit is only needed to evaluate formulas, so it is built for the first one.
     let circuit = OnceCell::new();
-    patch.drives.iter().map(move |(name, own)| {
-        let mut formulas = own.settings.iter().filter_map(formula_of);
-        let is_told = formulas.any(|formula| formula.names().contains(&RECORD_START));
-        let going = match own.kind.name {
-            _ if is_told => Going::Told,
-            "step" if is_at_once(patch, own, &circuit) => Going::Constant,
-            _ => Going::Anew,
+    patch.drives.iter().map(move |(name, drive)| {
+        let mut formulas = drive.settings.iter().filter_map(formula_of);
+        let follows_record = formulas.any(|formula| formula.names().contains(&RECORD_START));
+        let timing = match drive.kind.name {
+            _ if follows_record => DriveTiming::FollowsRecord,
+            "step" if is_at_start(patch, drive, &circuit) => DriveTiming::Constant,
+            _ => DriveTiming::Restarts,
         };
-        (name.as_str(), going)
+        (name.as_str(), timing)
     })
 }
 
-/// Whether a step is at the beginning.
-fn is_at_once(patch: &Patch, step: &Entry, circuit: &OnceCell<Option<Circuit>>) -> bool {
-    let at = step.kind.setting("at").and_then(|index| formula_of(&step.settings[index]));
-    let Some(at) = at else { return true };
-    let circuit = circuit.get_or_init(|| Circuit::new(patch, &[]).ok());
-    let seconds = circuit.as_ref().and_then(|circuit| at.evaluate(circuit.quantities()).ok());
-    seconds.is_some_and(|at| at <= AT_ONCE)
+/// Whether a step occurs at the start of the run. False if its time cannot be evaluated.
+fn is_at_start(patch: &Patch, step: &ElementEntry, circuit: &OnceCell<Option<Circuit>>) -> bool {
+    let step_time = step.kind.setting("at").and_then(|index| formula_of(&step.settings[index]));
+    let Some(step_time) = step_time else { return true };
+    let circuit = circuit.get_or_init(|| Circuit::new(patch).ok());
+    let seconds = circuit.as_ref().and_then(|circuit| step_time.evaluate(circuit.quantities()).ok());
+    seconds.is_some_and(|seconds| seconds <= STEP_AT_START)
 }
 
-/// The drives of a patch that every run begins anew, where no column feeds them.
-pub(crate) fn begun_anew<'p>(
+/// Returns the drives of a patch that every run restarts and that no column feeds.
+pub(crate) fn restarting_drives<'p>(
     patch: &'p Patch,
     is_fed: impl Fn(&str) -> bool + 'p,
 ) -> impl Iterator<Item = &'p str> {
-    let own = goings(patch).filter(move |(name, going)| *going == Going::Anew && !is_fed(name));
-    own.map(|(name, _)| name)
+    let restarting =
+        drive_timings(patch).filter(move |(name, timing)| *timing == DriveTiming::Restarts && !is_fed(name));
+    restarting.map(|(name, _)| name)
 }
 
-/// Whether anything but the note of an entry has a name among its words.
-pub(crate) fn has_name(entry: &Value, name: &str) -> bool {
-    let is_apart = |letter: char| !letter.is_alphanumeric() && letter != '_';
+/// Whether a text in the JSON of an entry contains a name as a whole word. Notes and keys are ignored.
+pub(crate) fn mentions_name(entry: &Value, name: &str) -> bool {
+    let is_separator = |letter: char| !letter.is_alphanumeric() && letter != '_';
     match entry {
-        Value::String(text) => text.split(is_apart).any(|word| word == name),
-        Value::Array(all) => all.iter().any(|own| has_name(own, name)),
-        Value::Object(all) => all.iter().any(|(key, own)| key != "note" && has_name(own, name)),
+        Value::String(text) => text.split(is_separator).any(|word| word == name),
+        Value::Array(items) => items.iter().any(|item| mentions_name(item, name)),
+        Value::Object(items) => items.iter().any(|(key, item)| key != "note" && mentions_name(item, name)),
         _ => false,
     }
 }
@@ -89,26 +97,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn drives_begin_anew_that_move_and_are_not_told_when() {
+    fn drives_that_move_restart_unless_their_formulas_contain_the_start_of_the_record() {
         let text = r#"{"patchcord": 1,
             "parameters": {"record_start": {"value": 0, "unit": "s"}, "T": {"value": 40, "unit": "s"}, "f": {"value": 2, "unit": "Hz"}},
             "scales": {"s": {"per_volt": 1, "unit": "V"}},
             "drives": {
                 "fed": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f"},
                 "sine": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f"},
-                "told": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f", "phase": "2 * pi * f * record_start"},
-                "noted": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f", "note": "does not go by record_start"},
+                "in-phase": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f", "phase": "2 * pi * f * record_start"},
+                "noted": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f", "note": "does not contain record_start"},
                 "constant": {"kind": "step", "scale": "s", "height": 1},
                 "at-once": {"kind": "step", "scale": "s", "height": 1, "at": "1e-9 * T"},
                 "later": {"kind": "step", "scale": "s", "height": 1, "at": "T / 20"}
             },
-            "elements": {"B1": {"kind": "summer", "in": {"x1": ["fed", "sine", "told", "noted", "constant", "at-once", "later"]}}},
+            "elements": {"B1": {"kind": "summer", "in": {"x1": ["fed", "sine", "in-phase", "noted", "constant", "at-once", "later"]}}},
             "run": {"for": 1, "step": 0.01}}"#;
         let patch = Patch::parse("drives.json", text).unwrap_or_else(|report| panic!("{report}"));
-        let anew: Vec<_> = begun_anew(&patch, |name| name == "fed").collect();
-        assert_eq!(anew, ["sine", "noted", "later"]);
-        let of = |wanted| goings(&patch).filter(move |(_, own)| *own == wanted).map(|(name, _)| name);
-        assert_eq!(of(Going::Constant).collect::<Vec<_>>(), ["constant", "at-once"]);
-        assert_eq!(of(Going::Told).collect::<Vec<_>>(), ["told"]);
+        let restarting: Vec<_> = restarting_drives(&patch, |name| name == "fed").collect();
+        assert_eq!(restarting, ["sine", "noted", "later"]);
+        let drives_with =
+            |wanted| drive_timings(&patch).filter(move |(_, timing)| *timing == wanted).map(|(name, _)| name);
+        assert_eq!(drives_with(DriveTiming::Constant).collect::<Vec<_>>(), ["constant", "at-once"]);
+        assert_eq!(drives_with(DriveTiming::FollowsRecord).collect::<Vec<_>>(), ["in-phase"]);
     }
 }

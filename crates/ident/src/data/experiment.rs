@@ -1,91 +1,95 @@
-//! An experiment: a patch, what was measured, and what may be fitted.
+//! The experiment: a checked patch, the measured records, and the parameters that may be fitted.
 
 use std::path::PathBuf;
 
-use crate::data::document::Hold;
+use crate::data::experiment_document::Hold;
 use crate::data::record::Record;
 use patchcord_core::document::Report;
 use patchcord_core::patch::{EditError, Patch, PatchEditor};
 use patchcord_expr::Unit;
 
-/// A patch and what was measured on the thing that it stands for.
+/// A patch and the data measured on the system that it models.
 #[derive(Debug, Clone)]
 pub struct Experiment {
-    /// The file, as the reader wrote it.
+    /// The path of the experiment file as the caller specified it.
     pub file: String,
-    /// Its title; empty where it has none.
+    /// The title; empty if the experiment has none.
     pub title: String,
-    /// The patch as it was written, found right.
+    /// The patch as written, without errors.
     pub patch: Patch,
-    /// The drives that data feed; those of the patch that are not among them stay as they are.
-    pub drives: Vec<Feed>,
-    /// What was measured.
-    pub outputs: Vec<Output>,
+    /// The drives that columns feed. The other drives of the patch keep their definition.
+    pub drives: Vec<MeasuredDrive>,
+    /// The measured signals.
+    pub outputs: Vec<MeasuredOutput>,
     /// The names of the parameters to fit; each has a range.
     pub fit: Vec<String>,
-    /// What to fit to.
+    /// The records to fit.
     pub train: Vec<Record>,
-    /// What is held back.
+    /// The records to test on. No fit uses them.
     pub test: Vec<Record>,
-    /// The files that all of these come from.
+    /// The data files of all records.
     pub files: Vec<PathBuf>,
-    /// After so many seconds runs begin anew, where the experiment asks for that.
-    pub pieces: Option<f64>,
-    /// What the reader should know although the experiment can be worked with.
+    /// The duration in seconds of the pieces into which records are split; every piece is a run of its own. None if
+    /// records are not split.
+    pub piece_duration: Option<f64>,
+    /// Warnings that the user should read. The experiment can be used nevertheless.
     pub warnings: Report,
 }
 
 /// A drive of the patch that a column feeds.
 #[derive(Debug, Clone)]
-pub struct Feed {
-    /// Its name in the patch.
+pub struct MeasuredDrive {
+    /// The name of the drive in the patch.
     pub drive: String,
-    /// The column, as the experiment names it.
+    /// The name of the column in the experiment.
     pub column: String,
-    /// What it does between samples.
+    /// What the drive does between samples.
     pub hold: Hold,
-    /// Standard deviation of the noise of the column, in `unit`, where the experiment tells it.
+    /// Standard deviation of the noise of the column, in `unit`. None if the experiment does not specify it.
     pub sigma: Option<f64>,
-    /// The unit of its scale, in which records hold it.
+    /// The unit of the drive's scale. Records have their samples in this unit.
     pub unit: Unit,
-    /// What a volt stands for, in this unit, with the parameters of the patch.
+    /// The value of 1 V in `unit`, with the parameters of the patch.
     pub per_volt: f64,
 }
 
 /// A signal of the patch that a column measures.
 #[derive(Debug, Clone)]
-pub struct Output {
-    /// The name under which the patch records it.
+pub struct MeasuredOutput {
+    /// The name under which the patch records the signal.
     pub signal: String,
-    /// The column, as the experiment names it.
+    /// The name of the column in the experiment.
     pub column: String,
-    /// Standard deviation of the noise, in `unit`, where the experiment tells it.
+    /// Standard deviation of the noise, in `unit`. None if the experiment does not specify it.
     pub sigma: Option<f64>,
-    /// Whether the column may be off by a constant that says nothing about the thing measured.
-    pub offset: bool,
-    /// The unit of the signal, in which records hold it.
+    /// Whether the column may differ from the signal by an unknown constant.
+    pub has_offset: bool,
+    /// The unit of the signal. Records have their samples in this unit.
     pub unit: Unit,
-    /// What a volt stands for, in this unit and with its sign, with the parameters of the patch.
+    /// The value of 1 V in `unit`, with the parameters of the patch. Negative if the signal is inverted.
     pub per_volt: f64,
 }
 
 impl Experiment {
-    /// The patch with a table of one point, zero, in place of every drive that data feed, held as the experiment says: what
-    /// [`solve::set_drive_table`](patchcord_core::solve::set_drive_table) takes.
+    /// Returns the patch with a table of one point, zero, in place of every drive that a column feeds. The samples of a
+    /// record then go into the tables with [`solve::set_drive_table`](patchcord_core::solve::set_drive_table).
     ///
     /// # Errors
-    /// None that is known: what is put in place of a drive is one.
-    pub fn patch_to_feed(&self) -> Result<Patch, EditError> {
+    /// If the patch does not have one of the drives. The drives of an experiment that was read from a file exist.
+    pub fn patch_with_drive_tables(&self) -> Result<Patch, EditError> {
         let mut editor = self.patch.edit();
-        put_tables(&mut editor, &self.drives)?;
+        replace_with_tables(&mut editor, &self.drives)?;
         editor.finish(self.patch.file())
     }
 }
 
-/// Puts a table of one point, zero, in place of every drive that records feed, held as they say.
+/// Replaces every drive that a column feeds by a table of one point, zero, with the drive's hold.
 ///
 /// # Errors
-/// If the patch has no drive of a name.
-pub(crate) fn put_tables(editor: &mut PatchEditor, drives: &[Feed]) -> Result<(), EditError> {
-    drives.iter().try_for_each(|feed| editor.feed_drive(&feed.drive, feed.hold.of_table()))
+/// If the patch does not have one of the drives.
+pub(crate) fn replace_with_tables(
+    editor: &mut PatchEditor,
+    drives: &[MeasuredDrive],
+) -> Result<(), EditError> {
+    drives.iter().try_for_each(|entry| editor.put_table_drive(&entry.drive, entry.hold.table_hold()))
 }

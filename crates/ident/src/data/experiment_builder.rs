@@ -1,445 +1,515 @@
-//! Bringing a document, its patch and its data together.
+//! Combines an experiment document with its patch and its data files.
+//!
+//! The builder works in this order. It reads and compiles the patch. It finds the drive or signal of every column. It
+//! reads the data files and splits them into training and test records. Then it checks the drives that no column feeds,
+//! and selects the parameters to fit. If there is no error so far, it compares the columns with their scales. Data
+//! files are also read if the patch has errors, so that one report lists the faults of both.
 
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::data::document::{Clock, Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
-use crate::data::drive_timing::{Going, RECORD_START, begun_anew, goings};
-use crate::data::experiment::{Experiment, Feed, Output};
-use crate::data::fittable::to_fit;
-use crate::data::measured::{Measured, Wanted, plural};
-use crate::data::parts::{Cutting, Part, Use, apart, in_both};
-use crate::data::record::{LEAST_SAMPLES, Record};
-use crate::data::subject::{Subject, Target};
-use crate::data::{measured, motion};
+use crate::data::checked_patch::{BindingTarget, CheckedPatch};
+use crate::data::column_checks::check_columns;
+use crate::data::drive_timing::{DriveTiming, RECORD_START, drive_timings, restarting_drives};
+use crate::data::experiment::{Experiment, MeasuredDrive, MeasuredOutput};
+use crate::data::experiment_document::{
+    ColumnBinding, DriveBinding, ExperimentDocument, Hold, OutputBinding,
+};
+use crate::data::experiment_document::{RecordSource, SampleTimes, TestData};
+use crate::data::fittable::parameters_to_fit;
+use crate::data::measured_file::{MeasuredFile, RequestedColumn, plural, read_file};
+use crate::data::record::{MIN_RECORD_SAMPLES, Record};
+use crate::data::record_split::{
+    RecordPurpose, RecordRange, RecordSplit, separate_test_range, shared_samples,
+};
 use patchcord_core::document::fields::Findings;
-use patchcord_core::document::{Code, Diagnostic, Placed, Report, any_error, suggestion, told};
+use patchcord_core::document::{Code, Diagnostic, Placed, Report, any_error, format_number, suggestion};
 use patchcord_core::patch::Patch;
 use patchcord_expr::Unit;
 
-/// An experiment's document that is being held against patch and data.
-pub(crate) struct Bringing<'a> {
+/// Builds an experiment from its document.
+pub(crate) struct ExperimentBuilder<'a> {
+    /// The folder of the experiment, to which all its paths are relative.
     pub folder: &'a Path,
-    pub document: &'a Document,
+    /// The document.
+    pub document: &'a ExperimentDocument,
+    /// All faults found so far.
     pub findings: &'a mut Findings,
 }
 
-/// A record's file as it was read.
-struct Read<'a> {
-    /// Without links and detours, so that one file is known by whatever name.
+/// A data file of the experiment after reading.
+struct RecordFile<'a> {
+    /// The canonical path, so that two paths to one file are recognised.
     path: PathBuf,
-    source: &'a Source,
-    measured: Measured,
-    seconds: f64,
+    source: &'a RecordSource,
+    measured: MeasuredFile,
+    /// Seconds per unit of time in the file.
+    unit_seconds: f64,
 }
 
-impl Read<'_> {
-    fn cutting(&self) -> Cutting<'_> {
-        Cutting {
+impl RecordFile<'_> {
+    /// Returns the file as input of the split.
+    fn record_split(&self) -> RecordSplit<'_> {
+        RecordSplit {
             measured: &self.measured,
-            seconds: self.seconds,
+            unit_seconds: self.unit_seconds,
             range: self.source.range.as_ref(),
             span: self.source.file.span,
         }
     }
 
-    /// When the first and the last sample were taken and what lies between two, in the unit of its times.
-    fn times(&self) -> [f64; 3] {
-        let Measured { begin, interval, .. } = self.measured;
-        [begin, begin + self.measured.duration(), interval].map(|seconds| seconds / self.seconds)
+    /// Returns the first time, the last time and the interval of the samples, in the unit of the times.
+    fn first_last_interval(&self) -> [f64; 3] {
+        let MeasuredFile { begin, interval, .. } = self.measured;
+        [begin, begin + self.measured.duration(), interval].map(|seconds| seconds / self.unit_seconds)
     }
 
-    /// Whether both are the same samples.
-    fn is_same(&self, other: &Read<'_>) -> bool {
-        self.path == other.path && self.source.reads_as(other.source)
-    }
-}
-
-/// A part of a file.
-struct Taken<'r> {
-    read: &'r Read<'r>,
-    part: Part,
-}
-
-impl Taken<'_> {
-    /// How many samples were taken in it.
-    fn samples(&self) -> usize {
-        self.read.measured.rows_in(&self.part.places).len()
+    /// Whether both have the same samples: the same columns of the same file.
+    fn is_same_data(&self, other: &RecordFile<'_>) -> bool {
+        self.path == other.path && self.source.has_same_columns(other.source)
     }
 }
 
-impl<'a> Bringing<'a> {
-    /// Document, patch and data as one; of a wrong patch its report. Findings may have made it useless.
-    pub fn together(mut self) -> Result<Experiment, Option<Box<Report>>> {
+/// A range of a data file.
+struct FileRange<'r> {
+    file: &'r RecordFile<'r>,
+    range: RecordRange,
+}
+
+impl FileRange<'_> {
+    /// The number of rows in the range. Missing rows do not count.
+    fn row_count(&self) -> usize {
+        self.file.measured.rows_in(&self.range.samples).len()
+    }
+}
+
+impl<'a> ExperimentBuilder<'a> {
+    /// Builds the experiment. Its `file` and `warnings` are empty. If the findings contain an error, the experiment
+    /// must not be used.
+    ///
+    /// # Errors
+    /// If the patch cannot be read or has errors. The error is the report of the patch, if there is one.
+    pub fn build(mut self) -> Result<Experiment, Option<Box<Report>>> {
         let document = self.document;
-        let subject = match &document.patch {
-            Some(named) => Subject::read(self.folder, named, self.findings),
+        let patch = match &document.patch {
+            Some(named) => CheckedPatch::read(self.folder, named, self.findings),
             None => Err(None),
         };
-        self.check_twice();
-        let found = subject.as_ref().ok();
-        let drives: Vec<_> = document.drives.iter().map(|drive| self.feed(drive, found)).collect();
-        let outputs: Vec<_> = document.outputs.iter().map(|output| self.output(output, found)).collect();
-        // Data are looked at even where the patch is wrong.
-        let ([train, test], seconds) = self.records(&drives, &outputs);
-        let pieces = document.pieces.as_ref().zip(seconds).map(|(pieces, seconds)| pieces.value * seconds);
-        self.check_pieces(pieces, &train, &test);
-        let subject = subject?;
-        self.check_fed(subject.patch(), [&train, &test]);
-        self.check_clock(subject.patch());
-        let fit =
-            to_fit(subject.patch(), &|name| document.feeds(name), document.fit.as_deref(), self.findings);
-        self.check_fitted(&fit);
-        let made = Experiment {
+        self.check_bindings();
+        let valid_patch = patch.as_ref().ok();
+        let drives: Vec<_> = document.drives.iter().map(|drive| self.drive(drive, valid_patch)).collect();
+        let outputs: Vec<_> =
+            document.outputs.iter().map(|output| self.output(output, valid_patch)).collect();
+        // Data are read even if the patch has errors.
+        let ([train, test], unit_seconds) = self.records(&drives, &outputs);
+        let piece_duration =
+            document.piece_duration.as_ref().zip(unit_seconds).map(|(duration, unit)| duration.value * unit);
+        self.check_pieces(piece_duration, &train, &test);
+        let patch = patch?;
+        self.check_restarting_drives(patch.patch(), [&train, &test]);
+        self.check_record_start(patch.patch());
+        let is_fed = |name: &str| document.is_fed(name);
+        let fit = parameters_to_fit(patch.patch(), &is_fed, document.fit.as_deref(), self.findings);
+        self.check_fit(&fit);
+        let experiment = Experiment {
             file: String::new(),
             title: document.title.clone(),
-            patch: subject.patch().clone(),
+            patch: patch.patch().clone(),
             drives: drives.into_iter().flatten().collect(),
             outputs: outputs.into_iter().flatten().collect(),
             fit,
             train,
             test,
-            files: self.paths(),
-            pieces,
+            files: self.data_files(),
+            piece_duration,
             warnings: Report::new("", "", Vec::new()),
         };
         if !any_error(self.findings) {
-            motion::check(&made, document, self.findings);
+            check_columns(&experiment, document, self.findings);
         }
         if !any_error(self.findings) {
-            self.check_still(&made.patch);
+            self.check_motionless_drives(&experiment.patch);
         }
-        Ok(made)
+        Ok(experiment)
     }
 
-    /// Tells of outputs that the data feed, as they follow these whatever the patch does, and of columns that stand for two things.
-    fn check_twice(&mut self) {
+    /// Reports columns with two bindings, and outputs that columns feed. Such an output always agrees with its column,
+    /// whatever the patch computes.
+    fn check_bindings(&mut self) {
         let document = self.document;
-        let wires: Vec<&Wire> = document.wires().map(|(wire, _)| wire).collect();
-        let shared = wires.iter().enumerate().filter_map(|(place, wire)| {
-            let is_other = |own: &&&Wire| own.name.value != wire.name.value;
-            let first =
-                wires[..place].iter().filter(is_other).find(|own| own.column.value == wire.column.value)?;
-            let (column, first, name) = (&wire.column, &first.name.value, &wire.name.value);
-            let message = format!("column {} stands for {first} and for {name}", column.value);
+        let bindings: Vec<&ColumnBinding> = document.bindings().map(|(binding, _)| binding).collect();
+        let shared = bindings.iter().enumerate().filter_map(|(index, binding)| {
+            let has_other_name = |earlier: &&&ColumnBinding| earlier.name.value != binding.name.value;
+            let mut earlier = bindings[..index].iter().filter(has_other_name);
+            let first = earlier.find(|earlier| earlier.column.value == binding.column.value)?;
+            let (column, first, name) = (&binding.column, &first.name.value, &binding.name.value);
+            let message = format!("the column {} is used for both {first} and {name}", column.value);
             Some(Diagnostic::at(Code::SharedColumn, column.span, message))
         });
         self.findings.extend(shared);
-        let is_fed = |output: &&OutputWire| document.feeds(&output.wire.name.value);
-        let found = document.outputs.iter().filter(is_fed).map(|output| {
-            let Placed { value: name, span } = &output.wire.name;
-            let message = format!("{name} is fed from the data: as an output it tells nothing of the patch");
-            Diagnostic::at(Code::DuplicateName, *span, message).hint("take it out of the outputs")
+        let is_fed = |output: &&OutputBinding| document.is_fed(&output.binding.name.value);
+        let fed_outputs = document.outputs.iter().filter(is_fed).map(|output| {
+            let Placed { value: name, span } = &output.binding.name;
+            let message = format!("{name} is fed from the data, so as an output it does not test the patch");
+            Diagnostic::at(Code::DuplicateName, *span, message).hint("remove it from \"outputs\"")
         });
-        self.findings.extend(found);
+        self.findings.extend(fed_outputs);
     }
 
-    /// What is trained on, and what is tested on; and how many seconds the unit of their times has, where it is one.
+    /// Reads all records. Returns the records to train on, the records to test on, and the seconds per unit of time.
+    /// The last one is None if there is no file, or if the files differ and records must be split into pieces.
     fn records(
         &mut self,
-        drives: &[Option<Feed>],
-        outputs: &[Option<Output>],
+        drives: &[Option<MeasuredDrive>],
+        outputs: &[Option<MeasuredOutput>],
     ) -> ([Vec<Record>; 2], Option<f64>) {
         let document = self.document;
-        let of_drives = drives.iter().map(|feed| feed.as_ref().map(|feed| &feed.unit));
-        let of_outputs = outputs.iter().map(|output| output.as_ref().map(|output| &output.unit));
-        let wanted = wanted(document, of_drives.chain(of_outputs));
-        let trained = self.files(&document.data, &wanted);
-        let tested = match &document.test {
-            Held::Records(sources) => self.files(sources, &wanted),
+        let drive_units = drives.iter().map(|drive| drive.as_ref().map(|drive| &drive.unit));
+        let output_units = outputs.iter().map(|output| output.as_ref().map(|output| &output.unit));
+        let requested = requested_columns(document, drive_units.chain(output_units));
+        let data_files = self.read_files(&document.data, &requested);
+        let test_files = match &document.test {
+            TestData::Records(sources) => self.read_files(sources, &requested),
             _ => Vec::new(),
         };
         let holds: Vec<Hold> = document.drives.iter().map(|drive| drive.hold).collect();
-        self.check_ranges(&trained, &tested);
-        let taken = self.parts(&trained, &tested);
-        let records = [Use::Train, Use::Test].map(|used| {
-            let of_use = taken.iter().filter(|taken| taken.part.used == used);
-            of_use.map(|taken| Record::cut(&taken.read.measured, taken.part.places.clone(), &holds)).collect()
+        self.check_ranges(&data_files, &test_files);
+        let ranges = self.file_ranges(&data_files, &test_files);
+        let records = [RecordPurpose::Train, RecordPurpose::Test].map(|purpose| {
+            let with_purpose = ranges.iter().filter(|entry| entry.range.purpose == purpose);
+            let extract = |entry: &FileRange<'_>| {
+                Record::extract(&entry.file.measured, entry.range.samples.clone(), &holds)
+            };
+            with_purpose.map(extract).collect()
         });
-        (records, self.seconds(trained.iter().chain(&tested)))
+        (records, self.unit_seconds(data_files.iter().chain(&test_files)))
     }
 
-    /// How many seconds the unit of the times of files has; pieces of files whose units differ are refused.
-    fn seconds<'r>(&mut self, mut reads: impl Iterator<Item = &'r Read<'r>>) -> Option<f64> {
-        let first = reads.next()?;
-        let other = reads.find(|read| read.seconds != first.seconds);
-        if let Some((pieces, other)) = self.document.pieces.as_ref().zip(other) {
-            let [unit, others] = [first, other].map(|read| told(read.seconds));
+    /// Returns the seconds per unit of time of the first file. None if there is no file. Reports files with different
+    /// units if the experiment specifies the duration of pieces, because that has no unit then; the result is None.
+    fn unit_seconds<'r>(&mut self, mut files: impl Iterator<Item = &'r RecordFile<'r>>) -> Option<f64> {
+        let first = files.next()?;
+        let other = files.find(|file| file.unit_seconds != first.unit_seconds);
+        if let Some((duration, other)) = self.document.piece_duration.as_ref().zip(other) {
+            let [first_unit, other_unit] = [first, other].map(|file| format_number(file.unit_seconds));
             let message = format!(
-                "\"pieces\" are told in the unit of the times, which is {unit} s in {} and {others} s in {}",
+                "the unit of \"pieces\" is ambiguous: times are in {first_unit} s in {} and {other_unit} s in {}",
                 first.measured.name, other.measured.name
             );
-            let finding = Diagnostic::at(Code::UnitMismatch, pieces.span, message);
-            self.findings.push(finding.hint("write the times of all files in one unit"));
+            let finding = Diagnostic::at(Code::UnitMismatch, duration.span, message);
+            self.findings.push(finding.hint("use the same unit of time in all files"));
             return None;
         }
-        Some(first.seconds)
+        Some(first.unit_seconds)
     }
 
-    /// Tells of ranges that go on where the data have ended.
-    fn check_ranges(&mut self, trained: &[Read<'_>], tested: &[Read<'_>]) {
+    /// Reports ranges that extend beyond the data.
+    fn check_ranges(&mut self, data_files: &[RecordFile<'_>], test_files: &[RecordFile<'_>]) {
         let test = match &self.document.test {
-            Held::Part(range) => Some(range),
+            TestData::Range(range) => Some(range),
             _ => None,
         };
-        // Of several records the shorter ones may end before.
-        let of_all = self.document.train.iter().chain(test).map(|range| (range, trained));
-        let of_one = trained
+        // "train" and "test" apply to all data files: one file that covers the range is sufficient.
+        let of_all_files = self.document.train.iter().chain(test).map(|range| (range, data_files));
+        let of_one_file = data_files
             .iter()
-            .chain(tested)
-            .filter_map(|read| Some((read.source.range.as_ref()?, std::slice::from_ref(read))));
-        let found = of_all.chain(of_one).filter_map(|(range, reads)| beyond(range, reads));
-        self.findings.extend(found.collect::<Vec<_>>());
+            .chain(test_files)
+            .filter_map(|file| Some((file.source.range.as_ref()?, std::slice::from_ref(file))));
+        let beyond = of_all_files.chain(of_one_file).filter_map(|(range, files)| beyond_data(range, files));
+        self.findings.extend(beyond.collect::<Vec<_>>());
     }
 
-    /// A piece needs as many samples as a record does, and no record is cut into pieces that are longer than it.
-    fn check_pieces(&mut self, pieces: Option<f64>, train: &[Record], test: &[Record]) {
-        let Some((asked, seconds)) = self.document.pieces.as_ref().zip(pieces) else { return };
+    /// Reports pieces that are longer than every record, and pieces with fewer samples than a record needs.
+    /// `piece_duration` is in seconds.
+    fn check_pieces(&mut self, piece_duration: Option<f64>, train: &[Record], test: &[Record]) {
+        let Some((entry, seconds)) = self.document.piece_duration.as_ref().zip(piece_duration) else {
+            return;
+        };
         let longest = train.iter().chain(test).map(Record::duration).fold(0.0, f64::max);
         if longest > 0.0 && seconds > longest {
             let message = format!(
-                "pieces of {} s cut no record: none lasts longer than {} s",
-                told(seconds),
-                told(longest)
+                "a piece of {} s is longer than every record: the longest is {} s",
+                format_number(seconds),
+                format_number(longest)
             );
             self.findings
-                .push(Diagnostic::at(Code::BeyondData, asked.span, message).hint("leave \"pieces\" out"));
+                .push(Diagnostic::at(Code::BeyondData, entry.span, message).hint("remove \"pieces\""));
         }
-        let least = |record: &Record| record.interval * LEAST_SAMPLES as f64;
-        if let Some(record) = train.iter().chain(test).find(|record| seconds < least(record)) {
-            let message = format!("a piece of {} has fewer than {LEAST_SAMPLES} samples", record.name);
-            let hint = format!("they are taken every {} s", told(record.interval));
-            self.findings.push(Diagnostic::at(Code::TooFewSamples, asked.span, message).hint(hint));
+        let min_duration = |record: &Record| record.interval * MIN_RECORD_SAMPLES as f64;
+        if let Some(record) = train.iter().chain(test).find(|record| seconds < min_duration(record)) {
+            let message = format!("a piece of {} has fewer than {MIN_RECORD_SAMPLES} samples", record.name);
+            let hint = format!("its samples are {} s apart", format_number(record.interval));
+            self.findings.push(Diagnostic::at(Code::TooFewSamples, entry.span, message).hint(hint));
         }
     }
 
-    /// Tells of drives that move as the patch has them, which begin with every record; where one begins later than they do, they
-    /// would be wrong.
-    fn check_fed(&mut self, patch: &Patch, records: [&[Record]; 2]) {
+    /// Reports drives that every run restarts and that no column feeds. That is a warning if every record begins with
+    /// its file. It is an error if a record or a piece begins later, because the drive would be out of phase there.
+    fn check_restarting_drives(&mut self, patch: &Patch, records: [&[Record]; 2]) {
         let document = self.document;
-        let own: Vec<&str> = begun_anew(patch, |name| document.feeds(name)).collect();
-        // A drive that the patch has not is one by a wrong name.
-        let is_told = document.drives.iter().all(|drive| patch.drives.contains_key(&drive.wire.name.value));
-        let Some(named) = document.patch.as_ref().filter(|_| !own.is_empty() && is_told) else { return };
-        let own = own.join(", ");
-        let later = records.into_iter().flatten().find(|record| record.since > 0.0);
-        let later = match document.pieces {
-            Some(_) => Some("a piece".to_owned()),
-            None => later.map(|record| format!("what {} has from {} s on", record.name, told(record.begin))),
+        let restarting: Vec<&str> = restarting_drives(patch, |name| document.is_fed(name)).collect();
+        // If "drives" has an unknown name, that may be the name of one of these drives.
+        let has_known_names =
+            document.drives.iter().all(|drive| patch.drives.contains_key(&drive.binding.name.value));
+        let is_reported = !restarting.is_empty() && has_known_names;
+        let Some(named) = document.patch.as_ref().filter(|_| is_reported) else { return };
+        let names = restarting.join(", ");
+        let later_record = records.into_iter().flatten().find(|record| record.start_in_file > 0.0);
+        let out_of_phase = match document.piece_duration {
+            Some(_) => Some("a later piece of a record".to_owned()),
+            None => later_record.map(|record| {
+                format!("the record that begins at {} s in {}", format_number(record.begin), record.name)
+            }),
         };
-        let (code, does) = match later {
-            Some(later) => {
-                let wrong = format!("begins anew with every record, which would be wrong for {later}");
-                (Code::DriveBeginsAnew, wrong)
+        let (code, consequence) = match out_of_phase {
+            Some(record) => {
+                let consequence = format!("and every record restarts it, which is wrong for {record}");
+                (Code::DriveBeginsAnew, consequence)
             }
-            None => (Code::UnfedDrives, "goes on as it is written".to_owned()),
+            None => (Code::UnfedDrives, "beginning at the start of each record".to_owned()),
         };
-        let message = format!("no column feeds {own} of the patch: what moves there {does}");
+        let message =
+            format!("no column feeds {names} of the patch: the patch generates the motion, {consequence}");
         self.findings.push(Diagnostic::at(code, named.span, message));
     }
 
-    /// Tells where the patch has the start of a record in another unit than a search sets it in.
-    fn check_clock(&mut self, patch: &Patch) {
+    /// Reports a parameter [`RECORD_START`] whose unit is not s, because every run sets it in seconds.
+    fn check_record_start(&mut self, patch: &Patch) {
         let start = patch.parameters.get(RECORD_START).filter(|start| start.unit.text() != "s");
         let Some((named, start)) = self.document.patch.as_ref().zip(start) else { return };
         let message =
-            format!("a search sets {RECORD_START} in s, and the patch has it in {}", start.unit.text());
+            format!("the unit of {RECORD_START} must be s, but the patch specifies {}", start.unit.text());
         let finding = Diagnostic::at(Code::UnitMismatch, named.span, message);
         self.findings.push(finding.hint("give it the unit \"s\" in the patch"));
     }
 
-    /// Tells where nothing drives the patch although it has drives.
-    fn check_still(&mut self, patch: &Patch) {
+    /// Reports a patch whose drives are all constant if no column feeds any of them.
+    fn check_motionless_drives(&mut self, patch: &Patch) {
         let document = self.document;
-        let stand = goings(patch).all(|(_, going)| going == Going::Constant);
-        let is_still = document.drives.is_empty() && !patch.drives.is_empty() && stand;
-        let Some(named) = document.patch.as_ref().filter(|_| is_still) else { return };
+        let is_constant = drive_timings(patch).all(|(_, timing)| timing == DriveTiming::Constant);
+        let is_motionless = document.drives.is_empty() && !patch.drives.is_empty() && is_constant;
+        let Some(named) = document.patch.as_ref().filter(|_| is_motionless) else { return };
         let drives: Vec<&str> = patch.drives.keys().map(String::as_str).collect();
-        let message = format!("no column feeds {} of the patch: nothing moves there", drives.join(", "));
+        let message = format!(
+            "no column feeds a drive, and all drives of the patch are constant: {}",
+            drives.join(", ")
+        );
         self.findings.push(Diagnostic::at(Code::UnfedDrives, named.span, message));
     }
 
-    /// Tells where nothing is fitted, and the experiment does not say so.
-    fn check_fitted(&mut self, fit: &[String]) {
+    /// Reports that nothing is fitted, unless the experiment specifies that.
+    fn check_fit(&mut self, fit: &[String]) {
         let named = self.document.patch.as_ref().filter(|_| self.document.fit.is_none() && fit.is_empty());
-        let message = "nothing is fitted: no parameter of the patch has a range, or none that it reads";
+        let message = "nothing is fitted: no parameter of the patch both has a range and is read";
         self.findings.extend(named.map(|named| Diagnostic::at(Code::NothingToFit, named.span, message)));
     }
 
-    fn feed(&mut self, drive: &DriveWire, subject: Option<&Subject>) -> Option<Feed> {
-        let target = subject?.drive(&drive.wire, self.findings)?;
-        let Target { name, unit, per_volt } = target;
-        let sigma = drive.sigma.map(|sigma| of_unit(sigma, &drive.wire, &unit));
-        let column = drive.wire.column.value.clone();
-        Some(Feed { drive: name, column, hold: drive.hold, sigma, unit, per_volt })
+    /// Finds the drive of a column. None if the patch has errors or does not have the drive.
+    fn drive(&mut self, drive: &DriveBinding, patch: Option<&CheckedPatch>) -> Option<MeasuredDrive> {
+        let target = patch?.drive(&drive.binding, self.findings)?;
+        let BindingTarget { name, unit, per_volt } = target;
+        let sigma = drive.sigma.map(|sigma| in_target_unit(sigma, &drive.binding, &unit));
+        let column = drive.binding.column.value.clone();
+        Some(MeasuredDrive { drive: name, column, hold: drive.hold, sigma, unit, per_volt })
     }
 
-    fn output(&mut self, output: &OutputWire, subject: Option<&Subject>) -> Option<Output> {
-        let Target { name, unit, per_volt } = subject?.signal(&output.wire, self.findings)?;
-        let sigma = output.sigma.map(|sigma| of_unit(sigma, &output.wire, &unit));
-        let column = output.wire.column.value.clone();
-        Some(Output { signal: name, column, sigma, offset: output.offset, unit, per_volt })
+    /// Finds the signal of a column. None if the patch has errors or does not have the signal.
+    fn output(&mut self, output: &OutputBinding, patch: Option<&CheckedPatch>) -> Option<MeasuredOutput> {
+        let BindingTarget { name, unit, per_volt } = patch?.signal(&output.binding, self.findings)?;
+        let sigma = output.sigma.map(|sigma| in_target_unit(sigma, &output.binding, &unit));
+        let column = output.binding.column.value.clone();
+        Some(MeasuredOutput { signal: name, column, sigma, has_offset: output.has_offset, unit, per_volt })
     }
 
-    /// The files of all records.
-    fn paths(&self) -> Vec<PathBuf> {
-        let tested = match &self.document.test {
-            Held::Records(sources) => sources.as_slice(),
+    /// Returns the paths of all data files.
+    fn data_files(&self) -> Vec<PathBuf> {
+        let test_sources = match &self.document.test {
+            TestData::Records(sources) => sources.as_slice(),
             _ => &[],
         };
-        let sources = self.document.data.iter().chain(tested);
+        let sources = self.document.data.iter().chain(test_sources);
         sources.map(|source| self.folder.join(&source.file.value)).collect()
     }
 
-    /// Reads the files of records.
-    fn files(&mut self, sources: &'a [Source], wanted: &[Wanted<'_>]) -> Vec<Read<'a>> {
+    /// Reads data files. Files with errors are omitted.
+    fn read_files(
+        &mut self,
+        sources: &'a [RecordSource],
+        requested: &[RequestedColumn<'_>],
+    ) -> Vec<RecordFile<'a>> {
         let mut files = Vec::new();
-        let Some(clock) = &self.document.clock else { return files };
+        let Some(sample_times) = &self.document.sample_times else { return files };
         for source in sources {
-            self.check_renamed(source, clock);
-            let read = measured::read(self.folder, source, clock, wanted, self.findings);
+            self.check_aliases(source, sample_times);
+            let read = read_file(self.folder, source, sample_times, requested, self.findings);
             let path = self.folder.join(&source.file.value);
             let path = fs::canonicalize(&path).unwrap_or(path);
-            files.extend(read.map(|(measured, seconds)| Read { path, source, measured, seconds }));
+            files.extend(read.map(|(measured, unit_seconds)| RecordFile {
+                path,
+                source,
+                measured,
+                unit_seconds,
+            }));
         }
         files
     }
 
-    /// Refuses other names for columns that the experiment does not read.
-    fn check_renamed(&mut self, source: &Source, clock: &Clock) {
-        let known: Vec<_> = clock
+    /// Reports different names for columns that the experiment does not read.
+    fn check_aliases(&mut self, source: &RecordSource, sample_times: &SampleTimes) {
+        let known: Vec<_> = sample_times
             .column()
             .into_iter()
-            .chain(self.document.wires().map(|(wire, _)| wire.column.value.as_str()))
+            .chain(self.document.bindings().map(|(binding, _)| binding.column.value.as_str()))
             .collect();
-        for (elsewhere, here) in
-            source.columns.iter().filter(|(elsewhere, _)| !known.contains(&elsewhere.as_str()))
+        for (in_experiment, in_file) in
+            source.columns.iter().filter(|(in_experiment, _)| !known.contains(&in_experiment.as_str()))
         {
-            let message =
-                format!("the experiment reads no column {elsewhere} that could be called otherwise");
-            let hint = suggestion(elsewhere, &known);
-            self.findings.push(Diagnostic::at(Code::UnknownName, here.span, message).maybe_hint(hint));
+            let message = format!("the experiment reads no column {in_experiment}");
+            let hint = suggestion(in_experiment, &known);
+            self.findings.push(Diagnostic::at(Code::UnknownName, in_file.span, message).maybe_hint(hint));
         }
     }
 
-    /// The parts of all files, with enough samples each.
-    fn parts<'r>(&mut self, trained: &'r [Read<'r>], tested: &'r [Read<'r>]) -> Vec<Taken<'r>> {
+    /// Returns the ranges of all files with their purpose. Ranges with too few samples are reported.
+    fn file_ranges<'r>(
+        &mut self,
+        data_files: &'r [RecordFile<'r>],
+        test_files: &'r [RecordFile<'r>],
+    ) -> Vec<FileRange<'r>> {
         let document = self.document;
-        let of_file = |read: &'r Read<'r>| {
-            let parts = read.cutting().parts(document.train.as_ref(), &document.test);
-            parts.into_iter().map(move |part| Taken { read, part })
+        let split = |file: &'r RecordFile<'r>| {
+            let ranges = file.record_split().split(document.train.as_ref(), &document.test);
+            ranges.into_iter().map(move |range| FileRange { file, range })
         };
-        let entire = |read: &'r Read<'r>| Taken { read, part: read.cutting().entire(Use::Test) };
-        let mut taken: Vec<_> = trained.iter().flat_map(of_file).chain(tested.iter().map(entire)).collect();
-        self.keep_apart(&mut taken);
-        [trained, tested].into_iter().for_each(|reads| self.check_once(reads));
-        let mut told = HashSet::new();
-        for taken in taken.iter().filter(|taken| taken.samples() < LEAST_SAMPLES) {
-            // Where both parts of a record are too short, that is told once.
-            if told.insert(taken.part.span) {
-                self.findings.push(self.too_few(taken));
+        let whole = |file: &'r RecordFile<'r>| {
+            let range = file.record_split().whole_record(RecordPurpose::Test);
+            FileRange { file, range }
+        };
+        let mut ranges: Vec<_> =
+            data_files.iter().flat_map(split).chain(test_files.iter().map(whole)).collect();
+        self.separate_test_data(&mut ranges);
+        [data_files, test_files].into_iter().for_each(|files| self.check_duplicates(files));
+        let mut reported_spans = HashSet::new();
+        for range in ranges.iter().filter(|range| range.row_count() < MIN_RECORD_SAMPLES) {
+            // If both ranges of a record are too short, one report is enough.
+            if reported_spans.insert(range.range.span) {
+                self.findings.push(self.too_few_samples(range));
             }
         }
-        taken
+        ranges
     }
 
-    /// Nothing is tested on that is trained on.
-    fn keep_apart(&mut self, taken: &mut [Taken<'_>]) {
-        let trained: Vec<_> = taken
+    /// Separates test ranges from the training ranges that they meet, and reports those that overlap.
+    fn separate_test_data(&mut self, ranges: &mut [FileRange<'_>]) {
+        let training: Vec<_> = ranges
             .iter()
-            .filter(|taken| taken.part.used == Use::Train)
-            .map(|taken| (taken.read, taken.part.places.clone()))
+            .filter(|entry| entry.range.purpose == RecordPurpose::Train)
+            .map(|entry| (entry.file, entry.range.samples.clone()))
             .collect();
-        for tested in taken.iter_mut().filter(|taken| taken.part.used == Use::Test) {
-            for (read, places) in trained.iter().filter(|(read, _)| read.is_same(tested.read)) {
-                let shared = apart(places, &mut tested.part.places);
+        for test in ranges.iter_mut().filter(|entry| entry.range.purpose == RecordPurpose::Test) {
+            for (file, samples) in training.iter().filter(|(file, _)| file.is_same_data(test.file)) {
+                let shared = separate_test_range(samples, &mut test.range.samples);
                 if shared > 0 {
-                    let message =
-                        format!("{shared} samples of {} are both trained and tested on", read.measured.name);
-                    self.findings.push(Diagnostic::at(Code::SharedSamples, tested.part.span, message));
+                    let message = format!(
+                        "{shared} samples of {} are used both to train and to test",
+                        file.measured.name
+                    );
+                    self.findings.push(Diagnostic::at(Code::SharedSamples, test.range.span, message));
                 }
             }
         }
     }
 
-    /// Tells of samples that a list has twice: they would count as more data than there are.
-    fn check_once(&mut self, reads: &[Read<'_>]) {
-        for (place, own) in reads.iter().enumerate() {
-            let whole = own.cutting().whole();
-            let others = reads[..place].iter().filter(|other| other.is_same(own));
-            let shared = others.map(|other| in_both(&other.cutting().whole(), &whole)).max().unwrap_or(0);
-            // Where one range ends and the next begins, they share a sample.
+    /// Reports samples that a list of records contains twice. They would count as more data than there are.
+    fn check_duplicates(&mut self, files: &[RecordFile<'_>]) {
+        for (index, file) in files.iter().enumerate() {
+            let samples = file.record_split().all_samples();
+            let earlier_files = files[..index].iter().filter(|earlier| earlier.is_same_data(file));
+            let shared = earlier_files
+                .map(|earlier| shared_samples(&earlier.record_split().all_samples(), &samples))
+                .max()
+                .unwrap_or(0);
+            // Two ranges that meet share one sample. That is not a duplicate.
             if shared > 1 {
-                let message = format!("{shared} samples of {} are listed twice", own.measured.name);
-                let finding = Diagnostic::at(Code::SharedSamples, own.cutting().span, message);
-                self.findings
-                    .push(finding.hint("list them once: twice they count as more data than there are"));
+                let message = format!("{shared} samples of {} are listed twice", file.measured.name);
+                let finding = Diagnostic::at(Code::SharedSamples, file.record_split().span, message);
+                self.findings.push(finding.hint("list them once: duplicates count as additional data"));
             }
         }
     }
 
-    fn too_few(&self, taken: &Taken<'_>) -> Diagnostic {
-        let (measured, part, seconds) = (&taken.read.measured, &taken.part, taken.read.seconds);
-        let (verb, more) = match (part.used, &self.document.test) {
-            (Use::Test, Held::Rest) => {
-                ("test", "; end \"train\" earlier, or give \"test\" a file of its own")
+    /// Reports a range with too few samples.
+    fn too_few_samples(&self, entry: &FileRange<'_>) -> Diagnostic {
+        let (measured, range) = (&entry.file.measured, &entry.range);
+        let unit_seconds = entry.file.unit_seconds;
+        let (verb, more) = match (range.purpose, &self.document.test) {
+            (RecordPurpose::Test, TestData::Remainder) => {
+                ("test", "; end \"train\" earlier, or specify a separate file as \"test\"")
             }
-            (Use::Test, _) => ("test", ""),
-            (Use::Train, _) => ("train", ""),
+            (RecordPurpose::Test, _) => ("test", ""),
+            (RecordPurpose::Train, _) => ("train", ""),
         };
-        let [from, to] =
-            [0, measured.len().saturating_sub(1)].map(|place| told(measured.time(place) / seconds));
+        let [from, to] = [0, measured.len().saturating_sub(1)]
+            .map(|sample| format_number(measured.time(sample) / unit_seconds));
         let message = format!(
-            "{} has {} to {verb} on, and {LEAST_SAMPLES} are needed",
+            "{} has {} to {verb} on, but needs {MIN_RECORD_SAMPLES}",
             measured.name,
-            plural(taken.samples(), "sample")
+            plural(entry.row_count(), "sample")
         );
-        let hint =
-            format!("the file has {} of them, at times from {from} to {to}{more}", measured.places.len());
-        Diagnostic::at(Code::TooFewSamples, part.span, message).hint(hint)
+        let hint = format!(
+            "the file has {}, at times from {from} to {to}{more}",
+            plural(measured.sample_indices.len(), "sample")
+        );
+        Diagnostic::at(Code::TooFewSamples, range.span, message).hint(hint)
     }
 }
 
-/// A deviation told in the unit of a column, or in this unit where the experiment tells none.
-fn of_unit(sigma: f64, wire: &Wire, unit: &Unit) -> f64 {
-    let told_in = wire.unit.as_ref().map_or(unit, |told| &told.value);
-    unit.out_of_si(told_in.to_si(sigma))
+/// Converts a standard deviation to the unit of the patch. It is in the unit that the experiment specifies for the
+/// column, or in the unit of the patch if there is none.
+fn in_target_unit(sigma: f64, binding: &ColumnBinding, target: &Unit) -> f64 {
+    let source = binding.unit.as_ref().map_or(target, |unit| &unit.value);
+    target.out_of_si(source.to_si(sigma))
 }
 
-/// That a range goes on where the data of all these files have ended, by more than a sample; one that holds none of them is told
-/// elsewhere.
-fn beyond(range: &Placed<(f64, f64)>, reads: &[Read<'_>]) -> Option<Diagnostic> {
-    let longest = reads.iter().max_by(|a, b| a.measured.duration().total_cmp(&b.measured.duration()))?;
+/// Reports a range that extends beyond the data of all these files by more than one sample. None if a file covers the
+/// range, and also if the range contains no data of the longest file: that is reported as too few samples.
+fn beyond_data(range: &Placed<(f64, f64)>, files: &[RecordFile<'_>]) -> Option<Diagnostic> {
+    let longest = files.iter().max_by(|a, b| a.measured.duration().total_cmp(&b.measured.duration()))?;
     let (from, to) = range.value;
-    let holds = |read: &Read<'_>| {
-        let [begin, end, every] = read.times();
-        from >= begin - every && to <= end + every
+    let covers_range = |file: &RecordFile<'_>| {
+        let [begin, end, interval] = file.first_last_interval();
+        from >= begin - interval && to <= end + interval
     };
-    let [begin, end, _] = longest.times();
-    let is_beside = from > end || to < begin;
+    let [begin, end, _] = longest.first_last_interval();
+    let has_no_data = from > end || to < begin;
     let message = || {
-        let [from, to, begin, end] = [from, to, begin, end].map(told);
-        format!("the range goes from {from} to {to}, and {} from {begin} to {end}", longest.measured.name)
+        let [from, to, begin, end] = [from, to, begin, end].map(format_number);
+        let name = &longest.measured.name;
+        format!("the range is from {from} to {to}, but the data of {name} are from {begin} to {end}")
     };
-    (!is_beside && !reads.iter().any(holds)).then(|| Diagnostic::at(Code::BeyondData, range.span, message()))
+    (!has_no_data && !files.iter().any(covers_range))
+        .then(|| Diagnostic::at(Code::BeyondData, range.span, message()))
 }
 
-/// What every column of the experiment is needed for.
-fn wanted<'d>(document: &'d Document, targets: impl Iterator<Item = Option<&'d Unit>>) -> Vec<Wanted<'d>> {
-    let sigmas = document
+/// Returns the columns to read: drives, then outputs. `targets` has the unit of the patch for each of them.
+fn requested_columns<'d>(
+    document: &'d ExperimentDocument,
+    targets: impl Iterator<Item = Option<&'d Unit>>,
+) -> Vec<RequestedColumn<'d>> {
+    let has_sigmas = document
         .drives
         .iter()
         .map(|drive| drive.sigma.is_some())
         .chain(document.outputs.iter().map(|output| output.sigma.is_some()));
-    let wanted = document.wires().zip(targets).zip(sigmas);
-    wanted
-        .map(|(((wire, noun), target), has_sigma)| Wanted {
-            column: &wire.column,
+    let entries = document.bindings().zip(targets).zip(has_sigmas);
+    entries
+        .map(|(((binding, noun), target_unit), has_sigma)| RequestedColumn {
+            column: &binding.column,
             noun,
-            name: &wire.name.value,
-            unit: wire.unit.as_ref(),
-            target,
+            name: &binding.name.value,
+            unit: binding.unit.as_ref(),
+            target_unit,
             has_sigma,
         })
         .collect()

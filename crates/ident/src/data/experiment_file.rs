@@ -1,25 +1,26 @@
-//! Reading an experiment from its file or from a text.
+//! Reading an experiment from its file or from a text, with all faults in one report.
 
 use std::fmt;
 use std::path::Path;
 
-use crate::data::document;
-use crate::data::document::Document;
 use crate::data::experiment::Experiment;
-use crate::data::experiment_builder::Bringing;
+use crate::data::experiment_builder::ExperimentBuilder;
+use crate::data::experiment_document::{ExperimentDocument, read_document};
 use patchcord_core::document::fields::Findings;
-use patchcord_core::document::{Code, Diagnostic, DocumentError, DocumentKind, Report, Span, text_of, tree};
+use patchcord_core::document::{
+    Code, Diagnostic, DocumentError, DocumentKind, Report, Span, read_text, tree,
+};
 
-/// Why an experiment cannot be worked with.
+/// Why an experiment cannot be read.
 #[derive(Debug)]
 pub enum ExperimentError {
-    /// The file system refused the experiment's own file.
+    /// The file of the experiment cannot be opened or read.
     File(DocumentError),
-    /// It is wrong, or its patch or its data are.
-    Wrong {
-        /// What is wrong with it, all at once.
+    /// The experiment, its patch or its data have errors.
+    Invalid {
+        /// All errors and warnings of the experiment and its data.
         experiment: Box<Report>,
-        /// What is wrong with its patch.
+        /// The report of the patch. None if the patch has no errors or cannot be read.
         patch: Option<Box<Report>>,
     },
 }
@@ -28,8 +29,8 @@ impl fmt::Display for ExperimentError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ExperimentError::File(error) => error.fmt(formatter),
-            ExperimentError::Wrong { experiment, patch: None } => experiment.fmt(formatter),
-            ExperimentError::Wrong { experiment, patch: Some(patch) } => {
+            ExperimentError::Invalid { experiment, patch: None } => experiment.fmt(formatter),
+            ExperimentError::Invalid { experiment, patch: Some(patch) } => {
                 write!(formatter, "{experiment}\n\n{patch}")
             }
         }
@@ -39,61 +40,96 @@ impl fmt::Display for ExperimentError {
 impl std::error::Error for ExperimentError {}
 
 impl Experiment {
-    /// Reads an experiment with its patch and its data; files are looked for from its folder.
+    /// Reads an experiment with its patch and its data. Paths in the experiment are relative to its folder.
     ///
     /// # Errors
-    /// Everything that is wrong with it, its patch and its data, all at once.
-    pub fn read(path: &Path) -> Result<Experiment, ExperimentError> {
+    /// If the experiment cannot be read, or if the experiment, its patch or its data have errors. The error contains
+    /// all of them.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_ident::Experiment;
+    ///
+    /// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+    /// assert_eq!(experiment.title, "A mass on a spring, released at 50 mm");
+    /// assert_eq!(experiment.fit, ["k"]);
+    /// assert_eq!(experiment.outputs[0].unit.text(), "mm");
+    ///
+    /// // The first three quarters of the record are for training, the rest is for testing.
+    /// assert!((experiment.train[0].interval - 0.02).abs() < 1e-9);
+    /// assert!(experiment.train[0].len() > experiment.test[0].len());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn read(path: impl AsRef<Path>) -> Result<Experiment, ExperimentError> {
+        let path = path.as_ref();
         let file = path.display().to_string();
-        let text = text_of(path).map_err(|error| match error {
-            DocumentError::Text(experiment) => ExperimentError::Wrong { experiment, patch: None },
+        let text = read_text(path).map_err(|error| match error {
+            DocumentError::Text(experiment) => ExperimentError::Invalid { experiment, patch: None },
             error => ExperimentError::File(error),
         })?;
         Experiment::parse_in(path.parent().unwrap_or(Path::new("")), &file, &text)
     }
 
-    /// Reads an experiment from a text; `file` is the name that reports give it, and files are looked for from `folder`.
+    /// Reads an experiment from a text. `file` is its name in reports. Paths in the experiment are relative to
+    /// `folder`.
     ///
     /// # Errors
-    /// Those of [`Experiment::read`].
+    /// If the experiment, its patch or its data have errors. The error contains all of them.
+    ///
+    /// # Examples
+    ///
+    /// The error has the place of every fault in the text:
+    ///
+    /// ```
+    /// use std::path::Path;
+    ///
+    /// use patchcord_ident::Experiment;
+    ///
+    /// let text = r#"{"patch": "absent.json", "data": "train.csv", "outputs": {"x": "x"}}"#;
+    /// let error = Experiment::parse_in(Path::new("."), "trial.experiment.json", text).unwrap_err();
+    /// assert!(error.to_string().contains("absent.json"));
+    /// ```
     pub fn parse_in(folder: &Path, file: &str, text: &str) -> Result<Experiment, ExperimentError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut findings = Findings::new();
-        let read = document_of(text, &mut findings);
-        let found =
-            read.map(|document| Bringing { folder, document: &document, findings: &mut findings }.together());
-        let (made, patch) = match found {
-            Some(Ok(made)) => (Some(made), None),
+        let document = document_of(text, &mut findings);
+        let built = document.map(|document| {
+            ExperimentBuilder { folder, document: &document, findings: &mut findings }.build()
+        });
+        let (experiment, patch) = match built {
+            Some(Ok(experiment)) => (Some(experiment), None),
             Some(Err(patch)) => (None, patch),
             None => (None, None),
         };
-        findings.iter_mut().for_each(|finding| finding.point_to("docs/gap.md"));
+        findings.iter_mut().for_each(|finding| finding.set_reference_page("docs/gap.md"));
         let report = Report::new(file, text, findings);
-        match made.filter(|_| !report.has_errors()) {
-            Some(made) => Ok(Experiment { file: file.to_owned(), warnings: report, ..made }),
-            None => Err(ExperimentError::Wrong { experiment: Box::new(report), patch }),
+        match experiment.filter(|_| !report.has_errors()) {
+            Some(experiment) => Ok(Experiment { file: file.to_owned(), warnings: report, ..experiment }),
+            None => Err(ExperimentError::Invalid { experiment: Box::new(report), patch }),
         }
     }
 }
 
-/// What to do where data stand in place of an experiment.
-const DATA_ALONE: &str = "name data as \"data\" of an experiment, a JSON file that begins with {\"patch\": \"base.json\", \"data\": \"train.csv\", ...";
+/// The hint for a text that looks like a data file instead of an experiment.
+const DATA_FILE_HINT: &str = "name the data file as \"data\" in an experiment, a JSON file that begins with {\"patch\": \"base.json\", \"data\": \"train.csv\", ...";
 
-fn document_of(text: &str, findings: &mut Findings) -> Option<Document> {
+/// Parses a text to an experiment document. None if the text is empty, is not JSON, or is a different kind of document.
+fn document_of(text: &str, findings: &mut Findings) -> Option<ExperimentDocument> {
     if text.trim().is_empty() {
         let hint = "an experiment begins with {\"patch\": \"base.json\", \"data\": \"train.csv\", ...";
         findings.push(Diagnostic::at(Code::Syntax, Span::default(), "the document is empty").hint(hint));
         return None;
     }
-    let looks_like_data = !text.trim_start().starts_with(['{', '[']);
-    let told = |finding: Diagnostic| match looks_like_data {
-        true => finding.hint(DATA_ALONE),
+    let is_probably_data = !text.trim_start().starts_with(['{', '[']);
+    let with_hint = |finding: Diagnostic| match is_probably_data {
+        true => finding.hint(DATA_FILE_HINT),
         false => finding,
     };
-    let root = tree::parse(text).map_err(|finding| findings.push(told(finding))).ok()?;
-    if let Some(finding) = DocumentKind::Experiment.instead(&root) {
+    let root = tree::parse(text).map_err(|finding| findings.push(with_hint(finding))).ok()?;
+    if let Some(finding) = DocumentKind::Experiment.wrong_kind(&root) {
         findings.push(finding);
         return None;
     }
-    document::document(&root, findings)
+    read_document(&root, findings)
 }

@@ -1,4 +1,5 @@
-//! Design of experiments: the weakest effects that data can show, and the experiment that discriminates between two.
+//! Design of experiments: the weakest effects that data can show, and the experiment that discriminates between two
+//! effects.
 
 pub mod detectability;
 pub mod discriminating_experiment;

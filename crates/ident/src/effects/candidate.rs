@@ -1,222 +1,257 @@
-//! An effect at a place of a patch, ready to be fitted: wired, in units, with the points from which fits begin.
+//! A candidate: an effect wired into a patch at one site, in units, with the points from which its fits start.
+//!
+//! The reaches of the site turn the effect's ranges and start values into units. The first parameter is the strength of
+//! the effect, the others are its shape. Fits start without effect in several shapes, and from combinations of the
+//! start values of all parameters. Each set of combinations is thinned to a fixed maximum.
 
-use crate::effects::attach::Attached;
-use crate::effects::graft::{Brought, Graft};
-use crate::effects::reach::{Largest, reach};
-use crate::effects::{EffectParameter, Start};
+use crate::effects::attach::EffectPlacement;
+use crate::effects::graft::{AddedParameter, Graft};
+use crate::effects::reach::{QuantitySize, evaluate_reach};
+use crate::effects::{EffectParameter, StartRule};
 use patchcord_core::patch::{EditError, Patch};
 
-/// No sample takes more steps than this for the sake of an effect's time.
-const MOST_STEPS: u32 = 4;
-/// From so many points a fit may begin,
-const MOST_STARTS: usize = 24;
-/// and from so many without any effect.
-const MOST_SHAPES: usize = 12;
-/// So many of what parameters may begin with together are gone through at most to find these.
-const MOST_JOINED: usize = 10_000;
-/// A parameter that begins at so many values or more has many valleys.
-const COMB: usize = 8;
-/// They lie as far apart as the first two, but for this share.
-const UNEVEN: f64 = 1e-6;
-/// By these shares of the way from one of them to the next a fit is moved, to see whether it ended in the wrong one.
-const BESIDE: [f64; 5] = [0.04, 0.1, 0.2, 0.35, 0.5];
+/// Largest number of solver steps per sample that a short time constant of an effect may require.
+const MAX_STEPS_PER_SAMPLE: u32 = 4;
+/// Largest number of start points with effect. It bounds the time of a trial.
+const MAX_STARTS: usize = 24;
+/// Largest number of start points without effect: shapes with the strength at its null value.
+const MAX_NULL_STARTS: usize = 12;
+/// Largest number of combinations of start values before they are thinned to the maximum. It bounds the memory.
+const MAX_COMBINATIONS: usize = 10_000;
+/// Least number of evenly spaced start values that count as a grid. The sum of squares then has many local minima along
+/// the parameter, such as one for each time of a change.
+const MIN_GRID_VALUES: usize = 8;
+/// Largest deviation of a grid's intervals from the first one, as a share of it. It only covers rounding.
+const GRID_TOLERANCE: f64 = 1e-6;
+/// Shifts of a fitted grid parameter, as shares of the grid's spacing, from which further fits start. They test whether
+/// the fit ended in a wrong local minimum.
+const NEIGHBOUR_SHIFTS: [f64; 5] = [0.04, 0.1, 0.2, 0.35, 0.5];
 
 /// An effect wired into a patch.
 #[derive(Debug, Clone)]
 pub struct Candidate {
-    /// Name of the effect.
+    /// The name of the effect.
     pub effect: String,
-    /// The element that it acts on.
+    /// The name of the element that it acts on.
     pub junction: String,
-    /// Which of its forms it has,
+    /// The index of its form in the effect's list.
     pub form: usize,
-    /// and what that is; empty where there is nothing to tell.
+    /// The note of its form. Empty if the effect has only one form.
     pub note: String,
-    /// What it reads beside it, where there is a choice.
+    /// The position, the load and the second integrator that its form uses, by name.
     pub reads: Vec<String>,
-    /// The patch with it.
+    /// The extended patch.
     pub graft: Graft,
-    /// Values of its parameters with which it has no effect, one for every shape that it may have.
-    pub without: Vec<Vec<f64>>,
-    /// Values from which fits begin beside those.
+    /// Start points without effect: values of all its parameters, in units. Empty if the strength has no null value.
+    pub null_starts: Vec<Vec<f64>>,
+    /// Further start points: values of all its parameters, in units.
     pub starts: Vec<Vec<f64>>,
-    /// The value of its first parameter at which there is no effect, where that lies in its range.
-    pub none: Option<f64>,
-    /// Effects that it is the same as where the data do not excite what sets it apart.
+    /// The value of the first parameter, in its unit, at which there is no effect. `None` if there is no such value.
+    pub null_value: Option<f64>,
+    /// Names of effects that data without the required excitation cannot distinguish from this one.
     pub(crate) aliases: Vec<String>,
-    /// Of every parameter how far the values lie apart from which fits begin, where they are many.
-    combs: Vec<Option<f64>>,
+    /// The spacing of each parameter's start values, in its unit. `None` if they are not a grid.
+    start_grid: Vec<Option<f64>>,
 }
 
 impl Candidate {
-    /// Wires an effect; `largest` holds what is largest where it attaches, `peaks` the frequencies at which a force is missing, in Hz.
+    /// Wires an effect into a patch. `sizes` are those of the quantities at the site. `peaks` are the frequencies, in
+    /// Hz, at which the residuals have peaks.
+    ///
+    /// `None` if the size of a parameter cannot be determined: a quantity of its reach is always zero, or there is no
+    /// peak.
     ///
     /// # Errors
-    /// When the fragment does not fit together.
+    /// If the fragment is inconsistent, so that the result is not a valid patch.
     pub fn new(
-        attached: &Attached<'_>,
+        placement: &EffectPlacement<'_>,
         patch: &Patch,
-        largest: &[Largest],
+        sizes: &[QuantitySize],
         peaks: &[f64],
     ) -> Result<Option<Candidate>, EditError> {
-        let told = attached.form.parameters.iter().map(|name| (name, &attached.effect.parameters[name]));
-        let measured = told.map(|(name, parameter)| Measured::of(name, parameter, largest, peaks));
-        let Some(measured) = measured.collect::<Option<Vec<_>>>() else { return Ok(None) };
-        let graft =
-            attached.graft(patch, &measured.iter().map(|own| own.brought.clone()).collect::<Vec<_>>())?;
-        let (first, shape) =
-            measured.split_first().map_or((None, [].as_slice()), |(first, shape)| (Some(first), shape));
-        let over_shapes = |sizes: Vec<f64>, most| {
-            let sizes = sizes.into_iter().map(|size| vec![size]).collect();
-            let joined = |points: Vec<Vec<f64>>, own: &Measured| {
-                each_with(thinned(points, MOST_JOINED / own.starts.len().max(1)), own)
+        let declared =
+            placement.form.parameters.iter().map(|name| (name, &placement.effect.parameters[name]));
+        let scaled = declared.map(|(name, parameter)| ScaledParameter::of(name, parameter, sizes, peaks));
+        let Some(scaled) = scaled.collect::<Option<Vec<_>>>() else { return Ok(None) };
+        let added: Vec<AddedParameter> = scaled.iter().map(|parameter| parameter.added.clone()).collect();
+        let graft = placement.graft(patch, &added)?;
+        let (strength, shape) =
+            scaled.split_first().map_or((None, [].as_slice()), |(strength, shape)| (Some(strength), shape));
+        let over_shapes = |strengths: Vec<f64>, max| {
+            let points = strengths.into_iter().map(|strength| vec![strength]).collect();
+            let combined = |points: Vec<Vec<f64>>, parameter: &ScaledParameter| {
+                let max_points = MAX_COMBINATIONS / parameter.starts.len().max(1);
+                each_with_starts(thinned(points, max_points), parameter)
             };
-            thinned(shape.iter().fold(sizes, joined), most)
+            thinned(shape.iter().fold(points, combined), max)
         };
-        let none = first.and_then(|first| first.none);
-        let starts = first.map(|first| first.starts.clone()).unwrap_or_default();
+        let null_value = strength.and_then(|strength| strength.null_value);
+        let starts = strength.map(|strength| strength.starts.clone()).unwrap_or_default();
         Ok(Some(Candidate {
-            effect: attached.effect.name.clone(),
-            junction: attached.junction().to_owned(),
-            form: attached.number(),
-            note: attached.form.note.clone(),
-            reads: attached.reads(),
+            effect: placement.effect.name.clone(),
+            junction: placement.junction().to_owned(),
+            form: placement.form_index(),
+            note: placement.form.note.clone(),
+            reads: placement.read_names(),
             graft,
-            without: over_shapes(none.into_iter().collect(), MOST_SHAPES),
-            starts: over_shapes(starts, MOST_STARTS),
-            none,
-            aliases: attached.effect.aliases.keys().cloned().collect(),
-            combs: measured.iter().map(|own| own.comb).collect(),
+            null_starts: over_shapes(null_value.into_iter().collect(), MAX_NULL_STARTS),
+            starts: over_shapes(starts, MAX_STARTS),
+            null_value,
+            aliases: placement.effect.aliases.keys().cloned().collect(),
+            start_grid: scaled.iter().map(|parameter| parameter.start_grid).collect(),
         }))
     }
 
-    /// Values of its parameters beside those where a fit ended, where it may have ended in the wrong of many valleys.
-    pub fn beside(&self, found: &[f64]) -> Vec<Vec<f64>> {
-        let combs = self.combs.iter().enumerate().filter_map(|(place, comb)| Some((place, (*comb)?)));
-        let moved = combs.flat_map(|(place, comb)| {
-            let [low, high] = self.graft.parameters[place].range;
-            let shifts = BESIDE.into_iter().flat_map(move |share| [-share * comb, share * comb]);
+    /// Points next to a fitted point: each grid parameter is shifted by shares of its spacing, within its range. Empty
+    /// if there is no grid parameter.
+    pub fn neighbours(&self, fitted: &[f64]) -> Vec<Vec<f64>> {
+        let grids =
+            self.start_grid.iter().enumerate().filter_map(|(index, spacing)| Some((index, (*spacing)?)));
+        let points = grids.flat_map(|(index, spacing)| {
+            let [low, high] = self.graft.parameters[index].range;
+            let shifts =
+                NEIGHBOUR_SHIFTS.into_iter().flat_map(move |share| [-share * spacing, share * spacing]);
             shifts.map(move |shift| {
-                let mut moved = found.to_vec();
-                moved[place] = (moved[place] + shift).clamp(low, high);
-                moved
+                let mut point = fitted.to_vec();
+                point[index] = (point[index] + shift).clamp(low, high);
+                point
             })
         });
-        moved.collect()
+        points.collect()
     }
 
-    /// Values of its parameters, those out of their ranges at the ends of these.
-    pub fn within(&self, values: &[f64]) -> Vec<f64> {
+    /// Values of its parameters, clamped to their ranges.
+    pub fn clamped(&self, values: &[f64]) -> Vec<f64> {
         let pairs = values.iter().zip(&self.graft.parameters);
-        pairs.map(|(value, own)| value.clamp(own.range[0], own.range[1])).collect()
+        pairs.map(|(value, parameter)| value.clamp(parameter.range[0], parameter.range[1])).collect()
     }
 
-    /// Whether it may be but another: an alias at the same place.
-    pub fn may_be(&self, other: &Candidate) -> bool {
+    /// Whether the other candidate acts on the same element and its effect is an alias of this one.
+    pub fn has_alias(&self, other: &Candidate) -> bool {
         self.junction == other.junction && self.aliases.contains(&other.effect)
     }
 
-    /// Whether it is this effect at this place.
-    pub fn is(&self, attached: &Attached<'_>) -> bool {
-        self.is_the(&attached.effect.name, attached.number(), attached.junction(), &attached.reads())
+    /// Whether it is this placement: the same effect, form and element, with the same inputs.
+    pub fn is_placed_as(&self, placement: &EffectPlacement<'_>) -> bool {
+        let (form, reads) = (placement.form_index(), placement.read_names());
+        self.has_placement(&placement.effect.name, form, placement.junction(), &reads)
     }
 
-    /// The effect and where it acts.
-    pub fn named(&self) -> String {
+    /// The effect and the element that it acts on: "viscous-friction at IV".
+    pub fn label(&self) -> String {
         format!("{} at {}", self.effect, self.junction)
     }
 
-    /// Whether another is the same effect at the same place.
+    /// Whether another candidate has the same placement. The patches that they extend may differ.
     pub fn is_same(&self, other: &Candidate) -> bool {
-        self.is_the(&other.effect, other.form, &other.junction, &other.reads)
+        self.has_placement(&other.effect, other.form, &other.junction, &other.reads)
     }
 
-    fn is_the(&self, effect: &str, form: usize, junction: &str, reads: &[String]) -> bool {
+    /// Whether its placement has these names.
+    fn has_placement(&self, effect: &str, form: usize, junction: &str, reads: &[String]) -> bool {
         self.effect == effect && self.form == form && self.junction == junction && self.reads == reads
     }
 
-    /// Steps from sample to sample without which its least time would be shorter than a step.
-    pub fn steps(&self, interval: f64) -> u32 {
-        let times = self.graft.parameters.iter().filter(|own| own.unit == "s" && own.range[0] > 0.0);
-        let steps = times.map(|own| (interval / own.range[0]).ceil() as u32);
-        steps.max().unwrap_or(1).clamp(1, MOST_STEPS)
+    /// Solver steps per sample that keep a step shorter than the least time constant of its parameters, at most 4.
+    /// `interval` is the time between two samples, in seconds.
+    pub fn steps_per_sample(&self, interval: f64) -> u32 {
+        let times = self.graft.parameters.iter();
+        let times = times.filter(|parameter| parameter.unit == "s" && parameter.range[0] > 0.0);
+        let steps = times.map(|parameter| (interval / parameter.range[0]).ceil() as u32);
+        steps.max().unwrap_or(1).clamp(1, MAX_STEPS_PER_SAMPLE)
     }
 }
 
-/// Values by so many shares of the span from the end of what the reach names.
-const FROM_THE_END: [f64; 2] = [0.01, 0.05];
+/// Distances from the end of a quantity's range at which fits start, as shares of the range. At the end itself the
+/// effect does nothing, so that a fit could not move.
+const DISTANCES_FROM_END: [f64; 2] = [0.01, 0.05];
 
-fn near_the_end(
+/// Start values just within the end of a quantity's measured range, then those just within the end of the range that
+/// the model visits. `orient` puts the chosen end first. `None` if the reach is not the name of a quantity at this
+/// site.
+fn starts_near_end(
     parameter: &EffectParameter,
-    largest: &[Largest],
-    towards: impl Fn([f64; 2]) -> [f64; 2],
+    sizes: &[QuantitySize],
+    orient: impl Fn([f64; 2]) -> [f64; 2],
 ) -> Option<Vec<f64>> {
-    let named = largest.iter().find(|own| own.name == parameter.reach.text())?;
-    let from = |ends: [f64; 2]| {
-        let [end, other] = towards(ends);
-        FROM_THE_END.map(|share| end + share * (other - end))
+    let quantity = sizes.iter().find(|size| size.name == parameter.reach.text())?;
+    let near_end = |range: [f64; 2]| {
+        let [end, other] = orient(range);
+        DISTANCES_FROM_END.map(|share| end + share * (other - end))
     };
-    let measured = from(named.extent.ends);
-    let met = from(named.extent.met).into_iter().filter(|own| !measured.contains(own));
-    Some(measured.into_iter().chain(met).collect())
+    let measured = near_end(quantity.extent.range);
+    let visited = near_end(quantity.extent.visited).into_iter().filter(|start| !measured.contains(start));
+    Some(measured.into_iter().chain(visited).collect())
 }
 
-/// So many of several points at most, from all over them.
-fn thinned(points: Vec<Vec<f64>>, most: usize) -> Vec<Vec<f64>> {
-    let every = points.len().div_ceil(most).max(1);
+/// At most `max` of several points, at even intervals of the list.
+fn thinned(points: Vec<Vec<f64>>, max: usize) -> Vec<Vec<f64>> {
+    let every = points.len().div_ceil(max).max(1);
     points.into_iter().step_by(every).collect()
 }
 
-/// Points with one more parameter, which may be each of several.
-fn each_with(points: Vec<Vec<f64>>, own: &Measured) -> Vec<Vec<f64>> {
-    let with = |point: Vec<f64>| {
-        own.starts.iter().map(move |start| [point.as_slice(), &[*start]].concat()).collect::<Vec<_>>()
+/// Every point with every start value of one more parameter appended.
+fn each_with_starts(points: Vec<Vec<f64>>, parameter: &ScaledParameter) -> Vec<Vec<f64>> {
+    let extended = |point: Vec<f64>| {
+        let starts = parameter.starts.iter();
+        starts.map(move |start| [point.as_slice(), &[*start]].concat()).collect::<Vec<_>>()
     };
-    points.into_iter().flat_map(with).collect()
+    points.into_iter().flat_map(extended).collect()
 }
 
-/// A parameter in its unit.
-struct Measured {
-    brought: Brought,
-    /// The value at which there is no effect.
-    none: Option<f64>,
+/// A parameter of an effect with all values in its unit.
+struct ScaledParameter {
+    /// The parameter of the patch, with its first start value.
+    added: AddedParameter,
+    /// The value without effect.
+    null_value: Option<f64>,
+    /// The values from which fits start, within the range. There is at least one.
     starts: Vec<f64>,
-    /// How far these lie apart, where they are many.
-    comb: Option<f64>,
+    /// The spacing of the start values if they are a grid.
+    start_grid: Option<f64>,
 }
 
-/// How far many values lie apart, all alike.
-fn comb(starts: &[f64]) -> Option<f64> {
-    let apart: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let first = *apart.first().filter(|_| starts.len() >= COMB)?;
-    let is_even = apart.iter().all(|own| (own - first).abs() < UNEVEN * first.abs());
+/// The spacing of start values if they are a grid: many and evenly spaced.
+fn grid_spacing(starts: &[f64]) -> Option<f64> {
+    let intervals: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let first = *intervals.first().filter(|_| starts.len() >= MIN_GRID_VALUES)?;
+    let is_even = intervals.iter().all(|interval| (interval - first).abs() < GRID_TOLERANCE * first.abs());
     is_even.then(|| first.abs())
 }
 
-impl Measured {
-    fn of(name: &str, parameter: &EffectParameter, largest: &[Largest], peaks: &[f64]) -> Option<Measured> {
-        let (size, unit) = reach(&parameter.reach, largest)?;
-        // Where something that it is measured in never leaves zero, it has nothing to act on.
-        if !size.is_normal() {
+impl ScaledParameter {
+    /// Converts a parameter from reaches to its unit. `None` if its reach or its start values cannot be determined.
+    ///
+    /// Start values are clamped to the range. A frequency of the residual may be outside it.
+    fn of(
+        name: &str,
+        parameter: &EffectParameter,
+        sizes: &[QuantitySize],
+        peaks: &[f64],
+    ) -> Option<ScaledParameter> {
+        let (reach, unit) = evaluate_reach(&parameter.reach, sizes)?;
+        // If a quantity of the reach is always zero, the effect has no influence.
+        if !reach.is_normal() {
             return None;
         }
-        let range = parameter.range.map(|end| end * size);
+        let range = parameter.range.map(|end| end * reach);
         let starts: Vec<f64> = match &parameter.start {
-            Start::Values(values) => values.iter().map(|value| value * size).collect(),
-            Start::Spectrum => peaks.to_vec(),
-            Start::Highest => near_the_end(parameter, largest, |[least, most]| [most, least])?,
-            Start::Lowest => near_the_end(parameter, largest, |[least, most]| [-least, -most])?,
+            StartRule::Values(values) => values.iter().map(|value| value * reach).collect(),
+            StartRule::Spectrum => peaks.to_vec(),
+            StartRule::Highest => starts_near_end(parameter, sizes, |[low, high]| [high, low])?,
+            StartRule::Lowest => starts_near_end(parameter, sizes, |[low, high]| [-low, -high])?,
         };
         let starts: Vec<f64> = starts.into_iter().map(|start| start.clamp(range[0], range[1])).collect();
-        let brought = Brought {
+        let added = AddedParameter {
             name: name.to_owned(),
-            of: name.to_owned(),
+            name_in_effect: name.to_owned(),
             unit: unit.text().to_owned(),
             value: *starts.first()?,
             range,
         };
-        let none = parameter.none.map(|none| none * size);
-        let comb = matches!(parameter.start, Start::Values(_)).then(|| comb(&starts)).flatten();
-        Some(Measured { brought, none, starts, comb })
+        let null_value = parameter.null_value.map(|value| value * reach);
+        let is_listed = matches!(parameter.start, StartRule::Values(_));
+        let start_grid = is_listed.then(|| grid_spacing(&starts)).flatten();
+        Some(ScaledParameter { added, null_value, starts, start_grid })
     }
 }

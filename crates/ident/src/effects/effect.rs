@@ -1,151 +1,188 @@
-//! Effects that a patch may lack: fragments of a few elements, with the places where they attach, parameters and physics.
+//! The data model of an effect: a fragment of a few elements, its parameters, its physics and the ways to wire it.
+//!
+//! The structs follow the keys of an effect's document (docs/effect-format.md). `reader` fills them. The *reach* of a
+//! parameter is the unit and the natural size in which its range and its start values are counted. It depends on the
+//! site, so that one document suits patches of any size.
+//!
+//! A form attaches at one kind of site ([`Attachment`]), reads signals there ([`InputRole`]) and gives its outputs to
+//! destinations ([`OutputRole`]). Which roles are possible depends on the kind of site: see
+//! [`Attachment::input_roles`].
 
 use indexmap::IndexMap;
 use serde_json::{Map, Value};
 
-use crate::effects::reach::NAMES;
+use crate::effects::reach::REACH_NAMES;
 use patchcord_expr::{Formula, Unit};
 
 /// A physical effect as a fragment that can be wired into a patch: one file of `patches/effects`.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::effects::{Attachment, Library, StartRule};
+///
+/// let library = Library::shipped();
+/// let friction = library.get("viscous-friction").ok_or("a shipped effect")?;
+/// let c = &friction.parameters["c"];
+/// assert_eq!((c.reach.text(), c.range, c.null_value), ("sum / own", [0.0, 5.0], Some(0.0)));
+/// assert_eq!(c.start, StartRule::Values(vec![0.1, 1.0]));
+/// assert_eq!(friction.forms[0].attachment, Attachment::Motion);
+/// assert!(friction.aliases.contains_key("quadratic-drag"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Effect {
-    /// Its name: the stem of its file.
+    /// Unique name: the stem of the file name, such as "viscous-friction".
     pub name: String,
-    /// What people call it.
+    /// Common name of the effect, for headings.
     pub title: String,
-    /// Its law as a formula.
+    /// The law as a formula in plain text, such as "F = c v".
     pub law: String,
-    /// Its physics in a sentence.
+    /// The physics in a sentence or two.
     pub physics: String,
-    /// Where law and physics are from.
+    /// The literature from which the law and the physics are taken.
     pub source: String,
-    /// What data must hold for it to be judged.
+    /// The motion that data must contain to identify the effect.
     pub excitation: String,
-    /// Other effects that are the same thing, and when.
+    /// Effects that have the same influence under a condition. The key is the name of the effect, the value the
+    /// condition in words.
     pub aliases: IndexMap<String, String>,
-    /// What is fitted, by name.
+    /// The fitted parameters by name.
     pub parameters: IndexMap<String, EffectParameter>,
-    /// The ways to wire it.
+    /// The alternative ways to wire the effect. Each is tried separately.
     pub forms: Vec<Form>,
 }
 
-/// A parameter of an effect. It has the unit of its reach; range and starts count in reaches.
+/// A parameter of an effect. Its unit is that of its reach. All values are counted in reaches.
 #[derive(Debug, Clone)]
 pub struct EffectParameter {
-    /// A product of powers of what is largest where it attaches.
+    /// The reach: a product of powers of the largest values at the site, such as `sum / own^2`.
     pub reach: Formula,
-    /// Least and largest value searched.
+    /// Least and largest value of the search, in reaches.
     pub range: [f64; 2],
-    /// From where fits begin.
-    pub start: Start,
-    /// The value at which there is no effect, in reaches.
-    pub none: Option<f64>,
-    /// What it is.
+    /// The rule for the values from which fits start.
+    pub start: StartRule,
+    /// The value without effect, in reaches. `None` if no fit starts without effect.
+    pub null_value: Option<f64>,
+    /// The meaning of the parameter in a few words.
     pub description: String,
 }
 
 impl Form {
-    /// The names of what is largest where it attaches, in which its parameters may be measured.
-    pub fn measures(&self) -> Vec<&'static str> {
-        let (is_cord, is_beside) = (self.at.is_cord(), self.at.is_beside());
-        let has = |reads| is_beside && self.reads.contains(&reads);
-        let has_load = has(Reads::Load) || has(Reads::Force);
-        let gives_on = is_beside && self.gives.iter().any(|(gives, _)| *gives == Gives::AddToNext);
-        let has = |name: &str| match name {
+    /// The names that the reaches of this form may contain, given where it attaches and what it reads.
+    pub fn reach_names(&self) -> Vec<&'static str> {
+        let (is_cord, is_summing) = (self.attachment.is_cord(), self.attachment.is_summing());
+        let reads = |role| is_summing && self.reads.contains(&role);
+        let reads_load = reads(InputRole::Load) || reads(InputRole::Force);
+        let drives_next = is_summing && self.gives.iter().any(|(role, _)| *role == OutputRole::AddToNext);
+        let is_available = |name: &str| match name {
             "own" | "sum" => !is_cord,
-            "position" => has(Reads::Position),
-            "load" | "force" => has_load,
-            "next" => gives_on,
+            "position" => reads(InputRole::Position),
+            "load" | "force" => reads_load,
+            "next" => drives_next,
             _ => true,
         };
-        NAMES.into_iter().filter(|name| has(name)).collect()
+        REACH_NAMES.into_iter().filter(|name| is_available(name)).collect()
     }
 }
 
 impl Attachment {
-    /// Whether it lies in the cords of an output.
+    /// Whether a fragment is inserted into the cords of an output.
     fn is_cord(self) -> bool {
         matches!(self, Attachment::Drive | Attachment::Level)
     }
 
-    /// Whether a fragment adds to what drives an integrator.
-    fn is_beside(self) -> bool {
+    /// Whether a fragment adds to the sum that drives an integrator.
+    fn is_summing(self) -> bool {
         matches!(self, Attachment::Motion | Attachment::Store | Attachment::Sum)
     }
 
-    /// What a fragment there may read.
-    pub fn reads(self) -> &'static [Reads] {
+    /// The inputs that a fragment may have at this kind of site.
+    pub fn input_roles(self) -> &'static [InputRole] {
         match self {
-            Attachment::Drive | Attachment::Level => &[Reads::In],
-            Attachment::Total => &[Reads::In, Reads::Own],
-            _ => &[Reads::Own, Reads::Position, Reads::Load, Reads::Force],
+            Attachment::Drive | Attachment::Level => &[InputRole::In],
+            Attachment::Total => &[InputRole::In, InputRole::Own],
+            _ => &[InputRole::Own, InputRole::Position, InputRole::Load, InputRole::Force],
         }
     }
 
-    /// What its elements may be wired to.
-    pub fn gives(self) -> &'static [Gives] {
-        match self.is_beside() {
-            true => &[Gives::Add, Gives::Subtract, Gives::Brake, Gives::AddToNext],
-            false => &[Gives::Out],
+    /// The destinations that a fragment's outputs may have at this kind of site.
+    pub fn output_roles(self) -> &'static [OutputRole] {
+        match self.is_summing() {
+            true => &[OutputRole::Add, OutputRole::Subtract, OutputRole::Brake, OutputRole::AddToNext],
+            false => &[OutputRole::Out],
         }
     }
 }
 
 impl Effect {
-    /// Whether it may act at the same place twice: each time with a frequency of its own.
-    pub fn recurs(&self) -> bool {
-        self.parameters.values().any(|own| own.start == Start::Spectrum)
+    /// Whether the effect may act more than once at the same site, because each instance has a frequency of its own.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_ident::effects::Library;
+    ///
+    /// let library = Library::shipped();
+    /// let is_repeatable = |name| library.get(name).is_some_and(|effect| effect.is_repeatable());
+    /// assert!(is_repeatable("periodic-disturbance") && !is_repeatable("viscous-friction"));
+    /// ```
+    pub fn is_repeatable(&self) -> bool {
+        self.parameters.values().any(|parameter| parameter.start == StartRule::Spectrum)
     }
 }
 
-/// From where fits begin.
+/// The rule for the values of a parameter from which fits start.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Start {
-    /// From each of these values.
+pub enum StartRule {
+    /// Each of these values, in reaches.
     Values(Vec<f64>),
-    /// From the frequencies of which what is left is full.
+    /// The frequencies of the highest peaks in the spectrum of the residuals.
     Spectrum,
-    /// From just below the highest value of what the reach names, and of those to which the patch comes.
+    /// Just below the highest measured value of the quantity that the reach names, and just below the highest value
+    /// that the model reaches without the effect.
     Highest,
-    /// From just above its lowest value, counted downward.
+    /// Just above the lowest values, with the sign changed: 3 if the lowest value is -3.
     Lowest,
 }
 
-impl Start {
-    /// The words for those that data tell.
-    pub const WORDS: [(&str, Start); 3] =
-        [("spectrum", Start::Spectrum), ("highest", Start::Highest), ("lowest", Start::Lowest)];
+impl StartRule {
+    /// The keywords of documents for the rules that depend on data.
+    pub const KEYWORDS: [(&str, StartRule); 3] =
+        [("spectrum", StartRule::Spectrum), ("highest", StartRule::Highest), ("lowest", StartRule::Lowest)];
 }
 
-/// A way to wire an effect.
+/// One way to wire an effect.
 #[derive(Debug, Clone)]
 pub struct Form {
-    /// What sets it apart from the other forms.
+    /// The difference from the other forms of the effect. Empty if there is only one.
     pub note: String,
-    /// Where it attaches.
-    pub at: Attachment,
-    /// Of a cord, the unit in which what comes through it must be measurable.
+    /// The kind of site at which it attaches (key `at`).
+    pub attachment: Attachment,
+    /// Only for a cord: its quantity must have the dimension of this unit. `None` if any dimension suits.
     pub signal: Option<Unit>,
-    /// What it reads.
-    pub reads: Vec<Reads>,
-    /// What its elements are wired to.
-    pub gives: Vec<(Gives, String)>,
-    /// So many volts of the sum stand for a volt that it gives: forces far above all others would leave the range of the machine.
-    pub times: f64,
-    /// Powers of ten that keep its potentiometers within 0 ... 1, by name: at least what the formula comes to.
+    /// The inputs of the fragment.
+    pub reads: Vec<InputRole>,
+    /// The outputs of the fragment: the destination, and the name of the element that drives it.
+    pub gives: Vec<(OutputRole, String)>,
+    /// Volts of the sum per volt of the fragment's output (key `times`); 1 or more. A larger value keeps a force that
+    /// is far larger than all others within the range of the machine.
+    pub output_gain: f64,
+    /// Powers of ten that keep the fragment's potentiometers within 0 ... 1, by name. Each is at least the largest
+    /// value of its formula.
     pub gains: IndexMap<String, Formula>,
-    /// Its drives, as in a patch.
-    pub drives: Map<String, Value>,
-    /// Its elements, as in a macro.
-    pub elements: Map<String, Value>,
-    /// Its states of which the data find the initial voltage.
-    pub free: Vec<String>,
-    /// The parameters that it has.
+    /// The drives of the fragment, in the format of a patch.
+    pub(crate) drives: Map<String, Value>,
+    /// The elements of the fragment, in the format of a macro.
+    pub(crate) elements: Map<String, Value>,
+    /// The states of the fragment whose initial voltage is fitted (key `free`).
+    pub free_states: Vec<String>,
+    /// The parameters of the effect that this form has. The first is its strength.
     pub parameters: Vec<String>,
 }
 
-/// Words that documents choose one of.
-macro_rules! words {
+/// Defines an enum whose variants are words of a document, with their meanings.
+macro_rules! document_words {
     ($(#[$doc:meta])* $name:ident { $($variant:ident $text:literal $meaning:literal),* $(,)? }) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -154,15 +191,15 @@ macro_rules! words {
         }
 
         impl $name {
-            /// Every one, in the order of listings.
+            /// All variants, in the order of listings.
             pub const ALL: &[$name] = &[$($name::$variant),*];
 
-            /// The word for it in documents.
+            /// The word in documents.
             pub fn word(self) -> &'static str {
                 match self { $($name::$variant => $text,)* }
             }
 
-            /// What it means.
+            /// The meaning in a few words.
             pub fn meaning(self) -> &'static str {
                 match self { $($name::$variant => $meaning,)* }
             }
@@ -170,36 +207,36 @@ macro_rules! words {
     };
 }
 
-words! {
-    /// Where a fragment attaches.
+document_words! {
+    /// The kind of site at which a fragment attaches.
     Attachment {
-        Motion "motion" "the input of an integrator that gives a velocity",
-        Store "store" "the input of an integrator that gives something else: a level, a temperature, a voltage",
-        Sum "sum" "the input of any integrator that does more than integrate a velocity",
-        Drive "drive" "in the cords of a drive",
-        Level "level" "in the cords of a friction level, which drives a brake or the bias of a dead zone",
-        Total "total" "between all that drives an integrator and the integrator",
+        Motion "motion" "the input of an integrator whose output is a velocity",
+        Store "store" "the input of an integrator with another output: a level, a temperature, a voltage",
+        Sum "sum" "the input of any integrator, except one that only integrates a velocity",
+        Drive "drive" "the cords of a drive",
+        Level "level" "the cords of a friction level, which drives a brake or the bias of a dead zone",
+        Total "total" "between an integrator and everything that drives it",
     }
 }
 
-words! {
-    /// What a fragment reads.
-    Reads {
-        Own "own" "what the integrator gives, positive where it is",
-        Position "position" "a signal of its time integral",
+document_words! {
+    /// The meaning of an input of a fragment.
+    InputRole {
+        Own "own" "the output of the integrator, with its sign",
+        Position "position" "a signal of the time integral of that output",
         Load "load" "a signal or drive in the unit of the sum",
-        Force "force" "such a signal that is no drive",
-        In "in" "what came through the cord",
+        Force "force" "a signal in the unit of the sum that is not a drive",
+        In "in" "the voltage that the cord carried",
     }
 }
 
-words! {
-    /// What an element of a fragment is wired to.
-    Gives {
-        Add "add" "the sum, upward",
-        Subtract "subtract" "the sum, downward",
+document_words! {
+    /// The destination of an output of a fragment.
+    OutputRole {
+        Add "add" "the sum: a positive voltage increases the output of the integrator",
+        Subtract "subtract" "the sum: a positive voltage decreases the output of the integrator",
         Brake "brake" "the brake of the integrator",
-        Out "out" "what the cord drove",
-        AddToNext "add_to_next" "the sum of another integrator of the same kind, upward",
+        Out "out" "the inputs that the cord drove",
+        AddToNext "add_to_next" "the sum of another integrator of the same kind, as with add",
     }
 }

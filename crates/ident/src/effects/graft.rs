@@ -1,210 +1,235 @@
-//! A patch with an effect wired in: the fragment as a macro of its own, an instance or several, and the cords that join it.
+//! A graft: a patch extended by an effect.
+//!
+//! The fragment of the effect becomes a macro with one instance, or several where it is inserted into several cords.
+//! New potentiometers and inverters lead its outputs to the site with the right scale and sign. All new names are
+//! unused in the patch. The parameters of the effect become parameters of the patch, in the units of the site.
+//!
+//! The order of the work is: choose unused names, connect the inputs of the fragment, lead its outputs to the site, and
+//! write everything with a patch editor. Checks of patches run at the end, so that a fault in a fragment is reported
+//! like a fault in any patch. The machine becomes "unlimited", because an effect may need more amplifiers than a
+//! machine has.
 
 use indexmap::{IndexMap, IndexSet};
 use serde_json::{Map, Value, json};
 
-use crate::data::drive_timing::{RECORD_START, is_told_the_start};
-use crate::effects::attach::{Attached, Place};
-use crate::effects::sites::{Junction, Reading, Total};
-use crate::effects::{Attachment, Gives, Reads};
+use crate::data::drive_timing::{RECORD_START, uses_record_start};
+use crate::effects::attach::{AttachmentSite, EffectPlacement};
+use crate::effects::sites::{Junction, ScaledSignal, TotalCord};
+use crate::effects::{Attachment, InputRole, OutputRole};
 use patchcord_core::elements;
 use patchcord_core::elements::Family;
 use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{EditError, ElementBuilder, MacroBuilder, ParameterBuilder, Patch, PatchEditor};
 use patchcord_expr::{Dimension, Formula, Scope, Unit};
 
-/// A parameter that a graft brings into the patch.
+/// A parameter that an effect adds to a patch.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Brought {
-    /// Its name in the patch.
+pub struct AddedParameter {
+    /// Its name in the patch. It has a suffix such as "_1" if the patch has used the effect's name already.
     pub name: String,
     /// Its name in the effect.
-    pub of: String,
-    /// Its unit.
+    pub name_in_effect: String,
+    /// Its unit: that of its reach at the site.
     pub unit: String,
-    /// The value that it has in the patch, in that unit.
+    /// Its value in the patch, in that unit.
     pub value: f64,
-    /// Least and largest value.
+    /// The least and the largest value of the search, in that unit.
     pub range: [f64; 2],
 }
 
-/// An effect wired into a patch.
+/// A patch extended by an effect.
 #[derive(Debug, Clone)]
 pub struct Graft {
-    /// The patch with it.
+    /// The extended patch.
     pub patch: Patch,
-    /// The parameters that came with it.
-    pub parameters: Vec<Brought>,
-    /// The parameters that are the initial voltages of its states.
-    pub free: Vec<String>,
+    /// The parameters of the effect, in the order of its form.
+    pub parameters: Vec<AddedParameter>,
+    /// The added parameters that are the initial voltages of the fragment's states, in the order of the form's
+    /// `free_states`.
+    pub initial_states: Vec<String>,
 }
 
-impl Attached<'_> {
-    /// Wires the effect into a patch; `parameters` are those of the form, with values and ranges, named as in the effect.
+impl EffectPlacement<'_> {
+    /// Wires the effect into a patch. `parameters` are those of the form, named as in the effect, with values and
+    /// ranges in the units of the site.
     ///
     /// # Errors
-    /// When what comes out is no document: the fragment does not fit together.
-    pub fn graft(&self, patch: &Patch, parameters: &[Brought]) -> Result<Graft, EditError> {
-        let mut wiring = Wiring::new(self, patch, parameters);
-        match &self.place {
-            Place::Junction { junction, .. } if self.form.at == Attachment::Total => wiring.through(junction),
-            Place::Junction { junction, next, .. } => wiring.beside(junction, *next),
-            Place::Cord(reading) => wiring.splice(reading),
+    /// If the result is not a valid patch, because the fragment is inconsistent.
+    pub fn graft(&self, patch: &Patch, parameters: &[AddedParameter]) -> Result<Graft, EditError> {
+        let mut builder = GraftBuilder::new(self, patch, parameters);
+        match &self.site {
+            AttachmentSite::Junction { junction, .. } if self.form.attachment == Attachment::Total => {
+                builder.insert_before_integrator(junction);
+            }
+            AttachmentSite::Junction { junction, next, .. } => builder.add_to_sum(junction, *next),
+            AttachmentSite::Cord(signal) => builder.insert_into_cords(signal),
         }
-        wiring.graft()
+        builder.finish()
     }
 }
 
-/// A graft under way.
-struct Wiring<'a> {
-    attached: &'a Attached<'a>,
+/// Collects the changes that wire an effect into a patch.
+struct GraftBuilder<'a> {
+    /// The effect, its form and the site.
+    placement: &'a EffectPlacement<'a>,
+    /// The patch that is extended.
     patch: &'a Patch,
-    /// Name of the instance.
-    name: String,
-    parameters: Vec<Brought>,
-    /// What the names in the fragment's formulas are written as.
-    words: IndexMap<String, String>,
+    /// Name of the first instance: "E1", "E2", ...
+    instance: String,
+    /// The added parameters with unused names.
+    parameters: Vec<AddedParameter>,
+    /// The names of the fragment's formulas and the names that replace them in the patch.
+    renames: IndexMap<String, String>,
     /// New elements by name.
     elements: IndexMap<String, ElementBuilder>,
-    /// Changes of the cords of elements and instances that the patch has, in their order.
+    /// Changes of the cords of existing elements and instances, in the order in which they apply.
     rewirings: Vec<Rewiring>,
-    /// New scales, for quantities that have no scale in the patch: name, value of a volt, unit.
+    /// New scales for quantities that have no named scale in the patch: name, value of a volt, unit.
     scales: Vec<(String, Value, String)>,
-    /// What is plugged into the instance, by port.
+    /// The inputs of the first instance, by port.
     inputs: IndexMap<String, String>,
-    /// Further instances, where one is not enough, and what is plugged into them.
-    others: Vec<(String, IndexMap<String, String>)>,
+    /// Further instances with their inputs, for a fragment that is inserted into several cords.
+    further_instances: Vec<(String, IndexMap<String, String>)>,
 }
 
-/// A change of the cords of an element or an instance that the patch has.
+/// A change of the cords of an existing element or instance.
 enum Rewiring {
-    /// One more cord.
-    Cord { element: String, jack: String, from: String },
-    /// Another name in place of one that is plugged in.
-    Replug { element: String, from: String, to: String },
+    /// Adds a cord from an output to a jack.
+    Add { element: String, jack: String, from: String },
+    /// Replaces the output `from` by `to` in all cords of an element.
+    Replace { element: String, from: String, to: String },
 }
 
 impl Rewiring {
+    /// Applies the change. No cord is added to an integrator whose document lists no jacks.
     fn apply(&self, editor: &mut PatchEditor) -> Result<(), EditError> {
         match self {
-            Rewiring::Cord { element, jack, from } => match has_jacks(editor.patch(), element) {
+            Rewiring::Add { element, jack, from } => match has_jacks(editor.patch(), element) {
                 true => editor.add_cord(element, jack, from),
                 false => Ok(()),
             },
-            Rewiring::Replug { element, from, to } => editor.replug(element, from, to),
+            Rewiring::Replace { element, from, to } => editor.replug(element, from, to),
         }
     }
 }
 
-/// Whether an integrator has jacks, with or without cords.
+/// Whether the document of a patch lists jacks for an integrator, with or without cords.
 fn has_jacks(patch: &Patch, integrator: &str) -> bool {
     let mut cords = patch.written_cords(integrator);
     cords.next().is_some() || patch.value()["elements"][integrator]["in"].is_object()
 }
 
-impl<'a> Wiring<'a> {
-    fn new(attached: &'a Attached<'a>, patch: &'a Patch, parameters: &[Brought]) -> Self {
-        let name = free("E", |name| {
+impl<'a> GraftBuilder<'a> {
+    /// Chooses the names of the instance, the parameters and the scales.
+    fn new(placement: &'a EffectPlacement<'a>, patch: &'a Patch, parameters: &[AddedParameter]) -> Self {
+        let instance = numbered_name("E", |name| {
             patch.elements.contains_key(name)
                 || patch.instances.contains_key(name)
                 || patch.drives.contains_key(name)
         });
-        let rename = |own: &Brought| {
-            let taken = |name: &str| patch.parameters.contains_key(name) || patch.scales.contains_key(name);
-            Brought { name: own_name(&own.of, taken), ..own.clone() }
+        let with_unused_name = |parameter: &AddedParameter| {
+            let is_taken =
+                |name: &str| patch.parameters.contains_key(name) || patch.scales.contains_key(name);
+            AddedParameter { name: unused_name(&parameter.name_in_effect, is_taken), ..parameter.clone() }
         };
-        let parameters: Vec<Brought> = parameters.iter().map(rename).collect();
-        let mut words: IndexMap<String, String> =
-            parameters.iter().map(|own| (own.of.clone(), own.name.clone())).collect();
+        let parameters: Vec<AddedParameter> = parameters.iter().map(with_unused_name).collect();
+        let mut renames: IndexMap<String, String> = parameters
+            .iter()
+            .map(|parameter| (parameter.name_in_effect.clone(), parameter.name.clone()))
+            .collect();
         let mut scales = Vec::new();
-        for (role, stands_for) in attached.place.roles() {
-            let mut scale = stands_for.scale().to_owned();
+        for (role, quantity) in placement.site.quantities() {
+            let mut scale = quantity.scale().to_owned();
             if !patch.scales.contains_key(&scale) {
                 let per_volt = serde_json::from_str(&scale).unwrap_or(Value::String(scale));
-                scale = format!("{name}_{role}");
-                scales.push((scale.clone(), per_volt, stands_for.unit().text().to_owned()));
+                scale = format!("{instance}_{role}");
+                scales.push((scale.clone(), per_volt, quantity.unit().text().to_owned()));
             }
-            words.insert(role.to_owned(), scale);
+            renames.insert(role.to_owned(), scale);
         }
-        Wiring {
-            attached,
+        GraftBuilder {
+            placement,
             patch,
-            name,
+            instance,
             parameters,
-            words,
+            renames,
             scales,
             elements: IndexMap::new(),
             rewirings: Vec::new(),
             inputs: IndexMap::new(),
-            others: Vec::new(),
+            further_instances: Vec::new(),
         }
     }
 
-    /// Wires it to a junction: it reads what is there, and adds to what drives the integrator.
-    fn beside(&mut self, junction: &Junction, next: Option<&Junction>) {
-        let Place::Junction { position, load, .. } = &self.attached.place else { return };
-        for reads in &self.attached.form.reads {
-            let reading = match reads {
-                Reads::Own => Some(&junction.own),
-                Reads::Position => *position,
-                Reads::Load | Reads::Force => *load,
-                Reads::In => None,
+    /// Wires the fragment to a junction: connects its inputs and adds its outputs to the sum of the integrator.
+    fn add_to_sum(&mut self, junction: &Junction, next: Option<&Junction>) {
+        let AttachmentSite::Junction { position, load, .. } = &self.placement.site else { return };
+        for role in &self.placement.form.reads {
+            let signal = match role {
+                InputRole::Own => Some(&junction.output),
+                InputRole::Position => *position,
+                InputRole::Load | InputRole::Force => *load,
+                InputRole::In => None,
             };
-            if let Some(reading) = reading {
-                let from = self.upright(reading);
-                self.inputs.insert(reads.word().to_owned(), from);
+            if let Some(signal) = signal {
+                let from = self.noninverted_output(signal);
+                self.inputs.insert(role.word().to_owned(), from);
             }
         }
-        for (gives, _) in &self.attached.form.gives {
-            match gives {
-                Gives::Add => self.push(*gives, junction, true),
-                Gives::Subtract => self.push(*gives, junction, false),
-                Gives::Brake => self.brake(junction),
-                Gives::AddToNext => next.into_iter().for_each(|next| self.push(*gives, next, true)),
-                Gives::Out => (),
+        for (role, _) in &self.placement.form.gives {
+            match role {
+                OutputRole::Add => self.push(*role, junction, true),
+                OutputRole::Subtract => self.push(*role, junction, false),
+                OutputRole::Brake => self.brake(junction),
+                OutputRole::AddToNext => next.into_iter().for_each(|next| self.push(*role, next, true)),
+                OutputRole::Out => (),
             }
         }
     }
 
-    /// Where a quantity is read upright: at its own place, or behind an inverter.
-    fn upright(&mut self, reading: &Reading) -> String {
-        if reading.is_upright {
-            return reading.at.clone();
+    /// An output that carries a quantity with its sign: that of the signal, or of a new inverter behind it.
+    ///
+    /// The inverter is named after the instance and the signal, such as "E1-x".
+    fn noninverted_output(&mut self, signal: &ScaledSignal) -> String {
+        if signal.is_noninverted {
+            return signal.element.clone();
         }
-        let name = format!("{}-{}", self.name, reading.signal);
-        let note = format!("{} upright", reading.signal);
-        let inverter = ElementBuilder::new("inverter").cord("in", &reading.at).set("note", note);
+        let name = format!("{}-{}", self.instance, signal.signal);
+        let note = format!("{} with its sign", signal.signal);
+        let inverter = ElementBuilder::new("inverter").cord("in", &signal.element).set("note", note);
         self.elements.insert(name.clone(), inverter);
         name
     }
 
-    /// A port of the instance.
-    fn port(&self, gives: Gives) -> String {
-        format!("{}.{}", self.name, gives.word())
+    /// An output port of the first instance.
+    fn port(&self, role: OutputRole) -> String {
+        format!("{}.{}", self.instance, role.word())
     }
 
-    /// Pushes what a junction gives upward, or downward, by the voltage at a port.
-    fn push(&mut self, gives: Gives, junction: &Junction, is_upward: bool) {
-        let mut from = self.port(gives);
+    /// Adds the voltage of a port to the sum of a junction, so that it increases or decreases the output.
+    fn push(&mut self, role: OutputRole, junction: &Junction, is_increasing: bool) {
+        let mut from = self.port(role);
         // An integrator inverts.
-        if junction.is_upright == is_upward {
-            let name = format!("{}-{}", self.name, gives.word());
+        if junction.is_noninverted == is_increasing {
+            let name = format!("{}-{}", self.instance, role.word());
             self.elements.insert(name.clone(), ElementBuilder::new("inverter").cord("in", &from));
             from = name;
         }
-        let is_next = gives == Gives::AddToNext;
-        let ratio = is_next.then(|| format!("{} / {}", self.words["sum"], self.words["next"]));
-        self.plug(gives, junction, from, "", ratio);
+        let is_next = role == OutputRole::AddToNext;
+        let ratio = is_next.then(|| format!("{} / {}", self.renames["sum"], self.renames["next"]));
+        self.plug(role, junction, from, "", ratio);
     }
 
+    /// Leads the voltage of the brake port to the brake of an integrator.
     fn brake(&mut self, junction: &Junction) {
-        self.plug(Gives::Brake, junction, self.port(Gives::Brake), "brake_", None);
+        self.plug(OutputRole::Brake, junction, self.port(OutputRole::Brake), "brake_", None);
     }
 
-    /// Leads a voltage the same way into an integrator as what is in its scale there; `ratio` is that of another scale to it.
+    /// Leads a voltage to an integrator with the same setting and gain as the sum. `ratio` is a further factor, for a
+    /// voltage of another scale. `prefix` is "brake_" for the brake and empty for the sum.
     fn plug(
         &mut self,
-        gives: Gives,
+        role: OutputRole,
         junction: &Junction,
         mut from: String,
         prefix: &str,
@@ -212,107 +237,111 @@ impl<'a> Wiring<'a> {
     ) {
         let settings: Vec<String> = junction.sum.setting.clone().into_iter().chain(ratio).collect();
         if !settings.is_empty() {
-            let name = format!("{}-P{}", self.name, gives.word());
+            let name = format!("{}-P{}", self.instance, role.word());
             let setting = settings.join(" * ");
             let pot = ElementBuilder::new("pot").cord("in", &from).set("setting", setting);
             self.elements.insert(name.clone(), pot);
             from = name;
         }
-        let jack = format!("{prefix}x{}", junction.sum.gain * self.attached.form.times);
-        self.rewirings.push(Rewiring::Cord { element: junction.integrator.clone(), jack, from });
+        let jack = format!("{prefix}x{}", junction.sum.gain * self.placement.form.output_gain);
+        self.rewirings.push(Rewiring::Add { element: junction.integrator.clone(), jack, from });
     }
 
-    /// Wires it between everything that drives an integrator and the integrator: into the one cord, or, where there are more,
-    /// into each of them.
-    fn through(&mut self, junction: &Junction) {
-        if self.attached.form.reads.contains(&Reads::Own) {
-            let own = self.upright(&junction.own);
-            self.inputs.insert(Reads::Own.word().to_owned(), own);
+    /// Inserts the fragment between an integrator and everything that drives it. If several cords drive it, there is an
+    /// instance in each of them.
+    fn insert_before_integrator(&mut self, junction: &Junction) {
+        if self.placement.form.reads.contains(&InputRole::Own) {
+            let output = self.noninverted_output(&junction.output);
+            self.inputs.insert(InputRole::Own.word().to_owned(), output);
         }
-        let driving = match &junction.sum.total {
-            Some(total) => IndexSet::from([total.clone()]),
-            None => self.driving(junction),
+        let cords = match &junction.sum.total_cord {
+            Some(total_cord) => IndexSet::from([total_cord.clone()]),
+            None => self.driving_cords(junction),
         };
-        for (place, total) in driving.into_iter().enumerate() {
-            let input = (Reads::In.word().to_owned(), total.from.clone());
-            let instance = match place {
-                0 => self.name.clone(),
-                _ => format!("{}-{}", self.name, place + 1),
+        for (index, cord) in cords.into_iter().enumerate() {
+            let input = (InputRole::In.word().to_owned(), cord.from.clone());
+            let instance = match index {
+                0 => self.instance.clone(),
+                _ => format!("{}-{}", self.instance, index + 1),
             };
-            if place == 0 {
+            if index == 0 {
                 self.inputs.extend([input]);
             } else {
                 let inputs = self.inputs.clone().into_iter().chain([input]).collect();
-                self.others.push((instance.clone(), inputs));
+                self.further_instances.push((instance.clone(), inputs));
             }
-            self.replug(&total.to, &total.from, &format!("{instance}.{}", Gives::Out.word()));
+            self.replug(&cord.to, &cord.from, &format!("{instance}.{}", OutputRole::Out.word()));
         }
     }
 
-    /// Every cord that drives an integrator, its brake among them; before the potentiometer that it comes through, which sets a
-    /// rate and has to stay beside the integrator, unless that drives something else, too.
-    fn driving(&self, junction: &Junction) -> IndexSet<Total> {
+    /// Every cord that drives an integrator, including its brake. If a potentiometer drives only this integrator, the
+    /// cord into the potentiometer counts: its setting is a rate of the integrator and must remain next to it.
+    ///
+    /// A cord occurs once, even if it drives several jacks.
+    fn driving_cords(&self, junction: &Junction) -> IndexSet<TotalCord> {
         let cords = self.patch.written_cords(&junction.integrator);
-        let own = cords.filter(|(jack, _)| jack.starts_with('x') || jack.starts_with("brake_x"));
-        let total = |from: &str, to: &str| Total { from: from.to_owned(), to: to.to_owned() };
-        let each = own.map(|(_, from)| {
+        let driving = cords.filter(|(jack, _)| jack.starts_with('x') || jack.starts_with("brake_x"));
+        let cord = |from: &str, to: &str| TotalCord { from: from.to_owned(), to: to.to_owned() };
+        let cords = driving.map(|(_, from)| {
             let is_pot = self.patch.elements.get(from).is_some_and(|entry| entry.kind.name == "pot");
-            let behind: Vec<&str> = match is_pot && !self.drives_other(from, &junction.integrator) {
-                true => self.patch.written_cords(from).map(|(_, behind)| behind).collect(),
+            let pot_inputs: Vec<&str> = match is_pot && !self.drives_other(from, &junction.integrator) {
+                true => self.patch.written_cords(from).map(|(_, pot_input)| pot_input).collect(),
                 false => Vec::new(),
             };
-            match behind.as_slice() {
-                [behind] => total(behind, from),
-                _ => total(from, &junction.integrator),
+            match pot_inputs.as_slice() {
+                [pot_input] => cord(pot_input, from),
+                _ => cord(from, &junction.integrator),
             }
         });
-        each.collect()
+        cords.collect()
     }
 
-    /// Whether an element drives more than this one.
+    /// Whether the output `from` drives an element or an instance other than `to`.
     fn drives_other(&self, from: &str, to: &str) -> bool {
         let others = self.patch.elements.iter().filter(|(name, _)| *name != to);
         let mut plugs = others.flat_map(|(_, entry)| &entry.plugs);
-        let mut inlets = self.patch.instances.values().flat_map(|instance| instance.inputs.values());
-        plugs.any(|plug| plug.from.value == from) || inlets.any(|inlet| inlet.driver.as_deref() == Some(from))
+        let mut instance_inputs = self.patch.instances.values().flat_map(|instance| instance.inputs.values());
+        plugs.any(|plug| plug.from.value == from)
+            || instance_inputs.any(|input| input.driver.as_deref() == Some(from))
     }
 
-    /// Wires it into the cords of an output, to elements and to instances of macros.
-    fn splice(&mut self, reading: &Reading) {
-        self.inputs.insert(Reads::In.word().to_owned(), reading.at.clone());
-        let (patch, out) = (self.patch, self.port(Gives::Out));
-        let is_own = |name: &str| !name.contains('.');
-        for (name, entry) in patch.elements.iter().filter(|(name, _)| is_own(name)) {
-            if entry.plugs.iter().any(|plug| plug.from.value == reading.at) {
-                self.replug(name, &reading.at, &out);
+    /// Inserts the fragment into all cords of an output, to elements and to instances of macros.
+    fn insert_into_cords(&mut self, signal: &ScaledSignal) {
+        self.inputs.insert(InputRole::In.word().to_owned(), signal.element.clone());
+        let (patch, out) = (self.patch, self.port(OutputRole::Out));
+        let is_outside_macros = |name: &str| !name.contains('.');
+        for (name, entry) in patch.elements.iter().filter(|(name, _)| is_outside_macros(name)) {
+            if entry.plugs.iter().any(|plug| plug.from.value == signal.element) {
+                self.replug(name, &signal.element, &out);
             }
         }
-        for (name, instance) in patch.instances.iter().filter(|(name, _)| is_own(name)) {
-            if instance.inputs.values().any(|inlet| inlet.driver.as_ref() == Some(&reading.at)) {
-                self.replug(name, &reading.at, &out);
+        for (name, instance) in patch.instances.iter().filter(|(name, _)| is_outside_macros(name)) {
+            if instance.inputs.values().any(|input| input.driver.as_ref() == Some(&signal.element)) {
+                self.replug(name, &signal.element, &out);
             }
         }
     }
 
-    /// Puts another name in place of one that is plugged into an element or an instance.
-    fn replug(&mut self, name: &str, from: &str, to: &str) {
-        let [element, from, to] = [name, from, to].map(str::to_owned);
-        self.rewirings.push(Rewiring::Replug { element, from, to });
+    /// Replaces the output `from` by `to` in the cords of an element or instance.
+    fn replug(&mut self, element: &str, from: &str, to: &str) {
+        let [element, from, to] = [element, from, to].map(str::to_owned);
+        self.rewirings.push(Rewiring::Replace { element, from, to });
     }
 
-    fn graft(mut self) -> Result<Graft, EditError> {
-        let form = self.attached.form;
+    /// Edits the patch. The order of the edits determines the order of states, parameters and sums.
+    fn finish(mut self) -> Result<Graft, EditError> {
+        let form = self.placement.form;
         for (gain, formula) in &form.gains {
             let largest = self.largest(formula);
-            self.words.insert(gain.clone(), format!("{}", ten_above(largest)));
+            self.renames.insert(gain.clone(), format!("{}", power_of_ten_above(largest)));
         }
         let mut drives = Vec::new();
         for (name, drive) in &form.drives {
-            let own = format!("{}-{name}", self.name);
-            self.words.insert(name.clone(), own.clone());
-            drives.push((own, drive));
+            let name_in_patch = format!("{}-{name}", self.instance);
+            self.renames.insert(name.clone(), name_in_patch.clone());
+            drives.push((name_in_patch, drive));
         }
-        let macro_name = free_or(&self.attached.effect.name, |name| {
+        let macro_name = unused_hyphenated_name(&self.placement.effect.name, |name| {
             self.patch.macros.contains_key(name) || elements::find(Family::Computing, name).is_some()
         });
         let mut editor = self.patch.edit();
@@ -321,39 +350,40 @@ impl<'a> Wiring<'a> {
             editor.put_scale(name, per_volt.clone(), unit);
         }
         for (name, drive) in drives {
-            match self.written(drive) {
-                Value::Object(entry) => editor.put_drive(&name, ElementBuilder::of(entry)),
-                // What it is instead is reported when the text is read.
+            match self.renamed_value(drive) {
+                Value::Object(entry) => editor.put_drive(&name, ElementBuilder::from_entry(entry)),
+                // Reading the text reports the wrong type.
                 other => editor.put(&["drives", name.as_str()], other),
             }
         }
         editor.set_machine("unlimited");
-        let free: Vec<String> = form.free.iter().map(|state| self.initial(state)).collect();
-        for (state, name) in form.free.iter().zip(&free) {
+        let initial_states: Vec<String> =
+            form.free_states.iter().map(|state| self.initial_parameter(state)).collect();
+        for (state, name) in form.free_states.iter().zip(&initial_states) {
             let limit = |end: &str, default| form.elements[state]["limit"][end].as_f64().unwrap_or(default);
             let range = [limit("lower", -REFERENCE), limit("upper", REFERENCE)];
             let initial = ParameterBuilder::new(0, "1").range(range).description("initial voltage");
             editor.put_parameter(name, initial);
         }
         let patch = editor.finish(self.patch.file())?;
-        Ok(Graft { patch, parameters: self.parameters, free })
+        Ok(Graft { patch, parameters: self.parameters, initial_states })
     }
 
-    /// Puts the parameters, the macro, its instances and the new elements, and changes cords. The order is that of states and
-    /// sums.
+    /// Adds the parameters, the macro, its instances and the new elements, and changes cords.
     fn put_elements(&self, macro_name: &str, editor: &mut PatchEditor) -> Result<(), EditError> {
-        let effect = self.attached.effect;
-        for own in &self.parameters {
-            let parameter = ParameterBuilder::new(own.value, &own.unit).range(own.range);
-            editor.put_parameter(&own.name, parameter.description(&effect.parameters[&own.of].description));
+        let effect = self.placement.effect;
+        for added in &self.parameters {
+            let parameter = ParameterBuilder::new(added.value, &added.unit).range(added.range);
+            let description = &effect.parameters[&added.name_in_effect].description;
+            editor.put_parameter(&added.name, parameter.description(description));
         }
-        if self.goes_by_the_clock() {
-            let start = ParameterBuilder::new(0, "s").description("when the record begins");
+        if self.needs_record_start() {
+            let start = ParameterBuilder::new(0, "s").description("start of the record in its file");
             editor.put_parameter(RECORD_START, start);
         }
-        editor.put_macro(macro_name, MacroBuilder::of(self.fragment()));
-        let others = self.others.iter().map(|(name, inputs)| (name, inputs));
-        for (name, inputs) in [(&self.name, &self.inputs)].into_iter().chain(others) {
+        editor.put_macro(macro_name, MacroBuilder::from_entry(self.macro_definition()));
+        let further = self.further_instances.iter().map(|(name, inputs)| (name, inputs));
+        for (name, inputs) in [(&self.instance, &self.inputs)].into_iter().chain(further) {
             let instance = ElementBuilder::new(macro_name);
             let instance = inputs.iter().fold(instance, |instance, (port, from)| instance.cord(port, from));
             editor.put_element(name, instance.set("note", effect.title.as_str()));
@@ -364,24 +394,29 @@ impl<'a> Wiring<'a> {
         self.rewirings.iter().try_for_each(|rewiring| rewiring.apply(editor))
     }
 
-    fn goes_by_the_clock(&self) -> bool {
-        self.attached.form.drives.values().any(is_told_the_start)
+    /// Whether a drive of the fragment depends on the start of the record.
+    ///
+    /// The parameter is then set for every record, so that the drive keeps the clock of the file.
+    fn needs_record_start(&self) -> bool {
+        self.placement.form.drives.values().any(uses_record_start)
     }
 
-    /// The fragment as a macro.
-    fn fragment(&self) -> Map<String, Value> {
-        let effect = self.attached.effect;
-        let inputs = self.inputs.keys().map(|role| {
+    /// The macro of the fragment, as in a patch document.
+    ///
+    /// The note of the macro has physics, law and source of the effect, so that the patch explains itself.
+    fn macro_definition(&self) -> Map<String, Value> {
+        let effect = self.placement.effect;
+        let inputs = self.inputs.keys().map(|port| {
             let meaning =
-                Reads::ALL.iter().find(|reads| reads.word() == role).map_or("", |reads| reads.meaning());
-            (role.clone(), json!(meaning))
+                InputRole::ALL.iter().find(|role| role.word() == port).map_or("", |role| role.meaning());
+            (port.clone(), json!(meaning))
         });
-        let outputs = self.attached.form.gives.iter().map(|(gives, at)| (gives.word().to_owned(), json!(at)));
-        let form = self.attached.form;
+        let form = self.placement.form;
+        let outputs = form.gives.iter().map(|(role, element)| (role.word().to_owned(), json!(element)));
         let elements = form.elements.iter().map(|(name, element)| {
-            let mut element = self.written(element);
-            if form.free.contains(name) {
-                element["initial"] = json!(self.initial(name));
+            let mut element = self.renamed_value(element);
+            if form.free_states.contains(name) {
+                element["initial"] = json!(self.initial_parameter(name));
             }
             (name.clone(), element)
         });
@@ -395,60 +430,64 @@ impl<'a> Wiring<'a> {
         keys.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
     }
 
-    /// Name of the parameter that is the initial voltage of a state inside.
-    fn initial(&self, state: &str) -> String {
-        let taken =
+    /// Name of the parameter that is the initial voltage of a state of the fragment.
+    fn initial_parameter(&self, state: &str) -> String {
+        let is_taken =
             |name: &str| self.patch.parameters.contains_key(name) || self.patch.scales.contains_key(name);
-        own_name(&format!("{}_{state}_initial", self.name), taken)
+        unused_name(&format!("{}_{state}_initial", self.instance), is_taken)
     }
 
-    /// An element or drive of the fragment with the names that it has in the patch.
-    fn written(&self, value: &Value) -> Value {
+    /// A value of the fragment's document, such as an element or a drive, with the names of the patch. Ports and
+    /// elements of the fragment keep their names.
+    fn renamed_value(&self, value: &Value) -> Value {
         match value {
             Value::Object(entries) => {
-                let mut written = Map::new();
+                let mut renamed = Map::new();
                 for (key, value) in entries {
                     let is_plain = key == "note" || key == "kind";
-                    let value = if is_plain { value.clone() } else { self.written(value) };
-                    // A gain may come to that of a jack that has cords already.
-                    match (written.get_mut(&self.jack(key)), value) {
+                    let value = if is_plain { value.clone() } else { self.renamed_value(value) };
+                    // Two jacks can get the same gain: their cords are merged.
+                    match (renamed.get_mut(&self.jack(key)), value) {
                         (Some(Value::Array(cords)), Value::Array(more)) => cords.extend(more),
                         (_, value) => {
-                            written.insert(self.jack(key), value);
+                            renamed.insert(self.jack(key), value);
                         }
                     }
                 }
-                Value::Object(written)
+                Value::Object(renamed)
             }
-            Value::Array(items) => Value::Array(items.iter().map(|item| self.written(item)).collect()),
-            // An input port has the name of its role.
+            Value::Array(items) => Value::Array(items.iter().map(|item| self.renamed_value(item)).collect()),
+            // An input port has the word of its role as name.
             Value::String(text) if self.inputs.contains_key(text) => value.clone(),
-            Value::String(text) if self.attached.form.elements.contains_key(text) => value.clone(),
-            Value::String(text) => Value::String(renamed(text, &self.words)),
+            Value::String(text) if self.placement.form.elements.contains_key(text) => value.clone(),
+            Value::String(text) => Value::String(renamed_formula(text, &self.renames)),
             _ => value.clone(),
         }
     }
 
-    /// "xG" with its power of ten.
+    /// The key of a jack: "xG" with the power of ten of gain G, any other key unchanged.
     fn jack(&self, key: &str) -> String {
-        let gain = key.strip_prefix('x').filter(|gain| self.attached.form.gains.contains_key(*gain));
-        gain.map_or_else(|| key.to_owned(), |gain| format!("x{}", self.words[gain]))
+        let gain = key.strip_prefix('x').filter(|gain| self.placement.form.gains.contains_key(*gain));
+        gain.map_or_else(|| key.to_owned(), |gain| format!("x{}", self.renames[gain]))
     }
 
-    /// What a formula comes to at most, over the ranges of the parameters.
+    /// The largest magnitude of a formula over all corners of the parameters' ranges, at least 1.
+    ///
+    /// A potentiometer cannot exceed 1. The result is the factor by which the jack behind it must amplify, before it is
+    /// rounded up to a power of ten.
     fn largest(&self, formula: &Formula) -> f64 {
-        let mut values = Values { values: Vec::new() };
-        for (role, stands_for) in self.attached.place.roles() {
-            values.values.push((role, stands_for.unit().to_si(stands_for.per_volt())));
+        let mut values = NamedValues { values: Vec::new() };
+        for (role, quantity) in self.placement.site.quantities() {
+            values.values.push((role, quantity.unit().to_si(quantity.per_volt())));
         }
         values.values.push(("time_scale", self.patch.time_scale));
-        let given = values.values.len();
-        // Every corner of the ranges: a binary digit of its number chooses the end of each.
+        let constants = values.values.len();
+        // The bits of the corner's number choose the end of each range.
         let corner = |number: usize| {
-            let mut values = Values { values: values.values[..given].to_vec() };
-            for (place, own) in self.parameters.iter().enumerate() {
-                let unit = Unit::parse(&own.unit).map_or(1.0, |unit| unit.factor());
-                values.values.push((&own.of, unit * own.range[number >> place & 1]));
+            let mut values = NamedValues { values: values.values[..constants].to_vec() };
+            for (index, added) in self.parameters.iter().enumerate() {
+                let factor = Unit::parse(&added.unit).map_or(1.0, |unit| unit.factor());
+                values.values.push((&added.name_in_effect, factor * added.range[number >> index & 1]));
             }
             formula.evaluate(&values).ok().map(f64::abs)
         };
@@ -456,14 +495,15 @@ impl<'a> Wiring<'a> {
     }
 }
 
-/// What names in formulas stand for, in SI.
-struct Values<'a> {
+/// The values of the names in a formula, in SI units.
+struct NamedValues<'a> {
+    /// Name and value.
     values: Vec<(&'a str, f64)>,
 }
 
-impl Scope for Values<'_> {
+impl Scope for NamedValues<'_> {
     fn value(&self, name: &str) -> Option<f64> {
-        self.values.iter().find(|(own, _)| *own == name).map(|(_, value)| *value)
+        self.values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
     }
 
     fn dimension(&self, _: &str) -> Option<Dimension> {
@@ -475,27 +515,28 @@ impl Scope for Values<'_> {
     }
 }
 
-/// The first of name1, name2, ... that is not taken.
-fn free(stem: &str, is_taken: impl Fn(&str) -> bool) -> String {
+/// The first of stem1, stem2, ... that is not taken.
+fn numbered_name(stem: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let names = (1..).map(|number| format!("{stem}{number}"));
     names.into_iter().find(|name| !is_taken(name)).unwrap_or_default()
 }
 
-/// The name, or the first of name_1, name_2, ... that is not taken: one that formulas can read.
-pub(crate) fn own_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
-    if is_taken(name) { free(&format!("{name}_"), is_taken) } else { name.to_owned() }
+/// The name if it is not taken, else the first of name_1, name_2, ... that is not. Formulas can contain all of these.
+pub(crate) fn unused_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    if is_taken(name) { numbered_name(&format!("{name}_"), is_taken) } else { name.to_owned() }
 }
 
-/// The name, or the first of name-2, name-3, ... that is not taken.
-fn free_or(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+/// The name if it is not taken, else the first of name-2, name-3, ... that is not. It is for macros, which formulas do
+/// not name.
+fn unused_hyphenated_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     if !is_taken(name) {
         return name.to_owned();
     }
     (2..).map(|number| format!("{name}-{number}")).find(|name| !is_taken(name)).unwrap_or_default()
 }
 
-/// The least power of ten, 1 or more, that is not below a value.
-fn ten_above(value: f64) -> f64 {
+/// The least power of ten from 1 to 1e12 that is not below a value; 1e12 if there is none.
+fn power_of_ten_above(value: f64) -> f64 {
     let mut ten = 1.0;
     while ten < value && ten < 1e12 {
         ten *= 10.0;
@@ -503,20 +544,20 @@ fn ten_above(value: f64) -> f64 {
     ten
 }
 
-/// A formula with other words for its names.
-fn renamed(text: &str, words: &IndexMap<String, String>) -> String {
-    let mut out = String::new();
+/// A formula with other names. Names of functions, which an opening parenthesis follows, remain.
+fn renamed_formula(text: &str, renames: &IndexMap<String, String>) -> String {
+    let mut renamed = String::new();
     let mut rest = text;
-    let is_inside = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    let is_in_name = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     while let Some(first) = rest.chars().next() {
-        let length = rest.find(|letter| !is_inside(letter)).unwrap_or(rest.len()).max(first.len_utf8());
-        let (word, after) = rest.split_at(length);
-        let follows = after.trim_start().starts_with('(');
-        match words.get(word).filter(|_| !follows) {
-            Some(other) => out.push_str(other),
-            None => out.push_str(word),
+        let length = rest.find(|letter| !is_in_name(letter)).unwrap_or(rest.len()).max(first.len_utf8());
+        let (name, after) = rest.split_at(length);
+        let is_function = after.trim_start().starts_with('(');
+        match renames.get(name).filter(|_| !is_function) {
+            Some(other) => renamed.push_str(other),
+            None => renamed.push_str(name),
         }
         rest = after;
     }
-    out
+    renamed
 }

@@ -1,4 +1,8 @@
-//! The effects that are known: those of the program, and those of a folder.
+//! The library of effects: the shipped effects, and those of a user's folder.
+//!
+//! The shipped files are part of the program, so that it needs no folder at run time. A file in a user's folder
+//! replaces a shipped effect of the same name. Its forms are also wired into a trial patch at once, so that faults are
+//! reported with their place in the file.
 
 use std::path::Path;
 
@@ -6,131 +10,153 @@ use indexmap::IndexMap;
 
 use crate::effects::{Effect, trial_patch};
 use patchcord_core::document::Report;
-use patchcord_core::output::refusal;
+use patchcord_core::output::io_reason;
 
-/// The files of `patches/effects`: name and text.
+/// The files of `patches/effects`: name and text. The build script writes the list.
 static SHIPPED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/effects.rs"));
 
-/// Effects by name.
+/// A set of effects with unique names.
 #[derive(Debug, Clone, Default)]
 pub struct Library {
+    /// The effects by name, in the order of listings.
     effects: IndexMap<String, Effect>,
-    /// What is odd about the files of a folder, in words.
+    /// Warnings about the files of a folder.
     notes: Vec<String>,
 }
 
-/// Why effects could not be read.
+/// Why the effects of a folder cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum EffectError {
-    /// The file system refused.
-    #[error("cannot read {file}: {}", refusal(source))]
+    /// The file system returned an error.
+    #[error("cannot read {file}: {}", io_reason(source))]
     File {
         /// The file or folder.
         file: String,
-        /// What the system said.
+        /// The error of the file system.
         source: std::io::Error,
     },
-    /// A file was named, where folders are taken.
-    #[error(
-        "{file} is a file: name the folder that it is in, and what other effects are in there will be taken, too"
-    )]
-    NoFolder {
+    /// The path is a file instead of a folder.
+    #[error("{file} is a file: name the folder that it is in; all effects in that folder are read")]
+    NotAFolder {
         /// The file.
         file: String,
     },
-    /// There is none in a folder.
+    /// The folder has no `.json` file.
     #[error("there is no effect in {folder}: effects are files whose names end in .json")]
-    None {
+    EmptyFolder {
         /// The folder.
         folder: String,
     },
-    /// Files are no effects: what is wrong with each.
+    /// Some files are not valid effects. There is a report for each.
     #[error("{}", .0.iter().map(Report::to_string).collect::<String>())]
-    Wrong(Vec<Report>),
+    Invalid(Vec<Report>),
 }
 
 impl Library {
     /// The effects that are part of the program.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_ident::effects::Library;
+    ///
+    /// let library = Library::shipped();
+    /// let friction = library.get("viscous-friction").ok_or("a shipped effect")?;
+    /// assert_eq!((friction.law.as_str(), friction.title.as_str()), ("F = c v", "Viscous friction"));
+    /// assert!(library.get("phlogiston").is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn shipped() -> Library {
         let mut library = Library::default();
         for (file, text) in SHIPPED {
             let effect = Effect::parse(&format!("patches/effects/{file}"), text);
-            library
-                .add(effect.unwrap_or_else(|report| {
-                    unreachable!("what is part of the program is tested: {report}")
-                }));
+            library.add(
+                effect.unwrap_or_else(|report| unreachable!("tests check all shipped effects: {report}")),
+            );
         }
         library
     }
 
-    /// The same with every `.json` file of a folder, in the order of their names; one that has the name of another takes
-    /// its place.
+    /// Adds every `.json` file of a folder, in the order of the names. An effect replaces one that has the same name.
     ///
     /// # Errors
-    /// When the folder or a file in it cannot be read, or files in it are no effects: all of them at once.
-    pub fn and_folder(mut self, folder: &Path) -> Result<Library, EffectError> {
-        let refused = |path: &Path, source| EffectError::File { file: path.display().to_string(), source };
+    /// If the folder or a file in it cannot be read, the folder has no effect, or files in it are not valid
+    /// effects. The last error lists all of these files.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_ident::effects::Library;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let error = Library::shipped().with_folder(folder.path()).unwrap_err();
+    /// assert!(error.to_string().ends_with("effects are files whose names end in .json"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_folder(mut self, folder: impl AsRef<Path>) -> Result<Library, EffectError> {
+        let folder = folder.as_ref();
+        let unreadable = |path: &Path, source| EffectError::File { file: path.display().to_string(), source };
         if folder.is_file() {
-            return Err(EffectError::NoFolder { file: folder.display().to_string() });
+            return Err(EffectError::NotAFolder { file: folder.display().to_string() });
         }
-        let entries = std::fs::read_dir(folder).map_err(|source| refused(folder, source))?;
+        let entries = std::fs::read_dir(folder).map_err(|source| unreadable(folder, source))?;
         let files: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| entry.path())).collect();
-        let mut files = files.map_err(|source| refused(folder, source))?;
-        files.retain(|file| file.extension().is_some_and(|ending| ending == "json"));
+        let mut files = files.map_err(|source| unreadable(folder, source))?;
+        files.retain(|file| file.extension().is_some_and(|extension| extension == "json"));
         if files.is_empty() {
-            return Err(EffectError::None { folder: folder.display().to_string() });
+            return Err(EffectError::EmptyFolder { folder: folder.display().to_string() });
         }
         files.sort();
-        let mut wrong = Vec::new();
+        let mut reports = Vec::new();
         for file in files {
-            let text = std::fs::read_to_string(&file).map_err(|source| refused(&file, source))?;
+            let text = std::fs::read_to_string(&file).map_err(|source| unreadable(&file, source))?;
             let name = file.display().to_string();
-            match own(&name, &text).map(|effect| self.add(effect)) {
+            match read_and_wire(&name, &text).map(|effect| self.add(effect)) {
                 Ok(None) => (),
-                Ok(Some(_)) => self.notes.push(format!(
-                    "{name} takes the place of the effect of that name that comes with the program"
-                )),
-                Err(report) => wrong.push(*report),
+                Ok(Some(_)) => self.notes.push(format!("{name} replaces the shipped effect of that name")),
+                Err(report) => reports.push(*report),
             }
         }
-        if !wrong.is_empty() {
-            return Err(EffectError::Wrong(wrong));
+        if !reports.is_empty() {
+            return Err(EffectError::Invalid(reports));
         }
         self.notes.extend(self.unknown_aliases());
         Ok(self)
     }
 
-    /// Adds an effect; gives back the one whose place it takes.
+    /// Adds an effect and returns the one that it replaces.
     fn add(&mut self, effect: Effect) -> Option<Effect> {
         self.effects.insert(effect.name.clone(), effect)
     }
 
-    /// Aliases that are no effects.
+    /// A note for every alias that names no effect of the library.
     fn unknown_aliases(&self) -> Vec<String> {
-        let named = self.iter().flat_map(|own| own.aliases.keys().map(move |alias| (&own.name, alias)));
-        let unknown = named.filter(|(_, alias)| self.get(alias).is_none());
-        unknown.map(|(name, alias)| format!("{name} has the alias {alias}, which is no effect")).collect()
+        let pairs =
+            self.iter().flat_map(|effect| effect.aliases.keys().map(move |alias| (&effect.name, alias)));
+        let unknown = pairs.filter(|(_, alias)| self.get(alias).is_none());
+        unknown.map(|(name, alias)| format!("{name} has the alias {alias}, which is not an effect")).collect()
     }
 
-    /// What is odd about the files of a folder, in words: those that take the place of effects of the program, and aliases
-    /// that are no effects.
+    /// Warnings about the files of a folder: shipped effects that were replaced, and aliases that name no effect.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// Every effect: those of the program, then those of a folder that it has not, either in the order of their names.
+    /// All effects: the shipped ones in the order of their names, then the added ones in the order of theirs.
     pub fn iter(&self) -> impl Iterator<Item = &Effect> {
         self.effects.values()
     }
 
-    /// An effect by name.
+    /// The effect with this name.
     pub fn get(&self, name: &str) -> Option<&Effect> {
         self.effects.get(name)
     }
 }
 
-/// An effect of one's own, which must not only be read but wired, too.
-fn own(name: &str, text: &str) -> Result<Effect, Box<Report>> {
+/// Reads an effect and wires it into the trial patch.
+///
+/// The two steps find different faults: the first those of the document, the second those of the wiring.
+fn read_and_wire(name: &str, text: &str) -> Result<Effect, Box<Report>> {
     let effect = Effect::parse(name, text)?;
     trial_patch::check(name, text, &effect)?;
     Ok(effect)

@@ -1,312 +1,364 @@
-//! Where a circuit leaves room for an effect: its junctions, the drives that data feed, the friction levels.
+//! The sites of a circuit at which an effect may attach: junctions, drives that data feed, and friction levels.
+//!
+//! A junction is an integrator with the sum that drives it. To find the quantity and the unit of that sum, the search
+//! goes back from the integrator's jacks through inverters and potentiometers, which only multiply. The farthest named
+//! signal is the sum. Only the dimensions of the signals decide what a junction is: a velocity, a level, a temperature.
+//!
+//! Example: an integrator A1 with the output v in mm/s is driven through the potentiometer P1 by a summer whose signal
+//! is a force in N. The junction is A1, its sum is that force, and `setting` is the formula of P1. Viscous friction can
+//! then be wired to the sum in N.
 
 use std::collections::HashSet;
 
-use crate::data::experiment::Feed;
+use crate::data::experiment::MeasuredDrive;
 use patchcord_core::circuit::{Circuit, SignalPoint};
 use patchcord_core::document::Report;
 use patchcord_core::elements::Family;
 use patchcord_core::patch::{Amount, Patch};
 use patchcord_expr::{Dimension, Unit};
 
-/// A quantity as it can be read off a circuit.
+/// A quantity of a circuit: the output that carries it, and its scale there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
-    /// The signal that names it.
+pub struct ScaledSignal {
+    /// The name of the signal, or of the drive if no signal names it.
     pub signal: String,
-    /// The element or drive at which it is read.
-    pub at: String,
-    /// Whether the voltage there has the quantity's sign.
-    pub is_upright: bool,
-    /// What a volt stands for, without sign, as a formula of scales.
+    /// The element or drive whose output carries it.
+    pub element: String,
+    /// Whether a positive voltage means a positive quantity.
+    pub is_noninverted: bool,
+    /// The magnitude of one volt as a formula of the patch's scales.
     pub scale: String,
-    /// The same as a number of the unit.
+    /// The magnitude of one volt as a number of `unit`.
     pub per_volt: f64,
-    /// Its unit.
+    /// The unit of the quantity.
     pub unit: Unit,
 }
 
-/// An integrator and what drives it: a place at which something may act that the patch does not have.
+/// An integrator and the sum that drives it. An unknown force or flow can act on that sum.
+///
+/// The integrator, its sum and the signals that a form may read there. Names are those of the patch.
 #[derive(Debug, Clone)]
 pub struct Junction {
-    /// Name of the integrator.
+    /// The name of the integrator.
     pub integrator: String,
-    /// What it gives, read where the quantity is upright if it is anywhere.
-    pub own: Reading,
-    /// Whether the integrator's own voltage has the sign of what it gives.
-    pub is_upright: bool,
-    /// What drives it.
-    pub sum: Sum,
-    /// Whether it gives a velocity.
+    /// The quantity that the integrator computes, at a noninverted output if there is one.
+    pub output: ScaledSignal,
+    /// Whether a positive voltage at the integrator itself means a positive quantity.
+    pub is_noninverted: bool,
+    /// The sum that drives the integrator.
+    pub sum: InputSum,
+    /// Whether the output is a velocity: its time integral is a length or an angle.
     pub is_motion: bool,
-    /// Signals of the time integral of what it gives.
-    pub positions: Vec<Reading>,
-    /// Drives, and signals that can change in a run, in the unit of the sum,
-    pub loads: Vec<Reading>,
-    /// and those of them that are no drives.
-    pub forces: Vec<Reading>,
+    /// Signals with the dimension of the output's time integral.
+    pub positions: Vec<ScaledSignal>,
+    /// The forces, and all drives in the unit of the sum.
+    pub loads: Vec<ScaledSignal>,
+    /// Signals in the unit of the sum that can change in a run. Drives are not among them.
+    pub forces: Vec<ScaledSignal>,
 }
 
-/// What drives an integrator, and the way from there into it.
+/// The sum that drives an integrator, and the path from its signal to the integrator.
 #[derive(Debug, Clone)]
-pub struct Sum {
-    /// The signal or drive in whose unit it is; `None` where none is named: the unit then is that of the rate.
-    pub of: Option<Reading>,
-    /// What a volt stands for, as a formula of scales or a number of the unit.
+pub struct InputSum {
+    /// The signal or drive of the sum. `None` if none is named; then the unit is that of the output's rate.
+    pub signal: Option<ScaledSignal>,
+    /// The value of one volt as a formula of scales or a number of `unit`.
     pub scale: String,
-    /// The same as a number of the unit.
+    /// The value of one volt as a number of `unit`.
     pub per_volt: f64,
-    /// Its unit.
+    /// The unit of the sum.
     pub unit: Unit,
-    /// The potentiometers on the way, as one setting.
+    /// The product of the potentiometer settings on the path, as a formula. `None` if there is no potentiometer.
     pub setting: Option<String>,
-    /// The gain of the jack at the end of the way.
+    /// The gain of the integrator's jack at the end of the path.
     pub gain: f64,
-    /// Where it comes from and goes to, if nothing else drives the integrator, and it drives nothing else on its way there.
-    pub total: Option<Total>,
+    /// The cord that carries the whole sum. `None` if the integrator has further inputs, or the sum drives something
+    /// else on its path.
+    pub total_cord: Option<TotalCord>,
 }
 
-/// A cord through which comes what drives an integrator.
+/// A cord that carries everything that drives an integrator.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Total {
-    /// From where.
+pub struct TotalCord {
+    /// The element at whose output the cord starts.
     pub from: String,
-    /// To which element.
+    /// The element at whose input the cord ends.
     pub to: String,
 }
 
-/// Every place of a circuit at which an effect may attach.
+/// All sites of a circuit at which an effect may attach.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::patch::Patch;
+/// use patchcord_ident::effects::sites::Sites;
+///
+/// let patch = Patch::read("../../examples/05_missing_effect/spring.json")?;
+/// let sites = Sites::fed(&patch, &[])?;
+///
+/// // A2 only integrates the velocity to a position, so no force acts on it.
+/// assert_eq!(sites.junctions.len(), 1);
+/// assert_eq!((sites.junctions[0].integrator.as_str(), sites.junctions[0].is_motion), ("A1", true));
+/// assert_eq!(sites.junctions[0].output.signal, "v");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Sites {
-    /// Its junctions.
+    /// The junctions, in the order of the circuit. Integrators within macros, and those that only integrate a velocity
+    /// to a position, are not among them.
     pub junctions: Vec<Junction>,
     /// The drives that data feed.
-    pub drives: Vec<Reading>,
-    /// Named signals on the way to a brake or to the bias of a dead zone.
-    pub levels: Vec<Reading>,
-    /// Integrators of the patch itself that give no signal with a scale, so that nothing is known to act there.
-    pub nameless: Vec<String>,
+    pub drives: Vec<ScaledSignal>,
+    /// Named signals on the path to a brake or to the bias of a dead zone.
+    pub levels: Vec<ScaledSignal>,
+    /// Integrators of the patch, not of its macros, whose output no signal gives a scale. No effect can act there,
+    /// because the unit of its parameters is unknown.
+    pub unscaled_integrators: Vec<String>,
 }
 
 impl Sites {
-    /// The places of a patch of which data feed these drives.
+    /// The sites of a patch. `drives` are those that the data feed.
     ///
     /// # Errors
-    /// When the patch cannot be wired.
-    pub fn fed(patch: &Patch, drives: &[Feed]) -> Result<Sites, Box<Report>> {
+    /// If the patch cannot be wired.
+    pub fn fed(patch: &Patch, drives: &[MeasuredDrive]) -> Result<Sites, Box<Report>> {
         let fed: Vec<&str> = drives.iter().map(|feed| feed.drive.as_str()).collect();
-        Ok(Sites::of(&Circuit::new(patch, &[])?, &fed))
+        Ok(Sites::of(&Circuit::new(patch)?, &fed))
     }
 
-    /// The places of a circuit of which these drives are fed.
+    /// The sites of a circuit. `fed` are the names of the drives that the data feed.
     pub fn of(circuit: &Circuit, fed: &[&str]) -> Sites {
-        let wiring = Wiring::of(circuit);
-        let integrators: Vec<usize> = wiring.of_kind("integrator").collect();
-        let is_nameless = |element: &&usize| wiring.own(**element).is_none();
-        let nameless = integrators.iter().filter(is_nameless).map(|element| wiring.name(*element).to_owned());
-        let drives = fed.iter().filter_map(|name| wiring.drive(wiring.named(name)?));
+        let finder = SiteFinder::of(circuit);
+        let integrators: Vec<usize> = finder.of_kind("integrator").collect();
+        let is_unscaled = |element: &&usize| finder.output(**element).is_none();
+        let unscaled = integrators.iter().filter(is_unscaled).map(|element| finder.name(*element).to_owned());
+        let drives = fed.iter().filter_map(|name| finder.drive(finder.named(name)?));
         Sites {
-            junctions: integrators.iter().filter_map(|element| wiring.junction(*element)).collect(),
-            nameless: nameless.filter(|name| !name.contains('.')).collect(),
+            junctions: integrators.iter().filter_map(|element| finder.junction(*element)).collect(),
+            unscaled_integrators: unscaled.filter(|name| !name.contains('.')).collect(),
             drives: drives.collect(),
-            levels: wiring.levels(),
+            levels: finder.levels(),
         }
     }
 }
 
-/// The cords of a circuit, and its named signals.
-struct Wiring<'c> {
+/// Finds the sites of a circuit. Elements are indices of the circuit's list.
+struct SiteFinder<'c> {
+    /// The circuit.
     circuit: &'c Circuit,
+    /// The signals that the patch declares.
     signals: Vec<&'c SignalPoint>,
 }
 
-/// The way back from a jack through amplifiers and potentiometers that do nothing but multiply.
+/// A point on the path back from an integrator's jack through elements that only multiply.
 #[derive(Clone)]
-struct Way {
-    /// Where it has come to.
-    at: usize,
-    /// The element before that.
-    last: usize,
-    /// The potentiometers passed.
+struct UpstreamPoint {
+    /// The element at this point.
+    element: usize,
+    /// The element that this point drives on the path.
+    driven: usize,
+    /// The settings of the potentiometers between this point and the integrator, as formulas.
     settings: Vec<String>,
 }
 
-impl<'c> Wiring<'c> {
+impl<'c> SiteFinder<'c> {
+    /// Lists the signals that the patch declares; the circuit's list also has drives and elements.
     fn of(circuit: &'c Circuit) -> Self {
         let patch = circuit.patch();
-        let named = circuit.signals().iter().filter(|point| patch.signals.contains_key(&point.name));
-        Wiring { circuit, signals: named.collect() }
+        let declared = circuit.signals().iter().filter(|point| patch.signals.contains_key(&point.name));
+        SiteFinder { circuit, signals: declared.collect() }
     }
 
+    /// The elements of a kind, in the order of the circuit.
     fn of_kind(&self, kind: &str) -> impl Iterator<Item = usize> {
         let elements = self.circuit.elements();
-        let found = elements.into_iter().enumerate().filter(|(_, element)| element.kind.name == kind);
-        found.map(|(index, _)| index).collect::<Vec<_>>().into_iter()
+        let matching = elements.into_iter().enumerate().filter(|(_, element)| element.kind.name == kind);
+        matching.map(|(index, _)| index).collect::<Vec<_>>().into_iter()
     }
 
+    /// The index of the element with this name.
     fn named(&self, name: &str) -> Option<usize> {
         self.circuit.elements().iter().position(|element| element.name == name)
     }
 
+    /// The name of an element.
     fn name(&self, element: usize) -> &'c str {
         &self.circuit.element(element).name
     }
 
-    /// The jacks of an input by its name, with the elements that drive them and their gains.
+    /// The cords into an input with this name: the driving element and the gain of the jack.
     fn cords(&self, element: usize, input: &str) -> Vec<(usize, f64)> {
         let inputs = self.circuit.element(element).kind.inputs;
         let cords = self.circuit.cords(element).into_iter();
-        let those = cords.filter(|(_, cord)| inputs[cord.input].name == input);
-        those.map(|(from, cord)| (from, cord.gain)).collect()
+        let matching = cords.filter(|(_, cord)| inputs[cord.input].name == input);
+        matching.map(|(from, cord)| (from, cord.gain)).collect()
     }
 
-    /// What an amplifier inverts that does nothing else.
+    /// The driving element if this element only inverts: an inverter, or a summer with a single cord of gain 1.
     fn inverted(&self, element: usize) -> Option<usize> {
-        let own = self.circuit.element(element);
-        let is_plain = own.settings.iter().all(Option::is_none);
-        let input = own.kind.inputs.first().filter(|_| is_plain)?;
-        match (own.kind.name, self.cords(element, input.name).as_slice()) {
+        let amplifier = self.circuit.element(element);
+        let has_no_settings = amplifier.settings.iter().all(Option::is_none);
+        let input = amplifier.kind.inputs.first().filter(|_| has_no_settings)?;
+        match (amplifier.kind.name, self.cords(element, input.name).as_slice()) {
             ("inverter", [(from, _)]) => Some(*from),
             ("summer", [(from, gain)]) if *gain == 1.0 => Some(*from),
             _ => None,
         }
     }
 
-    /// The element whose voltage, or the opposite of it, stands at an element.
+    /// The element at the start of a chain of inverters, and whether its voltage equals that of `element`. Otherwise it
+    /// is the opposite.
     fn root(&self, mut element: usize) -> (usize, bool) {
-        let mut is_upright = true;
-        // A ring of inverters has no root: it is gone around once.
+        let mut is_noninverted = true;
+        // A ring of inverters has no root, so the number of steps is limited.
         for _ in self.circuit.elements() {
             let Some(from) = self.inverted(element) else { break };
-            (element, is_upright) = (from, !is_upright);
+            (element, is_noninverted) = (from, !is_noninverted);
         }
-        (element, is_upright)
+        (element, is_noninverted)
     }
 
-    fn reading(&self, point: &SignalPoint) -> Option<Reading> {
+    /// The quantity of a signal. `None` if it has no scale.
+    fn scaled_signal(&self, point: &SignalPoint) -> Option<ScaledSignal> {
         let (name, _) = self.circuit.derived(point.scale?);
-        let size = point.factor.abs();
-        let scale = if size == 1.0 { name.to_owned() } else { format!("({size} * {name})") };
-        Some(Reading {
+        let factor = point.factor.abs();
+        let scale = if factor == 1.0 { name.to_owned() } else { format!("({factor} * {name})") };
+        Some(ScaledSignal {
             signal: point.name.clone(),
-            at: self.name(point.element).to_owned(),
-            is_upright: point.factor > 0.0,
+            element: self.name(point.element).to_owned(),
+            is_noninverted: point.factor > 0.0,
             scale,
-            per_volt: size * self.circuit.per_volt(point.scale?)?,
+            per_volt: factor * self.circuit.per_volt(point.scale?)?,
             unit: self.circuit.derived_unit(point.scale?).clone(),
         })
     }
 
-    fn drive(&self, element: usize) -> Option<Reading> {
-        let own = self.circuit.element(element);
-        let point = SignalPoint { name: own.name.clone(), element, scale: own.scale, factor: 1.0 };
-        let is_drive = own.kind.family == Family::Drive;
-        is_drive.then(|| self.reading(&point)).flatten()
+    /// The quantity of a drive. `None` if the element is not a drive or has no scale.
+    fn drive(&self, element: usize) -> Option<ScaledSignal> {
+        let drive = self.circuit.element(element);
+        let point = SignalPoint { name: drive.name.clone(), element, scale: drive.scale, factor: 1.0 };
+        let is_drive = drive.kind.family == Family::Drive;
+        is_drive.then(|| self.scaled_signal(&point)).flatten()
     }
 
-    fn readings(&self) -> impl Iterator<Item = (usize, Reading)> + '_ {
-        self.signals.iter().filter_map(|point| Some((point.element, self.reading(point)?)))
+    /// The quantities of all declared signals, each with the element of its output.
+    fn scaled_signals(&self) -> impl Iterator<Item = (usize, ScaledSignal)> + '_ {
+        self.signals.iter().filter_map(|point| Some((point.element, self.scaled_signal(point)?)))
     }
 
-    /// What the integrator gives, and whether its own voltage is upright.
-    fn own(&self, integrator: usize) -> Option<(Reading, bool)> {
-        let rooted = self.readings().filter_map(|(element, reading)| {
-            let (root, as_root) = self.root(element);
-            (root == integrator).then_some((reading.is_upright == as_root, reading))
+    /// The quantity that an integrator computes, and whether its own voltage is noninverted. A noninverted output is
+    /// preferred. `None` if no signal at the integrator or behind inverters has a scale.
+    ///
+    /// The rate of this quantity gives the unit of the sum if no signal names the sum.
+    fn output(&self, integrator: usize) -> Option<(ScaledSignal, bool)> {
+        let candidates = self.scaled_signals().filter_map(|(element, signal)| {
+            let (root, equals_root) = self.root(element);
+            (root == integrator).then_some((signal.is_noninverted == equals_root, signal))
         });
-        let mut rooted: Vec<_> = rooted.collect();
-        rooted.sort_by_key(|(_, reading)| !reading.is_upright);
-        let (is_upright, mut own) = rooted.into_iter().next()?;
-        if is_upright && !own.is_upright {
-            own.at = self.name(integrator).to_owned();
-            own.is_upright = true;
+        let mut candidates: Vec<_> = candidates.collect();
+        candidates.sort_by_key(|(_, signal)| !signal.is_noninverted);
+        let (is_noninverted, mut output) = candidates.into_iter().next()?;
+        if is_noninverted && !output.is_noninverted {
+            output.element = self.name(integrator).to_owned();
+            output.is_noninverted = true;
         }
-        Some((own, is_upright))
+        Some((output, is_noninverted))
     }
 
+    /// The junction of an integrator. `None` if no effect can act there: it is within a macro, its output has no scale,
+    /// or it only integrates a velocity.
     fn junction(&self, element: usize) -> Option<Junction> {
         let name = self.name(element);
-        let (own, is_upright) = self.own(element)?;
-        let dimension = own.unit.dimension();
-        let is_inside = name.contains('.');
-        if is_inside || self.is_kinematic(element, dimension) {
+        let (output, is_noninverted) = self.output(element)?;
+        let dimension = output.unit.dimension();
+        let is_in_macro = name.contains('.');
+        if is_in_macro || self.is_kinematic(element, dimension) {
             return None;
         }
-        let sum = self.sum(element, &own)?;
+        let sum = self.sum(element, &output)?;
         let integral = dimension.times(Dimension::TIME);
-        let at_sum = sum.of.as_ref().map(|of| of.at.clone());
-        let measures = |reading: &Reading, dimension| reading.unit.dimension() == dimension;
-        let positions = self.readings().map(|(_, reading)| reading);
+        let sum_element = sum.signal.as_ref().map(|signal| signal.element.clone());
+        let has_dimension = |signal: &ScaledSignal, dimension| signal.unit.dimension() == dimension;
+        let signals = self.scaled_signals().map(|(_, signal)| signal);
         let drives = (0..self.circuit.elements().len()).filter_map(|drive| self.drive(drive));
-        let is_load = |reading: &Reading| {
-            measures(reading, sum.unit.dimension()) && Some(&reading.at) != at_sum.as_ref()
+        let is_load = |signal: &ScaledSignal| {
+            has_dimension(signal, sum.unit.dimension()) && Some(&signal.element) != sum_element.as_ref()
         };
-        let is_force = |at: usize| self.root(at).0 != element && self.varies(at);
-        let forces = self.readings().filter(|(at, _)| is_force(*at)).map(|(_, reading)| reading);
-        let forces: Vec<Reading> = forces.filter(is_load).collect();
+        let is_force = |carrier: usize| self.root(carrier).0 != element && self.is_variable(carrier);
+        let forces = self.scaled_signals().filter(|(carrier, _)| is_force(*carrier));
+        let forces: Vec<ScaledSignal> = forces.map(|(_, signal)| signal).filter(is_load).collect();
         Some(Junction {
             integrator: name.to_owned(),
             is_motion: integral == Dimension::LENGTH || integral == Dimension::NONE,
-            positions: positions.filter(|reading| measures(reading, integral)).collect(),
+            positions: signals.filter(|signal| has_dimension(signal, integral)).collect(),
             loads: forces.iter().cloned().chain(drives.filter(is_load)).collect(),
             forces,
-            own,
-            is_upright,
+            output,
+            is_noninverted,
             sum,
         })
     }
 
-    /// Whether its voltage can change in a run: a setting or level that parameters alone make cannot.
-    fn varies(&self, element: usize) -> bool {
+    /// Whether a voltage can change in a run: a drive or an element with memory is upstream. A level that only depends
+    /// on parameters cannot.
+    ///
+    /// A voltage that never changes cannot be the load on which an effect depends.
+    fn is_variable(&self, element: usize) -> bool {
         let (mut open, mut seen) = (vec![element], HashSet::new());
         while let Some(element) = open.pop() {
             let kind = self.circuit.element(element).kind;
             if kind.family == Family::Drive || kind.memory_law.is_some() {
                 return true;
             }
-            let behind = self.circuit.cords(element).into_iter().map(|(from, _)| from);
-            open.extend(behind.filter(|from| seen.insert(*from)));
+            let upstream = self.circuit.cords(element).into_iter().map(|(from, _)| from);
+            open.extend(upstream.filter(|from| seen.insert(*from)));
         }
         false
     }
 
-    /// Whether the integrator only integrates what another gives, as position does velocity.
-    fn is_kinematic(&self, element: usize, own: Dimension) -> bool {
-        let rate = own.over(Dimension::TIME);
-        let integrates = |from: usize| {
-            let root = self.ways(from, element).last().map_or(from, |way| self.root(way.at).0);
+    /// Whether the integrator only integrates the output of another integrator, as a position does a velocity.
+    /// `dimension` is that of its own output.
+    ///
+    /// No force acts on a position: it follows from the velocity alone, so no effect is tried there.
+    fn is_kinematic(&self, element: usize, dimension: Dimension) -> bool {
+        let rate = dimension.over(Dimension::TIME);
+        let is_integrated = |from: usize| {
+            let path = self.upstream_path(from, element);
+            let root = path.last().map_or(from, |point| self.root(point.element).0);
             self.circuit.element(root).kind.name == "integrator"
-                && self.own(root).is_some_and(|(own, _)| own.unit.dimension() == rate)
+                && self.output(root).is_some_and(|(output, _)| output.unit.dimension() == rate)
         };
-        self.cords(element, "x").iter().any(|(from, _)| integrates(*from))
+        self.cords(element, "x").iter().any(|(from, _)| is_integrated(*from))
     }
 
-    /// The way back from an element that drives another: every place on it.
-    fn ways(&self, from: usize, to: usize) -> Vec<Way> {
-        let mut way = Way { at: from, last: to, settings: Vec::new() };
-        let mut ways = vec![way.clone()];
-        while let Some((next, setting)) = self.back(way.at) {
-            if ways.iter().any(|way| way.at == next) {
+    /// The path back from `from`, which drives `to`, through elements that only multiply. The first point is `from`.
+    fn upstream_path(&self, from: usize, to: usize) -> Vec<UpstreamPoint> {
+        let mut point = UpstreamPoint { element: from, driven: to, settings: Vec::new() };
+        let mut path = vec![point.clone()];
+        while let Some((next, setting)) = self.multiplied(point.element) {
+            if path.iter().any(|point| point.element == next) {
                 break;
             }
-            way.settings.extend(setting);
-            way = Way { at: next, last: way.at, settings: way.settings };
-            ways.push(way.clone());
+            point.settings.extend(setting);
+            point = UpstreamPoint { element: next, driven: point.element, settings: point.settings };
+            path.push(point.clone());
         }
-        ways
+        path
     }
 
-    /// What is behind an element that only multiplies.
-    fn back(&self, element: usize) -> Option<(usize, Option<String>)> {
-        let own = self.circuit.element(element);
-        if own.name.contains('.') {
+    /// The driving element if this element only multiplies, and the setting if it is a potentiometer. Elements of
+    /// macros do not count, because a formula of the patch cannot contain their settings.
+    fn multiplied(&self, element: usize) -> Option<(usize, Option<String>)> {
+        let multiplier = self.circuit.element(element);
+        if multiplier.name.contains('.') {
             return None;
         }
         if let Some(from) = self.inverted(element) {
             return Some((from, None));
         }
         let cords = self.circuit.cords(element);
-        match (own.kind.name, own.settings.first(), cords.as_slice()) {
+        match (multiplier.kind.name, multiplier.settings.first(), cords.as_slice()) {
             ("pot", Some(Some(setting)), [(from, _)]) => match &setting.value {
                 Amount::Formula(formula) => Some((*from, Some(format!("({})", formula.text())))),
                 _ => None,
@@ -315,45 +367,47 @@ impl<'c> Wiring<'c> {
         }
     }
 
-    /// What drives an integrator: the farthest named signal behind one of its jacks, or else a drive, or else its rate.
-    fn sum(&self, element: usize, own: &Reading) -> Option<Sum> {
+    /// The sum that drives an integrator: the farthest named signal upstream of one of its jacks. If there is none, a
+    /// drive; if there is no drive either, the rate of its output.
+    fn sum(&self, element: usize, output: &ScaledSignal) -> Option<InputSum> {
         let cords = self.cords(element, "x");
         let is_braked = !self.cords(element, "brake_x").is_empty();
-        let mut found: Vec<(bool, Reading, Way, f64)> = Vec::new();
+        let mut candidates: Vec<(bool, ScaledSignal, UpstreamPoint, f64)> = Vec::new();
         for (from, gain) in &cords {
-            let named = self.ways(*from, element).into_iter().filter_map(|way| {
-                let is_own = self.root(way.at).0 == element;
-                let reading = self.reading_at(way.at).filter(|_| !is_own)?;
-                let is_state = self.circuit.element(self.root(way.at).0).kind.name == "integrator";
-                (!is_state).then(|| (self.drive(way.at).is_some(), reading, way, *gain))
+            let named = self.upstream_path(*from, element).into_iter().filter_map(|point| {
+                let is_feedback = self.root(point.element).0 == element;
+                let signal = self.signal_at(point.element).filter(|_| !is_feedback)?;
+                let is_state = self.circuit.element(self.root(point.element).0).kind.name == "integrator";
+                (!is_state).then(|| (self.drive(point.element).is_some(), signal, point, *gain))
             });
-            found.extend(named.collect::<Vec<_>>().into_iter().rev());
+            candidates.extend(named.collect::<Vec<_>>().into_iter().rev());
         }
-        // The farthest back, but signals before drives: the sort keeps the order.
-        found.sort_by_key(|(is_drive, ..)| *is_drive);
-        let Some((_, reading, way, gain)) = found.into_iter().next() else {
-            return self.rate(own);
+        // Signals before drives. The sort is stable, so the farthest point of a path remains first.
+        candidates.sort_by_key(|(is_drive, ..)| *is_drive);
+        let Some((_, signal, point, gain)) = candidates.into_iter().next() else {
+            return self.rate(output);
         };
-        let is_all = cords.len() == 1 && !is_braked && self.ends_at(way.last, element);
-        let total = Total { from: self.name(way.at).to_owned(), to: self.name(way.last).to_owned() };
-        Some(Sum {
-            scale: reading.scale.clone(),
-            per_volt: reading.per_volt,
-            unit: reading.unit.clone(),
-            of: Some(reading),
-            setting: (!way.settings.is_empty()).then(|| way.settings.join(" * ")),
+        let is_total = cords.len() == 1 && !is_braked && self.drives_only(point.driven, element);
+        let total_cord =
+            TotalCord { from: self.name(point.element).to_owned(), to: self.name(point.driven).to_owned() };
+        Some(InputSum {
+            scale: signal.scale.clone(),
+            per_volt: signal.per_volt,
+            unit: signal.unit.clone(),
+            signal: Some(signal),
+            setting: (!point.settings.is_empty()).then(|| point.settings.join(" * ")),
             gain,
-            total: is_all.then_some(total),
+            total_cord: is_total.then_some(total_cord),
         })
     }
 
-    /// Whether all that an element gives comes to another.
-    fn ends_at(&self, mut element: usize, other: usize) -> bool {
-        while element != other {
-            let all = (0..self.circuit.elements().len()).flat_map(|to| {
+    /// Whether an element, and each element that it drives in turn, drives a single input, up to `target`.
+    fn drives_only(&self, mut element: usize, target: usize) -> bool {
+        while element != target {
+            let driven = (0..self.circuit.elements().len()).flat_map(|to| {
                 self.circuit.cords(to).into_iter().filter(move |(from, _)| *from == element).map(move |_| to)
             });
-            match all.collect::<Vec<_>>().as_slice() {
+            match driven.collect::<Vec<_>>().as_slice() {
                 [only] => element = *only,
                 _ => return false,
             }
@@ -361,28 +415,31 @@ impl<'c> Wiring<'c> {
         true
     }
 
-    fn reading_at(&self, element: usize) -> Option<Reading> {
-        let named = self.signals.iter().find(|point| point.element == element && point.scale.is_some());
-        named.and_then(|point| self.reading(point)).or_else(|| self.drive(element))
+    /// The quantity at an element: that of a signal, or of the element if it is a drive.
+    fn signal_at(&self, element: usize) -> Option<ScaledSignal> {
+        let declared = self.signals.iter().find(|point| point.element == element && point.scale.is_some());
+        declared.and_then(|point| self.scaled_signal(point)).or_else(|| self.drive(element))
     }
 
-    /// The rate of what it gives, 10 V for as much as fills the scale in a second.
-    fn rate(&self, own: &Reading) -> Option<Sum> {
-        let per_volt = own.per_volt * 10.0 * self.circuit.time_scale();
-        Some(Sum {
-            of: None,
+    /// A sum in the unit of the output's rate, at a jack of gain 10. One volt changes the output by ten of its volts
+    /// per second of machine time.
+    fn rate(&self, output: &ScaledSignal) -> Option<InputSum> {
+        let per_volt = output.per_volt * 10.0 * self.circuit.time_scale();
+        Some(InputSum {
+            signal: None,
             scale: format!("{per_volt}"),
             per_volt,
-            unit: own.unit.per_second(),
+            unit: output.unit.per_second(),
             setting: None,
             gain: 10.0,
-            total: None,
+            total_cord: None,
         })
     }
 
-    /// Named signals on the ways to brakes and to the biases of dead zones, velocities left out.
-    fn levels(&self) -> Vec<Reading> {
-        let mut found: Vec<usize> = Vec::new();
+    /// The friction levels: named signals on the paths to brakes and to the biases of dead zones. The paths end at
+    /// integrators, so velocities are not among them.
+    fn levels(&self) -> Vec<ScaledSignal> {
+        let mut on_path: Vec<usize> = Vec::new();
         let mut open: Vec<usize> = Vec::new();
         for element in self.of_kind("integrator") {
             open.extend(self.cords(element, "brake_x").iter().map(|(from, _)| *from));
@@ -393,16 +450,16 @@ impl<'c> Wiring<'c> {
         let mut seen: Vec<usize> = Vec::new();
         while let Some(element) = open.pop() {
             let root = self.circuit.element(self.root(element).0);
-            let ends = root.kind.name == "integrator" || root.kind.family != Family::Computing;
-            if ends || seen.contains(&element) {
+            let is_end = root.kind.name == "integrator" || root.kind.family != Family::Computing;
+            if is_end || seen.contains(&element) {
                 continue;
             }
             seen.push(element);
-            found.push(element);
+            on_path.push(element);
             open.extend(self.circuit.cords(element).into_iter().map(|(from, _)| from));
         }
-        found.sort_unstable();
-        let named = found.into_iter().filter(|element| !self.name(*element).contains('.'));
-        named.filter_map(|element| self.reading_at(element)).collect()
+        on_path.sort_unstable();
+        let outside_macros = on_path.into_iter().filter(|element| !self.name(*element).contains('.'));
+        outside_macros.filter_map(|element| self.signal_at(element)).collect()
     }
 }

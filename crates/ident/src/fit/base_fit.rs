@@ -1,92 +1,105 @@
-//! The fit of the patch as it is, and fits made again from better points.
+//! The fit of the patch as it is, and repeated fits from better starts.
+//!
+//! [`fit_base`] fits the patch from its declared values and from random starts. If the fit is poor, it is repeated from
+//! a fit to pieces of the records. `finish` then refines the solver steps and the validation.
 
-use crate::fit::estimate::Point;
-use crate::fit::estimation::Beginning;
+use crate::fit::estimate::Estimate;
+use crate::fit::estimation::FitStart;
 use crate::fit::estimation::fit_variant;
 use crate::fit::estimation::refit;
-use crate::fit::fitted_model::{Stage, Version};
+use crate::fit::fitted_model::{FittedModel, ModelVariant};
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::fit::schedule::Starts;
-use crate::fit::starts::scattered;
+use crate::fit::starts::random_starts;
 use crate::fit::step_size::refine_steps;
 use crate::fit::validation::revalidate;
 use patchcord_core::patch::Patch;
 
-/// A fit whose sum of squares is below this share of another's has found what that did not.
-const BETTER: f64 = 0.99;
+/// A fit is better than another only if its sum of squares is below this fraction of the other.
+const BETTER_CHI2_RATIO: f64 = 0.99;
 
-/// The first stage: a patch as it is, fitted from where it stands and from points scattered over the ranges of what is fitted.
+/// Fits the patch as it is, from its declared values and from random starts in the ranges of `fit`.
+///
+/// `fit` names the fitted parameters; `seed` selects the random starts. The result is `None` if the patch can be run
+/// from none of the starts.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records at all.
+/// If the patch cannot be run along the records at all.
 pub fn fit_base(
     problem: &Problem,
     patch: &Patch,
     fit: &[String],
     seed: u64,
-) -> Result<Option<Stage>, ModelError> {
-    let version = Version::new(patch.clone(), fit.to_vec(), Vec::new(), problem.steps);
-    let model = problem.model(&version, &problem.train, &problem.outputs)?;
-    let first = Point::of(&model, problem.outputs.len());
-    let task = problem.task(&model, &problem.train, true);
-    let points = [first.clone()].into_iter().chain(scattered(&model, &first, seed));
-    let settled = points.filter_map(|point| task.settled(&point));
-    let starts: Vec<Point> = settled.chain([first.clone()]).collect();
-    let from = Beginning::points(starts);
-    let Some(mut stage) = fit_variant(problem, version, from, f64::INFINITY)? else { return Ok(None) };
-    if !problem.is_cut && stage.is_far() {
-        stage = refit_over_pieces(problem, stage)?;
+) -> Result<Option<FittedModel>, ModelError> {
+    let variant = ModelVariant::new(patch.clone(), fit.to_vec(), Vec::new(), problem.steps);
+    let model = problem.model(&variant, &problem.train, &problem.outputs)?;
+    let nominal = Estimate::nominal(&model, problem.outputs.len());
+    let fit_problem = problem.fit_problem(&model, &problem.train, true);
+    let points = [nominal.clone()].into_iter().chain(random_starts(&model, &nominal, seed));
+    let settled = points.filter_map(|point| fit_problem.fit_initial(&point));
+    let starts: Vec<Estimate> = settled.chain([nominal.clone()]).collect();
+    let start = FitStart::from_estimates(starts);
+    let Some(mut fitted) = fit_variant(problem, variant, start, f64::INFINITY)? else { return Ok(None) };
+    if !problem.is_cut && fitted.is_poor() {
+        fitted = refit_over_pieces(problem, fitted)?;
     }
-    let finished = finish(problem, &stage)?;
-    Ok(Some(finished.unwrap_or(stage)))
+    let finished = finish(problem, &fitted)?;
+    Ok(Some(finished.unwrap_or(fitted)))
 }
 
-/// A stage with steps that are fine enough where it came to, and begun in the right place where it is held back; nothing where
-/// it has and is.
+/// Refines the solver steps and, if necessary, the initial voltages of the validation records. `None` if neither
+/// changes the fitted model.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn finish(problem: &Problem, stage: &Stage) -> Result<Option<Stage>, ModelError> {
-    let refined = refine_steps(problem, stage)?;
-    let again = revalidate(problem, refined.as_ref().unwrap_or(stage))?;
-    Ok(again.or(refined))
+/// If the patch cannot be run along the records.
+pub(crate) fn finish(problem: &Problem, fitted: &FittedModel) -> Result<Option<FittedModel>, ModelError> {
+    let refined = refine_steps(problem, fitted)?;
+    let revalidated = revalidate(problem, refined.as_ref().unwrap_or(fitted))?;
+    Ok(revalidated.or(refined))
 }
 
-/// A stage whose gap is large, fitted from its pieces on, too.
-fn refit_over_pieces(problem: &Problem, stage: Stage) -> Result<Stage, ModelError> {
-    let model = problem.model(&stage.version, &problem.pieces, &problem.outputs)?;
-    let first = Point { knobs: stage.train.point.knobs.clone(), ..Point::of(&model, problem.outputs.len()) };
-    let Some(settled) = problem.task(&model, &problem.pieces, true).settled(&first) else { return Ok(stage) };
-    let from = Beginning {
-        in_pieces: Some(Starts { sure: vec![settled], ..Starts::default() }),
-        held: Some(&stage.test.point.initial),
-        ..Beginning::points(vec![stage.train.point.clone()])
+/// Repeats a poor fit from a fit to the pieces of the records. Returns the better of the old and the new fit.
+fn refit_over_pieces(problem: &Problem, fitted: FittedModel) -> Result<FittedModel, ModelError> {
+    let model = problem.model(&fitted.variant, &problem.pieces, &problem.outputs)?;
+    let start = Estimate {
+        parameters: fitted.train.estimate.parameters.clone(),
+        ..Estimate::nominal(&model, problem.outputs.len())
     };
-    let again = fit_variant(problem, stage.version.clone(), from, f64::INFINITY)?;
-    Ok(again.filter(|again| again.train.chi2 < stage.train.chi2).unwrap_or(stage))
+    let Some(settled) = problem.fit_problem(&model, &problem.pieces, true).fit_initial(&start) else {
+        return Ok(fitted);
+    };
+    let start = FitStart {
+        piece_starts: Some(Starts { required: vec![settled], ..Starts::default() }),
+        test_initial: Some(&fitted.test.estimate.initial),
+        ..FitStart::from_estimates(vec![fitted.train.estimate.clone()])
+    };
+    let repeated = fit_variant(problem, fitted.variant.clone(), start, f64::INFINITY)?;
+    Ok(repeated.filter(|repeated| repeated.train.chi2 < fitted.train.chi2).unwrap_or(fitted))
 }
 
-/// The same patch fitted from where a trial with one more effect came to, if that is better.
+/// Repeats a fit from the result of a trial with one more effect, without the values of that effect.
+///
+/// Returns `None` unless the sum of squares decreases by more than 1 %.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records at all.
+/// If the patch cannot be run along the records at all.
 pub fn refit_from_trial(
     problem: &Problem,
-    stage: &Stage,
-    trial: &Stage,
-) -> Result<Option<Stage>, ModelError> {
-    let (own, other) = (&stage.train.point, &trial.train.point);
-    let start = Point {
-        knobs: other.knobs[..own.knobs.len()].to_vec(),
+    fitted: &FittedModel,
+    trial: &FittedModel,
+) -> Result<Option<FittedModel>, ModelError> {
+    let (own, trial_estimate) = (&fitted.train.estimate, &trial.train.estimate);
+    let start = Estimate {
+        parameters: trial_estimate.parameters[..own.parameters.len()].to_vec(),
         initial: own
             .initial
             .iter()
-            .zip(&other.initial)
-            .map(|(own, other)| other[..own.len()].to_vec())
+            .zip(&trial_estimate.initial)
+            .map(|(own, trial)| trial[..own.len()].to_vec())
             .collect(),
-        offsets: other.offsets.clone(),
+        offsets: trial_estimate.offsets.clone(),
     };
-    let again = refit(problem, stage, stage.version.clone(), start)?;
-    Ok(again.filter(|again| again.train.chi2 < BETTER * stage.train.chi2))
+    let repeated = refit(problem, fitted, fitted.variant.clone(), start)?;
+    Ok(repeated.filter(|repeated| repeated.train.chi2 < BETTER_CHI2_RATIO * fitted.train.chi2))
 }

@@ -1,32 +1,33 @@
-//! What is left although nothing is missing, and is not white: a finding of the residual analysis, which a fitted model keeps.
+//! Coloured residuals without a missing effect: a finding of the residual analysis that a fitted model keeps.
 
-/// What is left although nothing is missing: of the output of which that is most.
+/// Residuals that are not white although no effect is missing. It describes the output with the largest residuals.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NotWhite {
-    /// The output.
+pub struct ColouredResidual {
+    /// Name of the output.
     pub output: String,
-    /// What is left of it, rms over its noise.
-    pub left: f64,
-    /// What brings it.
-    pub cause: Cause,
+    /// The rms of its residuals, in units of sigma.
+    pub normalised_rms: f64,
+    /// The source of the residuals.
+    pub source: ResidualSource,
 }
 
-/// What brings residuals that are not white although nothing is missing.
+/// The source of residuals that are not white although no effect is missing.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cause {
-    /// Noise of the output itself.
-    Own,
-    /// Noise of these drives, which brings so much on average, rms over the noise of the output.
-    Drives(Vec<String>, f64),
-    /// The patch runs away: noise of these drives grows to more than the output moves, as does what is left.
-    Runaway(Vec<String>),
-    /// Straight lines between the samples of these drives: where they go on smoothly so much is left, rms over the noise.
-    Between(Vec<String>, f64),
+pub enum ResidualSource {
+    /// Coloured noise of the output, not larger than sigma.
+    OutputNoise,
+    /// Noise of these drives. The number is its expected rms in the output, in units of sigma.
+    DriveNoise(Vec<String>, f64),
+    /// The fit diverges: noise of these drives grows until it exceeds the motion of the output, as the residuals do.
+    Divergence(Vec<String>),
+    /// Linear interpolation between the samples of these drives. The number is the rms of the residuals with smooth
+    /// interpolation, in units of sigma.
+    Intersample(Vec<String>, f64),
 }
 
-impl NotWhite {
-    /// Whether it is how drives were measured that brings it, or what the patch makes of that, rather than less than the noise of the output.
-    pub fn is_of_drives(&self) -> bool {
-        self.cause != Cause::Own
+impl ColouredResidual {
+    /// Whether the drives are the source, directly or through a fit that diverges. False for noise of the output.
+    pub fn is_from_drives(&self) -> bool {
+        self.source != ResidualSource::OutputNoise
     }
 }

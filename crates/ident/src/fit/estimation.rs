@@ -1,161 +1,195 @@
-//! Fitting a patch to the training records, in pieces and to a few of many records first, and validating it.
+//! Fits one variant of the patch to the training records and validates it.
+//!
+//! If starts for pieces are given, the pieces are fitted first, and their result is one more start for the whole
+//! records. If there are many records, a subsample is fitted first, and all records are fitted from its survivors.
 
 use crate::data::record::Record;
-use crate::fit::estimate::Point;
-use crate::fit::fitted_model::{Stage, Version};
-use crate::fit::levenberg_marquardt::{Ladder, Task};
+use crate::fit::estimate::Estimate;
+use crate::fit::fitted_model::{FittedModel, ModelVariant};
+use crate::fit::levenberg_marquardt::{DampingSchedule, FitProblem};
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::fit::schedule::{Effort, Starts};
-use crate::fit::start_cache::{Begun, Seen};
+use crate::fit::start_cache::{StartCache, StartCaches};
 use crate::fit::validation::validate;
 
-/// From where a stage is fitted.
+/// The starts of a fit and the effort that is made from them.
 #[derive(Debug, Clone)]
-pub(crate) struct Beginning<'a> {
-    /// Points for the records whole.
+pub(crate) struct FitStart<'a> {
+    /// Starts for the whole records.
     pub(crate) starts: Starts,
-    /// Points for their pieces, where those are fitted first.
-    pub(crate) in_pieces: Option<Starts>,
-    /// The initial voltages of the records that are held back, as an earlier fit found them.
-    pub(crate) held: Option<&'a [Vec<f64>]>,
-    /// What is known of some of the points.
-    pub(crate) seen: Seen,
+    /// Starts for the pieces of the records. `None` if the pieces are not fitted first.
+    pub(crate) piece_starts: Option<Starts>,
+    /// For every validation record the initial voltages from an earlier fit, in V. They may lack the last states.
+    pub(crate) test_initial: Option<&'a [Vec<f64>]>,
+    /// Results from the same starts in an earlier fit.
+    pub(crate) caches: StartCaches,
+    /// The effort of the fit.
     pub(crate) effort: Effort,
 }
 
-impl Beginning<'_> {
-    pub(crate) fn points(others: Vec<Point>) -> Self {
-        let starts = Starts { others, ..Starts::default() };
-        Beginning { starts, in_pieces: None, held: None, seen: Seen::default(), effort: Effort::FULL }
+impl FitStart<'_> {
+    /// A full fit from the best of these estimates.
+    pub(crate) fn from_estimates(optional: Vec<Estimate>) -> Self {
+        let starts = Starts { optional, ..Starts::default() };
+        FitStart {
+            starts,
+            piece_starts: None,
+            test_initial: None,
+            caches: StartCaches::default(),
+            effort: Effort::FULL,
+        }
     }
 }
 
-/// Looks at many records begin with so many samples of them,
-const GLANCED_AT: usize = 4000;
-/// and finds in so many rounds how all of them begin.
-const NEARLY: usize = 4;
+/// The number of samples that a subsample of the records has at most, unless a single record is longer.
+const SUBSAMPLE_SAMPLES: usize = 4000;
+/// The number of iterations for the initial voltages of all records after a fit to a subsample.
+const INITIAL_ITERATIONS: usize = 4;
 
-/// Fits a patch from several points on, so that the sum of squares comes below what is wanted; nothing where it can be run
-/// from none of them.
+/// Fits a variant and validates it. `None` if the patch can be run from none of the starts.
+///
+/// A fit that is not expected to reach the sum of squares `target_chi2` is given up early. Its result is then returned
+/// as it is.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records at all.
+/// If the patch cannot be run along the records at all.
 pub(crate) fn fit_variant(
     problem: &Problem,
-    version: Version,
-    from: Beginning<'_>,
-    wanted: f64,
-) -> Result<Option<Stage>, ModelError> {
-    let mut seen = from.seen;
-    let pieces = from.in_pieces.map(|own| fit_pieces(problem, &version, &own, from.effort, &mut seen.pieces));
-    let in_pieces = pieces.transpose()?.flatten();
-    let model = problem.model(&version, &problem.train, &problem.outputs)?;
-    let task = Task { wanted, ..problem.task(&model, &problem.train, true) };
-    let mut starts = from.starts;
-    let joined = in_pieces.as_ref().map(|point| problem.joined_up(point));
-    let led = fit_subsample_first(problem, &version, &task, &starts, from.effort, &mut seen)?;
-    let best = led.and_then(|(all, led)| {
-        let sure = led.into_iter().chain(joined.clone()).collect();
-        all.best(&task, &Starts { sure, ..Starts::default() }, &mut seen.whole)
+    variant: ModelVariant,
+    start: FitStart<'_>,
+    target_chi2: f64,
+) -> Result<Option<FittedModel>, ModelError> {
+    let mut caches = start.caches;
+    let piece_fit = start
+        .piece_starts
+        .map(|piece_starts| fit_pieces(problem, &variant, &piece_starts, start.effort, &mut caches.pieces));
+    let pieces_estimate = piece_fit.transpose()?.flatten();
+    let model = problem.model(&variant, &problem.train, &problem.outputs)?;
+    let fit_problem = FitProblem { target_chi2, ..problem.fit_problem(&model, &problem.train, true) };
+    let mut starts = start.starts;
+    let joined = pieces_estimate.as_ref().map(|estimate| problem.join_pieces(estimate));
+    let from_subsample =
+        fit_subsample_first(problem, &variant, &fit_problem, &starts, start.effort, &mut caches)?;
+    let best = from_subsample.and_then(|(effort, estimates)| {
+        let required = estimates.into_iter().chain(joined.clone()).collect();
+        effort.best(&fit_problem, &Starts { required, ..Starts::default() }, &mut caches.whole)
     });
     let best = best.or_else(|| {
-        starts.sure.extend(joined);
-        from.effort.best(&task, &starts, &mut seen.whole)
+        starts.required.extend(joined);
+        start.effort.best(&fit_problem, &starts, &mut caches.whole)
     });
-    let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };
-    let test = validate(problem, &version, &train.point, from.held, from.effort)?;
-    Ok(test.map(|test| Stage::new(version, [train, test], in_pieces, seen, from.effort.is_thorough)))
+    let Some(train) = best.and_then(|estimate| fit_problem.evaluate(&estimate)) else { return Ok(None) };
+    let test = validate(problem, &variant, &train.estimate, start.test_initial, start.effort)?;
+    Ok(test.map(|test| {
+        FittedModel::new(variant, [train, test], pieces_estimate, caches, start.effort.is_thorough)
+    }))
 }
 
-/// Fits a patch to the pieces: where it comes to from the best of several points.
+/// Fits a variant to the pieces of the training records. Returns the best fit, or `None` if no start can be run.
 fn fit_pieces(
     problem: &Problem,
-    version: &Version,
+    variant: &ModelVariant,
     starts: &Starts,
     effort: Effort,
-    begun: &mut Begun,
-) -> Result<Option<Point>, ModelError> {
-    let model = problem.model(version, &problem.pieces, &problem.outputs)?;
-    let task = problem.task(&model, &problem.pieces, true);
-    Ok(effort.best(&task, starts, begun))
+    cache: &mut StartCache,
+) -> Result<Option<Estimate>, ModelError> {
+    let model = problem.model(variant, &problem.pieces, &problem.outputs)?;
+    let fit_problem = problem.fit_problem(&model, &problem.pieces, true);
+    Ok(effort.best(&fit_problem, starts, cache))
 }
 
-/// From where all of many records are gone on with, and how: from where a few of them lead, and from what these may lead
-/// astray from. Nothing where the records are few, or there is nothing to choose between.
+/// Fits a subsample of many records first. Returns the effort and the starts for the fit to all records.
+///
+/// These starts are the survivors of the subsample and one start that does not depend on it, because the subsample may
+/// mislead. `None` if the records are few or there is only one start.
 fn fit_subsample_first(
     problem: &Problem,
-    version: &Version,
-    all: &Task<'_>,
+    variant: &ModelVariant,
+    whole_problem: &FitProblem<'_>,
     starts: &Starts,
     effort: Effort,
-    seen: &mut Seen,
-) -> Result<Option<(Effort, Vec<Point>)>, ModelError> {
-    let places = glance(&problem.train);
-    let is_open = starts.sure.iter().chain(&starts.found).chain(&starts.others).count() > 1;
-    let split = effort.split().filter(|_| is_open && places.len() < problem.train.len());
-    let Some([few, rest]) = split else { return Ok(None) };
-    let nearly = Task { most_rounds: NEARLY, dampings: Ladder::ONE, ..*all };
-    let glanced = fit_subsample(problem, version, &places, starts, few, &mut seen.few)?;
-    let mut led: Vec<Point> = glanced.iter().filter_map(|point| nearly.settled(point)).collect();
+    caches: &mut StartCaches,
+) -> Result<Option<(Effort, Vec<Estimate>)>, ModelError> {
+    let indices = subsample_indices(&problem.train);
+    let has_choice = starts.required.iter().chain(&starts.previous).chain(&starts.optional).count() > 1;
+    let split = effort.split().filter(|_| has_choice && indices.len() < problem.train.len());
+    let Some([subsample_effort, rest]) = split else { return Ok(None) };
+    let short_fit = FitProblem {
+        max_iterations: INITIAL_ITERATIONS,
+        damping_schedule: DampingSchedule::SEQUENTIAL,
+        ..*whole_problem
+    };
+    let survivors =
+        fit_subsample(problem, variant, &indices, starts, subsample_effort, &mut caches.subsample)?;
+    let mut whole_starts: Vec<Estimate> =
+        survivors.iter().filter_map(|estimate| short_fit.fit_initial(estimate)).collect();
     match effort.is_thorough {
-        true => led.extend(all.nearest(&starts.others, &starts.sure, 1, &mut seen.whole).cloned()),
-        false => led.extend(starts.sure.first().cloned()),
+        true => whole_starts.extend(
+            whole_problem.nearest_starts(&starts.optional, &starts.required, 1, &mut caches.whole).cloned(),
+        ),
+        false => whole_starts.extend(starts.required.first().cloned()),
     }
-    led.extend(starts.found.clone());
-    Ok(Some((rest, led)))
+    whole_starts.extend(starts.previous.clone());
+    Ok(Some((rest, whole_starts)))
 }
 
-/// Where a patch fitted to a few of the records comes to, the best first; the others begin where they did before.
+/// Fits a variant to the records with these indices. Returns the survivors as estimates for all records, the best
+/// first. The other records keep the initial voltages of the first start.
 fn fit_subsample(
     problem: &Problem,
-    version: &Version,
-    places: &[usize],
+    variant: &ModelVariant,
+    indices: &[usize],
     starts: &Starts,
     effort: Effort,
-    begun: &mut Begun,
-) -> Result<Vec<Point>, ModelError> {
-    let records: Vec<Record> = places.iter().map(|place| problem.train[*place].clone()).collect();
-    let model = problem.model(version, &records, &problem.outputs)?;
-    let few = |point: &Point| {
-        let initial = places.iter().map(|place| point.initial[*place].clone());
-        Point { initial: initial.collect(), ..point.clone() }
+    cache: &mut StartCache,
+) -> Result<Vec<Estimate>, ModelError> {
+    let records: Vec<Record> = indices.iter().map(|index| problem.train[*index].clone()).collect();
+    let model = problem.model(variant, &records, &problem.outputs)?;
+    let reduce = |estimate: &Estimate| {
+        let initial = indices.iter().map(|index| estimate.initial[*index].clone());
+        Estimate { initial: initial.collect(), ..estimate.clone() }
     };
-    let all = |points: &[Point]| points.iter().map(few).collect();
-    let some = Starts {
-        sure: all(&starts.sure),
-        found: starts.found.as_ref().map(few),
-        others: all(&starts.others),
+    let reduce_all = |estimates: &[Estimate]| estimates.iter().map(reduce).collect();
+    let reduced_starts = Starts {
+        required: reduce_all(&starts.required),
+        previous: starts.previous.as_ref().map(reduce),
+        optional: reduce_all(&starts.optional),
     };
-    let mut points = starts.sure.iter().chain(&starts.found).chain(&starts.others);
-    let Some(first) = points.next() else { return Ok(Vec::new()) };
-    let ahead = effort.ahead(&problem.task(&model, &records, true), &some, begun).into_iter();
-    let whole = ahead.map(|own| {
+    let mut all_starts = starts.required.iter().chain(&starts.previous).chain(&starts.optional);
+    let Some(first) = all_starts.next() else { return Ok(Vec::new()) };
+    let survivors =
+        effort.survivors(&problem.fit_problem(&model, &records, true), &reduced_starts, cache).into_iter();
+    let expanded = survivors.map(|survivor| {
         let mut initial = first.initial.clone();
-        places.iter().zip(own.initial).for_each(|(place, begins)| initial[*place] = begins);
-        Point { initial, ..own }
+        indices.iter().zip(survivor.initial).for_each(|(index, voltages)| initial[*index] = voltages);
+        Estimate { initial, ..survivor }
     });
-    Ok(whole.collect())
+    Ok(expanded.collect())
 }
 
-/// A stage in another version, fitted from a point on.
+/// Fits another variant from one start, with full effort. It keeps the estimate for pieces of the earlier model.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records at all.
+/// If the patch cannot be run along the records at all.
 pub(crate) fn refit(
     problem: &Problem,
-    stage: &Stage,
-    version: Version,
-    start: Point,
-) -> Result<Option<Stage>, ModelError> {
-    let from = Beginning { held: Some(&stage.test.point.initial), ..Beginning::points(vec![start]) };
-    let again = fit_variant(problem, version, from, f64::INFINITY)?;
-    Ok(again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again }))
+    fitted: &FittedModel,
+    variant: ModelVariant,
+    start: Estimate,
+) -> Result<Option<FittedModel>, ModelError> {
+    let start = FitStart {
+        test_initial: Some(&fitted.test.estimate.initial),
+        ..FitStart::from_estimates(vec![start])
+    };
+    let repeated = fit_variant(problem, variant, start, f64::INFINITY)?;
+    Ok(repeated.map(|repeated| FittedModel { pieces_estimate: fitted.pieces_estimate.clone(), ..repeated }))
 }
 
-/// The places of records, all or a few of many, from which a first look takes its data.
-pub(crate) fn glance(records: &[Record]) -> Vec<usize> {
+/// Indices of the records in the subsample, evenly distributed. All records if they have at most
+/// [`SUBSAMPLE_SAMPLES`] samples together.
+pub(crate) fn subsample_indices(records: &[Record]) -> Vec<usize> {
     let (count, samples) = (records.len(), records.iter().map(Record::len).sum::<usize>());
-    let few = (GLANCED_AT * count / samples.max(1)).max(1).min(count);
-    (0..few).map(|place| place * count / few).collect()
+    let chosen_count = (SUBSAMPLE_SAMPLES * count / samples.max(1)).max(1).min(count);
+    (0..chosen_count).map(|place| place * count / chosen_count).collect()
 }

@@ -1,128 +1,144 @@
-//! A fitted model with one more effect wired in.
+//! A fitted model with one more effect: the trial of one effect at one place.
+//!
+//! [`fit_trial`] wires the effect into the patch and fits all parameters again. The starts combine the present fit with
+//! several values of the effect's parameters, and with the values that have no effect.
 
-use crate::effects::attach::Attached;
+use crate::effects::attach::EffectPlacement;
 use crate::effects::candidate::Candidate;
 use crate::effects::sites::Sites;
-use crate::fit::estimate::Point;
-use crate::fit::estimation::Beginning;
+use crate::fit::estimate::Estimate;
+use crate::fit::estimation::FitStart;
 use crate::fit::estimation::fit_variant;
-use crate::fit::fitted_model::{Stage, Version};
+use crate::fit::fitted_model::{FittedModel, ModelVariant};
 use crate::fit::model::ModelError;
-use crate::fit::peaks::Peaks;
 use crate::fit::problem::Problem;
 use crate::fit::schedule::{Effort, Starts};
+use crate::fit::signal_extents::SignalExtents;
 
-/// Why an effect is not tried at a place.
+/// Why an effect was not tried at a place.
 #[derive(Debug, thiserror::Error)]
-pub enum Untried {
-    /// There is nothing to find its size by.
-    #[error("there is nothing to measure it by: what it acts on stays at zero, or no frequency stands out")]
-    Idle,
-    /// No fit can begin.
-    #[error("the patch with it can be run from none of its starts")]
-    NotRun,
-    /// The patch with it is none.
+pub enum SkipReason {
+    /// The ranges of its parameters cannot be computed.
+    #[error(
+        "its size cannot be estimated: its input is always zero, or the residuals have no dominant frequency"
+    )]
+    NoScale,
+    /// The patch cannot be run from any start.
+    #[error("the patch with this effect cannot be run from any start")]
+    NotRunnable,
+    /// The patch with the effect is invalid, or the records cannot feed it.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
-/// What is asked of a trial.
+/// How a trial is to be made.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked<'a> {
-    /// How much is done.
+pub struct TrialRequest<'a> {
+    /// The effort of the fit.
     pub effort: Effort,
-    /// Below what the sum of squares is to come.
-    pub wanted: f64,
-    /// Where the same trial came to with less effort.
-    pub before: Option<&'a Stage>,
-    /// Values of its parameters known from elsewhere, if there are any.
-    pub known: Option<&'a [f64]>,
+    /// The fit is given up if it is not expected to bring the sum of squares below this value.
+    pub target_chi2: f64,
+    /// The result of the same trial with less effort, if there is one.
+    pub previous: Option<&'a FittedModel>,
+    /// Values of the effect's parameters from another source, in their units, as one more start.
+    pub effect_values: Option<&'a [f64]>,
 }
 
-/// Wires one more effect into a stage: as a candidate, and as the version of the patch that is fitted.
+/// Wires one more effect into a fitted model. Returns the effect as a candidate, and the variant to be fitted.
 ///
 /// # Errors
-/// When the effect does not fit.
+/// If the ranges of the effect's parameters cannot be computed or the effect does not suit the patch.
 pub(crate) fn attach_effect(
-    stage: &Stage,
-    attached: &Attached<'_>,
-    peaks: &Peaks,
-) -> Result<(Candidate, Version), Untried> {
-    let largest = peaks.at(&attached.place);
-    let candidate = Candidate::new(attached, stage.version.patch(), &largest, &peaks.spectrum);
-    let candidate = candidate.map_err(ModelError::from)?.ok_or(Untried::Idle)?;
+    fitted: &FittedModel,
+    attached: &EffectPlacement<'_>,
+    extents: &SignalExtents,
+) -> Result<(Candidate, ModelVariant), SkipReason> {
+    let largest = extents.largest_at(&attached.site);
+    let candidate = Candidate::new(attached, fitted.variant.patch(), &largest, &extents.residual_frequencies);
+    let candidate = candidate.map_err(ModelError::from)?.ok_or(SkipReason::NoScale)?;
     let graft = &candidate.graft;
-    let brought = graft.parameters.iter().map(|parameter| parameter.name.clone());
-    let fit = stage.version.fit.iter().cloned().chain(brought).collect();
-    let free = stage.version.free.iter().chain(&graft.free).cloned().collect();
-    let steps = stage.version.steps.max(candidate.steps(peaks.interval));
-    let version = Version::new(graft.patch.clone(), fit, free, steps);
-    Ok((candidate, version))
+    let effect_parameters = graft.parameters.iter().map(|parameter| parameter.name.clone());
+    let fit = fitted.variant.fit.iter().cloned().chain(effect_parameters).collect();
+    let initial_states = fitted.variant.initial_states.iter().chain(&graft.initial_states).cloned().collect();
+    let steps = fitted.variant.steps.max(candidate.steps_per_sample(extents.interval));
+    let variant = ModelVariant::new(graft.patch.clone(), fit, initial_states, steps);
+    Ok((candidate, variant))
 }
 
-/// Wires one more effect into a stage, and fits everything anew, as long as there is hope to come to what is wanted.
+/// Wires one more effect into a fitted model and fits all parameters, as `request` specifies.
 ///
 /// # Errors
-/// When the effect does not fit, or the patch with it cannot be run beside the records.
+/// If the effect does not suit the patch, or the patch with it cannot be run along the records.
 pub fn fit_trial(
     problem: &Problem,
-    stage: &Stage,
-    attached: &Attached<'_>,
-    peaks: &Peaks,
-    asked: Asked<'_>,
-) -> Result<(Candidate, Stage), Untried> {
-    let (candidate, version) = attach_effect(stage, attached, peaks)?;
-    let free = candidate.graft.free.len();
-    let begun = |home: &Point, before: Option<&Point>| {
-        let with = |start: &Vec<f64>| Point {
-            knobs: [home.knobs.as_slice(), start].concat(),
-            initial: home.initial.iter().map(|own| [own.as_slice(), &vec![0.0; free]].concat()).collect(),
-            offsets: home.offsets.clone(),
+    fitted: &FittedModel,
+    attached: &EffectPlacement<'_>,
+    extents: &SignalExtents,
+    request: TrialRequest<'_>,
+) -> Result<(Candidate, FittedModel), SkipReason> {
+    let (candidate, variant) = attach_effect(fitted, attached, extents)?;
+    let new_state_count = candidate.graft.initial_states.len();
+    let starts_from = |base: &Estimate, previous: Option<&Estimate>| {
+        let with_values = |effect_values: &Vec<f64>| Estimate {
+            parameters: [base.parameters.as_slice(), effect_values].concat(),
+            initial: base
+                .initial
+                .iter()
+                .map(|voltages| [voltages.as_slice(), &vec![0.0; new_state_count]].concat())
+                .collect(),
+            offsets: base.offsets.clone(),
         };
-        let beside = before.into_iter().flat_map(|before| {
-            let (others, own) = before.knobs.split_at(home.knobs.len());
-            let moved = candidate.beside(own).into_iter();
-            moved.map(move |own| Point { knobs: [others, &own].concat(), ..before.clone() })
+        let neighbours = previous.into_iter().flat_map(|previous| {
+            let (others, effect_values) = previous.parameters.split_at(base.parameters.len());
+            let moved = candidate.neighbours(effect_values).into_iter();
+            moved.map(move |values| Estimate { parameters: [others, &values].concat(), ..previous.clone() })
         });
-        let known = asked.known.map(|known| with(&candidate.within(known)));
+        let requested = request.effect_values.map(|values| with_values(&candidate.clamped(values)));
         Starts {
-            sure: candidate.without.iter().map(with).collect(),
-            found: before.cloned().or(known),
-            others: candidate.starts.iter().map(with).chain(beside).collect(),
+            required: candidate.null_starts.iter().map(with_values).collect(),
+            previous: previous.cloned().or(requested),
+            optional: candidate.starts.iter().map(with_values).chain(neighbours).collect(),
         }
     };
-    let from = Beginning {
-        starts: begun(&stage.train.point, asked.before.map(|before| &before.train.point)),
-        in_pieces: stage
-            .in_pieces
-            .as_ref()
-            .map(|home| begun(home, asked.before.and_then(|before| before.in_pieces.as_ref()))),
-        held: Some(&stage.test.point.initial),
-        seen: asked.before.map(|before| before.seen.clone()).unwrap_or_default(),
-        effort: asked.effort,
+    let start = FitStart {
+        starts: starts_from(
+            &fitted.train.estimate,
+            request.previous.map(|previous| &previous.train.estimate),
+        ),
+        piece_starts: fitted.pieces_estimate.as_ref().map(|base| {
+            starts_from(base, request.previous.and_then(|previous| previous.pieces_estimate.as_ref()))
+        }),
+        test_initial: Some(&fitted.test.estimate.initial),
+        caches: request.previous.map(|previous| previous.start_caches.clone()).unwrap_or_default(),
+        effort: request.effort,
     };
-    let stage = fit_variant(problem, version, from, asked.wanted)?.ok_or(Untried::NotRun)?;
-    Ok((candidate, stage))
+    let fitted = fit_variant(problem, variant, start, request.target_chi2)?.ok_or(SkipReason::NotRunnable)?;
+    Ok((candidate, fitted))
 }
 
-pub(crate) fn sites_of(problem: &Problem, stage: &Stage) -> Result<Sites, ModelError> {
-    Ok(Sites::fed(stage.version.patch(), &problem.drives)?)
+/// The places in the patch of a fitted model at which effects can be wired in.
+///
+/// # Errors
+/// If the patch cannot be compiled to a circuit.
+pub(crate) fn find_sites(problem: &Problem, fitted: &FittedModel) -> Result<Sites, ModelError> {
+    Ok(Sites::fed(fitted.variant.patch(), &problem.drives)?)
 }
 
 /// An effect that was not tried at a place.
 #[derive(Debug, Clone)]
-pub struct LeftOut {
-    /// The effect.
+pub struct SkippedTrial {
+    /// Name of the effect.
     pub effect: String,
-    /// The element that it would act on.
+    /// Name of the element on which it would act.
     pub junction: String,
-    /// Why it was not tried.
-    pub why: String,
+    /// Why it was not tried: the text of the [`SkipReason`].
+    pub reason: String,
 }
 
-impl LeftOut {
-    pub(crate) fn of(attached: &Attached<'_>, why: &Untried) -> LeftOut {
+impl SkippedTrial {
+    /// The trial of an effect at a place, skipped for this reason.
+    pub(crate) fn new(attached: &EffectPlacement<'_>, reason: &SkipReason) -> SkippedTrial {
         let effect = attached.effect.name.clone();
-        LeftOut { effect, junction: attached.junction().to_owned(), why: why.to_string() }
+        SkippedTrial { effect, junction: attached.junction().to_owned(), reason: reason.to_string() }
     }
 }

@@ -1,274 +1,336 @@
-//! How far what is fitted may be off: standard errors, and between which values it lies.
+//! Standard errors and 95 % confidence intervals of fitted parameters.
+//!
+//! The standard error is the larger of two estimates. The first is that for white noise, times the root of reduced
+//! chi-squared times autocorrelation time. The second comes from the gradients of blocks of residuals.
+//!
+//! The interval is first proportional to the standard error. `with_profile_intervals` then checks its ends by the
+//! profile likelihood: it fixes the parameter there and fits all others again. If the sum of squares rises too little,
+//! the end moves outwards. If it decreases, a better fit exists, and the fit continues from there.
 
 use nalgebra::DVector;
 
 use crate::data::record::Record;
-use crate::fit::estimate::Reached;
+use crate::fit::estimate::FitState;
 use crate::fit::estimation::refit;
-use crate::fit::fitted_model::Stage;
-use crate::fit::levenberg_marquardt::{NUDGE, Task};
-use crate::fit::model::{Course, ModelError};
-use crate::fit::normal_equations::{Column, Normal, Spread, product_there};
+use crate::fit::fitted_model::FittedModel;
+use crate::fit::levenberg_marquardt::{DERIVATIVE_STEP, FitProblem};
+use crate::fit::model::{ModelError, OutputTrajectory};
+use crate::fit::normal_equations::{Covariance, JacobianColumn, NormalEquations, product_of_present};
 use crate::fit::problem::Problem;
-use crate::fit::uncertainty::Known;
-use crate::statistics::block_comparison::{in_blocks, together};
+use crate::fit::uncertainty::Uncertainty;
+use crate::statistics::block_comparison::{blocks_of, sum_outputs};
 use crate::statistics::descriptive::student_95;
-use patchcord_analysis::pool;
+use patchcord_analysis::parallel;
 
-/// Derivatives are taken over this share of a range at most,
-const MOST_NUDGE: f64 = 0.02;
-/// and over less where that changes what was measured by more than twice so much of the noise, rms: several times what the
-/// solver errs by, which next to kinks of laws differs from run to run.
-const FELT: f64 = 0.5;
-/// So often they are taken over less at most.
-const MOST_NARROWED: usize = 8;
-/// A derivative bends where over a quarter of the move its square is more than so many times larger;
-const BENT: f64 = 1.5;
-/// so often a move is quartered at most.
-const MOST_QUARTERED: usize = 4;
-/// An end is moved out where the sum of squares rises, with all else fitted again, by less than this share of what it should,
-const LEAST_RISE: f64 = 0.5;
-/// to twice as far, so often at most,
-const MOST_WIDENED: usize = 8;
-/// each time fitted in so many rounds.
-const ROUNDS: usize = 6;
+/// The largest finite-difference step for the covariance, as a fraction of a range. Wide steps average over the kinks
+/// of laws.
+const MAX_WIDE_STEP: f64 = 0.02;
+/// The rms change of the outputs, in units of sigma, to which a wide step is reduced if it causes more than twice as
+/// much. It is several times the solver error, which differs from run to run near kinks.
+const STEP_RESPONSE: f64 = 0.5;
+/// The largest number of passes that reduce wide steps.
+const MAX_REDUCTIONS: usize = 8;
+/// A derivative is nonlinear if its mean square grows by more than this factor when the step is quartered.
+const NONLINEARITY_RATIO: f64 = 1.5;
+/// The largest number of times that a step is quartered.
+const MAX_QUARTERINGS: usize = 4;
+/// The end of an interval is accepted if the sum of squares rises to at least this fraction of the expected rise.
+const MIN_RISE_RATIO: f64 = 0.5;
+/// The largest number of times that the distance of an end from the optimum is doubled.
+const MAX_DOUBLINGS: usize = 8;
+/// The number of iterations of the fit of all other coordinates at an end.
+const PROFILE_ITERATIONS: usize = 6;
 
-/// So often a fit is gone on from what is better at an end of an interval.
-const MOST_BETTERED: usize = 2;
+/// The largest number of times that the fit continues from a better fit at an end of an interval.
+const MAX_IMPROVEMENTS: usize = 2;
 
-/// Where a fit may be off.
-struct Around<'a> {
-    task: Task<'a>,
-    at: DVector<f64>,
+/// The search for confidence intervals around the optimum of a fit.
+struct IntervalSearch<'a> {
+    /// The least-squares problem of the training records.
+    fit_problem: FitProblem<'a>,
+    /// The coordinates of the optimum.
+    optimum: DVector<f64>,
+    /// The sum of squares at the optimum.
     chi2: f64,
-    /// Standard errors of all coordinates, were the noise white,
-    white: Vec<f64>,
-    /// and as wide as it is; infinite where the data do not tell.
+    /// Standard errors of all coordinates for white noise.
+    white_errors: Vec<f64>,
+    /// Standard errors of all coordinates for the residuals as they are. Infinite if undetermined.
     errors: Vec<f64>,
-    /// Within how many of these 95 of 100 cases lie, by how many blocks there are.
-    within_95: f64,
-    spread: Spread,
+    /// Student's t: the number of standard errors to an end of a 95 % interval, for the number of blocks.
+    t_95: f64,
+    /// The covariance of the coordinates.
+    covariance: Covariance,
 }
 
-/// A stage with how well all that is fitted is known: as well as what is left, and how long that remembers, lets it be, and no
-/// better than parts of the records agree.
+/// The fitted model with standard errors and proportional intervals of all parameters.
+///
+/// The standard errors take account of the size and the autocorrelation time of the residuals. They are not smaller
+/// than the scatter between blocks of the records.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub fn with_errors(problem: &Problem, stage: Stage) -> Result<Stage, ModelError> {
-    let count = stage.version.fit.len();
-    with_intervals(problem, stage, count, 1)
+/// If the patch cannot be run along the records.
+pub fn with_standard_errors(problem: &Problem, fitted: FittedModel) -> Result<FittedModel, ModelError> {
+    let count = fitted.variant.fit.len();
+    with_profile_intervals(problem, fitted, count)
 }
 
-/// The same; the intervals of what stands at a place or behind it go on where the sum of squares, all else fitted again, rises
-/// by less than it would if all were proportional to all, and a fit goes on from what is better there.
+/// The fitted model with standard errors of all parameters and profile-likelihood intervals from index `first`.
+///
+/// The parameters before `first` get proportional intervals. If a better fit is found at an end of an interval, the
+/// result is the better fit with its intervals.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn with_intervals(
+/// If the patch cannot be run along the records.
+pub(crate) fn with_profile_intervals(
     problem: &Problem,
-    stage: Stage,
+    fitted: FittedModel,
     first: usize,
-    threads: usize,
-) -> Result<Stage, ModelError> {
-    let model = problem.model(&stage.version, &problem.train, &problem.outputs)?;
-    let mut stage = stage;
-    for left in (0..=MOST_BETTERED).rev() {
-        let Some(around) = problem.task(&model, &problem.train, true).around(&stage) else { break };
-        let is_told = |place: &usize| around.errors[*place].is_finite();
-        let told = (first..model.knobs.len()).filter(is_told);
-        let sides: Vec<(usize, usize)> = told.flat_map(|place| [(place, 0), (place, 1)]).collect();
-        let ends = pool::each(&sides, threads, |(place, side)| around.end(*place, *side), |_| ());
-        stage.known = (0..model.knobs.len()).map(|place| around.known(place)).collect();
-        for ((place, side), end) in sides.into_iter().zip(&ends) {
-            stage.known[place].interval[side] = model.knobs[place].at(end.share);
+) -> Result<FittedModel, ModelError> {
+    let model = problem.model(&fitted.variant, &problem.train, &problem.outputs)?;
+    let mut fitted = fitted;
+    for remaining in (0..=MAX_IMPROVEMENTS).rev() {
+        let Some(search) = problem.fit_problem(&model, &problem.train, true).interval_search(&fitted) else {
+            break;
+        };
+        let is_determined = |index: &usize| search.errors[*index].is_finite();
+        let determined = (first..model.parameters.len()).filter(is_determined);
+        let sides: Vec<(usize, usize)> = determined.flat_map(|index| [(index, 0), (index, 1)]).collect();
+        let ends = parallel::map(&sides, |(index, side)| search.interval_end(*index, *side), |_| ());
+        fitted.uncertainties = (0..model.parameters.len()).map(|index| search.uncertainty(index)).collect();
+        for ((index, side), end) in sides.into_iter().zip(&ends) {
+            fitted.uncertainties[index].interval[side] = model.parameters[index].value_at(end.fraction);
         }
-        let least = ends.into_iter().map(|end| end.least).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
-        let better = least.filter(|least| around.chi2 - least.chi2 > stage.train.reduced() * stage.memory);
-        let Some(better) = better.filter(|_| left > 0) else { break };
-        let Some(again) = refit(problem, &stage, stage.version.clone(), better.point)? else { break };
-        stage = again;
-    }
-    Ok(stage)
-}
-
-impl<'a> Task<'a> {
-    /// What lies around where a stage was fitted; nothing where the model cannot be run there.
-    fn around(self, stage: &Stage) -> Option<Around<'a>> {
-        let at = self.shares(&stage.train.point);
-        let courses = self.courses(std::slice::from_ref(&at)).pop()??;
-        let far = self.seen(&at, &courses, &self.straight_nudges(&at, &courses));
-        // What is not told by next to nothing is not told: over more, curves hide what goes together.
-        let near = self.seen(&at, &courses, &self.nudges(&at));
-        let is_told: Vec<bool> =
-            self.spread(&near.normal).errors().iter().map(|error| error.is_finite()).collect();
-        let spread = self.spread(&far.normal);
-        let white = spread.errors();
-        // A block is bent by its own record's initial voltages, not by those of others.
-        let bent = (0..at.len()).filter(|index| self.is_free(*index)).count()
-            - (self.records.len() - 1) * self.model.initial.len();
-        let by_blocks = spread.errors_by(&far.pulls, bent);
-        let wide = (stage.train.reduced().max(1.0) * stage.memory).sqrt();
-        let errors = white.iter().zip(by_blocks).zip(is_told).map(|((white, by_blocks), is_told)| {
-            if is_told { (white * wide).max(by_blocks) } else { f64::INFINITY }
+        let best = ends.into_iter().map(|end| end.best).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+        let better = best.filter(|best| {
+            search.chi2 - best.chi2 > fitted.train.reduced_chi2() * fitted.autocorrelation_time
         });
+        let Some(better) = better.filter(|_| remaining > 0) else { break };
+        let Some(repeated) = refit(problem, &fitted, fitted.variant.clone(), better.estimate)? else { break };
+        fitted = repeated;
+    }
+    Ok(fitted)
+}
+
+impl<'a> FitProblem<'a> {
+    /// The interval search around the optimum of a fitted model. `None` if the model cannot be run there.
+    fn interval_search(self, fitted: &FittedModel) -> Option<IntervalSearch<'a>> {
+        let optimum = self.coordinates(&fitted.train.estimate);
+        let trajectories = self.trajectories(std::slice::from_ref(&optimum)).pop()??;
+        let wide = self.linearise(&optimum, &trajectories, &self.linear_steps(&optimum, &trajectories));
+        // Small steps decide what is undetermined: wide steps add curvature, which hides a collinearity.
+        let narrow = self.linearise(&optimum, &trajectories, &self.derivative_steps(&optimum));
+        let is_determined: Vec<bool> =
+            self.covariance(&narrow.normal).standard_errors().iter().map(|error| error.is_finite()).collect();
+        let covariance = self.covariance(&wide.normal);
+        let white_errors = covariance.standard_errors();
+        // Of all initial voltages, only those of its record affect a block.
+        let fitted_per_block = (0..optimum.len()).filter(|index| self.is_free(*index)).count()
+            - (self.records.len() - 1) * self.model.initial.len();
+        let block_errors = covariance.block_standard_errors(&wide.block_gradients, fitted_per_block);
+        let inflation = (fitted.train.reduced_chi2().max(1.0) * fitted.autocorrelation_time).sqrt();
+        let errors = white_errors.iter().zip(block_errors).zip(is_determined).map(
+            |((white_error, block_error), is_determined)| {
+                if is_determined { (white_error * inflation).max(block_error) } else { f64::INFINITY }
+            },
+        );
         let errors = errors.collect();
-        let chi2 = self.chi2(&at, &courses);
-        let within_95 = student_95(far.pulls.len().saturating_sub(1));
-        Some(Around { task: self, at, chi2, white, errors, within_95, spread })
+        let chi2 = self.chi2(&optimum, &trajectories);
+        let t_95 = student_95(wide.block_gradients.len().saturating_sub(1));
+        Some(IntervalSearch { fit_problem: self, optimum, chi2, white_errors, errors, t_95, covariance })
     }
 }
 
-/// What moves of each coordinate change.
-struct Seen {
-    normal: Normal,
-    /// How every block of residuals pulls at the coordinates.
-    pulls: Vec<DVector<f64>>,
+/// A linearisation of the residuals at the optimum.
+struct Linearisation {
+    /// The normal equations of all residuals.
+    normal: NormalEquations,
+    /// The gradient of the sum of squares of every block of residuals.
+    block_gradients: Vec<DVector<f64>>,
 }
 
-impl Task<'_> {
-    /// Moves of each coordinate that are felt, and not by far.
-    fn wide_nudges(&self, at: &DVector<f64>, courses: &[Course]) -> Vec<f64> {
-        let mut nudges: Vec<f64> = (0..at.len()).map(|index| self.nudge(at, index, MOST_NUDGE)).collect();
-        let data = courses.iter().flatten().map(Vec::len).sum::<usize>() as f64;
-        for _ in 0..MOST_NARROWED {
-            let normal = self.seen(at, courses, &nudges).normal;
-            let mut is_narrower = false;
-            for (index, nudge) in nudges.iter_mut().enumerate() {
-                let felt = nudge.abs() * (normal.matrix[(index, index)] / data).sqrt();
-                if felt > 2.0 * FELT && nudge.abs() > NUDGE {
-                    *nudge = self.nudge(at, index, (nudge.abs() * FELT / felt).max(NUDGE));
-                    is_narrower = true;
+impl FitProblem<'_> {
+    /// Finite-difference steps with a noticeable but limited effect: [`MAX_WIDE_STEP`], or less if the outputs change
+    /// by more than twice [`STEP_RESPONSE`].
+    fn wide_steps(&self, coordinates: &DVector<f64>, trajectories: &[OutputTrajectory]) -> Vec<f64> {
+        let mut steps: Vec<f64> = (0..coordinates.len())
+            .map(|index| self.derivative_step(coordinates, index, MAX_WIDE_STEP))
+            .collect();
+        let data_count = trajectories.iter().flatten().map(Vec::len).sum::<usize>() as f64;
+        for _ in 0..MAX_REDUCTIONS {
+            let normal = self.linearise(coordinates, trajectories, &steps).normal;
+            let mut is_reduced = false;
+            for (index, step) in steps.iter_mut().enumerate() {
+                let response = step.abs() * (normal.matrix[(index, index)] / data_count).sqrt();
+                if response > 2.0 * STEP_RESPONSE && step.abs() > DERIVATIVE_STEP {
+                    *step = self.derivative_step(
+                        coordinates,
+                        index,
+                        (step.abs() * STEP_RESPONSE / response).max(DERIVATIVE_STEP),
+                    );
+                    is_reduced = true;
                 }
             }
-            if !is_narrower {
+            if !is_reduced {
                 break;
             }
         }
-        nudges
+        steps
     }
 
-    /// The same, less where so far off all has changed its course, as a sine does with its frequency. Next to kinks of laws
-    /// derivatives grow on and on: the wide moves stay.
-    fn straight_nudges(&self, at: &DVector<f64>, courses: &[Course]) -> Vec<f64> {
-        let squares = |nudges: &[f64]| self.seen(at, courses, nudges).normal.matrix.diagonal();
-        let mut straight = self.wide_nudges(at, courses);
-        let mut moves = straight.clone();
-        let mut felt = squares(&moves);
-        let mut bent: Vec<usize> = (0..at.len()).collect();
-        for round in 0..MOST_QUARTERED {
-            let quarters: Vec<f64> = moves.iter().map(|nudge| nudge / 4.0).collect();
-            let nearer = squares(&quarters);
-            let (bends, settles): (Vec<_>, Vec<_>) =
-                bent.into_iter().partition(|index| nearer[*index] > BENT * felt[*index]);
-            if round > 0 {
-                settles.into_iter().for_each(|index| straight[index] = quarters[index]);
+    /// Wide steps, reduced for coordinates whose derivative is nonlinear over the wide step, such as a frequency.
+    ///
+    /// A step is quartered until the derivative no longer grows. If it never stops growing, as near kinks of laws, the
+    /// wide step is kept.
+    fn linear_steps(&self, coordinates: &DVector<f64>, trajectories: &[OutputTrajectory]) -> Vec<f64> {
+        let squares =
+            |steps: &[f64]| self.linearise(coordinates, trajectories, steps).normal.matrix.diagonal();
+        let mut linear = self.wide_steps(coordinates, trajectories);
+        let mut steps = linear.clone();
+        let mut step_squares = squares(&steps);
+        let mut nonlinear: Vec<usize> = (0..coordinates.len()).collect();
+        for pass in 0..MAX_QUARTERINGS {
+            let quarters: Vec<f64> = steps.iter().map(|step| step / 4.0).collect();
+            let quarter_squares = squares(&quarters);
+            let (still_nonlinear, now_linear): (Vec<_>, Vec<_>) = nonlinear
+                .into_iter()
+                .partition(|index| quarter_squares[*index] > NONLINEARITY_RATIO * step_squares[*index]);
+            if pass > 0 {
+                now_linear.into_iter().for_each(|index| linear[index] = quarters[index]);
             }
-            if bends.is_empty() {
+            if still_nonlinear.is_empty() {
                 break;
             }
-            (bent, moves, felt) = (bends, quarters, nearer);
+            (nonlinear, steps, step_squares) = (still_nonlinear, quarters, quarter_squares);
         }
-        straight
+        linear
     }
 
-    /// What so large moves of each coordinate change.
-    fn seen(&self, at: &DVector<f64>, courses: &[Course], nudges: &[f64]) -> Seen {
-        let (mut normal, mut pulls) = (Normal::empty(at.len()), Vec::new());
-        for (record, course) in courses.iter().enumerate() {
-            let outputs = self.told_by(at, record, course, nudges);
-            outputs.iter().for_each(|(columns, residual)| normal.add(columns, residual));
-            let each = outputs.iter().map(|(columns, residual)| self.pulls(columns, residual, at.len()));
-            pulls.extend(together(each));
+    /// The normal equations and block gradients, with one finite-difference step per coordinate.
+    fn linearise(
+        &self,
+        coordinates: &DVector<f64>,
+        trajectories: &[OutputTrajectory],
+        steps: &[f64],
+    ) -> Linearisation {
+        let (mut normal, mut block_gradients) = (NormalEquations::zeros(coordinates.len()), Vec::new());
+        for (record, trajectory) in trajectories.iter().enumerate() {
+            let outputs = self.linearise_record(coordinates, record, trajectory, steps);
+            outputs.iter().for_each(|(columns, residuals)| normal.add(columns, residuals));
+            let of_outputs = outputs
+                .iter()
+                .map(|(columns, residuals)| self.block_gradients(columns, residuals, coordinates.len()));
+            block_gradients.extend(sum_outputs(of_outputs));
         }
-        Seen { normal, pulls }
+        Linearisation { normal, block_gradients }
     }
 
-    /// How every block of residuals pulls at the coordinates: its gradient.
-    fn pulls(&self, columns: &[Column], residual: &[f64], count: usize) -> Vec<DVector<f64>> {
+    /// The gradient of every block of the residuals of one output.
+    fn block_gradients(
+        &self,
+        columns: &[JacobianColumn],
+        residuals: &[f64],
+        count: usize,
+    ) -> Vec<DVector<f64>> {
         let mut first = 0;
-        let pull = |part: &[f64]| {
-            let mut pull = DVector::zeros(count);
+        let block_gradient = |block: &[f64]| {
+            let mut gradient = DVector::zeros(count);
             for (index, column) in columns {
-                pull[*index] = product_there(&column[first..], part, part);
+                gradient[*index] = product_of_present(&column[first..], block, block);
             }
-            first += part.len();
-            pull
+            first += block.len();
+            gradient
         };
         let samples = self.records.iter().map(Record::len).sum();
-        in_blocks(residual, samples).map(pull).collect()
+        blocks_of(residuals, samples).map(block_gradient).collect()
     }
 
-    fn spread(&self, normal: &Normal) -> Spread {
-        let way = |index: usize| {
-            let [least, most] = self.bounds(index);
-            (index, most - least)
+    /// The covariance of all fitted coordinates.
+    fn covariance(&self, normal: &NormalEquations) -> Covariance {
+        let with_width = |index: usize| {
+            let [low, high] = self.bounds(index);
+            (index, high - low)
         };
-        let free: Vec<_> = (0..normal.gradient.len()).filter(|index| self.is_free(*index)).map(way).collect();
-        Spread::of(normal, &free)
+        let free: Vec<_> =
+            (0..normal.gradient.len()).filter(|index| self.is_free(*index)).map(with_width).collect();
+        Covariance::new(normal, &free)
     }
 }
 
-/// Where an interval ends.
-struct End {
-    /// The share of the knob there.
-    share: f64,
-    /// What left least on the way.
-    least: Reached,
+/// One end of a confidence interval.
+struct IntervalEnd {
+    /// The position of the end in the range of the parameter, from 0 to 1.
+    fraction: f64,
+    /// The fit with the least sum of squares that the search found on the way.
+    best: FitState,
 }
 
-impl Around<'_> {
-    /// How well a knob is known, were all that was measured proportional to it.
-    fn known(&self, place: usize) -> Known {
-        if self.errors[place].is_infinite() {
-            return Known::NOT;
+impl IntervalSearch<'_> {
+    /// The standard error and the proportional interval of a parameter, as for a model that is linear in it.
+    fn uncertainty(&self, index: usize) -> Uncertainty {
+        if self.errors[index].is_infinite() {
+            return Uncertainty::UNDETERMINED;
         }
-        let knob = &self.task.model.knobs[place];
-        let by = self.within_95 * self.errors[place];
-        Known {
-            error: knob.slope(knob.at(self.at[place])) * self.errors[place],
-            interval: [-by, by].map(|by| knob.at(self.at[place] + by)),
+        let parameter = &self.fit_problem.model.parameters[index];
+        let half_width = self.t_95 * self.errors[index];
+        Uncertainty {
+            error: parameter.slope(parameter.value_at(self.optimum[index])) * self.errors[index],
+            interval: [-half_width, half_width]
+                .map(|distance| parameter.value_at(self.optimum[index] + distance)),
         }
     }
 
-    /// The share at which an interval of a knob ends, the lower or the upper.
-    fn end(&self, place: usize, side: usize) -> End {
-        let most = (self.task.bounds(place)[side] - self.at[place]).abs();
+    /// The profile-likelihood end of a parameter's interval: the lower one for side 0, the upper one for side 1.
+    ///
+    /// The parameter moves away from the optimum, first to the proportional end and then twice as far in each step. At
+    /// each point all other coordinates are fitted. The search ends at a sufficient rise of the sum of squares, at the
+    /// end of the range, or where the model cannot be run.
+    fn interval_end(&self, index: usize, side: usize) -> IntervalEnd {
+        let max_distance = (self.fit_problem.bounds(index)[side] - self.optimum[index]).abs();
         let sign = [-1.0, 1.0][side];
-        let held = Task { held: Some(place), most_rounds: ROUNDS, ..self.task };
-        let wanted = (self.within_95 * self.errors[place] / self.white[place]).powi(2);
-        let along = self.spread.along(place);
-        let mut step = self.within_95 * self.errors[place];
-        let (mut from, mut gone, mut risen) = (self.at.clone(), 0.0, 0.0_f64);
-        let mut least = Reached { point: self.task.point(&self.at), chi2: self.chi2, has_ended: true };
-        for _ in 0..=MOST_WIDENED {
-            let next = (gone + step).min(most);
-            let mut to = &from + &along * (sign * (next - gone));
-            for index in 0..to.len() {
-                let [low, high] = self.task.bounds(index);
-                to[index] = to[index].clamp(low, high);
+        let profile = FitProblem {
+            fixed_parameter: Some(index),
+            max_iterations: PROFILE_ITERATIONS,
+            ..self.fit_problem
+        };
+        let expected_rise = (self.t_95 * self.errors[index] / self.white_errors[index]).powi(2);
+        let direction = self.covariance.profile_direction(index);
+        let mut step = self.t_95 * self.errors[index];
+        let (mut point, mut distance, mut last_rise) = (self.optimum.clone(), 0.0, 0.0_f64);
+        let mut best = FitState {
+            estimate: self.fit_problem.estimate(&self.optimum),
+            chi2: self.chi2,
+            is_finished: true,
+        };
+        for _ in 0..=MAX_DOUBLINGS {
+            let next = (distance + step).min(max_distance);
+            let mut next_point = &point + &direction * (sign * (next - distance));
+            for coordinate in 0..next_point.len() {
+                let [low, high] = self.fit_problem.bounds(coordinate);
+                next_point[coordinate] = next_point[coordinate].clamp(low, high);
             }
-            let Some(reached) = held.reached(&self.task.point(&to)) else {
-                gone = next;
+            let Some(state) = profile.optimise(&self.fit_problem.estimate(&next_point)) else {
+                distance = next;
                 break;
             };
-            if reached.chi2 < least.chi2 {
-                least = reached.clone();
+            if state.chi2 < best.chi2 {
+                best = state.clone();
             }
-            let rises = (reached.chi2 - self.chi2).max(0.0);
-            if rises > LEAST_RISE * wanted {
-                let share = ((wanted.sqrt() - risen.sqrt()) / (rises.sqrt() - risen.sqrt())).clamp(0.0, 1.0);
-                // The first end is where all is as it should be, or the least that is told.
-                gone = if gone == 0.0 { next } else { gone + share * (next - gone) };
+            let rise = (state.chi2 - self.chi2).max(0.0);
+            if rise > MIN_RISE_RATIO * expected_rise {
+                let share = ((expected_rise.sqrt() - last_rise.sqrt()) / (rise.sqrt() - last_rise.sqrt()))
+                    .clamp(0.0, 1.0);
+                // The proportional end is never moved inwards. Further out the end is interpolated.
+                distance = if distance == 0.0 { next } else { distance + share * (next - distance) };
                 break;
             }
-            if next >= most {
-                gone = next;
+            if next >= max_distance {
+                distance = next;
                 break;
             }
-            (from, step, gone, risen) = (self.task.shares(&reached.point), next, next, rises);
+            (point, step, distance, last_rise) =
+                (self.fit_problem.coordinates(&state.estimate), next, next, rise);
         }
-        End { share: self.at[place] + sign * gone, least }
+        IntervalEnd { fraction: self.optimum[index] + sign * distance, best }
     }
 }
 
@@ -284,42 +346,45 @@ mod tests {
     use crate::fit::step_size::tests::measured;
     use patchcord_core::patch::Patch;
 
-    /// What the sum of squares rises by at a rate, the amplitude fitted again, were the noise of 1 V.
+    /// The rise of the sum of squares at a rate, with the amplitude fitted again, for noise of 1 V.
     fn rise(rate: f64) -> f64 {
-        let course = |rate: f64| (0..20).map(move |sample| (-rate * f64::from(sample)).exp());
-        let dot = |one: f64, other: f64| course(one).zip(course(other)).map(|(a, b)| a * b).sum::<f64>();
+        let decay = |rate: f64| (0..20).map(move |sample| (-rate * f64::from(sample)).exp());
+        let dot = |left: f64, right: f64| decay(left).zip(decay(right)).map(|(a, b)| a * b).sum::<f64>();
         AMPLITUDE.powi(2) * (dot(RATE, RATE) - dot(rate, RATE).powi(2) / dot(rate, rate))
     }
 
-    /// How well the rate of a decay is known, and by how much the sum of squares rises to the ends of its interval, in what it
-    /// should.
-    fn known(sigma: f64) -> (Known, [f64; 2]) {
+    /// The uncertainty of the rate of a decay, and the rise of the sum of squares at the ends of its interval, relative
+    /// to the expected rise.
+    fn rate_uncertainty(sigma: f64) -> (Uncertainty, [f64; 2]) {
         let (patch, fit, problem) = decay(sigma, 32);
         let base = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
-        let known = with_intervals(&problem, base, 0, 1).unwrap().known(0);
-        (known, known.interval.map(|rate| rise(rate) / (student_95(19) * sigma).powi(2)))
+        let uncertainty = with_profile_intervals(&problem, base, 0).unwrap().uncertainty(0);
+        (uncertainty, uncertainty.interval.map(|rate| rise(rate) / (student_95(19) * sigma).powi(2)))
     }
 
     #[test]
     fn an_interval_is_proportional_to_a_small_noise() {
-        let (known, rises) = known(0.01);
-        assert!(rises.iter().all(|rise| (rise - 1.0).abs() < 0.05), "{known:?} {rises:?}");
-        let half = student_95(19) * known.error;
-        assert!(known.interval.iter().all(|end| ((end - RATE).abs() / half - 1.0).abs() < 0.01), "{known:?}");
+        let (uncertainty, rises) = rate_uncertainty(0.01);
+        assert!(rises.iter().all(|rise| (rise - 1.0).abs() < 0.05), "{uncertainty:?} {rises:?}");
+        let half_width = student_95(19) * uncertainty.error;
+        assert!(
+            uncertainty.interval.iter().all(|end| ((end - RATE).abs() / half_width - 1.0).abs() < 0.01),
+            "{uncertainty:?}"
+        );
     }
 
-    /// Faster decays leave next to nothing after the first sample, whatever their rate.
+    /// At high rates only the first sample is large, so that the data depend little on the rate.
     #[test]
-    fn an_interval_goes_on_where_values_further_off_change_little() {
-        let (known, rises) = known(3.5);
-        assert!((0.5..1.5).contains(&rises[1]), "{known:?} {rises:?}");
-        assert!(known.interval[1] - RATE > 1.5 * student_95(19) * known.error, "{known:?}");
-        assert_eq!(self::known(10.0).0.interval[1], 10.0);
+    fn an_interval_is_longer_on_the_side_where_the_parameter_has_less_effect() {
+        let (uncertainty, rises) = rate_uncertainty(3.5);
+        assert!((0.5..1.5).contains(&rises[1]), "{uncertainty:?} {rises:?}");
+        assert!(uncertainty.interval[1] - RATE > 1.5 * student_95(19) * uncertainty.error, "{uncertainty:?}");
+        assert_eq!(rate_uncertainty(10.0).0.interval[1], 10.0);
     }
 
-    /// A fiftieth of the range is eight turns at the end of what was measured.
+    /// At the end of the record, a fiftieth of the range of the frequency is eight periods.
     #[test]
-    fn a_frequency_is_known_as_well_as_its_sine_tells() {
+    fn standard_error_of_a_frequency_is_that_of_the_linearised_sine() {
         let patch = r#"{
   "patchcord": 1,
   "parameters": {"f": {"value": 3.3, "unit": "1/s", "range": [0.1, 20]}},
@@ -333,9 +398,10 @@ mod tests {
         let volts = times.clone().map(|time| -5.0 * (2.0 * PI * 3.3 * time).sin()).collect();
         let problem = measured("A1", volts, sigma, 32);
         let base = fit_base(&problem, &patch, &["f".to_owned()], 1).unwrap().unwrap();
-        let known = with_errors(&problem, base).unwrap().known(0);
-        let felt = times.map(|time| (5.0 * 2.0 * PI * time * (2.0 * PI * 3.3 * time).cos()).powi(2));
-        let error = sigma / felt.sum::<f64>().sqrt();
-        assert!((known.error / error - 1.0).abs() < 0.05, "{known:?} {error}");
+        let uncertainty = with_standard_errors(&problem, base).unwrap().uncertainty(0);
+        let squared_slopes =
+            times.map(|time| (5.0 * 2.0 * PI * time * (2.0 * PI * 3.3 * time).cos()).powi(2));
+        let error = sigma / squared_slopes.sum::<f64>().sqrt();
+        assert!((uncertainty.error / error - 1.0).abs() < 0.05, "{uncertainty:?} {error}");
     }
 }

@@ -1,4 +1,10 @@
-//! Fits: a patch as a model of records, its parameters and initial states estimated, and how well they are known.
+//! Parameter estimation: fits a patch to measured records and finds how accurately the fitted values are known.
+//!
+//! [`problem`] holds the records and their noise. [`model`] runs the patch along the records. [`levenberg_marquardt`]
+//! minimises the sum of squared residuals from one start. [`schedule`] and `estimation` choose among several starts.
+//! [`base_fit`] fits the patch as it is, and [`extended_model`] fits it with one more effect. `validation` applies the
+//! fitted parameters to the records that were held back. [`intervals`] computes standard errors and confidence
+//! intervals.
 
 pub mod base_fit;
 pub mod coloured_residual;
@@ -12,10 +18,10 @@ pub mod model;
 pub(crate) mod normal_equations;
 pub mod overload;
 pub mod parameter_values;
-pub mod peaks;
 pub mod problem;
 pub(crate) mod problem_setup;
 pub mod schedule;
+pub mod signal_extents;
 pub(crate) mod start_cache;
 pub mod starts;
 pub mod step_size;

@@ -1,158 +1,184 @@
-//! Normal equations: what the derivatives of residuals by the coordinates of a fit come to, the steps they ask for, and how far
-//! from where the fit ends the coordinates may be.
+//! Normal equations of a least-squares fit: damped steps, and the covariance of the fitted coordinates.
+//!
+//! [`NormalEquations`] collects J'J and J'r from the columns of the Jacobian J and the residuals r, one output at a
+//! time. [`Covariance`] is made from them by an eigenvalue decomposition. Directions with a very small eigenvalue are
+//! undetermined: the data do not constrain them, and they are excluded from the inverse.
 
 use nalgebra::{DMatrix, DVector};
 
-/// What is added to the scaled normal matrix of a step at least, so that it can be solved.
-const LEAST_DAMPING: f64 = 1e-12;
-/// Eigenvalues of the normal matrix below this share of the largest tell of nothing: derivatives are not known better.
-const LEAST_TOLD: f64 = 1e-10;
-/// A coordinate that may go this share of its way, unnoticed, may be anything.
-const ANYTHING: f64 = 0.05;
+/// The least damping of the scaled normal matrix, whose diagonal is 1. It keeps the matrix positive definite.
+const MIN_DAMPING: f64 = 1e-12;
+/// Directions with an eigenvalue below this fraction of the largest are undetermined. Finite differences do not give
+/// the derivatives more accurately.
+const MIN_EIGENVALUE_RATIO: f64 = 1e-10;
+/// A coordinate is undetermined if undetermined directions can change it by more than this fraction of its range.
+const UNDETERMINED_FRACTION: f64 = 0.05;
 
-/// The derivatives of residuals by a coordinate, behind its place.
-pub(crate) type Column = (usize, Vec<f64>);
+/// A column of the Jacobian: the index of the coordinate, and the derivative of every residual of one output.
+pub(crate) type JacobianColumn = (usize, Vec<f64>);
 
-/// What the derivatives come to: the normal matrix and the gradient, in coordinates.
-pub(crate) struct Normal {
-    /// The products of the derivatives by two coordinates.
+/// The normal matrix and the gradient of a least-squares problem, in coordinates.
+pub(crate) struct NormalEquations {
+    /// J'J: for every pair of coordinates the sum of the products of their derivatives.
     pub(crate) matrix: DMatrix<f64>,
-    /// Those of the derivatives and the residuals.
+    /// J'r: for every coordinate the sum of the products of derivative and residual.
     pub(crate) gradient: DVector<f64>,
 }
 
-impl Normal {
-    /// That of so many coordinates before there are data.
-    pub(crate) fn empty(count: usize) -> Normal {
-        Normal { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) }
+impl NormalEquations {
+    /// The equations for `count` coordinates without data.
+    pub(crate) fn zeros(count: usize) -> NormalEquations {
+        NormalEquations { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) }
     }
 
-    /// Adds the residuals of an output.
-    pub(crate) fn add(&mut self, columns: &[Column], residual: &[f64]) {
+    /// Adds the residuals of one output. Coordinates without a column do not affect it.
+    pub(crate) fn add(&mut self, columns: &[JacobianColumn], residuals: &[f64]) {
         for (place, (index, column)) in columns.iter().enumerate() {
-            self.gradient[*index] += product_there(column, residual, residual);
-            for (other, beside) in &columns[..=place] {
-                let sum = product_there(column, beside, residual);
-                self.matrix[(*index, *other)] += sum;
-                if index != other {
-                    self.matrix[(*other, *index)] += sum;
+            self.gradient[*index] += product_of_present(column, residuals, residuals);
+            for (other_index, other_column) in &columns[..=place] {
+                let sum = product_of_present(column, other_column, residuals);
+                self.matrix[(*index, *other_index)] += sum;
+                if index != other_index {
+                    self.matrix[(*other_index, *index)] += sum;
                 }
             }
         }
     }
 
-    /// The matrix of some coordinates in units in which every one of them tells as much, behind these.
-    fn scaled(&self, some: &[usize]) -> (Vec<f64>, DMatrix<f64>) {
-        let units: Vec<f64> = some.iter().map(|index| 1.0 / self.matrix[(*index, *index)].sqrt()).collect();
-        let matrix = DMatrix::from_fn(some.len(), some.len(), |row, column| {
-            self.matrix[(some[row], some[column])] * units[row] * units[column]
+    /// The normal matrix of some coordinates, scaled so that its diagonal is 1. The first value of the result is the
+    /// scale: how much of each coordinate is one unit of the scaled matrix.
+    fn scaled(&self, indices: &[usize]) -> (Vec<f64>, DMatrix<f64>) {
+        let units: Vec<f64> =
+            indices.iter().map(|index| 1.0 / self.matrix[(*index, *index)].sqrt()).collect();
+        let matrix = DMatrix::from_fn(indices.len(), indices.len(), |row, column| {
+            self.matrix[(indices[row], indices[column])] * units[row] * units[column]
         });
         (units, matrix)
     }
 
-    /// The damped step of these coordinates.
-    pub(crate) fn solved(&self, free: &[usize], damping: f64) -> DVector<f64> {
+    /// The damped step of the coordinates `free`, in their order. If the matrix is not positive definite, the step is a
+    /// damped step along the gradient.
+    pub(crate) fn damped_step(&self, free: &[usize], damping: f64) -> DVector<f64> {
         let count = free.len();
         let (units, mut matrix) = self.scaled(free);
-        (0..count).for_each(|place| matrix[(place, place)] += damping + LEAST_DAMPING);
+        (0..count).for_each(|place| matrix[(place, place)] += damping + MIN_DAMPING);
         let gradient = DVector::from_fn(count, |row, _| -self.gradient[free[row]] * units[row]);
-        let solved = matrix.cholesky().map(|cholesky| cholesky.solve(&gradient));
-        let solved = solved.unwrap_or_else(|| gradient * (1.0 / (1.0 + damping)));
-        DVector::from_fn(count, |row, _| solved[row] * units[row])
+        let step = matrix.cholesky().map(|cholesky| cholesky.solve(&gradient));
+        let step = step.unwrap_or_else(|| gradient * (1.0 / (1.0 + damping)));
+        DVector::from_fn(count, |row, _| step[row] * units[row])
     }
 }
 
-/// How far coordinates may be from where a fit puts them.
-pub(crate) struct Spread {
-    /// How many coordinates there are.
+/// The covariance of the fitted coordinates for residuals of variance 1.
+pub(crate) struct Covariance {
+    /// The number of all coordinates.
     count: usize,
-    /// Those that move what was measured.
-    told: Vec<usize>,
-    /// In whose units every coordinate tells as much.
+    /// Indices of the fitted coordinates that affect the data.
+    sensitive: Vec<usize>,
+    /// The scale of each sensitive coordinate: with it, the diagonal of the normal matrix is 1.
     units: Vec<f64>,
-    /// A root of the inverse of their normal matrix, in these units: the inverse is this times its transpose.
+    /// A root of the scaled covariance: root * root' is the inverse of the scaled normal matrix.
     root: DMatrix<f64>,
-    /// How far they may go, in these units, in directions that the data do not tell of: until one has gone all its way,
-    loose: Vec<f64>,
-    /// and whether that is so far that they may be anything.
-    is_anything: Vec<bool>,
+    /// How far undetermined directions can change each sensitive coordinate, in its unit. Each direction is limited by
+    /// the first coordinate that passes its whole range.
+    undetermined_shift: Vec<f64>,
+    /// Whether this shift is so large that the coordinate itself is undetermined.
+    is_undetermined: Vec<bool>,
 }
 
-impl Spread {
-    /// That of these coordinates, each with how long its way is.
-    pub(crate) fn of(normal: &Normal, free: &[(usize, f64)]) -> Spread {
-        let is_told = |(index, _): &&(usize, f64)| normal.matrix[(*index, *index)] > 0.0;
-        let (told, ways): (Vec<usize>, Vec<f64>) = free.iter().filter(is_told).copied().unzip();
-        let (units, scaled) = normal.scaled(&told);
-        let mut root = DMatrix::zeros(told.len(), told.len());
-        let mut loose = vec![0.0_f64; told.len()];
-        // There is no decomposition of nothing.
-        if !told.is_empty() {
+impl Covariance {
+    /// The covariance of the coordinates `free`, each given as its index and the width of its range.
+    pub(crate) fn new(normal: &NormalEquations, free: &[(usize, f64)]) -> Covariance {
+        let is_sensitive = |(index, _): &&(usize, f64)| normal.matrix[(*index, *index)] > 0.0;
+        let (sensitive, widths): (Vec<usize>, Vec<f64>) = free.iter().filter(is_sensitive).copied().unzip();
+        let (units, scaled) = normal.scaled(&sensitive);
+        let mut root = DMatrix::zeros(sensitive.len(), sensitive.len());
+        let mut undetermined_shift = vec![0.0_f64; sensitive.len()];
+        // The decomposition of an empty matrix is not defined.
+        if !sensitive.is_empty() {
             let eigen = scaled.symmetric_eigen();
-            let least = LEAST_TOLD * eigen.eigenvalues.max();
+            let min_eigenvalue = MIN_EIGENVALUE_RATIO * eigen.eigenvalues.max();
             let directions = eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues);
             for (place, (vector, value)) in directions.enumerate() {
-                if *value > least {
+                if *value > min_eigenvalue {
                     root.set_column(place, &(vector / value.sqrt()));
                 } else {
-                    let each = vector.iter().zip(&units).zip(&ways);
-                    let length = each.map(|((part, unit), way)| way / (part * unit).abs());
+                    let components = vector.iter().zip(&units).zip(&widths);
+                    let length =
+                        components.map(|((component, unit), width)| width / (component * unit).abs());
                     let length = length.fold(f64::INFINITY, f64::min);
-                    loose.iter_mut().zip(&vector).for_each(|(own, part)| *own = own.hypot(length * part));
+                    undetermined_shift
+                        .iter_mut()
+                        .zip(&vector)
+                        .for_each(|(shift, component)| *shift = shift.hypot(length * component));
                 }
             }
         }
-        let goes = loose.iter().zip(&units).zip(&ways);
-        let is_anything = goes.map(|((own, unit), way)| own * unit > ANYTHING * way).collect();
-        Spread { count: normal.gradient.len(), told, units, root, loose, is_anything }
+        let shifts = undetermined_shift.iter().zip(&units).zip(&widths);
+        let is_undetermined =
+            shifts.map(|((shift, unit), width)| shift * unit > UNDETERMINED_FRACTION * width).collect();
+        Covariance {
+            count: normal.gradient.len(),
+            sensitive,
+            units,
+            root,
+            undetermined_shift,
+            is_undetermined,
+        }
     }
 
-    /// Standard errors where the noise is white.
-    pub(crate) fn errors(&self) -> Vec<f64> {
-        self.each(|row| self.root.row(row).norm())
+    /// Standard errors of all coordinates for white residuals of variance 1. Infinite if undetermined.
+    pub(crate) fn standard_errors(&self) -> Vec<f64> {
+        self.expand(|row| self.root.row(row).norm())
     }
 
-    /// Standard errors by how far every block would move the coordinates of which so many bend it, whatever the noise is like.
-    pub(crate) fn errors_by(&self, pulls: &[DVector<f64>], bent: usize) -> Vec<f64> {
-        let moves: Vec<DVector<f64>> = pulls.iter().map(|pull| self.moved(pull)).collect();
-        let blocks = pulls.len() as f64;
-        let few = (blocks / (blocks - bent as f64).max(1.0)).sqrt();
-        self.each(|row| few * moves.iter().map(|own| own[row] * own[row]).sum::<f64>().sqrt())
+    /// Standard errors of all coordinates from the gradients of blocks of residuals. They are valid for correlated
+    /// residuals, too.
+    ///
+    /// Each gradient would shift the coordinates by covariance * gradient. The result is the root of the sum of squared
+    /// shifts, corrected for the `fitted` coordinates by which a fit reduces these shifts.
+    pub(crate) fn block_standard_errors(&self, gradients: &[DVector<f64>], fitted: usize) -> Vec<f64> {
+        let shifts: Vec<DVector<f64>> = gradients.iter().map(|gradient| self.shift(gradient)).collect();
+        let blocks = gradients.len() as f64;
+        let correction = (blocks / (blocks - fitted as f64).max(1.0)).sqrt();
+        self.expand(|row| correction * shifts.iter().map(|shift| shift[row] * shift[row]).sum::<f64>().sqrt())
     }
 
-    /// Where all coordinates go, so that the squares rise least, where one of them goes by 1.
-    pub(crate) fn along(&self, index: usize) -> DVector<f64> {
-        let mut along = DVector::zeros(self.count);
-        if let Some(row) = self.told.iter().position(|told| *told == index) {
-            let moved = &self.root * self.root.row(row).transpose();
-            for (place, (told, unit)) in self.told.iter().zip(&self.units).enumerate() {
-                along[*told] = moved[place] * unit / (moved[row] * self.units[row]);
+    /// The direction of least increase of the sum of squares in which the coordinate `index` changes by 1. Zero if the
+    /// coordinate does not affect the data.
+    pub(crate) fn profile_direction(&self, index: usize) -> DVector<f64> {
+        let mut direction = DVector::zeros(self.count);
+        if let Some(row) = self.sensitive.iter().position(|sensitive| *sensitive == index) {
+            let shift = &self.root * self.root.row(row).transpose();
+            for (place, (sensitive, unit)) in self.sensitive.iter().zip(&self.units).enumerate() {
+                direction[*sensitive] = shift[place] * unit / (shift[row] * self.units[row]);
             }
         }
-        along
+        direction
     }
 
-    /// Where a gradient would move what is told of, in its units.
-    fn moved(&self, gradient: &DVector<f64>) -> DVector<f64> {
-        let own = self.told.iter().zip(&self.units).map(|(index, unit)| gradient[*index] * unit);
-        let own = DVector::from_iterator(self.told.len(), own);
-        &self.root * (self.root.transpose() * own)
+    /// The shift of the sensitive coordinates by a gradient, in their units.
+    fn shift(&self, gradient: &DVector<f64>) -> DVector<f64> {
+        let scaled = self.sensitive.iter().zip(&self.units).map(|(index, unit)| gradient[*index] * unit);
+        let scaled = DVector::from_iterator(self.sensitive.len(), scaled);
+        &self.root * (self.root.transpose() * scaled)
     }
 
-    /// Something of every coordinate; infinite where the data do not tell.
-    fn each(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
+    /// A value for every coordinate from a value per sensitive coordinate. The undetermined shift is added in
+    /// quadrature. Infinite for undetermined and for insensitive coordinates.
+    fn expand(&self, value_of: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut all = vec![f64::INFINITY; self.count];
-        for (row, (index, unit)) in self.told.iter().zip(&self.units).enumerate() {
-            if !self.is_anything[row] {
-                all[*index] = of(row).hypot(self.loose[row]) * unit;
+        for (row, (index, unit)) in self.sensitive.iter().zip(&self.units).enumerate() {
+            if !self.is_undetermined[row] {
+                all[*index] = value_of(row).hypot(self.undetermined_shift[row]) * unit;
             }
         }
         all
     }
 }
 
-/// The sum of products where there are data.
-pub(crate) fn product_there(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
+/// The sum of the products of two columns over the samples where `data` is not NaN.
+pub(crate) fn product_of_present(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
     let mut sum = 0.0;
     for ((left, right), datum) in left.iter().zip(right).zip(data) {
         if !datum.is_nan() {
@@ -166,56 +192,56 @@ pub(crate) fn product_there(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
 mod tests {
     use nalgebra::DVector;
 
-    use super::{Normal, Spread};
+    use super::{Covariance, NormalEquations};
 
-    /// The spread of a mean, and of a coordinate that nothing tells of, by residuals.
-    fn spread(residuals: &[f64]) -> Spread {
-        let mut normal = Normal::empty(2);
+    /// The covariance of two coordinates: the mean of the residuals, and one that does not affect them.
+    fn covariance_of_mean(residuals: &[f64]) -> Covariance {
+        let mut normal = NormalEquations::zeros(2);
         let column = |value: f64| vec![value; residuals.len()];
         normal.add(&[(0, column(-1.0)), (1, column(0.0))], residuals);
-        Spread::of(&normal, &[(0, 1.0), (1, 1.0)])
+        Covariance::new(&normal, &[(0, 1.0), (1, 1.0)])
     }
 
     #[test]
-    fn mean_is_as_good_as_the_root_of_the_count() {
-        let errors = spread(&[1.0; 100]).errors();
+    fn standard_error_of_a_mean_is_the_inverse_root_of_the_count() {
+        let errors = covariance_of_mean(&[1.0; 100]).standard_errors();
         assert!((errors[0] - 0.1).abs() < 1e-12 && errors[1].is_infinite(), "{errors:?}");
     }
 
     #[test]
-    fn what_others_follow_is_not_told_and_the_rest_is() {
-        let mut normal = Normal::empty(3);
+    fn collinear_coordinates_are_undetermined_and_the_others_are_not() {
+        let mut normal = NormalEquations::zeros(3);
         let wave = |rate: f64| (0..100).map(|k| (rate * f64::from(k)).sin()).collect::<Vec<_>>();
         normal.add(&[(0, wave(0.1)), (1, wave(0.1)), (2, wave(1.3))], &wave(0.7));
-        let errors = Spread::of(&normal, &[(0, 1.0), (1, 1.0), (2, 1.0)]).errors();
+        let errors = Covariance::new(&normal, &[(0, 1.0), (1, 1.0), (2, 1.0)]).standard_errors();
         assert!(errors[0].is_infinite() && errors[1].is_infinite(), "{errors:?}");
         assert!((errors[2] - 50.0_f64.sqrt().recip()).abs() < 2e-3, "{errors:?}");
     }
 
     #[test]
-    fn where_one_goes_another_makes_up_for_it() {
-        let mut normal = Normal::empty(2);
-        let (one, other) = (vec![1.0, 1.0, 0.0], vec![0.0, 2.0, 2.0]);
-        normal.add(&[(0, one), (1, other)], &[0.0; 3]);
-        let along = Spread::of(&normal, &[(0, 1.0), (1, 1.0)]).along(0);
-        // The second takes away of the first what is along it: - (1 * 2) / (2 * 2 + 2 * 2).
-        assert!((along - DVector::from_vec(vec![1.0, -0.25])).norm() < 1e-12);
+    fn profile_direction_includes_the_compensation_by_other_coordinates() {
+        let mut normal = NormalEquations::zeros(2);
+        let (first, second) = (vec![1.0, 1.0, 0.0], vec![0.0, 2.0, 2.0]);
+        normal.add(&[(0, first), (1, second)], &[0.0; 3]);
+        let direction = Covariance::new(&normal, &[(0, 1.0), (1, 1.0)]).profile_direction(0);
+        // The second coordinate cancels the projection of the first column on its own: -(1 * 2) / (2 * 2 + 2 * 2).
+        assert!((direction - DVector::from_vec(vec![1.0, -0.25])).norm() < 1e-12);
     }
 
     #[test]
-    fn where_nothing_moves_nothing_is_told() {
-        let errors = Spread::of(&Normal::empty(2), &[(0, 1.0), (1, 1.0)]).errors();
+    fn coordinates_without_data_are_undetermined() {
+        let errors = Covariance::new(&NormalEquations::zeros(2), &[(0, 1.0), (1, 1.0)]).standard_errors();
         assert_eq!(errors, [f64::INFINITY; 2]);
     }
 
     #[test]
-    fn blocks_that_disagree_widen_a_mean_by_their_own_spread() {
+    fn block_standard_error_of_a_mean_is_that_of_the_block_means() {
         let means = [1.0, -1.0, 3.0, -3.0];
         let residuals = means.map(|mean| [mean; 25]).concat();
-        let pulls = means.map(|mean| DVector::from_vec(vec![-25.0 * mean, 0.0]));
+        let gradients = means.map(|mean| DVector::from_vec(vec![-25.0 * mean, 0.0]));
         // The standard error of the mean of four means.
-        let wanted = (20.0_f64 / 3.0 / 4.0).sqrt();
-        let errors = spread(&residuals).errors_by(&pulls, 1);
-        assert!((errors[0] - wanted).abs() < 1e-12, "{errors:?}, not {wanted}");
+        let expected = (20.0_f64 / 3.0 / 4.0).sqrt();
+        let errors = covariance_of_mean(&residuals).block_standard_errors(&gradients, 1);
+        assert!((errors[0] - expected).abs() < 1e-12, "{errors:?}, not {expected}");
     }
 }

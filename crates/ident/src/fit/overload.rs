@@ -1,35 +1,38 @@
-//! Amplifiers that are overloaded where the data lead a patch.
+//! Overloads of amplifiers in a fitted model. If an amplifier is overloaded, the fit is not meaningful.
 
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use patchcord_core::trace::Overload;
 
-/// The first overload of a fitted model as it runs along its records.
+/// The first overload of a fitted model along its records.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordOverload {
-    /// Name of the record, that is, its file.
+    /// Name of the record, which is its file.
     pub record: String,
-    /// The amplifier.
+    /// Name of the amplifier.
     pub element: String,
-    /// When it was first asked for more than 100 V, in seconds by the clock of the record.
+    /// The first time at which the demanded output exceeds 100 V, in seconds of the record's clock.
     pub time: f64,
-    /// The largest voltage that it was asked for, in V, without sign.
+    /// The largest demanded output without sign, in V.
     pub peak: f64,
 }
 
-/// The first overload of a stage beside its records; nothing where there is none.
+/// The first overload of a fitted model, in the training records or else in the validation records. `None` if there is
+/// no overload.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn first_overload(problem: &Problem, stage: &Stage) -> Result<Option<RecordOverload>, ModelError> {
-    let parts = [(&problem.train, &stage.train.point), (&problem.test, &stage.test.point)];
-    for (records, point) in parts {
-        let model = problem.model(&stage.version, records, &problem.outputs)?;
-        let overloaded = records
-            .iter()
-            .enumerate()
-            .find_map(|(place, record)| Some((record, model.overload(place, &point.choice(place))?)));
+/// If the patch cannot be run along the records.
+pub(crate) fn first_overload(
+    problem: &Problem,
+    fitted: &FittedModel,
+) -> Result<Option<RecordOverload>, ModelError> {
+    let parts = [(&problem.train, &fitted.train.estimate), (&problem.test, &fitted.test.estimate)];
+    for (records, estimate) in parts {
+        let model = problem.model(&fitted.variant, records, &problem.outputs)?;
+        let overloaded = records.iter().enumerate().find_map(|(index, record)| {
+            Some((record, model.first_overload(index, &estimate.run_values(index))?))
+        });
         let Some((record, Overload { element, time, peak, .. })) = overloaded else { continue };
         let (record, time) = (record.name.clone(), record.begin + time);
         return Ok(Some(RecordOverload { record, element, time, peak }));

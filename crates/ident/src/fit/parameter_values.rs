@@ -1,5 +1,5 @@
-//! Names of parameters with values and units.
+//! Values of parameters with their units, ready to be reported.
 
-/// Names of parameters, each with its value and its unit.
+/// Parameters, each as its name, its value and the unit of the value, in the order of the fit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ParameterValues(pub(crate) Vec<(String, f64, String)>);

@@ -1,88 +1,119 @@
-//! What a patch is held against: records to fit and to confirm with, and the noise of what they hold.
+//! The identification problem: the records to fit, the records to validate with, and the noise of both.
+//!
+//! A [`Problem`] contains everything about the data that a fit needs and nothing about the patch. It makes the
+//! [`Model`] and the [`FitProblem`] of any variant of the patch, so that all variants are fitted to the same data.
 
-use crate::data::experiment::Feed;
+use crate::data::experiment::MeasuredDrive;
 use crate::data::record::Record;
-use crate::fit::estimate::Point;
-use crate::fit::fitted_model::Version;
-use crate::fit::levenberg_marquardt::{Ladder, MOST_ROUNDS, SETTLED_SHARE, Task};
+use crate::fit::estimate::Estimate;
+use crate::fit::fitted_model::ModelVariant;
+use crate::fit::levenberg_marquardt::{CONVERGENCE_RATIO, DampingSchedule, FitProblem, MAX_ITERATIONS};
 use crate::fit::model::{Model, ModelError};
 
-/// What a patch is held against.
+/// The data that a patch is compared with.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// Drives that the records feed.
-    pub drives: Vec<Feed>,
-    /// Standard deviation of the noise of each.
+    /// The drives that the records feed.
+    pub drives: Vec<MeasuredDrive>,
+    /// Standard deviation of the noise of each drive, in the unit of the drive. 0 if the drive has no noise.
     pub drive_sigma: Vec<f64>,
-    /// Signals that they hold.
+    /// Names of the signals that the records contain.
     pub outputs: Vec<String>,
-    /// Standard deviation of the noise of each.
+    /// Standard deviation of the noise of each output, in the unit of the output. All residuals are divided by it.
     pub sigma: Vec<f64>,
-    /// Which of them may stand off by a constant.
-    pub offset: Vec<bool>,
-    /// Records to fit.
+    /// Whether each output may differ from the model by a constant, which is then fitted.
+    pub has_offset: Vec<bool>,
+    /// The training records: all parameters are fitted to them.
     pub train: Vec<Record>,
-    /// The same cut into pieces, over which errors cannot grow far.
+    /// The training records cut into pieces. Each piece has its own initial voltages, so that errors grow less.
     pub pieces: Vec<Record>,
-    /// Into how many of these each record is cut, if it is long enough.
-    pub(crate) cuts: usize,
-    /// Records to confirm with.
+    /// The number of pieces per training record, if the record is long enough.
+    pub(crate) pieces_per_record: usize,
+    /// The validation records: only initial voltages and offsets are fitted to them.
     pub test: Vec<Record>,
-    /// Whether the records are pieces already, as the experiment asks.
+    /// Whether `train` and `test` are already cut into pieces, as the experiment specifies.
     pub is_cut: bool,
-    /// Steps of the solver from sample to sample, for the patch as it is.
+    /// Solver steps per sample that are sufficient for the patch as it is.
     pub steps: u32,
 }
 
-/// No piece of a record has fewer samples than this.
-const LEAST_PIECE: usize = 40;
+/// The least number of samples of a piece. A record with fewer than twice as many samples is not cut.
+const MIN_PIECE_SAMPLES: usize = 40;
 
 impl Problem {
-    /// An output of a record as a patch makes it that leaves this of the record.
-    pub(crate) fn made(&self, record: &Record, left: &[Vec<f64>], output: usize) -> Vec<f64> {
+    /// The values of one output in the model: data - sigma * residual. NaN if a datum is missing.
+    pub(crate) fn model_output(&self, record: &Record, residuals: &[Vec<f64>], output: usize) -> Vec<f64> {
         let sigma = self.sigma[output];
-        record.outputs[output].iter().zip(&left[output]).map(|(datum, left)| datum - sigma * left).collect()
+        record.outputs[output]
+            .iter()
+            .zip(&residuals[output])
+            .map(|(datum, residual)| datum - sigma * residual)
+            .collect()
     }
 
+    /// The model of a variant: it runs along `records` and returns the signals `outputs`.
+    ///
+    /// # Errors
+    /// If the patch cannot be compiled or a record cannot feed it.
     pub(crate) fn model(
         &self,
-        version: &Version,
+        variant: &ModelVariant,
         records: &[Record],
         outputs: &[String],
     ) -> Result<Model, ModelError> {
-        let lowered = version.lowered(&self.drives)?;
-        Model::new(&lowered, version.patch(), records, &version.fit, &version.free, outputs, version.steps)
+        let program = variant.fit_program(&self.drives)?;
+        Model::new(
+            &program,
+            variant.patch(),
+            records,
+            &variant.fit,
+            &variant.initial_states,
+            outputs,
+            variant.steps,
+        )
     }
 
-    pub(crate) fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {
-        let (sigma, offset) = (&self.sigma, &self.offset);
-        Task {
+    /// The least-squares problem of a model and its records, with default settings.
+    ///
+    /// If `fits_parameters` is false, only initial voltages and offsets are fitted.
+    pub(crate) fn fit_problem<'a>(
+        &'a self,
+        model: &'a Model,
+        records: &'a [Record],
+        fits_parameters: bool,
+    ) -> FitProblem<'a> {
+        let (sigma, has_offset) = (&self.sigma, &self.has_offset);
+        FitProblem {
             model,
             records,
             sigma,
-            offset,
-            turns,
-            held: None,
-            wanted: f64::INFINITY,
-            most_rounds: MOST_ROUNDS,
-            settled: SETTLED_SHARE,
-            dampings: if model.goes_abreast() { Ladder::MANY } else { Ladder::ONE },
+            has_offset,
+            fits_parameters,
+            fixed_parameter: None,
+            target_chi2: f64::INFINITY,
+            max_iterations: MAX_ITERATIONS,
+            convergence_ratio: CONVERGENCE_RATIO,
+            damping_schedule: if model.is_faster_batched() {
+                DampingSchedule::PARALLEL
+            } else {
+                DampingSchedule::SEQUENTIAL
+            },
         }
     }
 
-    /// A point of the pieces as one of the records whole.
-    pub(crate) fn joined_up(&self, point: &Point) -> Point {
-        let mut first = 0;
+    /// Converts an estimate for the pieces to one for the whole records: each record begins as its first piece does.
+    pub(crate) fn join_pieces(&self, estimate: &Estimate) -> Estimate {
+        let mut first_piece = 0;
         let initial = self.train.iter().map(|record| {
-            let own = point.initial[first].clone();
-            first += record.pieces(self.cuts, LEAST_PIECE).len();
-            own
+            let voltages = estimate.initial[first_piece].clone();
+            first_piece += record.split(self.pieces_per_record, MIN_PIECE_SAMPLES).len();
+            voltages
         });
-        Point { initial: initial.collect(), ..point.clone() }
+        Estimate { initial: initial.collect(), ..estimate.clone() }
     }
 }
 
-/// Records each cut into so many pieces, if it is long enough: over these errors cannot grow far.
-pub(crate) fn in_pieces(records: &[Record], cuts: usize) -> Vec<Record> {
-    records.iter().flat_map(|record| record.pieces(cuts, LEAST_PIECE)).collect()
+/// Cuts each record into `count` pieces, or fewer if a piece would be shorter than [`MIN_PIECE_SAMPLES`].
+pub(crate) fn cut_records(records: &[Record], count: usize) -> Vec<Record> {
+    records.iter().flat_map(|record| record.split(count, MIN_PIECE_SAMPLES)).collect()
 }

@@ -1,49 +1,56 @@
-//! The problem that an experiment asks for.
+//! Makes the identification problem of an experiment: estimates missing noise levels, cuts the records and chooses the
+//! solver steps.
 
-use crate::data::drive_timing::begun_anew;
+use crate::data::drive_timing::restarting_drives;
 use crate::data::experiment::Experiment;
-use crate::data::noise_level::{drive_noise, largest, least_noise, noise};
+use crate::data::noise_level::{drive_noise, max_over_records, min_noise, output_noise};
 use crate::data::record::Record;
 use crate::fit::model::ModelError;
-use crate::fit::problem::{Problem, in_pieces};
+use crate::fit::problem::{Problem, cut_records};
 use crate::fit::step_size::steps_per_sample;
 
-/// A record is cut into this many pieces, if they are long enough.
-const PIECES: usize = 16;
+/// The number of pieces of a record, if the record is long enough. Over a sixteenth of a record even a poor model stays
+/// near the data.
+const PIECES_PER_RECORD: usize = 16;
 
 impl Problem {
-    /// What an experiment asks for; noise that it does not tell is estimated without a model.
+    /// The problem of an experiment. Noise levels that the experiment does not specify are estimated without a model.
+    ///
+    /// Records are not cut if a drive of the patch depends on time since the start of a run: each piece would restart
+    /// the drive.
     ///
     /// # Errors
-    /// When the patch cannot be run beside the records.
+    /// If the patch cannot be run along the records.
     pub fn of(experiment: &Experiment) -> Result<Problem, ModelError> {
-        let cut = |records: &[Record]| match experiment.pieces {
-            Some(seconds) => records.iter().flat_map(|record| record.pieces_of(seconds)).collect(),
+        let cut = |records: &[Record]| match experiment.piece_duration {
+            Some(seconds) => records.iter().flat_map(|record| record.split_by_duration(seconds)).collect(),
             None => records.to_vec(),
         };
         let records = &experiment.train;
         let sigma = experiment.outputs.iter().enumerate();
-        let sigma = sigma.map(|(place, output)| {
-            output.sigma.unwrap_or_else(|| largest(noise, records, place).max(least_noise(records, place)))
+        let sigma = sigma.map(|(index, output)| {
+            output.sigma.unwrap_or_else(|| {
+                max_over_records(output_noise, records, index).max(min_noise(records, index))
+            })
         });
         let drive_sigma = experiment.drives.iter().enumerate();
         let drive_sigma = drive_sigma
-            .map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, records, place)));
-        // A drive of the patch would begin anew with every piece.
-        let mut own =
-            begun_anew(&experiment.patch, |name| experiment.drives.iter().any(|feed| feed.drive == name));
-        let cuts = if own.next().is_some() { 1 } else { PIECES };
+            .map(|(index, feed)| feed.sigma.unwrap_or_else(|| max_over_records(drive_noise, records, index)));
+        let mut restarting_drives = restarting_drives(&experiment.patch, |name| {
+            experiment.drives.iter().any(|feed| feed.drive == name)
+        });
+        let pieces_per_record = if restarting_drives.next().is_some() { 1 } else { PIECES_PER_RECORD };
         let mut problem = Problem {
             drives: experiment.drives.clone(),
             drive_sigma: drive_sigma.collect(),
             outputs: experiment.outputs.iter().map(|output| output.signal.clone()).collect(),
             sigma: sigma.collect(),
-            offset: experiment.outputs.iter().map(|output| output.offset).collect(),
+            has_offset: experiment.outputs.iter().map(|output| output.has_offset).collect(),
             train: cut(&experiment.train),
-            pieces: in_pieces(&experiment.train, cuts),
-            cuts,
+            pieces: cut_records(&experiment.train, pieces_per_record),
+            pieces_per_record,
             test: cut(&experiment.test),
-            is_cut: experiment.pieces.is_some(),
+            is_cut: experiment.piece_duration.is_some(),
             steps: 1,
         };
         problem.steps = steps_per_sample(&problem, &experiment.patch, &experiment.fit)?;

@@ -1,174 +1,211 @@
-//! How much is done to fit a patch: from how many points, through which heats, and to how much of the records.
+//! The effort of a fit from several starts: the number of starts, the rungs of successive halving, and the subsample.
+//!
+//! Successive halving fits from all starts for a few iterations and continues only with the best, in several rungs.
+//! If there are many records, the first rungs use a subsample of the records. If the motion oscillates or sticks, the
+//! fitted fraction of each record grows from rung to rung. Otherwise a fit may follow the wrong period.
 
 use crate::data::record::Record;
-use crate::fit::estimate::{Point, Reached};
-use crate::fit::levenberg_marquardt::{MOST_ROUNDS, Task};
+use crate::fit::estimate::{Estimate, FitState};
+use crate::fit::levenberg_marquardt::{FitProblem, MAX_ITERATIONS};
 use crate::fit::model::Model;
-use crate::fit::start_cache::Begun;
+use crate::fit::start_cache::StartCache;
 
-/// How much is done to fit a stage.
+/// The effort that is made to fit one variant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// So many of the points from which fits could begin are gone on from, those without any effect not counted,
-    starts: usize,
-    /// through heats one after the other.
-    heats: &'static [Heat],
-    /// How a few of many records are made use of, if they are.
-    glance: Option<Glance>,
-    /// Whether it is not the first look: what is held back is begun from every point, and fitted to the end, and many records are
-    /// not begun from no strength again.
+    /// The largest number of optional starts; required starts are not counted.
+    optional_starts: usize,
+    /// The rungs of successive halving, in order.
+    rungs: &'static [Rung],
+    /// How a subsample of the records is used if there are many records. `None` if it is not used.
+    subsample: Option<Subsample>,
+    /// Whether the fit is more than a first look. Then the validation converges and uses two starts. With many records
+    /// the best optional start is tried on all of them, not a start without the effect.
     pub(crate) is_thorough: bool,
 }
 
-/// Of many records a few go first:
+/// How a subsample of the records is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Glance {
-    /// so many of the heats are theirs,
-    heats: usize,
-    /// and from where these come to, all records go through others.
-    then: &'static [Heat],
+struct Subsample {
+    /// The number of rungs, from the first, that are fitted to the subsample.
+    rungs: usize,
+    /// The rungs that are then fitted to all records, from the survivors of the subsample.
+    all_records: &'static [Rung],
 }
 
-/// A round of fits from several points, of which those that come furthest go on.
+/// One rung of successive halving: some iterations from several starts, of which the best survive.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Heat {
-    /// So often the derivatives are worked out for each.
-    rounds: usize,
-    /// So many go on, beside those ahead of them that have ended.
-    ahead: usize,
-    /// The share of every record that is fitted, from its beginning.
-    until: f64,
+struct Rung {
+    /// The largest number of iterations from each start.
+    iterations: usize,
+    /// The number of unfinished fits that survive. Finished fits that are better than these survive, too.
+    survivors: usize,
+    /// The fraction of every record that is fitted, from its beginning; 1 is the whole record.
+    fraction: f64,
 }
 
-impl Heat {
-    const fn new(rounds: usize, ahead: usize, until: f64) -> Heat {
-        Heat { rounds, ahead, until }
+impl Rung {
+    /// A rung with the given iterations, survivors and fraction of the records.
+    const fn new(iterations: usize, survivors: usize, fraction: f64) -> Rung {
+        Rung { iterations, survivors, fraction }
     }
 }
 
 impl Effort {
-    /// Enough to see whether more is worth while.
+    /// A quick look: it is sufficient to decide whether a full fit is worthwhile.
     pub const QUICK: Effort = Effort {
-        starts: 1,
-        heats: &[Heat::new(1, 1, 1.0), Heat::new(4, 1, 1.0)],
-        glance: Some(Glance { heats: 2, then: &[Heat::new(1, 1, 1.0)] }),
+        optional_starts: 1,
+        rungs: &[Rung::new(1, 1, 1.0), Rung::new(4, 1, 1.0)],
+        subsample: Some(Subsample { rungs: 2, all_records: &[Rung::new(1, 1, 1.0)] }),
         is_thorough: false,
     };
-    /// Enough to be held against others.
+    /// A full fit, whose result is compared with others.
     pub const FULL: Effort = Effort {
-        starts: 4,
-        heats: &[Heat::new(1, 3, 1.0), Heat::new(4, 2, 1.0), Heat::new(MOST_ROUNDS, 1, 1.0)],
-        glance: Some(Glance { heats: 2, then: &[Heat::new(2, 1, 1.0), Heat::new(MOST_ROUNDS, 1, 1.0)] }),
+        optional_starts: 4,
+        rungs: &[Rung::new(1, 3, 1.0), Rung::new(4, 2, 1.0), Rung::new(MAX_ITERATIONS, 1, 1.0)],
+        subsample: Some(Subsample {
+            rungs: 2,
+            all_records: &[Rung::new(2, 1, 1.0), Rung::new(MAX_ITERATIONS, 1, 1.0)],
+        }),
         is_thorough: true,
     };
-    /// Where motion swings or sticks: what is fitted to all of it at once keeps step with the wrong swing.
+    /// A full fit to growing fractions of the records, for motion that oscillates or sticks. A fit to whole records
+    /// would keep in step with the wrong period.
     pub const GROWING: Effort = Effort {
-        starts: 4,
-        heats: &[
-            Heat::new(1, 4, 1.0),
-            Heat::new(MOST_ROUNDS, 4, 0.35),
-            Heat::new(MOST_ROUNDS, 4, 0.65),
-            Heat::new(MOST_ROUNDS, 1, 1.0),
+        optional_starts: 4,
+        rungs: &[
+            Rung::new(1, 4, 1.0),
+            Rung::new(MAX_ITERATIONS, 4, 0.35),
+            Rung::new(MAX_ITERATIONS, 4, 0.65),
+            Rung::new(MAX_ITERATIONS, 1, 1.0),
         ],
-        glance: None,
+        subsample: None,
         is_thorough: true,
     };
-    /// Where it is not known how a record begins: the beginning first.
-    pub(crate) const FROM_ANYWHERE: Effort = Effort {
-        starts: 6,
-        heats: &[
-            Heat::new(4, 4, 0.1),
-            Heat::new(MOST_ROUNDS, 3, 0.35),
-            Heat::new(MOST_ROUNDS, 2, 0.65),
-            Heat::new(MOST_ROUNDS, 1, 1.0),
+    /// A full fit for a record with unknown initial voltages. It fits the first tenth of the record first.
+    pub(crate) const UNKNOWN_INITIAL: Effort = Effort {
+        optional_starts: 6,
+        rungs: &[
+            Rung::new(4, 4, 0.1),
+            Rung::new(MAX_ITERATIONS, 3, 0.35),
+            Rung::new(MAX_ITERATIONS, 2, 0.65),
+            Rung::new(MAX_ITERATIONS, 1, 1.0),
         ],
-        glance: None,
+        subsample: None,
         is_thorough: true,
     };
 }
 
-/// A fit to a part of the records has ended when a round lowers the sum of squares by less than this share.
-const NEARLY_SETTLED: f64 = 3e-4;
+/// Relative decrease of the sum of squares at which a fit to a part of the records has converged. It is larger than
+/// [`CONVERGENCE_RATIO`](crate::fit::levenberg_marquardt::CONVERGENCE_RATIO), because a fit to more data follows.
+const PARTIAL_CONVERGENCE_RATIO: f64 = 3e-4;
 
-/// Points from which fits begin.
+/// The starts of a fit.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Starts {
-    /// From each of them: without any effect, in all its shapes,
-    pub sure: Vec<Point>,
-    /// from where it came to before,
-    pub found: Option<Point>,
-    /// and from some of these, those that are nearest to the data.
-    pub others: Vec<Point>,
+    /// Starts that are always used, such as those without any effect, one for each shape of the effect.
+    pub required: Vec<Estimate>,
+    /// The result of an earlier fit, which is always used.
+    pub previous: Option<Estimate>,
+    /// Starts of which only those with the least sums of squares are used.
+    pub optional: Vec<Estimate>,
 }
 
 impl Effort {
-    /// What is done with a few of many records, and then with all; nothing where all are fitted from the beginning.
+    /// The effort for a subsample of the records and the effort for all records after it. `None` if this effort uses
+    /// all records from the first rung.
     pub(crate) fn split(self) -> Option<[Effort; 2]> {
-        self.glance.map(|Glance { heats, then }| {
-            let few = Effort { heats: &self.heats[..heats], ..self };
-            [few, Effort { heats: then, ..self }].map(|own| Effort { glance: None, ..own })
+        self.subsample.map(|Subsample { rungs, all_records }| {
+            let subsample_effort = Effort { rungs: &self.rungs[..rungs], ..self };
+            [subsample_effort, Effort { rungs: all_records, ..self }]
+                .map(|effort| Effort { subsample: None, ..effort })
         })
     }
 
-    /// Where a task comes to from the best of several points.
-    pub(crate) fn best(self, task: &Task<'_>, starts: &Starts, begun: &mut Begun) -> Option<Point> {
-        self.ahead(task, starts, begun).into_iter().next()
+    /// The best fit from several starts. `None` if the model cannot be run from any of them.
+    pub(crate) fn best(
+        self,
+        fit_problem: &FitProblem<'_>,
+        starts: &Starts,
+        cache: &mut StartCache,
+    ) -> Option<Estimate> {
+        self.survivors(fit_problem, starts, cache).into_iter().next()
     }
 
-    /// Where a task comes to from the points that are ahead after the last heat, the best first; what is known of points from
-    /// which it was begun before is kept in `begun`.
-    pub(crate) fn ahead(self, task: &Task<'_>, starts: &Starts, begun: &mut Begun) -> Vec<Point> {
-        let from = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
-        let first = self.heats.first().and_then(|heat| Beginnings::of(task, heat.until));
-        let looked_at = first.as_ref().map_or(*task, |own| own.task(task));
-        let sure = starts.sure.iter().chain(&starts.found);
-        let nearest = looked_at.nearest(&starts.others, &starts.sure, self.starts, begun);
-        let mut ahead: Vec<Reached> = sure.chain(nearest).cloned().map(from).collect();
-        let mut seen = 1.0;
-        for heat in self.heats {
-            let beginnings = Beginnings::of(task, heat.until);
-            let part = beginnings.as_ref().map_or(*task, |own| own.task(task));
-            let part = Task { most_rounds: heat.rounds, ..part };
-            let goes_on = |own: Reached| match own.has_ended && heat.until == seen {
-                true => Some(own),
-                false => part.reached(&own.point),
+    /// The fits that survive the last rung, the best first.
+    ///
+    /// `cache` keeps the first results from each start, so that a later fit with more effort does not repeat them.
+    pub(crate) fn survivors(
+        self,
+        fit_problem: &FitProblem<'_>,
+        starts: &Starts,
+        cache: &mut StartCache,
+    ) -> Vec<Estimate> {
+        let unfitted = |estimate: Estimate| FitState { estimate, chi2: f64::INFINITY, is_finished: false };
+        let first_beginnings =
+            self.rungs.first().and_then(|rung| RecordBeginnings::new(fit_problem, rung.fraction));
+        let first_problem =
+            first_beginnings.as_ref().map_or(*fit_problem, |beginnings| beginnings.fit_problem(fit_problem));
+        let always = starts.required.iter().chain(&starts.previous);
+        let nearest =
+            first_problem.nearest_starts(&starts.optional, &starts.required, self.optional_starts, cache);
+        let mut survivors: Vec<FitState> = always.chain(nearest).cloned().map(unfitted).collect();
+        let mut last_fraction = 1.0;
+        for rung in self.rungs {
+            let beginnings = RecordBeginnings::new(fit_problem, rung.fraction);
+            let rung_problem =
+                beginnings.as_ref().map_or(*fit_problem, |beginnings| beginnings.fit_problem(fit_problem));
+            let rung_problem = FitProblem { max_iterations: rung.iterations, ..rung_problem };
+            let advance = |state: FitState| match state.is_finished && rung.fraction == last_fraction {
+                true => Some(state),
+                false => rung_problem.optimise(&state.estimate),
             };
-            ahead = match heat.rounds == 1 {
-                true => part.led(ahead.iter().map(|own| &own.point), begun),
-                false => ahead.into_iter().filter_map(goes_on).collect(),
+            survivors = match rung.iterations == 1 {
+                true => rung_problem.first_iterations(survivors.iter().map(|state| &state.estimate), cache),
+                false => survivors.into_iter().filter_map(advance).collect(),
             };
-            ahead.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
-            // What has ended keeps nobody back: where an effect is not felt, as a stop that is not met, nothing moves.
-            let mut places = heat.ahead;
-            ahead.retain(|own| {
-                let stays = places > 0;
-                places -= usize::from(stays && !own.has_ended);
-                stays
+            survivors.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
+            // A finished fit takes no place of others: if the effect does not act, such as a stop that is never
+            // reached, the fit cannot move.
+            let mut places = rung.survivors;
+            survivors.retain(|state| {
+                let is_kept = places > 0;
+                places -= usize::from(is_kept && !state.is_finished);
+                is_kept
             });
-            seen = heat.until;
+            last_fraction = rung.fraction;
         }
-        ahead.into_iter().map(|own| own.point).collect()
+        survivors.into_iter().map(|state| state.estimate).collect()
     }
 }
 
-/// The beginnings of records, and a model that is run beside no more than these.
-pub(crate) struct Beginnings {
+/// The beginnings of records, and a model that runs only along these.
+pub(crate) struct RecordBeginnings {
+    /// The model of the shortened records.
     model: Model,
+    /// The shortened records.
     records: Vec<Record>,
 }
 
-impl Beginnings {
-    /// So large a share of what a task is fitted to; nothing where that is all.
-    pub(crate) fn of(task: &Task<'_>, share: f64) -> Option<Beginnings> {
-        (share < 1.0).then(|| {
-            let records: Vec<Record> = task.records.iter().map(|record| record.beginning(share)).collect();
-            Beginnings { model: task.model.beside(&records), records }
+impl RecordBeginnings {
+    /// The first `fraction` of every record of a problem. `None` if that is the whole record.
+    pub(crate) fn new(fit_problem: &FitProblem<'_>, fraction: f64) -> Option<RecordBeginnings> {
+        (fraction < 1.0).then(|| {
+            let records: Vec<Record> =
+                fit_problem.records.iter().map(|record| record.truncated(fraction)).collect();
+            RecordBeginnings { model: fit_problem.model.for_beginnings(&records), records }
         })
     }
 
-    /// The task of coming near to these.
-    pub(crate) fn task<'b>(&'b self, whole: &Task<'b>) -> Task<'b> {
+    /// The problem of fitting only these beginnings, without a target and with looser convergence.
+    pub(crate) fn fit_problem<'b>(&'b self, whole: &FitProblem<'b>) -> FitProblem<'b> {
         let (model, records) = (&self.model, self.records.as_slice());
-        Task { model, records, wanted: f64::INFINITY, settled: NEARLY_SETTLED, ..*whole }
+        FitProblem {
+            model,
+            records,
+            target_chi2: f64::INFINITY,
+            convergence_ratio: PARTIAL_CONVERGENCE_RATIO,
+            ..*whole
+        }
     }
 }

@@ -1,93 +1,97 @@
-//! Points scattered over the ranges of what is fitted, from which fits begin, and whether they lead to the same.
+//! Random starts of a fit, and whether fits from other starts reproduce its result.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 
-use crate::fit::estimate::Point;
-use crate::fit::fitted_model::Stage;
+use crate::fit::estimate::Estimate;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::{Model, ModelError};
 use crate::fit::parameter_values::ParameterValues;
 use crate::fit::problem::Problem;
 
-/// So many points are scattered over the ranges.
-const SCATTERED: usize = 4;
-/// Two fits came to the same where their sums of squares differ by less than this,
-const SAME: f64 = 1.0;
-/// or by less than this share.
-const SAME_SHARE: f64 = 1e-3;
+/// The number of random starts.
+const RANDOM_STARTS: usize = 4;
+/// Two fits agree if their sums of squares differ by less than this. At a
+/// difference of 1 a parameter is one standard error away from its optimum.
+const AGREEMENT_CHI2: f64 = 1.0;
+/// Two fits also agree if their sums of squares differ by less than this fraction.
+const AGREEMENT_RATIO: f64 = 1e-3;
 
-/// A point for each of several draws by chance: knobs over their ranges, all else where the patch stands.
-pub(crate) fn scattered(model: &Model, first: &Point, seed: u64) -> Vec<Point> {
-    let mut dice = ChaCha8Rng::seed_from_u64(seed);
-    let mut draw = || f64::from(dice.next_u32()) / f64::from(u32::MAX);
-    let mut knobs = || model.knobs.iter().map(|knob| knob.at(0.1 + 0.8 * draw())).collect();
-    (0..SCATTERED).map(|_| Point { knobs: knobs(), ..first.clone() }).collect()
+/// Random starts. Parameters are uniformly distributed over the middle 80 % of their ranges; the rest equals `nominal`.
+pub(crate) fn random_starts(model: &Model, nominal: &Estimate, seed: u64) -> Vec<Estimate> {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || f64::from(generator.next_u32()) / f64::from(u32::MAX);
+    let mut parameters =
+        || model.parameters.iter().map(|parameter| parameter.value_at(0.1 + 0.8 * draw())).collect();
+    (0..RANDOM_STARTS).map(|_| Estimate { parameters: parameters(), ..nominal.clone() }).collect()
 }
 
-/// Whether fits of the patch from elsewhere come to the same: if not, there may be a better one that none has come to.
+/// Whether fits from other starts reproduce a fit. If none does, there may be a better fit that was not found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Agreement {
-    /// From so many other points fits were gone through with, until one came to the same.
+pub struct StartAgreement {
+    /// The number of other starts that were tried until one fit agreed or was better.
     pub tried: usize,
-    /// What the best of them left, rms over the noise; infinite where none could be run.
-    pub left: f64,
-    /// Whether that is the same.
-    pub is_same: bool,
-    /// Whether it is less.
+    /// The least rms residual of these fits, in units of sigma. Infinite if none could be run.
+    pub normalised_rms: f64,
+    /// Whether the last fit agrees.
+    pub is_reproduced: bool,
+    /// Whether the last fit is better.
     pub is_better: bool,
-    /// Where it is less: what is fitted, each with its value and its unit.
+    /// The fitted parameters of the better fit. Empty if there is none.
     pub values: ParameterValues,
-    /// Whether runs begin anew in each of them, as where the patch itself was fitted so first.
-    pub in_pieces: bool,
+    /// Whether the fits are to pieces of the records, because the original fit was.
+    pub uses_pieces: bool,
 }
 
-/// Fits the patch of a stage from other points than those of its own seed, until one comes to the same, or to less, or there are no more.
+/// Fits from random starts of another seed until one fit agrees with the original, or is better, or no start is left.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
+/// If the patch cannot be run along the records.
 pub(crate) fn agreement_of_starts(
     problem: &Problem,
-    stage: &Stage,
+    fitted: &FittedModel,
     seed: u64,
-) -> Result<Agreement, ModelError> {
-    let in_pieces = chi2_of_pieces(problem, stage)?;
-    let (records, best) = match in_pieces {
+) -> Result<StartAgreement, ModelError> {
+    let pieces_chi2 = chi2_of_pieces(problem, fitted)?;
+    let (records, original_chi2) = match pieces_chi2 {
         Some(chi2) => (&problem.pieces, chi2),
-        None => (&problem.train, stage.train.chi2),
+        None => (&problem.train, fitted.train.chi2),
     };
-    let model = problem.model(&stage.version, records, &problem.outputs)?;
-    let first = Point::of(&model, problem.outputs.len());
-    let task = problem.task(&model, records, true);
-    let mut agreement = Agreement {
+    let model = problem.model(&fitted.variant, records, &problem.outputs)?;
+    let nominal = Estimate::nominal(&model, problem.outputs.len());
+    let fit_problem = problem.fit_problem(&model, records, true);
+    let mut agreement = StartAgreement {
         tried: 0,
-        left: f64::INFINITY,
-        is_same: false,
+        normalised_rms: f64::INFINITY,
+        is_reproduced: false,
         is_better: false,
         values: ParameterValues::default(),
-        in_pieces: in_pieces.is_some(),
+        uses_pieces: pieces_chi2.is_some(),
     };
-    for point in scattered(&model, &first, seed.wrapping_add(1)) {
+    for start in random_starts(&model, &nominal, seed.wrapping_add(1)) {
         agreement.tried += 1;
-        let Some(fitted) = task.settled(&point).and_then(|point| task.fit(&point)) else { continue };
-        agreement.left = agreement.left.min(fitted.over_noise());
-        let lower = best - fitted.chi2;
-        agreement.is_same = lower.abs() < SAME.max(SAME_SHARE * best);
-        agreement.is_better = lower > 0.0 && !agreement.is_same;
+        let Some(result) = fit_problem.fit_initial(&start).and_then(|start| fit_problem.fit(&start)) else {
+            continue;
+        };
+        agreement.normalised_rms = agreement.normalised_rms.min(result.normalised_rms());
+        let decrease = original_chi2 - result.chi2;
+        agreement.is_reproduced = decrease.abs() < AGREEMENT_CHI2.max(AGREEMENT_RATIO * original_chi2);
+        agreement.is_better = decrease > 0.0 && !agreement.is_reproduced;
         if agreement.is_better {
-            agreement.values = stage.values_at(&fitted.point);
+            agreement.values = fitted.parameter_values(&result.estimate);
         }
-        if agreement.is_same || agreement.is_better {
+        if agreement.is_reproduced || agreement.is_better {
             break;
         }
     }
     Ok(agreement)
 }
 
-/// The sum of squares that a stage left of the pieces, where it was fitted to these first.
-fn chi2_of_pieces(problem: &Problem, stage: &Stage) -> Result<Option<f64>, ModelError> {
-    let Some(point) = &stage.in_pieces else { return Ok(None) };
-    let model = problem.model(&stage.version, &problem.pieces, &problem.outputs)?;
-    Ok(problem.task(&model, &problem.pieces, true).told(point).map(|fitted| fitted.chi2))
+/// The sum of squares of the fit to pieces. `None` if the model was not fitted to pieces or cannot be run there.
+fn chi2_of_pieces(problem: &Problem, fitted: &FittedModel) -> Result<Option<f64>, ModelError> {
+    let Some(estimate) = &fitted.pieces_estimate else { return Ok(None) };
+    let model = problem.model(&fitted.variant, &problem.pieces, &problem.outputs)?;
+    Ok(problem.fit_problem(&model, &problem.pieces, true).evaluate(estimate).map(|result| result.chi2))
 }
 
 #[cfg(test)]
@@ -97,14 +101,14 @@ mod tests {
     use crate::fit::step_size::tests::decay;
 
     #[test]
-    fn where_a_better_fit_begins_is_told() {
+    fn a_better_fit_from_another_start_is_reported_with_its_values() {
         let (patch, fit, problem) = decay(1e-3, 32);
-        let mut stage = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
-        let same = agreement_of_starts(&problem, &stage, 1).unwrap();
-        assert!(same.is_same && same.values.0.is_empty());
-        // As of a fit that stayed where it began.
-        stage.train.chi2 = 1e9;
-        let better = agreement_of_starts(&problem, &stage, 1).unwrap();
+        let mut fitted = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
+        let reproduced = agreement_of_starts(&problem, &fitted, 1).unwrap();
+        assert!(reproduced.is_reproduced && reproduced.values.0.is_empty());
+        // The sum of squares of a fit that did not leave its start.
+        fitted.train.chi2 = 1e9;
+        let better = agreement_of_starts(&problem, &fitted, 1).unwrap();
         let [(name, rate, unit)] = better.values.0.as_slice() else { panic!("{better:?}") };
         assert!(better.is_better && (name.as_str(), unit.as_str()) == ("rate", "1"), "{better:?}");
         assert!((rate - 2.0).abs() < 1e-3, "{rate}");

@@ -1,145 +1,171 @@
-//! How many steps the solver takes from sample to sample, so that its own error stays well under the noise.
+//! The number of solver steps per sample, chosen so that the solver error is small relative to the noise.
+//!
+//! The solver error is estimated by step doubling: it is the difference from a run with twice as many steps. The steps
+//! are chosen before the first fit and checked after each fit, because the error depends on the parameters.
 
-use crate::fit::estimate::Point;
+use crate::fit::estimate::Estimate;
 use crate::fit::estimation::refit;
-use crate::fit::fitted_model::{Stage, Version};
-use crate::fit::model::{Course, ModelError};
+use crate::fit::fitted_model::{FittedModel, ModelVariant};
+use crate::fit::model::{ModelError, OutputTrajectory};
 use crate::fit::problem::Problem;
-use patchcord_analysis::spare;
+use patchcord_analysis::parallel;
 use patchcord_core::patch::Patch;
 
-/// The solver may err by this share of the noise, rms.
-const FINE: f64 = 0.1;
-/// No sample takes more steps than this.
-const MOST_STEPS: u32 = 64;
-/// So often a fit is made again with finer steps: where it comes to, these may be too coarse again.
-const MOST_REFINED: usize = 4;
+/// The largest solver error, rms, relative to the noise or to the residuals if these are larger.
+const ERROR_RATIO: f64 = 0.1;
+/// The largest number of steps per sample.
+const MAX_STEPS: u32 = 64;
+/// The largest number of repetitions of a fit with more steps. The parameters of each repetition may need still more
+/// steps.
+const MAX_REFINEMENTS: usize = 4;
 
-/// How finely a patch was run, and what that is worth.
+/// The solver steps of a fit and their error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fineness {
-    /// Steps from sample to sample.
+pub struct StepRefinement {
+    /// Steps per sample.
     pub steps: u32,
-    /// By how much runs with twice as many differ at most in an output of a record, rms over the noise; infinite where they
-    /// come to no end.
+    /// The rms difference from a run with twice as many steps, in units of sigma: the largest of all outputs and
+    /// records. Infinite if a run fails.
     pub error: f64,
-    /// What it should keep below: a tenth of the noise, or of what is left where that is more.
-    pub wanted: f64,
+    /// The limit of the error: 0.1, or 0.1 times the rms residual if that is larger than 1. In units of sigma.
+    pub limit: f64,
 }
 
-impl Fineness {
-    /// Whether the solver's own error is well under the noise.
-    pub fn is_enough(&self) -> bool {
-        self.error < self.wanted
+impl StepRefinement {
+    /// Whether the solver error is below its limit.
+    pub fn is_sufficient(&self) -> bool {
+        self.error < self.limit
     }
 }
 
-/// How finely a stage was run.
+/// The solver steps of a fitted model and their error.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn fineness_of(problem: &Problem, stage: &Stage) -> Result<Fineness, ModelError> {
-    let (version, point) = (&stage.version, &stage.train.point);
-    let [coarse, fine] = [1, 2].map(|times| run_with_steps(problem, version, point, times * version.steps));
+/// If the patch cannot be run along the records.
+pub(crate) fn step_refinement(problem: &Problem, fitted: &FittedModel) -> Result<StepRefinement, ModelError> {
+    let (variant, estimate) = (&fitted.variant, &fitted.train.estimate);
+    let [coarse, fine] =
+        [1, 2].map(|factor| run_with_steps(problem, variant, estimate, factor * variant.steps));
     let error = largest_difference(problem, coarse?.as_deref(), fine?.as_deref());
-    Ok(Fineness { steps: version.steps, error, wanted: wanted(stage.train.over_noise()) })
+    Ok(StepRefinement { steps: variant.steps, error, limit: error_limit(fitted.train.normalised_rms()) })
 }
 
-/// Steps with which the solver errs little, for a patch as it stands. Where none do, as where it runs away, those with which it
-/// errs little beside what is left; the most where none do.
+/// The number of solver steps that is sufficient for a patch with its declared values.
+///
+/// If none is sufficient relative to the noise, for example because the patch diverges, the number is sufficient
+/// relative to the residuals. If none is sufficient at all, it is [`MAX_STEPS`].
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
+/// If the patch cannot be run along the records.
 pub(crate) fn steps_per_sample(problem: &Problem, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
-    let version = Version::new(patch.clone(), fit.to_vec(), Vec::new(), 1);
-    let at = Point::of(&problem.model(&version, &problem.train, &problem.outputs)?, problem.outputs.len());
-    let errors = solver_errors(problem, &version, &at, wanted(1.0))?;
-    if let Some(steps) = fewest(&errors, wanted(1.0)) {
+    let variant = ModelVariant::new(patch.clone(), fit.to_vec(), Vec::new(), 1);
+    let nominal =
+        Estimate::nominal(&problem.model(&variant, &problem.train, &problem.outputs)?, problem.outputs.len());
+    let errors = solver_errors(problem, &variant, &nominal, error_limit(1.0))?;
+    if let Some(steps) = fewest_sufficient_steps(&errors, error_limit(1.0)) {
         return Ok(steps);
     }
-    let finest = problem.model(&version.with_steps(MOST_STEPS), &problem.train, &problem.outputs)?;
-    let stands = problem.task(&finest, &problem.train, false).told(&at);
-    let beside = stands.and_then(|stands| fewest(&errors, wanted(stands.over_noise())));
-    Ok(beside.unwrap_or(MOST_STEPS))
+    let finest = problem.model(&variant.with_steps(MAX_STEPS), &problem.train, &problem.outputs)?;
+    let unfitted = problem.fit_problem(&finest, &problem.train, false).evaluate(&nominal);
+    let steps =
+        unfitted.and_then(|result| fewest_sufficient_steps(&errors, error_limit(result.normalised_rms())));
+    Ok(steps.unwrap_or(MAX_STEPS))
 }
 
-/// A stage fitted again with finer steps, where the solver errs by too much at the point that it came to; nothing where it
-/// does not, or where no steps are fine enough.
+/// Repeats a fit with more solver steps until the solver error at the result is below its limit.
+///
+/// `None` if the steps are sufficient already, or if [`MAX_STEPS`] is not sufficient.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn refine_steps(problem: &Problem, stage: &Stage) -> Result<Option<Stage>, ModelError> {
-    let mut refined: Option<Stage> = None;
-    for _ in 0..MOST_REFINED {
-        let own = refined.as_ref().unwrap_or(stage);
-        let (version, point) = (&own.version, &own.train.point);
-        let enough = wanted(own.train.over_noise());
-        let steps = fewest(&solver_errors(problem, version, point, enough)?, enough);
-        let Some(steps) = steps.filter(|steps| *steps > version.steps) else { break };
-        let again = refit(problem, own, version.with_steps(steps), point.clone())?;
-        let Some(again) = again else { break };
-        refined = Some(again);
+/// If the patch cannot be run along the records.
+pub(crate) fn refine_steps(
+    problem: &Problem,
+    fitted: &FittedModel,
+) -> Result<Option<FittedModel>, ModelError> {
+    let mut refined: Option<FittedModel> = None;
+    for _ in 0..MAX_REFINEMENTS {
+        let latest = refined.as_ref().unwrap_or(fitted);
+        let (variant, estimate) = (&latest.variant, &latest.train.estimate);
+        let limit = error_limit(latest.train.normalised_rms());
+        let steps = fewest_sufficient_steps(&solver_errors(problem, variant, estimate, limit)?, limit);
+        let Some(steps) = steps.filter(|steps| *steps > variant.steps) else { break };
+        let repeated = refit(problem, latest, variant.with_steps(steps), estimate.clone())?;
+        let Some(repeated) = repeated else { break };
+        refined = Some(repeated);
     }
     Ok(refined)
 }
 
-/// Steps, those of a version and twice, four times as many until the solver errs by little enough, each with what it errs by at
-/// most in a record beside twice as many, rms over the noise.
+/// Pairs of steps per sample and their solver error, in units of sigma. The steps begin with those of the variant and
+/// double until the error is below `limit` or [`MAX_STEPS`] is reached.
 fn solver_errors(
     problem: &Problem,
-    version: &Version,
-    at: &Point,
-    enough: f64,
+    variant: &ModelVariant,
+    estimate: &Estimate,
+    limit: f64,
 ) -> Result<Vec<(u32, f64)>, ModelError> {
-    let (mut steps, mut coarse) = (version.steps, run_with_steps(problem, version, at, version.steps)?);
+    let (mut steps, mut coarse) = (variant.steps, run_with_steps(problem, variant, estimate, variant.steps)?);
     let mut errors = Vec::new();
-    while steps < MOST_STEPS && fewest(&errors, enough).is_none() {
-        let fine = run_with_steps(problem, version, at, 2 * steps)?;
+    while steps < MAX_STEPS && fewest_sufficient_steps(&errors, limit).is_none() {
+        let fine = run_with_steps(problem, variant, estimate, 2 * steps)?;
         errors.push((steps, largest_difference(problem, coarse.as_deref(), fine.as_deref())));
         (steps, coarse) = (2 * steps, fine);
     }
     Ok(errors)
 }
 
-/// What a version gives at a point with so many steps; nothing where a record cannot be run.
+/// The outputs along every training record with this number of steps per sample. `None` if a record cannot be run.
 fn run_with_steps(
     problem: &Problem,
-    version: &Version,
-    at: &Point,
+    variant: &ModelVariant,
+    estimate: &Estimate,
     steps: u32,
-) -> Result<Option<Vec<Course>>, ModelError> {
-    let model = problem.model(&version.with_steps(steps), &problem.train, &problem.outputs)?;
-    let courses =
-        spare::each(at.initial.len(), |record| model.run(record, &[at.choice(record)]).pop().flatten());
-    Ok(courses.into_iter().collect())
+) -> Result<Option<Vec<OutputTrajectory>>, ModelError> {
+    let model = problem.model(&variant.with_steps(steps), &problem.train, &problem.outputs)?;
+    let trajectories = parallel::map_indices(estimate.initial.len(), |record| {
+        model.run(record, &[estimate.run_values(record)]).pop().flatten()
+    });
+    Ok(trajectories.into_iter().collect())
 }
 
-/// By how much a stage's training records differ at most as two problems run them, rms over the noise.
-pub(crate) fn difference_of(problem: &Problem, other: &Problem, stage: &Stage) -> Result<f64, ModelError> {
-    let (version, point) = (&stage.version, &stage.train.point);
-    let [one, other] = [problem, other].map(|own| run_with_steps(own, version, point, version.steps));
-    Ok(largest_difference(problem, one?.as_deref(), other?.as_deref()))
+/// The largest rms difference between the outputs of one fitted model in two problems, in units of sigma. The problems
+/// may differ in the interpolation of drives.
+pub(crate) fn difference_between(
+    problem: &Problem,
+    other: &Problem,
+    fitted: &FittedModel,
+) -> Result<f64, ModelError> {
+    let (variant, estimate) = (&fitted.variant, &fitted.train.estimate);
+    let [first, second] =
+        [problem, other].map(|problem| run_with_steps(problem, variant, estimate, variant.steps));
+    Ok(largest_difference(problem, first?.as_deref(), second?.as_deref()))
 }
 
-/// By how much two runs differ at most in an output of a record, rms over the noise; infinite where there is but one.
-fn largest_difference(problem: &Problem, coarse: Option<&[Course]>, fine: Option<&[Course]>) -> f64 {
+/// The rms difference between two runs, in units of sigma: the largest of all outputs and records. Infinite if a run is
+/// missing.
+fn largest_difference(
+    problem: &Problem,
+    coarse: Option<&[OutputTrajectory]>,
+    fine: Option<&[OutputTrajectory]>,
+) -> f64 {
     let Some((coarse, fine)) = coarse.zip(fine) else { return f64::INFINITY };
     let pairs =
         coarse.iter().zip(fine).flat_map(|(coarse, fine)| coarse.iter().zip(fine).zip(&problem.sigma));
-    let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
-    errs.fold(0.0, f64::max)
+    let differences = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
+    differences.fold(0.0, f64::max)
 }
 
-/// The fewest steps with which the solver errs by little enough; nothing where none do.
-fn fewest(errors: &[(u32, f64)], enough: f64) -> Option<u32> {
-    errors.iter().find(|(_, error)| *error < enough).map(|(steps, _)| *steps)
+/// The fewest steps with an error below `limit`. `None` if there are none.
+fn fewest_sufficient_steps(errors: &[(u32, f64)], limit: f64) -> Option<u32> {
+    errors.iter().find(|(_, error)| *error < limit).map(|(steps, _)| *steps)
 }
 
-/// What the solver may err by where so much is left, both rms over the noise.
-fn wanted(left: f64) -> f64 {
-    FINE * left.max(1.0)
+/// The limit of the solver error for residuals with this rms, both in units of sigma.
+fn error_limit(normalised_rms: f64) -> f64 {
+    ERROR_RATIO * normalised_rms.max(1.0)
 }
 
+/// The rms of the difference of two tracks.
 fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
     let sum: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
     (sum / left.len().max(1) as f64).sqrt()
@@ -151,11 +177,13 @@ pub(crate) mod tests {
     use crate::data::record::Record;
     use crate::fit::base_fit::fit_base;
 
-    /// The rate, per sample, and the amplitude of a decay, in volts.
+    /// The rate of the decay, per sample.
     pub const RATE: f64 = 2.0;
+    /// The amplitude of the decay, in V.
     pub const AMPLITUDE: f64 = 50.0;
 
-    /// A decay of 20 samples with noise that is told, and none in it; the rate is sought from 0 to 10 per sample.
+    /// A patch of a decay, its fitted parameter, and 20 samples without noise. `sigma` is the declared noise in V. The
+    /// rate ranges from 0 to 10 per sample.
     pub fn decay(sigma: f64, steps: u32) -> (Patch, Vec<String>, Problem) {
         let patch = r#"{
   "patchcord": 1,
@@ -170,12 +198,12 @@ pub(crate) mod tests {
         (patch, vec!["rate".to_owned()], measured("A1", decayed.collect(), sigma, steps))
     }
 
-    /// What was measured each 0.1 s at an element, in volts, with noise that is told.
-    pub fn measured(at: &str, volts: Vec<f64>, sigma: f64, steps: u32) -> Problem {
+    /// The problem of one record: the output of an element, in V, every 0.1 s, with declared noise `sigma`.
+    pub fn measured(element: &str, volts: Vec<f64>, sigma: f64, steps: u32) -> Problem {
         let record = Record {
             name: String::new(),
             begin: 0.0,
-            since: 0.0,
+            start_in_file: 0.0,
             interval: 0.1,
             jitter: 0.0,
             drives: Vec::new(),
@@ -185,12 +213,12 @@ pub(crate) mod tests {
         Problem {
             drives: Vec::new(),
             drive_sigma: Vec::new(),
-            outputs: vec![at.to_owned()],
+            outputs: vec![element.to_owned()],
             sigma: vec![sigma],
-            offset: vec![false],
+            has_offset: vec![false],
             train: records.clone(),
             pieces: records.clone(),
-            cuts: 1,
+            pieces_per_record: 1,
             test: records,
             is_cut: false,
             steps,
@@ -198,30 +226,30 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_fit_with_steps_that_are_too_coarse_is_made_again() {
+    fn a_fit_with_too_few_steps_is_repeated_with_more() {
         let fitted = |sigma: f64| {
             let (patch, fit, problem) = decay(sigma, 1);
-            let stage = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
-            (stage.version.steps, stage.train.point.knobs[0])
+            let fitted = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
+            (fitted.variant.steps, fitted.train.estimate.parameters[0])
         };
         let (steps, rate) = fitted(1e-3);
         assert!(steps > 8 && (rate - RATE).abs() < 1e-4, "{steps} {rate}");
-        // Where the noise hides what the solver errs by, steps are as coarse as they may be.
-        let (coarse, _) = fitted(1.0);
-        assert!((2..steps).contains(&coarse), "{coarse} {steps}");
+        // With more noise a larger solver error is permitted, so that fewer steps are sufficient.
+        let (fewer_steps, _) = fitted(1.0);
+        assert!((2..steps).contains(&fewer_steps), "{fewer_steps} {steps}");
     }
 
     #[test]
-    fn a_solver_that_errs_by_more_than_it_may_is_told() {
-        let told = |sigma: f64| {
+    fn an_insufficient_number_of_steps_is_reported() {
+        let refinement = |sigma: f64| {
             let (patch, fit, problem) = decay(sigma, 1);
-            let stage = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
-            fineness_of(&problem, &stage).unwrap()
+            let fitted = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
+            step_refinement(&problem, &fitted).unwrap()
         };
-        let fine = told(1e-3);
-        assert!(fine.is_enough() && fine.error < 0.1, "{fine:?}");
-        // No steps come to noise as little as this.
-        let coarse = told(1e-12);
-        assert!(!coarse.is_enough() && coarse.error.is_finite(), "{coarse:?}");
+        let sufficient = refinement(1e-3);
+        assert!(sufficient.is_sufficient() && sufficient.error < 0.1, "{sufficient:?}");
+        // No permitted number of steps reaches such a small error.
+        let insufficient = refinement(1e-12);
+        assert!(!insufficient.is_sufficient() && insufficient.error.is_finite(), "{insufficient:?}");
     }
 }

@@ -1,15 +1,16 @@
-//! How well a value that is fitted is known.
+//! The uncertainty of a fitted value.
 
-/// How well a value is known.
+/// The standard error and the confidence interval of a fitted value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Known {
-    /// Its standard error, in declared units; infinite where the data do not tell.
+pub struct Uncertainty {
+    /// The standard error, in the declared unit. Infinite if the data do not determine the value.
     pub error: f64,
-    /// Between which values it lies in 95 of 100 cases.
+    /// The 95 % confidence interval, in the declared unit: its lower and its upper end.
     pub interval: [f64; 2],
 }
 
-impl Known {
-    /// What the data do not tell.
-    pub const NOT: Known = Known { error: f64::INFINITY, interval: [f64::NEG_INFINITY, f64::INFINITY] };
+impl Uncertainty {
+    /// The uncertainty of a value that the data do not determine.
+    pub const UNDETERMINED: Uncertainty =
+        Uncertainty { error: f64::INFINITY, interval: [f64::NEG_INFINITY, f64::INFINITY] };
 }

@@ -1,83 +1,99 @@
-//! The records that are held back: only the voltages with which integrators begin are found there, and declared offsets.
+//! Validation: the fitted parameters are applied to the records that were held back.
+//!
+//! Only the initial voltages and declared offsets are fitted there. If the result is doubtful, the initial voltages are
+//! searched from many starts. [`is_validation_worse`] then decides whether the model predicts the validation records as
+//! well as it explains the training records.
 
 use crate::data::record::Record;
-use crate::fit::estimate::{Fitted, Point, squares};
-use crate::fit::fitted_model::{Stage, Version};
-use crate::fit::levenberg_marquardt::{MOST_ROUNDS, Task};
+use crate::fit::estimate::{Estimate, FitResult, squared_residuals};
+use crate::fit::fitted_model::{FittedModel, ModelVariant};
+use crate::fit::levenberg_marquardt::{FitProblem, MAX_ITERATIONS};
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::fit::schedule::{Effort, Starts};
-use crate::fit::start_cache::Begun;
+use crate::fit::start_cache::StartCache;
 use crate::statistics::descriptive::mean;
 
-/// So often the derivatives are worked out in a first look at what was held back.
-pub(crate) const FIRST_HELD: usize = 2;
+/// The number of iterations of a validation in a quick look.
+pub(crate) const QUICK_VALIDATION_ITERATIONS: usize = 2;
 
-/// A patch that leaves so much more of what was held back than of what it was fitted to may have begun there in the wrong place, as
-/// may one that leaves noise there, and more than that of what was held back.
-const LOST: f64 = 1.5;
-/// Voltages from which each state may begin.
-const VOLTS: [f64; 10] = [-80.0, -30.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 30.0, 80.0];
+/// Ratio of the rms residuals of validation and training from which the initial voltages of the validation records are
+/// doubtful. The rms of training counts as at least 1.
+const DOUBTFUL_RATIO: f64 = 1.5;
+/// The voltages at which the search for the initial voltage of a state begins, in V.
+const START_VOLTAGES: [f64; 10] = [-80.0, -30.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 30.0, 80.0];
 
-/// The same knobs on the records that are held back: only initial voltages and declared offsets are found there, from where the
-/// patch stands and from where another fit came to.
-pub(crate) fn validate(
-    problem: &Problem,
-    version: &Version,
-    at: &Point,
-    from: Option<&[Vec<f64>]>,
-    effort: Effort,
-) -> Result<Option<Fitted>, ModelError> {
-    let model = problem.model(version, &problem.test, &problem.outputs)?;
-    let first = Point::of(&model, problem.outputs.len());
-    let first = Point { knobs: at.knobs.clone(), offsets: at.offsets.clone(), ..first };
-    let before = from.map(|initial| Point { initial: filled(initial, &first.initial), ..first.clone() });
-    let most_rounds = if effort.is_thorough { MOST_ROUNDS } else { FIRST_HELD };
-    // Pieces begin as was measured: from there one fit is enough.
-    let starts = if effort.is_thorough && !problem.is_cut { 2 } else { 1 };
-    let task = Task { most_rounds, ..problem.task(&model, &problem.test, false) };
-    let starts = before.into_iter().chain([first]).take(starts);
-    Ok(Fitted::best_of(starts.filter_map(|point| task.told(&task.settled(&point)?))))
-}
-
-/// A stage that may have begun there in the wrong place, begun from many; nothing where that is not better.
+/// Applies the parameters of an estimate to the validation records. Only initial voltages and offsets are fitted.
+///
+/// The fit starts from `initial`, the initial voltages of an earlier fit, and from the declared voltages. `None` if the
+/// patch can be run from neither.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn revalidate(problem: &Problem, stage: &Stage) -> Result<Option<Stage>, ModelError> {
-    // Pieces begin as was measured, and do not last.
-    if problem.is_cut || !may_be_lost(problem, stage) {
+/// If the patch cannot be run along the records at all.
+pub(crate) fn validate(
+    problem: &Problem,
+    variant: &ModelVariant,
+    estimate: &Estimate,
+    initial: Option<&[Vec<f64>]>,
+    effort: Effort,
+) -> Result<Option<FitResult>, ModelError> {
+    let model = problem.model(variant, &problem.test, &problem.outputs)?;
+    let nominal = Estimate::nominal(&model, problem.outputs.len());
+    let nominal =
+        Estimate { parameters: estimate.parameters.clone(), offsets: estimate.offsets.clone(), ..nominal };
+    let previous = initial
+        .map(|initial| Estimate { initial: complete_initial(initial, &nominal.initial), ..nominal.clone() });
+    let max_iterations = if effort.is_thorough { MAX_ITERATIONS } else { QUICK_VALIDATION_ITERATIONS };
+    // Pieces begin with measured values, so that one start is sufficient.
+    let start_count = if effort.is_thorough && !problem.is_cut { 2 } else { 1 };
+    let fit_problem = FitProblem { max_iterations, ..problem.fit_problem(&model, &problem.test, false) };
+    let starts = previous.into_iter().chain([nominal]).take(start_count);
+    Ok(FitResult::best_of(starts.filter_map(|start| fit_problem.evaluate(&fit_problem.fit_initial(&start)?))))
+}
+
+/// Repeats a doubtful validation from many initial voltages. `None` if the validation is not doubtful or does not
+/// improve.
+///
+/// # Errors
+/// If the patch cannot be run along the records.
+pub(crate) fn revalidate(problem: &Problem, fitted: &FittedModel) -> Result<Option<FittedModel>, ModelError> {
+    // Pieces begin with measured values and are short, so that their initial voltages are never doubtful.
+    if problem.is_cut || !has_doubtful_initial(problem, fitted) {
         return Ok(None);
     }
-    let begins = problem.test.iter().zip(&stage.test.point.initial);
-    let begins = begins.map(|(record, initial)| initial_voltages(problem, stage, record, initial));
-    let initial = begins.collect::<Result<Vec<_>, _>>()?;
-    let again = validate(problem, &stage.version, &stage.train.point, Some(&initial), Effort::FULL)?;
-    let better = again.filter(|again| again.chi2 < stage.test.chi2);
-    Ok(better.map(|test| Stage { test, ..stage.clone() }))
+    let records = problem.test.iter().zip(&fitted.test.estimate.initial);
+    let searched = records.map(|(record, initial)| search_initial(problem, fitted, record, initial));
+    let initial = searched.collect::<Result<Vec<_>, _>>()?;
+    let repeated = validate(problem, &fitted.variant, &fitted.train.estimate, Some(&initial), Effort::FULL)?;
+    let better = repeated.filter(|repeated| repeated.chi2 < fitted.test.chi2);
+    Ok(better.map(|test| FittedModel { test, ..fitted.clone() }))
 }
 
-/// Whether a stage may have begun in the wrong place in the records that are held back.
-fn may_be_lost(problem: &Problem, stage: &Stage) -> bool {
-    let is_explained = !stage.leaves_structure();
-    let leaves_more = stage.test.over_noise() >= LOST * stage.train.over_noise().max(1.0);
-    leaves_more || is_explained && any_has_changed(problem, stage)
+/// Whether the initial voltages of the validation records may be wrong: the validation is much worse than the training,
+/// or it is significantly worse although the training residuals are white.
+fn has_doubtful_initial(problem: &Problem, fitted: &FittedModel) -> bool {
+    let is_explained = !fitted.residuals_are_coloured();
+    let is_much_worse =
+        fitted.test.normalised_rms() >= DOUBTFUL_RATIO * fitted.train.normalised_rms().max(1.0);
+    is_much_worse || is_explained && is_any_validation_worse(problem, fitted)
 }
 
-/// The voltages with which a record begins, by its beginning first; those known before where no others are better.
-fn initial_voltages(
+/// Searches the initial voltages of a record, with growing fractions of the record. Starts change one state of `known`
+/// at a time. Returns `known` if no start can be run.
+fn search_initial(
     problem: &Problem,
-    stage: &Stage,
+    fitted: &FittedModel,
     record: &Record,
     known: &[f64],
 ) -> Result<Vec<f64>, ModelError> {
     let record = std::slice::from_ref(record);
-    let model = problem.model(&stage.version, record, &problem.outputs)?;
-    let task = problem.task(&model, record, false);
-    let at = |initial: Vec<f64>| Point { initial: vec![initial], ..stage.train.point.clone() };
-    let moved = |state: usize| {
+    let model = problem.model(&fitted.variant, record, &problem.outputs)?;
+    let fit_problem = problem.fit_problem(&model, record, false);
+    let with_initial =
+        |initial: Vec<f64>| Estimate { initial: vec![initial], ..fitted.train.estimate.clone() };
+    let variations = |state: usize| {
         let [low, high] = model.initial[state].range;
-        let allowed = VOLTS.into_iter().filter(move |volts| (low..=high).contains(volts));
+        let allowed = START_VOLTAGES.into_iter().filter(move |volts| (low..=high).contains(volts));
         allowed.map(move |volts| {
             let mut initial = known.to_vec();
             initial[state] = volts;
@@ -85,41 +101,45 @@ fn initial_voltages(
         })
     };
     let starts = Starts {
-        sure: vec![at(known.to_vec())],
-        others: (0..known.len()).flat_map(moved).map(at).collect(),
+        required: vec![with_initial(known.to_vec())],
+        optional: (0..known.len()).flat_map(variations).map(with_initial).collect(),
         ..Starts::default()
     };
-    let best = Effort::FROM_ANYWHERE.best(&task, &starts, &mut Begun::default());
+    let best = Effort::UNKNOWN_INITIAL.best(&fit_problem, &starts, &mut StartCache::default());
     Ok(best.map_or_else(|| known.to_vec(), |best| best.initial[0].clone()))
 }
 
-/// Initial voltages of fewer states, with those of the rest behind them.
-fn filled(some: &[Vec<f64>], all: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let pairs = some.iter().zip(all);
-    pairs.map(|(some, all)| some.iter().chain(&all[some.len()..]).copied().collect()).collect()
+/// Completes the initial voltages of the first states of every record with those of the other states in `all`.
+fn complete_initial(first: &[Vec<f64>], all: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let pairs = first.iter().zip(all);
+    pairs.map(|(first, all)| first.iter().chain(&all[first.len()..]).copied().collect()).collect()
 }
 
-/// By chance data held back leave less than so many times what training leaves, or than the noise.
-const CHANGED: f64 = 2.0;
-/// What is left of them lies less than so many standard deviations above that of training by chance.
-const BY_CHANCE: f64 = 5.0;
+/// Ratio of rms residuals, validation to training, from which the validation is worse whatever its standard error.
+const WORSE_RATIO: f64 = 2.0;
+/// Difference of mean squared residuals, in standard errors, from which the validation is worse.
+const WORSE_Z: f64 = 5.0;
 
-/// Whether what explains an output in training does not explain it in what was held back.
-pub(crate) fn has_changed(stage: &Stage, output: usize) -> bool {
-    let [was, is] = [&stage.train, &stage.test].map(|fitted| squares(&fitted.residuals, output));
-    is_more(&was, &is, stage.memory)
+/// Whether the residuals of an output are significantly larger in validation than in training.
+pub(crate) fn is_validation_worse(fitted: &FittedModel, output: usize) -> bool {
+    let [train, test] =
+        [&fitted.train, &fitted.test].map(|result| squared_residuals(&result.residuals, output));
+    is_significantly_larger(&train, &test, fitted.autocorrelation_time)
 }
 
-/// Whether squares that remember for so many samples are more than others, or than the noise, by so much that it is no chance.
-pub(crate) fn is_more(before: &[f64], after: &[f64], memory: f64) -> bool {
-    let (was, is) = (mean(before).max(1.0), mean(after));
-    // The mean of the squares of m normal numbers is off by sqrt(2 / m) of itself.
-    let [learnt, held] = [before, after].map(|own| 2.0 * memory / own.len().max(1) as f64);
-    let by_chance = BY_CHANCE * (learnt * was * was + held * is * is).sqrt();
-    is > CHANGED * CHANGED * was || is - was > by_chance
+/// Whether the mean of squared residuals `after` is significantly larger than that of `before`, or than 1 if that is
+/// larger. `autocorrelation_time` is in samples.
+pub(crate) fn is_significantly_larger(before: &[f64], after: &[f64], autocorrelation_time: f64) -> bool {
+    let (mean_before, mean_after) = (mean(before).max(1.0), mean(after));
+    // The mean of the squares of m independent normal numbers has the relative standard error sqrt(2 / m).
+    let [variance_before, variance_after] =
+        [before, after].map(|squares| 2.0 * autocorrelation_time / squares.len().max(1) as f64);
+    let limit = WORSE_Z
+        * (variance_before * mean_before * mean_before + variance_after * mean_after * mean_after).sqrt();
+    mean_after > WORSE_RATIO * WORSE_RATIO * mean_before || mean_after - mean_before > limit
 }
 
-/// Whether what explains training does not explain what was held back, of any output.
-pub(crate) fn any_has_changed(problem: &Problem, stage: &Stage) -> bool {
-    (0..problem.outputs.len()).any(|output| has_changed(stage, output))
+/// Whether the validation is worse than the training for any output.
+pub(crate) fn is_any_validation_worse(problem: &Problem, fitted: &FittedModel) -> bool {
+    (0..problem.outputs.len()).any(|output| is_validation_worse(fitted, output))
 }

@@ -1,434 +1,506 @@
-//! One junction: the force over time that closes the gap there, and the curves that it may be.
+//! The localisation of one junction: the input over time, the curves that may describe it, and the best curve wired in.
+//!
+//! First the input over time is estimated, with few knots and, if residuals remain, with more. From its normal
+//! equations a curve over each regressor follows without further runs. Of the most likely curves at most two are wired
+//! in as function generators and fitted again, because a curve acts back on its own regressor. The first that also
+//! explains the validation records is reported.
 
 use crate::data::record::Record;
-use crate::effects::sites::{Junction, Reading, Sites};
-use crate::fit::estimate::{Fitted, Point};
-use crate::fit::fitted_model::{Stage, Version};
-use crate::fit::levenberg_marquardt::Task;
-use crate::fit::model::{ModelError, Table, begun};
+use crate::effects::sites::{Junction, ScaledSignal, Sites};
+use crate::fit::estimate::{Estimate, FitResult};
+use crate::fit::fitted_model::{FittedModel, ModelVariant};
+use crate::fit::levenberg_marquardt::FitProblem;
+use crate::fit::model::{ModelError, ReplacedTable, with_initial_voltages};
 use crate::fit::problem::Problem;
 use crate::fit::schedule::Effort;
 use crate::fit::validation::validate;
-use crate::localise::against::Variable;
-use crate::localise::evidence::Solved;
-use crate::localise::force::{Curve, Force, Whereabouts};
-use crate::localise::recovered::{setting, with_function, with_table};
-use crate::localise::unknown_input::{Found, PUSH, Shape, Sought, Start, between};
+use crate::localise::evidence::InputPosterior;
+use crate::localise::localisation::{EstimatedInput, InputCurve, Localisation};
+use crate::localise::recovered::{function_basis, with_function, with_table};
+use crate::localise::regressor::Regressor;
+use crate::localise::unknown_input::{
+    InputBasis, InputFit, InputProblem, InputStart, PERTURBATION, interpolated,
+};
 use patchcord_core::patch::Patch;
 
-/// Over so many knots the force of all records goes, and over more where something is left.
-const KNOTS: [usize; 2] = [160, 400];
-/// So many knots a curve has, or more where that is likelier.
+/// The number of knots of an input over time, over all records. The second is used if the first leaves residuals.
+const TIME_KNOTS: [usize; 2] = [160, 400];
+/// The number of knots of a curve. The second is used if its evidence is clearly larger.
 const CURVE_KNOTS: [usize; 2] = [24, 72];
-/// What is left is nothing, in squares over noise.
-const NOTHING_LEFT: f64 = 1.1;
-/// How near knobs stay to where they were without the force, in shares of their ranges: nearer, where that leads nowhere.
-const NEAR: [f64; 3] = [0.1, 0.01, 1e-4];
-/// A knot takes so many samples at least.
-const LEAST_SAMPLES: usize = 3;
+/// Mean square of the residuals, in units of sigma squared, up to which they count as noise.
+const NOISE_CHI2_PER_DATUM: f64 = 1.1;
+/// Prior standard deviations of the nuisance parameters, as fractions of their ranges. The next is used if the
+/// estimation with the one before fails.
+const NUISANCE_SPREADS: [f64; 3] = [0.1, 0.01, 1e-4];
+/// Least number of samples between two knots of an input over time.
+const MIN_SAMPLES_PER_KNOT: usize = 3;
 
-/// A force acts where it comes to so many standard errors,
-const STANDS_OUT: f64 = 3.0;
-/// and beside that as long as it has one sign and comes to more than one of them, and to such a share of its largest value: less
-/// may be what the parameters beside it are off by.
-const OF_LARGEST: f64 = 0.2;
-/// A curve must close such a share of the gap in the data that were held back,
-const LEAST_HELD: f64 = 0.7;
-/// or be as likely as a force of time. One that closes less of the gap that it is fitted to is none.
-const LEAST_EXPLAINED: f64 = 0.5;
-/// A curve that leaves more than so many times the squares when it is wired in is sought again from its outline;
-const MUCH: f64 = 1.1;
-/// one that leaves more than so many times then, and closes less than this share of the gap, has led astray,
-const ASTRAY: f64 = 2.0;
-const IN_STEP: f64 = 0.8;
-/// and is found through such shares of the records, one after the other.
-const GROWN: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.75, 1.0];
-/// So many curves are wired in at most.
-const MOST_CLOSED: usize = 2;
-/// A quantity that is asked later, or a curve for each direction, must be better by so much in the logarithm of its likelihood.
-const TELLING: f64 = 10.0;
+/// Number of standard errors by which an input differs from zero significantly. It acts only in windows with such a
+/// value.
+const SIGNIFICANT_ERRORS: f64 = 3.0;
+/// Least magnitude within a window, as a share of the largest. Smaller values can be errors of other parameters.
+const MIN_SHARE_OF_LARGEST: f64 = 0.2;
+/// Fraction that a wired curve must explain of the validation records' excess. Otherwise its evidence must exceed that
+/// of the input over time.
+const MIN_HELD_OUT: f64 = 0.7;
+/// Fraction that a curve must explain of the training records' excess.
+const MIN_EXPLAINED: f64 = 0.5;
+/// If a wired curve leaves more than this multiple of the excess that it left without feedback, its fit starts again
+/// from a coarse curve.
+const RESTART_RATIO: f64 = 1.1;
+/// If it still leaves more than this multiple, and explains less than [`PHASE_LOCKED_FRACTION`], it counts as diverged.
+const DIVERGED_RATIO: f64 = 2.0;
+/// Fraction that a curve explains if the model moves in phase with the data.
+const PHASE_LOCKED_FRACTION: f64 = 0.8;
+/// Fractions of the records from which a diverged curve is fitted in turn.
+const RECORD_FRACTIONS: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.75, 1.0];
+/// Largest number of curves that are wired in. Each takes as long as the input over time.
+const MAX_WIRED_CURVES: usize = 2;
+/// Least difference of evidence by which a later regressor, more knots, or a curve for each direction is preferred. It
+/// is a likelihood ratio of 2e4.
+const DECISIVE_EVIDENCE: f64 = 10.0;
 
-/// A curve, and the point beside it.
-struct Drawn {
-    curve: Curve,
-    beside: Point,
+/// A curve over a regressor, with the nuisance parameters that belong to it.
+struct CandidateCurve {
+    /// The curve.
+    curve: InputCurve,
+    /// Parameters, initial voltages and offsets.
+    estimate: Estimate,
 }
 
-/// A curve over a quantity, or one for each direction, as the force over time asks for it.
-struct Over {
-    /// So many knots were asked for,
-    count: usize,
-    /// and these they are, with those about 0.
+/// The posterior of a curve over a regressor, or of one for each direction.
+struct CurvePosterior {
+    /// The number of knots that was requested.
+    knot_count: usize,
+    /// The knots, including those about zero.
     knots: Vec<f64>,
-    solved: Solved,
+    /// The posterior of the values at the knots: of one curve, or of the rising and then the falling one.
+    posterior: InputPosterior,
 }
 
-impl Over {
-    /// Value, force and standard error of the numbers from a place on.
+impl CurvePosterior {
+    /// Regressor, input and standard error at every knot. `first` is the index of the curve's first coefficient.
     fn points(&self, first: usize) -> Vec<[f64; 3]> {
-        let number = |(place, knot): (usize, &f64)| {
-            let variance = self.solved.covariance[(first + place, first + place)];
-            [*knot, self.solved.sought[first + place], variance.max(0.0).sqrt()]
+        let point = |(index, knot): (usize, &f64)| {
+            let variance = self.posterior.covariance[(first + index, first + index)];
+            [*knot, self.posterior.coefficients[first + index], variance.max(0.0).sqrt()]
         };
-        self.knots.iter().enumerate().map(number).collect()
+        self.knots.iter().enumerate().map(point).collect()
     }
 }
 
-/// A curve wired in.
-struct Closed {
+/// A curve that was wired in as a function generator and fitted.
+struct WiredCurve {
+    /// The patch with the function generator.
     patch: Patch,
-    found: Found,
-    test: Fitted,
+    /// The fit to the training records, with feedback.
+    fit: InputFit,
+    /// The fit of initial voltages and offsets to the validation records.
+    validation: FitResult,
 }
 
-/// One junction of a stage.
-pub(super) struct At<'a> {
+/// The localisation of one junction of a fitted model.
+pub(super) struct JunctionAnalysis<'a> {
+    /// The records and the noise.
     pub problem: &'a Problem,
-    pub stage: &'a Stage,
+    /// The fitted model without an input.
+    pub fitted: &'a FittedModel,
+    /// The sites of its patch.
     pub sites: &'a Sites,
+    /// The junction, one of these sites.
     pub junction: &'a Junction,
 }
 
-impl At<'_> {
-    /// The force; nothing where none comes to anything.
-    pub fn whereabouts(&self) -> Result<Option<Whereabouts>, ModelError> {
-        let (patch, drive) = with_table(self.stage.version.patch(), self.junction, &[[0.0, 0.0]])?;
-        let version = self.version(patch);
-        let model = self.problem.model(&version, &self.problem.train, &self.problem.outputs)?;
-        let task = self.problem.task(&model, &self.problem.train, true);
-        let table = Table::Drive(&drive);
-        let shapes = KNOTS.map(|knots| over_time(&self.problem.train, knots));
-        let Some((shape, found)) = self.over_time(task, table, &shapes) else { return Ok(None) };
-        let sought = self.sought(task, table, shape);
+impl JunctionAnalysis<'_> {
+    /// Localises. `None` if no input at this junction is better than none.
+    pub fn localise(&self) -> Result<Option<Localisation>, ModelError> {
+        let (patch, drive) = with_table(self.fitted.variant.patch(), self.junction, &[[0.0, 0.0]])?;
+        let variant = self.variant(patch);
+        let model = self.problem.model(&variant, &self.problem.train, &self.problem.outputs)?;
+        let fit_problem = self.problem.fit_problem(&model, &self.problem.train, true);
+        let table = ReplacedTable::Drive(&drive);
+        let bases = TIME_KNOTS.map(|knots| time_basis(&self.problem.train, knots));
+        let Some((basis, fit)) = self.input_over_time(fit_problem, table, &bases) else { return Ok(None) };
+        let input_problem = self.input_problem(fit_problem, table, basis);
         let records = 0..self.problem.train.len();
-        let forces: Vec<Vec<[f64; 2]>> = records.map(|record| shape.points(record, &found.sought)).collect();
-        let variables = self.variables(&version, &drive, &forces, &found.point)?;
-        let drawn = variables.iter().filter_map(|variable| self.drawn(&sought, variable, &found, &forces));
-        let mut drawn: Vec<Drawn> = drawn.collect();
-        let best = self.best(&mut drawn, &variables, &found);
+        let inputs: Vec<Vec<[f64; 2]>> =
+            records.map(|record| basis.points(record, &fit.coefficients)).collect();
+        let regressors = self.regressors(&variant, &drive, &inputs, &fit.estimate)?;
+        let candidates = regressors
+            .iter()
+            .filter_map(|regressor| self.candidate_curve(&input_problem, regressor, &fit, &inputs));
+        let mut candidates: Vec<CandidateCurve> = candidates.collect();
+        let best = self.best_curve(&mut candidates, &regressors, &fit);
         let recovered = match &best {
-            Some((_, Some(closed))) => self.at(&closed.patch, &closed.found)?,
+            Some((_, Some(wired))) => self.recovered_patch(&wired.patch, &wired.fit)?,
             _ => {
-                let (patch, _) = with_table(self.stage.version.patch(), self.junction, &forces[0])?;
-                self.at(&patch, &found)?
+                let (patch, _) = with_table(self.fitted.variant.patch(), self.junction, &inputs[0])?;
+                self.recovered_patch(&patch, &fit)?
             }
         };
-        Ok(Some(Whereabouts {
+        Ok(Some(Localisation {
             junction: self.junction.integrator.clone(),
             unit: self.junction.sum.unit.text().to_owned(),
-            explains: self.explains(found.chi2),
-            evidence: found.evidence,
-            effective: found.effective,
-            likeness: found.likeness,
-            forces: self.forces(shape, &found),
-            best: best.map(|(best, _)| best),
-            curves: drawn.into_iter().map(|drawn| drawn.curve).collect(),
+            explained_fraction: self.explained_fraction(fit.chi2),
+            evidence: fit.evidence,
+            effective_parameters: fit.effective_parameters,
+            prior: fit.prior,
+            inputs: self.estimated_inputs(basis, &fit),
+            best_curve: best.map(|(best, _)| best),
+            curves: candidates.into_iter().map(|candidate| candidate.curve).collect(),
             recovered,
         }))
     }
 
-    /// The force over time, with more knots where few leave something.
-    fn over_time<'s>(
+    /// The input over time, with its basis. Further bases are tried while residuals remain; the largest evidence wins.
+    fn input_over_time<'s>(
         &self,
-        task: Task<'_>,
-        table: Table<'_>,
-        shapes: &'s [Shape],
-    ) -> Option<(&'s Shape, Found)> {
-        let start = Start { point: &self.stage.train.point, sought: None };
-        let mut best: Option<(&Shape, Found)> = None;
-        for shape in shapes {
-            let found = NEAR
-                .into_iter()
-                .find_map(|near| Sought { near, ..self.sought(task, table, shape) }.find(&start));
-            let is_better = |found: &Found| best.as_ref().is_none_or(|best| found.evidence > best.1.evidence);
-            if let Some(found) = found.filter(is_better) {
-                best = Some((shape, found));
+        fit_problem: FitProblem<'_>,
+        table: ReplacedTable<'_>,
+        bases: &'s [InputBasis],
+    ) -> Option<(&'s InputBasis, InputFit)> {
+        let start = InputStart { estimate: &self.fitted.train.estimate, coefficients: None };
+        let mut best: Option<(&InputBasis, InputFit)> = None;
+        for basis in bases {
+            let fit = NUISANCE_SPREADS.into_iter().find_map(|nuisance_spread| {
+                InputProblem { nuisance_spread, ..self.input_problem(fit_problem, table, basis) }
+                    .solve(&start)
+            });
+            let is_better = |fit: &InputFit| best.as_ref().is_none_or(|best| fit.evidence > best.1.evidence);
+            if let Some(fit) = fit.filter(is_better) {
+                best = Some((basis, fit));
             }
-            if best.as_ref().is_some_and(|best| best.1.chi2 < NOTHING_LEFT * self.stage.train.count as f64) {
+            if best.as_ref().is_some_and(|best| best.1.chi2 < self.noise_chi2()) {
                 break;
             }
         }
         best
     }
 
-    /// The patch with its parameters as they were found, and as the first record begins.
-    fn at(&self, patch: &Patch, found: &Found) -> Result<Patch, ModelError> {
-        let at = self.version(patch.clone()).at(patch.file(), &found.point.knobs)?;
-        begun(&at, &self.stage.version.free, &found.point.initial[0])
+    /// The sum of squares of the training records up to which residuals count as noise.
+    fn noise_chi2(&self) -> f64 {
+        NOISE_CHI2_PER_DATUM * self.fitted.train.data_count as f64
     }
 
-    fn version(&self, patch: Patch) -> Version {
-        self.stage.version.with_patch(patch)
+    /// A patch with the fitted parameters, and the initial voltages of the first record.
+    fn recovered_patch(&self, patch: &Patch, fit: &InputFit) -> Result<Patch, ModelError> {
+        let variant = self.variant(patch.clone());
+        let fitted = variant.patch_with_values(patch.file(), &fit.estimate.parameters)?;
+        with_initial_voltages(&fitted, &self.fitted.variant.initial_states, &fit.estimate.initial[0])
     }
 
-    fn sought<'s>(&'s self, task: Task<'s>, table: Table<'s>, shape: &'s Shape) -> Sought<'s> {
-        let (home, without) = (&self.stage.train.point, self.stage.train.chi2);
-        Sought {
-            task,
+    /// The variant of the fitted model with another patch.
+    fn variant(&self, patch: Patch) -> ModelVariant {
+        self.fitted.variant.with_patch(patch)
+    }
+
+    /// The estimation problem of the input with a basis.
+    fn input_problem<'s>(
+        &'s self,
+        fit_problem: FitProblem<'s>,
+        table: ReplacedTable<'s>,
+        basis: &'s InputBasis,
+    ) -> InputProblem<'s> {
+        let (reference, baseline_chi2) = (&self.fitted.train.estimate, self.fitted.train.chi2);
+        InputProblem {
+            fit_problem,
             table,
-            push: PUSH * self.junction.sum.per_volt,
-            shape,
-            home,
-            without,
-            acts_back: matches!(table, Table::Curve(_)),
-            near: NEAR[0],
+            perturbation: PERTURBATION * self.junction.sum.per_volt,
+            basis,
+            reference,
+            baseline_chi2,
+            has_feedback: matches!(table, ReplacedTable::Curve(_)),
+            nuisance_spread: NUISANCE_SPREADS[0],
         }
     }
 
-    /// The share of the gap that is closed where so much is left.
-    fn explains(&self, chi2: f64) -> f64 {
-        share(&self.stage.train, chi2)
+    /// The fraction of the training records' excess that a sum of squares explains.
+    fn explained_fraction(&self, chi2: f64) -> f64 {
+        explained_fraction(&self.fitted.train, chi2)
     }
 
-    fn forces(&self, shape: &Shape, found: &Found) -> Vec<Force> {
-        let mut errors = found.errors.iter().zip(&found.errors_alone);
+    /// The input over time in every record, with standard errors and windows.
+    fn estimated_inputs(&self, basis: &InputBasis, fit: &InputFit) -> Vec<EstimatedInput> {
+        let mut errors = fit.errors.iter().zip(&fit.conditional_errors);
         let records = self.problem.train.iter().enumerate();
-        let force = |(place, record): (usize, &Record)| {
-            let points = shape.points(place, &found.sought).into_iter().zip(errors.by_ref());
+        let input = |(index, record): (usize, &Record)| {
+            let points = basis.points(index, &fit.coefficients).into_iter().zip(errors.by_ref());
             let points: Vec<[f64; 4]> = points
-                .map(|([time, force], (error, alone))| [record.begin + time, force, *error, *alone])
+                .map(|([time, value], (error, conditional))| {
+                    [record.begin + time, value, *error, *conditional]
+                })
                 .collect();
-            Force { data: record.name.clone(), windows: windows(&points), points }
+            EstimatedInput { data: record.name.clone(), windows: windows(&points), points }
         };
-        records.map(force).collect()
+        records.map(input).collect()
     }
 
-    /// What a force may go with, in the order in which it is asked.
-    fn readings(&self) -> Vec<&Reading> {
-        let (own, others) = (&self.junction.own, self.sites.junctions.iter().map(|other| &other.own));
-        let all = [own].into_iter().chain(&self.junction.positions).chain(&self.sites.drives).chain(others);
-        let mut readings: Vec<&Reading> = Vec::new();
-        for reading in all {
-            if readings.iter().all(|own| own.signal != reading.signal) {
-                readings.push(reading);
+    /// The signals on which the input may depend, without repetition. Earlier ones are preferred.
+    fn regressor_signals(&self) -> Vec<&ScaledSignal> {
+        let output = &self.junction.output;
+        let other_outputs = self.sites.junctions.iter().map(|other| &other.output);
+        let all = [output].into_iter().chain(&self.junction.positions).chain(&self.sites.drives);
+        let mut signals: Vec<&ScaledSignal> = Vec::new();
+        for signal in all.chain(other_outputs) {
+            if signals.iter().all(|listed| listed.signal != signal.signal) {
+                signals.push(signal);
             }
         }
-        readings
+        signals
     }
 
-    /// What the patch does with a force.
-    fn variables(
+    /// The regressors with their trajectories, from runs with the input over time. Empty if a run fails.
+    fn regressors(
         &self,
-        version: &Version,
+        variant: &ModelVariant,
         drive: &str,
-        forces: &[Vec<[f64; 2]>],
-        point: &Point,
-    ) -> Result<Vec<Variable>, ModelError> {
-        let readings = self.readings();
-        let names: Vec<String> = readings.iter().map(|reading| reading.signal.clone()).collect();
-        let model = self.problem.model(version, &self.problem.train, &names)?;
-        let mut tracks = vec![Vec::new(); names.len()];
-        for (record, force) in forces.iter().enumerate() {
-            let course =
-                model.run_tabled(record, Table::Drive(drive), &[(point.choice(record), force.clone())]);
-            // It has run for the outputs; of what does not run now no curve is drawn.
-            let Some(course) = course.into_iter().flatten().next() else { return Ok(Vec::new()) };
-            tracks.iter_mut().zip(course).for_each(|(own, track)| own.push(track));
+        inputs: &[Vec<[f64; 2]>],
+        estimate: &Estimate,
+    ) -> Result<Vec<Regressor>, ModelError> {
+        let signals = self.regressor_signals();
+        let names: Vec<String> = signals.iter().map(|signal| signal.signal.clone()).collect();
+        let model = self.problem.model(variant, &self.problem.train, &names)?;
+        let mut trajectories = vec![Vec::new(); names.len()];
+        for (record, input) in inputs.iter().enumerate() {
+            let values = [(estimate.run_values(record), input.clone())];
+            let run = model.run_with_tables(record, ReplacedTable::Drive(drive), &values);
+            let Some(run) = run.into_iter().flatten().next() else { return Ok(Vec::new()) };
+            trajectories.iter_mut().zip(run).for_each(|(all, trajectory)| all.push(trajectory));
         }
-        let variable = |(reading, tracks): (&&Reading, Vec<Vec<f64>>)| Variable {
-            name: reading.signal.clone(),
-            unit: reading.unit.text().to_owned(),
-            reading: Some((*reading).clone()),
-            tracks,
-            may_jump: reading.signal == self.junction.own.signal,
+        let regressor = |(signal, trajectories): (&&ScaledSignal, Vec<Vec<f64>>)| Regressor {
+            name: signal.signal.clone(),
+            unit: signal.unit.text().to_owned(),
+            signal: Some((*signal).clone()),
+            trajectories,
+            may_jump: signal.signal == self.junction.output.signal,
         };
-        let mut all: Vec<Variable> = readings.iter().zip(tracks).map(variable).collect();
-        let rest = self.junction.is_motion.then(|| Variable::rest_of(&all[0], &self.intervals())).flatten();
-        all.extend(rest);
-        Ok(all)
+        let mut regressors: Vec<Regressor> = signals.iter().zip(trajectories).map(regressor).collect();
+        let is_motion = self.junction.is_motion;
+        let rest = is_motion.then(|| Regressor::time_at_rest(&regressors[0], &self.intervals())).flatten();
+        regressors.extend(rest);
+        Ok(regressors)
     }
 
+    /// The sampling intervals of the training records, in seconds.
     fn intervals(&self) -> Vec<f64> {
         self.problem.train.iter().map(|record| record.interval).collect()
     }
 
-    /// The force as a curve over a quantity; nothing where that stands still.
-    fn drawn(
+    /// The input as a curve over a regressor. `None` if the regressor is constant.
+    fn candidate_curve(
         &self,
-        sought: &Sought<'_>,
-        variable: &Variable,
-        time: &Found,
-        forces: &[Vec<[f64; 2]>],
-    ) -> Option<Drawn> {
-        let solved = |knots, turns| self.over(sought.shape, variable, time, knots, turns);
-        let [few, many] = CURVE_KNOTS;
-        let coarse = solved(few, false)?;
-        let fine = solved(many, false).filter(|fine| fine.solved.evidence > coarse.solved.evidence + TELLING);
-        let one = fine.unwrap_or(coarse);
-        let two = solved(one.count, true).filter(|two| two.solved.evidence > one.solved.evidence + TELLING);
-        let curve = Curve {
-            against: variable.name.clone(),
-            unit: variable.unit.clone(),
-            points: one.points(0),
-            by_direction: two.map(|two| [two.points(0), two.points(two.knots.len())]),
-            explains: self.explains(one.solved.left),
-            evidence: one.solved.evidence,
-            held_out: None,
-            scatter: self.scatter(variable, forces),
+        input_problem: &InputProblem<'_>,
+        regressor: &Regressor,
+        fit: &InputFit,
+        inputs: &[Vec<[f64; 2]>],
+    ) -> Option<CandidateCurve> {
+        let posterior = |knot_count, by_direction| {
+            self.curve_posterior(input_problem.basis, regressor, fit, knot_count, by_direction)
         };
-        Some(Drawn { curve, beside: sought.beside(time, &one.solved) })
+        let is_decisive = |other: &CurvePosterior, simple: &CurvePosterior| {
+            other.posterior.evidence > simple.posterior.evidence + DECISIVE_EVIDENCE
+        };
+        let [few, many] = CURVE_KNOTS;
+        let coarse = posterior(few, false)?;
+        let fine = posterior(many, false).filter(|fine| is_decisive(fine, &coarse));
+        let single = fine.unwrap_or(coarse);
+        let double = posterior(single.knot_count, true).filter(|double| is_decisive(double, &single));
+        let curve = InputCurve {
+            regressor: regressor.name.clone(),
+            unit: regressor.unit.clone(),
+            points: single.points(0),
+            by_direction: double.map(|double| [double.points(0), double.points(double.knots.len())]),
+            explained_fraction: self.explained_fraction(single.posterior.chi2),
+            evidence: single.posterior.evidence,
+            held_out: None,
+            scatter: self.scatter(regressor, inputs),
+        };
+        let estimate = input_problem.nuisance_estimate(fit, &single.posterior);
+        Some(CandidateCurve { curve, estimate })
     }
 
-    /// A force over time as a curve of about so many knots over a quantity, or as two where it turns.
-    fn over(
+    /// The posterior of a curve with about `knot_count` knots, or of one for each direction of the regressor.
+    fn curve_posterior(
         &self,
-        time: &Shape,
-        variable: &Variable,
-        found: &Found,
-        count: usize,
-        turns: bool,
-    ) -> Option<Over> {
-        let knots = variable.knots(count)?;
-        let shares = variable.shares(time, &knots, turns, &self.intervals());
-        let groups = vec![knots.len(); shares.ncols() / knots.len()];
-        Some(Over { count, solved: found.products.over(&shares, groups).solved()?, knots })
+        basis: &InputBasis,
+        regressor: &Regressor,
+        fit: &InputFit,
+        knot_count: usize,
+        by_direction: bool,
+    ) -> Option<CurvePosterior> {
+        let knots = regressor.knots(knot_count)?;
+        let weights = regressor.curve_weights(basis, &knots, by_direction, &self.intervals());
+        let groups = vec![knots.len(); weights.ncols() / knots.len()];
+        let posterior = fit.equations.in_basis(&weights, groups).solve()?;
+        Some(CurvePosterior { knot_count, posterior, knots })
     }
 
-    fn scatter(&self, variable: &Variable, forces: &[Vec<[f64; 2]>]) -> Vec<[f64; 2]> {
-        let records = forces.iter().zip(self.intervals()).enumerate();
+    /// Pairs of regressor and input at the knots of the input over time.
+    fn scatter(&self, regressor: &Regressor, inputs: &[Vec<[f64; 2]>]) -> Vec<[f64; 2]> {
+        let records = inputs.iter().zip(self.intervals()).enumerate();
         let points = records.flat_map(|(record, (points, interval))| {
-            points.iter().map(move |[time, force]| [variable.at(record, *time, interval), *force])
+            points.iter().map(move |[time, input]| [regressor.value_at(record, *time, interval), *input])
         });
         points.collect()
     }
 
-    /// The curve that the force goes with best, wired in where it can be: of the few that are most likely the first that holds for
-    /// what was held back, or, where it cannot be wired in, is as likely as a force that goes with time alone.
-    fn best(
+    /// The curve that describes the input: its index, and the wired curve if it could be wired in.
+    ///
+    /// The most likely curves are wired in. The first that explains the validation records wins. A curve that cannot be
+    /// wired in wins if it is more likely than the input over time.
+    fn best_curve(
         &self,
-        drawn: &mut [Drawn],
-        variables: &[Variable],
-        time: &Found,
-    ) -> Option<(usize, Option<Closed>)> {
-        let mut left: Vec<usize> =
-            (0..drawn.len()).filter(|place| drawn[*place].curve.explains > LEAST_EXPLAINED).collect();
-        for _ in 0..MOST_CLOSED {
-            let likelier = |best: usize, own: usize| {
-                let [best_one, own_one] = [best, own].map(|place| drawn[place].curve.evidence);
-                if own_one > best_one + TELLING { own } else { best }
+        candidates: &mut [CandidateCurve],
+        regressors: &[Regressor],
+        over_time: &InputFit,
+    ) -> Option<(usize, Option<WiredCurve>)> {
+        let is_explaining = |index: &usize| candidates[*index].curve.explained_fraction > MIN_EXPLAINED;
+        let mut open: Vec<usize> = (0..candidates.len()).filter(is_explaining).collect();
+        for _ in 0..MAX_WIRED_CURVES {
+            let more_likely = |best: usize, other: usize| {
+                let [best_evidence, evidence] = [best, other].map(|index| candidates[index].curve.evidence);
+                if evidence > best_evidence + DECISIVE_EVIDENCE { other } else { best }
             };
-            let Some(place) = left.iter().copied().reduce(likelier) else { break };
-            left.retain(|own| *own != place);
-            let Drawn { curve, beside } = &mut drawn[place];
-            let own = variables.iter().find(|own| own.name == curve.against);
-            let reading = own.and_then(|own| own.reading.as_ref());
-            // A curve with knots beyond what the machine can hold is no function generator.
-            let closed = reading.and_then(|reading| self.closed(reading, curve, beside).ok().flatten());
-            let Some(closed) = closed else {
-                if curve.evidence > time.evidence {
-                    return Some((place, None));
+            let Some(index) = open.iter().copied().reduce(more_likely) else { break };
+            open.retain(|other| *other != index);
+            let CandidateCurve { curve, estimate } = &mut candidates[index];
+            let regressor = regressors.iter().find(|regressor| regressor.name == curve.regressor);
+            let signal = regressor.and_then(|regressor| regressor.signal.as_ref());
+            // A curve beyond the range of the machine cannot be wired in.
+            let wired = signal.and_then(|signal| self.wired_curve(signal, curve, estimate).ok().flatten());
+            let Some(wired) = wired else {
+                if curve.evidence > over_time.evidence {
+                    return Some((index, None));
                 }
                 continue;
             };
-            let held = share(&self.stage.test, closed.test.chi2);
-            curve.held_out = Some(held);
-            if held > LEAST_HELD || (held > 0.0 && curve.evidence > time.evidence) {
-                // What each direction shows stays as it was found over time.
-                curve.explains = self.explains(closed.found.chi2);
-                let numbers = closed.found.sought.iter().zip(&closed.found.errors);
-                let own = curve.points.iter_mut().zip(numbers);
-                own.for_each(|(point, (force, error))| *point = [point[0], *force, *error]);
-                return Some((place, Some(closed)));
+            let held_out = explained_fraction(&self.fitted.test, wired.validation.chi2);
+            curve.held_out = Some(held_out);
+            if held_out > MIN_HELD_OUT || (held_out > 0.0 && curve.evidence > over_time.evidence) {
+                // The curves by direction remain those of the input over time.
+                curve.explained_fraction = self.explained_fraction(wired.fit.chi2);
+                let values = wired.fit.coefficients.iter().zip(&wired.fit.errors);
+                let points = curve.points.iter_mut().zip(values);
+                points.for_each(|(point, (value, error))| *point = [point[0], *value, *error]);
+                return Some((index, Some(wired)));
             }
         }
         None
     }
 
-    /// Whether a curve leaves so many times more when it is wired in than over the force of time.
-    fn leaves_more(&self, closed: &Found, open: &Curve, times: f64) -> bool {
-        let leaves_something = closed.chi2 > NOTHING_LEFT * self.stage.train.count as f64;
-        leaves_something && 1.0 - self.explains(closed.chi2) > times * (1.0 - open.explains)
+    /// Whether a wired curve leaves more than `ratio` times the excess that it left without feedback.
+    fn leaves_more(&self, wired: &InputFit, curve: &InputCurve, ratio: f64) -> bool {
+        let leaves_excess = wired.chi2 > self.noise_chi2();
+        leaves_excess && 1.0 - self.explained_fraction(wired.chi2) > ratio * (1.0 - curve.explained_fraction)
     }
 
-    /// Whether a curve has fallen out of step where it is wired in: it leaves far more than over the force of time, and much.
-    fn is_astray(&self, closed: &Found, open: &Curve) -> bool {
-        self.leaves_more(closed, open, ASTRAY) && self.explains(closed.chi2) < IN_STEP
+    /// Whether the model with a wired curve is out of phase with the data: it leaves far more than expected, and much.
+    fn is_diverged(&self, wired: &InputFit, curve: &InputCurve) -> bool {
+        self.leaves_more(wired, curve, DIVERGED_RATIO)
+            && self.explained_fraction(wired.chi2) < PHASE_LOCKED_FRACTION
     }
 
-    /// A curve as a function generator, which sees what it does itself.
-    fn closed(&self, reading: &Reading, curve: &Curve, beside: &Point) -> Result<Option<Closed>, ModelError> {
-        let column = |place: usize| curve.points.iter().map(|point| point[place]).collect::<Vec<f64>>();
-        let (knots, numbers) = (column(0), column(1));
-        let shape = setting(&knots, self.junction, reading, self.problem.train.len());
-        let wired = |numbers: &[f64]| {
-            with_function(self.stage.version.patch(), self.junction, reading, &shape.points(0, numbers))
+    /// Wires a curve in as a function generator of a signal, and fits it again with its feedback. `None` if no fit
+    /// succeeds or the validation records cannot be run.
+    ///
+    /// The fit starts from the curve. If that leaves too much, it also starts from a coarse curve, and then from
+    /// growing beginnings of the records. The least sum of squares wins.
+    fn wired_curve(
+        &self,
+        signal: &ScaledSignal,
+        curve: &InputCurve,
+        estimate: &Estimate,
+    ) -> Result<Option<WiredCurve>, ModelError> {
+        let column = |index: usize| curve.points.iter().map(|point| point[index]).collect::<Vec<f64>>();
+        let (knots, values) = (column(0), column(1));
+        let basis = function_basis(&knots, self.junction, signal, self.problem.train.len());
+        let wire = |values: &[f64]| {
+            let points = basis.points(0, values);
+            with_function(self.fitted.variant.patch(), self.junction, signal, &points)
         };
-        let (patch, element) = wired(&numbers)?;
-        let version = self.version(patch);
-        let model = self.problem.model(&version, &self.problem.train, &self.problem.outputs)?;
-        let task = self.problem.task(&model, &self.problem.train, true);
-        let sought = self.sought(task, Table::Curve(&element), &shape);
-        let from_open = Start { point: beside, sought: Some(&numbers) };
-        let from_none = Start { point: &self.stage.train.point, sought: None };
-        let mut found = sought.find(&from_open);
-        let nearer = |a: &Found, b: &Found| a.chi2.total_cmp(&b.chi2);
-        if found.as_ref().is_none_or(|own| self.leaves_more(own, curve, MUCH)) {
-            let places = outline(&knots);
-            let outlined = Sought { shape: &shape.coarser(&places), ..sought }.find(&from_none);
-            let outlined = outlined.map(|own| (between(&places, &own.sought, knots.len()), own.point));
-            let start = outlined.as_ref().map(|(numbers, point)| Start { point, sought: Some(numbers) });
-            found = found.into_iter().chain(sought.find(&start.unwrap_or(from_none))).min_by(nearer);
+        let (patch, element) = wire(&values)?;
+        let variant = self.variant(patch);
+        let model = self.problem.model(&variant, &self.problem.train, &self.problem.outputs)?;
+        let fit_problem = self.problem.fit_problem(&model, &self.problem.train, true);
+        let input_problem = self.input_problem(fit_problem, ReplacedTable::Curve(&element), &basis);
+        let from_curve = InputStart { estimate, coefficients: Some(&values) };
+        let from_zero = InputStart { estimate: &self.fitted.train.estimate, coefficients: None };
+        let mut fit = input_problem.solve(&from_curve);
+        let by_chi2 = |a: &InputFit, b: &InputFit| a.chi2.total_cmp(&b.chi2);
+        if fit.as_ref().is_none_or(|fit| self.leaves_more(fit, curve, RESTART_RATIO)) {
+            let kept = outline(&knots);
+            let coarse_basis = basis.coarsened(&kept);
+            let coarse = InputProblem { basis: &coarse_basis, ..input_problem }.solve(&from_zero);
+            let coarse =
+                coarse.map(|fit| (interpolated(&kept, &fit.coefficients, knots.len()), fit.estimate));
+            let start = coarse
+                .as_ref()
+                .map(|(coefficients, estimate)| InputStart { estimate, coefficients: Some(coefficients) });
+            fit = fit.into_iter().chain(input_problem.solve(&start.unwrap_or(from_zero))).min_by(by_chi2);
         }
-        if found.as_ref().is_none_or(|own| self.is_astray(own, curve)) {
-            found = found.into_iter().chain(sought.grown(&GROWN)).min_by(nearer);
+        if fit.as_ref().is_none_or(|fit| self.is_diverged(fit, curve)) {
+            fit = fit.into_iter().chain(input_problem.solve_progressively(&RECORD_FRACTIONS)).min_by(by_chi2);
         }
-        let Some(found) = found else { return Ok(None) };
-        let (patch, _) = wired(&found.sought)?;
-        let version = self.version(patch);
-        let test = validate(
+        let Some(fit) = fit else { return Ok(None) };
+        let (patch, _) = wire(&fit.coefficients)?;
+        let variant = self.variant(patch);
+        let validation = validate(
             self.problem,
-            &version,
-            &found.point,
-            Some(&self.stage.test.point.initial),
+            &variant,
+            &fit.estimate,
+            Some(&self.fitted.test.estimate.initial),
             Effort::FULL,
         )?;
-        Ok(test.map(|test| Closed { patch: version.patch().clone(), found, test }))
+        Ok(validation.map(|validation| WiredCurve { patch: variant.patch().clone(), fit, validation }))
     }
 }
 
-/// The places of the few knots between which a curve goes nearly straight: the ends, those about 0, and one between.
+/// Indices of the knots of a coarse curve: the ends, those about zero, and one between each of these.
 fn outline(knots: &[f64]) -> Vec<usize> {
     let last = knots.len() - 1;
     let zero = knots.partition_point(|knot| *knot < 0.0).clamp(1, last);
-    let mut places = vec![0, (zero - 1) / 2, zero - 1, zero, (zero + last) / 2, last];
-    places.dedup();
-    places
+    let mut kept = vec![0, (zero - 1) / 2, zero - 1, zero, (zero + last) / 2, last];
+    kept.dedup();
+    kept
 }
 
-/// The share of a gap that is closed where so much is left of its squares.
-fn share(base: &Fitted, chi2: f64) -> f64 {
-    1.0 - base.unexplained_of(chi2) / base.unexplained()
+/// The fraction of a fit's excess of reduced chi-squared that another sum of squares of the same data explains.
+fn explained_fraction(baseline: &FitResult, chi2: f64) -> f64 {
+    1.0 - baseline.excess_reduced_chi2_of(chi2) / baseline.excess_reduced_chi2()
 }
 
-/// A number of its own every few samples.
-fn over_time(records: &[Record], knots: usize) -> Shape {
+/// The basis of an input over time: about `knots` knots at equal distances of a whole number of samples, over all
+/// records. Each record is a group, and each knot has a coefficient.
+fn time_basis(records: &[Record], knots: usize) -> InputBasis {
     let samples: usize = records.iter().map(Record::len).sum();
-    let every = samples.div_ceil(knots).max(LEAST_SAMPLES);
+    let every = samples.div_ceil(knots).max(MIN_SAMPLES_PER_KNOT);
     let mut groups: Vec<usize> = Vec::new();
-    let shape = |record: &Record| {
+    let points = |record: &Record| {
         let count = (record.len() - 1).div_ceil(every) + 1;
         let first: usize = groups.iter().sum();
         groups.push(count);
         let time = |knot: usize| (knot * every) as f64 * record.interval;
         (0..count).map(|knot| (time(knot), vec![(first + knot, 1.0)])).collect()
     };
-    let records = records.iter().map(shape).collect();
-    Shape { groups, records }
+    let records = records.iter().map(points).collect();
+    InputBasis { groups, records }
 }
 
-/// From when to when a force stands out of its error.
+/// The intervals of time in which an input acts. In a window it has one sign and exceeds one standard error and a share
+/// of its largest magnitude. At one point at least it exceeds three standard errors. The errors are the conditional
+/// ones.
 fn windows(points: &[[f64; 4]]) -> Vec<[f64; 2]> {
     let largest = points.iter().fold(0.0, |most: f64, point| most.max(point[1].abs()));
     let mut windows = Vec::new();
     let mut from = 0;
     while from < points.len() {
-        // A stretch of one sign that does not sink into its error.
         let sign = points[from][1].signum();
-        let goes_on = |[_, force, _, error]: &&[f64; 4]| sign * force > error.max(OF_LARGEST * largest);
-        let length = points[from..].iter().take_while(goes_on).count();
-        let stretch = &points[from..from + length];
-        if stretch.iter().any(|[_, force, _, error]| force.abs() > STANDS_OUT * error) {
-            windows.push([stretch[0][0], stretch[length - 1][0]]);
+        let is_inside =
+            |[_, input, _, error]: &&[f64; 4]| sign * input > error.max(MIN_SHARE_OF_LARGEST * largest);
+        let length = points[from..].iter().take_while(is_inside).count();
+        let window = &points[from..from + length];
+        if window.iter().any(|[_, input, _, error]| input.abs() > SIGNIFICANT_ERRORS * error) {
+            windows.push([window[0][0], window[length - 1][0]]);
         }
         from += length.max(1);
     }

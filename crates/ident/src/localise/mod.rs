@@ -1,42 +1,45 @@
-//! Where and when something is missing: at each junction the force that would close the gap, when it acts, and what it goes with.
+//! Localisation: at which junction, when, and on what an unknown input must depend to explain the residuals.
 //!
-//! The force is a table over time, found by regularised least squares on what each of its numbers does to the outputs, beside
-//! everything that the patch itself leaves free. Junctions are compared by the likelihood of the data with such a force.
+//! At each junction an input over time is estimated, jointly with everything that the patch leaves free
+//! (`unknown_input`, with the regularised least squares of `evidence`). The junctions are compared by the marginal
+//! likelihood of the data. Then the input is tested as a curve over signals of the patch (`regressor`). The best curve
+//! is wired in as a function generator and validated (`junction`, `recovered`).
 
-pub(crate) mod against;
 pub(crate) mod evidence;
-pub(crate) mod force;
 pub(crate) mod junction;
+pub(crate) mod localisation;
 pub(crate) mod recovered;
+pub(crate) mod regressor;
 pub(crate) mod unknown_input;
 
 use crate::effects::sites::Junction;
-use crate::fit::extended_model::sites_of;
-use crate::fit::fitted_model::Stage;
+use crate::fit::extended_model::find_sites;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
-use patchcord_analysis::pool;
+use patchcord_analysis::parallel;
 
-pub use evidence::Likeness;
-pub use force::{Curve, Force, Whereabouts, nearest};
+pub use evidence::SmoothnessPrior;
+pub use localisation::{EstimatedInput, InputCurve, Localisation, indistinguishable_junctions};
 
-/// What a force would explain at every junction of a stage, the most likely first, worked out on so many threads.
+/// Estimates an unknown input at every junction of a fitted model. The results are in order of
+/// evidence, the largest first. Junctions at which no input can be wired in, or none is better than no input, are left
+/// out.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub fn localise(problem: &Problem, stage: &Stage, threads: usize) -> Result<Vec<Whereabouts>, ModelError> {
-    let sites = sites_of(problem, stage)?;
-    let at = |junction: &Junction| {
-        let at = junction::At { problem, stage, sites: &sites, junction };
-        match at.whereabouts() {
-            // Where a force cannot be wired in, none is told of.
+/// If the patch cannot be run along the records.
+pub fn localise(problem: &Problem, fitted: &FittedModel) -> Result<Vec<Localisation>, ModelError> {
+    let sites = find_sites(problem, fitted)?;
+    let localise_at = |junction: &Junction| {
+        let analysis = junction::JunctionAnalysis { problem, fitted, sites: &sites, junction };
+        match analysis.localise() {
             Err(ModelError::Edit(_) | ModelError::Patch(_)) => Ok(None),
-            told => told,
+            result => result,
         }
     };
-    let found = pool::each(&sites.junctions, threads, at, |_| ());
-    let found = found.into_iter().filter_map(Result::transpose);
-    let mut found = found.collect::<Result<Vec<Whereabouts>, ModelError>>()?;
-    found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    Ok(found)
+    let results = parallel::map(&sites.junctions, localise_at, |_| ());
+    let results = results.into_iter().filter_map(Result::transpose);
+    let mut localisations = results.collect::<Result<Vec<Localisation>, ModelError>>()?;
+    localisations.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    Ok(localisations)
 }

@@ -1,85 +1,105 @@
-//! A recovered force as a part of the patch: a table over time, or a function generator over what the patch itself does.
+//! A recovered input as part of a patch: a table over time, or a function generator over a signal of the patch.
+//!
+//! The input is wired in like an effect of the library, as a graft. Its effect is made here, with one element or drive.
 
 use indexmap::IndexMap;
 use serde_json::{Map, Value, json};
 
-use crate::effects::attach::{Attached, Place};
+use crate::effects::attach::{AttachmentSite, EffectPlacement};
 use crate::effects::graft::Graft;
-use crate::effects::sites::{Junction, Reading};
-use crate::effects::{Attachment, Effect, Form, Gives, Reads};
-use crate::localise::unknown_input::Shape;
+use crate::effects::sites::{Junction, ScaledSignal};
+use crate::effects::{Attachment, Effect, Form, InputRole, OutputRole};
+use crate::localise::unknown_input::InputBasis;
 use patchcord_core::patch::{EditError, Patch};
 
-/// Full scale, in volts: beyond the outermost knots a function generator is level up to here.
-const FULL: f64 = 100.0;
+/// Full scale, in volts. Beyond its outermost knots a function generator is constant up to here.
+const FULL_SCALE: f64 = 100.0;
 
-/// A patch with a table drive at a junction, for a force over time, and the name of the drive.
+/// The patch with a table drive at a junction, for an input over time, and the name of the drive. `points` are pairs of
+/// time in seconds and input in the unit of the junction's sum.
+///
+/// # Errors
+/// If the drive cannot be wired to the junction.
 pub fn with_table(
     patch: &Patch,
     junction: &Junction,
     points: &[[f64; 2]],
 ) -> Result<(Patch, String), EditError> {
     let law = "F = F(t), a table";
-    let drives = json!({"D1": {"kind": "table", "scale": "sum", "points": points, "note": "recovered force over time"}});
+    let note = "recovered force over time";
+    let drives = json!({"D1": {"kind": "table", "scale": "sum", "points": points, "note": note}});
     let elements = json!({"B1": {"kind": "inverter", "in": "D1", "note": "- recovered force"}});
-    let form = form(Vec::new(), (Gives::Subtract, "B1"), drives, elements);
-    let graft = wired(patch, law, form, junction, None)?;
+    let form = form(Vec::new(), (OutputRole::Subtract, "B1"), drives, elements);
+    let graft = graft(patch, law, form, junction, None)?;
     let drive = graft.patch.drives.keys().find(|name| !patch.drives.contains_key(*name)).cloned();
     Ok((graft.patch, drive.unwrap_or_default()))
 }
 
-/// A patch with a function generator at a junction, for a force over a quantity, and its name; `points` are in volts.
+/// The patch with a function generator at a junction, for an input over a signal, and the name of the generator.
+/// `points` are pairs of input and output voltage; voltages beyond full scale are clamped.
+///
+/// # Errors
+/// If the function generator cannot be wired to the junction.
 pub fn with_function(
     patch: &Patch,
     junction: &Junction,
-    reading: &Reading,
+    signal: &ScaledSignal,
     points: &[[f64; 2]],
 ) -> Result<(Patch, String), EditError> {
-    let law = format!("F = F({}), a curve", reading.signal);
+    let law = format!("F = F({}), a curve", signal.signal);
     let points: Vec<[f64; 2]> =
-        points.iter().map(|point| point.map(|volts| volts.clamp(-FULL, FULL))).collect();
-    let note = format!("recovered force over {}", reading.signal);
+        points.iter().map(|point| point.map(|volts| volts.clamp(-FULL_SCALE, FULL_SCALE))).collect();
+    let note = format!("recovered force over {}", signal.signal);
     let elements =
         json!({"G1": {"kind": "function-generator", "in": "position", "points": points, "note": note}});
-    let form = form(vec![Reads::Position], (Gives::Add, "G1"), json!({}), elements);
-    let graft = wired(patch, &law, form, junction, Some(reading))?;
+    let form = form(vec![InputRole::Position], (OutputRole::Add, "G1"), json!({}), elements);
+    let graft = graft(patch, &law, form, junction, Some(signal))?;
     let instance = graft.patch.instances.keys().find(|name| !patch.instances.contains_key(*name));
     let name = format!("{}.G1", instance.cloned().unwrap_or_default());
     Ok((graft.patch, name))
 }
 
-/// The points of a function generator by the numbers of a curve over these knots: level beyond the outermost ones, up to full scale.
-pub fn setting(knots: &[f64], junction: &Junction, reading: &Reading, records: usize) -> Shape {
-    let volt = 1.0 / junction.sum.per_volt;
-    let place =
-        |(place, knot): (usize, &f64)| ((knot / reading.per_volt).clamp(-FULL, FULL), vec![(place, volt)]);
-    let mut points: Vec<_> = knots.iter().enumerate().map(place).collect();
+/// The basis of a curve as points of a function generator, in volts. The coefficients are the input at `knots`, in
+/// units. Beyond the outermost knots the curve is constant up to full scale. The points are the same for all records.
+pub fn function_basis(
+    knots: &[f64],
+    junction: &Junction,
+    signal: &ScaledSignal,
+    record_count: usize,
+) -> InputBasis {
+    let volts_per_unit = 1.0 / junction.sum.per_volt;
+    let point = |(index, knot): (usize, &f64)| {
+        ((knot / signal.per_volt).clamp(-FULL_SCALE, FULL_SCALE), vec![(index, volts_per_unit)])
+    };
+    let mut points: Vec<_> = knots.iter().enumerate().map(point).collect();
     let last = knots.len() - 1;
-    if points[0].0 > -FULL {
-        points.insert(0, (-FULL, vec![(0, volt)]));
+    if points[0].0 > -FULL_SCALE {
+        points.insert(0, (-FULL_SCALE, vec![(0, volts_per_unit)]));
     }
-    if points[points.len() - 1].0 < FULL {
-        points.push((FULL, vec![(last, volt)]));
+    if points[points.len() - 1].0 < FULL_SCALE {
+        points.push((FULL_SCALE, vec![(last, volts_per_unit)]));
     }
-    Shape { groups: vec![knots.len()], records: vec![points; records] }
+    InputBasis { groups: vec![knots.len()], records: vec![points; record_count] }
 }
 
-fn form(reads: Vec<Reads>, gives: (Gives, &str), drives: Value, elements: Value) -> Form {
+/// A form without parameters that adds to the sum of an integrator.
+fn form(reads: Vec<InputRole>, gives: (OutputRole, &str), drives: Value, elements: Value) -> Form {
     Form {
         note: String::new(),
-        at: Attachment::Sum,
+        attachment: Attachment::Sum,
         signal: None,
         reads,
         gives: vec![(gives.0, gives.1.to_owned())],
         gains: IndexMap::new(),
         drives: object(drives),
         elements: object(elements),
-        times: 1.0,
-        free: Vec::new(),
+        output_gain: 1.0,
+        free_states: Vec::new(),
         parameters: Vec::new(),
     }
 }
 
+/// The entries of a JSON object; empty for any other value.
 fn object(value: Value) -> Map<String, Value> {
     match value {
         Value::Object(entries) => entries,
@@ -87,25 +107,25 @@ fn object(value: Value) -> Map<String, Value> {
     }
 }
 
-fn wired(
+/// Wires a form to a junction. The form may read any signal in the role of a position, whatever its dimension.
+fn graft(
     patch: &Patch,
     law: &str,
     form: Form,
     junction: &Junction,
-    position: Option<&Reading>,
+    position: Option<&ScaledSignal>,
 ) -> Result<Graft, EditError> {
     let effect = Effect {
         name: "recovered-force".to_owned(),
         title: "Recovered force".to_owned(),
         law: law.to_owned(),
-        physics: "What the data ask for beside what the patch has; what it comes from is not known."
-            .to_owned(),
+        physics: "The input that explains the residuals; its cause is unknown.".to_owned(),
         source: "patchcord gap".to_owned(),
         excitation: String::new(),
         aliases: IndexMap::new(),
         parameters: IndexMap::new(),
         forms: vec![form],
     };
-    let place = Place::Junction { junction, position, load: None, next: None };
-    Attached { effect: &effect, form: &effect.forms[0], place }.graft(patch, &[])
+    let site = AttachmentSite::Junction { junction, position, load: None, next: None };
+    EffectPlacement { effect: &effect, form: &effect.forms[0], site }.graft(patch, &[])
 }

@@ -1,323 +1,379 @@
-//! A force that nobody knows: wired to a junction as a table, and found by regularised least squares on what each of its numbers
-//! does to the outputs, beside knobs, initial voltages and offsets.
+//! Estimation of an unknown input: a table of time or of a signal, wired to a junction, whose coefficients are fitted.
+//!
+//! The input is linear in its coefficients (see [`InputBasis`]). An iteration perturbs each coefficient, each parameter
+//! and each initial voltage, runs the model, and so finds the derivatives of all outputs. [`InputNormalEquations`] then
+//! gives the most likely coefficients under a smoothness prior, jointly with parameters, initial voltages and offsets
+//! (the nuisance parameters). Iterations continue until the sum of squares agrees with the linear model. A curve over a
+//! signal of the model acts back on that signal, so its steps may have to be shortened.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::fit::estimate::Point;
-use crate::fit::levenberg_marquardt::{AT_ONCE, NUDGE, Task, nudged};
-use crate::fit::model::{Choice, Course, Table};
-use crate::fit::schedule::Beginnings;
-use crate::localise::evidence::{Known, Likeness, Products, Solved};
-use patchcord_analysis::spare;
+use crate::fit::estimate::Estimate;
+use crate::fit::levenberg_marquardt::{DERIVATIVE_STEP, FitProblem, RECORD_BATCH, shift_coordinate};
+use crate::fit::model::{OutputTrajectory, ReplacedTable, RunValues};
+use crate::fit::schedule::RecordBeginnings;
+use crate::localise::evidence::{InputNormalEquations, InputPosterior, NuisancePrior, SmoothnessPrior};
+use patchcord_analysis::parallel;
 
-/// How the force of every record follows from what is sought.
+/// The map from the coefficients to the input of every record. The input is piecewise linear between given points.
 #[derive(Debug, Clone)]
-pub struct Shape {
-    /// How many numbers are sought, group by group.
+pub struct InputBasis {
+    /// The number of coefficients in each group. Neighbours in a group are expected to be alike.
     pub groups: Vec<usize>,
-    /// Of every record the points between which the force goes straight.
-    pub records: Vec<Vec<Instant>>,
+    /// The points of the input, for every record, in increasing order.
+    pub records: Vec<Vec<BasisPoint>>,
 }
 
-/// A time (of a curve, a voltage), and of which numbers the force there is made, and how much of each.
-pub type Instant = (f64, Vec<(usize, f64)>);
+/// A point of an input: the time in seconds (for a curve, the voltage), and pairs of a coefficient's index and its
+/// weight. The value of the input there is the weighted sum.
+pub type BasisPoint = (f64, Vec<(usize, f64)>);
 
-impl Shape {
-    /// The force of a record: points of a table.
-    pub fn points(&self, record: usize, sought: &[f64]) -> Vec<[f64; 2]> {
-        let force =
-            |parts: &Vec<(usize, f64)>| parts.iter().map(|(place, share)| share * sought[*place]).sum();
-        self.records[record].iter().map(|(time, parts)| [*time, force(parts)]).collect()
+impl InputBasis {
+    /// The input of a record, as points of a table.
+    pub fn points(&self, record: usize, coefficients: &[f64]) -> Vec<[f64; 2]> {
+        let value = |terms: &Vec<(usize, f64)>| {
+            terms.iter().map(|(index, weight)| weight * coefficients[*index]).sum()
+        };
+        self.records[record].iter().map(|(time, terms)| [*time, value(terms)]).collect()
     }
 
-    /// The same of one group, whose numbers follow from those at a few places: straight from one to the next.
-    pub fn coarser(&self, places: &[usize]) -> Shape {
-        let few =
-            |(place, share): &(usize, f64)| nearest(places, *place).map(|(few, near)| (few, share * near));
-        let instant = |(time, parts): &Instant| (*time, parts.iter().flat_map(few).collect());
-        let records = self.records.iter().map(|own| own.iter().map(instant).collect());
-        Shape { groups: vec![places.len()], records: records.collect() }
+    /// A coarser basis: only the coefficients `kept` remain, and the others are interpolated linearly between them. It
+    /// is for a basis with one group.
+    pub fn coarsened(&self, kept: &[usize]) -> InputBasis {
+        let coarse = |(index, weight): &(usize, f64)| {
+            interpolation_weights(kept, *index).map(|(coarse, share)| (coarse, share * weight))
+        };
+        let point = |(time, terms): &BasisPoint| (*time, terms.iter().flat_map(coarse).collect());
+        let records = self.records.iter().map(|points| points.iter().map(point).collect());
+        InputBasis { groups: vec![kept.len()], records: records.collect() }
     }
 
-    /// How many numbers there are.
-    pub fn count(&self) -> usize {
+    /// The number of coefficients.
+    pub fn coefficient_count(&self) -> usize {
         self.groups.iter().sum()
     }
 
-    /// The numbers that matter to a record.
-    fn of(&self, record: usize) -> Vec<usize> {
-        let mut all: Vec<usize> =
-            self.records[record].iter().flat_map(|(_, parts)| parts.iter().map(|part| part.0)).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
+    /// The coefficients on which the input of a record depends, in increasing order.
+    fn coefficients_of(&self, record: usize) -> Vec<usize> {
+        let mut indices: Vec<usize> =
+            self.records[record].iter().flat_map(|(_, terms)| terms.iter().map(|term| term.0)).collect();
+        indices.sort_unstable();
+        indices.dedup();
+        indices
     }
 }
 
-/// Numbers of which these stand at a few places, straight from one to the next.
-pub fn between(places: &[usize], few: &[f64], count: usize) -> Vec<f64> {
-    let number = |place| nearest(places, place).iter().map(|(own, near)| near * few[*own]).sum();
-    (0..count).map(number).collect()
+/// All `count` coefficients from those of a coarser basis: `values` are the coefficients with the indices `kept`.
+pub fn interpolated(kept: &[usize], values: &[f64], count: usize) -> Vec<f64> {
+    let value = |index| {
+        interpolation_weights(kept, index).iter().map(|(coarse, share)| share * values[*coarse]).sum()
+    };
+    (0..count).map(value).collect()
 }
 
-/// The two of a few places beside another, and how near it is to each.
-fn nearest(places: &[usize], place: usize) -> [(usize, f64); 2] {
-    let next = places.partition_point(|own| *own < place).clamp(1, places.len() - 1);
-    let [from, to] = [next - 1, next].map(|own| places[own] as f64);
-    let way = (place as f64 - from) / (to - from);
-    [(next - 1, 1.0 - way), (next, way)]
+/// The weights of linear interpolation at `index`: positions in `kept` of its two neighbours, and the share of each.
+fn interpolation_weights(kept: &[usize], index: usize) -> [(usize, f64); 2] {
+    let next = kept.partition_point(|other| *other < index).clamp(1, kept.len() - 1);
+    let [from, to] = [next - 1, next].map(|position| kept[position] as f64);
+    let share = (index as f64 - from) / (to - from);
+    [(next - 1, 1.0 - share), (next, share)]
 }
 
-/// A force that is looked for.
+/// The estimation problem of one unknown input.
 #[derive(Clone, Copy)]
-pub struct Sought<'a> {
-    /// The patch with a table for it, and what it is held against.
-    pub task: Task<'a>,
+pub struct InputProblem<'a> {
+    /// The patch with a table for the input, and the records.
+    pub fit_problem: FitProblem<'a>,
     /// The table.
-    pub table: Table<'a>,
-    /// By how much its numbers are moved for derivatives.
-    pub push: f64,
-    /// What the force is made of.
-    pub shape: &'a Shape,
-    /// What was fitted without it.
-    pub home: &'a Point,
-    /// The sum of squares that this leaves.
-    pub without: f64,
-    /// Whether the force acts back on itself, so that steps may have to be shorter.
-    pub acts_back: bool,
-    /// Knobs and initial voltages are expected where they were fitted without the force, give or take this share of their ranges.
-    pub near: f64,
+    pub table: ReplacedTable<'a>,
+    /// The perturbation of a coefficient for its derivatives, in the unit of the input.
+    pub perturbation: f64,
+    /// The basis of the input.
+    pub basis: &'a InputBasis,
+    /// The estimate without an input: the prior mean of the nuisance parameters.
+    pub reference: &'a Estimate,
+    /// The sum of squares without an input.
+    pub baseline_chi2: f64,
+    /// Whether the input depends on a signal that it changes itself. Steps may then have to be shortened.
+    pub has_feedback: bool,
+    /// The prior standard deviation of parameters and initial voltages, as a fraction of their ranges.
+    pub nuisance_spread: f64,
 }
 
-/// From where a force is looked for.
-pub struct Start<'a> {
-    /// Knobs, initial voltages and offsets.
-    pub point: &'a Point,
-    /// The numbers; none are 0.
-    pub sought: Option<&'a [f64]>,
+/// The point from which the estimation of an input starts.
+pub struct InputStart<'a> {
+    /// Parameters, initial voltages and offsets.
+    pub estimate: &'a Estimate,
+    /// The coefficients. `None` if all are 0.
+    pub coefficients: Option<&'a [f64]>,
 }
 
-/// A force found.
+/// An estimated input.
 #[derive(Debug, Clone)]
-pub struct Found {
-    /// Knobs, initial voltages and offsets beside it.
-    pub point: Point,
-    /// Its numbers.
-    pub sought: Vec<f64>,
-    /// Their standard errors,
+pub struct InputFit {
+    /// Parameters, initial voltages and offsets, estimated jointly.
+    pub estimate: Estimate,
+    /// The coefficients of the input.
+    pub coefficients: Vec<f64>,
+    /// The standard errors of the coefficients.
     pub errors: Vec<f64>,
-    /// and if all else were known.
-    pub errors_alone: Vec<f64>,
+    /// The standard errors of the coefficients if all nuisance parameters were known exactly.
+    pub conditional_errors: Vec<f64>,
     /// The sum of squares of the residuals.
     pub chi2: f64,
-    /// Logarithm of the marginal likelihood, above that of no force.
+    /// Logarithm of the marginal likelihood, relative to that without an input.
     pub evidence: f64,
-    /// To how many free numbers it comes.
-    pub effective: f64,
-    /// How its numbers are alike.
-    pub likeness: Likeness,
-    /// What the data say about its numbers, about these coordinates.
-    pub products: Products,
-    about: DVector<f64>,
+    /// The effective number of parameters of the input.
+    pub effective_parameters: f64,
+    /// The smoothness prior of the larger evidence.
+    pub prior: SmoothnessPrior,
+    /// The normal equations of the last iteration. Curves over signals are solved from them without further runs.
+    pub equations: InputNormalEquations,
+    /// The nuisance coordinates at which these equations were linearised.
+    linearised_at: DVector<f64>,
 }
 
-/// So often the response is worked out at most.
-const MOST_ROUNDS: usize = 5;
-/// What is left is as was foreseen, to this share.
-const FORESEEN: f64 = 0.03;
-/// A force that acts back must not begin with more than so many times the squares that are left without it.
-const FAR: f64 = 3.0;
-/// Shares of a step that are tried where all of it leads to more than there was.
-const SHARES: [f64; 3] = [0.5, 0.2, 0.05];
-/// What is known of offsets before, as an inverse variance in sigmas.
-const HARDLY: f64 = 1e-6;
+/// Largest number of iterations. Each computes all derivatives once.
+const MAX_ITERATIONS: usize = 5;
+/// An iteration has converged if the sum of squares differs from the one that the linear model predicts by less than
+/// this share.
+const CONVERGENCE_RATIO: f64 = 0.03;
+/// A start with feedback is rejected if its sum of squares exceeds that without an input by more than this factor. The
+/// linear model is not valid there.
+const MAX_START_CHI2_RATIO: f64 = 3.0;
+/// Fractions of a step that are tried in turn if the whole step of a problem with feedback increases the sum of
+/// squares.
+const STEP_FRACTIONS: [f64; 3] = [0.5, 0.2, 0.05];
+/// The prior weight of an offset, as an inverse variance in units of sigma. It only keeps the equations regular.
+const OFFSET_WEIGHT: f64 = 1e-6;
 
-/// Where a search for a force stands.
+/// The point that an iteration has reached.
 #[derive(Clone)]
-struct Standing {
-    at: DVector<f64>,
-    sought: DVector<f64>,
+struct Iterate {
+    /// The coordinates of the fit problem: parameters, offsets and initial voltages.
+    coordinates: DVector<f64>,
+    /// The coefficients of the input.
+    coefficients: DVector<f64>,
 }
 
-impl Sought<'_> {
-    /// Finds it; nothing where the patch cannot be run, or where it comes to nothing better than no force.
-    pub fn find(&self, start: &Start<'_>) -> Option<Found> {
-        let is_better = |chi2: f64| chi2 < self.without;
-        let none = DVector::zeros(self.shape.count());
-        let sought = start.sought.map_or(none, DVector::from_column_slice);
-        let mut standing = Standing { at: self.task.shares(start.point), sought };
-        let mut before =
-            self.chi2(&standing).filter(|before| !self.acts_back || *before < FAR * self.without)?;
-        for round in 1.. {
-            let products = self.products(&standing)?;
-            let solved = products.solved()?;
-            let Some((next, chi2)) = self.step(&standing, &solved, before) else {
-                return is_better(before).then(|| self.found(&standing, &standing, products, solved, before));
+impl InputProblem<'_> {
+    /// Estimates the input from a start. `None` if the patch cannot be run, or no input is better than none.
+    pub fn solve(&self, start: &InputStart<'_>) -> Option<InputFit> {
+        let is_better = |chi2: f64| chi2 < self.baseline_chi2;
+        let zero = DVector::zeros(self.basis.coefficient_count());
+        let coefficients = start.coefficients.map_or(zero, DVector::from_column_slice);
+        let mut iterate = Iterate { coordinates: self.fit_problem.coordinates(start.estimate), coefficients };
+        let mut last_chi2 = self
+            .chi2(&iterate)
+            .filter(|chi2| !self.has_feedback || *chi2 < MAX_START_CHI2_RATIO * self.baseline_chi2)?;
+        for iteration in 1.. {
+            let equations = self.normal_equations(&iterate)?;
+            let posterior = equations.solve()?;
+            let Some((next, chi2)) = self.step(&iterate, &posterior, last_chi2) else {
+                return is_better(last_chi2)
+                    .then(|| self.input_fit(&iterate, &iterate, equations, posterior, last_chi2));
             };
-            let is_settled = self.acts_back && (before - chi2).abs() < FORESEEN * chi2;
-            if is_settled || (chi2 - solved.left).abs() < FORESEEN * solved.left {
-                return is_better(chi2).then(|| self.found(&next, &standing, products, solved, chi2));
+            let is_stationary = self.has_feedback && (last_chi2 - chi2).abs() < CONVERGENCE_RATIO * chi2;
+            if is_stationary || (chi2 - posterior.chi2).abs() < CONVERGENCE_RATIO * posterior.chi2 {
+                return is_better(chi2).then(|| self.input_fit(&next, &iterate, equations, posterior, chi2));
             }
-            if round == MOST_ROUNDS {
-                // What is sought alone, beside what came nearest.
-                let frozen = Standing { sought: products.frozen().solved()?.sought, at: standing.at.clone() };
-                let frozen = self.chi2(&frozen).map(|chi2| (frozen, chi2));
-                let nearest = frozen.into_iter().chain([(next, chi2)]).min_by(|a, b| a.1.total_cmp(&b.1));
-                let (next, chi2) = nearest.filter(|(_, chi2)| is_better(*chi2))?;
-                return Some(self.found(&next, &standing, products, solved, chi2));
+            if iteration == MAX_ITERATIONS {
+                // The input with all nuisance parameters fixed competes with the last iterate.
+                let fixed = Iterate {
+                    coefficients: equations.with_fixed_nuisance().solve()?.coefficients,
+                    coordinates: iterate.coordinates.clone(),
+                };
+                let fixed = self.chi2(&fixed).map(|chi2| (fixed, chi2));
+                let best = fixed.into_iter().chain([(next, chi2)]).min_by(|a, b| a.1.total_cmp(&b.1));
+                let (next, chi2) = best.filter(|(_, chi2)| is_better(*chi2))?;
+                return Some(self.input_fit(&next, &iterate, equations, posterior, chi2));
             }
-            (standing, before) = (next, chi2);
+            (iterate, last_chi2) = (next, chi2);
         }
         None
     }
 
-    /// Finds it through ever larger shares of the records, each from where the one before led to: what acts back on itself falls out
-    /// of step with the end of a record before it keeps step with the beginning.
-    pub fn grown(&self, shares: &[f64]) -> Option<Found> {
-        let mut found: Option<Found> = None;
-        for share in shares {
-            let beginnings = Beginnings::of(&self.task, *share);
-            let task = beginnings.as_ref().map_or(self.task, |own| own.task(&self.task));
-            let none = Standing { at: task.shares(self.home), sought: DVector::zeros(self.shape.count()) };
-            let without = Sought { task, ..*self }.chi2(&none)?;
-            let point = found.as_ref().map_or(self.home, |own| &own.point);
-            let sought = found.as_ref().map(|own| own.sought.as_slice());
-            found = Some(Sought { task, without, ..*self }.find(&Start { point, sought })?);
+    /// Estimates the input from growing beginnings of the records. Each estimate starts from the one before. A model
+    /// with feedback that is wrong near the end of a record would otherwise be out of phase there, and could not
+    /// converge.
+    pub fn solve_progressively(&self, fractions: &[f64]) -> Option<InputFit> {
+        let mut fit: Option<InputFit> = None;
+        for fraction in fractions {
+            let beginnings = RecordBeginnings::new(&self.fit_problem, *fraction);
+            let fit_problem =
+                beginnings.as_ref().map_or(self.fit_problem, |part| part.fit_problem(&self.fit_problem));
+            let zero = Iterate {
+                coordinates: fit_problem.coordinates(self.reference),
+                coefficients: DVector::zeros(self.basis.coefficient_count()),
+            };
+            let baseline_chi2 = InputProblem { fit_problem, ..*self }.chi2(&zero)?;
+            let estimate = fit.as_ref().map_or(self.reference, |fit| &fit.estimate);
+            let coefficients = fit.as_ref().map(|fit| fit.coefficients.as_slice());
+            let problem = InputProblem { fit_problem, baseline_chi2, ..*self };
+            fit = Some(problem.solve(&InputStart { estimate, coefficients })?);
         }
-        found
+        fit
     }
 
-    /// To what was solved for; where the force acts back and that leads astray, a share of the way on which the sum of squares
-    /// falls, if there is one.
-    fn step(&self, from: &Standing, solved: &Solved, before: f64) -> Option<(Standing, f64)> {
-        let to = |share: f64| {
-            let to = self.moved(from, solved, share);
-            let chi2 = self.chi2(&to).unwrap_or(f64::INFINITY);
-            (to, chi2)
+    /// Steps to a posterior mean. With feedback, a step that increases the sum of squares is replaced by the first
+    /// fraction of it that decreases it. `None` if there is none.
+    fn step(&self, iterate: &Iterate, posterior: &InputPosterior, last_chi2: f64) -> Option<(Iterate, f64)> {
+        let trial = |fraction: f64| {
+            let next = self.moved(iterate, posterior, fraction);
+            let chi2 = self.chi2(&next).unwrap_or(f64::INFINITY);
+            (next, chi2)
         };
-        let all = to(1.0);
-        if !self.acts_back || all.1 < before.max(self.without) {
-            return Some(all);
+        let whole = trial(1.0);
+        if !self.has_feedback || whole.1 < last_chi2.max(self.baseline_chi2) {
+            return Some(whole);
         }
-        SHARES.into_iter().map(to).find(|(_, chi2)| *chi2 < before)
+        STEP_FRACTIONS.into_iter().map(trial).find(|(_, chi2)| *chi2 < last_chi2)
     }
 
-    /// A share of the way to what was solved for.
-    fn moved(&self, from: &Standing, solved: &Solved, share: f64) -> Standing {
-        let mut at = from.at.clone();
-        for (place, index) in self.free().into_iter().enumerate() {
-            let [low, high] = self.task.bounds(index);
-            at[index] = (from.at[index] + share * solved.free[place]).clamp(low, high);
+    /// The point at a fraction of the way from an iterate to a posterior mean, within the bounds.
+    fn moved(&self, from: &Iterate, posterior: &InputPosterior, fraction: f64) -> Iterate {
+        let mut coordinates = from.coordinates.clone();
+        for (position, index) in self.free_coordinates().into_iter().enumerate() {
+            let [low, high] = self.fit_problem.bounds(index);
+            coordinates[index] =
+                (from.coordinates[index] + fraction * posterior.nuisance[position]).clamp(low, high);
         }
-        Standing { at, sought: &from.sought + (&solved.sought - &from.sought) * share }
+        let coefficients = &from.coefficients + (&posterior.coefficients - &from.coefficients) * fraction;
+        Iterate { coordinates, coefficients }
     }
 
-    /// The point beside numbers that were solved for from the same products as another force.
-    pub fn beside(&self, other: &Found, solved: &Solved) -> Point {
-        let about = Standing { at: other.about.clone(), sought: solved.sought.clone() };
-        self.task.point(&self.moved(&about, solved, 1.0).at)
+    /// The nuisance parameters that belong to a posterior of a curve, solved from the normal equations of `fit`.
+    pub fn nuisance_estimate(&self, fit: &InputFit, posterior: &InputPosterior) -> Estimate {
+        let iterate =
+            Iterate { coordinates: fit.linearised_at.clone(), coefficients: posterior.coefficients.clone() };
+        self.fit_problem.estimate(&self.moved(&iterate, posterior, 1.0).coordinates)
     }
 
-    fn found(
+    /// Collects the result: `iterate` is the estimate, `linearised_at` the point of the equations.
+    fn input_fit(
         &self,
-        standing: &Standing,
-        about: &Standing,
-        products: Products,
-        solved: Solved,
+        iterate: &Iterate,
+        linearised_at: &Iterate,
+        equations: InputNormalEquations,
+        posterior: InputPosterior,
         chi2: f64,
-    ) -> Found {
+    ) -> InputFit {
         let errors = |covariance: &DMatrix<f64>| -> Vec<f64> {
             covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect()
         };
-        let alone = products.covariance_alone(&solved);
-        Found {
-            point: self.task.point(&standing.at),
-            sought: standing.sought.iter().copied().collect(),
-            errors: errors(&solved.covariance),
-            errors_alone: errors(alone.as_ref().unwrap_or(&solved.covariance)),
+        let conditional = equations.conditional_covariance(&posterior);
+        InputFit {
+            estimate: self.fit_problem.estimate(&iterate.coordinates),
+            coefficients: iterate.coefficients.iter().copied().collect(),
+            errors: errors(&posterior.covariance),
+            conditional_errors: errors(conditional.as_ref().unwrap_or(&posterior.covariance)),
             chi2,
-            evidence: solved.evidence,
-            effective: solved.effective,
-            likeness: solved.likeness,
-            products,
-            about: about.at.clone(),
+            evidence: posterior.evidence,
+            effective_parameters: posterior.effective_parameters,
+            prior: posterior.prior,
+            equations,
+            linearised_at: linearised_at.coordinates.clone(),
         }
     }
 
-    /// The free coordinates.
-    fn free(&self) -> Vec<usize> {
-        let task = &self.task;
-        (0..task.states_of(task.records.len()).start).filter(|index| task.is_free(*index)).collect()
+    /// Indices of the fitted coordinates: the nuisance parameters, in this order.
+    fn free_coordinates(&self) -> Vec<usize> {
+        let problem = &self.fit_problem;
+        (0..problem.initial_indices(problem.records.len()).start)
+            .filter(|index| problem.is_free(*index))
+            .collect()
     }
 
-    fn chi2(&self, standing: &Standing) -> Option<f64> {
-        let course = |record: usize| {
-            let lane = self.lane(record, &standing.at, &standing.sought);
-            self.task.model.run_tabled(record, self.table, &[lane]).pop()?
+    /// The sum of squares at an iterate. `None` if a record cannot be run.
+    fn chi2(&self, iterate: &Iterate) -> Option<f64> {
+        let trajectory = |record: usize| {
+            let values = self.run_values(record, &iterate.coordinates, &iterate.coefficients);
+            self.fit_problem.model.run_with_tables(record, self.table, &[values]).pop()?
         };
-        let courses: Option<Vec<Course>> = spare::each(self.task.records.len(), course).into_iter().collect();
-        Some(self.task.chi2(&standing.at, &courses?))
+        let trajectories: Option<Vec<OutputTrajectory>> =
+            parallel::map_indices(self.fit_problem.records.len(), trajectory).into_iter().collect();
+        Some(self.fit_problem.chi2(&iterate.coordinates, &trajectories?))
     }
 
-    fn lane(&self, record: usize, at: &DVector<f64>, sought: &DVector<f64>) -> (Choice, Vec<[f64; 2]>) {
-        (self.task.choice(at, record), self.shape.points(record, sought.as_slice()))
+    /// The values of a run along a record, and the points of the table.
+    fn run_values(
+        &self,
+        record: usize,
+        coordinates: &DVector<f64>,
+        coefficients: &DVector<f64>,
+    ) -> (RunValues, Vec<[f64; 2]>) {
+        let points = self.basis.points(record, coefficients.as_slice());
+        (self.fit_problem.run_values(coordinates, record), points)
     }
 
-    /// What every number does to the outputs, and what is left of them.
-    fn products(&self, standing: &Standing) -> Option<Products> {
-        let (free, home) = (self.free(), self.task.shares(self.home));
-        let known = free.iter().map(|index| Known {
-            at: home[*index] - standing.at[*index],
-            weight: if self.is_offset(*index) { HARDLY } else { 1.0 / (self.near * self.near) },
-            range: self.task.bounds(*index).map(|end| end - standing.at[*index]),
+    /// The normal equations, linearised at an iterate. `None` if a record cannot be run there.
+    fn normal_equations(&self, iterate: &Iterate) -> Option<InputNormalEquations> {
+        let free = self.free_coordinates();
+        let reference = self.fit_problem.coordinates(self.reference);
+        let priors = free.iter().map(|index| NuisancePrior {
+            mean: reference[*index] - iterate.coordinates[*index],
+            weight: if self.is_offset(*index) {
+                OFFSET_WEIGHT
+            } else {
+                1.0 / (self.nuisance_spread * self.nuisance_spread)
+            },
+            range: self.fit_problem.bounds(*index).map(|end| end - iterate.coordinates[*index]),
         });
-        let mut products = Products::new(known.collect(), self.shape.groups.clone(), self.without);
-        let mut is_whole = true;
-        let columns = |record: usize| self.columns(record, standing, &free);
-        spare::each_of(self.task.records.len(), AT_ONCE, columns, |columns| {
-            is_whole &= columns.is_some();
-            columns.iter().flatten().for_each(|rows| products.add(rows));
+        let mut equations =
+            InputNormalEquations::new(priors.collect(), self.basis.groups.clone(), self.baseline_chi2);
+        let mut is_complete = true;
+        let columns = |record: usize| self.columns(record, iterate, &free);
+        parallel::map_in_batches(self.fit_problem.records.len(), RECORD_BATCH, columns, |columns| {
+            is_complete &= columns.is_some();
+            columns.iter().flatten().for_each(|rows| equations.add(rows));
         });
-        is_whole.then_some(products)
+        is_complete.then_some(equations)
     }
 
+    /// Whether a coordinate is the offset of an output.
     fn is_offset(&self, index: usize) -> bool {
-        (self.task.model.knobs.len()..self.task.common()).contains(&index)
+        (self.fit_problem.model.parameters.len()..self.fit_problem.shared_count()).contains(&index)
     }
 
-    /// Of every output of a record the derivatives by all that is free or sought, and in the last column what is to be explained.
-    fn columns(&self, record: usize, standing: &Standing, free: &[usize]) -> Option<Vec<DMatrix<f64>>> {
-        let Standing { at, sought } = standing;
-        let mut lanes = vec![self.lane(record, at, sought)];
-        // Of each further lane its column, and by how much it was moved.
-        let mut moved: Vec<(usize, f64)> = Vec::new();
-        for (column, index) in free.iter().enumerate().filter(|(_, index)| self.matters(**index, record)) {
-            let nudge = self.task.nudge(at, *index, NUDGE);
-            lanes.push(self.lane(record, &nudged(at, *index, nudge), sought));
-            moved.push((column, nudge));
+    /// The derivatives of every output of a record by all nuisance parameters and coefficients, one row per datum. The
+    /// last column is the residual that the input has to explain. Missing data have no row.
+    fn columns(&self, record: usize, iterate: &Iterate, free: &[usize]) -> Option<Vec<DMatrix<f64>>> {
+        let Iterate { coordinates, coefficients } = iterate;
+        let mut runs = vec![self.run_values(record, coordinates, coefficients)];
+        // The column of each further run, and the step of its coordinate or coefficient.
+        let mut steps: Vec<(usize, f64)> = Vec::new();
+        for (column, index) in free.iter().enumerate().filter(|(_, index)| self.affects_run(**index, record))
+        {
+            let step = self.fit_problem.derivative_step(coordinates, *index, DERIVATIVE_STEP);
+            let shifted = shift_coordinate(coordinates, *index, step);
+            runs.push(self.run_values(record, &shifted, coefficients));
+            steps.push((column, step));
         }
-        for place in self.shape.of(record) {
-            lanes.push(self.lane(record, at, &nudged(sought, place, self.push)));
-            moved.push((free.len() + place, self.push));
+        for index in self.basis.coefficients_of(record) {
+            let shifted = shift_coordinate(coefficients, index, self.perturbation);
+            runs.push(self.run_values(record, coordinates, &shifted));
+            steps.push((free.len() + index, self.perturbation));
         }
-        let courses = self.task.model.run_tabled(record, self.table, &lanes);
-        let here = courses[0].as_ref()?;
-        let width = free.len() + self.shape.count() + 1;
-        let outputs = (0..self.task.sigma.len()).map(|output| {
-            let residual = self.task.residual(at, record, output, here);
-            let mut columns = DMatrix::zeros(residual.len(), width);
-            for ((column, by), there) in moved.iter().zip(&courses[1..]) {
-                // Where a neighbour cannot be run, that number stays.
-                let Some(there) = there else { continue };
-                let scale = 1.0 / (by * self.task.sigma[output]);
-                for (row, (there, here)) in there[output].iter().zip(&here[output]).enumerate() {
-                    columns[(row, *column)] = (there - here) * scale;
+        let trajectories = self.fit_problem.model.run_with_tables(record, self.table, &runs);
+        let base = trajectories[0].as_ref()?;
+        let parameter_count = self.fit_problem.model.parameters.len();
+        let coefficient_count = self.basis.coefficient_count();
+        let width = free.len() + coefficient_count + 1;
+        let outputs = (0..self.fit_problem.sigma.len()).map(|output| {
+            let residuals = self.fit_problem.residuals(coordinates, record, output, base);
+            let mut columns = DMatrix::zeros(residuals.len(), width);
+            for ((column, step), shifted) in steps.iter().zip(&trajectories[1..]) {
+                // If a shifted run fails, its derivative is 0: the value stays in this iteration.
+                let Some(shifted) = shifted else { continue };
+                let scale = 1.0 / (step * self.fit_problem.sigma[output]);
+                for (row, (shifted, base)) in shifted[output].iter().zip(&base[output]).enumerate() {
+                    columns[(row, *column)] = (shifted - base) * scale;
                 }
             }
-            let offset = free.iter().position(|index| *index == self.task.model.knobs.len() + output);
+            let offset = free.iter().position(|index| *index == parameter_count + output);
             offset.into_iter().for_each(|column| columns.column_mut(column).fill(1.0));
-            let made = columns.columns(free.len(), self.shape.count()) * sought;
-            columns.set_column(width - 1, &(DVector::from_vec(residual) + made));
+            let explained = columns.columns(free.len(), coefficient_count) * coefficients;
+            columns.set_column(width - 1, &(DVector::from_vec(residuals) + explained));
             let missing: Vec<usize> =
                 (0..columns.nrows()).filter(|row| columns[(*row, width - 1)].is_nan()).collect();
             columns.remove_rows_at(&missing)
@@ -325,24 +381,25 @@ impl Sought<'_> {
         Some(outputs.collect())
     }
 
-    /// Whether a coordinate is one that runs of a record follow.
-    fn matters(&self, index: usize, record: usize) -> bool {
-        let task = &self.task;
-        index < task.model.knobs.len() || task.states_of(record).contains(&index)
+    /// Whether the run of a record depends on a coordinate: a parameter, or an initial voltage of the record.
+    fn affects_run(&self, index: usize, record: usize) -> bool {
+        let problem = &self.fit_problem;
+        index < problem.model.parameters.len() || problem.initial_indices(record).contains(&index)
     }
 }
 
-/// The voltage by which numbers are moved for derivatives.
-pub(super) const PUSH: f64 = 1e-3;
+/// The perturbation of a coefficient for its derivatives, in volts: small against the machine unit, and large against
+/// the rounding of a run.
+pub(super) const PERTURBATION: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::fit::fitted_model::Version;
+    use crate::fit::fitted_model::ModelVariant;
     use crate::fit::step_size::tests::measured;
-    use crate::localise::unknown_input::PUSH;
+    use crate::localise::unknown_input::PERTURBATION;
     use patchcord_core::circuit::Circuit;
     use patchcord_core::ir::Program;
     use patchcord_core::patch::Patch;
@@ -352,18 +409,18 @@ mod tests {
     const INTERVAL: f64 = 0.01;
     const STEPS: u32 = 4;
     const KNOTS: usize = 11;
-    /// It swings the mass through its play and far beyond.
+    /// The force at the knots. It moves the mass through its play and far beyond.
     const FORCE: [f64; KNOTS] = [2.0, 30.0, -20.0, 10.0, 40.0, -50.0, 0.0, 25.0, -30.0, 5.0, 1.0];
 
-    fn knot(place: usize) -> f64 {
-        place as f64 * (SAMPLES - 1) as f64 * INTERVAL / (KNOTS - 1) as f64
+    fn knot_time(knot: usize) -> f64 {
+        knot as f64 * (SAMPLES - 1) as f64 * INTERVAL / (KNOTS - 1) as f64
     }
 
-    /// A mass with play in its spring, and friction with the square of speed; as much of a further force that is 1 V at a knot and goes
-    /// straight to nothing at those beside it as a pot lets through.
-    fn mass(place: usize) -> Patch {
+    /// A mass with play in its spring and quadratic friction. A second force, of 1 V at one knot and linear to 0 at the
+    /// neighbouring knots, acts through a pot with the setting p.
+    fn mass(knot: usize) -> Patch {
         let table = |height: &dyn Fn(usize) -> f64| {
-            let points: Vec<_> = (0..KNOTS).map(|knot_at| [knot(knot_at), height(knot_at)]).collect();
+            let points: Vec<_> = (0..KNOTS).map(|index| [knot_time(index), height(index)]).collect();
             json!({"kind": "table", "scale": "volt", "points": points})
         };
         let text = json!({
@@ -371,8 +428,8 @@ mod tests {
             "parameters": {"p": {"value": 0, "unit": "1", "range": [0, 1]}},
             "scales": {"volt": {"unit": "V", "per_volt": 1}},
             "drives": {
-                "force": table(&|own| FORCE[own]),
-                "further": table(&|own| f64::from(own == place)),
+                "force": table(&|index| FORCE[index]),
+                "further": table(&|index| f64::from(index == knot)),
             },
             "elements": {
                 "P1": {"kind": "pot", "in": "further", "setting": "p"},
@@ -389,9 +446,9 @@ mod tests {
         Patch::parse("mass.json", &text.to_string()).unwrap_or_else(|report| panic!("{report}"))
     }
 
-    /// What the engine tells: the derivatives of x and v by the setting of the pot, sample by sample.
-    fn exact(patch: &Patch) -> [Vec<f64>; 2] {
-        let circuit = Circuit::new(patch, &[]).unwrap();
+    /// The derivatives of x and v by the setting of the pot, sample by sample, from the sensitivity equations.
+    fn exact_derivatives(patch: &Patch) -> [Vec<f64>; 2] {
+        let circuit = Circuit::new(patch).unwrap();
         let settings = RunSettings {
             step: INTERVAL / f64::from(STEPS),
             every: INTERVAL,
@@ -403,46 +460,51 @@ mod tests {
         ["x", "v"].map(|signal| trace.derivative(signal, "p").unwrap().values().collect())
     }
 
-    /// What a force at a knot, and the pot, do to both outputs, by the differences that the search takes.
-    fn by_differences(patch: &Patch, place: usize) -> Vec<DMatrix<f64>> {
+    /// The derivatives of both outputs by the pot and by the force at a knot, from the finite differences of the
+    /// estimation.
+    fn finite_differences(patch: &Patch, knot: usize) -> Vec<DMatrix<f64>> {
         let mut problem = measured("x", vec![0.0; SAMPLES], 1.0, STEPS);
         problem.outputs.push("v".to_owned());
         problem.sigma.push(1.0);
-        problem.offset.push(false);
+        problem.has_offset.push(false);
         problem.train[0].interval = INTERVAL;
         problem.train[0].outputs.push(vec![0.0; SAMPLES]);
         let fit = vec!["p".to_owned()];
-        let version = Version::new(patch.clone(), fit, Vec::new(), STEPS);
-        let model = problem.model(&version, &problem.train, &problem.outputs).unwrap();
-        let task = problem.task(&model, &problem.train, true);
-        let groups = (0..KNOTS).map(|own| (knot(own), vec![(own, 1.0)])).collect();
-        let shape = Shape { groups: vec![KNOTS], records: vec![groups] };
-        let home = Point { knobs: vec![0.0], initial: vec![vec![0.0; 2]], offsets: vec![0.0; 2] };
-        let sought = Sought {
-            task,
-            table: Table::Drive("force"),
-            push: PUSH,
-            shape: &shape,
-            home: &home,
-            without: f64::INFINITY,
-            acts_back: false,
-            near: 0.1,
+        let variant = ModelVariant::new(patch.clone(), fit, Vec::new(), STEPS);
+        let model = problem.model(&variant, &problem.train, &problem.outputs).unwrap();
+        let fit_problem = problem.fit_problem(&model, &problem.train, true);
+        let points = (0..KNOTS).map(|index| (knot_time(index), vec![(index, 1.0)])).collect();
+        let basis = InputBasis { groups: vec![KNOTS], records: vec![points] };
+        let reference =
+            Estimate { parameters: vec![0.0], initial: vec![vec![0.0; 2]], offsets: vec![0.0; 2] };
+        let input_problem = InputProblem {
+            fit_problem,
+            table: ReplacedTable::Drive("force"),
+            perturbation: PERTURBATION,
+            basis: &basis,
+            reference: &reference,
+            baseline_chi2: f64::INFINITY,
+            has_feedback: false,
+            nuisance_spread: 0.1,
         };
-        let standing = Standing { at: task.shares(&home), sought: DVector::from_column_slice(&FORCE) };
-        let columns = sought.columns(0, &standing, &[0]).unwrap();
-        columns.iter().map(|own| own.select_columns(&[0, 1 + place])).collect()
+        let iterate = Iterate {
+            coordinates: fit_problem.coordinates(&reference),
+            coefficients: DVector::from_column_slice(&FORCE),
+        };
+        let columns = input_problem.columns(0, &iterate, &[0]).unwrap();
+        columns.iter().map(|output| output.select_columns(&[0, 1 + knot])).collect()
     }
 
     #[test]
-    fn what_a_force_does_is_what_the_engine_tells() {
-        for place in [0, 3, 7] {
-            let patch = mass(place);
-            let exact = exact(&patch);
-            for (exact, columns) in exact.iter().zip(by_differences(&patch, place)) {
+    fn finite_differences_agree_with_the_sensitivity_equations() {
+        for knot in [0, 3, 7] {
+            let patch = mass(knot);
+            let exact = exact_derivatives(&patch);
+            for (exact, columns) in exact.iter().zip(finite_differences(&patch, knot)) {
                 let exact = DVector::from_column_slice(exact);
                 for column in columns.column_iter() {
-                    let apart = (column - &exact).amax() / exact.amax();
-                    assert!(apart < 1e-4, "{place}: {apart}");
+                    let error = (column - &exact).amax() / exact.amax();
+                    assert!(error < 1e-4, "{knot}: {error}");
                 }
             }
         }

@@ -1,15 +1,29 @@
-//! Detection limits in words and as a document.
+//! Detection limits as text and as JSON documents.
+//!
+//! The verdict sentence quotes the most detectable effect. Tables list all limits with [`limit_text`]. For an effect
+//! that is not detectable at any strength, [`needs_text`] says what data it needs.
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::design::detectability::detection_limit::Limit;
+use crate::design::detectability::detection_limit::DetectionLimit;
 use crate::effects::Library;
 use crate::report::values::{ValueDocument, value_documents};
 use patchcord_analysis::instruments::number;
-use patchcord_core::document::behind;
+use patchcord_core::document::unit_suffix;
 
 /// A detection limit as a JSON document.
+///
+/// Example of a detectable effect:
+///
+/// ```json
+/// {
+///   "name": "viscous-friction", "junction": "IV", "reads": [], "parameter": "c",
+///   "seen": true, "value": 0.4, "unit": "N s/m", "with": {}
+/// }
+/// ```
+///
+/// An effect that is not detectable has `"seen": false` and none of the last three keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DetectionLimitDocument {
     /// Name of the effect.
@@ -20,9 +34,9 @@ pub struct DetectionLimitDocument {
     pub reads: Vec<String>,
     /// The parameter that is its strength.
     pub parameter: String,
-    /// Whether the data can show the effect at all.
+    /// Whether some strength of the effect is detectable.
     pub seen: bool,
-    /// The smallest strength that shows; the three last members are absent if none does.
+    /// The smallest detectable strength. The last three members are absent if no strength is detectable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// The unit of the strength.
@@ -33,35 +47,38 @@ pub struct DetectionLimitDocument {
     pub with: Option<IndexMap<String, ValueDocument>>,
 }
 
-impl From<&Limit> for DetectionLimitDocument {
-    fn from(limit: &Limit) -> Self {
-        let is_seen = limit.is_seen();
+impl From<&DetectionLimit> for DetectionLimitDocument {
+    /// Copies the limit. `unit` and `with` are dropped if no strength is detectable, because they describe that
+    /// strength.
+    fn from(limit: &DetectionLimit) -> Self {
+        let is_detectable = limit.is_detectable();
         DetectionLimitDocument {
             name: limit.effect.clone(),
             junction: limit.junction.clone(),
             reads: limit.reads.clone(),
             parameter: limit.parameter.clone(),
-            seen: is_seen,
+            seen: is_detectable,
             value: limit.value,
-            unit: is_seen.then(|| limit.unit.clone()),
-            with: is_seen.then(|| value_documents(&limit.beside)),
+            unit: is_detectable.then(|| limit.unit.clone()),
+            with: is_detectable.then(|| value_documents(&limit.other_parameters)),
         }
     }
 }
 
-/// The limit in a sentence; None if the data cannot show the effect at all.
-pub fn limit_sentence(limit: &Limit) -> Option<String> {
+/// The limit as a sentence. None if no strength of the effect is detectable.
+pub fn limit_sentence(limit: &DetectionLimit) -> Option<String> {
     let value = limit_text(limit)?;
-    Some(format!("the weakest {} that would have shown has {} = {value}", limit.named(), limit.parameter))
+    Some(format!("the smallest detectable {} has {} = {value}", limit.label(), limit.parameter))
 }
 
-/// The limit with its unit, for example "0.12 N"; None if the data cannot show the effect at all.
-pub fn limit_text(limit: &Limit) -> Option<String> {
-    limit.value.map(|value| format!("{}{}", number(value), behind(&limit.unit)))
+/// The limit with its unit, for example "0.12 N". None if no strength of the effect is detectable.
+pub fn limit_text(limit: &DetectionLimit) -> Option<String> {
+    limit.value.map(|value| format!("{}{}", number(value), unit_suffix(&limit.unit)))
 }
 
-/// What data must hold for the effect to be judged, after a semicolon; empty if the library does not have the effect.
-pub fn needs_text(limit: &Limit, library: &Library) -> String {
+/// The data that the effect needs, for example "; needs: a drive with both signs". Empty if the library lacks the
+/// effect.
+pub fn needs_text(limit: &DetectionLimit, library: &Library) -> String {
     let effect = library.get(&limit.effect);
-    effect.map(|own| format!("; needs: {}", own.excitation)).unwrap_or_default()
+    effect.map(|effect| format!("; needs: {}", effect.excitation)).unwrap_or_default()
 }

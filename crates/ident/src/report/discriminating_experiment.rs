@@ -1,12 +1,16 @@
-//! The experiment that distinguishes two effects: in a sentence, as a document, and as a table.
+//! The experiment that distinguishes two effects: as a sentence, as a JSON document, and as a CSV table.
+//!
+//! The sentence follows the verdict if two effects are tied. The table has the proposed drive, so that it can be fed
+//! to the real system, and the prediction of each effect. Plotting a new measurement over the predictions shows which
+//! effect is missing.
 
 use std::fmt::Write as _;
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::data::experiment::Output;
-use crate::design::discriminating_experiment::{Separating, Shape};
+use crate::data::experiment::MeasuredOutput;
+use crate::design::discriminating_experiment::{DiscriminatingExperiment, Shape};
 use patchcord_analysis::instruments::number;
 
 /// An experiment that distinguishes two effects, as a JSON document.
@@ -20,9 +24,9 @@ pub struct DiscriminatingExperimentDocument {
     pub drive: String,
     /// The shape of the drive: "step", "ramps", "sine" or "reversals".
     pub shape: &'static str,
-    /// How far the drive goes to either side, in its unit.
+    /// Amplitude to either side of `about`, in the unit of the drive.
     pub amplitude: f64,
-    /// The value about which it goes, in its unit.
+    /// Value at rest, in the unit of the drive.
     pub about: f64,
     /// The unit of the drive.
     pub unit: String,
@@ -32,73 +36,107 @@ pub struct DiscriminatingExperimentDocument {
     pub period: f64,
     /// The frequency in Hz; null for a step.
     pub frequency: Option<f64>,
-    /// By how much the two predictions of every output differ, rms over the noise.
+    /// Difference of the two predictions by output, rms over the noise.
     pub apart: IndexMap<String, f64>,
     /// The expected difference in standard errors of the comparison.
     pub standard_errors: f64,
 }
 
-impl From<&Separating> for DiscriminatingExperimentDocument {
-    fn from(found: &Separating) -> Self {
+impl From<&DiscriminatingExperiment> for DiscriminatingExperimentDocument {
+    /// The frequency is 1 / period; a step has none.
+    fn from(experiment: &DiscriminatingExperiment) -> Self {
         DiscriminatingExperimentDocument {
-            from: found.from.clone(),
-            tells: found.tells(),
-            drive: found.drive.clone(),
-            shape: found.shape.as_str(),
-            amplitude: found.amplitude,
-            about: found.about,
-            unit: found.unit.clone(),
-            turns: found.turns,
-            period: found.period,
-            frequency: (found.shape != Shape::Step).then(|| 1.0 / found.period),
-            apart: found.outputs.iter().cloned().zip(found.apart.iter().copied()).collect(),
-            standard_errors: found.errors,
+            from: experiment.effects.clone(),
+            tells: experiment.is_decisive(),
+            drive: experiment.drive.clone(),
+            shape: experiment.shape.as_str(),
+            amplitude: experiment.amplitude,
+            about: experiment.rest,
+            unit: experiment.unit.clone(),
+            turns: experiment.reverses_sign,
+            period: experiment.period,
+            frequency: (experiment.shape != Shape::Step).then(|| 1.0 / experiment.period),
+            apart: experiment
+                .outputs
+                .iter()
+                .cloned()
+                .zip(experiment.difference_rms.iter().copied())
+                .collect(),
+            standard_errors: experiment.standard_errors,
         }
     }
 }
 
-/// The experiment in a sentence.
-pub fn experiment_sentence(found: &Separating) -> String {
-    let most = number(found.apart.iter().copied().fold(0.0, f64::max));
-    let errors = number((10.0 * found.errors).round() / 10.0);
-    let differ = format!("they differ by {most} times the noise, {errors} standard errors over a record");
-    match found.tells() {
-        true if found.turns => {
-            let drive = &found.drive;
-            format!("{} would, if {drive} can change its sign: {differ}", drive_in_words(found))
+/// The experiment as a sentence without a full stop: the drive, and the expected difference of the predictions.
+///
+/// The difference is the rms of the output that differs most, in multiples of its noise. The standard errors are
+/// rounded to one decimal.
+pub fn experiment_sentence(experiment: &DiscriminatingExperiment) -> String {
+    let most = number(experiment.difference_rms.iter().copied().fold(0.0, f64::max));
+    let errors = number((10.0 * experiment.standard_errors).round() / 10.0);
+    let difference = format!("{most} times the noise, or {errors} standard errors over a record");
+    match experiment.is_decisive() {
+        true if experiment.reverses_sign => format!(
+            "{} would distinguish them if {} can change its sign: the predictions differ by {difference}",
+            drive_text(experiment),
+            experiment.drive
+        ),
+        true => format!(
+            "{} would distinguish them: the predictions differ by {difference}",
+            drive_text(experiment)
+        ),
+        false => {
+            format!(
+                "none of the drives tried would distinguish them: the predictions differ by at most {difference}"
+            )
         }
-        true => format!("{} would: {differ}", drive_in_words(found)),
-        false => format!("none of the drives tried would: at most {differ}"),
     }
 }
 
-/// "a sine of 3 N at 1.2 Hz on F".
-fn drive_in_words(found: &Separating) -> String {
-    let what = match found.shape {
-        Shape::Step | Shape::Sine => format!("a {}", found.shape.as_str()),
-        Shape::Ramps | Shape::Reversals => found.shape.as_str().to_owned(),
+/// The drive as text, for example "a sine of 3 N at 1.2 Hz on F".
+fn drive_text(experiment: &DiscriminatingExperiment) -> String {
+    let shape = match experiment.shape {
+        Shape::Step | Shape::Sine => format!("a {}", experiment.shape.as_str()),
+        Shape::Ramps | Shape::Reversals => experiment.shape.as_str().to_owned(),
     };
-    let about = match found.about {
+    let rest = match experiment.rest {
         0.0 => String::new(),
-        about => format!(" about {}", number(about)),
+        rest => format!(" about {}", number(rest)),
     };
-    let when = match found.shape {
-        Shape::Step => format!("after {} s", number(found.period)),
-        _ => format!("at {} Hz", number(1.0 / found.period)),
+    let time = match experiment.shape {
+        Shape::Step => format!("after {} s", number(experiment.period)),
+        _ => format!("at {} Hz", number(1.0 / experiment.period)),
     };
-    format!("{what} of {}{about} {} {when} on {}", number(found.amplitude), found.unit, found.drive)
+    let (amplitude, unit) = (number(experiment.amplitude), &experiment.unit);
+    format!("{shape} of {amplitude}{rest} {unit} {time} on {}", experiment.drive)
 }
 
-/// The experiment as a table: time, drives, and every output as either effect predicts it, in the units of the experiment's
-/// outputs.
-pub fn experiment_csv(found: &Separating, outputs: &[Output]) -> String {
-    let what = if found.tells() { "drives that tell" } else { "drives that come nearest to telling" };
-    let mut text = format!("# {what} {} from {}, and what either predicts\n", found.from[0], found.from[1]);
-    let drives = found.feeds.iter().map(|feed| (feed.drive.clone(), feed.unit.text()));
-    let unit =
-        |name: &String| outputs.iter().find(|own| own.signal == *name).map_or("V", |own| own.unit.text());
-    let predicted = found.from.iter().flat_map(|from| {
-        found.outputs.iter().map(move |output| (format!("{output} with {from}"), unit(output)))
+/// The experiment as a CSV table: time, drives, and both predictions of every output, in the units of the
+/// experiment's outputs. Comment lines in front have the units.
+///
+/// The beginning of a table with one drive F and one output x:
+///
+/// ```text
+/// # drives that distinguish leak at I2 from drift at I2, and both predictions
+/// # t: s
+/// # F: N
+/// # x with leak at I2: mm
+/// # x with drift at I2: mm
+/// t,F,x with leak at I2,x with drift at I2
+/// ```
+///
+/// Names that contain a comma are not quoted. Rows are evenly spaced in time, from 0.
+pub fn experiment_csv(experiment: &DiscriminatingExperiment, outputs: &[MeasuredOutput]) -> String {
+    let purpose =
+        if experiment.is_decisive() { "drives that distinguish" } else { "drives that best distinguish" };
+    let [one, other] = &experiment.effects;
+    let mut text = format!("# {purpose} {one} from {other}, and both predictions\n");
+    let drives = experiment.feeds.iter().map(|feed| (feed.drive.clone(), feed.unit.text()));
+    let unit = |name: &String| {
+        outputs.iter().find(|output| output.signal == *name).map_or("V", |output| output.unit.text())
+    };
+    let predicted = experiment.effects.iter().flat_map(|effect| {
+        experiment.outputs.iter().map(move |output| (format!("{output} with {effect}"), unit(output)))
     });
     let columns: Vec<_> = [("t".to_owned(), "s")].into_iter().chain(drives).chain(predicted).collect();
     for (name, unit) in &columns {
@@ -106,11 +144,11 @@ pub fn experiment_csv(found: &Separating, outputs: &[Output]) -> String {
     }
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
     let _ = writeln!(text, "{}", names.join(","));
-    for sample in 0..found.record.len() {
-        let tracks = found.record.drives.iter().chain(found.predictions.iter().flatten());
+    for sample in 0..experiment.record.len() {
+        let tracks = experiment.record.drives.iter().chain(experiment.predictions.iter().flatten());
         let values = tracks.map(|track| track[sample]);
-        let time = sample as f64 * found.record.interval;
-        let cells: Vec<String> = [time].into_iter().chain(values).map(|own| own.to_string()).collect();
+        let time = sample as f64 * experiment.record.interval;
+        let cells: Vec<String> = [time].into_iter().chain(values).map(|value| value.to_string()).collect();
         let _ = writeln!(text, "{}", cells.join(","));
     }
     text

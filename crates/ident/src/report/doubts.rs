@@ -1,185 +1,236 @@
-//! What the reader of a report should doubt.
+//! Doubts about a result that the reader of a report should know.
+//!
+//! A doubt does not change the verdict. It names a property of the fit or of the data that can make the verdict
+//! wrong, and says what else would explain the data. Each doubt is a complete sentence with a full stop.
 
-use crate::data::experiment::{Experiment, Output};
+use crate::data::experiment::{Experiment, MeasuredOutput};
 use crate::effects::candidate::Candidate;
-use crate::fit::estimate::over_sigma;
-use crate::fit::fitted_model::Stage;
-use crate::fit::validation::has_changed;
+use crate::fit::estimate::normalised_output_rms;
+use crate::fit::fitted_model::FittedModel;
+use crate::fit::validation::is_validation_worse;
 use crate::report::fit_quality::{overload_sentence, steps_sentence};
 use crate::report::places::nameless_sentences;
 use crate::report::ranges::extension_sentence;
 use crate::report::reasons::coloured_sentence;
 use crate::report::values::estimate_text;
-use crate::search::inconclusive::LOUD;
+use crate::search::inconclusive::MAX_NOISE_RATIO;
 use crate::search::outcome::Outcome;
-use crate::search::range_extension::Beyond;
-use crate::search::refinement::may_be_none;
+use crate::search::range_extension::RangeExtension;
+use crate::search::refinement::can_be_zero;
 use crate::search::verdict::Verdict;
 use patchcord_analysis::instruments::number;
-use patchcord_core::document::behind;
+use patchcord_core::document::unit_suffix;
 
-/// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance.
-const FAR_LESS: f64 = 0.5;
+/// Residual rms over the specified noise below which that noise is too large. So low a value does not occur by
+/// chance.
+const MIN_NOISE_RATIO: f64 = 0.5;
 
-/// What the reader should doubt, a sentence each: parameters at the ends of their ranges, an overloaded amplifier, a residual that is
-/// larger than the verdict says, effects that may be zero, noise that is too large or too small, integrators without a signal, a
-/// solver whose error is too large, and the warnings of the experiment.
+/// The doubts about an outcome, a sentence each.
+///
+/// They come in this order:
+///
+/// * parameters at the ends of their ranges
+/// * an overloaded amplifier
+/// * a residual that the verdict does not mention
+/// * effects that may have zero strength
+/// * noise levels that are too large or too small
+/// * integrators without a signal
+/// * a solver error that is too large
+/// * warnings of the experiment
 pub fn doubts(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
     let warnings = experiment.warnings.findings.iter();
-    let warned = warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
-    let coarse = (!outcome.fineness.is_enough()).then(|| steps_sentence(&outcome.fineness));
-    let noises = noises(outcome, experiment).into_iter().chain(louder(outcome, experiment));
+    let warnings = warnings.map(|finding| {
+        format!("Warning of the experiment ({}): {}.", finding.code.as_str(), finding.message)
+    });
+    let refinement = &outcome.step_refinement;
+    let coarse_steps = (!refinement.is_sufficient()).then(|| steps_sentence(refinement));
+    let noise = excessive_noise(outcome, experiment).into_iter().chain(loud_residuals(outcome, experiment));
     let nameless = nameless_sentences(&outcome.places);
-    at_ends(outcome)
+    parameters_at_ends(outcome)
         .into_iter()
         .chain(outcome.overload.iter().map(overload_sentence))
-        .chain(more_is_left(outcome))
-        .chain(uncertain(outcome))
-        .chain(noises)
+        .chain(unmentioned_residual(outcome))
+        .chain(uncertain_effects(outcome))
+        .chain(noise)
         .chain(nameless)
-        .chain(coarse)
-        .chain(warned)
+        .chain(coarse_steps)
+        .chain(warnings)
         .collect()
 }
 
-/// Which parameters of the patch stand at an end of their ranges: as it was, or beside what is named.
-fn at_ends(outcome: &Outcome) -> Vec<String> {
-    let at_end = |stage: &Stage, place: usize| {
-        let (name, value) = (&stage.version.fit[place], estimate_text(stage, place));
-        format!("{name} at the end of its range, {value}{}", behind(stage.unit(place)))
+/// Parameters at the ends of their ranges: of the original patch, of the patch with wider ranges, of the patch with
+/// the named effects, and of these effects.
+///
+/// The sentence depends on the verdict. If an effect is missing, a value beyond the range may explain the data without
+/// it. Otherwise the value may hide an effect. Parameters that a range extension reports are left out here.
+fn parameters_at_ends(outcome: &Outcome) -> Vec<String> {
+    let at_end = |model: &FittedModel, place: usize| {
+        let (name, value) = (&model.variant.fit[place], estimate_text(model, place));
+        format!("{name} at the end of its range, {value}{}", unit_suffix(model.unit(place)))
     };
     let is_missing = outcome.verdict.has_names() || outcome.verdict == Verdict::UnknownEffect;
-    let beyond = outcome.beyond.iter().flat_map(|own| &own.places).copied().collect::<Vec<_>>();
-    // What is none stands in for nothing.
-    let doubted =
-        outcome.base.at_end().filter(|place| is_missing || outcome.base.train.point.knobs[*place] != 0.0);
-    let doubted = doubted.filter(|place| !beyond.contains(place));
-    let before = doubted.map(|place| {
+    let outside =
+        outcome.range_extension.iter().flat_map(|extension| &extension.outside).copied().collect::<Vec<_>>();
+    // A value of zero cannot compensate for a missing effect.
+    let doubted = outcome
+        .base
+        .indices_at_range_end()
+        .filter(|place| is_missing || outcome.base.train.estimate.parameters[*place] != 0.0);
+    let doubted = doubted.filter(|place| !outside.contains(place));
+    let original = doubted.map(|place| {
         let at = at_end(&outcome.base, place);
-        match (is_missing, outcome.base.train.point.knobs[place] == 0.0) {
+        match (is_missing, outcome.base.train.estimate.parameters[place] == 0.0) {
             (false, _) => format!(
-                "The patch is fitted best with {at}: that value may stand in for something that is missing."
+                "The best fit of the patch has {at}: this value may compensate for a missing effect."
             ),
-            (true, false) => format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it."),
-            (true, true) => format!("The patch as it was is fitted best with {at}: what seems to be missing may be the sign that it is wired in with, if that is wrong."),
+            (true, false) => format!(
+                "The best fit of the original patch has {at}: a value beyond the range may explain the data without a missing effect."
+            ),
+            (true, true) => format!(
+                "The best fit of the original patch has {at}: a wrong sign in the patch may explain the data without a missing effect."
+            ),
         }
     });
-    let beside =
-        outcome.last.newly_at_end(&outcome.base).filter(|_| outcome.verdict.has_names()).map(|place| {
-            let at = at_end(&outcome.last, place);
-            format!("Beside what is named the patch is fitted best with {at}: nature's law may be another.")
+    let with_effects = outcome
+        .final_model
+        .indices_newly_at_range_end(&outcome.base)
+        .filter(|_| outcome.verdict.has_names())
+        .map(|place| {
+            let at = at_end(&outcome.final_model, place);
+            format!("With the named effects, the best fit has {at}: the real law may be different.")
         });
     let named = outcome.effects.iter().filter(|_| outcome.verdict.has_names());
-    let own = named.flat_map(|effect| own_at_ends(outcome, effect));
-    let further = outcome.beyond.as_ref().filter(|own| !says(outcome, own)).map(extension_sentence);
-    before.chain(further).chain(beside).chain(own).collect()
+    let of_effects = named.flat_map(|effect| effect_at_ends(outcome, effect));
+    let extension = outcome.range_extension.as_ref().filter(|extension| !is_in_verdict(outcome, extension));
+    original.chain(extension.map(extension_sentence)).chain(with_effects).chain(of_effects).collect()
 }
 
-/// Which effects the data may have none of, as far as their intervals tell.
-fn uncertain(outcome: &Outcome) -> impl Iterator<Item = String> + '_ {
+/// Named effects whose intervals include zero strength.
+///
+/// Such an effect has passed the comparison of the fits, so its name stays in the verdict.
+fn uncertain_effects(outcome: &Outcome) -> impl Iterator<Item = String> + '_ {
     let named = outcome.effects.iter().filter(|_| outcome.verdict.has_names());
-    // What is not told at all has a line of its own.
-    let is_told = |effect: &&Candidate| {
-        outcome.last.brought(effect).next().is_some_and(|(_, _, known)| known.error.is_finite())
+    // An effect without any interval is reported with the undetermined parameters.
+    let is_determined = |effect: &&Candidate| {
+        outcome
+            .final_model
+            .effect_parameters(effect)
+            .next()
+            .is_some_and(|(_, _, known)| known.error.is_finite())
     };
-    named.filter(is_told).filter(|effect| may_be_none(effect, &outcome.last)).map(|effect| {
+    named.filter(is_determined).filter(|effect| can_be_zero(effect, &outcome.final_model)).map(|effect| {
         format!(
-            "{} may have no strength at all, by its interval: it is named for what the data are explained better with it.",
-            effect.named()
+            "The interval of {} includes zero strength: it is named because the fit is better with it.",
+            effect.label()
         )
     })
 }
 
-/// What is left beside what is named, where that is more than noise and the verdict does not say so.
-fn more_is_left(outcome: &Outcome) -> Option<String> {
-    let is_told = !outcome.verdict.has_names() || outcome.leaves_much();
-    let is_more = outcome.last.leaves_structure() && outcome.last.train.over_noise() > 1.0;
-    if is_told || !is_more {
+/// A coloured residual of the patch with the named effects, if the verdict does not mention it.
+///
+/// None if the residual looks like noise, does not exceed the noise, or is part of the verdict sentence. A residual
+/// that the noise of the drives explains gets its own sentence.
+fn unmentioned_residual(outcome: &Outcome) -> Option<String> {
+    let model = &outcome.final_model;
+    let is_mentioned = !outcome.verdict.has_names() || outcome.has_substantial_residual();
+    let exceeds_noise = model.residuals_are_coloured() && model.train.normalised_rms() > 1.0;
+    if is_mentioned || !exceeds_noise {
         return None;
     }
-    // What is noise of the drives, or lies between their samples, is nothing that is missing.
-    let of_drives = outcome.last.not_white.get().and_then(Option::as_ref).filter(|own| own.is_of_drives());
-    if let Some(own) = of_drives {
-        return Some(format!("Beside what is named {}.", coloured_sentence(own)));
+    // Noise of the drives, and their course between samples, are no missing effects.
+    let of_drives =
+        model.coloured_residual.get().and_then(Option::as_ref).filter(|residual| residual.is_from_drives());
+    if let Some(residual) = of_drives {
+        return Some(format!("With the named effects, {}.", coloured_sentence(residual)));
     }
-    let [train, test] = [&outcome.last.train, &outcome.last.test].map(|fitted| number(fitted.over_noise()));
+    let [train, test] = [&model.train, &model.test].map(|fitted| number(fitted.normalised_rms()));
     Some(format!(
-        "What is left, {train} times the noise in training and {test} on the data held back, is no noise: something smaller is missing beside what is named, or its law is another."
+        "The residual is {train} times the noise in the training data and {test} in the validation data, and is not noise: a smaller effect is missing as well, or the law of a named effect is different."
     ))
 }
 
-/// Whether what lies beyond ranges stands in the verdict.
-fn says(outcome: &Outcome, beyond: &Beyond) -> bool {
+/// Whether the verdict sentence mentions the values outside their ranges.
+fn is_in_verdict(outcome: &Outcome, extension: &RangeExtension) -> bool {
     match outcome.verdict {
-        Verdict::Ambiguous => beyond.is_rival,
-        Verdict::CannotJudge => beyond.leaves_noise(),
+        Verdict::Ambiguous => extension.is_rival,
+        Verdict::CannotJudge => extension.has_white_residual(),
         _ => false,
     }
 }
 
-/// The same of what an effect brought; nature knows no less than 0 of a time or a friction.
-fn own_at_ends(outcome: &Outcome, effect: &Candidate) -> Vec<String> {
-    let Stage { version, train, .. } = &outcome.last;
-    let at_end = outcome.last.at_end().filter(|place| train.point.knobs[*place] != 0.0);
-    let names: Vec<&str> = at_end.map(|place| version.fit[place].as_str()).collect();
-    let brought = effect.graft.parameters.iter().filter(|own| names.contains(&own.name.as_str()));
-    let doubt = brought.map(|own| {
+/// Parameters of an effect at the ends of their ranges. Values of zero are left out, since a time or a friction
+/// cannot be negative.
+fn effect_at_ends(outcome: &Outcome, effect: &Candidate) -> Vec<String> {
+    let FittedModel { variant, train, .. } = &outcome.final_model;
+    let at_end =
+        outcome.final_model.indices_at_range_end().filter(|place| train.estimate.parameters[*place] != 0.0);
+    let names: Vec<&str> = at_end.map(|place| variant.fit[place].as_str()).collect();
+    let parameters =
+        effect.graft.parameters.iter().filter(|parameter| names.contains(&parameter.name.as_str()));
+    let sentences = parameters.map(|parameter| {
         format!(
-            "The {} of {} is found at the end of its range: these data may ask for a value beyond it.",
-            own.name, effect.effect
+            "The {} of {} is at the end of its range: the data may require a value beyond it.",
+            parameter.name, effect.effect
         )
     });
-    doubt.collect()
+    sentences.collect()
 }
 
-/// Of which outputs the experiment tells more noise than there can be.
-fn noises(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
-    let told = experiment.outputs.iter().enumerate().filter(|(_, output)| output.sigma.is_some());
-    let left = told.map(|(place, output)| (&output.signal, over_sigma(&outcome.told().train, place)));
-    let far_less = left.filter(|(_, left)| *left < FAR_LESS);
-    let doubt = far_less.map(|(signal, left)| {
+/// Outputs whose specified noise is larger than the residual.
+///
+/// Only outputs whose "sigma" is in the experiment are examined. Estimated noise cannot be too large in this way.
+fn excessive_noise(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
+    let specified = experiment.outputs.iter().enumerate().filter(|(_, output)| output.sigma.is_some());
+    let residuals = specified.map(|(place, output)| {
+        (&output.signal, normalised_output_rms(&outcome.reported_model().train, place))
+    });
+    let too_small = residuals.filter(|(_, rms)| *rms < MIN_NOISE_RATIO);
+    let sentences = too_small.map(|(signal, rms)| {
         format!(
-            "What is left of {signal} is {} times the noise that the experiment tells: with a \"sigma\" as small as the noise these data would show more.",
-            number(left)
+            "The residual of {signal} is {} times the noise that the experiment specifies: with a \"sigma\" as small as the real noise, smaller effects are detectable.",
+            number(rms)
         )
     });
-    doubt.collect()
+    sentences.collect()
 }
 
-/// Of which outputs more is left than noise, although it looks like that, or although it does not in training.
-fn louder(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
-    let stage = outcome.told();
-    let is_settled = outcome.verdict.has_names() || outcome.verdict == Verdict::NothingMissing;
-    if !is_settled || stage.leaves_structure() {
+/// Outputs whose residual exceeds the noise although it looks like noise, or exceeds it only in the validation data.
+///
+/// An output is loud above [`MAX_NOISE_RATIO`] times its noise. If only the validation data are explained worse, the
+/// system may have changed between the records.
+fn loud_residuals(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
+    let model = outcome.reported_model();
+    let is_conclusive = outcome.verdict.has_names() || outcome.verdict == Verdict::NothingMissing;
+    if !is_conclusive || model.residuals_are_coloured() {
         return Vec::new();
     }
-    let of = |(place, output): (usize, &Output)| {
-        let [train, test] = [&stage.train, &stage.test].map(|fitted| over_sigma(fitted, place));
-        let loud = (train > LOUD).then(|| {
+    let sentences = |(place, output): (usize, &MeasuredOutput)| {
+        let [train, test] = [&model.train, &model.test].map(|fitted| normalised_output_rms(fitted, place));
+        let loud = (train > MAX_NOISE_RATIO).then(|| {
             format!(
-                "What is left of {} is {} times its noise, although it looks like noise: there is more noise in these data than that, or something too fast for them.",
+                "The residual of {} is {} times its noise, although it looks like noise: the data have more noise than specified, or a disturbance that is faster than the sampling.",
                 output.signal,
                 number(train)
             )
         });
-        // Where nothing is missing the patch explains both, fitted to both.
+        // With this verdict, a fit to both parts explains both.
         let why = match outcome.verdict {
             Verdict::NothingMissing => {
-                "fitted to both, the patch explains both: what training leaves open led it astray"
+                "a fit to both parts explains both, so that the training data alone do not determine the patch"
             }
             _ => {
-                "something has changed by then or shows there alone, or a law is another than it seems in training"
+                "the system has changed, an effect acts only there, or a law differs from the one fitted in training"
             }
         };
-        let held = has_changed(stage, place).then(|| {
+        let changed = is_validation_worse(model, place).then(|| {
             format!(
-                "Of {} {} times its noise is left of the data held back, and {} in training: {why}.",
+                "The residual of {} is {} times its noise in the validation data and {} times in the training data: {why}.",
                 output.signal,
                 number(test),
                 number(train)
             )
         });
-        loud.into_iter().chain(held)
+        loud.into_iter().chain(changed)
     };
-    experiment.outputs.iter().enumerate().flat_map(of).collect()
+    experiment.outputs.iter().enumerate().flat_map(sentences).collect()
 }

@@ -1,40 +1,44 @@
-//! How good a fit is, in words and as documents: fits from other points, steps of the solver, overloads.
+//! The quality of a fit, as sentences and as JSON documents: fits from other starts, steps of the solver, overloads.
+//!
+//! These texts answer three questions on a fit. Is the optimum reproducible from other starts? Is the error of the
+//! solver small compared with the noise? Do all amplifiers stay in their range with the drives of the records?
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
 use crate::fit::overload::RecordOverload;
-use crate::fit::starts::Agreement;
-use crate::fit::step_size::Fineness;
+use crate::fit::starts::StartAgreement;
+use crate::fit::step_size::StepRefinement;
 use crate::report::values::{ValueDocument, parameter_values_text, value_documents};
 use patchcord_analysis::instruments::number;
 
-/// Fits from other points as a JSON document.
+/// Fits from other starts as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StartsDocument {
-    /// Whether one of them reproduces the fit.
+    /// Whether one of them reaches the same optimum.
     pub same: bool,
     /// Whether one of them leaves less than the fit.
     pub better: bool,
     /// The values at the better fit, by parameter; empty if there is none.
     pub values: IndexMap<String, ValueDocument>,
-    /// How many points were fitted from.
+    /// Number of starts that were fitted.
     pub tried: usize,
-    /// What the best of them leaves, rms over the noise; null if the patch can be run from none.
+    /// Residual of the best of them, rms over the noise; null if the patch can be run from none.
     pub left: Option<f64>,
     /// Whether they are fits of the pieces of the records.
     pub in_pieces: bool,
 }
 
-impl From<&Agreement> for StartsDocument {
-    fn from(agreement: &Agreement) -> Self {
+impl From<&StartAgreement> for StartsDocument {
+    /// An infinite residual, for a patch that cannot be run from any other start, becomes null.
+    fn from(agreement: &StartAgreement) -> Self {
         StartsDocument {
-            same: agreement.is_same,
+            same: agreement.is_reproduced,
             better: agreement.is_better,
             values: value_documents(&agreement.values),
             tried: agreement.tried,
-            left: agreement.left.is_finite().then_some(agreement.left),
-            in_pieces: agreement.in_pieces,
+            left: agreement.normalised_rms.is_finite().then_some(agreement.normalised_rms),
+            in_pieces: agreement.uses_pieces,
         }
     }
 }
@@ -46,55 +50,59 @@ pub struct StepsDocument {
     pub steps: u32,
     /// The error of the solver, rms over the noise; null if it is not known.
     pub error: f64,
-    /// What the error should stay below, rms over the noise.
+    /// Maximum desirable error, rms over the noise.
     pub wanted: f64,
 }
 
-impl From<&Fineness> for StepsDocument {
-    fn from(fineness: &Fineness) -> Self {
-        StepsDocument { steps: fineness.steps, error: fineness.error, wanted: fineness.wanted }
+impl From<&StepRefinement> for StepsDocument {
+    /// An infinite error, for a patch that cannot be run with twice as many steps, becomes null in the text.
+    fn from(refinement: &StepRefinement) -> Self {
+        StepsDocument { steps: refinement.steps, error: refinement.error, wanted: refinement.limit }
     }
 }
 
-/// Whether fits from other points reproduce the fit, in words.
-pub fn starts_sentence(agreement: &Agreement) -> String {
-    let of = if agreement.in_pieces { " of the pieces that are fitted first" } else { "" };
-    let left = format!("{} times the noise{of}", number(agreement.left));
-    match (agreement.is_same, agreement.tried) {
-        (true, 1) => "a fit from another point comes to the same".to_owned(),
-        (true, tried) => format!("of {tried} fits from other points one comes to the same"),
+/// Whether fits from other starts reach the same optimum, as a sentence without a full stop.
+///
+/// A better optimum is the most important case: the values are listed, so that the reader can put them into the patch.
+pub fn starts_sentence(agreement: &StartAgreement) -> String {
+    let data = if agreement.uses_pieces { " in the pieces that are fitted first" } else { "" };
+    let residual = format!("{} times the noise{data}", number(agreement.normalised_rms));
+    match (agreement.is_reproduced, agreement.tried) {
+        (true, 1) => "a fit from another start reaches the same optimum".to_owned(),
+        (true, tried) => format!("one of {tried} fits from other starts reaches the same optimum"),
         _ if agreement.is_better => format!(
-            "a fit from another point leaves less, {left}, with {}: it found what the patch was not fitted to; let the parameters of the patch begin there",
+            "a fit from another start leaves less, {residual}, with {}: the reported fit is not the best one; set these values in the patch and search again",
             parameter_values_text(&agreement.values)
         ),
-        (false, tried) if agreement.left.is_finite() => format!(
-            "of {tried} fits from other points none comes to the same (the best leaves {left}): there may be better ones than this; narrower ranges help to find them"
+        (false, tried) if agreement.normalised_rms.is_finite() => format!(
+            "none of {tried} fits from other starts reaches the same optimum (the best leaves {residual}): there may be better fits; narrower ranges help to find them"
         ),
-        (false, tried) => format!("from none of {tried} other points the patch can be run"),
+        (false, tried) => format!("the patch can be run from none of {tried} other starts"),
     }
 }
 
-/// How many steps the solver takes and how large its error is, in a sentence.
-pub fn steps_sentence(fineness: &Fineness) -> String {
-    let steps = if fineness.steps == 1 { "1 step".to_owned() } else { format!("{} steps", fineness.steps) };
-    let takes = format!("The solver takes {steps} from sample to sample");
-    if fineness.error.is_infinite() {
+/// The number of steps of the solver and their error, in a sentence or two.
+pub fn steps_sentence(refinement: &StepRefinement) -> String {
+    let steps =
+        if refinement.steps == 1 { "1 step".to_owned() } else { format!("{} steps", refinement.steps) };
+    let takes = format!("The solver takes {steps} from sample to sample.");
+    if refinement.error.is_infinite() {
         return format!(
-            "{takes}; what it errs by is not known, as the patch cannot be run with twice as many."
+            "{takes} Its error is unknown, because the patch cannot be run with twice as many steps."
         );
     }
-    let errs = format!("{takes} and errs by {} times the noise, rms", number(fineness.error));
-    match fineness.is_enough() {
-        true => format!("{errs}."),
-        false => format!("{errs}; it should keep below {}.", number(fineness.wanted)),
+    let error = format!("{takes} Its error is {} times the noise, rms", number(refinement.error));
+    match refinement.is_sufficient() {
+        true => format!("{error}."),
+        false => format!("{error}; it should be below {}.", number(refinement.limit)),
     }
 }
 
-/// Which amplifier is overloaded, when, and what to do, in a sentence.
+/// Which amplifier overloads first, when, and what to do, as sentences.
 pub fn overload_sentence(overload: &RecordOverload) -> String {
     let RecordOverload { record, element, time, peak } = overload;
     format!(
-        "Beside {record} the amplifier {element} is overloaded at {} s, asked for {} V: beyond 100 V the patch is not what it stands for. Let a volt of its scale stand for more, and search again.",
+        "With {record}, the amplifier {element} overloads at {} s, with a demanded output of {} V: beyond 100 V the patch does not represent the real system. Change its scale so that one volt represents more, and search again.",
         number(*time),
         number(*peak)
     )
@@ -106,25 +114,31 @@ mod tests {
     use crate::fit::parameter_values::ParameterValues;
 
     #[test]
-    fn the_values_of_a_better_fit_are_reported() {
+    fn the_sentence_has_the_values_of_a_better_fit() {
         let values = ParameterValues(vec![("rate".to_owned(), 2.0, "1".to_owned())]);
-        let better =
-            Agreement { tried: 1, left: 1.0, is_same: false, is_better: true, values, in_pieces: false };
+        let better = StartAgreement {
+            tried: 1,
+            normalised_rms: 1.0,
+            is_reproduced: false,
+            is_better: true,
+            values,
+            uses_pieces: false,
+        };
         let sentence = starts_sentence(&better);
         assert!(sentence.contains("with rate = 2: "), "{sentence}");
     }
 
     #[test]
-    fn a_solver_that_errs_by_more_than_it_may_is_told() {
-        let sentence = |error| steps_sentence(&Fineness { steps: 4, error, wanted: 0.1 });
+    fn the_sentence_says_if_the_error_of_the_solver_is_too_large_or_unknown() {
+        let sentence = |error| steps_sentence(&StepRefinement { steps: 4, error, limit: 0.1 });
         assert_eq!(
             sentence(0.05),
-            "The solver takes 4 steps from sample to sample and errs by 0.05 times the noise, rms."
+            "The solver takes 4 steps from sample to sample. Its error is 0.05 times the noise, rms."
         );
-        assert!(sentence(0.5).ends_with("; it should keep below 0.1."), "{}", sentence(0.5));
+        assert!(sentence(0.5).ends_with("; it should be below 0.1."), "{}", sentence(0.5));
         assert_eq!(
-            steps_sentence(&Fineness { steps: 1, error: f64::INFINITY, wanted: 0.1 }),
-            "The solver takes 1 step from sample to sample; what it errs by is not known, as the patch cannot be run with twice as many."
+            steps_sentence(&StepRefinement { steps: 1, error: f64::INFINITY, limit: 0.1 }),
+            "The solver takes 1 step from sample to sample. Its error is unknown, because the patch cannot be run with twice as many steps."
         );
     }
 }

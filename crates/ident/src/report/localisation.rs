@@ -1,9 +1,16 @@
-//! Where and when something is missing, in words and as a document.
+//! The missing force at every junction, as a sentence and as a JSON document.
+//!
+//! The force is estimated without the library, so it need not look like a named effect. The sentence describes the
+//! most likely junction. If the evidence of other junctions is about as large, it names these as well.
+//!
+//! A force is the unknown input of a junction in the unit of its sum: newtons for a mass, a flow for a tank. It is a
+//! series of values over time with standard errors. A curve over a quantity explains the same values by a function of
+//! that quantity.
 
 use serde::Serialize;
 
-use crate::localise::force::{Curve, Force, Whereabouts, nearest};
-use patchcord_analysis::instruments::Display;
+use crate::localise::localisation::{EstimatedInput, InputCurve, Localisation, indistinguishable_junctions};
+use patchcord_analysis::instruments::QuantityFormat;
 
 /// The force that closes the gap at a junction, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,19 +37,20 @@ pub struct LocalisationDocument {
     pub curves: Vec<CurveDocument>,
 }
 
-impl From<&Whereabouts> for LocalisationDocument {
-    fn from(found: &Whereabouts) -> Self {
+impl From<&Localisation> for LocalisationDocument {
+    /// The best curve is copied to `curve`, so that a reader need not search `curves` for `best_against`.
+    fn from(localisation: &Localisation) -> Self {
         LocalisationDocument {
-            junction: found.junction.clone(),
-            unit: found.unit.clone(),
-            explains: found.explains,
-            evidence: found.evidence,
-            numbers: found.effective,
-            likeness: found.likeness.as_str(),
-            best_against: found.best_against().to_owned(),
-            curve: found.best.map(|best| found.curves[best].points.clone()),
-            records: found.forces.iter().map(ForceDocument::from).collect(),
-            curves: found.curves.iter().map(CurveDocument::from).collect(),
+            junction: localisation.junction.clone(),
+            unit: localisation.unit.clone(),
+            explains: localisation.explained_fraction,
+            evidence: localisation.evidence,
+            numbers: localisation.effective_parameters,
+            likeness: localisation.prior.as_str(),
+            best_against: localisation.best_regressor().to_owned(),
+            curve: localisation.best_curve.map(|best| localisation.curves[best].points.clone()),
+            records: localisation.inputs.iter().map(ForceDocument::from).collect(),
+            curves: localisation.curves.iter().map(CurveDocument::from).collect(),
         }
     }
 }
@@ -58,9 +66,10 @@ pub struct ForceDocument {
     pub force: Vec<[f64; 4]>,
 }
 
-impl From<&Force> for ForceDocument {
-    fn from(force: &Force) -> Self {
-        let Force { data, points, windows } = force.clone();
+impl From<&EstimatedInput> for ForceDocument {
+    /// Copies the force of one record.
+    fn from(force: &EstimatedInput) -> Self {
+        let EstimatedInput { data, points, windows } = force.clone();
         ForceDocument { data, windows, force: points }
     }
 }
@@ -74,7 +83,7 @@ pub struct CurveDocument {
     pub unit: String,
     /// The share of the gap that the curve closes in training, in squares.
     pub explains: f64,
-    /// The same on the data held back, with the curve wired in; null if it cannot be.
+    /// The same in the validation data, with the curve wired in; null if it cannot be wired in.
     pub held_out: Option<f64>,
     /// Logarithm of its marginal likelihood, above that of no force.
     pub evidence: f64,
@@ -88,14 +97,15 @@ pub struct CurveDocument {
     pub scatter: Vec<[f64; 2]>,
 }
 
-impl From<&Curve> for CurveDocument {
-    fn from(curve: &Curve) -> Self {
+impl From<&InputCurve> for CurveDocument {
+    /// `rising` and `falling` are both null, or both lists.
+    fn from(curve: &InputCurve) -> Self {
         let [rising, falling] =
-            [0, 1].map(|place| curve.by_direction.as_ref().map(|both| both[place].clone()));
+            [0, 1].map(|place| curve.by_direction.as_ref().map(|branches| branches[place].clone()));
         CurveDocument {
-            against: curve.against.clone(),
+            against: curve.regressor.clone(),
             unit: curve.unit.clone(),
-            explains: curve.explains,
+            explains: curve.explained_fraction,
             held_out: curve.held_out,
             evidence: curve.evidence,
             curve: curve.points.clone(),
@@ -106,34 +116,40 @@ impl From<&Curve> for CurveDocument {
     }
 }
 
-/// Where the gap is best explained, when, and by what force, in words; `found` has the most likely junction first.
-pub fn localisation_sentence(found: &[Whereabouts]) -> Option<String> {
-    let best = found.first()?;
-    let near = nearest(found);
-    if near.is_empty() {
-        let few = "no force over time at any junction explains the gap: it is too fast, or too small, to be found without a law";
-        return Some(few.to_owned());
+/// The junctions at which a force explains the gap best, when it acts, and on what it depends, as a sentence without
+/// a full stop. `localisations` has the most likely junction first. None if it is empty.
+///
+/// Example: "the gap is best explained at IV, between t = 2 and 3.5 s, by a force that depends on v". Junctions whose
+/// evidence is nearly as large are joined by "or".
+pub fn localisation_sentence(localisations: &[Localisation]) -> Option<String> {
+    let best = localisations.first()?;
+    let nearest = indistinguishable_junctions(localisations);
+    if nearest.is_empty() {
+        let none = "no force over time at any junction explains the gap: it is too fast or too small to be found without a law";
+        return Some(none.to_owned());
     }
-    let apart = if near.len() > 1 { ", which these data cannot tell apart" } else { "" };
-    let against = match best.best_against() {
-        "time" => "that goes with time alone".to_owned(),
-        signal => format!("of {signal}"),
+    let ambiguity = if nearest.len() > 1 { ", which these data cannot distinguish" } else { "" };
+    let dependence = match best.best_regressor() {
+        "time" => "time only".to_owned(),
+        signal => signal.to_owned(),
     };
-    let (at, when) = (near.join(" or "), when(best));
-    Some(format!("the gap is best explained at {at}{apart}{when}, as a force {against}"))
+    let (junctions, times) = (nearest.join(" or "), times_text(best));
+    Some(format!(
+        "the gap is best explained at {junctions}{ambiguity}{times}, by a force that depends on {dependence}"
+    ))
 }
 
-/// The longest time for which a force acts, and how many others there are, in words.
-fn when(found: &Whereabouts) -> String {
-    let windows: Vec<[f64; 2]> = found.windows().collect();
+/// The longest time for which a force acts, and the number of other times. Empty if it never stands out.
+fn times_text(localisation: &Localisation) -> String {
+    let windows: Vec<[f64; 2]> = localisation.windows().collect();
     let others = match windows.len() {
         0 | 1 => String::new(),
         2 => " and at another time".to_owned(),
         count => format!(" and at {} other times", count - 1),
     };
     let longest = windows.into_iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-    let told = |time: f64| Display::new("", 1.0).number(time);
+    let seconds = |time: f64| QuantityFormat::new("", 1.0).number(time);
     longest.map_or_else(String::new, |[from, to]| {
-        format!(", between t = {} and {} s{others}", told(from), told(to))
+        format!(", between t = {} and {} s{others}", seconds(from), seconds(to))
     })
 }

@@ -1,8 +1,19 @@
-//! Reports of a search: sentences, the JSON document, the page, and the patches that it leaves.
+//! Reports of a search: sentences, the JSON document, the HTML page, and the resulting patches.
 //!
-//! Every text and document for a reader or a program is made here, from the results of the folders below: each file has the
-//! sentences and the documents of one kind of result. A [`Report`] joins the outcome of a search with its experiment and its
-//! problem and gives the whole.
+//! This folder makes all texts and documents for readers and programs. Other folders only compute results. Each file
+//! has the sentences and the documents for one kind of result. A [`Report`] combines the outcome of a search with its
+//! experiment and its problem, and gives access to everything.
+//!
+//! Where a result appears:
+//!
+//! * `patchcord gap` prints [`Report::sentence`], tables, [`Report::doubts`] and the round sentences.
+//! * `report.json` is [`Report::json`], with the experiment and the doubts added by the command line.
+//! * `report.html` is [`Report::page`]. It uses the same sentences as the terminal.
+//! * `fitted.json`, `augmented.json` and `recovered.json` are patches ([`provenance`]), `separate.csv` is the table of
+//!   [`discriminating_experiment`].
+//!
+//! Keys of JSON documents and verdict words are stable, because scripts read them. Some keys are older than the names
+//! in the code, such as `tells` for "is decisive".
 
 pub mod detection_limits;
 pub mod discriminating_experiment;
@@ -37,13 +48,34 @@ use patchcord_core::patch::Patch;
 use patchcord_draw::plot::PlotError;
 
 /// The outcome of a search, with the experiment and the problem that it belongs to.
+///
+/// # Examples
+///
+/// ```no_run
+/// use patchcord_ident::Experiment;
+/// use patchcord_ident::effects::Library;
+/// use patchcord_ident::fit::problem::Problem;
+/// use patchcord_ident::report::Report;
+/// use patchcord_ident::search::{SearchSettings, search};
+///
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let (problem, library) = (Problem::of(&experiment)?, Library::shipped());
+/// let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
+/// let outcome = search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())?;
+/// let outcome = outcome.ok_or("the patch cannot be run from any start")?;
+///
+/// let report = Report::new(&experiment, &problem, &outcome);
+/// std::fs::write("report.html", report.page(&library)?)?;
+/// std::fs::write("report.json", report.json().to_string())?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Report<'a> {
     /// The experiment that was searched.
     pub experiment: &'a Experiment,
     /// The records of the experiment, with their noise.
     pub problem: &'a Problem,
-    /// What the search found.
+    /// The outcome of the search.
     pub outcome: &'a Outcome,
 }
 
@@ -53,17 +85,20 @@ impl<'a> Report<'a> {
         Report { experiment, problem, outcome }
     }
 
-    /// The verdict in a sentence.
+    /// The verdict as a sentence without a full stop.
+    ///
+    /// Examples: "viscous-friction at A1 is missing", "no missing effect is detectable in these data", "inconclusive:
+    /// ...".
     pub fn sentence(&self) -> String {
         verdict_sentence(self.outcome)
     }
 
-    /// What the reader should doubt, a sentence each.
+    /// Doubts about the result, a sentence each. Empty if there are none.
     pub fn doubts(&self) -> Vec<String> {
         doubts(self.outcome, self.experiment)
     }
 
-    /// Everything that was found, as a document.
+    /// The complete result as a document.
     pub fn document(&self) -> SearchDocument {
         SearchDocument::of(self.problem, self.outcome)
     }
@@ -73,7 +108,7 @@ impl<'a> Report<'a> {
         json!(self.document())
     }
 
-    /// The patch as it was, fitted, as one of this file.
+    /// The original patch with fitted values. `file` is the path of the new patch.
     ///
     /// # Errors
     /// If an edit is refused. All edits are of entries that the patch has.
@@ -81,7 +116,7 @@ impl<'a> Report<'a> {
         fitted_patch(self.outcome, self.experiment, file)
     }
 
-    /// The patch with the effects that are named, as one of this file; None if none is named.
+    /// The patch with the named effects. `file` is its path. None if no effect is named.
     ///
     /// # Errors
     /// If an edit is refused. All edits are of entries that the patch has.
@@ -89,7 +124,8 @@ impl<'a> Report<'a> {
         augmented_patch(self.outcome, self.experiment, file)
     }
 
-    /// The patch with the force that closes its gap best, as one of this file; None unless something is missing that has no name.
+    /// The patch with the force that explains the gap best. `file` is its path. None unless the verdict is an unknown
+    /// effect.
     ///
     /// # Errors
     /// If an edit is refused. All edits are of entries that the patch has.
@@ -99,7 +135,8 @@ impl<'a> Report<'a> {
 
     /// The experiment that distinguishes two effects, as CSV text; None if the verdict needs none or none was found.
     pub fn discriminating_csv(&self) -> Option<String> {
-        self.outcome.separating.as_ref().map(|own| experiment_csv(own, &self.experiment.outputs))
+        let experiment = self.outcome.discriminating_experiment.as_ref();
+        experiment.map(|experiment| experiment_csv(experiment, &self.experiment.outputs))
     }
 
     /// The report as one HTML page; `library` has the effects that were tried.

@@ -1,16 +1,19 @@
-//! Where effects cannot be tried, in words.
+//! Places where effects cannot be tried, as sentences.
+//!
+//! An effect needs a site with the right dimensions. An integrator whose output has no scale has no dimension, so
+//! that no effect can be tried there. Both cases are reported, since a missing effect may be hidden by them.
 
-use crate::effects::places::Places;
+use crate::effects::effect_sites::EffectSites;
 
-/// For which effects the patch has no place, in a sentence; None if it has a place for all.
-pub fn nowhere_sentence(places: &Places) -> Option<String> {
-    let nowhere = places.nowhere();
+/// The effects for which the patch has no place, as a sentence. None if it has a place for every effect.
+pub fn nowhere_sentence(places: &EffectSites) -> Option<String> {
+    let nowhere = places.inapplicable_effects();
     (!nowhere.is_empty()).then(|| format!("The patch has no place for {}.", nowhere.join(", ")))
 }
 
-/// At which integrators nothing is tried because they give no signal with a scale, a sentence each.
-pub fn nameless_sentences(places: &Places) -> impl Iterator<Item = String> + '_ {
-    places.nameless.iter().map(|own| {
-        format!("{own} gives no signal with a scale, so that nothing is tried there: name what it gives under \"signals\".")
+/// The integrators at which no effect is tried because their output is not a signal with a scale, a sentence each.
+pub fn nameless_sentences(places: &EffectSites) -> impl Iterator<Item = String> + '_ {
+    places.unscaled_integrators.iter().map(|integrator| {
+        format!("No effect is tried at {integrator}, because its output is not a signal with a scale: add it to \"signals\".")
     })
 }

@@ -1,5 +1,7 @@
-//! The patches that a search leaves: with fitted values, with integrators that begin as the training data do, and with a note
-//! that tells where all that comes from.
+//! The patches that a search writes.
+//!
+//! They have fitted values and the initial voltages of the first training record. A note in front of the patch's own
+//! note has the source, the changes and the residuals. Paths of table files are adapted to the new folder.
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
@@ -9,26 +11,26 @@ use serde_json::Value;
 use crate::data::drive_timing::RECORD_START;
 use crate::data::experiment::Experiment;
 use crate::effects::candidate::Candidate;
-use crate::fit::fitted_model::Stage;
-use crate::fit::model::{ModelError, begun};
-use crate::localise::force::Whereabouts;
+use crate::fit::fitted_model::FittedModel;
+use crate::fit::model::{ModelError, with_initial_voltages};
+use crate::localise::localisation::Localisation;
 use crate::report::values::{interval_text, number_text};
 use crate::search::outcome::Outcome;
 use crate::search::round::Round;
 use patchcord_analysis::instruments::number;
-use patchcord_core::document::behind;
+use patchcord_core::document::unit_suffix;
 use patchcord_core::patch::Patch;
 
-/// The patch as it was, with every parameter at its fitted value.
+/// The original patch with every parameter at its fitted value. `file` is the path of the new patch.
 ///
 /// # Errors
 /// If an edit is refused. All edits are of entries that the patch has.
 pub fn fitted_patch(outcome: &Outcome, experiment: &Experiment, file: &str) -> Result<Patch, ModelError> {
-    let told = format!("fitted. {}", left(&outcome.base));
-    finished(&standing(&outcome.base)?, experiment, &told, file)
+    let changes = format!("fitted; {}", residual_text(&outcome.base));
+    finish_patch(&patch_at_estimate(&outcome.base)?, experiment, &changes, file)
 }
 
-/// The patch with the effects that are named, at their fitted values; `None` if none is named.
+/// The patch with the named effects at their fitted values. None if no effect is named.
 ///
 /// # Errors
 /// If an edit is refused. All edits are of entries that the patch has.
@@ -40,12 +42,13 @@ pub fn augmented_patch(
     if !outcome.verdict.has_names() {
         return Ok(None);
     }
-    let stages = [&outcome.base, outcome.told()].map(left);
-    let told = format!("with {}. Before: {} After: {}", effects_text(outcome), stages[0], stages[1]);
-    finished(&standing(outcome.told())?, experiment, &told, file).map(Some)
+    let model = outcome.reported_model();
+    let [before, after] = [&outcome.base, model].map(residual_text);
+    let changes = format!("with {}. Before: {before} After: {after}", effects_text(outcome));
+    finish_patch(&patch_at_estimate(model)?, experiment, &changes, file).map(Some)
 }
 
-/// The patch with the force that closes its gap best; `None` unless something is missing that has no name.
+/// The patch with the force that explains the gap best. None unless the verdict is an unknown effect.
 ///
 /// # Errors
 /// If an edit is refused. All edits are of entries that the patch has.
@@ -54,119 +57,145 @@ pub fn recovered_patch(
     experiment: &Experiment,
     file: &str,
 ) -> Result<Option<Patch>, ModelError> {
-    let Some(found) = outcome.unnamed() else { return Ok(None) };
-    let (force, before) = (force(found), left(&outcome.base));
-    let closes = found.wired().map_or(found.explains, |curve| curve.explains);
-    let share = number(100.0 * closes);
-    let told =
-        format!("with a force {force}. Before: {before} The force closes {share} % of that in training.");
-    finished(&found.recovered, experiment, &told, file).map(Some)
+    let Some(force) = outcome.unknown_force() else { return Ok(None) };
+    let (description, before) = (force_text(force), residual_text(&outcome.base));
+    let explains = force.wired_curve().map_or(force.explained_fraction, |curve| curve.explained_fraction);
+    let share = number(100.0 * explains);
+    let changes = format!(
+        "with a force {description}. Before: {before} The force explains {share} % of the gap in the training data."
+    );
+    finish_patch(&force.recovered, experiment, &changes, file).map(Some)
 }
 
-/// The effects that were taken, with their parameters.
+/// The added effects with their parameters, separated by "; and ".
 fn effects_text(outcome: &Outcome) -> String {
     let taken = outcome.effects.iter().zip(&outcome.rounds);
-    taken.map(|(own, round)| effect_text(outcome, own, round)).collect::<Vec<_>>().join("; and ")
+    taken.map(|(effect, round)| effect_text(outcome, effect, round)).collect::<Vec<_>>().join("; and ")
 }
 
-fn effect_text(outcome: &Outcome, own: &Candidate, round: &Round) -> String {
-    let parameters = outcome.last.brought(own).map(|(own, value, known)| {
-        let (value, between) = (number_text(known, value), interval_text(known));
-        format!("{} = {value}{} (95 %: {between})", own.name, behind(&own.unit))
+/// An effect with its place, its best rival and its parameters with their intervals.
+///
+/// Example: "leak at I2, k = 0.2 1/s (95 %: 0.19 ... 0.21)". A rival follows the label in parentheses.
+fn effect_text(outcome: &Outcome, effect: &Candidate, round: &Round) -> String {
+    let parameters = outcome.final_model.effect_parameters(effect).map(|(parameter, value, known)| {
+        let (value, interval) = (number_text(known, value), interval_text(known));
+        format!("{} = {value}{} (95 %: {interval})", parameter.name, unit_suffix(&parameter.unit))
     });
     let parameters: Vec<String> = parameters.collect();
-    let or = round.rival().map(|rival| format!(" (or {}: the data cannot tell)", rival.named()));
-    let or = or.unwrap_or_default();
-    format!("{}{or}, {}", own.named(), parameters.join(", "))
+    let rival = round
+        .rival()
+        .map(|rival| format!(" (or {}: the data cannot distinguish them)", rival.label()))
+        .unwrap_or_default();
+    format!("{}{rival}, {}", effect.label(), parameters.join(", "))
 }
 
-/// The patch of a stage as it was fitted: parameters, and the voltages with which the first record begins.
-fn standing(stage: &Stage) -> Result<Patch, ModelError> {
-    let at = stage.version.at(stage.version.patch().file(), &stage.train.point.knobs)?;
-    begun(&at, &stage.version.free, &stage.train.point.initial[0])
+/// The patch of a model with its fitted parameters and the initial voltages of the first training record.
+fn patch_at_estimate(model: &FittedModel) -> Result<Patch, ModelError> {
+    let patch =
+        model.variant.patch_with_values(model.variant.patch().file(), &model.train.estimate.parameters)?;
+    with_initial_voltages(&patch, &model.variant.initial_states, &model.train.estimate.initial[0])
 }
 
-/// A patch as one of a file, with a note of where it comes from in front of its own, and the clock of the first record.
-fn finished(patch: &Patch, experiment: &Experiment, told: &str, file: &str) -> Result<Patch, ModelError> {
-    let own = if patch.note.is_empty() { String::new() } else { format!("\n\n{}", patch.note) };
-    let (from, data) = (experiment.patch.file(), data(experiment));
-    let note = format!("Made by patchcord gap of {from} beside {data}: {told}{own}");
+/// A patch with the path `file`, the clock of the first record, and a note with its source and `changes`.
+///
+/// The steps are: the note, the start of the record if the patch depends on it, the paths of tables, and the check of
+/// the finished document.
+fn finish_patch(
+    patch: &Patch,
+    experiment: &Experiment,
+    changes: &str,
+    file: &str,
+) -> Result<Patch, ModelError> {
+    let original = if patch.note.is_empty() { String::new() } else { format!("\n\n{}", patch.note) };
+    let (source, data) = (experiment.patch.file(), training_files(experiment));
+    let note = format!("Made by patchcord gap from {source} and {data}: {changes}{original}");
     let mut editor = patch.edit();
     editor.set_note(&note);
     if patch.parameters.contains_key(RECORD_START) {
-        let since = experiment.train.first().map_or(0.0, |record| record.since);
+        let since = experiment.train.first().map_or(0.0, |record| record.start_in_file);
         editor.set_parameter(RECORD_START, since)?;
     }
-    // Their files are then looked for from the folder of the new file.
-    for (path, csv) in tables(patch, file) {
+    // Table files are relative to the folder of the patch, which may change.
+    for (path, csv) in relocated_tables(patch, file) {
         editor.put(&path, csv);
     }
     Ok(editor.finish(file)?)
 }
 
-/// The files that hold tables of a patch.
+/// The paths of all CSV files with tables of a patch.
 pub fn table_files(patch: &Patch) -> Vec<PathBuf> {
     let folder = Path::new(patch.file()).parent().unwrap_or(Path::new(""));
-    tables_named(patch).map(|(_, csv)| folder.join(csv)).collect()
+    table_references(patch).map(|(_, csv)| folder.join(csv)).collect()
 }
 
-/// Where a patch names files with tables from its folder, their names from that of another file.
-fn tables<'p>(patch: &'p Patch, file: &str) -> Vec<(Vec<&'p str>, String)> {
-    tables_named(patch).filter_map(|(path, csv)| Some((path, renamed(patch.file(), csv, file)?))).collect()
+/// The table references of a patch with their paths relative to the folder of `file`. Paths that do not exist are
+/// left out.
+fn relocated_tables<'p>(patch: &'p Patch, file: &str) -> Vec<(Vec<&'p str>, String)> {
+    table_references(patch)
+        .filter_map(|(path, csv)| Some((path, relocated(patch.file(), csv, file)?)))
+        .collect()
 }
 
-/// The places where a patch names files with tables, and these.
-fn tables_named(patch: &Patch) -> impl Iterator<Item = (Vec<&str>, &str)> {
+/// The references of a patch to table files: the path of the entry in the document, and the path of the file.
+///
+/// Tables occur in drives, in elements, and in elements of macros. Each path leads to the key `csv`, for example
+/// drives, F, points, csv.
+fn table_references(patch: &Patch) -> impl Iterator<Item = (Vec<&str>, &str)> {
     let all = patch.value();
     let inside =
-        members(&all["macros"]).map(|(name, own)| (vec!["macros", name, "elements"], &own["elements"]));
+        members(&all["macros"]).map(|(name, body)| (vec!["macros", name, "elements"], &body["elements"]));
     let sections = ["drives", "elements"].map(|section| (vec![section], &all[section]));
     sections.into_iter().chain(inside).flat_map(|(section, entries)| {
-        in_files(entries)
+        file_settings(entries)
             .map(move |[name, key, csv]| ([section.as_slice(), &[name, key, "csv"]].concat(), csv))
     })
 }
 
-/// The settings of elements or drives that are tables in files: element, setting, file.
-fn in_files(entries: &Value) -> impl Iterator<Item = [&str; 3]> {
+/// The settings of elements or drives that are tables in files: element, setting, path of the file.
+fn file_settings(entries: &Value) -> impl Iterator<Item = [&str; 3]> {
     let settings = members(entries).flat_map(|(name, entry)| {
         members(entry).filter(|(key, _)| *key != "in").map(move |(key, setting)| (name, key, setting))
     });
     settings.filter_map(|(name, key, setting)| Some([name, key, setting.get("csv")?.as_str()?]))
 }
 
+/// The members of a JSON object. Empty for other values.
 fn members(value: &Value) -> impl Iterator<Item = (&String, &Value)> {
     value.as_object().into_iter().flatten()
 }
 
-/// The name of a file beside one as it is from the folder of another; nothing where there is no way from one to the other.
-fn renamed(beside: &str, name: &str, other: &str) -> Option<String> {
+/// The path `name`, which is relative to the folder of `from_file`, relative to the folder of `to_file`. None if a
+/// folder does not exist, or if the path is not valid UTF-8.
+///
+/// Both folders are resolved without links first, so that the number of ".." is right.
+fn relocated(from_file: &str, name: &str, to_file: &str) -> Option<String> {
     let folder = |file: &str| Path::new(".").join(Path::new(file).parent()?).canonicalize().ok();
-    let (from, to) = (folder(other)?, folder(beside)?.join(name));
-    let shared = from.components().zip(to.components()).take_while(|(one, other)| one == other).count();
-    let up = from.components().skip(shared).map(|_| Component::ParentDir);
-    let way: PathBuf = up.chain(to.components().skip(shared)).collect();
-    Some(way.to_str()?.to_owned())
+    let (base, target) = (folder(to_file)?, folder(from_file)?.join(name));
+    let shared = base.components().zip(target.components()).take_while(|(one, other)| one == other).count();
+    let up = base.components().skip(shared).map(|_| Component::ParentDir);
+    let path: PathBuf = up.chain(target.components().skip(shared)).collect();
+    Some(path.to_str()?.to_owned())
 }
 
-/// The files that were trained on, each once.
-fn data(experiment: &Experiment) -> String {
+/// The files of the training records, separated by commas, each once.
+fn training_files(experiment: &Experiment) -> String {
     let mut names: Vec<&str> = experiment.train.iter().map(|record| record.name.as_str()).collect();
-    // One file may be several records, with others between.
+    // A file may occur again after other files.
     let mut seen = HashSet::new();
     names.retain(|name| seen.insert(*name));
     names.join(", ")
 }
 
-/// What a stage leaves, in words.
-fn left(stage: &Stage) -> String {
-    let [train, test] = [&stage.train, &stage.test].map(|fitted| number(fitted.over_noise()));
-    format!("{train} times the noise is left in training, {test} on the data held back.")
+/// The residual of a model in the training and validation data, as a sentence.
+fn residual_text(model: &FittedModel) -> String {
+    let [train, test] = [&model.train, &model.test].map(|fitted| number(fitted.normalised_rms()));
+    format!("the residual is {train} times the noise in the training data and {test} in the validation data.")
 }
 
-fn force(found: &Whereabouts) -> String {
-    match found.wired() {
-        Some(curve) => format!("at {}, a function of {}", found.junction, curve.against),
-        None => format!("at {}, a table over the time of the first record", found.junction),
+/// Where a force acts, and how it is represented in the patch.
+fn force_text(force: &Localisation) -> String {
+    match force.wired_curve() {
+        Some(curve) => format!("at {}, a function of {}", force.junction, curve.regressor),
+        None => format!("at {}, a table over the time of the first record", force.junction),
     }
 }

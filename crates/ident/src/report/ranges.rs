@@ -1,23 +1,26 @@
-//! Values beyond their ranges, in words and as a document.
+//! Parameter values outside their ranges, as text and as a JSON document.
+//!
+//! If a patch fits best at an end of a range, the search fits it again with a wider range. The value beyond the range
+//! can be a rival of the named effects, or explain the data alone. The verdict or a doubt reports it.
 
 use serde::Serialize;
 
 use crate::report::values::assignment_text;
-use crate::search::range_extension::Beyond;
+use crate::search::range_extension::RangeExtension;
 use patchcord_analysis::instruments::number;
 
 /// A patch fitted with wider ranges, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RangeExtensionDocument {
-    /// The parameters whose values are beyond their ranges.
+    /// The parameters whose values are outside their ranges.
     pub parameters: Vec<ExtendedParameterDocument>,
-    /// What the patch leaves with these values.
+    /// The residual of the patch with these values.
     pub leaves: LeftOverDocument,
     /// Whether the data cannot distinguish it from the patch with what is named.
     pub is_rival: bool,
 }
 
-/// A parameter beyond its range, as a JSON document.
+/// A parameter outside its range, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExtendedParameterDocument {
     /// Its name.
@@ -28,46 +31,48 @@ pub struct ExtendedParameterDocument {
     pub unit: String,
 }
 
-/// What a fitted model leaves of the training records and of those held back, as a JSON document.
+/// The residual of a fitted model in the training and validation data, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOverDocument {
     /// In training, rms over the noise.
     pub train: f64,
-    /// On the data held back, rms over the noise.
+    /// In the validation data, rms over the noise.
     pub test: f64,
 }
 
-impl From<&Beyond> for RangeExtensionDocument {
-    fn from(beyond: &Beyond) -> Self {
-        let stage = &beyond.stage;
+impl From<&RangeExtension> for RangeExtensionDocument {
+    /// `extension.outside` has indices of the fitted parameters; their names and units are those of the model.
+    fn from(extension: &RangeExtension) -> Self {
+        let model = &extension.model;
         let parameter = |place: &usize| ExtendedParameterDocument {
-            name: stage.version.fit[*place].clone(),
-            value: stage.train.point.knobs[*place],
-            unit: stage.unit(*place).to_owned(),
+            name: model.variant.fit[*place].clone(),
+            value: model.train.estimate.parameters[*place],
+            unit: model.unit(*place).to_owned(),
         };
         RangeExtensionDocument {
-            parameters: beyond.places.iter().map(parameter).collect(),
-            leaves: LeftOverDocument { train: stage.train.over_noise(), test: stage.test.over_noise() },
-            is_rival: beyond.is_rival,
+            parameters: extension.outside.iter().map(parameter).collect(),
+            leaves: LeftOverDocument {
+                train: model.train.normalised_rms(),
+                test: model.test.normalised_rms(),
+            },
+            is_rival: extension.is_rival,
         }
     }
 }
 
-/// Which values are beyond their ranges, in words.
-pub fn extension_text(beyond: &Beyond) -> String {
-    let told = beyond.places.iter().map(|place| assignment_text(&beyond.stage, *place));
-    format!("{}, beyond {}", told.collect::<Vec<_>>().join(" and "), ranges(beyond))
+/// The values outside their ranges, for example "M = 2 kg, beyond its range".
+pub fn extension_text(extension: &RangeExtension) -> String {
+    let values = extension.outside.iter().map(|place| assignment_text(&extension.model, *place));
+    let ranges = if extension.outside.len() == 1 { "its range" } else { "their ranges" };
+    format!("{}, beyond {ranges}", values.collect::<Vec<_>>().join(" and "))
 }
 
-/// What the patch alone leaves with these values, in a sentence.
-pub fn extension_sentence(beyond: &Beyond) -> String {
-    let [train, test] = [&beyond.stage.train, &beyond.stage.test].map(|own| number(own.over_noise()));
+/// The values outside their ranges and the residual of the patch alone with these values, as a sentence.
+pub fn extension_sentence(extension: &RangeExtension) -> String {
+    let [train, test] =
+        [&extension.model.train, &extension.model.test].map(|fitted| number(fitted.normalised_rms()));
     format!(
-        "The patch as it was asks for {}; so it alone would leave {train} times the noise in training and {test} in the test.",
-        extension_text(beyond)
+        "The best fit of the original patch has {}: it leaves {train} times the noise in the training data and {test} times in the validation data.",
+        extension_text(extension)
     )
-}
-
-fn ranges(beyond: &Beyond) -> &'static str {
-    if beyond.places.len() == 1 { "its range" } else { "their ranges" }
 }

@@ -1,66 +1,75 @@
-//! Why data cannot judge a patch, in words.
+//! Reasons why data are inconclusive, as sentences with advice.
+//!
+//! Each sentence names the output or drive concerned, gives the numbers on which the decision is based, and ends with
+//! advice. The sentences have no full stop, because they follow "inconclusive: " in the verdict.
 
-use crate::fit::coloured_residual::{Cause, NotWhite};
+use crate::fit::coloured_residual::{ColouredResidual, ResidualSource};
 use crate::report::ranges::extension_text;
-use crate::residuals::divergence::Runaway;
-use crate::residuals::misspecification::{Mistold, Otherwise};
-use crate::residuals::residual_analysis::{BROUGHT, SlowNoise};
-use crate::search::inconclusive::Blind;
-use crate::search::range_extension::Beyond;
+use crate::residuals::divergence::Divergence;
+use crate::residuals::misspecification::{Misspecification, Respecification};
+use crate::residuals::residual_analysis::{DRIVE_NOISE_RATIO, SlowNoise};
+use crate::search::inconclusive::Inconclusive;
+use crate::search::range_extension::RangeExtension;
 use patchcord_analysis::instruments::number;
 
-/// What to do about a patch that diverges.
-const ADVICE: &str = "look at the signs in its loops, or write \"pieces\" where it is to run away";
+/// Advice for a fit that diverges.
+const DIVERGENCE_ADVICE: &str = "check the signs in the loops of the patch, or write \"pieces\" in the experiment if the real system is unstable";
 
-/// Why the data are inconclusive; `beyond` is the patch with wider ranges, if there is one.
-pub fn inconclusive_sentence(reason: &Blind, beyond: Option<&Beyond>) -> String {
+/// Why the data are inconclusive. `extension` is the fit with wider ranges, if there is one.
+///
+/// Example: "the outputs do not move beyond the noise". The verdict sentence puts "inconclusive: " in front.
+pub fn inconclusive_sentence(reason: &Inconclusive, extension: Option<&RangeExtension>) -> String {
     match reason {
-        Blind::Few => "they are no more than the numbers that are fitted".to_owned(),
-        Blind::Still => "nothing moves in them beyond the noise".to_owned(),
-        Blind::Loud(output, left) => format!(
-            "what is left of {output} is {} times its noise, although it looks like noise: there are wild samples in these data, more noise than that, or something too fast for them",
-            number(*left)
+        Inconclusive::TooFewSamples => "there are no more samples than fitted numbers".to_owned(),
+        Inconclusive::NoMotion => "the outputs do not move beyond the noise".to_owned(),
+        Inconclusive::LoudResidual(output, rms) => format!(
+            "the residual of {output} is {} times its noise, although it looks like noise: the data have outliers, more noise than specified, or a disturbance that is faster than the sampling",
+            number(*rms)
         ),
-        Blind::NotWhite(own) => coloured_sentence(own),
-        Blind::Slow(own) => slow_noise_sentence(own),
-        Blind::Changed(left) => format!(
-            "what holds in training does not hold in the data held back, of which {} times the noise is left: something has changed by then, or shows there alone",
-            number(*left)
+        Inconclusive::ColouredResidual(residual) => coloured_sentence(residual),
+        Inconclusive::SlowSensorNoise(noise) => slow_noise_sentence(noise),
+        Inconclusive::ValidationMismatch(rms) => format!(
+            "the fit to the training data does not explain the validation data, which leave {} times the noise: the system has changed, or an effect acts only there",
+            number(*rms)
         ),
-        Blind::Nowhere => {
-            "no effect found a place in the patch, whose integrators have to give signals with scales"
-                .to_owned()
+        Inconclusive::NoPlaces => {
+            "no effect fits the patch: its integrators must give signals with scales".to_owned()
         }
-        Blind::Effects => "they would show none of the effects that were tried".to_owned(),
-        Blind::Beyond => format!(
-            "the patch alone explains them with {}: widen that if the value may be true; something is missing if it may not",
-            beyond.map(extension_text).unwrap_or_default()
+        Inconclusive::NothingDetectable => {
+            "none of the effects that were tried would be detectable in these data".to_owned()
+        }
+        Inconclusive::RangeExtension => format!(
+            "the patch alone explains the data with {}: widen the range if this value is plausible; otherwise an effect is missing",
+            extension.map(extension_text).unwrap_or_default()
         ),
-        Blind::Mistold(own) => misspecification_sentence(own),
-        Blind::Runaway(own) => divergence_sentence(own),
+        Inconclusive::Misspecification(wrong) => misspecification_sentence(wrong),
+        Inconclusive::Divergence(divergence) => divergence_sentence(divergence),
     }
 }
 
 /// Why a residual is coloured although nothing is missing.
-pub fn coloured_sentence(residual: &NotWhite) -> String {
-    let (output, left) = (&residual.output, number(residual.left));
-    match &residual.cause {
-        Cause::Drives(drives, brought) => format!(
-            "what is left of {output}, {left} times its noise, is no more than noise of {} may bring, {} times: measure that better, or tell its \"sigma\", which is 0 of what is set and not measured",
+///
+/// Four sources are distinguished: noise of drives, a fit that diverges, the course of drives between samples, and slow
+/// noise of the output itself.
+pub fn coloured_sentence(residual: &ColouredResidual) -> String {
+    let (output, rms) = (&residual.output, number(residual.normalised_rms));
+    match &residual.source {
+        ResidualSource::DriveNoise(drives, mean_rms) => format!(
+            "the residual of {output}, {rms} times its noise, does not exceed what noise of {} can cause, {} times: measure these drives better, or specify their \"sigma\" (0 for a drive that is set and not measured)",
             drives.join(", "),
-            number((1.0 + BROUGHT * brought * brought).sqrt())
+            number((1.0 + DRIVE_NOISE_RATIO * mean_rms * mean_rms).sqrt())
         ),
-        Cause::Runaway(drives) => format!(
-            "the patch runs away: what is left of {output}, {left} times its noise, is more than that moves, and noise of {} would grow as far: {ADVICE}",
+        ResidualSource::Divergence(drives) => format!(
+            "the fit diverges: the residual of {output}, {rms} times its noise, exceeds the motion of the output, and noise of {} would grow as far: {DIVERGENCE_ADVICE}",
             drives.join(", ")
         ),
-        Cause::Between(drives, smooth) => format!(
-            "what is left of {output}, {left} times its noise, is what straight lines between the samples of {} bring: going on smoothly it leaves {} times; write \"hold\": \"smooth\" if that is how it went, or take samples closer together",
+        ResidualSource::Intersample(drives, smooth_rms) => format!(
+            "the residual of {output}, {rms} times its noise, is caused by straight lines between the samples of {}; with smooth curves it is {} times: write \"hold\": \"smooth\" if the drive is smooth, or sample faster",
             drives.join(", "),
-            number(*smooth)
+            number(*smooth_rms)
         ),
-        Cause::Own => format!(
-            "what is left of {output} is no more than its noise, {left} times, but not white: that noise is slow, or less than that, which its \"sigma\" would tell"
+        ResidualSource::OutputNoise => format!(
+            "the residual of {output} does not exceed its noise, {rms} times, but is not white: the noise is slow, or smaller than its \"sigma\""
         ),
     }
 }
@@ -68,47 +77,51 @@ pub fn coloured_sentence(residual: &NotWhite) -> String {
 /// Why a residual is slow noise of a sensor.
 pub fn slow_noise_sentence(noise: &SlowNoise) -> String {
     format!(
-        "what is left of {} goes like slow noise of its sensor, which that remembers for about {} s, rather than like a force at any junction",
+        "the residual of {} is better explained by slow noise of its sensor, with a correlation time of about {} s, than by a force at any junction",
         noise.output,
-        number(noise.seconds)
+        number(noise.correlation_time)
     )
 }
 
-/// What is specified wrongly, what the patch leaves with it and without it, and where to look.
-pub fn misspecification_sentence(wrong: &Mistold) -> String {
-    let ([before, after], told) = (wrong.leaves.map(number), respecification_text(&wrong.otherwise));
-    let advice = respecification_advice(&wrong.otherwise);
-    format!("with {told} the patch leaves {after} times the noise, and {before} as it is: {advice}")
+/// Which specification is wrong, the residual with and without the correction, and where to look.
+pub fn misspecification_sentence(wrong: &Misspecification) -> String {
+    let ([before, after], correction) =
+        (wrong.normalised_rms.map(number), correction_text(&wrong.respecification));
+    let advice = correction_advice(&wrong.respecification);
+    format!("with {correction} the patch leaves {after} times the noise instead of {before}: {advice}")
 }
 
-fn respecification_text(otherwise: &Otherwise) -> String {
-    match otherwise {
-        Otherwise::Turned(names) => format!("{} turned round", names.join(", ")),
-        Otherwise::Thousandth(names) => format!("a thousandth of {}", names.join(", ")),
-        Otherwise::Thousandfold(names) => format!("a thousand times {}", names.join(", ")),
-        Otherwise::ThousandthOfTimes => "a thousandth of all times".to_owned(),
-        Otherwise::ThousandfoldTimes => "a thousand times all times".to_owned(),
+/// The change of the data that makes the patch fit, for example "the sign of x reversed".
+///
+/// Factors are 1000, because confused units usually are: mm and m, ms and s, N and kN.
+fn correction_text(correction: &Respecification) -> String {
+    match correction {
+        Respecification::SignFlip(names) => format!("the sign of {} reversed", names.join(", ")),
+        Respecification::UnitScaleDown(names) => format!("{} divided by 1000", names.join(", ")),
+        Respecification::UnitScaleUp(names) => format!("{} multiplied by 1000", names.join(", ")),
+        Respecification::TimeScaleDown => "all times divided by 1000".to_owned(),
+        Respecification::TimeScaleUp => "all times multiplied by 1000".to_owned(),
     }
 }
 
-/// Where to look.
-fn respecification_advice(otherwise: &Otherwise) -> &'static str {
-    match otherwise {
-        Otherwise::Turned(_) => "look at the signs of signal, column and drives",
-        Otherwise::Thousandth(_) | Otherwise::Thousandfold(_) => {
-            "look at the units of columns and drives, which are those of the signals where no \"unit\" is told, and of parameters"
+/// Where to look for a wrong specification.
+fn correction_advice(correction: &Respecification) -> &'static str {
+    match correction {
+        Respecification::SignFlip(_) => "check the signs of signals, columns and drives",
+        Respecification::UnitScaleDown(_) | Respecification::UnitScaleUp(_) => {
+            "check the units of parameters, columns and drives; without \"unit\" a column has the unit of its signal or drive"
         }
-        Otherwise::ThousandthOfTimes | Otherwise::ThousandfoldTimes => {
-            "look at the unit of \"time\", which is s where none is told, and at what makes the patch quick or slow: jacks of integrators, units of parameters"
+        Respecification::TimeScaleDown | Respecification::TimeScaleUp => {
+            "check the unit of \"time\", which is s if none is specified, and what sets the speed of the patch: jacks of integrators and units of parameters"
         }
     }
 }
 
-/// How far a patch diverges from the data, and what to do about it.
-pub fn divergence_sentence(divergence: &Runaway) -> String {
-    let Runaway { output, left, moves, growth } = divergence;
-    let [left, moves, growth] = [left, moves, growth].map(|own| number(*own));
+/// How far a fit diverges from the data, and what to do about it.
+pub fn divergence_sentence(divergence: &Divergence) -> String {
+    let Divergence { output, normalised_rms, normalised_motion, growth } = divergence;
+    let [left, moves, growth] = [normalised_rms, normalised_motion, growth].map(|value| number(*value));
     format!(
-        "the patch runs away: it leaves {left} times the noise of {output}, which moves by {moves}, and what is changed of its initial voltages grows more than {growth} times: {ADVICE}"
+        "the fit diverges: it leaves {left} times the noise of {output}, which moves by {moves}, and a change of the initial voltages grows more than {growth} times: {DIVERGENCE_ADVICE}"
     )
 }

@@ -1,11 +1,14 @@
-//! Rounds in words, and what they did not try as a document.
+//! Rounds as sentences, and trials that were not made as JSON documents.
+//!
+//! A round sentence names the best trial, its score, the change of chi-squared in the validation data, and the
+//! decision. The same sentence is used on the terminal and on the HTML page.
 
 use std::collections::HashSet;
 
 use serde::Serialize;
 
-use crate::data::measured::plural;
-use crate::fit::extended_model::LeftOut;
+use crate::data::measured_file::plural;
+use crate::fit::extended_model::SkippedTrial;
 use crate::search::outcome::Outcome;
 use crate::search::round::Round;
 use patchcord_analysis::instruments::number;
@@ -26,29 +29,30 @@ pub struct SkippedTrialDocument {
 
 impl SkippedTrialDocument {
     /// The document of an effect that was not tried in a round, or before any search.
-    pub fn of(skipped: &LeftOut, step: Option<usize>) -> Self {
-        let LeftOut { effect, junction, why } = skipped.clone();
-        SkippedTrialDocument { name: effect, junction, why, step }
+    pub fn of(skipped: &SkippedTrial, step: Option<usize>) -> Self {
+        let SkippedTrial { effect, junction, reason } = skipped.clone();
+        SkippedTrialDocument { name: effect, junction, why: reason, step }
     }
 }
 
-/// Which effect is not tried at which place, and why, in a line.
-pub fn skipped_trial_sentence(skipped: &LeftOut) -> String {
-    let why = skipped.why.lines().next().unwrap_or_default();
+/// Which effect is not tried at which place, and why, in one line. Only the first line of the reason is used.
+pub fn skipped_trial_sentence(skipped: &SkippedTrial) -> String {
+    let why = skipped.reason.lines().next().unwrap_or_default();
     format!("{} at {} is not tried: {why}", skipped.effect, skipped.junction)
 }
 
-/// What a round of an outcome came to, which effects next to it were dropped later, and why what it took has no name.
+/// The result of a round, which other effects were dropped later, and why a taken effect has no name in the verdict.
 pub fn round_sentence(outcome: &Outcome, round: &Round) -> String {
-    let is_kept = |own: &str| outcome.effects.iter().any(|effect| effect.named() == own);
-    let dropped = round.beside.iter().filter(|own| !is_kept(own));
-    let dropped: String = dropped.map(|own| format!(" Later {own} was dropped.")).collect();
-    let is_nameless = round.taken && !outcome.verdict.has_names();
-    let nameless = if is_nameless { " It is not named: what is left in the end is too much." } else { "" };
-    judgement(round) + &dropped + nameless
+    let is_kept = |label: &str| outcome.effects.iter().any(|effect| effect.label() == label);
+    let dropped = round.other_effects.iter().filter(|label| !is_kept(label));
+    let dropped: String = dropped.map(|label| format!(" {label} was dropped later.")).collect();
+    let is_unnamed = round.taken && !outcome.verdict.has_names();
+    let unnamed = if is_unnamed { " It is not named, because the final residual is too large." } else { "" };
+    result_sentence(round) + &dropped + unnamed
 }
 
-/// How many effects were tried, and in how many ways: places, forms, and what they read there.
+/// The number of effects and of trials, for example "10 effects tried in 27 ways". Ways are places, forms and signals
+/// that are read.
 pub fn trial_count_text(round: &Round) -> String {
     let effects: HashSet<&str> = round.trials.iter().map(|trial| trial.candidate.effect.as_str()).collect();
     let [effects, ways] =
@@ -56,38 +60,47 @@ pub fn trial_count_text(round: &Round) -> String {
     format!("{effects} tried in {ways}")
 }
 
-/// What the round came to.
-fn judgement(round: &Round) -> String {
-    let Some(best) = round.trials.first() else { return "nothing fits".to_owned() };
-    let held = format!(
-        "on the data held back it lowers the sum of squares by {} times that of the noise (95 %: {})",
-        number(round.confirmed.sum),
-        round.confirmed.interval().map(number).join(" ... ")
+/// The best trial of a round, its score, and whether it is taken.
+///
+/// A trial is not taken for one of three reasons: its score is too low for the number of trials, it explains too little
+/// of the gap, or the validation data do not confirm it. The sentence names the first that applies.
+fn result_sentence(round: &Round) -> String {
+    let Some(best) = round.trials.first() else { return "no effect can be tried".to_owned() };
+    let validation = format!(
+        "it lowers the chi-squared of the validation data by {} (95 %: {})",
+        number(round.validation_advantage.sum),
+        round.validation_advantage.confidence_interval().map(number).join(" ... ")
     );
-    let beside = match round.beside.is_empty() {
+    let context = match round.other_effects.is_empty() {
         true => String::new(),
-        false => format!("Beside {}, ", round.beside.join(" and ")),
+        false => format!("With {} in the patch, ", round.other_effects.join(" and ")),
     };
-    let score = format!("{beside}{} is the best, with a score of {}", best.named(), number(best.score));
+    let score = format!(
+        "{context}{} is the best, with a score (delta BIC) of {}",
+        best.label(),
+        number(best.delta_bic)
+    );
     match (round.taken, round.tied) {
-        (true, 1) => format!("{score}; {held}. It is taken."),
+        (true, 1) => format!("{score}; {validation}. It is taken."),
         (true, 2) => {
-            format!("{score}; {held}. It is taken, although the data cannot tell it from another.")
-        }
-        (true, tied) => format!(
-            "{score}; {held}. It is taken, although the data cannot tell it from {} others.",
-            tied - 1
-        ),
-        (false, _) if best.score <= round.needed => {
             format!(
-                "{score}, which is less than the {} that so many trials ask for. None is taken.",
-                number(round.needed)
+                "{score}; {validation}. It is taken, although the data cannot distinguish it from another."
             )
         }
-        (false, _) if !round.closes_enough() => format!(
-            "{score}; but it closes only {} % of what is left, and what it leaves is no noise. None is taken.",
-            number(100.0 * round.closed())
+        (true, tied) => format!(
+            "{score}; {validation}. It is taken, although the data cannot distinguish it from {} others.",
+            tied - 1
         ),
-        (false, _) => format!("{score}; but {held}, which is no evidence. None is taken."),
+        (false, _) if best.delta_bic <= round.required_delta_bic => {
+            format!(
+                "{score}, which is less than the {} required for this number of trials. None is taken.",
+                number(round.required_delta_bic)
+            )
+        }
+        (false, _) if !round.has_sufficient_effect() => format!(
+            "{score}; but it explains only {} % of the gap (in squares), and the rest is not noise. None is taken.",
+            number(100.0 * round.explained_fraction())
+        ),
+        (false, _) => format!("{score}; but {validation}, which is not significant. None is taken."),
     }
 }

@@ -1,47 +1,59 @@
-//! The log of a search in words and as a document.
+//! The log of a search, as text and as JSON documents.
+//!
+//! The log has one entry per change of the effects in the patch. It explains how the search reached its result if
+//! that took more than one change, for example if an effect was replaced or dropped.
 
 use serde::Serialize;
 
 use crate::report::ranges::LeftOverDocument;
-use crate::search::search_log::{Action, Change};
+use crate::search::search_log::{Action, LogEntry};
 
 /// An entry of the log as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SearchLogDocument {
-    /// What was done, in words.
+    /// The action, as text.
     pub did: String,
-    /// The effects in the patch after that, each with its place.
+    /// The effects in the patch after the action, each with its place.
     pub effects: Vec<String>,
-    /// What the patch with them leaves.
+    /// The residual of the patch with these effects.
     pub left: LeftOverDocument,
 }
 
-impl From<&Change> for SearchLogDocument {
-    fn from(change: &Change) -> Self {
-        let [train, test] = change.left;
+impl From<&LogEntry> for SearchLogDocument {
+    /// The residual is that after the action, rms over the noise.
+    fn from(entry: &LogEntry) -> Self {
+        let [train, test] = entry.residual_rms;
         SearchLogDocument {
-            did: action_text(&change.did),
-            effects: change.effects.clone(),
+            did: action_text(&entry.action),
+            effects: entry.effects.clone(),
             left: LeftOverDocument { train, test },
         }
     }
 }
 
-/// What the search did, in words.
+/// An action of the search as text, for example "leak at I2 is taken".
 pub fn action_text(action: &Action) -> String {
     match action {
-        Action::FitPatch => "the patch as it was".to_owned(),
+        Action::FitPatch => "the original patch is fitted".to_owned(),
         Action::Take(effect) => format!("{effect} is taken"),
-        Action::ContinueUnconfirmed(effect) => format!("{effect} is gone on from, not confirmed by itself"),
-        Action::TryInPair(effect) => {
-            format!("{effect} is gone on from, as of two effects one may hide the other")
+        Action::ContinueUnconfirmed(effect) => {
+            format!("{effect} is added, although it is not confirmed by itself")
         }
-        Action::BacktrackFromMore => "back, as more effects do not hold together".to_owned(),
-        Action::BacktrackFromPair => "back, as no two hold together and leave but noise".to_owned(),
-        Action::RefitFromTrial => "the same, fitted better from where a trial had come to".to_owned(),
-        Action::RestoreFit => "the same, as it was before that".to_owned(),
+        Action::TryInPair(effect) => {
+            format!("{effect} is added for a pair, because one of two effects may hide the other")
+        }
+        Action::BacktrackFromMore => {
+            "the search returns, because the additional effects are not confirmed".to_owned()
+        }
+        Action::BacktrackFromPair => {
+            "the search returns, because no pair is confirmed and leaves only noise".to_owned()
+        }
+        Action::RefitFromTrial => {
+            "the same effects are fitted better, from the estimate of a trial".to_owned()
+        }
+        Action::RestoreFit => "the earlier fit of the same effects is restored".to_owned(),
         Action::Drop(effect) => format!("{effect} is dropped"),
-        Action::Keep(effect) => format!("{effect} is looked at again beside the others, and stays"),
-        Action::Replace { by, replaced } => format!("{by} takes the place of {replaced}"),
+        Action::Keep(effect) => format!("{effect} is tried again with the others, and kept"),
+        Action::Replace { by, replaced } => format!("{by} replaces {replaced}"),
     }
 }

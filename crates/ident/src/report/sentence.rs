@@ -1,116 +1,127 @@
-//! The verdict of a search in words.
+//! The verdict of a search as a sentence.
+//!
+//! The sentence has up to four parts: the effects, the ambiguity, the experiment that resolves it, and the remaining
+//! part of the gap. Effects of different rounds are joined by "and". Rivals of the same round are joined by "or".
 
 use std::collections::BTreeSet;
 
 use crate::design::detectability::detection_limit::best_places;
-use crate::localise::force::nearest;
+use crate::localise::localisation::indistinguishable_junctions;
 use crate::report::detection_limits::limit_sentence;
 use crate::report::discriminating_experiment::experiment_sentence;
 use crate::report::ranges::extension_text;
 use crate::report::reasons::inconclusive_sentence;
-use crate::search::outcome::{Outcome, taken};
+use crate::search::outcome::{Outcome, taken_rounds};
 use crate::search::round::{Round, Trial};
 use crate::search::verdict::Verdict;
 use patchcord_analysis::instruments::number;
 
-/// The verdict in words.
+/// The verdict as a sentence without a full stop, for example "saturation at u is missing".
 pub fn verdict_sentence(outcome: &Outcome) -> String {
     match outcome.verdict {
-        Verdict::Named => format!("{}{}", missing(outcome), left_over(outcome)),
-        Verdict::Ambiguous => untold_apart(outcome),
+        Verdict::Named => format!("{}{}", missing_text(outcome), remainder_text(outcome)),
+        Verdict::Ambiguous => ambiguous_sentence(outcome),
         Verdict::NothingMissing => {
-            let least = best_places(&outcome.limits).into_iter().find_map(limit_sentence);
+            let least = best_places(&outcome.detection_limits).into_iter().find_map(limit_sentence);
             let least = least.map(|least| format!("; {least}")).unwrap_or_default();
-            format!("nothing is missing that these data would show{least}")
+            format!("no missing effect is detectable in these data{least}")
         }
-        Verdict::UnknownEffect => nameless(outcome),
+        Verdict::UnknownEffect => unknown_sentence(outcome),
         Verdict::CannotJudge => {
-            let why = outcome
-                .blind
-                .as_ref()
-                .map(|why| format!(": {}", inconclusive_sentence(why, outcome.beyond.as_ref())));
-            let why = why.unwrap_or_default();
-            format!("these data cannot judge{why}")
+            let extension = outcome.range_extension.as_ref();
+            let reason = outcome.inconclusive.as_ref();
+            let reason = reason.map(|reason| format!(": {}", inconclusive_sentence(reason, extension)));
+            format!("inconclusive{}", reason.unwrap_or_default())
         }
     }
 }
 
-/// What is missing.
-fn missing(outcome: &Outcome) -> String {
-    let effects = taken_told(outcome);
+/// The named effects, for example "leak at I2 or drift at I2 is missing".
+///
+/// One effect gives "is missing", several "are missing". Alternatives of one round count as one.
+fn missing_text(outcome: &Outcome) -> String {
+    let effects = effects_by_round(outcome);
     let are = if effects.len() > 1 { "are" } else { "is" };
-    format!("{} {are} missing", listed(&effects))
+    format!("{} {are} missing", list(&effects))
 }
 
-/// What may be missing, and what would tell.
-fn untold_apart(outcome: &Outcome) -> String {
-    let beyond = outcome.beyond.as_ref().filter(|own| own.is_rival);
-    let beyond = beyond.map(|own| format!(", or {}", extension_text(own))).unwrap_or_default();
-    let cannot_tell = match taken(&outcome.rounds).count() {
-        0..=1 => "these data cannot tell",
-        _ => "these data cannot tell which, where there is an \"or\"",
+/// The effects of which one is missing, and the experiment that distinguishes them.
+///
+/// An experiment that would distinguish the effects follows after a semicolon, or the reason why none was found.
+fn ambiguous_sentence(outcome: &Outcome) -> String {
+    let extension = outcome.range_extension.as_ref().filter(|extension| extension.is_rival);
+    let extension =
+        extension.map(|extension| format!(", or {}", extension_text(extension))).unwrap_or_default();
+    let ambiguity = match taken_rounds(&outcome.rounds).count() {
+        0..=1 => "these data cannot distinguish them",
+        _ => "these data cannot distinguish what is joined by \"or\"",
     };
-    let would = match &outcome.separating {
-        Some(own) => format!("; {}", experiment_sentence(own)),
-        None if taken(&outcome.rounds).any(|round| round.rival().is_some()) => {
-            "; no experiment was found that would: under each drive that was tried an amplifier overloads, or there is none that data feed".to_owned()
+    let experiment = match &outcome.discriminating_experiment {
+        Some(experiment) => format!("; {}", experiment_sentence(experiment)),
+        None if taken_rounds(&outcome.rounds).any(|round| round.rival().is_some()) => {
+            "; no drive was found that would distinguish them: every tried drive overloads an amplifier, or the data feed no drive".to_owned()
         }
         None => String::new(),
     };
-    format!("{}{beyond}: {cannot_tell}{would}{}", missing(outcome), left_over(outcome))
+    format!("{}{extension}: {ambiguity}{experiment}{}", missing_text(outcome), remainder_text(outcome))
 }
 
-/// Where something is missing that has no name, and how far effects lead.
-fn nameless(outcome: &Outcome) -> String {
-    let at = nearest(&outcome.whereabouts).join(" or ");
-    let at = if at.is_empty() { at } else { format!(" at {at}") };
-    let nameless = format!("something is missing{at} that the library does not have");
-    match listed(&taken_told(outcome)).as_str() {
-        "" => nameless,
+/// The most likely junctions of an unknown effect, and how far the best effects of the library explain it.
+///
+/// If the library has effects that explain a part, they are named after the junction with the share that remains.
+fn unknown_sentence(outcome: &Outcome) -> String {
+    let junctions = indistinguishable_junctions(&outcome.localisations).join(" or ");
+    let place = if junctions.is_empty() { junctions } else { format!(" at {junctions}") };
+    let unknown = format!("something is missing{place} that the library does not have");
+    match list(&effects_by_round(outcome)).as_str() {
+        "" => unknown,
         effects => {
-            let left = number(100.0 * outcome.left);
-            format!("{nameless}: with {effects} {left} % of the gap would be left, which is no noise")
+            let remaining = number(100.0 * outcome.remaining_fraction);
+            format!("{unknown}: with {effects}, {remaining} % of the gap is left, which is not noise")
         }
     }
 }
 
-/// What each round took, with what the data cannot tell from it.
-fn taken_told(outcome: &Outcome) -> Vec<String> {
-    let bests: Vec<String> = taken(&outcome.rounds).map(|round| round.trials[0].named()).collect();
-    // The same at the same place is another form of it.
-    let named = |trial: &Trial| match bests.iter().filter(|best| **best == trial.named()).count() {
-        0..=1 => trial.named(),
-        _ => format!("{} ({})", trial.named(), trial.candidate.note),
+/// For each taken round, its best effect and those that the data cannot distinguish from it.
+///
+/// The best effect and one rival are named. Further rivals are only counted, each effect and place once.
+fn effects_by_round(outcome: &Outcome) -> Vec<String> {
+    let best: Vec<String> = taken_rounds(&outcome.rounds).map(|round| round.trials[0].label()).collect();
+    // An effect that occurs twice at a place has two forms, which the note distinguishes.
+    let name = |trial: &Trial| match best.iter().filter(|best| **best == trial.label()).count() {
+        0..=1 => trial.label(),
+        _ => format!("{} ({})", trial.label(), trial.candidate.note),
     };
-    let told = |round: &Round| {
-        let both: Vec<&Trial> = round.trials.iter().take(1).chain(round.rival()).collect();
-        // Nor are other forms of one of them more.
-        let is_other = |trial: &&Trial| both.iter().all(|own| own.named() != trial.named());
-        let more: BTreeSet<String> = round.rivals().filter(is_other).map(|trial| trial.named()).collect();
-        let both = both.into_iter().map(named).collect::<Vec<_>>().join(" or ");
+    let describe = |round: &Round| {
+        let named: Vec<&Trial> = round.trials.iter().take(1).chain(round.rival()).collect();
+        // Other forms of a named effect do not count as further effects.
+        let is_other = |trial: &&Trial| named.iter().all(|named| named.label() != trial.label());
+        let more: BTreeSet<String> = round.rivals().filter(is_other).map(Trial::label).collect();
+        let named = named.into_iter().map(name).collect::<Vec<_>>().join(" or ");
         match more.len() {
-            0 => both,
-            1 => format!("{both} (or one more)"),
-            more => format!("{both} (or one of {more} more)"),
+            0 => named,
+            1 => format!("{named} (or one more)"),
+            more => format!("{named} (or one of {more} more)"),
         }
     };
-    taken(&outcome.rounds).map(told).collect()
+    taken_rounds(&outcome.rounds).map(describe).collect()
 }
 
-/// What is left besides what is named, where that is more than a law of another shape leaves mostly, in words.
-fn left_over(outcome: &Outcome) -> String {
-    if !outcome.leaves_much() {
+/// The remaining part of the gap, if it is larger than an inexact law usually causes. Empty otherwise.
+fn remainder_text(outcome: &Outcome) -> String {
+    if !outcome.has_substantial_residual() {
         return String::new();
     }
-    let held = (outcome.last.test.unexplained() / outcome.base.test.unexplained()).sqrt();
-    let [train, test] = [outcome.left, held].map(|share| number(100.0 * share));
+    let validation =
+        (outcome.final_model.test.excess_reduced_chi2() / outcome.base.test.excess_reduced_chi2()).sqrt();
+    let [train, test] = [outcome.remaining_fraction, validation].map(|share| number(100.0 * share));
     format!(
-        "; {train} % of the gap is left, and {test} % on the data held back, which is no noise: the law may be another"
+        "; {train} % of the gap is left, and {test} % in the validation data, which is not noise: the real law may be different"
     )
 }
 
-/// "A", "A, and B", "A, B, and C": what is listed may itself be "X or Y".
-fn listed(parts: &[String]) -> String {
+/// "A", "A, and B" or "A, B, and C". The parts may contain "or".
+fn list(parts: &[String]) -> String {
     match parts {
         [] => String::new(),
         [only] => only.clone(),

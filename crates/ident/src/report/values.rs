@@ -1,15 +1,18 @@
-//! Fitted values in words and as documents.
+//! Fitted values as text and as JSON documents.
+//!
+//! Numbers have four significant digits. A value has more if its interval is so narrow that its ends would otherwise
+//! be printed as the same number. Units follow the value after a space, and dimensionless values have none.
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
 use crate::effects::candidate::Candidate;
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::parameter_values::ParameterValues;
-use crate::fit::uncertainty::Known;
+use crate::fit::uncertainty::Uncertainty;
 use crate::search::outcome::Outcome;
 use patchcord_analysis::instruments::number;
-use patchcord_core::document::behind;
+use patchcord_core::document::unit_suffix;
 
 /// A value with its unit, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,29 +25,35 @@ pub struct ValueDocument {
 
 /// Parameters with their values, by name.
 pub fn value_documents(values: &ParameterValues) -> IndexMap<String, ValueDocument> {
-    let each = values.0.iter();
-    each.map(|(name, value, unit)| (name.clone(), ValueDocument { value: *value, unit: unit.clone() }))
+    let values = values.0.iter();
+    values
+        .map(|(name, value, unit)| (name.clone(), ValueDocument { value: *value, unit: unit.clone() }))
         .collect()
 }
 
 /// Parameters with their values, for example "k = 500 N/m, c = 5 N s/m".
 pub fn parameter_values_text(values: &ParameterValues) -> String {
-    let each =
-        values.0.iter().map(|(name, value, unit)| format!("{name} = {}{}", number(*value), behind(unit)));
-    each.collect::<Vec<_>>().join(", ")
+    let assignments = values
+        .0
+        .iter()
+        .map(|(name, value, unit)| format!("{name} = {}{}", number(*value), unit_suffix(unit)));
+    assignments.collect::<Vec<_>>().join(", ")
 }
 
-/// The 95 % interval of a value: from where to where, or "anything".
-pub fn interval_text(known: Known) -> String {
+/// The 95 % interval of a value, for example "1.5 ... 2.25", or "any value" if the data do not determine it.
+pub fn interval_text(known: Uncertainty) -> String {
     let [low, high] = known.interval;
     match known.error.is_finite() {
         true => format!("{} ... {}", number_text(known, low), number_text(known, high)),
-        false => "anything".to_owned(),
+        false => "any value".to_owned(),
     }
 }
 
-/// A number in or about the interval of a value, with as many digits as distinguish the ends of that.
-pub fn number_text(known: Known, value: f64) -> String {
+/// A number in or near the interval of a value, with enough digits to distinguish the ends of the interval.
+///
+/// Example: an interval of 1.00012 ... 1.00018 has two ends that are equal to four digits. They are then printed with
+/// two digits of their difference. Very small values use a power of ten.
+pub fn number_text(known: Uncertainty, value: f64) -> String {
     let [low, high] = known.interval;
     let width = high - low;
     match number(low) == number(high) && width > 0.0 {
@@ -60,39 +69,50 @@ pub fn number_text(known: Known, value: f64) -> String {
     }
 }
 
-/// The value of the parameter at a place of the fit, with as many digits as its interval asks for.
-pub fn estimate_text(stage: &Stage, place: usize) -> String {
-    number_text(stage.known(place), stage.train.point.knobs[place])
+/// The value of a fitted parameter, with as many digits as its interval requires. `place` is its index.
+pub fn estimate_text(model: &FittedModel, place: usize) -> String {
+    number_text(model.uncertainty(place), model.train.estimate.parameters[place])
 }
 
-/// The parameter at a place of the fit with its value, for example "M = 2 kg".
-pub fn assignment_text(stage: &Stage, place: usize) -> String {
-    format!("{} = {}{}", stage.version.fit[place], estimate_text(stage, place), behind(stage.unit(place)))
+/// A fitted parameter with its value, for example "M = 2 kg". `place` is its index.
+pub fn assignment_text(model: &FittedModel, place: usize) -> String {
+    format!(
+        "{} = {}{}",
+        model.variant.fit[place],
+        estimate_text(model, place),
+        unit_suffix(model.unit(place))
+    )
 }
 
-/// The standard error of the parameter at a place of the fit.
-pub fn error_text(stage: &Stage, place: usize) -> String {
-    let error = stage.known(place).error;
-    if error.is_finite() { number(error) } else { "not told".to_owned() }
+/// The standard error of a fitted parameter, or "unknown". `place` is its index.
+pub fn error_text(model: &FittedModel, place: usize) -> String {
+    let error = model.uncertainty(place).error;
+    if error.is_finite() { number(error) } else { "unknown".to_owned() }
 }
 
-/// Which parameters the data do not determine, in a sentence; None if they determine all.
-pub fn undetermined_sentence(stage: &Stage) -> Option<String> {
-    let untold =
-        stage.version.fit.iter().enumerate().filter(|(place, _)| !stage.known(*place).error.is_finite());
-    let names: Vec<&str> = untold.map(|(_, name)| name.as_str()).collect();
+/// The parameters that the data do not determine, as a sentence. None if the data determine all.
+pub fn undetermined_sentence(model: &FittedModel) -> Option<String> {
+    let undetermined = model
+        .variant
+        .fit
+        .iter()
+        .enumerate()
+        .filter(|(place, _)| !model.uncertainty(*place).error.is_finite());
+    let names: Vec<&str> = undetermined.map(|(_, name)| name.as_str()).collect();
     let why = match names.as_slice() {
         [] => return None,
-        [_] => "its value changes nothing, or what it changes others can make up for",
-        _ => "their values change nothing, or can be changed together and leave the same",
+        [_] => "its value has no effect on the outputs, or other parameters can compensate for it",
+        _ => "their values have no effect on the outputs, or can change together without one",
     };
-    Some(format!("These data do not tell {}: {why}.", names.join(", ")))
+    Some(format!("These data do not determine {}: {why}.", names.join(", ")))
 }
 
-/// What a fitted parameter belongs to: an effect at its place, as in "leak at I2", or the patch.
+/// The owner of a fitted parameter: an effect at its place, as in "leak at I2", or "the patch".
+///
+/// Parameters that an effect adds belong to it; all others belong to the patch.
 pub fn owner(outcome: &Outcome, parameter: &str) -> String {
-    let brings = |own: &&Candidate| own.graft.parameters.iter().any(|brought| brought.name == parameter);
-    outcome.effects.iter().find(brings).map_or_else(|| "the patch".to_owned(), Candidate::named)
+    let is_owner = |effect: &&Candidate| effect.graft.parameters.iter().any(|added| added.name == parameter);
+    outcome.effects.iter().find(is_owner).map_or_else(|| "the patch".to_owned(), Candidate::label)
 }
 
 #[cfg(test)]
@@ -100,17 +120,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ends_of_an_interval_are_told_apart() {
-        let known = |low, high, error| Known { error, interval: [low, high] };
-        let told = |low, high, error| interval_text(known(low, high, error));
-        assert_eq!(told(1.5, 2.25, 0.1), "1.5 ... 2.25");
-        assert_eq!(told(14.9971, 15.0028, 0.001), "14.9971 ... 15.0028");
-        assert_eq!(told(0.0, 0.0, 0.0), "0 ... 0");
-        assert_eq!(told(0.0, 1.0, f64::INFINITY), "anything");
-        // A value is not to lie outside of its interval as that is told.
+    fn numbers_have_enough_digits_to_distinguish_the_ends_of_their_interval() {
+        let known = |low, high, error| Uncertainty { error, interval: [low, high] };
+        let text = |low, high, error| interval_text(known(low, high, error));
+        assert_eq!(text(1.5, 2.25, 0.1), "1.5 ... 2.25");
+        assert_eq!(text(14.9971, 15.0028, 0.001), "14.9971 ... 15.0028");
+        assert_eq!(text(0.0, 0.0, 0.0), "0 ... 0");
+        assert_eq!(text(0.0, 1.0, f64::INFINITY), "any value");
+        // The printed value must be inside the printed interval.
         assert_eq!(number_text(known(14.9971, 15.0028, 0.001), 15.00249), "15.0025");
         assert_eq!(number_text(known(1.5, 2.25, 0.1), 1.87654), "1.877");
-        assert_eq!(number_text(Known::NOT, 1.87654), "1.877");
+        assert_eq!(number_text(Uncertainty::UNDETERMINED, 1.87654), "1.877");
         assert_eq!(number_text(known(1.99997e-16, 2.00003e-16, 1e-21), 2.00001e-16), "2.000010e-16");
     }
 }

@@ -1,86 +1,112 @@
-//! A patch that runs away from the data, as where a sign in one of its loops is wrong: what it lacks cannot be told from there.
+//! Fits that diverge from the data, usually because the sign in a loop is wrong. Such a model is unstable, and a
+//! missing effect cannot be identified from its residuals.
 
 use std::iter::successors;
 
-use crate::fit::fitted_model::Stage;
-use crate::fit::levenberg_marquardt::Task;
+use crate::fit::fitted_model::FittedModel;
+use crate::fit::levenberg_marquardt::FitProblem;
 use crate::fit::model::ModelError;
-use crate::fit::normal_equations::Column;
+use crate::fit::normal_equations::JacobianColumn;
 use crate::fit::problem::Problem;
-use crate::residuals::output_motion::HARDLY;
-use crate::residuals::output_motion::motion_over_noise;
+use crate::residuals::output_motion::UNEXPLAINED_RATIO;
+use crate::residuals::output_motion::normalised_motion;
 use crate::statistics::descriptive::rms_about_means;
 
-/// What little is changed at the beginning of a record grows by more than this factor where a patch runs away,
-const GROWTH: f64 = 1e3;
-/// from the first part of a record to so many times that.
-const LONGER: usize = 16;
-/// Integrators in a row that hold each at its initial voltage let a change grow by a power of that number, too, or of less than this, as
-/// samples are counted from 0, and do not run away.
-const IN_A_ROW: f64 = 2.0 * LONGER as f64;
-/// The first part has so many samples at least; of a record too short for that nothing is said.
-const LEAST_SAMPLES: usize = 4;
+/// Least growth of the response to an initial voltage in a diverging fit. It is measured from a first part of the
+/// record to a part that is [`LENGTH_RATIO`] times as long.
+const MIN_GROWTH: f64 = 1e3;
+/// The ratio of the lengths of the two parts of a record that are compared.
+const LENGTH_RATIO: usize = 16;
+/// Growth per integrator that is not divergence. The response of n integrators in series grows as the power n - 1 of
+/// the time. Over the two parts it grows by up to 2 * [`LENGTH_RATIO`] per power, because samples are counted from 0.
+const INTEGRATOR_GROWTH: f64 = 2.0 * LENGTH_RATIO as f64;
+/// The least number of samples of the first part. Shorter records are not tested.
+const MIN_FIRST_SAMPLES: usize = 4;
 
-/// That a patch runs away from the data.
+/// A fit that diverges from the data.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Runaway {
-    /// The output from which it goes farthest.
+pub struct Divergence {
+    /// The diverging output with the largest residuals.
     pub output: String,
-    /// What is left of that, rms about the mean over its noise,
-    pub left: f64,
-    /// and how far it moves.
-    pub moves: f64,
-    /// By more than this factor a change of an initial voltage grows in it.
+    /// The rms of its residuals about their mean, in units of sigma.
+    pub normalised_rms: f64,
+    /// The rms motion of the output about its mean, in units of sigma.
+    pub normalised_motion: f64,
+    /// The response of the output to an initial voltage grows by more than this factor.
     pub growth: f64,
 }
 
-/// That a stage far from the data runs away from an output that it hardly explains.
+/// Detects a fit that diverges. `None` if the fit is not poor or does not diverge.
+///
+/// A fit diverges if three conditions are true:
+///
+/// * Its rms residual is at least 5 sigma.
+/// * The residuals of an output exceed half of the output's motion.
+/// * The response of that output to an initial voltage grows more than a thousandfold.
+///
+/// The response of more than two integrators in series may grow more without divergence, so that the limit is then
+/// higher.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn divergence_of(problem: &Problem, stage: &Stage) -> Result<Option<Runaway>, ModelError> {
-    if !stage.is_far() {
+/// If the patch cannot be run along the records.
+pub(crate) fn find_divergence(
+    problem: &Problem,
+    fitted: &FittedModel,
+) -> Result<Option<Divergence>, ModelError> {
+    if !fitted.is_poor() {
         return Ok(None);
     }
-    let against = |output: usize| {
-        let left = rms_about_means(stage.train.residuals.iter().map(|record| record[output].as_slice()));
-        (output, left, motion_over_noise(problem, output))
+    let with_rms = |output: usize| {
+        let residual_rms =
+            rms_about_means(fitted.train.residuals.iter().map(|record| record[output].as_slice()));
+        (output, residual_rms, normalised_motion(problem, output))
     };
-    let mut lost: Vec<(usize, f64, f64)> = (0..problem.outputs.len()).map(against).collect();
-    lost.retain(|(_, left, moves)| *left > HARDLY * moves);
-    if lost.is_empty() {
+    let mut unexplained: Vec<(usize, f64, f64)> = (0..problem.outputs.len()).map(with_rms).collect();
+    unexplained.retain(|(_, residual_rms, motion)| *residual_rms > UNEXPLAINED_RATIO * motion);
+    if unexplained.is_empty() {
         return Ok(None);
     }
-    lost.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let model = problem.model(&stage.version, &problem.train, &problem.outputs)?;
-    let responses = responses(&problem.task(&model, &problem.train, false), stage);
-    let growth = GROWTH.max(IN_A_ROW.powi(model.initial.len() as i32 - 1));
-    let is_away = |(output, ..): &(usize, f64, f64)| {
-        responses.iter().any(|record| record[*output].iter().any(|own| grows(&own.1, growth)))
+    unexplained.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let model = problem.model(&fitted.variant, &problem.train, &problem.outputs)?;
+    let responses = initial_state_responses(&problem.fit_problem(&model, &problem.train, false), fitted);
+    let growth = MIN_GROWTH.max(INTEGRATOR_GROWTH.powi(model.initial.len() as i32 - 1));
+    let is_diverging = |(output, ..): &(usize, f64, f64)| {
+        responses.iter().any(|record| record[*output].iter().any(|column| has_growth(&column.1, growth)))
     };
-    let away = lost.into_iter().find(is_away);
-    Ok(away.map(|(output, left, moves)| Runaway {
+    let diverging = unexplained.into_iter().find(is_diverging);
+    Ok(diverging.map(|(output, normalised_rms, normalised_motion)| Divergence {
         output: problem.outputs[output].clone(),
-        left,
-        moves,
+        normalised_rms,
+        normalised_motion,
         growth,
     }))
 }
 
-/// What initial voltages do to the outputs of every record; nothing where the patch cannot be run.
-fn responses(task: &Task<'_>, stage: &Stage) -> Vec<Vec<Vec<Column>>> {
-    let at = task.shares(&stage.train.point);
-    let courses = task.courses(std::slice::from_ref(&at)).pop().flatten().unwrap_or_default();
-    courses.iter().enumerate().map(|(record, course)| task.responses(&at, record, course)).collect()
+/// For every record and output the derivatives with respect to the initial voltages. Empty if the model cannot be run.
+fn initial_state_responses(
+    fit_problem: &FitProblem<'_>,
+    fitted: &FittedModel,
+) -> Vec<Vec<Vec<JacobianColumn>>> {
+    let coordinates = fit_problem.coordinates(&fitted.train.estimate);
+    let trajectories =
+        fit_problem.trajectories(std::slice::from_ref(&coordinates)).pop().flatten().unwrap_or_default();
+    trajectories
+        .iter()
+        .enumerate()
+        .map(|(record, trajectory)| fit_problem.jacobian(&coordinates, record, trajectory))
+        .collect()
 }
 
-/// Whether a response grows by more than a factor from some first part of its record to a longer one: by its end it may have come to where
-/// amplifiers stop. One that is nothing at first, as behind a delay, only begins later.
-fn grows(response: &[f64], factor: f64) -> bool {
-    let largest = |count: usize| response[..count].iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-    let firsts = successors(Some(LEAST_SAMPLES), |first| Some(2 * first));
-    let mut firsts = firsts.take_while(|first| LONGER * first <= response.len());
-    firsts.any(|first| largest(first) > 0.0 && largest(LONGER * first) > factor * largest(first))
+/// Whether the maximum of a response grows by more than a factor from some first part of the record to a longer one.
+///
+/// Several first parts are tested, because an overload may stop the growth before the end. A first part in which the
+/// response is zero, as behind a delay, does not count.
+fn has_growth(response: &[f64], factor: f64) -> bool {
+    let largest =
+        |count: usize| response[..count].iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let first_counts = successors(Some(MIN_FIRST_SAMPLES), |count| Some(2 * count));
+    let mut first_counts = first_counts.take_while(|count| LENGTH_RATIO * count <= response.len());
+    first_counts.any(|count| largest(count) > 0.0 && largest(LENGTH_RATIO * count) > factor * largest(count))
 }
 
 #[cfg(test)]
@@ -95,34 +121,34 @@ mod tests {
     use patchcord_core::patch::Edit;
 
     #[test]
-    fn a_mass_that_nothing_holds_back_goes_far_and_does_not_run_away() {
+    fn a_free_mass_moves_far_but_does_not_diverge() {
         let path = Path::new("tests/hidden/nothing/experiment.json");
         let mut experiment = Experiment::read(path).unwrap_or_else(|error| panic!("{error}"));
         let free = Edit::new("elements/SF/in", json!({"x1": ["BF"]}));
-        experiment.patch = experiment.patch.edited("free.json", &[free]).unwrap();
+        experiment.patch = experiment.patch.with_edits("free.json", &[free]).unwrap();
         experiment.train[0].outputs[0].iter_mut().for_each(|value| *value *= 0.1);
         let problem = Problem::of(&experiment).unwrap();
         let base = fit_base(&problem, &experiment.patch, &[], 1).unwrap().unwrap();
-        let left = rms_about_means(base.train.residuals.iter().map(|record| record[0].as_slice()));
+        let residual_rms = rms_about_means(base.train.residuals.iter().map(|record| record[0].as_slice()));
         assert!(
-            base.is_far() && left > motion_over_noise(&problem, 0),
-            "{left} {}",
-            motion_over_noise(&problem, 0)
+            base.is_poor() && residual_rms > normalised_motion(&problem, 0),
+            "{residual_rms} {}",
+            normalised_motion(&problem, 0)
         );
-        assert_eq!(divergence_of(&problem, &base).unwrap(), None);
+        assert_eq!(find_divergence(&problem, &base).unwrap(), None);
     }
 
     #[test]
-    fn what_grows_by_more_than_integrators_in_a_row_runs_away() {
+    fn only_growth_faster_than_that_of_integrators_in_series_is_divergence() {
         let times = || (0..160).map(f64::from);
         let exponential: Vec<f64> = times().map(|time| (0.1 * time).exp()).collect();
         let stopped: Vec<f64> =
             times().map(|time| if time < 70.0 { (0.2 * time).exp() } else { 0.0 }).collect();
-        assert!(grows(&exponential, GROWTH) && grows(&stopped, GROWTH));
+        assert!(has_growth(&exponential, MIN_GROWTH) && has_growth(&stopped, MIN_GROWTH));
         let cubic: Vec<f64> = times().map(|time| time.powi(3)).collect();
-        assert!(grows(&cubic, GROWTH) && !grows(&cubic, IN_A_ROW.powi(3)));
-        // What only begins later, and what is too short to tell.
+        assert!(has_growth(&cubic, MIN_GROWTH) && !has_growth(&cubic, INTEGRATOR_GROWTH.powi(3)));
+        // A delayed response, and a record that is too short to be tested.
         let late: Vec<f64> = times().map(|time| f64::from(time > 20.0)).collect();
-        assert!(!grows(&late, GROWTH) && !grows(&[0.0, 1e-9, 1.0, 1e9], GROWTH));
+        assert!(!has_growth(&late, MIN_GROWTH) && !has_growth(&[0.0, 1e-9, 1.0, 1e9], MIN_GROWTH));
     }
 }

@@ -1,37 +1,40 @@
-//! What fed drives do between their samples: straight lines through what is round bring what looks like a force.
+//! Drives between their samples: linear interpolation of a smooth drive causes residuals that look like a force.
 
-use crate::data::document::Hold;
-use crate::data::experiment::Feed;
+use crate::data::experiment::MeasuredDrive;
+use crate::data::experiment_document::Hold;
 use crate::fit::estimation::refit;
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
-use crate::fit::step_size::difference_of;
+use crate::fit::step_size::difference_between;
 
-/// A stage that leaves structure fitted again with its fed drives going on smoothly, where straight lines are drawn between their
-/// samples, with the names of these; nothing where that still leaves structure, or can make no such difference.
+/// Repeats a fit with smooth instead of linear interpolation of the drives. Returns the new fit and the names of these
+/// drives.
+///
+/// `None` if no drive is interpolated linearly, if the difference is too small to explain the residuals, or if the
+/// residuals of the new fit are still coloured.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
+/// If the patch cannot be run along the records.
 pub(crate) fn refit_smoothly(
     problem: &Problem,
-    stage: &Stage,
-) -> Result<Option<(Stage, Vec<String>)>, ModelError> {
-    let is_straight = |feed: &&Feed| feed.hold == Hold::Linear;
-    let names: Vec<String> =
-        problem.drives.iter().filter(is_straight).map(|feed| feed.drive.clone()).collect();
+    fitted: &FittedModel,
+) -> Result<Option<(FittedModel, Vec<String>)>, ModelError> {
+    let is_linear = |feed: &&MeasuredDrive| feed.hold == Hold::Linear;
+    let names: Vec<String> = problem.drives.iter().filter(is_linear).map(|feed| feed.drive.clone()).collect();
     if names.is_empty() {
         return Ok(None);
     }
-    let smooth = |feed: &Feed| match feed.hold {
-        Hold::Linear => Feed { hold: Hold::Smooth, ..feed.clone() },
+    let with_smooth_hold = |feed: &MeasuredDrive| match feed.hold {
+        Hold::Linear => MeasuredDrive { hold: Hold::Smooth, ..feed.clone() },
         Hold::Smooth | Hold::Previous => feed.clone(),
     };
-    let smoothly = Problem { drives: problem.drives.iter().map(smooth).collect(), ..problem.clone() };
-    // What is fitted again only takes of the difference away.
-    if difference_of(problem, &smoothly, stage)? < stage.gap() {
+    let smooth_problem =
+        Problem { drives: problem.drives.iter().map(with_smooth_hold).collect(), ..problem.clone() };
+    // A new fit can only reduce the difference that the interpolation causes.
+    if difference_between(problem, &smooth_problem, fitted)? < fitted.excess_rms() {
         return Ok(None);
     }
-    let again = refit(&smoothly, stage, stage.version.clone(), stage.train.point.clone())?;
-    Ok(again.filter(|own| !own.leaves_structure()).map(|own| (own, names)))
+    let refitted = refit(&smooth_problem, fitted, fitted.variant.clone(), fitted.train.estimate.clone())?;
+    Ok(refitted.filter(|refitted| !refitted.residuals_are_coloured()).map(|refitted| (refitted, names)))
 }

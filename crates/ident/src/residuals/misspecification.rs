@@ -1,86 +1,92 @@
-//! What an experiment may tell wrongly: the sign of an output, its unit, the unit of time. A patch that explains the data once that
-//! is told otherwise lacks no effect.
+//! Misspecified experiments: a wrong sign of an output, a wrong unit of an output, or a wrong unit of time.
+//!
+//! Each candidate specification is applied to the data, and the patch is fitted again. If the patch then explains the
+//! data, the specification is wrong and no effect is missing.
 
 use crate::data::record::Record;
 use crate::fit::base_fit::fit_base;
-use crate::fit::estimation::glance;
-use crate::fit::fitted_model::Stage;
+use crate::fit::estimation::subsample_indices;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
-use crate::fit::problem::{Problem, in_pieces};
+use crate::fit::problem::{Problem, cut_records};
 use crate::fit::step_size::steps_per_sample;
-use crate::residuals::output_motion::is_hardly_explained;
+use crate::residuals::output_motion::has_unexplained_output;
 use patchcord_core::patch::Patch;
 
-/// Something is told wrongly where told otherwise it leaves no more than such a share of the gap, in rms.
-const FAR_LESS: f64 = 0.2;
+/// The experiment is misspecified only if another specification leaves less than this fraction of the excess rms.
+const MAX_EXCESS_RATIO: f64 = 0.2;
 
-/// Times a thousand times as long are looked at where the solver takes no more steps from sample to sample: more take long, and lead to
-/// nothing.
-const FEW_STEPS: u32 = 4;
-/// What prefixes of units differ by.
-const THOUSAND: f64 = 1e3;
+/// Times that are a thousand times as long are tested only if the solver then needs at most this many steps per sample.
+/// With more steps the fit takes long and never succeeds.
+const MAX_STEPS_FOR_LONG_TIMES: u32 = 4;
+/// The ratio of neighbouring SI prefixes such as m and 1.
+const PREFIX_RATIO: f64 = 1e3;
 
-/// What may be told otherwise.
+/// Another specification of the same data.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Otherwise {
-    /// These outputs are the opposite.
-    Turned(Vec<String>),
-    /// These outputs are a thousandth of what is told.
-    Thousandth(Vec<String>),
-    /// These outputs are a thousand times what is told.
-    Thousandfold(Vec<String>),
-    /// All times are a thousandth of what is told: milliseconds that are taken for seconds.
-    ThousandthOfTimes,
-    /// All times are a thousand times what is told.
-    ThousandfoldTimes,
+pub enum Respecification {
+    /// These outputs have the opposite sign.
+    SignFlip(Vec<String>),
+    /// These outputs are a thousandth of the specified values.
+    UnitScaleDown(Vec<String>),
+    /// These outputs are a thousand times the specified values.
+    UnitScaleUp(Vec<String>),
+    /// All times are a thousandth of the specified times, for example milliseconds that were read as seconds.
+    TimeScaleDown,
+    /// All times are a thousand times the specified times.
+    TimeScaleUp,
 }
 
-/// What a patch explains that does not explain what is told.
+/// A misspecified experiment: the patch explains the data only with another specification.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mistold {
-    /// What is told otherwise then.
-    pub otherwise: Otherwise,
-    /// What the patch leaves of all outputs as they are told and otherwise, rms over the noise.
-    pub leaves: [f64; 2],
+pub struct Misspecification {
+    /// The specification with which the patch explains the data.
+    pub respecification: Respecification,
+    /// The rms residuals of all outputs, in units of sigma: as specified, and with the other specification.
+    pub normalised_rms: [f64; 2],
 }
 
-/// What is told wrongly, where a patch far from the data explains them told otherwise: one output turned round, or all, as where a
-/// drive is the wrong way round; and where it hardly explains what moves, those in other units, or all times.
+/// Detects a misspecified experiment as the cause of a poor fit. `None` if no other specification is much better.
+///
+/// The sign of each output is tested, and the sign of all together, as if a drive had the wrong sign. If the fit does
+/// not explain an output at all, the units of outputs and of time are tested, too. `patch` and `fit` specify the base
+/// fit; `seed` selects its random starts.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
-pub(crate) fn misspecification_of(
+/// If the patch cannot be run along the records.
+pub(crate) fn find_misspecification(
     problem: &Problem,
-    base: &Stage,
+    base: &FittedModel,
     patch: &Patch,
     fit: &[String],
     seed: u64,
-) -> Result<Option<Mistold>, ModelError> {
-    if !base.is_far() {
+) -> Result<Option<Misspecification>, ModelError> {
+    if !base.is_poor() {
         return Ok(None);
     }
-    let mut all = each_and_all(problem, Otherwise::Turned);
-    if is_hardly_explained(problem, base) {
-        // The quickest first: all others take many steps where times are told a thousand times too long.
-        all.insert(0, Otherwise::ThousandthOfTimes);
-        all.extend(each_and_all(problem, Otherwise::Thousandth));
-        all.extend(each_and_all(problem, Otherwise::Thousandfold));
-        all.push(Otherwise::ThousandfoldTimes);
+    let mut candidates = output_respecifications(problem, Respecification::SignFlip);
+    if has_unexplained_output(problem, base) {
+        // Shorter times are fastest to test. If times are a thousand times too long, all other fits take many steps.
+        candidates.insert(0, Respecification::TimeScaleDown);
+        candidates.extend(output_respecifications(problem, Respecification::UnitScaleDown));
+        candidates.extend(output_respecifications(problem, Respecification::UnitScaleUp));
+        candidates.push(Respecification::TimeScaleUp);
     }
-    let few = of_few_records(problem);
-    let mut best: Option<Mistold> = None;
-    for otherwise in all {
-        let told = respecified(&few, &otherwise, patch, fit)?;
-        if otherwise == Otherwise::ThousandfoldTimes && told.steps > FEW_STEPS {
+    let subsample = with_subsample(problem);
+    let mut best: Option<Misspecification> = None;
+    for respecification in candidates {
+        let respecified = respecify(&subsample, &respecification, patch, fit)?;
+        if respecification == Respecification::TimeScaleUp && respecified.steps > MAX_STEPS_FOR_LONG_TIMES {
             continue;
         }
-        let Some(stage) = fit_base(&told, patch, fit, seed)? else { continue };
-        let leaves = [base, &stage].map(|own| own.train.over_noise());
-        // What grows beyond all bounds leaves far less in a thousandth of the time, and explains nothing.
-        let explains = stage.gap() < FAR_LESS * base.gap() && !is_hardly_explained(&told, &stage);
-        if explains && best.as_ref().is_none_or(|best| leaves[1] < best.leaves[1]) {
-            best = Some(Mistold { otherwise, leaves });
-            if !stage.is_far() {
+        let Some(fitted) = fit_base(&respecified, patch, fit, seed)? else { continue };
+        let normalised_rms = [base, &fitted].map(|fitted| fitted.train.normalised_rms());
+        // Over a thousandth of the time an unstable model has small residuals, but it explains no output.
+        let is_explained = fitted.excess_rms() < MAX_EXCESS_RATIO * base.excess_rms()
+            && !has_unexplained_output(&respecified, &fitted);
+        if is_explained && best.as_ref().is_none_or(|best| normalised_rms[1] < best.normalised_rms[1]) {
+            best = Some(Misspecification { respecification, normalised_rms });
+            if !fitted.is_poor() {
                 break;
             }
         }
@@ -88,65 +94,69 @@ pub(crate) fn misspecification_of(
     Ok(best)
 }
 
-/// The same with no more than a few of many records.
-fn of_few_records(problem: &Problem) -> Problem {
-    let few = |records: &[Record]| -> Vec<Record> {
-        glance(records).into_iter().map(|place| records[place].clone()).collect()
+/// The same problem with a subsample of the training and validation records.
+fn with_subsample(problem: &Problem) -> Problem {
+    let choose = |records: &[Record]| -> Vec<Record> {
+        subsample_indices(records).into_iter().map(|index| records[index].clone()).collect()
     };
-    let (train, test) = (few(&problem.train), few(&problem.test));
-    Problem { pieces: in_pieces(&train, problem.cuts), train, test, ..problem.clone() }
+    let (train, test) = (choose(&problem.train), choose(&problem.test));
+    Problem { pieces: cut_records(&train, problem.pieces_per_record), train, test, ..problem.clone() }
 }
 
-/// Every output told otherwise, and all together.
-fn each_and_all(problem: &Problem, otherwise: fn(Vec<String>) -> Otherwise) -> Vec<Otherwise> {
-    let alone = problem.outputs.iter().map(|own| vec![own.clone()]);
-    let together = (problem.outputs.len() > 1).then(|| problem.outputs.clone());
-    alone.chain(together).map(otherwise).collect()
-}
-
-fn respecified(
+/// A respecification for each output, and one for all outputs together if there are several.
+fn output_respecifications(
     problem: &Problem,
-    otherwise: &Otherwise,
+    respecification: fn(Vec<String>) -> Respecification,
+) -> Vec<Respecification> {
+    let single = problem.outputs.iter().map(|output| vec![output.clone()]);
+    let all = (problem.outputs.len() > 1).then(|| problem.outputs.clone());
+    single.chain(all).map(respecification).collect()
+}
+
+/// The same problem with another specification of the data. If a scale changes, the solver steps are chosen again.
+fn respecify(
+    problem: &Problem,
+    respecification: &Respecification,
     patch: &Patch,
     fit: &[String],
 ) -> Result<Problem, ModelError> {
-    let mut own = match otherwise {
-        // What the solver errs by has no sign.
-        Otherwise::Turned(names) => return Ok(with_outputs_scaled(problem, names, -1.0)),
-        Otherwise::Thousandth(names) => with_outputs_scaled(problem, names, THOUSAND.recip()),
-        Otherwise::Thousandfold(names) => with_outputs_scaled(problem, names, THOUSAND),
-        Otherwise::ThousandthOfTimes => with_times_scaled(problem, THOUSAND.recip()),
-        Otherwise::ThousandfoldTimes => with_times_scaled(problem, THOUSAND),
+    let mut respecified = match respecification {
+        // The solver error does not depend on the sign of the data.
+        Respecification::SignFlip(names) => return Ok(with_scaled_outputs(problem, names, -1.0)),
+        Respecification::UnitScaleDown(names) => with_scaled_outputs(problem, names, PREFIX_RATIO.recip()),
+        Respecification::UnitScaleUp(names) => with_scaled_outputs(problem, names, PREFIX_RATIO),
+        Respecification::TimeScaleDown => with_scaled_times(problem, PREFIX_RATIO.recip()),
+        Respecification::TimeScaleUp => with_scaled_times(problem, PREFIX_RATIO),
     };
-    own.steps = steps_per_sample(&own, patch, fit)?;
-    Ok(own)
+    respecified.steps = steps_per_sample(&respecified, patch, fit)?;
+    Ok(respecified)
 }
 
-/// The same with so many times all times.
-fn with_times_scaled(problem: &Problem, factor: f64) -> Problem {
-    with_records(problem, |record| {
-        for time in [&mut record.begin, &mut record.since, &mut record.interval] {
+/// The same problem with all times multiplied by a factor.
+fn with_scaled_times(problem: &Problem, factor: f64) -> Problem {
+    with_changed_records(problem, |record| {
+        for time in [&mut record.begin, &mut record.start_in_file, &mut record.interval] {
             *time *= factor;
         }
     })
 }
 
-/// The same with so many times some outputs, and their noise.
-fn with_outputs_scaled(problem: &Problem, names: &[String], factor: f64) -> Problem {
-    let factors = problem.outputs.iter().map(|own| if names.contains(own) { factor } else { 1.0 });
+/// The same problem with the named outputs multiplied by a factor, and their noise by its magnitude.
+fn with_scaled_outputs(problem: &Problem, names: &[String], factor: f64) -> Problem {
+    let factors = problem.outputs.iter().map(|output| if names.contains(output) { factor } else { 1.0 });
     let factors: Vec<f64> = factors.collect();
-    let with = with_records(problem, |record| {
+    let scaled = with_changed_records(problem, |record| {
         for (output, factor) in record.outputs.iter_mut().zip(&factors) {
             output.iter_mut().for_each(|value| *value *= factor);
         }
     });
-    let sigma = problem.sigma.iter().zip(&factors).map(|(own, factor)| own * factor.abs());
-    Problem { sigma: sigma.collect(), ..with }
+    let sigma = problem.sigma.iter().zip(&factors).map(|(sigma, factor)| sigma * factor.abs());
+    Problem { sigma: sigma.collect(), ..scaled }
 }
 
-/// The same with every record changed.
-fn with_records(problem: &Problem, change: impl Fn(&mut Record)) -> Problem {
-    let mut own = problem.clone();
-    own.train.iter_mut().chain(&mut own.pieces).chain(&mut own.test).for_each(change);
-    own
+/// The same problem with every record changed by a function.
+fn with_changed_records(problem: &Problem, change: impl Fn(&mut Record)) -> Problem {
+    let mut changed = problem.clone();
+    changed.train.iter_mut().chain(&mut changed.pieces).chain(&mut changed.test).for_each(change);
+    changed
 }

@@ -1,21 +1,23 @@
-//! How far outputs move, and whether a fitted model explains that at all.
+//! The motion of outputs, and whether a fitted model explains it.
 
-use crate::fit::estimate::over_sigma;
-use crate::fit::fitted_model::Stage;
+use crate::fit::estimate::normalised_output_rms;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::problem::Problem;
 use crate::statistics::descriptive::rms_about_means;
 
-/// How far an output goes about its mean in the training records, rms over its noise.
-pub(crate) fn motion_over_noise(problem: &Problem, output: usize) -> f64 {
+/// The rms motion of an output about its mean in the training records, in units of sigma. Each record has its own mean.
+pub(crate) fn normalised_motion(problem: &Problem, output: usize) -> f64 {
     rms_about_means(problem.train.iter().map(|record| record.outputs[output].as_slice()))
         / problem.sigma[output]
 }
 
-/// A patch hardly explains an output, and units are in question, where of it more is left than this share of how far it moves, in rms.
-pub(crate) const HARDLY: f64 = 0.5;
+/// Ratio of the rms residual of an output to its rms motion above which the model does not explain the output. Units
+/// may then be wrong.
+pub(crate) const UNEXPLAINED_RATIO: f64 = 0.5;
 
-/// Whether a stage leaves more than half of how far an output moves.
-pub(crate) fn is_hardly_explained(problem: &Problem, stage: &Stage) -> bool {
-    (0..problem.outputs.len())
-        .any(|output| over_sigma(&stage.train, output) > HARDLY * motion_over_noise(problem, output))
+/// Whether the model does not explain at least one output: the residuals exceed half of its motion.
+pub(crate) fn has_unexplained_output(problem: &Problem, fitted: &FittedModel) -> bool {
+    (0..problem.outputs.len()).any(|output| {
+        normalised_output_rms(&fitted.train, output) > UNEXPLAINED_RATIO * normalised_motion(problem, output)
+    })
 }

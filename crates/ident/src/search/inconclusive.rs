@@ -1,123 +1,135 @@
-//! Data that cannot judge a patch: what leaves nothing but noise is then no proof that nothing is missing.
+//! Reasons why data are inconclusive. If such a reason applies, a white residual does not prove that nothing is
+//! missing.
 
 use crate::data::record::Record;
-use crate::design::detectability::detection_limit::Limit;
-use crate::fit::coloured_residual::NotWhite;
-use crate::fit::estimate::{Point, over_sigma, squares};
-use crate::fit::fitted_model::{COLOURED, Stage};
+use crate::design::detectability::detection_limit::DetectionLimit;
+use crate::fit::coloured_residual::ColouredResidual;
+use crate::fit::estimate::{Estimate, normalised_output_rms, squared_residuals};
+use crate::fit::fitted_model::{FittedModel, WHITENESS_Z};
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
-use crate::fit::validation::any_has_changed;
-use crate::fit::validation::is_more;
-use crate::residuals::divergence::Runaway;
-use crate::residuals::misspecification::Mistold;
+use crate::fit::validation::is_any_validation_worse;
+use crate::fit::validation::is_significantly_larger;
+use crate::residuals::divergence::Divergence;
+use crate::residuals::misspecification::Misspecification;
 use crate::residuals::residual_analysis::SlowNoise;
 use crate::search::round::Round;
 use crate::statistics::descriptive::{about_mean, mean};
-use crate::statistics::whiteness::colour;
+use crate::statistics::whiteness::ljung_box_z;
 
-/// Why data cannot judge a patch.
+/// Why data are inconclusive.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Blind {
-    /// They are no more than the numbers that are fitted.
-    Few,
-    /// A constant explains them as well as the patch does, or they look like noise about one.
-    Still,
-    /// What is left looks like noise, but of this output it is so many times its noise.
-    Loud(String, f64),
-    /// What is left is no more than noise, but not white.
-    NotWhite(NotWhite),
-    /// What is left goes like slow noise of a sensor.
-    Slow(SlowNoise),
-    /// What explains the training data does not explain those held back: so many times the noise is left of them.
-    Changed(f64),
-    /// No effect could be tried.
-    Nowhere,
-    /// No effect that was tried would show, however strong.
-    Effects,
-    /// The patch explains them with values beyond their ranges.
-    Beyond,
-    /// The patch explains them once something is told otherwise.
-    Mistold(Mistold),
-    /// The patch runs away from them.
-    Runaway(Runaway),
+pub enum Inconclusive {
+    /// There are at most as many samples as fitted numbers.
+    TooFewSamples,
+    /// A constant explains the data as well as the patch does, or the data are noise about a constant.
+    NoMotion,
+    /// The residual of this output looks like noise, but its rms is this multiple of the stated noise.
+    LoudResidual(String, f64),
+    /// The residual does not exceed the noise of drives and outputs, but is not white.
+    ColouredResidual(ColouredResidual),
+    /// The residual is best explained by slow noise of a sensor.
+    SlowSensorNoise(SlowNoise),
+    /// The fit to the training records does not explain the validation records, where the rms residual is this
+    /// multiple of the noise.
+    ValidationMismatch(f64),
+    /// No effect fits any place of the patch.
+    NoPlaces,
+    /// None of the effects would be detected in these data, at any strength in its range.
+    NothingDetectable,
+    /// The patch explains the data with parameter values outside their ranges.
+    RangeExtension,
+    /// The patch explains the data if a sign, a unit or the time unit is changed.
+    Misspecification(Misspecification),
+    /// The fit diverges.
+    Divergence(Divergence),
 }
 
-/// From so many samples on what looks like noise is some.
-const ENOUGH: usize = 100;
-/// What looks like noise is no more than so many times as much.
-pub(crate) const LOUD: f64 = 2.0;
+/// Number of samples of every output from which [`is_noise_only`] decides. Fewer samples often look like noise by
+/// chance.
+const MIN_NOISE_SAMPLES: usize = 100;
+/// Maximum rms of a residual over the stated noise. A larger residual is not only noise, even if it is white.
+pub(crate) const MAX_NOISE_RATIO: f64 = 2.0;
 
-/// Why the data cannot judge a patch that leaves nothing but noise; nothing where they can.
+/// The reason why data are inconclusive for a patch whose residual looks like noise. None if they are conclusive.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
+/// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn why_inconclusive(
     problem: &Problem,
-    base: &Stage,
+    base: &FittedModel,
     rounds: &[Round],
-    limits: &[Limit],
-) -> Result<Option<Blind>, ModelError> {
-    if base.train.count <= base.train.free {
-        return Ok(Some(Blind::Few));
+    limits: &[DetectionLimit],
+) -> Result<Option<Inconclusive>, ModelError> {
+    if base.train.data_count <= base.train.fitted_count {
+        return Ok(Some(Inconclusive::TooFewSamples));
     }
-    let needed = rounds.first().map_or(0.0, |round| round.needed);
-    if motion_of(problem, base) < needed * base.memory {
-        return Ok(Some(Blind::Still));
+    let needed = rounds.first().map_or(0.0, |round| round.required_delta_bic);
+    if explained_motion(problem, base) < needed * base.autocorrelation_time {
+        return Ok(Some(Inconclusive::NoMotion));
     }
-    let left = problem.outputs.iter().enumerate().map(|(place, name)| (name, over_sigma(&base.train, place)));
-    if let Some((output, left)) = left.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|own| own.1 > LOUD) {
-        return Ok(Some(Blind::Loud(output.clone(), left)));
+    let rms = problem
+        .outputs
+        .iter()
+        .enumerate()
+        .map(|(place, name)| (name, normalised_output_rms(&base.train, place)));
+    if let Some((output, rms)) =
+        rms.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, rms)| *rms > MAX_NOISE_RATIO)
+    {
+        return Ok(Some(Inconclusive::LoudResidual(output.clone(), rms)));
     }
-    if any_has_changed(problem, base) && !holds_for_all(problem, base)? {
-        return Ok(Some(Blind::Changed(base.test.over_noise())));
+    if is_any_validation_worse(problem, base) && !is_joint_fit_sufficient(problem, base)? {
+        return Ok(Some(Inconclusive::ValidationMismatch(base.test.normalised_rms())));
     }
     if rounds.iter().all(|round| round.trials.is_empty()) {
-        return Ok(Some(Blind::Nowhere));
+        return Ok(Some(Inconclusive::NoPlaces));
     }
-    Ok((!limits.iter().any(Limit::is_seen)).then_some(Blind::Effects))
+    let is_any_detectable = limits.iter().any(DetectionLimit::is_detectable);
+    Ok((!is_any_detectable).then_some(Inconclusive::NothingDetectable))
 }
 
-/// Whether the training data look like noise about a constant; few look like that that are none.
-pub(crate) fn is_noise_alone(problem: &Problem) -> bool {
+/// Whether every output of the training records is white noise about a constant, with at most twice the stated rms.
+/// False if an output has fewer than 100 samples.
+pub(crate) fn is_noise_only(problem: &Problem) -> bool {
     let over_noise = |(track, sigma): (&Vec<f64>, &f64)| {
-        about_mean(track).into_iter().map(|own| own / sigma).collect::<Vec<f64>>()
+        about_mean(track).into_iter().map(|volts| volts / sigma).collect::<Vec<f64>>()
     };
-    let of = |record: &Record| record.outputs.iter().zip(&problem.sigma).map(over_noise).collect();
-    let all: Vec<Vec<Vec<f64>>> = problem.train.iter().map(of).collect();
-    let is_enough = all.iter().flatten().all(|track| track.len() >= ENOUGH);
-    let is_quiet = |output: usize| mean(&squares(&all, output)) < LOUD * LOUD;
-    is_enough && (0..problem.outputs.len()).all(is_quiet) && colour(&all) < COLOURED
+    let outputs = |record: &Record| record.outputs.iter().zip(&problem.sigma).map(over_noise).collect();
+    let all: Vec<Vec<Vec<f64>>> = problem.train.iter().map(outputs).collect();
+    let is_enough = all.iter().flatten().all(|track| track.len() >= MIN_NOISE_SAMPLES);
+    let is_quiet = |output: usize| mean(&squared_residuals(&all, output)) < MAX_NOISE_RATIO * MAX_NOISE_RATIO;
+    is_enough && (0..problem.outputs.len()).all(is_quiet) && ljung_box_z(&all) < WHITENESS_Z
 }
 
-/// Whether the patch explains all data when it is fitted to all: what training left open may have led it astray in what was
-/// held back, as where motion sticks.
-fn holds_for_all(problem: &Problem, base: &Stage) -> Result<bool, ModelError> {
+/// Whether the patch explains all records if it is fitted to all of them. The training records may leave a parameter
+/// open that the validation records depend on, for example if motion sticks in training.
+fn is_joint_fit_sufficient(problem: &Problem, base: &FittedModel) -> Result<bool, ModelError> {
     let records = [problem.train.as_slice(), &problem.test].concat();
-    let initial = [base.train.point.initial.as_slice(), &base.test.point.initial].concat();
-    let model = problem.model(&base.version, &records, &problem.outputs)?;
-    let start = Point { initial, ..base.train.point.clone() };
-    let Some(fitted) = problem.task(&model, &records, true).fit(&start) else { return Ok(false) };
+    let initial = [base.train.estimate.initial.as_slice(), &base.test.estimate.initial].concat();
+    let model = problem.model(&base.variant, &records, &problem.outputs)?;
+    let start = Estimate { initial, ..base.train.estimate.clone() };
+    let Some(fitted) = problem.fit_problem(&model, &records, true).fit(&start) else { return Ok(false) };
     let (train, test) = fitted.residuals.split_at(problem.train.len());
     let is_explained = |output: usize| {
-        let was = squares(&base.train.residuals, output);
-        let parts = [train, test].map(|part| squares(part, output));
-        parts.iter().all(|is| !is_more(&was, is, base.memory))
+        let before = squared_residuals(&base.train.residuals, output);
+        let parts = [train, test].map(|part| squared_residuals(part, output));
+        parts.iter().all(|after| !is_significantly_larger(&before, after, base.autocorrelation_time))
     };
     Ok((0..problem.outputs.len()).all(is_explained))
 }
 
-/// What the patch explains of the training data beside a constant, in squares over the noise.
-fn motion_of(problem: &Problem, base: &Stage) -> f64 {
-    let tracks = problem.train.iter().zip(&base.train.residuals).flat_map(|(record, left)| {
-        record.outputs.iter().zip(left).zip(&problem.sigma).map(|((data, left), sigma)| {
-            let made = data.iter().zip(left).map(|(datum, left)| datum / sigma - left);
-            made.filter(|own| !own.is_nan()).collect::<Vec<f64>>()
+/// The sum of squares of the fitted outputs about their means, over the noise: the motion in training that the patch
+/// explains.
+fn explained_motion(problem: &Problem, base: &FittedModel) -> f64 {
+    let tracks = problem.train.iter().zip(&base.train.residuals).flat_map(|(record, residuals)| {
+        record.outputs.iter().zip(residuals).zip(&problem.sigma).map(|((data, residual), sigma)| {
+            let simulated = data.iter().zip(residual).map(|(datum, residual)| datum / sigma - residual);
+            simulated.filter(|value| !value.is_nan()).collect::<Vec<f64>>()
         })
     });
-    let moved = |track: Vec<f64>| {
+    let squares_about_mean = |track: Vec<f64>| {
         let mean = mean(&track);
-        track.iter().map(|own| (own - mean).powi(2)).sum::<f64>()
+        track.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
     };
-    tracks.map(moved).sum()
+    tracks.map(squares_about_mean).sum()
 }

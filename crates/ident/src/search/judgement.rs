@@ -1,191 +1,222 @@
-//! What was found out by all that was tried.
+//! The verdict and the outcome of a search, from its rounds.
 
-use crate::design::detectability::detection_limit::Limit;
+use crate::design::detectability::detection_limit::DetectionLimit;
 use crate::design::detectability::detection_limits;
 use crate::design::discriminating_experiment::discriminating_experiment;
-use crate::design::discriminating_experiment::{Rival, Separating};
-use crate::effects::places::Places;
-use crate::fit::fitted_model::Stage;
-use crate::fit::intervals::with_errors;
+use crate::design::discriminating_experiment::{DiscriminatingExperiment, Rival};
+use crate::effects::effect_sites::EffectSites;
+use crate::fit::fitted_model::FittedModel;
+use crate::fit::intervals::with_standard_errors;
 use crate::fit::model::ModelError;
 use crate::fit::overload::first_overload;
 use crate::fit::problem::Problem;
 use crate::fit::starts::agreement_of_starts;
-use crate::fit::step_size::fineness_of;
-use crate::localise::force::{Whereabouts, likeliest};
+use crate::fit::step_size::step_refinement;
+use crate::localise::localisation::{Localisation, largest_evidence};
 use crate::localise::localise;
-use crate::residuals::correlation::correlations_of;
+use crate::residuals::correlation::residual_correlations;
 use crate::residuals::residual_analysis::coloured_residual;
 use crate::residuals::residual_analysis::slow_sensor_noise;
-use crate::search::inconclusive::Blind;
+use crate::search::inconclusive::Inconclusive;
 use crate::search::inconclusive::why_inconclusive;
-use crate::search::means::Means;
-use crate::search::outcome::{Outcome, leaves_much, taken};
-use crate::search::progress::{Part, Progress};
+use crate::search::outcome::{Outcome, is_residual_substantial, taken_rounds};
+use crate::search::progress::{Progress, SearchPhase};
 use crate::search::range_extension::extend_ranges;
 use crate::search::refinement::backward_eliminate;
 use crate::search::round::{Round, Trial};
-use crate::search::state::Come;
+use crate::search::settings::SearchSettings;
+use crate::search::state::SearchState;
 use crate::search::verdict::Verdict;
 
-/// What is missing is no effect of the library if a force over what the patch does leaves less than this share, in squares, of what
-/// the named effects leave.
-const CURVE: f64 = 0.5;
-/// So large a share of the gap may be left of an effect whose law has another shape than the library's; what several leave
-/// adds up in squares. By docs/measured.md friction leaves 32 % on a slide; by docs/hidden-effects.md ten of 130 unknown effects get
-/// a name so, where 30 % gave one to eight.
-const MOST_LEFT: f64 = 0.35;
+/// A force curve over a signal refutes the named effects if its unexplained fraction is less than this multiple of
+/// theirs, both in squares.
+const REFUTING_CURVE_RATIO: f64 = 0.5;
+/// Maximum fraction of the excess rms that one named effect may leave. With n effects the limit is sqrt(n) times as
+/// large.
+///
+/// The real law of an effect differs from that of the library. In docs/measured.md, friction leaves 32 % on a slide.
+/// In docs/hidden-effects.md, ten of 130 unknown effects get a name at this limit. At 30 % it was one to eight.
+const MAX_REMAINING_FRACTION: f64 = 0.35;
 
-/// What was found out by all that was tried.
+/// Derives the verdict from the final state, and collects everything that the report needs.
+///
+/// # Errors
+/// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn judge(
     problem: &Problem,
-    base: Stage,
-    come: Come,
-    with: &Means<'_>,
-    progress: &mut impl FnMut(Progress),
+    base: FittedModel,
+    state: SearchState,
+    settings: &SearchSettings<'_>,
+    progress: &mut (impl FnMut(Progress) + Send),
 ) -> Result<Outcome, ModelError> {
-    let Come { mut rounds, effects, stage: last, way } = backward_eliminate(problem, &base, come, with)?;
-    let left = last.gap() / base.gap();
-    // What could be there unseen is asked where nothing was found.
-    let nothing_in = rounds.first().filter(|_| effects.is_empty());
-    let limits =
-        nothing_in.map(|round| undetected(problem, round, with.threads)).transpose()?.unwrap_or_default();
-    let (mut verdict, blind, whereabouts) =
-        conclude(problem, &base, &last, &rounds, &limits, with, progress)?;
-    let beyond = extend_ranges(problem, &base, &last)?;
-    let blind = beyond.as_ref().filter(|own| own.leaves_noise()).map(|_| Blind::Beyond).or(blind);
-    if let Some(own) = &beyond {
-        verdict = own.weighed(verdict);
+    let SearchState { mut rounds, effects, model: final_model, search_log } =
+        backward_eliminate(problem, &base, state, settings)?;
+    let remaining_fraction = final_model.excess_rms() / base.excess_rms();
+    // Detection limits are needed only if no effect was found.
+    let empty_round = rounds.first().filter(|_| effects.is_empty());
+    let limits = empty_round.map(|round| limits_of_round(problem, round)).transpose()?;
+    let detection_limits = limits.unwrap_or_default();
+    let (mut verdict, inconclusive, localisations) =
+        conclude(problem, &base, &final_model, &rounds, &detection_limits, progress)?;
+    let range_extension = extend_ranges(problem, &base, &final_model)?;
+    let sufficient_extension = range_extension.as_ref().filter(|extension| extension.has_white_residual());
+    let inconclusive = sufficient_extension.map(|_| Inconclusive::RangeExtension).or(inconclusive);
+    if let Some(extension) = &range_extension {
+        verdict = extension.adjust_verdict(verdict);
     }
     let is_ambiguous = verdict == Verdict::Ambiguous;
-    let separating = if is_ambiguous { discriminate(problem, &rounds)? } else { None };
+    let discriminating_experiment = if is_ambiguous { discriminate(problem, &rounds)? } else { None };
     for round in &mut rounds {
-        if let Some(rival) = round.rival_place() {
-            round.trials[rival].stage = with_errors(problem, round.trials[rival].stage.clone())?;
+        if let Some(rival) = round.rival_index() {
+            round.trials[rival].model = with_standard_errors(problem, round.trials[rival].model.clone())?;
         }
     }
-    let told = if verdict.has_names() { &last } else { &base };
+    let reported = if verdict.has_names() { &final_model } else { &base };
     Ok(Outcome {
         verdict,
-        fineness: fineness_of(problem, told)?,
-        overload: first_overload(problem, told)?,
-        agreement: agreement_of_starts(problem, &base, with.seed)?,
-        correlations: correlations_of(problem, &base)?,
-        places: Places::of(base.version.patch(), &problem.drives, with.library)?,
-        base: with_errors(problem, base)?,
+        step_refinement: step_refinement(problem, reported)?,
+        overload: first_overload(problem, reported)?,
+        agreement: agreement_of_starts(problem, &base, settings.seed)?,
+        correlations: residual_correlations(problem, &base)?,
+        places: EffectSites::of(base.variant.patch(), &problem.drives, settings.library)?,
+        base: with_standard_errors(problem, base)?,
         rounds,
         effects,
-        way,
-        last,
-        left,
-        whereabouts,
-        limits,
-        beyond,
-        blind: blind.filter(|_| verdict == Verdict::CannotJudge),
-        separating,
+        search_log,
+        final_model,
+        remaining_fraction,
+        localisations,
+        detection_limits,
+        range_extension,
+        inconclusive: inconclusive.filter(|_| verdict == Verdict::CannotJudge),
+        discriminating_experiment,
     })
 }
 
-/// What rounds come to, why the data cannot judge where they cannot, and where something is missing where it is.
+/// The verdict of the rounds, the reason why the data are inconclusive if they are, and the missing forces if one is
+/// missing.
 fn conclude(
     problem: &Problem,
-    base: &Stage,
-    last: &Stage,
+    base: &FittedModel,
+    final_model: &FittedModel,
     rounds: &[Round],
-    limits: &[Limit],
-    with: &Means<'_>,
-    progress: &mut impl FnMut(Progress),
-) -> Result<(Verdict, Option<Blind>, Vec<Whereabouts>), ModelError> {
-    let left = last.gap() / base.gap();
-    let not_white = coloured_residual(problem, last, with.threads)?;
-    let leaves_noise = !last.leaves_structure() || not_white.is_some();
-    let taken = taken(rounds).count();
-    let blind = match not_white {
-        Some(own) => Some(Blind::NotWhite(own)),
-        None if taken == 0 && leaves_noise => why_inconclusive(problem, base, rounds, limits)?,
+    limits: &[DetectionLimit],
+    progress: &mut (impl FnMut(Progress) + Send),
+) -> Result<(Verdict, Option<Inconclusive>, Vec<Localisation>), ModelError> {
+    let remaining_fraction = final_model.excess_rms() / base.excess_rms();
+    let coloured = coloured_residual(problem, final_model)?;
+    let is_noise = !final_model.residuals_are_coloured() || coloured.is_some();
+    let taken = taken_rounds(rounds).count();
+    let inconclusive = match coloured {
+        Some(residual) => Some(Inconclusive::ColouredResidual(residual)),
+        None if taken == 0 && is_noise => why_inconclusive(problem, base, rounds, limits)?,
         None => None,
     };
-    let verdict = verdict(rounds, left, leaves_noise, blind.is_some());
+    let verdict = verdict_of(rounds, remaining_fraction, is_noise, inconclusive.is_some());
     if matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
-        return Ok((verdict, blind, Vec::new()));
+        return Ok((verdict, inconclusive, Vec::new()));
     }
-    progress(Progress::of(Part::Where));
-    let whereabouts = localise(problem, base, with.threads)?;
-    let slow = match verdict == Verdict::UnknownEffect && taken == 0 {
-        true => slow_sensor_noise(problem, base, likeliest(&whereabouts)),
+    progress(Progress::of(SearchPhase::Localisation));
+    let localisations = localise(problem, base)?;
+    let slow_noise = match verdict == Verdict::UnknownEffect && taken == 0 {
+        true => slow_sensor_noise(problem, base, largest_evidence(&localisations)),
         false => None,
     };
-    if let Some(slow) = slow {
-        return Ok((Verdict::CannotJudge, Some(Blind::Slow(slow)), Vec::new()));
+    if let Some(noise) = slow_noise {
+        return Ok((Verdict::CannotJudge, Some(Inconclusive::SlowSensorNoise(noise)), Vec::new()));
     }
-    let is_doubtful = verdict.has_names() && !leaves_noise && (taken > 1 || leaves_much(last, left));
-    let is_other = is_doubtful && !is_sure(base, last, rounds) && is_a_curve(&whereabouts, left);
-    Ok((if is_other { Verdict::UnknownEffect } else { verdict }, blind, whereabouts))
+    let is_substantial = is_residual_substantial(final_model, remaining_fraction);
+    let is_doubtful = verdict.has_names() && !is_noise && (taken > 1 || is_substantial);
+    let is_unknown = is_doubtful
+        && !is_convincing(base, final_model, rounds)
+        && is_curve_far_better(&localisations, remaining_fraction);
+    Ok((if is_unknown { Verdict::UnknownEffect } else { verdict }, inconclusive, localisations))
 }
 
-/// The weakest effects that would have been seen of all that a round tried, those that show best first.
-fn undetected(problem: &Problem, round: &Round, threads: usize) -> Result<Vec<Limit>, ModelError> {
-    let tried: Vec<_> = round.trials.iter().map(|trial| (&trial.candidate, &trial.stage.version)).collect();
-    detection_limits(problem, &round.before, round.bar(), &tried, threads)
+/// The detection limits of all effects that a round tried, the most detectable first.
+fn limits_of_round(problem: &Problem, round: &Round) -> Result<Vec<DetectionLimit>, ModelError> {
+    let tried: Vec<_> = round.trials.iter().map(|trial| (&trial.candidate, &trial.model.variant)).collect();
+    detection_limits(problem, &round.before, round.bar(), &tried)
 }
 
-/// The experiment that would tell the first two effects apart that a round took and the data cannot tell from each other.
-fn discriminate(problem: &Problem, rounds: &[Round]) -> Result<Option<Separating>, ModelError> {
-    let tied = taken(rounds).find_map(|round| Some((round, [&round.trials[0], round.rival()?])));
+/// The experiment that distinguishes the best trial from its best rival, in the first taken round with a rival.
+fn discriminate(problem: &Problem, rounds: &[Round]) -> Result<Option<DiscriminatingExperiment>, ModelError> {
+    let tied = taken_rounds(rounds).find_map(|round| Some((round, [&round.trials[0], round.rival()?])));
     let Some((round, trials)) = tied else { return Ok(None) };
-    let names = trials.map(Trial::named);
-    let rivals = [0, 1].map(|place| Rival { name: &names[place], stage: &trials[place].stage });
-    discriminating_experiment(problem, rivals, round.bar().variance())
+    let labels = trials.map(Trial::label);
+    let rivals = [0, 1].map(|index| Rival { name: &labels[index], model: &trials[index].model });
+    discriminating_experiment(problem, rivals, round.bar().effective_variance())
 }
 
-/// What comes of data that no effect is sought in.
-pub(crate) fn unjudged(problem: &Problem, base: Stage, why: Blind, seed: u64) -> Result<Outcome, ModelError> {
-    let base = with_errors(problem, base)?;
+/// The outcome for data in which no effect is searched, with the reason for this.
+///
+/// # Errors
+/// If the patch cannot be simulated with the drives of the records.
+pub(crate) fn inconclusive_outcome(
+    problem: &Problem,
+    base: FittedModel,
+    reason: Inconclusive,
+    seed: u64,
+) -> Result<Outcome, ModelError> {
+    let base = with_standard_errors(problem, base)?;
     Ok(Outcome {
         verdict: Verdict::CannotJudge,
-        fineness: fineness_of(problem, &base)?,
+        step_refinement: step_refinement(problem, &base)?,
         overload: first_overload(problem, &base)?,
         agreement: agreement_of_starts(problem, &base, seed)?,
-        correlations: correlations_of(problem, &base)?,
-        last: base.clone(),
+        correlations: residual_correlations(problem, &base)?,
+        final_model: base.clone(),
         base,
         rounds: Vec::new(),
         effects: Vec::new(),
-        way: Vec::new(),
-        left: 1.0,
-        whereabouts: Vec::new(),
-        limits: Vec::new(),
-        beyond: None,
-        blind: Some(why),
-        separating: None,
-        places: Places::default(),
+        search_log: Vec::new(),
+        remaining_fraction: 1.0,
+        localisations: Vec::new(),
+        detection_limits: Vec::new(),
+        range_extension: None,
+        inconclusive: Some(reason),
+        discriminating_experiment: None,
+        places: EffectSites::default(),
     })
 }
 
-/// What rounds come to that leave such a share of the gap.
-pub(crate) fn verdict(rounds: &[Round], left: f64, leaves_noise: bool, is_blind: bool) -> Verdict {
-    let taken = taken(rounds);
-    let most_left = MOST_LEFT * (taken.clone().count() as f64).sqrt();
-    match (taken.clone().count(), leaves_noise) {
-        (0, true) if is_blind => Verdict::CannotJudge,
+/// The verdict of rounds whose effects leave `remaining_fraction` of the excess rms. `is_noise` says that the final
+/// residual is explained by noise, `is_inconclusive` that there is a reason to doubt the data.
+pub(crate) fn verdict_of(
+    rounds: &[Round],
+    remaining_fraction: f64,
+    is_noise: bool,
+    is_inconclusive: bool,
+) -> Verdict {
+    let taken = taken_rounds(rounds);
+    let most = MAX_REMAINING_FRACTION * (taken.clone().count() as f64).sqrt();
+    match (taken.clone().count(), is_noise) {
+        (0, true) if is_inconclusive => Verdict::CannotJudge,
         (0, true) => Verdict::NothingMissing,
         (0, false) => Verdict::UnknownEffect,
-        (_, false) if left > most_left => Verdict::UnknownEffect,
+        (_, false) if remaining_fraction > most => Verdict::UnknownEffect,
         _ if taken.clone().any(|round| round.tied > 1) => Verdict::Ambiguous,
         _ => Verdict::Named,
     }
 }
 
-/// Whether what leaves structure is to be believed all the same: one effect alone, that stands out, that is no stronger than it may
-/// be, and beside which the patch does not ask for values beyond their ranges.
-fn is_sure(base: &Stage, last: &Stage, rounds: &[Round]) -> bool {
-    let is_alone = taken(rounds).count() == 1;
-    let is_within = |round: &Round| !last.is_strongest(&round.trials[0].candidate);
-    is_alone && rounds[0].stands_out() && is_within(&rounds[0]) && last.newly_at_end(base).next().is_none()
+/// Whether a named effect is accepted in spite of a coloured residual.
+///
+/// It must be the only one and far better than all others. Its strength must be inside its range. It must not push a
+/// parameter of the patch to the end of its range.
+fn is_convincing(base: &FittedModel, final_model: &FittedModel, rounds: &[Round]) -> bool {
+    let is_only = taken_rounds(rounds).count() == 1;
+    let is_inside_range = |round: &Round| !final_model.is_at_max_strength(&round.trials[0].candidate);
+    is_only
+        && rounds[0].has_distinct_best()
+        && is_inside_range(&rounds[0])
+        && final_model.indices_newly_at_range_end(base).next().is_none()
 }
 
-/// Whether a force over what the patch does explains far more than effects that leave such a share of the gap.
-fn is_a_curve(whereabouts: &[Whereabouts], left: f64) -> bool {
-    let best = whereabouts.first().and_then(|best| best.best.map(|place| &best.curves[place]));
-    best.is_some_and(|curve| 1.0 - curve.explains < CURVE * left * left)
+/// Whether a force over a signal explains far more than effects that leave `remaining_fraction` of the excess rms.
+fn is_curve_far_better(localisations: &[Localisation], remaining_fraction: f64) -> bool {
+    let best = localisations.first().and_then(|best| best.best_curve.map(|curve| &best.curves[curve]));
+    best.is_some_and(|curve| {
+        1.0 - curve.explained_fraction < REFUTING_CURVE_RATIO * remaining_fraction * remaining_fraction
+    })
 }

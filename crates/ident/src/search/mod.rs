@@ -1,9 +1,18 @@
-//! The search: every effect at every place that it fits, everything refitted, the best confirmed on what was held back; and
-//! again, until what is left looks like noise or nothing more can be named.
+//! The search for missing effects.
+//!
+//! 1. The patch as it is is fitted. The search ends if the data are only noise, the fit diverges, or a sign or unit
+//!    is wrong.
+//! 2. A round tries every effect of the library at every place, and fits each extended patch (module `trials`).
+//! 3. The best trial is accepted if its `delta_bic` is large enough and the validation records confirm it
+//!    (module `round`).
+//! 4. Rounds repeat until the residual looks like noise, no trial is accepted, or three effects are found.
+//! 5. Every accepted effect is tried again next to the others, and dropped if it is no longer needed
+//!    (module `refinement`).
+//! 6. If no effect is accepted, pairs of effects are tried, because one may hide the other (module `pairs`).
+//! 7. The verdict is derived (module `judgement`).
 
 pub mod inconclusive;
 pub(crate) mod judgement;
-pub(crate) mod means;
 pub mod outcome;
 pub(crate) mod pairs;
 pub mod progress;
@@ -11,130 +20,155 @@ pub mod range_extension;
 pub(crate) mod refinement;
 pub mod round;
 pub mod search_log;
+pub(crate) mod settings;
 pub(crate) mod state;
 pub(crate) mod trials;
 pub mod verdict;
 
 use crate::fit::base_fit::fit_base;
 use crate::fit::base_fit::refit_from_trial;
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
-use crate::residuals::divergence::divergence_of;
-use crate::residuals::misspecification::misspecification_of;
+use crate::residuals::divergence::find_divergence;
+use crate::residuals::misspecification::find_misspecification;
 use crate::residuals::residual_analysis::is_drive_noise;
-use crate::search::inconclusive::Blind;
-use crate::search::inconclusive::is_noise_alone;
+use crate::search::inconclusive::Inconclusive;
+use crate::search::inconclusive::is_noise_only;
+use crate::search::judgement::inconclusive_outcome;
 use crate::search::judgement::judge;
-use crate::search::judgement::unjudged;
 use crate::search::pairs::search_pairs;
-use crate::search::progress::{Part, Progress};
+use crate::search::progress::{Progress, SearchPhase};
 use crate::search::refinement::refine;
 use crate::search::round::Round;
-use crate::search::state::Come;
+use crate::search::state::SearchState;
 use crate::search::trials::run_round;
-use patchcord_analysis::{pool, spare};
+use patchcord_analysis::parallel;
 use patchcord_core::patch::Patch;
 
-pub use means::Means;
 pub use outcome::Outcome;
+pub use settings::SearchSettings;
 pub use verdict::Verdict;
 
-/// From where so many of the best trials came to the patch is fitted again.
-const LOOKED_AT: usize = 3;
-/// So often a round is made again because the patch before it could be fitted better.
-const MOST_BETTERED: usize = 3;
-/// How many effects are looked for at most.
-const MOST_EFFECTS: usize = 3;
+/// Number of trials of a round, best first, whose estimates are used as further starts of the patch without their
+/// effects.
+const REFIT_STARTS: usize = 3;
+/// Maximum number of rounds that are repeated because a trial leads to a better fit of the patch before the round.
+const MAX_REFITS: usize = 3;
+/// Maximum number of missing effects that a search looks for.
+const MAX_EFFECTS: usize = 3;
 
-/// Searches for what a patch lacks. `progress` is told how far it has come.
+/// Searches for the effects that a patch lacks. `fit` has the names of the parameters that are fitted, and `progress`
+/// is called before and during each phase. Returns None if the patch can be run from none of the starts.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
+/// If the patch cannot be simulated with the drives of the records.
+///
+/// # Examples
+///
+/// ```no_run
+/// use patchcord_ident::Experiment;
+/// use patchcord_ident::effects::Library;
+/// use patchcord_ident::fit::problem::Problem;
+/// use patchcord_ident::search::{SearchSettings, search};
+///
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let (problem, library) = (Problem::of(&experiment)?, Library::shipped());
+/// let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
+/// let show = |progress: patchcord_ident::search::progress::Progress| println!("{progress:?}");
+/// let outcome = search(&problem, &experiment.patch, &experiment.fit, &settings, show)?;
+/// let outcome = outcome.ok_or("the patch cannot be run from any start")?;
+/// assert_eq!(outcome.verdict.as_str(), "named");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn search(
     problem: &Problem,
     patch: &Patch,
     fit: &[String],
-    with: &Means<'_>,
-    mut progress: impl FnMut(Progress),
+    settings: &SearchSettings<'_>,
+    mut progress: impl FnMut(Progress) + Send,
 ) -> Result<Option<Outcome>, ModelError> {
-    spare::with_threads(with.threads, || search_on_threads(problem, patch, fit, with, &mut progress))
+    parallel::with_threads(settings.threads, || {
+        search_on_threads(problem, patch, fit, settings, &mut progress)
+    })
 }
 
-/// What comes of it, on the threads that it has.
+/// The search itself, on the threads that [`search`] provides.
 fn search_on_threads(
     problem: &Problem,
     patch: &Patch,
     fit: &[String],
-    with: &Means<'_>,
-    progress: &mut impl FnMut(Progress),
+    settings: &SearchSettings<'_>,
+    progress: &mut (impl FnMut(Progress) + Send),
 ) -> Result<Option<Outcome>, ModelError> {
-    progress(Progress::of(Part::Base));
-    let Some(base) = fit_base(problem, patch, fit, with.seed)? else { return Ok(None) };
-    if is_noise_alone(problem) {
-        return unjudged(problem, base, Blind::Still, with.seed).map(Some);
+    progress(Progress::of(SearchPhase::Base));
+    let Some(base) = fit_base(problem, patch, fit, settings.seed)? else { return Ok(None) };
+    if is_noise_only(problem) {
+        return inconclusive_outcome(problem, base, Inconclusive::NoMotion, settings.seed).map(Some);
     }
-    if let Some(runaway) = divergence_of(problem, &base)? {
-        return unjudged(problem, base, Blind::Runaway(runaway), with.seed).map(Some);
+    if let Some(divergence) = find_divergence(problem, &base)? {
+        let reason = Inconclusive::Divergence(divergence);
+        return inconclusive_outcome(problem, base, reason, settings.seed).map(Some);
     }
-    if let Some(mistold) = misspecification_of(problem, &base, patch, fit, with.seed)? {
-        return unjudged(problem, base, Blind::Mistold(mistold), with.seed).map(Some);
+    if let Some(wrong) = find_misspecification(problem, &base, patch, fit, settings.seed)? {
+        let reason = Inconclusive::Misspecification(wrong);
+        return inconclusive_outcome(problem, base, reason, settings.seed).map(Some);
     }
-    let (base, come, before_promise) = run_rounds(problem, base, with, progress)?;
-    let come = match before_promise {
-        None => refine(problem, &base, come, true, with, progress)?,
-        Some(before) => refine(problem, &base, come, false, with, progress)?.or(before),
+    let (base, state, before_tentative) = run_rounds(problem, base, settings, progress)?;
+    let state = match before_tentative {
+        None => refine(problem, &base, state, true, settings, progress)?,
+        Some(before) => refine(problem, &base, state, false, settings, progress)?.prefer_longer(before),
     };
-    let come = search_pairs(problem, &base, come, with, progress)?;
-    judge(problem, base, come, with, progress).map(Some)
+    let state = search_pairs(problem, &base, state, settings, progress)?;
+    judge(problem, base, state, settings, progress).map(Some)
 }
 
-/// Round after round, as long as something is taken: the patch as it was, which a trial may have shown to fit better, where that
-/// leads, and where it had led before something was gone on from that is not confirmed.
+/// Runs rounds as long as an effect is added.
+///
+/// Returns three things: the fit of the patch as it is, which a trial may have improved; the state after the last
+/// round; and the state before the first tentative effect, if one was added.
 fn run_rounds(
     problem: &Problem,
-    mut base: Stage,
-    with: &Means<'_>,
-    progress: &mut impl FnMut(Progress),
-) -> Result<(Stage, Come, Option<Come>), ModelError> {
-    let mut come = Come::begun(base.clone());
-    let (mut bettered, mut before_promise) = (0, None);
-    while come.rounds.len() < MOST_EFFECTS {
-        if is_drive_noise(problem, &come.stage, with.threads)? {
+    mut base: FittedModel,
+    settings: &SearchSettings<'_>,
+    progress: &mut (impl FnMut(Progress) + Send),
+) -> Result<(FittedModel, SearchState, Option<SearchState>), ModelError> {
+    let mut state = SearchState::new(base.clone());
+    let (mut refits, mut before_tentative) = (0, None);
+    while state.rounds.len() < MAX_EFFECTS {
+        if is_drive_noise(problem, &state.model)? {
             break;
         }
-        let round = run_round(problem, &come.stage, &come.effects, None, with, progress)?;
-        // A trial may have found what the patch alone could have been fitted to.
-        let better = match bettered < MOST_BETTERED {
-            true => better_base(problem, &come.stage, &round, with.threads)?,
+        let round = run_round(problem, &state.model, &state.effects, None, settings, progress)?;
+        // The estimate of a trial may be a better start for the patch without its effect.
+        let better = match refits < MAX_REFITS {
+            true => better_base(problem, &state.model, &round)?,
             false => None,
         };
-        if better.is_some_and(|better| come.is_bettered_by(better)) {
-            if come.rounds.is_empty() {
-                base = come.stage.clone();
+        if better.is_some_and(|better| state.adopt_better_fit(better)) {
+            if state.rounds.is_empty() {
+                base = state.model.clone();
             }
-            bettered += 1;
+            refits += 1;
             continue;
         }
-        if round.promising && before_promise.is_none() {
-            before_promise = Some(come.and(&round));
+        if round.tentative && before_tentative.is_none() {
+            before_tentative = Some(state.with_round(&round));
         }
-        if !come.goes_on_with(round) || !come.stage.leaves_structure() {
+        if !state.add_round(round) || !state.model.residuals_are_coloured() {
             break;
         }
     }
-    Ok((base, come, before_promise))
+    Ok((base, state, before_tentative))
 }
 
-/// The patch of a stage fitted better, from where the best trials came to.
+/// A better fit of `model` from the estimates of the best trials. None if no trial leads to one.
 fn better_base(
     problem: &Problem,
-    stage: &Stage,
+    model: &FittedModel,
     round: &Round,
-    threads: usize,
-) -> Result<Option<Stage>, ModelError> {
-    let looked_at = &round.trials[..round.trials.len().min(LOOKED_AT)];
-    let again =
-        pool::each(looked_at, threads, |trial| refit_from_trial(problem, stage, &trial.stage), |_| ());
-    again.into_iter().find_map(Result::transpose).transpose()
+) -> Result<Option<FittedModel>, ModelError> {
+    let starts = &round.trials[..round.trials.len().min(REFIT_STARTS)];
+    let refits = parallel::map(starts, |trial| refit_from_trial(problem, model, &trial.model), |_| ());
+    refits.into_iter().find_map(Result::transpose).transpose()
 }

@@ -1,94 +1,97 @@
-//! What came of a search.
+//! The outcome of a search.
+//!
+//! It has everything that reports need. Reports only select and format it.
 
-use crate::design::detectability::detection_limit::Limit;
-use crate::design::discriminating_experiment::Separating;
+use crate::design::detectability::detection_limit::DetectionLimit;
+use crate::design::discriminating_experiment::DiscriminatingExperiment;
 use crate::effects::candidate::Candidate;
-use crate::effects::places::Places;
-use crate::fit::fitted_model::Stage;
+use crate::effects::effect_sites::EffectSites;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::overload::RecordOverload;
-use crate::fit::starts::Agreement;
-use crate::fit::step_size::Fineness;
-use crate::localise::force::Whereabouts;
+use crate::fit::starts::StartAgreement;
+use crate::fit::step_size::StepRefinement;
+use crate::localise::localisation::Localisation;
 use crate::residuals::correlation::Correlation;
-use crate::search::inconclusive::Blind;
-use crate::search::range_extension::Beyond;
+use crate::search::inconclusive::Inconclusive;
+use crate::search::range_extension::RangeExtension;
 use crate::search::round::Round;
-use crate::search::search_log::Change;
+use crate::search::search_log::LogEntry;
 use crate::search::verdict::Verdict;
 
-/// What came of a search.
+/// Fraction of the excess rms above which named effects may explain only part of an unknown effect.
+const SUBSTANTIAL_FRACTION: f64 = 0.1;
+
+/// The outcome of a search.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// What was found out.
+    /// The verdict.
     pub verdict: Verdict,
     /// The patch as it was, fitted.
-    pub base: Stage,
-    /// Whether fits from elsewhere come to the same.
-    pub agreement: Agreement,
-    /// What was tried, one effect after the other.
+    pub base: FittedModel,
+    /// Whether fits of the patch from other starts reproduce its fit.
+    pub agreement: StartAgreement,
+    /// The rounds. The last one may have added no effect.
     pub rounds: Vec<Round>,
-    /// What was taken in the first of these rounds.
+    /// The effects that were added. Entry i was added by round i.
     pub effects: Vec<Candidate>,
-    /// Which amplifier of the patch that is told of is overloaded first, if one is.
+    /// The first overload in a record, of the reported model. None if no amplifier is overloaded.
     pub overload: Option<RecordOverload>,
-    /// How it came there, change by change.
-    pub way: Vec<Change>,
-    /// The patch with all that was taken, fitted.
-    pub last: Stage,
-    /// The share of the gap that is left, in rms.
-    pub left: f64,
-    /// What the residuals of the patch as it was go with.
+    /// All actions of the search, in order.
+    pub search_log: Vec<LogEntry>,
+    /// The patch with all effects that were added, fitted.
+    pub final_model: FittedModel,
+    /// Excess rms of `final_model` over the excess rms of `base`: 0 if the effects explain everything, 1 if nothing.
+    pub remaining_fraction: f64,
+    /// Correlations of the residual of `base` with drives and signals.
     pub correlations: Vec<Correlation>,
-    /// Where and when something is missing in the patch as it was; of no junction where nothing is.
-    pub whereabouts: Vec<Whereabouts>,
-    /// The weakest effects that the first round would have found, where nothing was taken.
-    pub limits: Vec<Limit>,
-    /// Where the patch as it was comes to beyond its ranges, if it stands at their ends and leaves a gap.
-    pub beyond: Option<Beyond>,
-    /// Why the data cannot judge, where they cannot.
-    pub blind: Option<Blind>,
-    /// The experiment that would tell two effects apart, where the data cannot.
-    pub separating: Option<Separating>,
-    /// Where the patch as it was has room for effects; empty where none was tried.
-    pub places: Places,
-    /// How finely the patch that is told of was run.
-    pub fineness: Fineness,
+    /// The missing force at every junction, the most likely junction first. Empty if nothing is missing.
+    pub localisations: Vec<Localisation>,
+    /// The smallest effects that the first round would have found. Empty if an effect was added.
+    pub detection_limits: Vec<DetectionLimit>,
+    /// The fit of the patch with wider ranges. None unless `base` is at an end of a range and its residual is
+    /// coloured.
+    pub range_extension: Option<RangeExtension>,
+    /// Why the data are inconclusive. None if they are not.
+    pub inconclusive: Option<Inconclusive>,
+    /// The experiment that distinguishes two tied effects. None if there are none, or if no such experiment can be
+    /// run.
+    pub discriminating_experiment: Option<DiscriminatingExperiment>,
+    /// The places of the patch where effects can be attached. Empty if no effect was tried.
+    pub places: EffectSites,
+    /// The number of solver steps of the reported model, and the solver's error.
+    pub step_refinement: StepRefinement,
 }
 
 impl Outcome {
-    /// The stage that is told of: the last one where something is named, else the patch as it was.
-    pub fn told(&self) -> &Stage {
-        if self.verdict.has_names() { &self.last } else { &self.base }
+    /// The model that the report describes: `final_model` if effects are named, `base` otherwise.
+    pub fn reported_model(&self) -> &FittedModel {
+        if self.verdict.has_names() { &self.final_model } else { &self.base }
     }
 
-    /// The force that closes the gap best, where something is missing that has no name.
-    pub(crate) fn unnamed(&self) -> Option<&Whereabouts> {
-        self.whereabouts.first().filter(|_| self.verdict == Verdict::UnknownEffect)
+    /// The force that explains the excess residual best, if the verdict is an unknown effect.
+    pub(crate) fn unknown_force(&self) -> Option<&Localisation> {
+        self.localisations.first().filter(|_| self.verdict == Verdict::UnknownEffect)
     }
 
-    /// Whether more is left than a law of another shape mostly leaves, and that is no noise.
-    pub fn leaves_much(&self) -> bool {
-        leaves_much(&self.last, self.left)
+    /// Whether the residual of `final_model` is coloured and larger than an inexact law usually causes.
+    pub fn has_substantial_residual(&self) -> bool {
+        is_residual_substantial(&self.final_model, self.remaining_fraction)
+    }
+
+    /// Whether the log has more than the fit of the patch and one change, so that the rounds alone do not describe
+    /// the search.
+    pub fn has_detailed_log(&self) -> bool {
+        self.search_log.len() > 2
     }
 }
 
-/// If named effects leave structure, and more than this share of the gap in rms, they may explain only in part what is no effect of
-/// the library.
-const CLEAR: f64 = 0.1;
-
-/// The rounds that took something.
-pub(crate) fn taken(rounds: &[Round]) -> impl Iterator<Item = &Round> + Clone {
+/// The rounds whose best effect was taken.
+pub(crate) fn taken_rounds(rounds: &[Round]) -> impl Iterator<Item = &Round> + Clone {
     rounds.iter().filter(|round| round.taken)
 }
 
-/// Whether a stage leaves structure, and such a share of the gap that this is no small matter.
-pub(crate) fn leaves_much(stage: &Stage, left: f64) -> bool {
-    stage.leaves_structure() && left > CLEAR
-}
-
-impl Outcome {
-    /// Whether the way led through more than one change of the patch as it was: what its rounds alone do not tell.
-    pub fn has_a_way(&self) -> bool {
-        self.way.len() > 2
-    }
+/// Whether the residual of a model is coloured, and `remaining_fraction` exceeds 10 % of the excess rms of the patch
+/// as it was.
+pub(crate) fn is_residual_substantial(model: &FittedModel, remaining_fraction: f64) -> bool {
+    model.residuals_are_coloured() && remaining_fraction > SUBSTANTIAL_FRACTION
 }

@@ -1,36 +1,36 @@
-//! How far a search has come.
+//! Progress of a search.
 
-/// What a search is doing.
+/// A phase of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum SearchPhase {
     /// The patch as it is is fitted.
     Base,
-    /// Every effect is looked at quickly, at every place.
+    /// Every effect is fitted quickly at every place.
     Quick,
-    /// The best of them are gone through with.
+    /// The best trials are fitted completely.
     Full,
-    /// The best are fitted to ever more of the records.
+    /// The best trials are fitted to longer and longer parts of the records.
     Growing,
-    /// Forces are looked for at every junction.
-    Where,
+    /// The missing force is estimated at every junction.
+    Localisation,
 }
 
-/// Where a search stands.
+/// The current phase of a search, and its completed work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Which effect is looked for, from 1 on; 0 outside rounds.
+    /// Number of the effect that is searched for, from 1. Zero outside rounds.
     pub round: usize,
-    /// What is being done.
-    pub part: Part,
-    /// How many trials of this part are done,
+    /// The current phase.
+    pub phase: SearchPhase,
+    /// Number of completed trials of this phase.
     pub done: u64,
-    /// and of how many; 0 where they are not counted.
-    pub all: u64,
+    /// Number of trials of this phase. Zero if the phase does not count trials.
+    pub total: u64,
 }
 
 impl Progress {
-    /// The beginning of a part that is not counted.
-    pub(crate) fn of(part: Part) -> Progress {
-        Progress { round: 0, part, done: 0, all: 0 }
+    /// The beginning of a phase that does not count trials.
+    pub(crate) fn of(phase: SearchPhase) -> Progress {
+        Progress { round: 0, phase, done: 0, total: 0 }
     }
 }

@@ -1,83 +1,93 @@
-//! Values beyond the ranges that a patch was fitted in: they may be all that it lacks.
+//! Fits with wider parameter ranges.
+//!
+//! If the best fit of a patch is at an end of a parameter's range, a value outside the range may explain the data
+//! without any missing effect. The patch is fitted again with that range ten times wider.
 
-use crate::fit::estimate::Fitted;
+use crate::fit::estimate::FitResult;
 use crate::fit::estimation::refit;
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::search::verdict::Verdict;
-use crate::statistics::acceptance::APART;
+use crate::statistics::acceptance::RIVAL_Z;
 use crate::statistics::block_comparison::advantage;
 
-/// So many times as far from zero a range goes, or so much nearer, where a patch stood at its end.
-const WIDER: f64 = 10.0;
+/// Factor by which the end of a range moves: away from zero, or towards zero if the end is the one nearer to zero.
+const RANGE_FACTOR: f64 = 10.0;
 
-/// A patch fitted with wider ranges where it stood at their ends.
+/// A fit of a patch with wider ranges for the parameters that were at an end of their range.
 #[derive(Debug, Clone)]
-pub struct Beyond {
-    /// Where it came to.
-    pub stage: Stage,
-    /// The places of what lies beyond its range now.
-    pub(crate) places: Vec<usize>,
-    /// Whether the data cannot tell it from the patch with what is named.
+pub struct RangeExtension {
+    /// The fit.
+    pub model: FittedModel,
+    /// The parameters outside their original ranges, as indices into the fitted parameters.
+    pub(crate) outside: Vec<usize>,
+    /// Whether the data cannot distinguish this fit from the patch with the named effects.
     pub is_rival: bool,
 }
 
-impl Beyond {
-    /// What the data say when it is weighed against what they seemed to: it may be what is missing, and is what is not.
-    pub(crate) fn weighed(&self, verdict: Verdict) -> Verdict {
+impl RangeExtension {
+    /// The verdict if the extension is considered as well. A named effect becomes ambiguous if the extension is as
+    /// good. An unknown effect becomes inconclusive if the extension leaves only noise.
+    pub(crate) fn adjust_verdict(&self, verdict: Verdict) -> Verdict {
         match verdict {
             Verdict::Named if self.is_rival => Verdict::Ambiguous,
-            Verdict::UnknownEffect if self.leaves_noise() => Verdict::CannotJudge,
-            own => own,
+            Verdict::UnknownEffect if self.has_white_residual() => Verdict::CannotJudge,
+            verdict => verdict,
         }
     }
 
-    /// Whether it leaves nothing but noise.
-    pub(crate) fn leaves_noise(&self) -> bool {
-        !self.stage.leaves_structure()
+    /// Whether the fit leaves only noise.
+    pub(crate) fn has_white_residual(&self) -> bool {
+        !self.model.residuals_are_coloured()
     }
 }
 
-/// Where a patch that leaves a gap comes to beyond the ends of ranges at which it stands; nothing where there is none or it
-/// stays. `last` is the patch with what is named.
+/// Fits a patch with wider ranges for the parameters at an end of their range. `final_model` is the patch with the
+/// effects that were added.
+///
+/// Returns None if no parameter is at an end, if the residual of `base` is white, or if all values stay in their
+/// ranges.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
+/// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn extend_ranges(
     problem: &Problem,
-    base: &Stage,
-    last: &Stage,
-) -> Result<Option<Beyond>, ModelError> {
-    let was: Vec<Option<(f64, f64)>> = base.version.ranges().collect();
-    let widened = base.at_end().filter_map(|place| {
-        let (low, high) = wider(was[place]?, base.train.point.knobs[place]);
-        (was[place] != Some((low, high))).then(|| (&base.version.fit[place], [low, high]))
+    base: &FittedModel,
+    final_model: &FittedModel,
+) -> Result<Option<RangeExtension>, ModelError> {
+    let original: Vec<Option<(f64, f64)>> = base.variant.ranges().collect();
+    let widened = base.indices_at_range_end().filter_map(|parameter| {
+        let (low, high) = widen(original[parameter]?, base.train.estimate.parameters[parameter]);
+        (original[parameter] != Some((low, high))).then(|| (&base.variant.fit[parameter], [low, high]))
     });
     let widened: Vec<(&String, [f64; 2])> = widened.collect();
-    if widened.is_empty() || !base.leaves_structure() {
+    if widened.is_empty() || !base.residuals_are_coloured() {
         return Ok(None);
     }
-    let mut editor = base.version.patch().edit();
+    let mut editor = base.variant.patch().edit();
     for (name, range) in widened {
         editor.set_range(name, range)?;
     }
-    let patch = editor.finish(base.version.patch().file())?;
-    let version = base.version.with_patch(patch);
-    let Some(stage) = refit(problem, base, version, base.train.point.clone())? else { return Ok(None) };
-    let places: Vec<usize> = stage.beyond_of(&was).collect();
-    let of = |own: fn(&Stage) -> &Fitted| advantage(&own(&stage).residuals, &own(last).residuals);
-    let behind = of(|own| &own.train).and(of(|own| &own.test));
-    let is_rival = behind.ratio() < APART;
-    Ok((!places.is_empty()).then_some(Beyond { stage, places, is_rival }))
+    let patch = editor.finish(base.variant.patch().file())?;
+    let version = base.variant.with_patch(patch);
+    let Some(model) = refit(problem, base, version, base.train.estimate.clone())? else { return Ok(None) };
+    let outside: Vec<usize> = model.indices_outside(&original).collect();
+    let compare = |part: fn(&FittedModel) -> &FitResult| {
+        advantage(&part(&model).residuals, &part(final_model).residuals)
+    };
+    let final_advantage = compare(|model| &model.train).combined(compare(|model| &model.test));
+    let is_rival = final_advantage.z_score() < RIVAL_Z;
+    Ok((!outside.is_empty()).then_some(RangeExtension { model, outside, is_rival }))
 }
 
-/// A range that goes on where a value stands at its end; nature changes no signs.
-fn wider((low, high): (f64, f64), value: f64) -> (f64, f64) {
-    let on = |end: f64, is_outward: bool| if is_outward { end * WIDER } else { end / WIDER };
+/// A range that is wider at the end nearer to `value`. It does not cross zero, since the sign of a parameter is
+/// known.
+fn widen((low, high): (f64, f64), value: f64) -> (f64, f64) {
+    let moved = |end: f64, is_outward: bool| if is_outward { end * RANGE_FACTOR } else { end / RANGE_FACTOR };
     match value - low < high - value {
-        true => (on(low, low < 0.0), high),
-        false => (low, on(high, high > 0.0)),
+        true => (moved(low, low < 0.0), high),
+        false => (low, moved(high, high > 0.0)),
     }
 }
 
@@ -86,11 +96,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_go_on_where_a_value_stands_but_not_through_zero() {
-        assert_eq!(wider((1.0, 8.0), 8.0), (1.0, 80.0));
-        assert_eq!(wider((1.0, 8.0), 1.0), (0.1, 8.0));
-        assert_eq!(wider((-3.0, -2.0), -3.0), (-30.0, -2.0));
-        assert_eq!(wider((-3.0, -2.0), -2.0), (-3.0, -0.2));
-        assert_eq!(wider((0.0, 5.0), 0.0), (0.0, 5.0));
+    fn the_end_near_the_value_is_widened_without_crossing_zero() {
+        assert_eq!(widen((1.0, 8.0), 8.0), (1.0, 80.0));
+        assert_eq!(widen((1.0, 8.0), 1.0), (0.1, 8.0));
+        assert_eq!(widen((-3.0, -2.0), -3.0), (-30.0, -2.0));
+        assert_eq!(widen((-3.0, -2.0), -2.0), (-3.0, -0.2));
+        assert_eq!(widen((0.0, 5.0), 0.0), (0.0, 5.0));
     }
 }

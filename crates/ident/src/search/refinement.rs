@@ -1,163 +1,190 @@
-//! Effects that were taken one after the other, each looked at again beside all the others: another may be better now, or none be
-//! needed.
+//! Refinement of several effects that were added one after the other.
+//!
+//! Each effect was found while later ones were still missing. So [`refine`] repeats the search for each effect with
+//! all the others in the patch: it is kept, replaced or dropped. [`backward_eliminate`] then drops effects that may
+//! have zero strength.
 
 use crate::effects::Library;
-use crate::effects::attach::Attached;
+use crate::effects::attach::EffectPlacement;
 use crate::effects::candidate::Candidate;
+use crate::fit::extended_model::find_sites;
 use crate::fit::extended_model::fit_trial;
-use crate::fit::extended_model::sites_of;
-use crate::fit::extended_model::{Asked, Untried};
-use crate::fit::fitted_model::Stage;
-use crate::fit::intervals::with_intervals;
+use crate::fit::extended_model::{SkipReason, TrialRequest};
+use crate::fit::fitted_model::FittedModel;
+use crate::fit::intervals::with_profile_intervals;
 use crate::fit::model::ModelError;
-use crate::fit::peaks::peaks_of;
 use crate::fit::problem::Problem;
 use crate::fit::schedule::Effort;
-use crate::search::means::Means;
+use crate::fit::signal_extents::signal_extents;
 use crate::search::progress::Progress;
-use crate::search::round::LEAST_CLOSED;
+use crate::search::round::MIN_EXPLAINED_FRACTION;
 use crate::search::search_log::Action;
-use crate::search::state::Come;
-use crate::search::trials::Found;
+use crate::search::settings::SearchSettings;
+use crate::search::state::SearchState;
+use crate::search::trials::PreviousFit;
 use crate::search::trials::run_round;
 
-/// Looks at every effect again, beside all the others: another may be better now, or none be needed; at the last of them only
-/// where the others, which stood when it was found, do not stand any more.
+/// Repeats the search for every effect with all others in the patch. Each one is kept, replaced by a better one, or
+/// dropped.
+///
+/// `is_confirmed` says that every effect was taken with all earlier ones in the patch. The last effect is then
+/// repeated only if another one has changed.
+///
+/// # Errors
+/// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn refine(
     problem: &Problem,
-    base: &Stage,
-    mut come: Come,
-    mut others_stand: bool,
-    with: &Means<'_>,
-    progress: &mut impl FnMut(Progress),
-) -> Result<Come, ModelError> {
-    let (begun, mut place, have_stood) = (come.clone(), 0, others_stand);
-    while come.effects.len() > 1 && place < come.effects.len() {
-        if others_stand && place + 1 == come.effects.len() {
+    base: &FittedModel,
+    mut state: SearchState,
+    is_confirmed: bool,
+    settings: &SearchSettings<'_>,
+    progress: &mut (impl FnMut(Progress) + Send),
+) -> Result<SearchState, ModelError> {
+    let (original, mut index, mut are_others_unchanged) = (state.clone(), 0, is_confirmed);
+    while state.effects.len() > 1 && index < state.effects.len() {
+        if are_others_unchanged && index + 1 == state.effects.len() {
             break;
         }
-        let Some((kept, without)) = without_effect(problem, base, &come, place, with.library)? else { break };
-        let is_needed = without.leaves_structure();
-        let found = Found::of(&come.effects[place], &come.stage);
-        let again = is_needed
-            .then(|| run_round(problem, &without, &kept, Some(&found), with, progress))
+        let Some((others, without)) = without_effect(problem, base, &state, index, settings.library)? else {
+            break;
+        };
+        let is_needed = without.residuals_are_coloured();
+        let previous = PreviousFit::new(&state.effects[index], &state.model);
+        let repeated = is_needed
+            .then(|| run_round(problem, &without, &others, Some(&previous), settings, progress))
             .transpose()?;
-        match again {
-            Some(again) if again.taken => {
-                others_stand &= again.trials[0].candidate.is_same(&come.effects[place]);
-                come.replace(place, kept, again);
-                place += 1;
+        match repeated {
+            Some(round) if round.taken => {
+                are_others_unchanged &= round.trials[0].candidate.is_same(&state.effects[index]);
+                state.replace_effect(index, others, round);
+                index += 1;
             }
-            // Others that leave far more without it do not make needless what stood when it was found.
-            Some(_) if have_stood && come.stage.closed(&without) > LEAST_CLOSED => place += 1,
+            // An effect that was confirmed once stays if the others leave far more without it.
+            Some(_) if is_confirmed && state.model.explained_fraction(&without) > MIN_EXPLAINED_FRACTION => {
+                index += 1
+            }
             _ => {
-                come.less(place, kept, without);
-                others_stand = false;
+                state = state.without(index, others, without);
+                are_others_unchanged = false;
             }
         }
     }
-    // The same effects may have come to less before they were looked at one by one.
-    if come.has_the_effects_of(&begun) && begun.stage.train.chi2 < come.stage.train.chi2 {
-        (come.effects, come.stage) = (begun.effects, begun.stage);
-        come.did(Action::RestoreFit);
+    // The original fit of the same effects may be better than the repeated one.
+    if state.has_same_effects(&original) && original.model.train.chi2 < state.model.train.chi2 {
+        (state.effects, state.model) = (original.effects, original.model);
+        state.log(Action::RestoreFit);
     }
-    Ok(come)
+    Ok(state)
 }
 
-/// Drops effects of which the data do not tell that they are there; what stays has its intervals.
+/// Drops effects that may have zero strength, the least significant first. The effects that remain have 95 %
+/// intervals.
+///
+/// # Errors
+/// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn backward_eliminate(
     problem: &Problem,
-    base: &Stage,
-    mut come: Come,
-    with: &Means<'_>,
-) -> Result<Come, ModelError> {
-    let first = base.version.fit.len();
-    come.stage = with_intervals(problem, come.stage, first, with.threads)?;
-    while let Some((place, kept, without)) = least_significant(problem, base, &come, with.library)? {
-        come.less(place, kept, without);
-        come.stage = with_intervals(problem, come.stage, first, with.threads)?;
+    base: &FittedModel,
+    mut state: SearchState,
+    settings: &SearchSettings<'_>,
+) -> Result<SearchState, ModelError> {
+    let first = base.variant.fit.len();
+    state.model = with_profile_intervals(problem, state.model, first)?;
+    while let Some((index, others, without)) = least_significant(problem, base, &state, settings.library)? {
+        state = state.without(index, others, without);
+        state.model = with_profile_intervals(problem, state.model, first)?;
     }
-    Ok(come)
+    Ok(state)
 }
 
-/// Of several effects the place of the one that is missed least, and the others without it, among those whose strength may be
-/// none, unless only with it noise is left, or it alone closes much of what the others leave.
+/// The effect whose removal increases chi2 least, among those whose interval includes zero strength. Returns its
+/// index, the other effects, and the patch with these.
+///
+/// An effect does not count if the residual is white only with it. Nor does it count if it has no rival and explains more
+/// than half of the excess that the others leave. Returns None if no effect can be dropped, or if there is only one.
 fn least_significant(
     problem: &Problem,
-    base: &Stage,
-    come: &Come,
+    base: &FittedModel,
+    state: &SearchState,
     library: &Library,
-) -> Result<Option<(usize, Vec<Candidate>, Stage)>, ModelError> {
-    let mut least: Option<(usize, Vec<Candidate>, Stage)> = None;
-    let places = if come.effects.len() > 1 { 0..come.effects.len() } else { 0..0 };
-    for place in places.filter(|place| may_be_none(&come.effects[*place], &come.stage)) {
-        let Some((kept, without)) = without_effect(problem, base, come, place, library)? else { continue };
-        let leaves_noise = !come.stage.leaves_structure() && without.leaves_structure();
-        let closes_much = come.stage.closed(&without) > LEAST_CLOSED && come.rounds[place].tied == 1;
-        let is_vouched_for = leaves_noise || closes_much;
-        let is_less = least.as_ref().is_none_or(|own| without.train.chi2 < own.2.train.chi2);
-        if is_less && !is_vouched_for {
-            least = Some((place, kept, without));
+) -> Result<Option<(usize, Vec<Candidate>, FittedModel)>, ModelError> {
+    let mut least: Option<(usize, Vec<Candidate>, FittedModel)> = None;
+    let indices = if state.effects.len() > 1 { 0..state.effects.len() } else { 0..0 };
+    for index in indices.filter(|index| can_be_zero(&state.effects[*index], &state.model)) {
+        let Some((others, without)) = without_effect(problem, base, state, index, library)? else { continue };
+        let is_white_only_with = !state.model.residuals_are_coloured() && without.residuals_are_coloured();
+        let explains_much = state.model.explained_fraction(&without) > MIN_EXPLAINED_FRACTION
+            && state.rounds[index].tied == 1;
+        let is_essential = is_white_only_with || explains_much;
+        let is_less = least.as_ref().is_none_or(|least| without.train.chi2 < least.2.train.chi2);
+        if is_less && !is_essential {
+            least = Some((index, others, without));
         }
     }
     Ok(least)
 }
 
-/// The patch with all effects but the one in a place, and these; nothing where one of them does not fit any more.
+/// The other effects and the patch with them, without the effect at an index. None if one of them cannot be attached
+/// any more.
 fn without_effect(
     problem: &Problem,
-    base: &Stage,
-    come: &Come,
-    place: usize,
+    base: &FittedModel,
+    state: &SearchState,
+    index: usize,
     library: &Library,
-) -> Result<Option<(Vec<Candidate>, Stage)>, ModelError> {
-    let others = come.effects.iter().enumerate().filter(|(other, _)| *other != place);
-    let others: Vec<&Candidate> = others.map(|(_, own)| own).collect();
-    fit_effects(problem, base, &others, &come.stage, library)
+) -> Result<Option<(Vec<Candidate>, FittedModel)>, ModelError> {
+    let others = state.effects.iter().enumerate().filter(|(other, _)| *other != index);
+    let others: Vec<&Candidate> = others.map(|(_, effect)| effect).collect();
+    fit_effects(problem, base, &others, &state.model, library)
 }
 
-/// A stage with several effects wired in one after the other, which begin as they were found; nothing where one does not fit
-/// any more.
+/// Attaches effects to a patch and fits it after each. The fits start at the values of the effects in `previous`.
+/// Returns None if an effect cannot be attached any more.
 fn fit_effects(
     problem: &Problem,
-    base: &Stage,
+    base: &FittedModel,
     effects: &[&Candidate],
-    found: &Stage,
+    previous: &FittedModel,
     library: &Library,
-) -> Result<Option<(Vec<Candidate>, Stage)>, ModelError> {
-    let (mut kept, mut stage) = (Vec::new(), base.clone());
-    stage.version.steps = stage.version.steps.max(found.version.steps);
+) -> Result<Option<(Vec<Candidate>, FittedModel)>, ModelError> {
+    let (mut candidates, mut model) = (Vec::new(), base.clone());
+    model.variant.steps = model.variant.steps.max(previous.variant.steps);
     for effect in effects {
-        let sites = sites_of(problem, &stage)?;
-        let all = library.iter().flat_map(|own| Attached::all(own, &sites));
-        let Some(attached) = all.into_iter().find(|attached| effect.is(attached)) else {
+        let sites = find_sites(problem, &model)?;
+        let all = library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
+        let Some(attached) = all.into_iter().find(|attached| effect.is_placed_as(attached)) else {
             return Ok(None);
         };
-        let peaks = peaks_of(problem, &stage)?;
-        let known = Found::of(effect, found).values;
-        let asked =
-            Asked { effort: Effort::FULL, wanted: stage.train.chi2, before: None, known: Some(&known) };
-        match fit_trial(problem, &stage, &attached, &peaks, asked) {
+        let peaks = signal_extents(problem, &model)?;
+        let known = PreviousFit::new(effect, previous).values;
+        let asked = TrialRequest {
+            effort: Effort::FULL,
+            target_chi2: model.train.chi2,
+            previous: None,
+            effect_values: Some(&known),
+        };
+        match fit_trial(problem, &model, &attached, &peaks, asked) {
             Ok((candidate, next)) => {
-                kept.push(candidate);
-                stage = next;
+                candidates.push(candidate);
+                model = next;
             }
-            Err(Untried::Model(error)) => return Err(error),
-            Err(Untried::Idle | Untried::NotRun) => return Ok(None),
+            Err(SkipReason::Model(error)) => return Err(error),
+            Err(SkipReason::NoScale | SkipReason::NotRunnable) => return Ok(None),
         }
     }
-    Ok(Some((kept, stage)))
+    Ok(Some((candidates, model)))
 }
 
-/// Whether an effect may have no strength at all, as far as the data tell: each of its parameters that counts as its first does, as
-/// both amplitudes of a sine and a cosine.
-pub(crate) fn may_be_none(effect: &Candidate, stage: &Stage) -> bool {
+/// Whether the intervals of an effect include zero strength. All parameters with the unit of the first one are
+/// strengths, for example the amplitudes of a sine and a cosine. False if the effect has no value of zero strength,
+/// or no intervals.
+pub(crate) fn can_be_zero(effect: &Candidate, model: &FittedModel) -> bool {
     let parameters = &effect.graft.parameters;
-    let Some((none, first)) = effect.none.zip(parameters.first()) else { return false };
-    parameters.iter().filter(|own| own.unit == first.unit).all(|own| {
-        let place = stage.version.fit.iter().position(|name| *name == own.name);
-        let known = place.and_then(|place| stage.known.get(place));
-        known.is_some_and(|known| known.interval[0] <= none && none <= known.interval[1])
+    let Some((zero, first)) = effect.null_value.zip(parameters.first()) else { return false };
+    parameters.iter().filter(|parameter| parameter.unit == first.unit).all(|parameter| {
+        let place = model.variant.fit.iter().position(|name| *name == parameter.name);
+        let known = place.and_then(|place| model.uncertainties.get(place));
+        known.is_some_and(|known| known.interval[0] <= zero && zero <= known.interval[1])
     })
 }
 
@@ -169,26 +196,28 @@ mod tests {
 
     #[test]
     #[ignore = "takes half a minute"]
-    fn what_may_be_none_is_dropped() {
+    fn an_effect_that_may_have_zero_strength_is_dropped() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/hidden/bias/experiment.json");
-        let experiment = Experiment::read(path.as_ref()).unwrap();
+        let experiment = Experiment::read(path).unwrap();
         let (problem, library) = (Problem::of(&experiment).unwrap(), Library::shipped());
-        let with = Means { library: &library, threads: 2, seed: 1 };
+        let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
         let base = fit_base(&problem, &experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        let mut come = Come::begun(base.clone());
+        let mut state = SearchState::new(base.clone());
         for _ in 0..2 {
-            let round = run_round(&problem, &come.stage, &come.effects, None, &with, &mut |_| ()).unwrap();
+            let round =
+                run_round(&problem, &state.model, &state.effects, None, &settings, &mut |_| ()).unwrap();
             let best = round.trials[0].clone();
-            come.rounds.push(round);
-            come.effects.push(best.candidate);
-            come.stage = best.stage;
+            state.rounds.push(round);
+            state.effects.push(best.candidate);
+            state.model = best.model;
         }
         let taken = [true, false];
-        assert_eq!(come.rounds.iter().map(|round| round.taken).collect::<Vec<_>>(), taken);
-        let kept = backward_eliminate(&problem, &base, come, &with).unwrap();
-        let names: Vec<&str> = kept.effects.iter().map(|own| own.effect.as_str()).collect();
-        assert_eq!((names, kept.rounds.len()), (vec!["constant-bias"], 1));
-        assert!(matches!(kept.way.last().unwrap().did, Action::Drop(_)), "{:?}", kept.way);
-        assert!(kept.stage.known.iter().all(|known| known.error.is_finite()));
+        assert_eq!(state.rounds.iter().map(|round| round.taken).collect::<Vec<_>>(), taken);
+        let state = backward_eliminate(&problem, &base, state, &settings).unwrap();
+        let names: Vec<&str> = state.effects.iter().map(|candidate| candidate.effect.as_str()).collect();
+        assert_eq!((names, state.rounds.len()), (vec!["constant-bias"], 1));
+        let last = &state.search_log.last().unwrap().action;
+        assert!(matches!(last, Action::Drop(_)), "{:?}", state.search_log);
+        assert!(state.model.uncertainties.iter().all(|known| known.error.is_finite()));
     }
 }

@@ -1,437 +1,491 @@
-//! What was tried on a patch, every trial held against the best, and whether that is taken.
+//! A round of a search: trials on one patch, their comparison, and the decision whether the best one is added.
+//!
+//! Trials are sorted by `delta_bic`. The best one is then compared with every other trial on the training and
+//! validation records, block by block. A trial that is better on all records, simpler, or better validated moves to
+//! the front. The best trial is taken if its `delta_bic` is large enough and the validation records confirm it.
 
 use std::mem;
 
 use crate::effects::candidate::Candidate;
-use crate::fit::estimate::Fitted;
-use crate::fit::extended_model::LeftOut;
-use crate::fit::fitted_model::Stage;
-use crate::statistics::acceptance::{APART, Bar, CONFIRMED, needed};
+use crate::fit::estimate::FitResult;
+use crate::fit::extended_model::SkippedTrial;
+use crate::fit::fitted_model::FittedModel;
+use crate::statistics::acceptance::{AcceptanceCriterion, CONFIRMATION_Z, RIVAL_Z, required_delta_bic};
 use crate::statistics::block_comparison::{Advantage, advantage};
 
-/// An effect wired in and fitted.
+/// A patch extended by one effect, fitted.
 #[derive(Debug, Clone)]
 pub struct Trial {
     /// The effect at its place.
     pub candidate: Candidate,
-    /// The patch with it, fitted.
-    pub stage: Stage,
-    /// By how much it is better than the patch without it: (chi2 without - chi2 with) / (s2 m) - k ln(n / m). Here n is how many
-    /// data there are and k how many parameters more are fitted (Schwarz); what the best trial leaves is s2, in squares over the
-    /// noise, and remembers m samples. Initial voltages do not count: what one does dies away, and more data tell no more of it.
-    pub score: f64,
-    /// How the best trial stands above it.
-    pub behind: Advantage,
+    /// The patch with the effect, fitted.
+    pub model: FittedModel,
+    /// Decrease of the Bayesian information criterion (Schwarz) by the effect:
+    /// (chi2 without - chi2 with) / (s2 m) - k ln(n / m).
+    ///
+    /// Here n is the number of samples and k the number of additional parameters. Initial voltages do not count,
+    /// since their effect decays and more data do not determine them better. The variance s2 and the autocorrelation
+    /// time m, in samples, are those of the best trial's residual.
+    pub delta_bic: f64,
+    /// Advantage of the best trial over this one: how much less it leaves of the records.
+    pub best_advantage: Advantage,
 }
 
-/// What was tried on one patch.
+/// The trials of one round on one patch.
 #[derive(Debug, Clone)]
 pub struct Round {
-    /// The patch without the effects that were tried.
-    pub before: Stage,
-    /// The effects that stand in that, found in other rounds: none in the first, unless that was gone through again beside the others.
-    pub beside: Vec<String>,
-    /// Every trial, the best first.
+    /// The patch without the effects of this round.
+    pub before: FittedModel,
+    /// Effects of other rounds in that patch, with their places. Empty in the first round, until the refinement
+    /// repeats it.
+    pub other_effects: Vec<String>,
+    /// All trials, the best first.
     pub trials: Vec<Trial>,
-    /// What could not be tried.
-    pub left_out: Vec<LeftOut>,
-    /// What the best does for the records that were held back.
-    pub confirmed: Advantage,
-    /// The score that the best must have: more where more was tried.
-    pub needed: f64,
-    /// How many of the trials, the best among them, the data cannot tell apart.
+    /// Effects and places that could not be tried.
+    pub skipped: Vec<SkippedTrial>,
+    /// Advantage of the best trial over `before` on the validation records.
+    pub validation_advantage: Advantage,
+    /// The `delta_bic` that the best trial needs. It increases with the number of trials.
+    pub required_delta_bic: f64,
+    /// Number of trials that the data cannot distinguish from the best, which is counted too. Zero without trials.
     pub tied: usize,
-    /// Whether the best was taken.
+    /// Whether the best trial is taken.
     pub taken: bool,
-    /// Whether it was not, but may belong to what is missing beside something else.
-    pub promising: bool,
-    /// What a number that is fitted must gain, in squares.
-    price: f64,
+    /// Whether the best trial is not taken, but may be part of a pair of missing effects.
+    pub tentative: bool,
+    /// Decrease of chi2 that an additional parameter must bring.
+    chi2_per_parameter: f64,
 }
 
-/// Where a trial leaves but noise, so much on what is held back at most, in squares, all that it gains there is its own doing.
-const NOISE: f64 = 1.2;
-
-/// A trial that fits more numbers than the best is a rival only if its score is lower by less than this.
-const APART_BY: f64 = 6.0;
-/// What stands less than so many standard errors above its alias is that.
-const NO_ALIAS: f64 = 1.0;
-/// An effect beside others must close such a share of what they leave, in squares, or all of it that is no noise.
-pub(crate) const LEAST_CLOSED: f64 = 0.5;
-/// The score of an effect beside others must be so many times what that of a single one must be: the law of another may have a
-/// slightly other shape.
-const BESIDE: f64 = 2.0;
-/// An effect is gone on from although it is not confirmed if it is better on what is held back by so many standard errors, and
-/// more is missing: beside that it may be.
-const PROMISING: f64 = 1.0;
-/// So many effects are gone on from where none is taken alone.
-const MOST_HOPES: usize = 3;
-/// An effect stands out where every other leaves so many times what it leaves, in squares.
-const STANDS_OUT: f64 = 3.0;
+/// Maximum reduced chi2 of the validation records for a trial that predicts them. The value leaves room for chance.
+const MAX_VALIDATION_CHI2: f64 = 1.2;
+/// A trial with more parameters than the best is a rival only if its `delta_bic` is lower by less than this. A
+/// difference of 6 is strong evidence by the usual scale for BIC.
+const TIE_DELTA_BIC: f64 = 6.0;
+/// Minimum advantage of a trial over an alias with fewer parameters, in standard errors. With less, it counts as its
+/// alias.
+const MIN_ALIAS_ADVANTAGE: f64 = 1.0;
+/// Minimum fraction of the excess chi2 that an effect must explain next to others, unless its residual is white.
+pub(crate) const MIN_EXPLAINED_FRACTION: f64 = 0.5;
+/// Factor on the required `delta_bic` of an effect next to others. An inexact law of another effect leaves a residual
+/// that a second effect can follow.
+const ADDITIONAL_EFFECT_FACTOR: f64 = 2.0;
+/// Minimum advantage on the validation records for a tentative effect, in standard errors.
+const MIN_TENTATIVE_ADVANTAGE: f64 = 1.0;
+/// Maximum number of tentative candidates from which pairs are tried.
+const MAX_TENTATIVE: usize = 3;
+/// Ratio of excess reduced chi2 from which one model is far better than another.
+const DISTINCT_EXCESS_RATIO: f64 = 3.0;
 
 impl Trial {
-    /// How many numbers are fitted.
-    fn numbers(&self) -> usize {
-        self.stage.version.fit.len()
+    /// The effect and its place, for example "leak at I2".
+    pub fn label(&self) -> String {
+        self.candidate.label()
     }
 
-    /// Whether it leaves but noise, on the data held back, too.
-    fn foretells(&self) -> bool {
-        !self.stage.leaves_structure() && self.stage.test.reduced() < NOISE
+    /// Number of fitted parameters.
+    fn parameter_count(&self) -> usize {
+        self.model.variant.fit.len()
     }
 
-    /// Whether it needs more numbers than an alias, above which it hardly stands, and leaves structure: there more numbers follow
-    /// what neither explains.
-    fn is_but(&self, other: &Trial, above: f64) -> bool {
-        let is_richer = self.numbers() > other.numbers() && self.stage.leaves_structure();
-        is_richer && above < NO_ALIAS && self.candidate.may_be(&other.candidate)
+    /// Whether the residual is white and the validation records leave no more than noise.
+    fn predicts_validation(&self) -> bool {
+        !self.model.residuals_are_coloured() && self.model.test.reduced_chi2() < MAX_VALIDATION_CHI2
     }
 
-    /// How another stands above it, on all records. What has changed by the time of the test blurs that: where the other leaves
-    /// structure with no more numbers, the records that both were fitted to say it, unless the test is on this one's side.
-    fn behind(&self, other: &Trial) -> Advantage {
-        let train = advantage(&self.stage.train.residuals, &other.stage.train.residuals);
-        let all = train.and(advantage(&self.stage.test.residuals, &other.stage.test.residuals));
-        let is_fair = other.numbers() <= self.numbers() && other.stage.leaves_structure();
-        if is_fair && all.sum > 0.0 && train.ratio() > all.ratio() { train } else { all }
+    /// Whether `other` is an alias with fewer parameters that is about as good, given this trial's advantage over it
+    /// in standard errors. If the residual is coloured, the additional parameters only follow what neither law
+    /// explains.
+    fn is_redundant_alias(&self, other: &Trial, advantage_ratio: f64) -> bool {
+        let is_richer =
+            self.parameter_count() > other.parameter_count() && self.model.residuals_are_coloured();
+        is_richer && advantage_ratio < MIN_ALIAS_ADVANTAGE && self.candidate.has_alias(&other.candidate)
+    }
+
+    /// Advantage of `other` over this trial on all records.
+    ///
+    /// A change of the real system before the validation records blurs this comparison. So the training records alone
+    /// decide if they favour `other` more clearly, `other` has no more parameters and a coloured residual, and all
+    /// records favour it too.
+    fn advantage_of(&self, other: &Trial) -> Advantage {
+        let train = advantage(&self.model.train.residuals, &other.model.train.residuals);
+        let all = train.combined(advantage(&self.model.test.residuals, &other.model.test.residuals));
+        let is_fair =
+            other.parameter_count() <= self.parameter_count() && other.model.residuals_are_coloured();
+        if is_fair && all.sum > 0.0 && train.z_score() > all.z_score() { train } else { all }
     }
 }
 
 impl Round {
-    /// Judges the trials again with a better fit of the one that was taken; what is best then, if it is to be gone on from still: what
-    /// was taken is not, where it would but promise.
-    pub(crate) fn refit(&mut self, taken: Stage) -> Option<Trial> {
-        let mut tried: Vec<(Candidate, Stage)> =
-            self.trials.iter().map(|trial| (trial.candidate.clone(), trial.stage.clone())).collect();
-        tried.first_mut()?.1 = taken;
-        let again = Round::of(&self.before, self.beside.clone(), tried);
-        let goes_on = again.taken || (self.promising && again.promising);
-        let best = goes_on.then(|| again.trials[0].clone())?;
-        *self = Round { left_out: mem::take(&mut self.left_out), ..again };
-        Some(best)
-    }
-
-    /// The places of the trials that close most, one of an effect, that may belong to what is missing beside something else; not
-    /// that of one which was gone on from.
-    pub(crate) fn hopes(&self) -> Vec<usize> {
-        let names: Vec<&str> = self.trials.iter().map(|trial| trial.candidate.effect.as_str()).collect();
-        let is_hope = |place: &usize| {
-            let trial = &self.trials[*place];
-            let closes = trial.score > self.needed && trial.stage.closed(&self.before) > LEAST_CLOSED;
-            closes && trial.stage.leaves_structure() && !names[..*place].contains(&names[*place])
+    /// A round with trials on the patch `before`, compared and judged.
+    pub(crate) fn new(
+        before: &FittedModel,
+        other_effects: Vec<String>,
+        tried: Vec<(Candidate, FittedModel)>,
+    ) -> Round {
+        let (variance, memory) = score_unit(tried.iter().map(|(_, model)| model));
+        let per_parameter = libm::log(before.train.data_count as f64 / memory);
+        let delta_bic = |model: &FittedModel| {
+            let parameters = (model.variant.fit.len() - before.variant.fit.len()) as f64;
+            (before.train.chi2 - model.train.chi2) / (variance * memory) - parameters * per_parameter
         };
-        (usize::from(self.promising)..names.len()).filter(is_hope).take(MOST_HOPES).collect()
-    }
-
-    /// Whether the search goes on with the best.
-    pub(crate) fn is_gone_on_from(&self) -> bool {
-        self.taken || self.promising
-    }
-
-    /// The share of the gap, in squares, that the best closes.
-    pub fn closed(&self) -> f64 {
-        self.trials.first().map_or(0.0, |best| best.stage.closed(&self.before))
-    }
-
-    /// Whether the best does enough to stand beside what was taken before it: most of what is left, or all that does not look
-    /// like noise. An effect whose law has another shape than the library's leaves something, too.
-    pub fn closes_enough(&self) -> bool {
-        let leaves_noise = self.trials.first().is_some_and(|best| !best.stage.leaves_structure());
-        self.beside.is_empty() || leaves_noise || self.closed() > LEAST_CLOSED
-    }
-
-    /// The trials that the data cannot tell from the best of all.
-    pub fn rivals(&self) -> impl Iterator<Item = &Trial> {
-        self.trials.iter().skip(1).filter(|trial| self.is_tied(trial))
-    }
-
-    /// The best of them.
-    pub fn rival(&self) -> Option<&Trial> {
-        self.rival_place().map(|place| &self.trials[place])
-    }
-
-    pub(crate) fn rival_place(&self) -> Option<usize> {
-        (1..self.trials.len()).find(|place| self.is_tied(&self.trials[*place]))
-    }
-
-    /// Trials on a stage, judged.
-    pub(crate) fn of(before: &Stage, beside: Vec<String>, tried: Vec<(Candidate, Stage)>) -> Round {
-        let unit = unit(tried.iter().map(|(_, stage)| stage));
-        let each = libm::log(before.train.count as f64 / unit.1);
-        let score = |stage: &Stage| {
-            let numbers = (stage.version.fit.len() - before.version.fit.len()) as f64;
-            (before.train.chi2 - stage.train.chi2) / (unit.0 * unit.1) - numbers * each
-        };
-        let nothing = Advantage { sum: 0.0, error: 0.0, freedom: 0 };
-        let trial = |(candidate, stage): (Candidate, Stage)| Trial {
-            score: score(&stage),
+        let no_advantage = Advantage { sum: 0.0, standard_error: 0.0, degrees_of_freedom: 0 };
+        let trial = |(candidate, model): (Candidate, FittedModel)| Trial {
+            delta_bic: delta_bic(&model),
             candidate,
-            stage,
-            behind: nothing,
+            model,
+            best_advantage: no_advantage,
         };
         let mut trials: Vec<Trial> = tried.into_iter().map(trial).collect();
-        trials.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let needed = needed(trials.len());
-        let needed = if beside.is_empty() { needed } else { BESIDE * needed };
+        trials.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+        let required = required_delta_bic(trials.len());
+        let required = if other_effects.is_empty() { required } else { ADDITIONAL_EFFECT_FACTOR * required };
         let mut round = Round {
             before: before.clone(),
-            beside,
+            other_effects,
             trials,
-            left_out: Vec::new(),
-            confirmed: nothing,
-            needed,
+            skipped: Vec::new(),
+            validation_advantage: no_advantage,
+            required_delta_bic: required,
             tied: 0,
             taken: false,
-            promising: false,
-            price: unit.0 * unit.1 * each,
+            tentative: false,
+            chi2_per_parameter: variance * memory * per_parameter,
         };
         round.judge();
         round
     }
 
-    /// What the trials were measured by.
-    pub(crate) fn bar(&self) -> Bar {
-        let (noise, memory) = unit(self.trials.iter().map(|trial| &trial.stage));
-        Bar { noise, memory, needed: self.needed }
+    /// Judges the trials again with a better fit of the best one, and returns the new best trial.
+    ///
+    /// Returns None, and keeps the round, if the new best is neither taken nor, in a round that was tentative,
+    /// tentative again.
+    pub(crate) fn rejudge(&mut self, better: FittedModel) -> Option<Trial> {
+        let mut tried: Vec<(Candidate, FittedModel)> =
+            self.trials.iter().map(|trial| (trial.candidate.clone(), trial.model.clone())).collect();
+        tried.first_mut()?.1 = better;
+        let rejudged = Round::new(&self.before, self.other_effects.clone(), tried);
+        let is_accepted = rejudged.taken || (self.tentative && rejudged.tentative);
+        let best = is_accepted.then(|| rejudged.trials[0].clone())?;
+        *self = Round { skipped: mem::take(&mut self.skipped), ..rejudged };
+        Some(best)
     }
 
-    /// Holds the trials against the best, and judges it.
-    fn judge(&mut self) {
-        self.compare();
-        // What explains all the data better, those held back with those it was fitted to, is better than its score.
-        let ahead = (1..self.trials.len()).filter(|place| self.is_ahead(&self.trials[*place]));
-        let ratio = |place: &usize| self.trials[*place].behind.ratio();
-        self.put_first(ahead.min_by(|a, b| ratio(a).total_cmp(&ratio(b))));
-        // What needs fewer numbers and explains all the data no worse is to be preferred.
-        let simpler = (1..self.trials.len()).find(|place| self.is_simpler(&self.trials[*place]));
-        self.put_first(simpler);
-        // Of what the scores cannot tell apart, what foretells the data held back goes first.
-        let foretelling = (1..self.trials.len()).find(|place| self.foretells_more(&self.trials[*place]));
-        self.put_first(foretelling);
-        let Some(best) = self.trials.first() else { return };
-        self.confirmed = advantage(&self.before.test.residuals, &best.stage.test.residuals);
-        let shows = best.score > self.needed && self.closes_enough();
-        let gains = best.foretells() && self.confirmed.sum > self.needed * best.stage.memory;
-        self.taken = shows && (self.confirmed.ratio() > CONFIRMED || gains);
-        let may_be = self.confirmed.ratio() > PROMISING && self.closed() > LEAST_CLOSED;
-        self.promising = shows && !self.taken && may_be && best.stage.leaves_structure();
-        self.tied = 1 + self.rivals().count();
+    /// The trials that may be half of a pair, as indices, the best first: at most one per effect and at most three.
+    /// The best trial is left out if the round is tentative, since the search has continued with it.
+    pub(crate) fn tentative_candidates(&self) -> Vec<usize> {
+        let names: Vec<&str> = self.trials.iter().map(|trial| trial.candidate.effect.as_str()).collect();
+        let is_candidate = |index: &usize| {
+            let trial = &self.trials[*index];
+            let is_sufficient = trial.delta_bic > self.required_delta_bic
+                && trial.model.explained_fraction(&self.before) > MIN_EXPLAINED_FRACTION;
+            is_sufficient && trial.model.residuals_are_coloured() && !names[..*index].contains(&names[*index])
+        };
+        (usize::from(self.tentative)..names.len()).filter(is_candidate).take(MAX_TENTATIVE).collect()
     }
 
-    /// Puts a trial before those that stand before it.
-    fn put_first(&mut self, place: Option<usize>) {
-        if let Some(place) = place {
-            self.trials[..=place].rotate_right(1);
-            self.compare();
+    /// Whether the search adds the best effect, as taken or as tentative.
+    pub(crate) fn has_accepted_effect(&self) -> bool {
+        self.taken || self.tentative
+    }
+
+    /// Fraction of the excess chi2 of `before` that the best trial explains, at most 1. Zero without trials.
+    pub fn explained_fraction(&self) -> f64 {
+        self.trials.first().map_or(0.0, |best| best.model.explained_fraction(&self.before))
+    }
+
+    /// Whether the best trial explains enough next to the effects of other rounds: half of the excess chi2, or all of
+    /// it up to white noise. An effect whose real law differs from that of the library always leaves a residual.
+    pub fn has_sufficient_effect(&self) -> bool {
+        let is_white = self.trials.first().is_some_and(|best| !best.model.residuals_are_coloured());
+        self.other_effects.is_empty() || is_white || self.explained_fraction() > MIN_EXPLAINED_FRACTION
+    }
+
+    /// The trials that the data cannot distinguish from the best one, without that.
+    pub fn rivals(&self) -> impl Iterator<Item = &Trial> {
+        self.trials.iter().skip(1).filter(|trial| self.is_tied(trial))
+    }
+
+    /// The best of the [`Self::rivals`]. None if there are none.
+    pub fn rival(&self) -> Option<&Trial> {
+        self.rival_index().map(|index| &self.trials[index])
+    }
+
+    /// The index of [`Self::rival`] in the trials.
+    pub(crate) fn rival_index(&self) -> Option<usize> {
+        (1..self.trials.len()).find(|index| self.is_tied(&self.trials[*index]))
+    }
+
+    /// The variance and autocorrelation time in `delta_bic`, and its required value.
+    pub(crate) fn bar(&self) -> AcceptanceCriterion {
+        let (noise_variance, autocorrelation_time) = score_unit(self.trials.iter().map(|trial| &trial.model));
+        AcceptanceCriterion {
+            noise_variance,
+            autocorrelation_time,
+            required_delta_bic: self.required_delta_bic,
         }
     }
 
-    fn compare(&mut self) {
-        let behind: Vec<Advantage> = self.trials.iter().map(|trial| trial.behind(&self.trials[0])).collect();
-        self.trials.iter_mut().zip(behind).for_each(|(trial, behind)| trial.behind = behind);
+    /// Finds the best trial and decides whether it is taken.
+    fn judge(&mut self) {
+        self.update_advantages();
+        // A trial that explains the training and validation records better is better than its delta_bic says.
+        let ahead = (1..self.trials.len()).filter(|index| self.is_better_overall(&self.trials[*index]));
+        let ratio = |index: &usize| self.trials[*index].best_advantage.z_score();
+        self.move_to_front(ahead.min_by(|a, b| ratio(a).total_cmp(&ratio(b))));
+        // A trial with fewer parameters that is no worse on all records is preferred.
+        let simpler = (1..self.trials.len()).find(|index| self.is_simpler(&self.trials[*index]));
+        self.move_to_front(simpler);
+        // Among trials with about the same delta_bic, one that predicts the validation records is preferred.
+        let validated = (1..self.trials.len()).find(|index| self.is_better_validated(&self.trials[*index]));
+        self.move_to_front(validated);
+        let Some(best) = self.trials.first() else { return };
+        self.validation_advantage = advantage(&self.before.test.residuals, &best.model.test.residuals);
+        let is_visible = best.delta_bic > self.required_delta_bic && self.has_sufficient_effect();
+        let is_predicted = best.predicts_validation()
+            && self.validation_advantage.sum > self.required_delta_bic * best.model.autocorrelation_time;
+        self.taken = is_visible && (self.validation_advantage.z_score() > CONFIRMATION_Z || is_predicted);
+        let is_plausible = self.validation_advantage.z_score() > MIN_TENTATIVE_ADVANTAGE
+            && self.explained_fraction() > MIN_EXPLAINED_FRACTION;
+        self.tentative = is_visible && !self.taken && is_plausible && best.model.residuals_are_coloured();
+        self.tied = 1 + self.rivals().count();
     }
 
-    fn is_ahead(&self, trial: &Trial) -> bool {
-        let price = self.price * (trial.numbers() as f64 - self.trials[0].numbers() as f64);
-        trial.score > self.needed && trial.behind.ratio() < -APART && -trial.behind.sum > price
+    /// Moves a trial to the front, if there is one, and compares all trials with it.
+    fn move_to_front(&mut self, index: Option<usize>) {
+        if let Some(index) = index {
+            self.trials[..=index].rotate_right(1);
+            self.update_advantages();
+        }
     }
 
-    /// Whether a trial does with fewer numbers as well as the best, where that leaves structure.
+    fn update_advantages(&mut self) {
+        let advantages: Vec<Advantage> =
+            self.trials.iter().map(|trial| trial.advantage_of(&self.trials[0])).collect();
+        self.trials
+            .iter_mut()
+            .zip(advantages)
+            .for_each(|(trial, best_advantage)| trial.best_advantage = best_advantage);
+    }
+
+    /// Whether a trial is significantly better than the best one on all records, by more than its additional
+    /// parameters cost.
+    fn is_better_overall(&self, trial: &Trial) -> bool {
+        let added = trial.parameter_count() as f64 - self.trials[0].parameter_count() as f64;
+        let cost = self.chi2_per_parameter * added;
+        let advantage = trial.best_advantage;
+        trial.delta_bic > self.required_delta_bic && advantage.z_score() < -RIVAL_Z && -advantage.sum > cost
+    }
+
+    /// Whether a trial needs fewer parameters than the best one, is no worse, and the best one leaves a coloured
+    /// residual.
     fn is_simpler(&self, trial: &Trial) -> bool {
         let best = &self.trials[0];
-        let has_fewer = trial.numbers() < best.numbers() && best.stage.leaves_structure();
-        let is_no_worse = trial.behind.sum <= 0.0 || best.is_but(trial, trial.behind.ratio());
-        has_fewer && trial.score > self.needed && is_no_worse
+        let has_fewer =
+            trial.parameter_count() < best.parameter_count() && best.model.residuals_are_coloured();
+        let is_no_worse =
+            trial.best_advantage.sum <= 0.0 || best.is_redundant_alias(trial, trial.best_advantage.z_score());
+        has_fewer && trial.delta_bic > self.required_delta_bic && is_no_worse
     }
 
-    /// Whether a trial with the best's score leaves but noise on the data held back, and the best does not.
-    fn foretells_more(&self, trial: &Trial) -> bool {
+    /// Whether a trial has about the `delta_bic` of the best one and predicts the validation records, which the best
+    /// one does not.
+    fn is_better_validated(&self, trial: &Trial) -> bool {
         let best = &self.trials[0];
-        let is_near = trial.score > self.needed && best.score - trial.score < APART_BY;
-        is_near && trial.foretells() && !best.foretells()
+        let is_near =
+            trial.delta_bic > self.required_delta_bic && best.delta_bic - trial.delta_bic < TIE_DELTA_BIC;
+        is_near && trial.predicts_validation() && !best.predicts_validation()
     }
 
-    /// Whether all other effects leave far more than the best.
-    pub(crate) fn stands_out(&self) -> bool {
+    /// Whether every trial of another effect leaves more than three times the excess reduced chi2 of the best trial.
+    pub(crate) fn has_distinct_best(&self) -> bool {
         let Some(best) = self.trials.first() else { return false };
         let others = self.trials.iter().filter(|trial| trial.candidate.effect != best.candidate.effect);
-        let least = others.map(|trial| trial.stage.train.unexplained()).fold(f64::INFINITY, f64::min);
-        least > STANDS_OUT * best.stage.train.unexplained()
+        let least = others.map(|trial| trial.model.train.excess_reduced_chi2()).fold(f64::INFINITY, f64::min);
+        least > DISTINCT_EXCESS_RATIO * best.model.train.excess_reduced_chi2()
     }
 
-    /// By how much a trial's score is lower than the best's, where that alone tells them apart: the data held back do not.
-    pub fn lower_in_score(&self, trial: &Trial) -> Option<f64> {
-        let lower = self.trials[0].score - trial.score;
-        (trial.behind.ratio() < APART && lower > 0.0).then_some(lower)
+    /// By how much the `delta_bic` of a trial is lower than that of the best one. None unless only this distinguishes
+    /// the two, that is, unless the comparison on all records does not.
+    pub fn delta_bic_deficit(&self, trial: &Trial) -> Option<f64> {
+        let deficit = self.trials[0].delta_bic - trial.delta_bic;
+        (trial.best_advantage.z_score() < RIVAL_Z && deficit > 0.0).then_some(deficit)
     }
 
-    /// Whether the data cannot tell a trial from the best, which is of another effect.
+    /// Whether the data cannot distinguish a trial from the best one, and the two have different effects.
     pub(crate) fn is_tied(&self, trial: &Trial) -> bool {
         let best = &self.trials[0];
-        // One that needs more numbers has to be worth them.
-        let is_simple = trial.numbers() <= best.numbers();
-        let is_worth_them = trial.behind.sum < 0.0 || !best.stage.leaves_structure();
-        let is_near = best.score - trial.score < APART_BY && is_worth_them || is_simple;
-        let is_near = is_near && trial.behind.ratio() < APART;
-        // What leaves structure where another leaves noise, or far less structure, is no rival.
-        let leaves_far_more = |of: fn(&Stage) -> &Fitted| {
-            of(&trial.stage).unexplained() > STANDS_OUT * of(&best.stage).unexplained()
+        // Additional parameters must improve the fit.
+        let is_simple = trial.parameter_count() <= best.parameter_count();
+        let is_worth_parameters = trial.best_advantage.sum < 0.0 || !best.model.residuals_are_coloured();
+        let is_near = best.delta_bic - trial.delta_bic < TIE_DELTA_BIC && is_worth_parameters || is_simple;
+        let is_near = is_near && trial.best_advantage.z_score() < RIVAL_Z;
+        // A trial is no rival if its residual is coloured and that of the best one is white or far smaller.
+        let leaves_far_more = |part: fn(&FittedModel) -> &FitResult| {
+            part(&trial.model).excess_reduced_chi2()
+                > DISTINCT_EXCESS_RATIO * part(&best.model).excess_reduced_chi2()
         };
-        let is_far = leaves_far_more(|stage| &stage.train) && leaves_far_more(|stage| &stage.test);
-        let is_as_good = !trial.stage.leaves_structure() || best.stage.leaves_structure() && !is_far;
-        let is_as_good = is_as_good && !trial.is_but(best, -trial.behind.ratio());
-        trial.candidate.effect != best.candidate.effect && trial.score > self.needed && is_near && is_as_good
+        let is_far = leaves_far_more(|model| &model.train) && leaves_far_more(|model| &model.test);
+        let is_as_good =
+            !trial.model.residuals_are_coloured() || best.model.residuals_are_coloured() && !is_far;
+        let is_as_good = is_as_good && !trial.is_redundant_alias(best, -trial.best_advantage.z_score());
+        let is_visible = trial.delta_bic > self.required_delta_bic;
+        trial.candidate.effect != best.candidate.effect && is_visible && is_near && is_as_good
     }
 }
 
-/// Whether the best of so many trials gains what its score must be, the numbers that it needs left out, were what it leaves white.
-pub(crate) fn may_show(before: &Stage, best: &Stage, trials: usize) -> bool {
-    before.train.chi2 - best.train.chi2 > needed(trials) * best.train.reduced()
+/// Whether `best`, the best of this number of trials, could reach the required `delta_bic` if its residual were white and
+/// its additional parameters cost nothing.
+pub(crate) fn can_be_visible(before: &FittedModel, best: &FittedModel, trials: usize) -> bool {
+    before.train.chi2 - best.train.chi2 > required_delta_bic(trials) * best.train.reduced_chi2()
 }
 
-/// What the best of some trials leaves, in squares over the noise, and for how many samples that remembers: the unit of scores.
-fn unit<'s>(tried: impl Iterator<Item = &'s Stage>) -> (f64, f64) {
-    let best = tried.min_by(|a, b| a.train.chi2.total_cmp(&b.train.chi2));
-    best.map_or((1.0, 1.0), |best| (best.train.reduced().max(f64::MIN_POSITIVE), best.memory))
-}
-
-impl Trial {
-    /// The effect and where it acts.
-    pub fn named(&self) -> String {
-        self.candidate.named()
-    }
+/// The unit of `delta_bic`: reduced chi2 and autocorrelation time, in samples, of the model with the smallest chi2.
+/// Both are 1 without models.
+fn score_unit<'m>(models: impl Iterator<Item = &'m FittedModel>) -> (f64, f64) {
+    let best = models.min_by(|a, b| a.train.chi2.total_cmp(&b.train.chi2));
+    best.map_or((1.0, 1.0), |best| {
+        (best.train.reduced_chi2().max(f64::MIN_POSITIVE), best.autocorrelation_time)
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::effects::attach::Attached;
+    use crate::effects::attach::EffectPlacement;
     use crate::fit::base_fit::fit_base;
+    use crate::fit::extended_model::find_sites;
     use crate::fit::extended_model::fit_trial;
-    use crate::fit::extended_model::sites_of;
-    use crate::fit::peaks::peaks_of;
+    use crate::fit::signal_extents::signal_extents;
     use std::path::Path;
 
     use super::*;
     use crate::Experiment;
     use crate::effects::Library;
-    use crate::fit::extended_model::Asked;
+    use crate::fit::extended_model::TrialRequest;
     use crate::fit::problem::Problem;
     use crate::fit::schedule::Effort;
 
-    /// A pump at its limit, wired where it is missing and looked at quickly: what a trial is made of.
-    fn any() -> (Candidate, Stage) {
+    /// A quickly fitted trial of a saturation, on data in which a saturation is missing. The tests change copies of
+    /// it.
+    fn template() -> (Candidate, FittedModel) {
         let path = Path::new("tests/hidden/saturation/experiment.json");
         let experiment = Experiment::read(path).unwrap_or_else(|error| panic!("{error}"));
         let problem = Problem::of(&experiment).unwrap();
         let base = fit_base(&problem, &experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        let (sites, peaks) = (sites_of(&problem, &base).unwrap(), peaks_of(&problem, &base).unwrap());
+        let (sites, peaks) = (find_sites(&problem, &base).unwrap(), signal_extents(&problem, &base).unwrap());
         let library = Library::shipped();
-        let mut all = library.iter().flat_map(|effect| Attached::all(effect, &sites));
-        let limit = all.find(|own| own.effect.name == "saturation").unwrap();
-        let asked = Asked { effort: Effort::QUICK, wanted: f64::INFINITY, before: None, known: None };
-        fit_trial(&problem, &base, &limit, &peaks, asked).unwrap()
+        let mut all = library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
+        let saturation = all.find(|attached| attached.effect.name == "saturation").unwrap();
+        let asked = TrialRequest {
+            effort: Effort::QUICK,
+            target_chi2: f64::INFINITY,
+            previous: None,
+            effect_values: None,
+        };
+        fit_trial(&problem, &base, &saturation, &peaks, asked).unwrap()
     }
 
-    /// A trial of so many numbers that leaves slow waves, of one height in training, of two in turn in the test.
+    /// A trial with this number of parameters whose residual is a sine. Its amplitude is `train` in training and alternates
+    /// between the two values of `test` in validation.
     fn trial(
-        like: &(Candidate, Stage),
+        template: &(Candidate, FittedModel),
         name: &str,
-        numbers: usize,
+        parameters: usize,
         train: f64,
         test: [f64; 2],
-    ) -> (Candidate, Stage) {
-        let (mut candidate, mut stage) = like.clone();
+    ) -> (Candidate, FittedModel) {
+        let (mut candidate, mut model) = template.clone();
         name.clone_into(&mut candidate.effect);
-        stage.version.fit = (0..numbers).map(|number| format!("p{number}")).collect();
-        for (fitted, heights) in [(&mut stage.train, [train; 2]), (&mut stage.test, test)] {
-            let wave = (0..2000_u32).map(|k| heights[(k / 100 % 2) as usize] * (0.2 * f64::from(k)).sin());
+        model.variant.fit = (0..parameters).map(|number| format!("p{number}")).collect();
+        for (fitted, amplitudes) in [(&mut model.train, [train; 2]), (&mut model.test, test)] {
+            let wave = (0..2000_u32).map(|k| amplitudes[(k / 100 % 2) as usize] * (0.2 * f64::from(k)).sin());
             fitted.residuals = vec![vec![wave.collect()]];
-            fitted.chi2 = fitted.residuals[0][0].iter().map(|own| own * own).sum();
-            fitted.count = 2000;
+            fitted.chi2 = fitted.residuals[0][0].iter().map(|value| value * value).sum();
+            fitted.data_count = 2000;
         }
-        (stage.colour, stage.memory) = (100.0, 20.0);
-        (candidate, stage)
+        (model.ljung_box_z, model.autocorrelation_time) = (100.0, 20.0);
+        (candidate, model)
     }
 
-    /// The best of a round, and how many the data cannot tell apart.
-    fn judged(like: &(Candidate, Stage), tried: Vec<(Candidate, Stage)>) -> (String, usize) {
-        let (_, before) = trial(like, "", 2, 100.0, [100.0; 2]);
-        let round = Round::of(&before, Vec::new(), tried);
+    /// The best effect of a round, and the number of tied trials.
+    fn judged(template: &(Candidate, FittedModel), tried: Vec<(Candidate, FittedModel)>) -> (String, usize) {
+        let (_, before) = trial(template, "", 2, 100.0, [100.0; 2]);
+        let round = Round::new(&before, Vec::new(), tried);
         (round.trials[0].candidate.effect.clone(), round.tied)
     }
 
     #[test]
-    fn where_structure_is_left_the_simpler_goes_before_what_is_no_better() {
-        let like = any();
-        let beside = |simple: &str, test: [f64; 2], colour: f64| {
-            let mut rich = trial(&like, "rich", 4, 9.0, test);
-            rich.1.colour = colour;
-            judged(&like, vec![trial(&like, simple, 3, 10.0, [20.0; 2]), rich])
+    fn a_simpler_trial_is_preferred_to_a_coloured_one_that_is_no_better() {
+        let template = template();
+        let compare = |simple: &str, test: [f64; 2], colour: f64| {
+            let mut rich = trial(&template, "rich", 4, 9.0, test);
+            rich.1.ljung_box_z = colour;
+            judged(&template, vec![trial(&template, simple, 3, 10.0, [20.0; 2]), rich])
         };
-        let of = |test: [f64; 2], colour: f64| beside("simple", test, colour);
-        assert_eq!(of([28.6, 5.0], 100.0), ("simple".to_owned(), 1));
-        // What is better, though not beyond doubt, or leaves but noise, is not put behind.
-        assert_eq!(of([28.0, 5.0], 100.0), ("rich".to_owned(), 2));
-        assert_eq!(of([28.6, 5.0], 0.0), ("rich".to_owned(), 1));
-        // It is but its alias, if it is not clearly better.
-        let of = |test: [f64; 2]| beside(&like.0.aliases[0], test, 100.0);
-        assert_eq!(of([28.0, 5.0]), ("overflow".to_owned(), 1));
-        assert_eq!(of([24.0, 5.0]), ("rich".to_owned(), 2));
+        let with_other = |test: [f64; 2], colour: f64| compare("simple", test, colour);
+        assert_eq!(with_other([28.6, 5.0], 100.0), ("simple".to_owned(), 1));
+        // A trial that is better, even if not significantly, or has a white residual stays in front.
+        assert_eq!(with_other([28.0, 5.0], 100.0), ("rich".to_owned(), 2));
+        assert_eq!(with_other([28.6, 5.0], 0.0), ("rich".to_owned(), 1));
+        // A trial counts as its alias unless it is clearly better.
+        let with_alias = |test: [f64; 2]| compare(&template.0.aliases[0], test, 100.0);
+        assert_eq!(with_alias([28.0, 5.0]), ("overflow".to_owned(), 1));
+        assert_eq!(with_alias([24.0, 5.0]), ("rich".to_owned(), 2));
     }
 
     #[test]
-    fn what_was_taken_is_not_gone_on_from_where_a_better_fit_only_promises() {
-        let like = any();
-        let (_, before) = trial(&like, "", 2, 100.0, [100.0; 2]);
-        let refit = |test: [f64; 2], better: [f64; 2]| {
-            let of = |train, test| trial(&like, "a", 3, train, test);
-            let mut round = Round::of(&before, Vec::new(), vec![of(9.0, test)]);
-            let was = (round.taken, round.promising);
-            (was, round.refit(of(8.9, better).1).map(|_| (round.taken, round.promising)))
+    fn a_better_fit_is_rejected_if_it_makes_a_taken_effect_tentative() {
+        let template = template();
+        let (_, before) = trial(&template, "", 2, 100.0, [100.0; 2]);
+        let rejudge = |test: [f64; 2], better: [f64; 2]| {
+            let with = |train, test| trial(&template, "a", 3, train, test);
+            let mut round = Round::new(&before, Vec::new(), vec![with(9.0, test)]);
+            let original = (round.taken, round.tentative);
+            (original, round.rejudge(with(8.9, better).1).map(|_| (round.taken, round.tentative)))
         };
-        let (taken, promising) = ((true, false), (false, true));
-        assert_eq!(refit([0.0, 110.0], [0.0, 109.0]), (taken, Some(taken)));
-        assert_eq!(refit([0.0, 110.0], [0.0, 122.0]), (taken, None));
-        assert_eq!(refit([0.0, 122.0], [0.0, 121.0]), (promising, Some(promising)));
-        assert_eq!(refit([0.0, 122.0], [0.0, 110.0]), (promising, Some(taken)));
+        let (taken, tentative) = ((true, false), (false, true));
+        assert_eq!(rejudge([0.0, 110.0], [0.0, 109.0]), (taken, Some(taken)));
+        assert_eq!(rejudge([0.0, 110.0], [0.0, 122.0]), (taken, None));
+        assert_eq!(rejudge([0.0, 122.0], [0.0, 121.0]), (tentative, Some(tentative)));
+        assert_eq!(rejudge([0.0, 122.0], [0.0, 110.0]), (tentative, Some(taken)));
     }
 
     #[test]
-    fn what_gains_less_than_any_score_asks_for_does_not_show() {
-        let like = any();
-        let of = |height: f64| trial(&like, "", 3, height, [1.0; 2]).1;
-        // Noise of 2000 samples, of which 40 trials ask for 11 squares.
-        let shows = |height: f64| may_show(&of(1.414), &of(height), 40);
-        assert!(shows(1.409) && !shows(1.411));
+    fn a_decrease_of_chi2_below_the_required_delta_bic_is_not_visible() {
+        let template = template();
+        let with = |amplitude: f64| trial(&template, "", 3, amplitude, [1.0; 2]).1;
+        // Noise of 2000 samples. The best of 40 trials needs a decrease of chi2 by 11.
+        let is_visible = |amplitude: f64| can_be_visible(&with(1.414), &with(amplitude), 40);
+        assert!(is_visible(1.409) && !is_visible(1.411));
     }
 
     #[test]
-    fn of_equal_scores_what_foretells_the_test_goes_before_what_does_not() {
-        let like = any();
-        let of = |train: f64, test: [f64; 2]| {
-            let mut best = trial(&like, "best", 3, 1.4, [0.2, 3.0]);
-            let mut rival = trial(&like, "rival", 3, train, test);
-            (best.1.colour, rival.1.colour) = (0.0, 0.0);
-            judged(&like, vec![best, rival]).0
+    fn among_equal_trials_one_that_predicts_the_validation_records_is_preferred() {
+        let template = template();
+        let best_with = |train: f64, test: [f64; 2]| {
+            let mut best = trial(&template, "best", 3, 1.4, [0.2, 3.0]);
+            let mut rival = trial(&template, "rival", 3, train, test);
+            (best.1.ljung_box_z, rival.1.ljung_box_z) = (0.0, 0.0);
+            judged(&template, vec![best, rival]).0
         };
-        assert_eq!(of(1.402, [1.5, 1.5]), "rival");
-        // Its score is behind, or the test is no noise to it, either.
-        assert_eq!(of(1.8, [1.5, 1.5]), "best");
-        assert_eq!(of(1.402, [1.6, 1.6]), "best");
+        assert_eq!(best_with(1.402, [1.5, 1.5]), "rival");
+        // Its delta_bic is too low, or it does not predict the validation records either.
+        assert_eq!(best_with(1.8, [1.5, 1.5]), "best");
+        assert_eq!(best_with(1.402, [1.6, 1.6]), "best");
     }
 
     #[test]
-    fn where_structure_is_left_training_tells_apart_what_the_test_blurs() {
-        let like = any();
-        let of = |rival: [f64; 2], colour: f64| {
-            let mut best = trial(&like, "best", 3, 10.0, [30.0, 10.0]);
-            let mut rival = trial(&like, "rival", 3, 12.0, rival);
-            (best.1.colour, rival.1.colour) = (colour, colour);
-            judged(&like, vec![best, rival])
+    fn training_distinguishes_coloured_trials_that_validation_does_not() {
+        let template = template();
+        let with_rival = |rival: [f64; 2], colour: f64| {
+            let mut best = trial(&template, "best", 3, 10.0, [30.0, 10.0]);
+            let mut rival = trial(&template, "rival", 3, 12.0, rival);
+            (best.1.ljung_box_z, rival.1.ljung_box_z) = (colour, colour);
+            judged(&template, vec![best, rival])
         };
-        assert_eq!(of([10.0, 30.0], 100.0), ("best".to_owned(), 1));
-        // The test is on the rival's side, or nothing but noise is left.
-        assert_eq!(of([10.0, 28.0], 100.0), ("best".to_owned(), 2));
-        assert_eq!(of([10.0, 30.0], 0.0), ("best".to_owned(), 2));
+        assert_eq!(with_rival([10.0, 30.0], 100.0), ("best".to_owned(), 1));
+        // Validation favours the rival, or the residuals are white.
+        assert_eq!(with_rival([10.0, 28.0], 100.0), ("best".to_owned(), 2));
+        assert_eq!(with_rival([10.0, 30.0], 0.0), ("best".to_owned(), 2));
     }
 }

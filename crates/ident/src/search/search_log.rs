@@ -1,9 +1,9 @@
-//! The way of a search: every change of what stands in the patch beside what it had, and what it left.
+//! The log of a search: every change of the effects in the patch, and the residual after it.
 
 use crate::effects::candidate::Candidate;
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 
-/// What the search did. Names of effects have their places, as in "leak at I2".
+/// One action of a search. Names of effects include their places, as in "leak at I2".
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Action {
     /// The patch as it was is fitted: the first entry of every log.
@@ -14,13 +14,13 @@ pub enum Action {
     ContinueUnconfirmed(String),
     /// The search continues with an effect because one of two effects may hide the other.
     TryInPair(String),
-    /// The search returns to what it had before, as more effects are not confirmed together.
+    /// The search returns to an earlier state because the larger set of effects is not confirmed.
     BacktrackFromMore,
-    /// The search returns to what it had before, as no pair is confirmed together and leaves only noise.
+    /// The search returns to an earlier state because no pair is both confirmed and leaves only noise.
     BacktrackFromPair,
     /// The same effects are fitted better from the estimate of a trial.
     RefitFromTrial,
-    /// The fit of the same effects from before they were tried again one by one is restored, as it leaves less.
+    /// The fit from before the refinement is restored, because it has the same effects and a smaller residual.
     RestoreFit,
     /// An effect is dropped.
     Drop(String),
@@ -35,22 +35,22 @@ pub enum Action {
     },
 }
 
-/// One of them.
+/// An entry of the log.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Change {
-    /// What was done.
-    pub did: Action,
-    /// The effects that stood in the patch then, with where they act.
+pub struct LogEntry {
+    /// The action.
+    pub action: Action,
+    /// The effects in the patch after the action, with their places.
     pub effects: Vec<String>,
-    /// What was left then in training and of the data held back, in noise, rms.
-    pub left: [f64; 2],
+    /// Rms residual over the noise after the action: of the training records, then of the validation records.
+    pub residual_rms: [f64; 2],
 }
 
-impl Change {
-    /// What was done, and what came of it.
-    pub(crate) fn new(did: Action, effects: &[Candidate], stage: &Stage) -> Change {
-        let effects = effects.iter().map(Candidate::named).collect();
-        let left = [&stage.train, &stage.test].map(|fitted| fitted.over_noise());
-        Change { did, effects, left }
+impl LogEntry {
+    /// The entry for an action that leads to `effects` and `model`.
+    pub(crate) fn new(action: Action, effects: &[Candidate], model: &FittedModel) -> LogEntry {
+        let effects = effects.iter().map(Candidate::label).collect();
+        let residual_rms = [&model.train, &model.test].map(|fitted| fitted.normalised_rms());
+        LogEntry { action, effects, residual_rms }
     }
 }

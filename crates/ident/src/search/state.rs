@@ -1,139 +1,150 @@
-//! How far a search has come: its rounds, what they took, and the patch with that.
+//! The state of a search: its rounds, the effects that they added, and the patch with these effects.
+//!
+//! A search can return to an earlier state, so states are copied before uncertain steps. The log is never shortened:
+//! it also has the steps that were undone.
 
 use crate::effects::candidate::Candidate;
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 use crate::search::round::{Round, Trial};
-use crate::search::search_log::{Action, Change};
+use crate::search::search_log::{Action, LogEntry};
 
-/// Two effects are sought at once only where so much is left, in sigmas rms: of many pairs one follows what little is left by chance.
-const HOPED_FROM: f64 = 1.0;
+/// Minimum excess residual for a search of pairs, in rms over the noise. With a smaller excess, one of the many pairs
+/// often follows the residual by chance.
+const MIN_PAIR_EXCESS: f64 = 1.0;
 
-/// How far a search has come.
+/// The state of a search.
 #[derive(Clone)]
-pub(crate) struct Come {
-    /// What was tried, one effect after the other.
+pub(crate) struct SearchState {
+    /// The rounds. The last one may have added no effect.
     pub rounds: Vec<Round>,
-    /// What was taken in the first of these rounds,
+    /// The effects in the patch. Entry i was added by round i.
     pub effects: Vec<Candidate>,
-    /// and the patch with it.
-    pub stage: Stage,
-    /// How it came there.
-    pub way: Vec<Change>,
+    /// The patch with these effects, fitted.
+    pub model: FittedModel,
+    /// All actions that led to this state, in order.
+    pub search_log: Vec<LogEntry>,
 }
 
-impl Come {
-    /// Nothing tried yet.
-    pub fn begun(base: Stage) -> Come {
-        let way = vec![Change::new(Action::FitPatch, &[], &base)];
-        Come { rounds: Vec::new(), effects: Vec::new(), stage: base, way }
+impl SearchState {
+    /// The state before the first round.
+    pub fn new(base: FittedModel) -> SearchState {
+        let search_log = vec![LogEntry::new(Action::FitPatch, &[], &base)];
+        SearchState { rounds: Vec::new(), effects: Vec::new(), model: base, search_log }
     }
 
-    /// Notes what was done to come here.
-    pub fn did(&mut self, action: Action) {
-        self.way.push(Change::new(action, &self.effects, &self.stage));
+    /// Appends an action to the log, with the effects and the residual of this state.
+    pub fn log(&mut self, action: Action) {
+        self.search_log.push(LogEntry::new(action, &self.effects, &self.model));
     }
 
-    /// The same with a round that took nothing.
-    pub fn and(&self, round: &Round) -> Come {
-        let mut come = self.clone();
-        come.rounds.push(round.clone());
-        come
+    /// A copy with a round that adds no effect.
+    pub fn with_round(&self, round: &Round) -> SearchState {
+        let mut state = self.clone();
+        state.rounds.push(round.clone());
+        state
     }
 
-    /// What came of a promise: what was there before, unless more effects hold together.
-    pub fn or(self, before: Come) -> Come {
-        if self.effects.len() > before.effects.len() && self.all_hold() {
+    /// This state if it has more effects than `before` and all of them are confirmed. Otherwise `before`, with an
+    /// entry in the log.
+    pub fn prefer_longer(self, before: SearchState) -> SearchState {
+        if self.effects.len() > before.effects.len() && self.is_jointly_confirmed() {
             return self;
         }
-        before.after(&self, Action::BacktrackFromMore)
+        self.backtrack_to(before, Action::BacktrackFromMore)
     }
 
-    /// Here again from where another way led.
-    pub fn after(mut self, other: &Come, action: Action) -> Come {
-        self.way = other.way.clone();
-        self.did(action);
-        self
+    /// The state `before`, with the log of this state and the action that explains the return.
+    pub fn backtrack_to(&self, mut before: SearchState, action: Action) -> SearchState {
+        before.search_log = self.search_log.clone();
+        before.log(action);
+        before
     }
 
-    /// Whether all its effects were taken, each beside the others.
-    pub fn all_hold(&self) -> bool {
+    /// Whether every effect was taken in its round, next to the others.
+    pub fn is_jointly_confirmed(&self) -> bool {
         self.rounds.iter().take(self.effects.len()).all(|round| round.taken)
     }
 
-    /// Where the only round took nothing and more than noise is left: the places of the trials that it may have hidden.
-    pub fn hopes(&self) -> Vec<usize> {
-        let is_open =
-            self.effects.is_empty() && self.stage.leaves_structure() && self.stage.gap() > HOPED_FROM;
-        let only = if is_open && self.rounds.len() == 1 { self.rounds.first() } else { None };
-        only.map(Round::hopes).unwrap_or_default()
+    /// The trials from which pairs of effects are tried, as indices into the trials of the first round. Empty unless
+    /// the only round added no effect and the residual exceeds the noise by far.
+    pub fn tentative_candidates(&self) -> Vec<usize> {
+        let is_open = self.effects.is_empty()
+            && self.model.residuals_are_coloured()
+            && self.model.excess_rms() > MIN_PAIR_EXCESS;
+        let only_round = if is_open && self.rounds.len() == 1 { self.rounds.first() } else { None };
+        only_round.map(Round::tentative_candidates).unwrap_or_default()
     }
 
-    /// The same as if the trial in a place of its first round had been taken.
-    pub fn hoping(&self, place: usize) -> Come {
-        let Trial { candidate, stage, .. } = self.rounds[0].trials[place].clone();
-        let action = Action::TryInPair(candidate.named());
-        let mut hope = Come { effects: vec![candidate], stage, ..self.clone() };
-        hope.did(action);
-        hope
+    /// A copy in which a trial of the first round is added, although it was not taken. `trial` is its index.
+    pub fn with_tentative(&self, trial: usize) -> SearchState {
+        let Trial { candidate, model, .. } = self.rounds[0].trials[trial].clone();
+        let action = Action::TryInPair(candidate.label());
+        let mut state = SearchState { effects: vec![candidate], model, ..self.clone() };
+        state.log(action);
+        state
     }
 
-    /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.
-    pub fn goes_on_with(&mut self, round: Round) -> bool {
-        let best = round.is_gone_on_from().then(|| round.trials[0].clone());
+    /// Appends a round, and adds its best effect if that is taken or tentative. Returns whether an effect was added.
+    pub fn add_round(&mut self, round: Round) -> bool {
+        let best = round.has_accepted_effect().then(|| round.trials[0].clone());
         self.rounds.push(round);
-        let is_taken = best.is_some();
+        let is_added = best.is_some();
         if let Some(best) = best {
-            let is_sure = self.rounds.last().is_some_and(|round| round.taken);
-            let action = match is_sure {
-                true => Action::Take(best.named()),
-                false => Action::ContinueUnconfirmed(best.named()),
+            let is_confirmed = self.rounds.last().is_some_and(|round| round.taken);
+            let action = match is_confirmed {
+                true => Action::Take(best.label()),
+                false => Action::ContinueUnconfirmed(best.label()),
             };
             self.effects.push(best.candidate);
-            self.stage = best.stage;
-            self.did(action);
+            self.model = best.model;
+            self.log(action);
         }
-        is_taken
+        is_added
     }
 
-    /// Whether to go on from here with a better fit of the patch: not where its last effect would not have been taken then.
-    pub fn is_bettered_by(&mut self, better: Stage) -> bool {
+    /// Replaces the fit by a better one with the same effects. Returns false, and changes nothing, if the last round
+    /// would not accept an effect with the better fit.
+    pub fn adopt_better_fit(&mut self, better: FittedModel) -> bool {
         if let Some(last) = self.rounds.last_mut() {
-            let Some(best) = last.refit(better) else { return false };
+            let Some(best) = last.rejudge(better) else { return false };
             self.effects.pop();
             self.effects.push(best.candidate);
-            self.stage = best.stage;
+            self.model = best.model;
         } else {
-            self.stage = better;
+            self.model = better;
         }
-        self.did(Action::RefitFromTrial);
+        self.log(Action::RefitFromTrial);
         true
     }
 
-    /// Whether another has the same effects at the same places.
-    pub fn has_the_effects_of(&self, other: &Come) -> bool {
+    /// Whether another state has the same effects at the same places, in the same order.
+    pub fn has_same_effects(&self, other: &SearchState) -> bool {
         let mut pairs = self.effects.iter().zip(&other.effects);
         self.effects.len() == other.effects.len() && pairs.all(|(one, other)| one.is_same(other))
     }
 
-    /// The same without the effect in a place, with the others as they stand in this stage without it.
-    pub fn less(&mut self, place: usize, others: Vec<Candidate>, without: Stage) {
-        self.rounds.remove(place);
-        let dropped = self.effects[place].named();
-        (self.effects, self.stage) = (others, without);
-        self.did(Action::Drop(dropped));
+    /// The state without an effect and its round. `others` are the remaining effects as they are wired in `model`,
+    /// the patch without the effect.
+    pub fn without(mut self, effect: usize, others: Vec<Candidate>, model: FittedModel) -> SearchState {
+        self.rounds.remove(effect);
+        let dropped = self.effects[effect].label();
+        (self.effects, self.model) = (others, model);
+        self.log(Action::Drop(dropped));
+        self
     }
 
-    /// Another round in a place, found beside the others.
-    pub fn replace(&mut self, place: usize, others: Vec<Candidate>, round: Round) {
+    /// Replaces an effect by the best of a round that ran with the other effects in the patch. It may be the same
+    /// effect.
+    pub fn replace_effect(&mut self, effect: usize, others: Vec<Candidate>, round: Round) {
         let best = round.trials[0].clone();
-        let action = match best.candidate.is_same(&self.effects[place]) {
-            true => Action::Keep(best.named()),
-            false => Action::Replace { by: best.named(), replaced: self.effects[place].named() },
+        let action = match best.candidate.is_same(&self.effects[effect]) {
+            true => Action::Keep(best.label()),
+            false => Action::Replace { by: best.label(), replaced: self.effects[effect].label() },
         };
         self.effects = others;
-        self.effects.insert(place, best.candidate);
-        self.stage = best.stage;
-        self.rounds[place] = round;
-        self.did(action);
+        self.effects.insert(effect, best.candidate);
+        self.model = best.model;
+        self.rounds[effect] = round;
+        self.log(action);
     }
 }

@@ -1,230 +1,261 @@
-//! The trials of a round: every effect at every place looked at quickly, then the best gone through with.
+//! The trials of a round.
+//!
+//! Every effect is first fitted quickly at every place. The best trials are then fitted completely, and with them
+//! other forms and simpler effects that may overtake the best. If all residuals are large, the best trials are also
+//! fitted to growing parts of the records. At the end the solver steps and the validation of the trials near the best
+//! are checked.
 
 use std::cmp::Reverse;
 
-use crate::effects::attach::Attached;
+use crate::effects::attach::EffectPlacement;
 use crate::effects::candidate::Candidate;
 use crate::fit::base_fit::finish;
+use crate::fit::extended_model::find_sites;
 use crate::fit::extended_model::fit_trial;
-use crate::fit::extended_model::sites_of;
-use crate::fit::extended_model::{Asked, LeftOut, Untried};
-use crate::fit::fitted_model::Stage;
+use crate::fit::extended_model::{SkipReason, SkippedTrial, TrialRequest};
+use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
-use crate::fit::peaks::Peaks;
-use crate::fit::peaks::peaks_of;
 use crate::fit::problem::Problem;
 use crate::fit::schedule::Effort;
-use crate::search::means::Means;
-use crate::search::progress::{Part, Progress};
-use crate::search::round::{Round, may_show};
-use patchcord_analysis::pool;
+use crate::fit::signal_extents::SignalExtents;
+use crate::fit::signal_extents::signal_extents;
+use crate::search::progress::{Progress, SearchPhase};
+use crate::search::round::{Round, can_be_visible};
+use crate::search::settings::SearchSettings;
+use patchcord_analysis::parallel;
 
-/// So many of the best trials are fitted to ever more of the records, where all leave a large gap.
-const GROWN: usize = 6;
-/// So many trials are gone through with, those that a quick look finds best,
-const TRIED_FULLY: usize = 12;
-/// or so many, and what stood there, where an effect is looked at again beside others.
-const TRIED_AGAIN: usize = 6;
-/// What needs fewer numbers than the best is gone through with, too, where it leaves less than this times what that leaves.
-const NEAR_ENOUGH: f64 = 3.0;
-/// Trials that leave less than this times what the best leaves are near it: all forms of those are gone through with, and they
-/// are looked after where they do not hold for the test.
-const NEAR: f64 = 1.5;
+/// Number of best trials that are fitted to growing parts of the records, if all residuals are large.
+const GROWING_TRIALS: usize = 6;
+/// Number of trials that are fitted completely after the quick fits.
+const FULL_TRIALS: usize = 12;
+/// The same in a round that repeats the search for an effect next to others. That effect is always fitted completely.
+const REPEATED_FULL_TRIALS: usize = 6;
+/// A trial with fewer parameters than the best is fitted completely if its chi2 is less than this multiple of the
+/// best.
+const SIMPLER_CHI2_RATIO: f64 = 3.0;
+/// A trial is near the best if its chi2 is less than this multiple of the best. All forms of such an effect are
+/// fitted completely, and its solver steps and its validation are checked.
+const NEAR_CHI2_RATIO: f64 = 1.5;
 
-/// What is tried on a stage.
-pub(crate) struct Trying<'a> {
+/// An effect wired in, and the patch with it, fitted.
+type FittedTrial = (Candidate, FittedModel);
+/// A fitted trial. None if the effect cannot be tried at its place.
+type TrialSlot = Option<FittedTrial>;
+/// Receives the phase, the number of completed trials and the number of all trials of the phase.
+type ReportProgress<'p> = dyn FnMut(SearchPhase, u64, usize) + Send + 'p;
+
+/// Fits every effect at every place to one patch.
+pub(crate) struct TrialRunner<'a> {
+    /// The data.
     pub problem: &'a Problem,
-    pub stage: &'a Stage,
-    pub peaks: &'a Peaks,
-    /// Every effect at every place.
-    pub all: &'a [Attached<'a>],
-    /// Where one of them came to before, beside others.
-    pub found: Option<&'a Found<'a>>,
-    pub threads: usize,
+    /// The patch without the effects that are tried.
+    pub model: &'a FittedModel,
+    /// Largest values of the signals, by which effects are scaled.
+    pub peaks: &'a SignalExtents,
+    /// Every effect at every place. Trials are identified by their index in this list.
+    pub attached: &'a [EffectPlacement<'a>],
+    /// An earlier fit of one of the effects, if this round repeats the search for it.
+    pub previous: Option<&'a PreviousFit<'a>>,
 }
 
-/// An effect wired in, and the patch with it fitted.
-type Fit = (Candidate, Stage);
-/// The same; nothing where it could not be tried.
-type Tried = Option<Fit>;
-
-impl Trying<'_> {
-    /// Everything tried, with what could not be; `tell` hears what is done, how much of it and how much there is.
+impl TrialRunner<'_> {
+    /// Runs all trials. Returns the fitted ones in the order of `attached`, and the effects that could not be tried.
     ///
     /// # Errors
-    /// When the patch cannot be run beside the records.
-    pub fn carried_out(
+    /// If the patch cannot be simulated with the drives of the records.
+    pub fn run(
         &self,
-        tell: &mut dyn FnMut(Part, u64, usize),
-    ) -> Result<(Vec<Fit>, Vec<LeftOut>), ModelError> {
-        let (mut tried, left_out) = self.looked_at(tell);
-        let mut order = self.ahead(&tried, if self.found.is_some() { TRIED_AGAIN } else { TRIED_FULLY });
-        self.harder(&mut tried, &order, Effort::FULL, Part::Full, tell);
+        report: &mut ReportProgress<'_>,
+    ) -> Result<(Vec<FittedTrial>, Vec<SkippedTrial>), ModelError> {
+        let (mut slots, skipped) = self.fit_quickly(report);
+        let full = if self.previous.is_some() { REPEATED_FULL_TRIALS } else { FULL_TRIALS };
+        let mut fitted = self.survivors(&slots, full);
+        self.fit_harder(&mut slots, &fitted, Effort::FULL, SearchPhase::Full, report);
         loop {
-            let more = self.not_to_be_left(&tried, &order);
+            let more = self.overlooked(&slots, &fitted);
             if more.is_empty() {
                 break;
             }
-            self.harder(&mut tried, &more, Effort::FULL, Part::Full, tell);
-            order.extend(more);
+            self.fit_harder(&mut slots, &more, Effort::FULL, SearchPhase::Full, report);
+            fitted.extend(more);
         }
-        let is_far = order.iter().flat_map(|place| &tried[*place]).all(|(_, stage)| stage.is_far());
+        let is_far = fitted.iter().flat_map(|trial| &slots[*trial]).all(|(_, model)| model.is_poor());
         if is_far && !self.problem.is_cut {
-            let order = self.ahead(&tried, GROWN);
-            self.harder(&mut tried, &order, Effort::GROWING, Part::Growing, tell);
+            let growing = self.survivors(&slots, GROWING_TRIALS);
+            self.fit_harder(&mut slots, &growing, Effort::GROWING, SearchPhase::Growing, report);
         }
-        Ok((self.finished(tried.into_iter().flatten().collect())?, left_out))
+        Ok((self.finish_near_best(slots.into_iter().flatten().collect())?, skipped))
     }
 
-    fn attempt(&self, place: usize, asked: Asked<'_>) -> Result<Fit, Untried> {
-        fit_trial(self.problem, self.stage, &self.all[place], self.peaks, asked)
+    fn fit(&self, trial: usize, asked: TrialRequest<'_>) -> Result<FittedTrial, SkipReason> {
+        fit_trial(self.problem, self.model, &self.attached[trial], self.peaks, asked)
     }
 
-    /// All of them, quickly.
-    fn looked_at(&self, tell: &mut dyn FnMut(Part, u64, usize)) -> (Vec<Tried>, Vec<LeftOut>) {
-        let places: Vec<usize> = (0..self.all.len()).collect();
-        let wanted = self.stage.train.chi2;
-        let look = |place: &usize| {
-            let known = self.found.and_then(|found| found.values_of(&self.all[*place]));
-            self.attempt(*place, Asked { effort: Effort::QUICK, wanted, before: None, known })
+    /// Fits all trials quickly.
+    fn fit_quickly(&self, report: &mut ReportProgress<'_>) -> (Vec<TrialSlot>, Vec<SkippedTrial>) {
+        let trials: Vec<usize> = (0..self.attached.len()).collect();
+        let target_chi2 = self.model.train.chi2;
+        let fit = |trial: &usize| {
+            let effect_values = self.previous.and_then(|previous| previous.values_of(&self.attached[*trial]));
+            self.fit(
+                *trial,
+                TrialRequest { effort: Effort::QUICK, target_chi2, previous: None, effect_values },
+            )
         };
-        let tried = pool::each(&places, self.threads, look, |done| tell(Part::Quick, done, places.len()));
-        let pairs = self.all.iter().zip(&tried);
-        let left_out = pairs.filter_map(|(own, tried)| Some(LeftOut::of(own, tried.as_ref().err()?)));
-        let left_out = left_out.collect();
-        (tried.into_iter().map(Result::ok).collect(), left_out)
+        let results = parallel::map(&trials, fit, |done| {
+            report(SearchPhase::Quick, done, trials.len());
+        });
+        let pairs = self.attached.iter().zip(&results);
+        let skipped =
+            pairs.filter_map(|(attached, result)| Some(SkippedTrial::new(attached, result.as_ref().err()?)));
+        let skipped = skipped.collect();
+        (results.into_iter().map(Result::ok).collect(), skipped)
     }
 
-    /// The places of so many of the best, and of what stood there before.
-    fn ahead(&self, tried: &[Tried], most: usize) -> Vec<usize> {
-        let mut order = best_of(tried, most);
-        let stood = self.all.iter().position(|own| self.found.is_some_and(|found| found.is(own)));
-        order.extend(stood.filter(|place| !order.contains(place) && tried[*place].is_some()));
-        order
+    /// The `count` best trials, and the trial of the previous fit in addition.
+    fn survivors(&self, slots: &[TrialSlot], count: usize) -> Vec<usize> {
+        let mut best = best_trials(slots, count);
+        let is_previous = |attached| self.previous.is_some_and(|previous| previous.is_of(attached));
+        let previous = self.attached.iter().position(is_previous);
+        best.extend(previous.filter(|trial| !best.contains(trial) && slots[*trial].is_some()));
+        best
     }
 
-    /// Those in some places, with more effort: what cannot be fitted so stays as it was with less.
-    fn harder(
+    /// Fits some trials with more effort. A slot keeps its earlier fit if the new one fails or is worse.
+    fn fit_harder(
         &self,
-        tried: &mut [Tried],
-        places: &[usize],
+        slots: &mut [TrialSlot],
+        trials: &[usize],
         effort: Effort,
-        part: Part,
-        tell: &mut dyn FnMut(Part, u64, usize),
+        phase: SearchPhase,
+        report: &mut ReportProgress<'_>,
     ) {
-        let before = self.stage.train.chi2;
-        let first = best_of(tried, 1).first().copied();
-        // Where there is no hope to come to what the best has come to, no more is needed.
-        let best = first.and_then(|place| tried[place].as_ref());
-        let reached = best.map_or(before, |(_, stage)| stage.train.chi2.min(before));
-        // No thread waits for a long one at the end.
-        let mut order = places.to_vec();
-        order.sort_by_key(|place| Reverse(tried[*place].as_ref().map_or(0, |(_, own)| own.version.work())));
-        let go_on = |place: &usize| {
-            let wanted = if Some(*place) == first { before } else { reached };
-            let come = tried[*place].as_ref().map(|(_, stage)| stage);
-            self.attempt(*place, Asked { effort, wanted, before: come, known: None }).ok()
+        let without = self.model.train.chi2;
+        let first = best_trials(slots, 1).first().copied();
+        // A fit that cannot reach the chi2 of the best trial may stop early.
+        let best = first.and_then(|trial| slots[trial].as_ref());
+        let least = best.map_or(without, |(_, model)| model.train.chi2.min(without));
+        // The longest fits run first, so that no thread waits for one at the end.
+        let mut order = trials.to_vec();
+        order.sort_by_key(|trial| {
+            Reverse(slots[*trial].as_ref().map_or(0, |(_, model)| model.variant.cost()))
+        });
+        let fit = |trial: &usize| {
+            let target_chi2 = if Some(*trial) == first { without } else { least };
+            let previous = slots[*trial].as_ref().map(|(_, model)| model);
+            self.fit(*trial, TrialRequest { effort, target_chi2, previous, effect_values: None }).ok()
         };
-        let again = pool::each(&order, self.threads, go_on, |done| tell(part, done, order.len()));
-        for (place, again) in order.iter().zip(again) {
-            let gone_through = again.is_some();
-            tried[*place] = better_of(tried[*place].take(), again);
-            tried[*place].iter_mut().for_each(|(_, stage)| stage.gone_through |= gone_through);
+        let refits = parallel::map(&order, fit, |done| report(phase, done, order.len()));
+        for (trial, refit) in order.iter().zip(refits) {
+            let is_complete = refit.is_some();
+            slots[*trial] = better_of(slots[*trial].take(), refit);
+            slots[*trial].iter_mut().for_each(|(_, model)| model.is_thorough |= is_complete);
         }
     }
 
-    /// What is not left at a quick look, beside what stands in some places: one law has many forms, and where one is near the best,
-    /// the others may be ahead of it; and a law that others have in them needs fewer numbers, though many of those may stand before it.
-    /// Nothing where even the best gains less than evidence asks for: there is nothing to be ahead in.
-    fn not_to_be_left(&self, tried: &[Tried], places: &[usize]) -> Vec<usize> {
-        let of = |place: usize| Some((&self.all[place], &tried[place].as_ref()?.1));
-        let best = best_of(tried, 1).first().and_then(|best| of(*best));
-        let best = best.filter(|(_, stage)| may_show(self.stage, stage, tried.len()));
-        let Some((_, reached)) = best else { return Vec::new() };
-        let leaves_less = |stage: &Stage, times: f64| stage.train.chi2 < times * reached.train.chi2;
-        let near = places.iter().filter_map(|place| of(*place)).filter(|(_, stage)| leaves_less(stage, NEAR));
-        let near: Vec<&Attached<'_>> = near.map(|(own, _)| own).collect();
-        let may_lead = |place: &usize| {
-            let Some((own, stage)) = of(*place).filter(|_| !places.contains(place)) else { return false };
-            let is_form_of = |near: &&Attached<'_>| {
-                own.effect.name == near.effect.name && own.junction() == near.junction()
+    /// Trials outside `fitted` that may still overtake the best one, although their quick fits are not among the
+    /// best: other forms of effects near the best at the same junction, and effects with fewer parameters than the
+    /// best. Empty if even the best trial improves the fit too little to be visible.
+    fn overlooked(&self, slots: &[TrialSlot], fitted: &[usize]) -> Vec<usize> {
+        let trial_at = |trial: usize| Some((&self.attached[trial], &slots[trial].as_ref()?.1));
+        let best = best_trials(slots, 1).first().and_then(|best| trial_at(*best));
+        let best = best.filter(|(_, model)| can_be_visible(self.model, model, slots.len()));
+        let Some((_, best)) = best else { return Vec::new() };
+        let is_within = |model: &FittedModel, ratio: f64| model.train.chi2 < ratio * best.train.chi2;
+        let near = fitted.iter().filter_map(|trial| trial_at(*trial));
+        let near = near.filter(|(_, model)| is_within(model, NEAR_CHI2_RATIO));
+        let near: Vec<&EffectPlacement<'_>> = near.map(|(attached, _)| attached).collect();
+        let may_overtake = |trial: &usize| {
+            let Some((attached, model)) = trial_at(*trial).filter(|_| !fitted.contains(trial)) else {
+                return false;
             };
-            let has_fewer = stage.version.fit.len() < reached.version.fit.len();
-            near.iter().any(is_form_of) || has_fewer && leaves_less(stage, NEAR_ENOUGH)
+            let is_form_of = |near: &&EffectPlacement<'_>| {
+                attached.effect.name == near.effect.name && attached.junction() == near.junction()
+            };
+            let has_fewer = model.variant.fit.len() < best.variant.fit.len();
+            near.iter().any(is_form_of) || has_fewer && is_within(model, SIMPLER_CHI2_RATIO)
         };
-        (0..self.all.len()).filter(may_lead).collect()
+        (0..self.attached.len()).filter(may_overtake).collect()
     }
 
-    /// Trials with steps that are fine enough where they came to, and begun in the right place where they are held back.
-    fn finished(&self, tried: Vec<Fit>) -> Result<Vec<Fit>, ModelError> {
-        let best = tried.iter().map(|(_, stage)| stage.train.chi2).fold(f64::INFINITY, f64::min);
-        let finished = |(_, stage): &Fit| match stage.train.chi2 < NEAR * best {
-            true => finish(self.problem, stage),
+    /// Refines the solver steps and repeats the validation of the trials near the best, if necessary.
+    fn finish_near_best(&self, trials: Vec<FittedTrial>) -> Result<Vec<FittedTrial>, ModelError> {
+        let best = trials.iter().map(|(_, model)| model.train.chi2).fold(f64::INFINITY, f64::min);
+        let finish = |(_, model): &FittedTrial| match model.train.chi2 < NEAR_CHI2_RATIO * best {
+            true => finish(self.problem, model),
             false => Ok(None),
         };
-        let again = pool::each(&tried, self.threads, finished, |_| ());
-        let pairs = tried.into_iter().zip(again);
-        pairs.map(|((candidate, stage), again)| Ok((candidate, again?.unwrap_or(stage)))).collect()
+        let finished = parallel::map(&trials, finish, |_| ());
+        let pairs = trials.into_iter().zip(finished);
+        pairs.map(|((candidate, model), finished)| Ok((candidate, finished?.unwrap_or(model)))).collect()
     }
 }
 
-/// The places of so many trials, those that left least first.
-fn best_of(tried: &[Tried], most: usize) -> Vec<usize> {
-    let chi2 = |place: &usize| tried[*place].as_ref().map_or(f64::INFINITY, |(_, stage)| stage.train.chi2);
-    let mut order: Vec<usize> = (0..tried.len()).filter(|place| tried[*place].is_some()).collect();
+/// The `count` trials with the smallest chi2, the best first. Empty slots do not count.
+fn best_trials(slots: &[TrialSlot], count: usize) -> Vec<usize> {
+    let chi2 = |trial: &usize| slots[*trial].as_ref().map_or(f64::INFINITY, |(_, model)| model.train.chi2);
+    let mut order: Vec<usize> = (0..slots.len()).filter(|trial| slots[*trial].is_some()).collect();
     order.sort_by(|a, b| chi2(a).total_cmp(&chi2(b)));
-    order.truncate(most);
+    order.truncate(count);
     order
 }
 
-/// The one of two trials that left less.
-fn better_of(one: Tried, other: Tried) -> Tried {
+/// The trial with the smaller chi2.
+fn better_of(one: TrialSlot, other: TrialSlot) -> TrialSlot {
     one.into_iter().chain(other).min_by(|(_, a), (_, b)| a.train.chi2.total_cmp(&b.train.chi2))
 }
 
-/// Tries every effect on a stage that has some already; of one it may be known where it came to beside others.
+/// Runs a round on a patch that already has `effects`. `previous` is an earlier fit of an effect whose search is
+/// repeated.
+///
+/// # Errors
+/// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn run_round(
     problem: &Problem,
-    stage: &Stage,
+    model: &FittedModel,
     effects: &[Candidate],
-    found: Option<&Found<'_>>,
-    with: &Means<'_>,
-    progress: &mut impl FnMut(Progress),
+    previous: Option<&PreviousFit<'_>>,
+    settings: &SearchSettings<'_>,
+    progress: &mut (impl FnMut(Progress) + Send),
 ) -> Result<Round, ModelError> {
-    let sites = sites_of(problem, stage)?;
-    let peaks = peaks_of(problem, stage)?;
-    let is_new = |own: &Attached<'_>| own.effect.recurs() || effects.iter().all(|effect| !effect.is(own));
-    let all = with.library.iter().flat_map(|effect| Attached::all(effect, &sites));
-    let all: Vec<Attached<'_>> = all.filter(is_new).collect();
-    let number = effects.len() + 1;
-    let mut tell = |part, done, all: usize| {
-        progress(Progress { round: number, part, done, all: all as u64 });
+    let sites = find_sites(problem, model)?;
+    let peaks = signal_extents(problem, model)?;
+    let is_new = |attached: &EffectPlacement<'_>| {
+        attached.effect.is_repeatable() || effects.iter().all(|effect| !effect.is_placed_as(attached))
     };
-    let trying = Trying { problem, stage, peaks: &peaks, all: &all, found, threads: with.threads };
-    let (tried, left_out) = trying.carried_out(&mut tell)?;
-    let mut round = Round::of(stage, effects.iter().map(Candidate::named).collect(), tried);
-    round.left_out = left_out;
+    let attached = settings.library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
+    let attached: Vec<EffectPlacement<'_>> = attached.filter(is_new).collect();
+    let number = effects.len() + 1;
+    let mut report = |phase, done, total: usize| {
+        progress(Progress { round: number, phase, done, total: total as u64 });
+    };
+    let runner = TrialRunner { problem, model, peaks: &peaks, attached: &attached, previous };
+    let (trials, skipped) = runner.run(&mut report)?;
+    let mut round = Round::new(model, effects.iter().map(Candidate::label).collect(), trials);
+    round.skipped = skipped;
     Ok(round)
 }
 
-/// An effect, and the values that it came to beside others.
-pub(crate) struct Found<'a> {
+/// An effect and its parameter values in an earlier fit.
+pub(crate) struct PreviousFit<'a> {
     effect: &'a Candidate,
+    /// The values of the effect's parameters, in their order.
     pub(crate) values: Vec<f64>,
 }
 
-impl<'a> Found<'a> {
-    pub(crate) fn of(effect: &'a Candidate, stage: &Stage) -> Self {
-        Found { effect, values: stage.brought(effect).map(|(_, value, _)| value).collect() }
+impl<'a> PreviousFit<'a> {
+    /// The values of an effect in a fitted model that contains it.
+    pub(crate) fn new(effect: &'a Candidate, model: &FittedModel) -> Self {
+        PreviousFit { effect, values: model.effect_parameters(effect).map(|(_, value, _)| value).collect() }
     }
 
-    /// Whether this is it.
-    pub fn is(&self, attached: &Attached<'_>) -> bool {
-        self.effect.is(attached)
+    /// Whether this is a fit of the same effect in the same form at the same place.
+    pub fn is_of(&self, attached: &EffectPlacement<'_>) -> bool {
+        self.effect.is_placed_as(attached)
     }
 
-    /// Its values where an effect is the same.
-    pub fn values_of(&self, attached: &Attached<'_>) -> Option<&[f64]> {
-        self.is(attached).then_some(&*self.values)
+    /// The values if the effect is the same. None otherwise.
+    pub fn values_of(&self, attached: &EffectPlacement<'_>) -> Option<&[f64]> {
+        self.is_of(attached).then_some(&*self.values)
     }
 }

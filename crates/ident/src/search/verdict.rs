@@ -1,27 +1,36 @@
-//! What a search can find out.
+//! The verdict of a search.
 
-/// What was found out.
+/// The verdict of a search.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::search::Verdict;
+///
+/// assert_eq!(Verdict::UnknownEffect.as_str(), "unknown-effect");
+/// assert!(Verdict::Ambiguous.has_names() && !Verdict::CannotJudge.has_names());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// These effects are missing.
+    /// The named effects are missing.
     Named,
-    /// One of several is missing, and the data cannot tell which.
+    /// One of several effects is missing. The data cannot distinguish them.
     Ambiguous,
     /// The patch explains the data.
     NothingMissing,
-    /// Something is missing that the library does not have.
+    /// An effect is missing that the library does not have.
     UnknownEffect,
-    /// The data do not bear a judgement.
+    /// The data are inconclusive.
     CannotJudge,
 }
 
 impl Verdict {
-    /// Whether effects are named.
+    /// Whether the verdict names effects.
     pub fn has_names(self) -> bool {
         matches!(self, Verdict::Named | Verdict::Ambiguous)
     }
 
-    /// The word for it in reports.
+    /// The value of the key "verdict" in JSON documents, for example "unknown-effect". Scripts read it.
     pub fn as_str(self) -> &'static str {
         match self {
             Verdict::Named => "named",

@@ -1,10 +1,13 @@
-//! The circuit of Fig 8.16 as a document, with a slideway's parameters, and with scales that leave room for it.
+//! The circuit of Fig 8.16 as a patch document with the parameters of a slideway.
+//!
+//! All four scales are multiplied by one factor, so that no voltage exceeds 100 V. Gains and the settings for K, M
+//! and f do not change with this factor.
 
 use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 
-use super::error::{Beyond, ChainError};
+use super::error::{ChainError, RangeViolation};
 use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
@@ -15,35 +18,35 @@ static FIG_8_16: LazyLock<Patch> = LazyLock::new(|| {
     Patch::parse("fig-8-16.json", text).expect("the circuit of the study is a document")
 });
 
-/// By how much the scales of Fig 8.16, scale set B, may be multiplied: all four together, which leaves every gain and the settings for K,
-/// M and f as they are.
+/// The factors by which the scales of Fig 8.16 (scale set B) may be multiplied, in ascending order. One factor
+/// applies to all four scales, so every gain and the settings for K, M and f stay the same.
 pub(super) const MULTIPLES: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
-/// The scales that are multiplied.
+/// The names of the multiplied scales.
 const SCALES: [&str; 4] = ["position", "force", "velocity", "acceleration"];
 
-/// The parameters whose range goes with the scales.
+/// The parameters whose range is proportional to the scales.
 const SCALED: [&str; 4] = ["Fs", "VcL", "v_start", "x_step"];
 
-/// What of 100 V the command may take: velocity overshoots it.
-const ROOM: f64 = 90.0;
+/// Maximum voltage of the velocity command in V. The rest of the 100 V is for the overshoot of velocity.
+const MAX_COMMAND_VOLTS: f64 = 90.0;
 
 /// The study's circuit.
 pub(super) fn template() -> &'static Patch {
     &FIG_8_16
 }
 
-/// The value that a parameter has there.
+/// The value of a parameter in the study's circuit. NaN if there is no such parameter.
 pub(super) fn default_of(template: &Patch, name: &str) -> f64 {
     template.parameters.get(name).map_or(f64::NAN, |parameter| parameter.value)
 }
 
-/// What a volt of a scale stands for there.
+/// The quantity that one volt of a scale represents in the study's circuit, in SI units.
 fn per_volt(template: &Patch, scale: &str) -> f64 {
     template.value()["scales"][scale]["per_volt"].as_f64().unwrap_or(f64::NAN)
 }
 
-/// The range of a parameter with scales so many times as large.
+/// The range of a parameter if the scales are multiplied by `multiple`.
 fn range(template: &Patch, name: &str, multiple: f64) -> [f64; 2] {
     let range = template.parameters.get(name).and_then(|parameter| parameter.range);
     let (low, high) = range.unwrap_or((f64::MIN, f64::MAX));
@@ -51,50 +54,56 @@ fn range(template: &Patch, name: &str, multiple: f64) -> [f64; 2] {
     [low, high].map(|end| rounded(end * factor))
 }
 
-/// From the least to the largest value that it may have, whatever the scales.
+/// The range of a parameter over all multiples of the scales.
 fn widest_range(template: &Patch, name: &str) -> [f64; 2] {
-    let [least, most] =
+    let [smallest, largest] =
         [MULTIPLES[0], MULTIPLES[MULTIPLES.len() - 1]].map(|multiple| range(template, name, multiple));
-    [least[0].min(most[0]), least[1].max(most[1])]
+    [smallest[0].min(largest[0]), smallest[1].max(largest[1])]
 }
 
-/// A number as a person would write it: a whole one without a point.
-fn written(value: f64) -> Value {
+/// A number as JSON, without a decimal point if it is whole.
+fn json_number(value: f64) -> Value {
     const EXACT: f64 = 1e15;
     let is_whole = value.fract() == 0.0 && value.abs() < EXACT;
     if is_whole { (value as i64).into() } else { value.into() }
 }
 
-/// A number to six digits, which is more than a potentiometer can be set to.
+/// A number rounded to six digits. A potentiometer cannot be set more finely.
 pub(super) fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// What is asked of the circuit.
+/// The parameters, command and settings for which a patch is made.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Asked<'a> {
+pub(super) struct PatchRequest<'a> {
+    /// The study's circuit.
     pub template: &'a Patch,
+    /// Title of the patch.
     pub title: &'a str,
+    /// Parameters of the slideway.
     pub parameters: &'a Parameters,
+    /// The velocity command.
     pub ramp: &'a Ramp,
+    /// Settings of the run, and the parameters that they set.
     pub settings: &'a Settings,
 }
 
-impl Asked<'_> {
-    /// The smallest scales of which no value is too large, as a place among the multiples.
+impl PatchRequest<'_> {
+    /// The smallest scales with which no value is too large, as an index into [`MULTIPLES`].
     pub fn first_scale(&self) -> usize {
         let velocity = per_volt(self.template, "velocity");
-        let takes = |multiple: &f64| {
-            let fits = self.ramp.top() <= ROOM * velocity * multiple;
+        let is_sufficient = |multiple: &f64| {
+            let fits = self.ramp.top() <= MAX_COMMAND_VOLTS * velocity * multiple;
             fits && self.values().all(|(name, value)| value <= range(self.template, name, *multiple)[1])
         };
-        MULTIPLES.iter().position(takes).unwrap_or(MULTIPLES.len() - 1)
+        MULTIPLES.iter().position(is_sufficient).unwrap_or(MULTIPLES.len() - 1)
     }
 
-    /// The patch with scales so many times those of Fig 8.16; the rest of it is as it was written.
+    /// The patch with scales that are `multiple` times those of Fig 8.16. Everything else in the document keeps its
+    /// text.
     ///
     /// # Errors
-    /// Where a value is out of its range then.
+    /// If a value is out of its range with these scales.
     pub fn patch(&self, multiple: f64) -> Result<Patch, ChainError> {
         self.check(multiple)?;
         let mut editor = self.template.edit();
@@ -104,39 +113,40 @@ impl Asked<'_> {
         editor.put(&["pictures"], pictures());
         for scale in SCALES {
             let enlarged = rounded(per_volt(self.template, scale) * multiple);
-            editor.put(&["scales", scale, "per_volt"], written(enlarged));
+            editor.put(&["scales", scale, "per_volt"], json_number(enlarged));
         }
         for (name, value) in self.values() {
-            let range = range(self.template, name, multiple).map(written);
-            editor.put(&["parameters", name, "value"], written(value));
+            let range = range(self.template, name, multiple).map(json_number);
+            editor.put(&["parameters", name, "value"], json_number(value));
             editor.put(&["parameters", name, "range"], json!(range));
         }
         Ok(editor.finish("slideway.json")?)
     }
 
-    /// That every value is one that the circuit takes, and one that it takes with these scales.
+    /// Checks that every value is within the range of the circuit, and within the range that these scales permit.
     ///
     /// # Errors
-    /// Where one is not.
+    /// If a value is outside one of these ranges.
     pub fn check(&self, multiple: f64) -> Result<(), ChainError> {
-        if let Some(beyond) = self.outside(|name| widest_range(self.template, name)) {
-            return Err(ChainError::BeyondCircuit(beyond));
+        if let Some(violation) = self.range_violation(|name| widest_range(self.template, name)) {
+            return Err(ChainError::OutsideCircuitRange(violation));
         }
-        match self.outside(|name| range(self.template, name, multiple)) {
-            Some(beyond) => Err(ChainError::BeyondScales { beyond, multiple }),
+        match self.range_violation(|name| range(self.template, name, multiple)) {
+            Some(violation) => Err(ChainError::OutsideScaleRange { violation, multiple }),
             None => Ok(()),
         }
     }
 
-    /// A value that lies outside of the bounds of its name.
-    fn outside(&self, bounds: impl Fn(&str) -> [f64; 2]) -> Option<Beyond> {
+    /// The first parameter whose value is outside the bounds of its name.
+    fn range_violation(&self, bounds: impl Fn(&str) -> [f64; 2]) -> Option<RangeViolation> {
         let is_within = |name: &str, value: f64| (bounds(name)[0]..=bounds(name)[1]).contains(&value);
         let (name, value) = self.values().find(|(name, value)| !is_within(name, *value))?;
         let unit = self.template.parameters.get(name).map_or("", |parameter| parameter.unit.text());
-        Some(Beyond { name: name.to_owned(), value, unit: unit.to_owned(), bounds: bounds(name) })
+        Some(RangeViolation { name: name.to_owned(), value, unit: unit.to_owned(), bounds: bounds(name) })
     }
 
-    /// Names and values of all parameters.
+    /// Names and values of all parameters of the circuit. A value comes from the slideway, the command, the settings
+    /// or the template, in this order of precedence.
     fn values(&self) -> impl Iterator<Item = (&str, f64)> {
         let own = self.parameters.named();
         self.template.parameters.keys().map(move |name| {
@@ -147,10 +157,10 @@ impl Asked<'_> {
         })
     }
 
-    /// How the patch is to be run.
+    /// The "run" section of the patch.
     fn run(&self) -> Value {
         let mut run = self.template.value()["run"].clone();
-        run["for"] = written(self.ramp.duration());
+        run["for"] = json_number(self.ramp.duration());
         let Settings { step, tolerance, every, .. } = *self.settings;
         if let (Some(tolerance), Value::Object(run)) = (tolerance, &mut run) {
             run.remove("step");
@@ -177,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_circuit_of_the_study_has_what_is_changed_in_it() {
+    fn template_has_every_scale_and_parameter_that_is_changed() {
         let template = template();
         assert_eq!(default_of(template, "v_rate"), 1.2e-3);
         for name in SCALES {

@@ -1,13 +1,13 @@
-//! Why there is no chain.
+//! Errors of the design chain.
 
 use super::inputs::Input;
 use crate::slideway::SlidewayError;
-use patchcord_analysis::instruments::{Display, NoCriticalVelocity, with_unit};
-use patchcord_core::document::{Report, told};
+use patchcord_analysis::instruments::{NoCriticalVelocity, QuantityFormat, format_quantity};
+use patchcord_core::document::{Report, format_number};
 use patchcord_core::patch::EditError;
 use patchcord_core::solve::RunError;
 
-/// Why there is no chain.
+/// The reason why a chain has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum ChainError {
     /// A law does not hold for the inputs.
@@ -16,98 +16,114 @@ pub enum ChainError {
     /// The circuit has no such parameter.
     #[error("the circuit of Fig 8.16 has no parameter {name}; {hint}")]
     NoParameter {
-        /// What was to be set.
+        /// The name to be set.
         name: String,
-        /// What may have been meant.
+        /// A hint that names a similar parameter.
         hint: String,
     },
-    /// An input for which a law does not hold.
+    /// An input is outside the range of a law.
     #[error("{error}")]
     Input {
-        /// The input, or those that a limit binds together.
+        /// The input, or the inputs that one limit combines.
         inputs: &'static [Input],
-        /// What is wrong.
+        /// The range and the value.
         error: SlidewayError,
     },
-    /// No scales of the circuit take a value: the bounds go from the least value to the largest, each with the scales that allow it.
-    #[error("{} what the circuit of Fig 8.16 takes, {}", .0.told(), .0.bounds_told())]
-    BeyondCircuit(Beyond),
-    /// The scales that another value asks for do not take a value.
-    #[error("{} what the circuit of Fig 8.16 takes with scales {multiple} times as large, which the command or what overshoots it asks for: {}", beyond.told(), beyond.bounds_told())]
-    BeyondScales {
-        /// The value, and the bounds that it has with these scales.
-        beyond: Beyond,
-        /// How many times scale set B they are.
+    /// A value is outside the range of the circuit with all scales. The bounds are the extremes over all scales.
+    #[error("{} the range of the circuit of Fig 8.16, {}", .0.relation(), .0.bounds_text())]
+    OutsideCircuitRange(RangeViolation),
+    /// A value is outside the range that is left by the scales that another value needs.
+    #[error(
+        "{} the range of the circuit of Fig 8.16 with scales {multiple} times as large, {}: \
+         the command or its overshoot needs these scales",
+        violation.relation(),
+        violation.bounds_text()
+    )]
+    OutsideScaleRange {
+        /// The value, and its bounds with these scales.
+        violation: RangeViolation,
+        /// Ratio of the scales to scale set B.
         multiple: f64,
     },
-    /// The command does not rise from rest or a run.
-    #[error("the velocity command has to rise from rest or forward motion, which v_start = {} m/s, v_rate = {} m/s2 and v_turn = {} s do not make it", told(*start), told(*rate), told(*turn))]
+    /// The command does not rise from rest or forward motion.
+    #[error(
+        "the velocity command must rise from rest or forward motion (v_start at least 0, v_rate and v_turn \
+         positive), got v_start = {} m/s, v_rate = {} m/s2 and v_turn = {} s",
+        format_number(*start),
+        format_number(*rate),
+        format_number(*turn)
+    )]
     NoRise {
-        /// Where it begins, in m/s.
+        /// Velocity at time 0, in m/s.
         start: f64,
-        /// Its rate, in m/s2.
+        /// Rate, in m/s2.
         rate: f64,
-        /// When it turns back, in s.
+        /// Time at which the command turns back, in s.
         turn: f64,
     },
     /// A setting is out of its range.
-    #[error("{what} must be {wanted}, not {value}")]
+    #[error("{what} must be {wanted}, got {value}")]
     Setting {
-        /// Which.
+        /// The setting, in words.
         what: &'static str,
-        /// What it must be.
+        /// The permitted range, in words.
         wanted: &'static str,
-        /// What it is.
+        /// The value.
         value: f64,
     },
-    /// An amplifier was overloaded whatever the scales.
-    #[error("{element} is overloaded even at {} a volt: the motion grows without end, or is not followed by so long a step", with_unit(*velocity_per_volt, "m/s"))]
+    /// An amplifier was overloaded with all scales.
+    #[error(
+        "{element} is overloaded even at {} a volt: the motion grows without limit, or the step is too long for it",
+        format_quantity(*velocity_per_volt, "m/s")
+    )]
     Overload {
         /// The amplifier.
         element: String,
-        /// The largest scale of velocity, in m/s a volt.
+        /// The largest scale of velocity, in m/s per volt.
         velocity_per_volt: f64,
     },
-    /// The critical velocity cannot be read off the run.
-    #[error("the critical velocity cannot be read: {}", .0.told_in("m/s"))]
+    /// The critical velocity cannot be read from the run.
+    #[error("the critical velocity cannot be read: {}", .0.message_in("m/s"))]
     Unread(NoCriticalVelocity),
-    /// The circuit cannot be set so.
+    /// The circuit cannot be set to these values.
     #[error("{0}")]
     Circuit(Box<Report>),
-    /// The document cannot be changed so.
+    /// The patch document cannot be edited.
     #[error(transparent)]
     Document(#[from] EditError),
-    /// The run cannot be made, or had to stop.
+    /// The run cannot start, or stopped with an error.
     #[error(transparent)]
     Run(#[from] RunError),
 }
 
-/// A value of the circuit outside of its bounds.
+/// A parameter of the circuit whose value is outside its bounds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Beyond {
-    /// The parameter.
+pub struct RangeViolation {
+    /// Name of the parameter.
     pub name: String,
-    /// Its value.
+    /// Value in SI units.
     pub value: f64,
-    /// Its unit.
+    /// SI unit as text.
     pub unit: String,
-    /// The least and the largest value that it may have.
+    /// The minimum and the maximum permitted value, in SI units.
     pub bounds: [f64; 2],
 }
 
-impl Beyond {
-    /// Value and bounds in one unit, which suits the middle of the bounds.
-    fn display(&self) -> Display {
+impl RangeViolation {
+    /// The unit prefix for value and bounds, chosen for the middle of the bounds.
+    fn display(&self) -> QuantityFormat {
         let [low, high] = self.bounds;
-        Display::new(&self.unit, if low > 0.0 { (low * high).sqrt() } else { high })
+        QuantityFormat::new(&self.unit, if low > 0.0 { (low * high).sqrt() } else { high })
     }
 
-    fn told(&self) -> String {
+    /// Text such as "K = 1 MN/m is below".
+    fn relation(&self) -> String {
         let side = if self.value < self.bounds[0] { "below" } else { "above" };
         format!("{} = {} is {side}", self.name, self.display().text(self.value))
     }
 
-    fn bounds_told(&self) -> String {
+    /// Text such as "5 ... 178 MN/m".
+    fn bounds_text(&self) -> String {
         let [low, high] = self.bounds;
         let display = self.display();
         format!("{} ... {}", display.number(low), display.text(high))

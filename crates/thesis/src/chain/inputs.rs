@@ -1,4 +1,4 @@
-//! What a designer knows of a slideway.
+//! The input data of a designer: oil, table, drive and surfaces.
 
 use super::document::rounded;
 use super::error::ChainError;
@@ -7,25 +7,25 @@ use crate::slideway::design::{Design, Interface, LIFT, NON_POLAR, POLAR_ADDITIVE
 use crate::slideway::ridge::Ridge;
 use crate::slideway::units::{CM2, KGF, KGF_PER_CM2, N_PER_MM, POISE, UM};
 use crate::slideway::wedge::RangeProfile;
-use patchcord_core::document::told;
+use patchcord_core::document::format_number;
 
 const VISCOSITY: Range = Range::new("viscosity", "P", 1e-3, 1e3);
 const WEIGHT: Range = Range::positive("weight", "kgf");
 const AREA: Range = Range::positive("area", "cm2");
 const STIFFNESS: Range = Range::positive("stiffness", "kN/mm");
-/// The pressures over which the surfaces of chapter 7 are known.
+/// The mean pressures for which the laws of chapter 7 hold.
 const PRESSURE: Range = Range::new("weight / area", "kgf/cm2", 1e-4, 8.0);
 
-/// Those of [`Ridge`], as a designer has them.
+/// The ranges of [`Ridge::WIDTHS`] and [`Ridge::HEIGHTS`] in um.
 const RIDGE_WIDTH: Range = Range::new("width of a ridge", "um", 1e-3, 1e5);
 const RIDGE_HEIGHT: Range = Range::new("height of a ridge", "um", 1e-3, 1e5);
 
-/// Viscosities and weights for which the study has measurements.
+/// Viscosities, weights and stiffnesses for which the study has measurements.
 const MEASURED_VISCOSITY: Range = Range::new("oil", "P", 0.13, 0.595);
 const MEASURED_WEIGHT: Range = Range::new("table", "kgf", 450.0, 850.0);
 const MEASURED_STIFFNESS: Range = Range::new("drive", "kN/mm", 11.0, 45.0);
 
-/// What a designer gives.
+/// An input of the designer, as errors name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Input {
     /// Viscosity of the oil.
@@ -42,7 +42,23 @@ pub enum Input {
     RidgeHeight,
 }
 
-/// A slideway: oil, table, drive and surfaces.
+/// The input data of a slideway: oil, table, drive and surfaces.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::chain::{Inputs, Parameters};
+/// use patchcord_thesis::slideway::units::{KGF, KGF_PER_CM2, POISE};
+///
+/// let inputs = Inputs::of_study(0.34 * POISE, 450.0 * KGF, 27.6e6);
+/// assert!((inputs.pressure() / KGF_PER_CM2 - 450.0 / 697.0).abs() < 1e-9);
+/// assert!(inputs.title().starts_with("Slideway: oil of 0.34 P, 450 kgf on 697 cm2"));
+///
+/// let parameters = Parameters::of_design(&inputs.design()?)?;
+/// assert!((parameters.mass - 450.0).abs() < 1e-9);
+/// assert_eq!(parameters.named()[1], ("K", 27.6e6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inputs {
     /// Viscosity of the oil, in Pa s: 0.0001 ... 100.
@@ -51,7 +67,7 @@ pub struct Inputs {
     pub polar: bool,
     /// Weight of the table, in N, above 0.
     pub weight: f64,
-    /// Apparent area of the slides, in m2, above 0; 1e-4 ... 8 kgf stand on a square centimetre.
+    /// Apparent area of the slides, in m2, above 0. The mean pressure must be 1e-4 ... 8 kgf/cm2.
     pub area: f64,
     /// Stiffness of the drive, in N/m, above 0.
     pub stiffness: f64,
@@ -60,8 +76,9 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// A table on the study's slideway: 697 cm2 of ground cast iron, oil without polar additive (9.3). Viscosity in Pa s, weight in N,
-    /// stiffness in N/m.
+    /// A table on the study's slideway: 697 cm2 of ground cast iron, oil without polar additive (9.3).
+    ///
+    /// The viscosity is in Pa s, the weight in N, the stiffness in N/m.
     pub const fn of_study(viscosity: f64, weight: f64, stiffness: f64) -> Self {
         let area = Interface::MODEL.area;
         Inputs { viscosity, polar: false, weight, area, stiffness, ridge: Ridge::GROUND }
@@ -72,13 +89,15 @@ impl Inputs {
         self.weight / self.area
     }
 
-    /// What eq 93-9 is told of it: KLP of the oil, the climb Z / B of the ridges, and for the lift Ho + hd the gap at which their ranges
-    /// just touch (eq 139-7).
+    /// The input of the design equation (eq 93-9).
+    ///
+    /// KLP follows from the oil and the tangent Z / B from the ridges. The lift Ho + hd is the gap at which the
+    /// ranges of ridges just touch (eq 139-7).
     ///
     /// # Errors
-    /// Where one of them is out of its range, in the units that the study has for it.
+    /// If an input is out of its range. The message uses the units of the study.
     pub fn design(&self) -> Result<Design, ChainError> {
-        let looks: [(_, _, &'static [Input]); 7] = [
+        let checks: [(_, _, &'static [Input]); 7] = [
             (VISCOSITY, self.viscosity / POISE, &[Input::Viscosity]),
             (WEIGHT, self.weight / KGF, &[Input::Weight]),
             (AREA, self.area / CM2, &[Input::Area]),
@@ -87,7 +106,7 @@ impl Inputs {
             (RIDGE_WIDTH, self.ridge.width / UM, &[Input::RidgeWidth]),
             (RIDGE_HEIGHT, self.ridge.height / UM, &[Input::RidgeHeight]),
         ];
-        for (range, value, inputs) in looks {
+        for (range, value, inputs) in checks {
             range.check(rounded(value)).map_err(|error| ChainError::Input { inputs, error })?;
         }
         let of_ridges = |error| ChainError::Input { inputs: &[Input::RidgeWidth, Input::RidgeHeight], error };
@@ -104,10 +123,12 @@ impl Inputs {
         })
     }
 
-    /// The slideway in a line.
+    /// The slideway in one line of text.
     pub fn title(&self) -> String {
-        let [oil, weight, area] = [self.viscosity / POISE, self.weight / KGF, self.area / CM2].map(told);
-        let (kind, drive) = (if self.polar { ", polar additive" } else { "" }, told(self.kilonewtons()));
+        let [oil, weight, area] =
+            [self.viscosity / POISE, self.weight / KGF, self.area / CM2].map(format_number);
+        let (kind, drive) =
+            (if self.polar { ", polar additive" } else { "" }, format_number(self.kilonewtons()));
         format!("Slideway: oil of {oil} P{kind}, {weight} kgf on {area} cm2, drive of {drive} kN/mm")
     }
 
@@ -116,27 +137,30 @@ impl Inputs {
         self.stiffness / N_PER_MM / 1e3
     }
 
-    /// What lies beyond the oils, tables and drives that the study has measurements for: there its laws are stretched.
+    /// Warnings for inputs outside the measured oils, tables and drives, for which the laws are extrapolated.
     pub(super) fn notes(&self) -> Vec<String> {
-        let looks = [
+        let checks = [
             (MEASURED_VISCOSITY, self.viscosity / POISE, "..."),
             (MEASURED_WEIGHT, self.weight / KGF, "and"),
             (MEASURED_STIFFNESS, self.kilonewtons(), "..."),
         ];
-        let looks = looks.map(|(range, value, to)| (range, rounded(value), to));
-        let beyond = looks.into_iter().filter(|(range, value, _)| range.check(*value).is_err());
-        let mut notes: Vec<_> = beyond.map(|(range, value, to)| extrapolates(range, value, to)).collect();
+        let checks = checks.map(|(range, value, to)| (range, rounded(value), to));
+        let outside = checks.into_iter().filter(|(range, value, _)| range.check(*value).is_err());
+        let mut notes: Vec<_> =
+            outside.map(|(range, value, to)| extrapolation_note(range, value, to)).collect();
         if self.polar {
-            notes.push("no oil with polar additive was measured: Tc is that of an oil without".to_owned());
+            notes.push(
+                "no oil with polar additive was measured: Tc is that of an oil without additive".to_owned(),
+            );
         }
         notes
     }
 }
 
-/// That a value lies beyond those that were measured, from the lowest to the highest or these two.
-fn extrapolates(Range { quantity, unit, low, high }: Range, value: f64, to: &str) -> String {
+/// The warning that a value is outside the measured ones. `to` is "..." for a range and "and" for two single values.
+fn extrapolation_note(Range { quantity, unit, low, high }: Range, value: f64, to: &str) -> String {
     format!(
-        "{quantity} is {} {unit}, and was measured at {low} {to} {high} {unit} only: this extrapolates",
-        told(value)
+        "{quantity} is {} {unit}, measured only at {low} {to} {high} {unit}: the result is extrapolated",
+        format_number(value)
     )
 }

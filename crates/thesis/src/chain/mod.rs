@@ -1,6 +1,10 @@
-//! The design chain: from oil, load, area, stiffness and surface to friction, from friction to the circuit of Fig 8.16 with its
-//! potentiometer settings, from the circuit to a run, and from the run to the critical velocity, beside what the equations say and what
-//! lowers it.
+//! The design chain from the data of a slideway to its critical velocity.
+//!
+//! 1. [`Inputs`] (oil, load, area, stiffness, surface) give the friction [`Parameters`].
+//! 2. The parameters give the circuit of Fig 8.16 and its potentiometer settings.
+//! 3. A run of the circuit under a velocity command that rises and falls gives the critical velocity ([`Simulation`]).
+//! 4. The equations of the study give the critical velocity for comparison ([`Predictions`]).
+//! 5. Every design rule of section 9.5 is tested by a further run ([`Advice`]).
 //!
 //! ```
 //! use patchcord_thesis::chain::{Chain, Inputs, Settings};
@@ -13,8 +17,8 @@
 //! # Ok::<(), patchcord_thesis::chain::ChainError>(())
 //! ```
 //!
-//! Everything is in SI units. Physics comes from [`slideway`](crate::slideway), circuit and run from the rest of the library; here is
-//! which law gives which number.
+//! All quantities are in SI units. The physics is in [`slideway`](crate::slideway). This module decides which law
+//! gives which number.
 
 mod advice;
 mod document;
@@ -29,68 +33,82 @@ mod settings;
 mod simulation;
 mod table_9_2;
 
-pub use advice::{Advice, Outcome, Verdict};
-pub use error::{Beyond, ChainError};
+pub use advice::{Advice, AdviceOutcome, AdviceVerdict};
+pub use error::{ChainError, RangeViolation};
 pub use inputs::{Input, Inputs};
-pub use origin::{Origin, Other};
+pub use origin::{AlternativeValue, Origin};
 pub use parameters::Parameters;
 pub use pictures::pictures;
 pub use predictions::{Prediction, Predictions};
 pub use ramp::Ramp;
 pub use settings::Settings;
-pub use simulation::{Pot, Simulation};
-pub use table_9_2::{Compared, table_9_2};
+pub use simulation::{PotSetting, Simulation};
+pub use table_9_2::{MeasurementComparison, table_9_2};
 
 use crate::slideway::design::Design;
-use patchcord_analysis::pool;
 
-/// The whole chain.
+/// The result of the whole chain.
+///
+/// # Examples
+///
+/// ```no_run
+/// use patchcord_thesis::chain::{Chain, Inputs, Settings};
+/// use patchcord_thesis::slideway::units::{KGF, POISE};
+///
+/// let inputs = Inputs::of_study(0.34 * POISE, 450.0 * KGF, 27.6e6);
+/// let chain = Chain::new(&inputs, &Settings::default())?;
+/// for advice in &chain.advice {
+///     println!("{} {}: {}", advice.letter, advice.text, advice.verdict.as_str());
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Chain {
-    /// What it began with.
+    /// The input data.
     pub inputs: Inputs,
-    /// The same as the study's design equation has it.
+    /// The inputs in the form that the study's design equation (eq 93-9) takes.
     pub design: Design,
-    /// Where the numbers of the friction come from, and what other laws say.
+    /// The parameters of the circuit with the law that gives each, in the order of [`Parameters::NAMES`].
     pub origins: Vec<Origin>,
-    /// The circuit, its run, and the critical velocity read off it.
+    /// The circuit, its run, and the critical velocity that was read from the run.
     pub simulation: Simulation,
-    /// What equations say of the critical velocity.
+    /// The critical velocity by the equations of the study.
     pub predictions: Predictions,
-    /// What lowers it, each tried by a run.
+    /// The rules of section 9.5 that lower the critical velocity, each tested by a run; in the order of 9.5, a to g.
     pub advice: Vec<Advice>,
-    /// What the reader should know of ranges that were left.
+    /// Warnings for the reader: inputs outside the measured ranges, and oscillation whose end is not seen.
     pub notes: Vec<String>,
 }
 
 impl Chain {
-    /// Goes through the chain, and through it again for every advice.
+    /// Calculates the chain, and once more for every rule of section 9.5.
     ///
     /// # Errors
-    /// Where a law does not hold for the inputs, the circuit cannot be set so, or the run cannot be made.
+    /// If a law does not hold for the inputs, the circuit cannot be set, or the run fails.
     pub fn new(inputs: &Inputs, settings: &Settings) -> Result<Chain, ChainError> {
-        Chain::watched(inputs, settings, |_, _| ())
+        Chain::with_progress(inputs, settings, |_, _| ())
     }
 
-    /// The same; `progress` is told again and again how many of all critical velocities have been found.
+    /// Calculates the chain and reports progress.
+    ///
+    /// `progress` receives the number of finished runs and the number of all runs, several times until both are equal.
     ///
     /// # Errors
-    /// Those of [`Chain::new`].
-    pub fn watched(
+    /// The errors of [`Chain::new`].
+    pub fn with_progress(
         inputs: &Inputs,
         settings: &Settings,
-        mut progress: impl FnMut(u64, u64),
+        mut progress: impl FnMut(u64, u64) + Send,
     ) -> Result<Chain, ChainError> {
         settings.check()?;
         let design = inputs.design()?;
         let parameters = settings.parameters(&design)?;
         let mut progress = |done| progress(done, 1 + advice::COUNT);
-        let simulate = |title: &String| Simulation::new(title, &parameters, settings);
-        // On a thread of its own, so that progress is told meanwhile.
-        let made = pool::each(&[inputs.title()], 1, simulate, &mut progress);
-        let simulation = made.into_iter().collect::<Result<Vec<_>, _>>()?.remove(0);
+        progress(0);
+        let simulation = Simulation::new(&inputs.title(), &parameters, settings)?;
+        progress(1);
         let predictions = Predictions::new(&design, &parameters);
-        let advice = advice::all(&design, &simulation, settings, |tried| progress(1 + tried));
+        let advice = advice::all(&design, &simulation, settings, |done| progress(1 + done));
         let notes = inputs.notes().into_iter().chain(simulation.note()).collect();
         Ok(Chain {
             inputs: *inputs,

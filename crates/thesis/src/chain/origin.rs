@@ -1,4 +1,4 @@
-//! Where the numbers of the friction come from, and what other laws say.
+//! The laws that give the parameters of the circuit, and the values of other laws for comparison.
 
 use super::inputs::Inputs;
 use super::parameters::Parameters;
@@ -12,31 +12,31 @@ use crate::slideway::material::Material;
 use crate::slideway::oil::Oil;
 use crate::slideway::wedge::RangeProfile;
 
-/// A number that the circuit is set by, and what is known of it.
+/// A parameter of the circuit with the law that gives it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Origin {
-    /// Its name in the patch.
+    /// Name in the patch, one of [`Parameters::NAMES`].
     pub name: &'static str,
-    /// Its value, in SI units.
+    /// Value in SI units.
     pub value: f64,
-    /// Their text.
+    /// SI unit as text.
     pub unit: &'static str,
-    /// The law that gave it.
+    /// The law that gave the value, or "set" if the user set it.
     pub from: String,
-    /// What another law says.
-    pub other: Option<Other>,
+    /// The value by another law. `None` if the study has no other law for it.
+    pub other: Option<AlternativeValue>,
 }
 
-/// What another law says of a number.
+/// The value of a parameter by another law.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Other {
-    /// The number, or why that law gives none.
+pub struct AlternativeValue {
+    /// The value in SI units, or the reason why the law gives none.
     pub value: Result<f64, SlidewayError>,
-    /// The law.
+    /// The law, in words.
     pub from: &'static str,
 }
 
-/// All of them, in the order of [`Parameters::NAMES`].
+/// The origins of all parameters, in the order of [`Parameters::NAMES`].
 pub(super) fn all(
     inputs: &Inputs,
     design: &Design,
@@ -46,7 +46,7 @@ pub(super) fn all(
     let units = ["kg", "N/m", "N s/m", "N", "m/s", "s"];
     let origin = |((name, value), unit)| {
         let from = if settings.value(name).is_some() { "set" } else { law(name) };
-        Origin { name, value, unit, from: from.to_owned(), other: other(name, inputs, design) }
+        Origin { name, value, unit, from: from.to_owned(), other: alternative(name, inputs, design) }
     };
     parameters.named().into_iter().zip(units).map(origin).collect()
 }
@@ -63,15 +63,16 @@ fn law(name: &str) -> &'static str {
     }
 }
 
-fn other(name: &str, inputs: &Inputs, design: &Design) -> Option<Other> {
+/// The value of a parameter by another law than that of [`Parameters`].
+fn alternative(name: &str, inputs: &Inputs, design: &Design) -> Option<AlternativeValue> {
     let (value, from) = match name {
-        "f" => (drag(inputs, design), "drag of the oil where the ridges part, eq 171-7"),
+        "f" => (drag(inputs, design), "drag of the oil when the ridges part, eq 171-7"),
         "Fs" => (static_friction(inputs), "chapter 7: ridges, metal and film, eq 85-7"),
-        "VcL" => (limit(inputs), "chapter 7: between its two oils, eq 166-7 and 167-7"),
-        "Tc" => (dry_memory(inputs), "chapter 7: dry iron that stiffens, eq 118-7"),
+        "VcL" => (limit(inputs), "chapter 7: interpolated between its two oils, eq 166-7 and 167-7"),
+        "Tc" => (dry_memory(inputs), "chapter 7: stiffening of dry iron, eq 118-7"),
         _ => return None,
     };
-    Some(Other { value, from })
+    Some(AlternativeValue { value, from })
 }
 
 fn joint(inputs: &Inputs) -> Result<Joint, SlidewayError> {
@@ -92,8 +93,10 @@ fn dry_memory(inputs: &Inputs) -> Result<f64, SlidewayError> {
     DryFriction::of_study(joint(inputs)?, inputs.pressure()).time_constant()
 }
 
-/// The drag of the film over the area by velocity, which it is proportional to.
+/// The viscous coefficient of the oil film in N s/m: its drag over the whole area divided by velocity. The drag is
+/// proportional to velocity, so any small velocity serves.
 fn drag(inputs: &Inputs, design: &Design) -> Result<f64, SlidewayError> {
+    /// Velocity at which the drag is calculated, in m/s.
     const SLOW: f64 = 1e-3;
     Ok(inputs.area * Oil::of_viscosity(inputs.viscosity)?.drag(SLOW, design.lift)? / SLOW)
 }

@@ -1,4 +1,4 @@
-//! The numbers that the circuit of Fig 8.16 is set by.
+//! The parameters of the circuit of Fig 8.16.
 
 use super::document::rounded;
 use crate::slideway::SlidewayError;
@@ -8,7 +8,7 @@ use crate::slideway::simulated::memory_at_weight;
 use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
 use crate::slideway::units::GRAVITY;
 
-/// A table, its drive and its friction.
+/// The parameters of a table, its drive and its friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// Mass M of the table, in kg.
@@ -19,19 +19,21 @@ pub struct Parameters {
     pub damping: f64,
     /// Static friction Fs, in N.
     pub static_friction: f64,
-    /// Velocity VcL at which solid friction is gone, in m/s.
+    /// Velocity VcL from which solid friction is 0, in m/s.
     pub limit: f64,
     /// Time constant Tc with which solid friction follows velocity, in s.
     pub memory: f64,
 }
 
 impl Parameters {
-    /// By chapter 9: Fs by eq 12-9, VcL by eq 11-9, Tc by eq 17-9 and 20-9. They belong together: the study found Tc from measured
-    /// critical velocities with this Fs and this VcL. The viscous coefficient is that of its simulation, with which the slope at which
-    /// oscillation ceases was found.
+    /// The parameters of a design by chapter 9: Fs by eq 12-9, VcL by eq 11-9, Tc by eq 17-9 and 20-9.
+    ///
+    /// The three belong together, because the study calculated Tc from measured critical velocities with this Fs and
+    /// VcL. The viscous coefficient is that of the study's simulation. The slope at which oscillation ceases was
+    /// found with it.
     ///
     /// # Errors
-    /// Where one of the laws does not hold.
+    /// If one of the laws does not hold.
     pub fn of_design(design: &Design) -> Result<Self, SlidewayError> {
         let pressure = design.weight / design.interface.area;
         Ok(Parameters {
@@ -44,7 +46,7 @@ impl Parameters {
         })
     }
 
-    /// The same with six digits, which are more than a potentiometer can be set to.
+    /// The parameters rounded to six digits. A potentiometer cannot be set more finely.
     pub(super) fn rounded(mut self) -> Self {
         for (name, value) in self.named() {
             self.set(name, rounded(value));
@@ -52,19 +54,19 @@ impl Parameters {
         self
     }
 
-    /// Their names in the patch, in the order of the fields.
+    /// The names of the parameters in the patch, in the order of the fields.
     pub const NAMES: [&'static str; 6] = ["M", "K", "f", "Fs", "VcL", "Tc"];
 
-    /// Names and values.
+    /// Names and values, in the order of [`Parameters::NAMES`].
     pub fn named(&self) -> [(&'static str, f64); 6] {
         let Parameters { mass, stiffness, damping, static_friction, limit, memory } = *self;
         let values = [mass, stiffness, damping, static_friction, limit, memory];
         std::array::from_fn(|index| (Self::NAMES[index], values[index]))
     }
 
-    /// Sets the one with this name in the patch; tells whether there is one.
+    /// Sets the parameter with this name in the patch. Returns false if no field has this name.
     pub(super) fn set(&mut self, name: &str, value: f64) -> bool {
-        let place = match name {
+        let field = match name {
             "M" => &mut self.mass,
             "K" => &mut self.stiffness,
             "f" => &mut self.damping,
@@ -73,7 +75,7 @@ impl Parameters {
             "Tc" => &mut self.memory,
             _ => return false,
         };
-        *place = value;
+        *field = value;
         true
     }
 
@@ -83,7 +85,7 @@ impl Parameters {
         DrivenTable { mass, stiffness, damping, memory }
     }
 
-    /// Its solid friction.
+    /// The solid friction of the slideway.
     pub fn friction(&self) -> FallingFriction {
         FallingFriction { static_friction: self.static_friction, limit: self.limit }
     }

@@ -1,25 +1,27 @@
-//! The velocity profile as pictures, with the critical velocities marked.
+//! Pictures of the velocity profile with the critical velocities marked.
 
 use super::Chain;
 use super::predictions::Prediction;
 use super::simulation::{COMMAND, Simulation, VELOCITY};
-use patchcord_analysis::instruments::{Display, NoCriticalVelocity};
-use patchcord_draw::Plane;
+use patchcord_analysis::instruments::{NoCriticalVelocity, QuantityFormat};
+use patchcord_draw::ProfilePlane;
 use patchcord_draw::plot::{Axis, Picture};
 
-/// Two pictures, one to stand below the other: output velocity against the command while it rises and while it falls, with the critical
-/// velocities read off the run, and those of the equations. Each has a line of small print.
+/// Two pictures of output velocity against command: the first while the command rises, the second while it falls.
+///
+/// Both mark the critical velocity that was read from the run. The first also marks those of the equations. `notes`
+/// are the lines of small print, one for each picture.
 pub fn pictures(chain: &Chain, notes: [&str; 2]) -> [Picture; 2] {
     let Simulation { trace, ramp, critical, .. } = &chain.simulation;
-    let shown = Display::new("m/s", ramp.top());
+    let shown = QuantityFormat::new("m/s", ramp.top());
     let [commands, velocities] = [COMMAND, VELOCITY].map(|name| trace.values(name).unwrap_or_default());
     let axis = |name: &str, values: &[f64], divisions| {
         let scaled = values.iter().map(|value| shown.value(*value));
-        (Axis::snug(name, &shown.unit, scaled, divisions), shown.clone())
+        (Axis::fit_tight(name, &shown.unit, scaled, divisions), shown.clone())
     };
-    let plane = Plane {
-        across: axis(COMMAND, &commands, Axis::ACROSS),
-        upward: axis(VELOCITY, &velocities, Axis::UP),
+    let plane = ProfilePlane {
+        command_axis: axis(COMMAND, &commands, Axis::HORIZONTAL_DIVISIONS),
+        velocity_axis: axis(VELOCITY, &velocities, Axis::VERTICAL_DIVISIONS),
     };
     let points: Vec<_> = commands.into_iter().zip(velocities).collect();
     let (rising, falling) = points.split_at(trace.time.partition_point(|time| *time <= ramp.turn));
@@ -27,8 +29,8 @@ pub fn pictures(chain: &Chain, notes: [&str; 2]) -> [Picture; 2] {
         let line = plane.line(VELOCITY, points.iter().copied());
         plane.picture(title, vec![line], marks, Some(note.to_owned()))
     };
-    let what = if chain.simulation.only_rings() { "ringing ends at" } else { "oscillation ends at" };
-    let ends = title("rises", what, critical.rising, &shown);
+    let end = if chain.simulation.is_ringing_only() { "ringing ends at" } else { "oscillation ends at" };
+    let ends = title("rises", end, critical.rising, &shown);
     let begins = title("falls", "oscillation begins at", critical.falling, &shown);
     [
         picture(ends, rising, marks(critical.rising, &equations(chain)), notes[0]),
@@ -36,23 +38,23 @@ pub fn pictures(chain: &Chain, notes: [&str; 2]) -> [Picture; 2] {
     ]
 }
 
-/// "System velocity profile: the command rises, oscillation ends at 4.54 mm/s".
-fn title(way: &str, turns: &str, read: Result<f64, NoCriticalVelocity>, shown: &Display) -> String {
-    let told = match read {
-        Ok(velocity) => format!("{turns} {}", shown.text(velocity)),
-        Err(error) => error.told_in("m/s"),
+/// A title such as "System velocity profile: the command rises, oscillation ends at 4.54 mm/s".
+fn title(way: &str, event: &str, read: Result<f64, NoCriticalVelocity>, shown: &QuantityFormat) -> String {
+    let result = match read {
+        Ok(velocity) => format!("{event} {}", shown.text(velocity)),
+        Err(error) => error.message_in("m/s"),
     };
-    format!("System velocity profile: the command {way}, {told}")
+    format!("System velocity profile: the command {way}, {result}")
 }
 
-/// What was read off the run, and what equations say.
+/// The marks of a picture in m/s: the velocity read from the run, then those of the equations that give one.
 fn marks(read: Result<f64, NoCriticalVelocity>, equations: &[(&str, &Prediction)]) -> Vec<(f64, String)> {
     let run = read.into_iter().map(|velocity| (velocity, "run"));
-    let others = equations.iter().filter_map(|(label, said)| Some((*said.as_ref().ok()?, *label)));
+    let others = equations.iter().filter_map(|(label, predicted)| Some((*predicted.as_ref().ok()?, *label)));
     run.chain(others).map(|(at, label)| (at, label.to_owned())).collect()
 }
 
-/// The critical velocities by equations.
+/// The labels and critical velocities of the equations that are marked.
 fn equations(chain: &Chain) -> [(&'static str, &Prediction); 2] {
     [("eq 93-9", &chain.predictions.printed), ("Routh-Hurwitz", &chain.predictions.stability)]
 }

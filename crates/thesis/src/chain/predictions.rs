@@ -1,37 +1,37 @@
-//! What equations say of the critical velocity.
+//! The critical velocity by the equations of the study.
 
 use super::parameters::Parameters;
 use crate::slideway::describing::{Oscillation, end_of_sticking};
 use crate::slideway::design::{Design, DesignEquation};
 use crate::slideway::{SlidewayError, simulated};
 
-/// A critical velocity by an equation, in m/s, or why there is none.
+/// A critical velocity by an equation in m/s, or the reason why there is none.
 pub type Prediction = Result<f64, SlidewayError>;
 
-/// What equations say of the critical velocity.
+/// The critical velocity by every equation of the study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predictions {
     /// Eq 93-9 with the constants as printed.
     pub printed: Prediction,
-    /// Eq 93-9 with the constants that follow from the equations which it was made of.
+    /// Eq 93-9 with the constants that follow from eq 11-9, 12-9 and 18-9.
     pub derived: Prediction,
-    /// Where friction falls by what oscillation ceased at in the study's simulation (eq 7-9): with the Tc of 450 kgf it is eq 18-9, with
-    /// that of 850 kgf eq 21-9.
+    /// By eq 7-9: the slope of friction equals the slope at which oscillation ceased in the study's simulation. With
+    /// the Tc of 450 kgf this is eq 18-9, with that of 850 kgf eq 21-9.
     pub fitted: Prediction,
-    /// Where friction falls by what Routh-Hurwitz allows (eq 32-9).
+    /// By Routh-Hurwitz: the slope of friction equals the critical slope (eq 32-9).
     pub stability: Prediction,
-    /// The slope of friction that it allows, in N s/m.
+    /// The critical slope of friction by Routh-Hurwitz, in N s/m (eq 32-9).
     pub critical_slope: Prediction,
-    /// The frequency at which small motions swing there, in rad/s (eq 40-9).
+    /// The frequency of small motions at the critical slope, in rad/s (eq 40-9).
     pub boundary_frequency: Prediction,
-    /// By the describing function without Tc: where friction falls by f (eq 90-9).
+    /// By the describing function without Tc: the slope of friction equals f (eq 90-9).
     pub without_memory: Prediction,
-    /// By the describing function with Tc: where the swing just reaches standstill; below, it is stick-slip.
+    /// By the describing function with Tc: the limit cycle that just reaches standstill. Stick-slip occurs below it.
     pub sticking: Result<Oscillation, SlidewayError>,
 }
 
 impl Predictions {
-    /// Those for a design whose circuit is set by these parameters. Eq 93-9 takes the design, the others the parameters.
+    /// Predictions for a design. Eq 93-9 takes the design; the other equations take the parameters of the circuit.
     pub fn new(design: &Design, parameters: &Parameters) -> Self {
         Predictions {
             printed: DesignEquation::PRINTED.critical_velocity(design),
@@ -46,13 +46,13 @@ impl Predictions {
     }
 }
 
-/// Eq 7-9.
+/// The critical velocity by eq 7-9.
 pub(super) fn fitted(parameters: &Parameters) -> Prediction {
     let slope = simulated::slope(parameters.memory, parameters.stiffness)?;
     parameters.friction().velocity_at_slope(slope)
 }
 
-/// Eq 32-9 with eq 41-8.
+/// The critical velocity by Routh-Hurwitz: eq 32-9 with eq 41-8.
 pub(super) fn stability(parameters: &Parameters) -> Prediction {
     parameters.table().critical_velocity(&parameters.friction())
 }

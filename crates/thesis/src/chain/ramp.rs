@@ -1,4 +1,4 @@
-//! The velocity command: up to a top, and back.
+//! The velocity command that rises to a maximum and returns to rest.
 
 use super::document::default_of;
 use super::error::ChainError;
@@ -7,56 +7,70 @@ use super::predictions::{fitted, stability};
 use super::settings::Settings;
 use patchcord_core::patch::Patch;
 
-/// The velocity command: from a start up to a top and back to rest, at one rate.
+/// The velocity command: from a start value to a maximum and back to rest, at one rate.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::chain::Ramp;
+///
+/// let ramp = Ramp { start: 0.0, rate: 1.2e-3, turn: 10.0 };
+/// assert!((ramp.top() - 12e-3).abs() < 1e-12);
+/// assert!((ramp.duration() - 20.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramp {
-    /// Where it begins, in m/s.
+    /// Velocity at time 0, in m/s, at least 0.
     pub start: f64,
-    /// Its rate, in m/s2.
+    /// Rate of the rise and of the fall, in m/s2, above 0.
     pub rate: f64,
-    /// When it turns back, in s.
+    /// Time at which the command turns back, in s, above 0.
     pub turn: f64,
 }
 
-/// How far beyond what is expected of the critical velocity the first command goes: that times this, and so many m/s.
-const BEYOND: f64 = 1.25;
-const ABOVE: f64 = 4e-3;
-/// By how much longer the command rises where oscillation has not ended.
-const LONGER: f64 = 1.5;
-/// Turns come at whole tenths of a second.
+/// The first command rises to this multiple of the expected critical velocity plus [`TOP_MARGIN`].
+const TOP_FACTOR: f64 = 1.25;
+/// Addition to the maximum of the first command, in m/s.
+const TOP_MARGIN: f64 = 4e-3;
+/// Factor by which the rise is extended if oscillation has not ended.
+const EXTENSION_FACTOR: f64 = 1.5;
+/// The turning time is rounded up to 1 / this, in s.
 const TENTHS: f64 = 10.0;
 
 impl Ramp {
-    /// The first to try; where `v_turn` is set, the only one.
-    pub(super) fn first(
+    /// The first command to run. It is the only one if `v_turn` is set.
+    ///
+    /// # Errors
+    /// If the settings make a command that does not rise from rest or forward motion.
+    pub(super) fn initial(
         template: &Patch,
         parameters: &Parameters,
         settings: &Settings,
     ) -> Result<Self, ChainError> {
         let or_default = |name| settings.value(name).unwrap_or_else(|| default_of(template, name));
         let (start, rate) = (or_default("v_start"), or_default("v_rate"));
-        let enough = (BEYOND * expected(parameters) + ABOVE) / rate;
+        let enough = (TOP_FACTOR * expected(parameters) + TOP_MARGIN) / rate;
         let turn = settings.value("v_turn").unwrap_or_else(|| whole_tenths(enough));
         let rises = start >= 0.0 && rate > 0.0 && turn > 0.0;
         if rises { Ok(Ramp { start, rate, turn }) } else { Err(ChainError::NoRise { start, rate, turn }) }
     }
 
-    /// The same, rising longer.
-    pub(super) fn longer(self) -> Self {
-        Ramp { turn: whole_tenths(LONGER * self.turn), ..self }
+    /// The command with a longer rise.
+    pub(super) fn extended(self) -> Self {
+        Ramp { turn: whole_tenths(EXTENSION_FACTOR * self.turn), ..self }
     }
 
-    /// When it turns back at the latest, made longer so many times, in s.
-    pub(super) fn latest_turn(&self, times: i32) -> f64 {
-        LONGER.powi(times) * self.turn
+    /// The turning time after a number of extensions, in s.
+    pub(super) fn turn_after(&self, extensions: i32) -> f64 {
+        EXTENSION_FACTOR.powi(extensions) * self.turn
     }
 
-    /// Where it turns back, in m/s.
+    /// The maximum of the command, in m/s.
     pub fn top(&self) -> f64 {
         self.start + self.rate * self.turn
     }
 
-    /// When it is back at rest, in s.
+    /// The time at which the command is back at 0, in s.
     pub fn duration(&self) -> f64 {
         2.0 * self.turn + self.start / self.rate
     }
@@ -66,7 +80,7 @@ fn whole_tenths(seconds: f64) -> f64 {
     (TENTHS * seconds).ceil() / TENTHS
 }
 
-/// The higher of the critical velocities by Routh-Hurwitz and by the study's simulation, in m/s; 0 where neither sees any.
+/// The higher of the critical velocities by Routh-Hurwitz and by eq 7-9, in m/s; 0 if neither gives one.
 fn expected(parameters: &Parameters) -> f64 {
     [stability(parameters), fitted(parameters)].into_iter().flatten().fold(0.0, f64::max)
 }

@@ -1,4 +1,4 @@
-//! How a chain is run and read.
+//! Settings of the runs of a chain and of the reading of the critical velocity.
 
 use std::thread;
 
@@ -10,26 +10,38 @@ use patchcord_analysis::instruments::Criterion;
 use patchcord_core::document::suggestion;
 use patchcord_core::solve::Backend;
 
-/// How a chain is run and read.
+/// Settings of the runs of a chain and of the reading of the critical velocity.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::chain::Settings;
+///
+/// let settings = Settings { threads: 1, ..Settings::default() };
+/// assert_eq!((settings.share, settings.window), (0.1, None));
+/// assert!((settings.threshold - 0.25e-3).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Parameters of the patch that take other values than the chain's, in their declared units, in all its runs.
+    /// Parameters of the patch that replace those of the chain in all runs: name and value in the declared unit. The
+    /// last entry of a name counts.
     pub set: Vec<(String, f64)>,
-    /// Swing of the velocity, peak to peak in m/s, above which it counts as oscillating.
+    /// Peak-to-peak swing of velocity in m/s, above which it counts as oscillation. The default is 0.25 mm/s.
     pub threshold: f64,
-    /// Time in s within which it swings by that; without one 0.04 s, or the period of the table on its drive if that is longer.
+    /// Time in s within which the swing is measured. `None` means 0.04 s, or the natural period of the table on its
+    /// drive if that is longer.
     pub window: Option<f64>,
-    /// Step of the solver in s; without one that of the patch.
+    /// Step of the solver in s. `None` means the step of the patch.
     pub step: Option<f64>,
-    /// Tolerance of the solver, instead of a step.
+    /// Tolerance of the solver, in place of a fixed step. `None` means a fixed step.
     pub tolerance: Option<f64>,
-    /// Time between samples in s; without one that of the patch.
+    /// Time between samples in s. `None` means that of the patch.
     pub every: Option<f64>,
-    /// What works the steps out.
+    /// The backend that calculates the steps.
     pub backend: Backend,
-    /// The share by which every advice changes its quantity, above 0 and below 1.
+    /// Relative change of the quantity of every rule of section 9.5, above 0 and below 1. The default is 0.1.
     pub share: f64,
-    /// How many runs are made at the same time.
+    /// Number of runs at the same time.
     pub threads: usize,
 }
 
@@ -50,16 +62,19 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// That numbers which no later step looks at are such as can be used, and that every parameter set is one of the circuit's.
+    /// Checks the settings that no later step checks.
+    ///
+    /// # Errors
+    /// If the share, the threshold or the window is out of its range, or the circuit lacks a parameter that is set.
     pub(super) fn check(&self) -> Result<(), ChainError> {
         if !(self.share > 0.0 && self.share < 1.0) {
-            let (what, wanted) = ("the share by which advice changes a quantity", "between 0 and 1");
+            let (what, wanted) = ("the relative change of a quantity", "between 0 and 1");
             return Err(ChainError::Setting { what, wanted, value: self.share });
         }
-        let times = [("the threshold", Some(self.threshold)), ("the window", self.window)];
-        for (what, value) in times {
+        let positive = [("the threshold", Some(self.threshold)), ("the window", self.window)];
+        for (what, value) in positive {
             if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
-                return Err(ChainError::Setting { what, wanted: "above 0", value });
+                return Err(ChainError::Setting { what, wanted: "positive and finite", value });
             }
         }
         let template = template();
@@ -73,7 +88,7 @@ impl Settings {
         }
     }
 
-    /// The parameters of a design, those set anew as they are set.
+    /// The parameters of a design, replaced by those that are set.
     pub(super) fn parameters(&self, design: &Design) -> Result<Parameters, ChainError> {
         let mut parameters = Parameters::of_design(design)?.rounded();
         for (name, value) in &self.set {
@@ -82,12 +97,12 @@ impl Settings {
         Ok(parameters)
     }
 
-    /// What a parameter is set to, the last time.
+    /// The value that a parameter is set to. `None` if it is not set.
     pub(super) fn value(&self, name: &str) -> Option<f64> {
         self.set.iter().rev().find(|(set, _)| set == name).map(|(_, value)| *value)
     }
 
-    /// When a table on its drive counts as oscillating.
+    /// The criterion of oscillation for a table on its drive.
     pub(super) fn criterion(&self, parameters: &Parameters) -> Result<Criterion, ChainError> {
         let period = std::f64::consts::TAU / parameters.table().natural_frequency()?;
         let window = self.window.unwrap_or(Criterion::USUAL.window.max(period));

@@ -1,4 +1,4 @@
-//! Table T9-2: twelve measured critical velocities, beside the study's equation, Routh-Hurwitz and runs.
+//! Table T9-2: twelve measured critical velocities compared with the study's equation, Routh-Hurwitz and runs.
 
 use super::error::ChainError;
 use super::parameters::Parameters;
@@ -11,53 +11,57 @@ use crate::slideway::simulated::OilLaw;
 use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::{GRAVITY, KGF};
 use patchcord_analysis::instruments::CriticalVelocity;
-use patchcord_analysis::pool;
+use patchcord_analysis::parallel;
 
-/// Weight of the table that was measured, in N.
+/// Weight of the measured table in N: 450 kgf (9.3).
 const WEIGHT: f64 = 450.0 * KGF;
 
-/// A measured critical velocity beside what is worked out for it, all in m/s.
+/// A measured critical velocity compared with calculated ones, all in m/s.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Compared {
-    /// The cell.
+pub struct MeasurementComparison {
+    /// The cell of Table T9-2.
     pub cell: Measurement,
-    /// What the circuit was set by: Fs and VcL of the measurements, and the Tc of the oil by eq 17-9.
+    /// The parameters of the circuit: Fs and VcL of the measurement, and the Tc of the oil by eq 17-9.
     pub parameters: Parameters,
-    /// Measured.
+    /// The measured critical velocity.
     pub measured: f64,
-    /// By eq 18-9.
+    /// The critical velocity by eq 18-9.
     pub equation: Prediction,
-    /// By Routh-Hurwitz.
+    /// The critical velocity by Routh-Hurwitz.
     pub stability: Prediction,
-    /// Read off a run.
+    /// The critical velocity that was read from a run.
     pub run: CriticalVelocity,
-    /// The same with half of the threshold, and with twice as much.
-    pub nearby: [CriticalVelocity; 2],
-    /// Read off a run with the cell's own Tc, which makes eq 7-9 give what was measured.
+    /// The critical velocity of the same run with half the threshold and with twice the threshold.
+    pub nearby_thresholds: [CriticalVelocity; 2],
+    /// The critical velocity of a run with the cell's own Tc. With this Tc eq 7-9 gives the measured velocity.
     pub own_memory: CriticalVelocity,
 }
 
-/// The twelve cells, in the order of [`TABLE_9_2`]. Of what is set only the command counts.
+/// Compares the twelve cells, in the order of [`TABLE_9_2`].
+///
+/// Only the velocity command is taken from the parameters that `settings` sets.
 ///
 /// # Errors
-/// Where a run cannot be made.
-pub fn table_9_2(settings: &Settings) -> Result<Vec<Compared>, ChainError> {
-    pool::each(&TABLE_9_2, settings.threads, |cell| compared(cell, settings), |_| ()).into_iter().collect()
+/// If a run fails.
+pub fn table_9_2(settings: &Settings) -> Result<Vec<MeasurementComparison>, ChainError> {
+    let compare = |cell: &Measurement| compare(cell, settings);
+    let compared = parallel::with_threads(settings.threads, || parallel::map(&TABLE_9_2, compare, |_| ()));
+    compared.into_iter().collect()
 }
 
-fn compared(cell: &Measurement, settings: &Settings) -> Result<Compared, ChainError> {
+fn compare(cell: &Measurement, settings: &Settings) -> Result<MeasurementComparison, ChainError> {
     let parameters = parameters(cell)?;
     let run = |parameters: &Parameters| Simulation::new("", parameters, settings);
     let own = Parameters { memory: cell.memory, ..parameters };
     let simulation = run(&parameters)?;
-    Ok(Compared {
+    Ok(MeasurementComparison {
         cell: *cell,
         parameters,
         measured: cell.critical_velocity()?,
         equation: fitted(&parameters),
         stability: stability(&parameters),
         run: simulation.critical,
-        nearby: simulation.nearby,
+        nearby_thresholds: simulation.nearby_thresholds,
         own_memory: run(&own)?.critical,
     })
 }

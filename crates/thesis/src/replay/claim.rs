@@ -1,26 +1,38 @@
-//! A claim, and what becomes of it.
+//! A claim of the study, and the verdict on it.
+//!
+//! A claim is examined in two steps. Its check computes a finding. The finding is then compared with the printed
+//! number or statement, which gives the verdict. The ledger states the expected verdict, and a test compares both.
 
 use std::fmt;
 
+use super::check_arguments::CheckArguments;
 use super::checks::{self, CheckError};
-use super::finding::{Finding, Printed, Within};
-use super::given::Given;
+use super::finding::{Finding, PrintedNumber, Tolerance};
 
-/// What becomes of a claim.
+/// The verdict on a claim.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::replay::Verdict;
+///
+/// assert_eq!(Verdict::Shape.ledger_word(), "shape");
+/// assert_eq!(Verdict::Shape.to_string(), "reproduced in shape");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Verdict {
-    /// We get what is said, as near as the text itself says.
+    /// Our result agrees with the text within the tolerance that the text itself states.
     Reproduced,
-    /// We get the shape of what is said: the order, the sign, the rise.
+    /// Our result has the stated shape: the order, the sign or the trend. Sizes are not compared.
     Shape,
-    /// We get something else.
+    /// Our result disagrees with the text.
     Differs,
-    /// The scan lost what it would take to tell.
+    /// The scan lost the information that a check would need.
     Unknowable,
 }
 
 impl Verdict {
-    /// All of them, best first, with the words that ledgers use.
+    /// All verdicts, best first, each with the word that the ledger files use.
     pub const ALL: [(&str, Verdict); 4] = [
         ("reproduced", Verdict::Reproduced),
         ("shape", Verdict::Shape),
@@ -28,8 +40,8 @@ impl Verdict {
         ("unknowable", Verdict::Unknowable),
     ];
 
-    /// The word that ledgers use.
-    pub fn word(self) -> &'static str {
+    /// Returns the word that the ledger files use, such as "shape". The long form for readers is `Display`.
+    pub fn ledger_word(self) -> &'static str {
         Verdict::ALL.iter().find(|(_, verdict)| *verdict == self).map_or("", |(word, _)| word)
     }
 }
@@ -45,65 +57,66 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// A number or statement of the study that can be checked: a row of the ledger.
+/// A number or statement of the study that can be checked: one row of the ledger.
 #[derive(Debug, Clone)]
 pub struct Claim {
-    /// The title of its chapter.
+    /// The title of its chapter, such as "Chapter 7: surfaces and friction".
     pub chapter: &'static str,
-    /// Its name, such as "7-031".
+    /// Its identifier, such as "7-031.a". Identifiers are unique over all chapters.
     pub id: String,
-    /// Where it stands, such as "7.2, eq 31-7".
+    /// The place in the text, such as "7.2, eq 31-7".
     pub place: String,
-    /// What it says, in a few words of our own.
-    pub says: String,
-    /// The printed number; none for a statement.
-    pub value: Option<Printed>,
-    /// The unit of the number.
+    /// The statement in a few words of ours, not quoted from the text.
+    pub statement: String,
+    /// The printed number. `None` if the claim is a statement.
+    pub value: Option<PrintedNumber>,
+    /// The unit of the number; empty if it has none.
     pub unit: String,
-    /// How near the text says that the number is; stands with a number only.
-    pub within: Option<Within>,
-    /// The same as written.
-    pub within_told: String,
-    /// The name of the check that decides it; none where nothing can.
+    /// The tolerance that the text states for its number. `None` if the claim is a statement.
+    pub tolerance: Option<Tolerance>,
+    /// The tolerance as it is written in the ledger, such as "2 digits".
+    pub tolerance_text: String,
+    /// The name of the check that decides the claim. `None` if no check is possible.
     pub check: Option<String>,
-    /// What the check is given.
-    pub given: Given,
-    /// The verdict that is expected.
+    /// The arguments of the check.
+    pub arguments: CheckArguments,
+    /// The expected verdict. A test fails if the check gives another one.
     pub verdict: Verdict,
-    /// Why it is not reproduced; empty where it is.
-    pub why: String,
+    /// The reason for a verdict other than "reproduced"; empty if the claim is reproduced.
+    pub reason: String,
 }
 
-/// What becomes of a claim when it is examined.
+/// The result of examining a claim.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
-    /// What the check found; none where there is no check.
+pub struct ClaimOutcome {
+    /// The finding of the check. `None` if the claim has no check.
     pub finding: Option<Finding>,
-    /// What follows from it.
+    /// The verdict that follows from the finding.
     pub verdict: Verdict,
 }
 
 impl Claim {
-    /// Runs the check and tells what follows from what it finds.
+    /// Runs the check and derives the verdict from its finding.
     ///
     /// # Errors
-    /// Where the check is not known, takes other arguments, or finds nothing.
-    pub fn examine(&self) -> Result<Outcome, CheckError> {
+    /// If there is no check of that name, if its arguments are wrong, or if it cannot compute a finding.
+    pub fn examine(&self) -> Result<ClaimOutcome, CheckError> {
         let finding = match &self.check {
-            Some(name) => Some(checks::run(name, &self.given)?),
+            Some(name) => Some(checks::run(name, &self.arguments)?),
             None => None,
         };
         let verdict = finding.as_ref().map_or(Verdict::Unknowable, |finding| self.judge(finding));
-        Ok(Outcome { finding, verdict })
+        Ok(ClaimOutcome { finding, verdict })
     }
 
-    /// What follows from a finding. A number with no printed one to stand beside decides nothing.
+    /// Derives the verdict from a finding. A number without a printed number to compare with is
+    /// [`Verdict::Unknowable`].
     fn judge(&self, finding: &Finding) -> Verdict {
         let (holds, best) = match finding {
             Finding::Truth { holds, .. } => (*holds, Verdict::Reproduced),
             Finding::Shape { holds, .. } => (*holds, Verdict::Shape),
-            Finding::Number(got) => match (&self.value, &self.within) {
-                (Some(printed), Some(within)) => (within.holds(*got, printed), Verdict::Reproduced),
+            Finding::Number(got) => match (&self.value, &self.tolerance) {
+                (Some(printed), Some(tolerance)) => (tolerance.accepts(*got, printed), Verdict::Reproduced),
                 _ => return Verdict::Unknowable,
             },
         };

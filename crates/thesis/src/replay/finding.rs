@@ -1,55 +1,58 @@
-//! What a check finds, and whether a number is as near to the printed one as the text says it is.
+//! The finding of a check, and the comparison of a number with the printed one.
+//!
+//! The text states some numbers with a tolerance, and prints others with a number of digits. A [`Tolerance`] is
+//! either. A computed number agrees with the printed one if their difference is at most the tolerance.
 
-/// What a check finds.
+/// The finding of a check.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Finding {
     /// A number, in the unit of the claim.
     Number(f64),
-    /// Whether a statement is so, and in short what was found.
+    /// Whether a statement holds.
     Truth {
-        /// Whether it is so.
+        /// Whether the statement holds.
         holds: bool,
-        /// What was found.
+        /// The result in a few words, for the page.
         found: String,
     },
-    /// Whether the shape is as stated (an order, a sign, a rise), where size is not compared.
+    /// Whether a result has the stated shape (an order, a sign, a trend). Sizes are not compared.
     Shape {
-        /// Whether it is.
+        /// Whether the result has that shape.
         holds: bool,
-        /// What was found.
+        /// The result in a few words, for the page.
         found: String,
     },
 }
 
 impl Finding {
-    /// A statement that is so or not, and in short what was found.
+    /// Makes a [`Finding::Truth`]: whether a statement holds, and the result in a few words.
     pub fn truth(holds: bool, found: impl Into<String>) -> Self {
         Finding::Truth { holds, found: found.into() }
     }
 
-    /// A shape that is as stated or not, and in short what was found.
+    /// Makes a [`Finding::Shape`]: whether a result has the stated shape, and the result in a few words.
     pub fn shape(holds: bool, found: impl Into<String>) -> Self {
         Finding::Shape { holds, found: found.into() }
     }
 }
 
-/// A number as it is printed.
+/// A number as it is printed. Its text specifies the place value of its last digit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Printed {
-    /// As it stands.
+pub struct PrintedNumber {
+    /// The text, such as "0.30".
     pub text: String,
-    /// What it is.
+    /// The value of the text.
     pub number: f64,
 }
 
-impl Printed {
-    /// A number with what its last digit is worth; nothing where the text is no number.
+impl PrintedNumber {
+    /// Parses a printed number. Returns `None` if the text is not a finite number.
     pub fn parse(text: &str) -> Option<Self> {
         let number = text.parse().ok().filter(|number: &f64| number.is_finite())?;
-        Some(Printed { text: text.to_owned(), number })
+        Some(PrintedNumber { text: text.to_owned(), number })
     }
 
-    /// What one unit of the last printed digit is worth: 0.001 for "0.375", 100 for "1.32e4".
+    /// Returns the value of one unit of the last printed digit: 0.001 for "0.375", 100 for "1.32e4".
     pub fn last_digit(&self) -> f64 {
         let (mantissa, power) = self.text.split_once(['e', 'E']).unwrap_or((&self.text, "0"));
         let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len()) as i32;
@@ -57,44 +60,58 @@ impl Printed {
     }
 }
 
-/// How near the text itself says that its number is.
+/// The tolerance that the text itself states for a number.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::replay::{PrintedNumber, Tolerance};
+///
+/// let printed = PrintedNumber::parse("0.375").ok_or("a number")?;
+/// assert!((printed.last_digit() - 0.001).abs() < 1e-15);
+/// let tolerance = Tolerance::parse("2 digits").ok_or("a tolerance")?;
+/// assert!(tolerance.accepts(0.377, &printed) && !tolerance.accepts(0.3775, &printed));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Within {
-    /// To rounding.
+pub enum Tolerance {
+    /// Equal except for rounding in double precision.
     Exact,
-    /// A share of the printed number, in percent.
+    /// Percent of the printed number.
     Percent(f64),
     /// Units of the last printed digit.
     Digits(f64),
-    /// A difference, in the unit of the claim.
+    /// An absolute difference, in the unit of the claim.
     Absolute(f64),
 }
 
-/// What double precision may leave of a long sum, as a share of the number.
-const ROUNDING: f64 = 1e-9;
+/// The rounding error of a long sum in double precision, as a share of the number. It is added to every tolerance; it
+/// is chosen, not derived.
+const SUM_ROUNDING: f64 = 1e-9;
 
-impl Within {
-    /// From "2 %", "2 digits", "0.25" or "exact"; nothing from anything else.
+impl Tolerance {
+    /// Parses "2 %", "2 digits", "0.25" or "exact". Returns `None` for any other text, and for a tolerance that is
+    /// not positive.
     pub fn parse(text: &str) -> Option<Self> {
         let (number, kind): (&str, fn(f64) -> Self) = match text.rsplit_once(' ') {
-            _ if text == "exact" => return Some(Within::Exact),
-            Some((number, "%")) => (number, Within::Percent),
-            Some((number, "digit" | "digits")) => (number, Within::Digits),
-            _ => (text, Within::Absolute),
+            _ if text == "exact" => return Some(Tolerance::Exact),
+            Some((number, "%")) => (number, Tolerance::Percent),
+            Some((number, "digit" | "digits")) => (number, Tolerance::Digits),
+            _ => (text, Tolerance::Absolute),
         };
         number.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0).map(kind)
     }
 
-    /// Whether a number is as near to the printed one as this.
-    pub fn holds(&self, got: f64, printed: &Printed) -> bool {
+    /// Returns whether a computed number is within this tolerance of the printed one. NaN never is.
+    pub fn accepts(&self, got: f64, printed: &PrintedNumber) -> bool {
         let size = printed.number.abs();
-        let most = match self {
-            Within::Exact => 0.0,
-            Within::Percent(percent) => percent / 100.0 * size,
-            Within::Digits(units) => units * printed.last_digit(),
-            Within::Absolute(most) => *most,
+        let allowed = match self {
+            Tolerance::Exact => 0.0,
+            Tolerance::Percent(percent) => percent / 100.0 * size,
+            Tolerance::Digits(units) => units * printed.last_digit(),
+            Tolerance::Absolute(difference) => *difference,
         };
-        (got - printed.number).abs() <= most + ROUNDING * size
+        (got - printed.number).abs() <= allowed + SUM_ROUNDING * size
     }
 }
 
@@ -102,12 +119,12 @@ impl Within {
 mod tests {
     use super::*;
 
-    fn printed(text: &str) -> Printed {
-        Printed::parse(text).unwrap()
+    fn printed(text: &str) -> PrintedNumber {
+        PrintedNumber::parse(text).unwrap()
     }
 
     #[test]
-    fn the_last_digit_is_that_of_the_text() {
+    fn the_last_digit_follows_from_the_text() {
         for (text, worth) in
             [("0.375", 0.001), ("0.30", 0.01), ("220", 1.0), ("1.32e4", 100.0), ("5e-6", 1e-6)]
         {
@@ -116,9 +133,10 @@ mod tests {
     }
 
     #[test]
-    fn nearness_is_as_told() {
-        let is_within =
-            |within: &str, got: f64, text: &str| Within::parse(within).unwrap().holds(got, &printed(text));
+    fn tolerances_are_applied_as_written() {
+        let is_within = |within: &str, got: f64, text: &str| {
+            Tolerance::parse(within).unwrap().accepts(got, &printed(text))
+        };
         assert!(is_within("2 %", 1.02, "1") && !is_within("2 %", 1.021, "1"));
         assert!(is_within("2 digits", 0.377, "0.375") && !is_within("2 digits", 0.3771, "0.375"));
         assert!(is_within("1 digit", 1.33e4, "1.32e4") && !is_within("1 digit", 1.3301e4, "1.32e4"));
@@ -128,9 +146,9 @@ mod tests {
     }
 
     #[test]
-    fn what_tells_no_nearness_is_refused() {
+    fn texts_without_a_tolerance_are_refused() {
         for text in ["", "near", "2 percent", "-1 %", "0", "inf"] {
-            assert_eq!(Within::parse(text), None, "{text}");
+            assert_eq!(Tolerance::parse(text), None, "{text}");
         }
     }
 }

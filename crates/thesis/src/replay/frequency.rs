@@ -1,56 +1,68 @@
-//! Swings of the final circuit at a steady command, and the VcL that makes them as frequent as stated.
+//! Oscillation of the final circuit at a constant command, and the VcL at which it has a stated frequency.
+//!
+//! The caption of Fig 8.34 prints a frequency, a command and a VcL that do not agree. This module computes the
+//! frequency for a range of VcL. It then finds each VcL at which the stated frequency occurs.
 
-use super::recipe::{Problem, Recipe, Record};
+use super::recipe::{BoxError, Recipe, RunRecord};
 use crate::slideway::units::MM_PER_S;
 
-/// The final circuit at a steady command in m/s, four seconds long.
-pub(super) fn at_command(command: f64) -> Recipe {
-    Recipe::of("fig-8-16").steady(command).lasting(4.0).every(2e-4)
+/// The final circuit at a constant command in m/s. A run takes 4 s, which is long enough for the oscillation to
+/// become periodic. Samples are 0.2 ms apart.
+pub(super) fn steady_recipe(command: f64) -> Recipe {
+    Recipe::new("fig-8-16").steady_command(command).run_time(4.0).sample_interval(2e-4)
 }
 
-/// How the velocity swings in its last second.
+/// The oscillation of the velocity during the last quarter of a run, which is its last second.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Swing {
-    /// Cycles a second; none where it slides, or swings by less than a twentieth of its velocity.
+pub(super) struct VelocitySwing {
+    /// Frequency in Hz. `None` if the table slides, that is if the peak-to-peak swing is below 5 % of the mean
+    /// velocity.
     pub frequency: Option<f64>,
-    /// The least and the largest velocity, in m/s.
+    /// The smallest velocity, in m/s.
     pub least: f64,
+    /// The largest velocity, in m/s.
     pub most: f64,
 }
 
-/// What swings by a smaller share of its velocity slides.
-const LEAST_SHARE: f64 = 0.05;
+/// A table slides if its peak-to-peak swing is below this share of the mean of smallest and largest velocity.
+const MIN_SWING_SHARE: f64 = 0.05;
 
-/// How the velocity of a run swings.
-pub(super) fn swing(run: &Record) -> Result<Swing, Problem> {
+/// Reads the oscillation of `v_o` from the end of a run.
+///
+/// # Errors
+/// If `v_o` is not recorded, if an amplifier was overloaded, or if no frequency can be read.
+pub(super) fn read_swing(run: &RunRecord) -> Result<VelocitySwing, BoxError> {
     let velocity = run.values("v_o")?;
     let settled = velocity[3 * velocity.len() / 4..].iter();
     let (least, most) = settled.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
         (f64::min(least, *value), f64::max(most, *value))
     });
-    let oscillates = most - least > LEAST_SHARE * 0.5 * (most + least).abs();
+    let oscillates = most - least > MIN_SWING_SHARE * 0.5 * (most + least).abs();
     let frequency = oscillates.then(|| run.measure("frequency:v_o,last=1")).transpose()?;
-    Ok(Swing { frequency, least, most })
+    Ok(VelocitySwing { frequency, least, most })
 }
 
-/// Swings at a command in m/s, by VcL in m/s.
-pub(super) fn by_limit(command: f64) -> Result<Vec<(f64, Swing)>, Problem> {
+/// Runs the final circuit at a command in m/s with VcL from 1.5 to 27 mm/s in steps of 0.5 mm/s. Returns each VcL in
+/// m/s with the oscillation.
+pub(super) fn swings_by_limit(command: f64) -> Result<Vec<(f64, VelocitySwing)>, BoxError> {
     let limits: Vec<_> = (3..=54).map(|half| f64::from(half) * 0.5 * MM_PER_S).collect();
-    at_command(command).recording(&["v_o"]).along("VcL", &limits, swing)
+    steady_recipe(command).record(&["v_o"]).run_values("VcL", &limits, read_swing)
 }
 
-/// The values of VcL in m/s at which a frequency comes out, by straight lines between those of `swings`; each with the swing there.
-pub(super) fn limits_at(
+/// Returns the values of VcL in m/s at which the oscillation has the frequency `hertz`, each with the oscillation
+/// there. VcL is interpolated linearly between neighbours in `swings`.
+pub(super) fn limits_at_frequency(
     command: f64,
-    swings: &[(f64, Swing)],
+    swings: &[(f64, VelocitySwing)],
     hertz: f64,
-) -> Result<Vec<(f64, Swing)>, Problem> {
+) -> Result<Vec<(f64, VelocitySwing)>, BoxError> {
     let limits: Vec<_> = swings.windows(2).filter_map(|pair| crossing([pair[0], pair[1]], hertz)).collect();
-    at_command(command).recording(&["v_o"]).along("VcL", &limits, swing)
+    steady_recipe(command).record(&["v_o"]).run_values("VcL", &limits, read_swing)
 }
 
-/// The VcL at which a frequency is passed between two of them.
-fn crossing([one, next]: [(f64, Swing); 2], hertz: f64) -> Option<f64> {
+/// Interpolates the VcL at which the frequency `hertz` is passed between two neighbours. `None` if it is not passed,
+/// or if one of them slides.
+fn crossing([one, next]: [(f64, VelocitySwing); 2], hertz: f64) -> Option<f64> {
     let (before, after) = (one.1.frequency? - hertz, next.1.frequency? - hertz);
     (before * after <= 0.0 && before != after).then(|| one.0 + (next.0 - one.0) * before / (before - after))
 }
@@ -61,7 +73,7 @@ mod tests {
 
     #[test]
     fn a_frequency_is_found_between_two_others() {
-        let swing = |frequency| Swing { frequency, least: 0.0, most: 1.0 };
+        let swing = |frequency| VelocitySwing { frequency, least: 0.0, most: 1.0 };
         let between = |one, next| crossing([(1.0, swing(one)), (2.0, swing(next))], 33.0);
         assert_eq!(between(Some(32.0), Some(36.0)), Some(1.25));
         assert_eq!(between(Some(34.0), Some(32.0)), Some(1.5));

@@ -1,193 +1,270 @@
-//! The page that shows figures beside their claims: one HTML file, with the pictures beside it.
+//! Formats the gallery: one HTML page that shows figures with their claims. Pictures and patches are separate files
+//! in the same folder.
+//!
+//! The page begins with a summary and a table of contents. It continues with one section per figure: picture,
+//! settings, commands, numbers and claims. It ends with the claims that belong to no figure.
 
 use super::claim::Verdict;
-use super::differences::READ_WITH;
-use super::examined::Examined;
-use super::figures::{Drawn, Figure};
-use super::page::cells_of_tables;
-use super::table::Table;
+use super::claims_page::table_cells_summary;
+use super::differences_page::READING_NOTE;
+use super::examined_claim::ExaminedClaim;
+use super::figures::{DrawnFigure, Figure};
+use super::number_table::NumberTable;
+use maud::{Markup, html};
 use patchcord_core::patch::Patch;
-use patchcord_draw::html::{self, escaped};
 
-/// A figure as it is shown.
+/// A figure with everything that its section of the page shows.
 #[derive(Debug)]
-pub struct Exhibit<'a> {
+pub struct GalleryFigure<'a> {
     /// The figure.
     pub figure: &'static Figure,
-    /// What was drawn of it.
-    pub drawn: &'a Drawn,
-    /// The claims that it bears on.
-    pub claims: Vec<&'a Examined>,
+    /// The drawn figure.
+    pub drawn: &'a DrawnFigure,
+    /// The claims that the figure illustrates, in the order of the ledger.
+    pub claims: Vec<&'a ExaminedClaim>,
 }
 
-impl<'a> Exhibit<'a> {
-    /// A figure with the claims, of all of them, that it names or whose place names it.
-    pub fn new(figure: &'static Figure, drawn: &'a Drawn, claims: &'a [Examined]) -> Self {
-        let bears_on = |row: &&Examined| figure.bears_on(&row.claim);
-        Exhibit { figure, drawn, claims: claims.iter().filter(bears_on).collect() }
+impl<'a> GalleryFigure<'a> {
+    /// Collects the claims that belong to a figure: those that it names, and those whose place names it. `claims` are
+    /// all claims.
+    pub fn new(figure: &'static Figure, drawn: &'a DrawnFigure, claims: &'a [ExaminedClaim]) -> Self {
+        let is_related_to = |row: &&ExaminedClaim| figure.is_related_to(&row.claim);
+        GalleryFigure { figure, drawn, claims: claims.iter().filter(is_related_to).collect() }
     }
 
-    /// The name of its picture's file.
+    /// Returns the file name of its picture.
     pub fn picture(&self) -> String {
         format!("{}.svg", self.figure.id)
     }
 }
 
-/// The page of these figures; the claims that none of them bears on stand at its end.
-pub fn gallery(exhibits: &[Exhibit<'_>], claims: &[Examined]) -> String {
-    let sections: String = exhibits
-        .chunk_by(|one, next| one.figure.chapter() == next.figure.chapter())
-        .map(|exhibits| chapter(exhibits))
-        .collect();
-    let shown = |row: &&Examined| exhibits.iter().any(|exhibit| exhibit.figure.bears_on(&row.claim));
+/// Returns the page of these figures. Claims that belong to none of them are at its end.
+pub fn gallery(entries: &[GalleryFigure<'_>], claims: &[ExaminedClaim]) -> String {
+    let shown = |row: &&ExaminedClaim| entries.iter().any(|entry| entry.figure.is_related_to(&row.claim));
     let rest: Vec<_> = claims.iter().filter(|row| !shown(row)).collect();
-    let (contents, tally) = (contents(exhibits), tally(claims));
-    let body = format!(
-        "<header>\n<h1>The study, replayed</h1>\n\
-         <p>Figures of the study, drawn again from patches that were run and from its theory, each beside what the text \
-         claims of it and what we get: {} of them. A patch named under a picture lies beside this page, with the command that \
-         makes the same run.</p>\n{tally}</header>\n{contents}<main>\n{sections}{}</main>\n",
-        exhibits.len(),
-        others(&rest),
-    );
-    html::page("The study, replayed", &body)
-}
-
-fn contents(exhibits: &[Exhibit<'_>]) -> String {
-    let chapters = exhibits.chunk_by(|one, next| one.figure.chapter() == next.figure.chapter());
-    let line = |exhibits: &[Exhibit<'_>]| {
-        let link = |exhibit: &Exhibit<'_>| {
-            let (id, number) = (exhibit.figure.id, exhibit.figure.number());
-            let title = escaped(exhibit.figure.title);
-            format!("<a href=\"#{id}\" title=\"{title}\">{}</a>", number.trim_start_matches("Fig "))
-        };
-        let links: Vec<_> = exhibits.iter().map(link).collect();
-        format!("<p><b>{}</b> {}</p>\n", exhibits[0].figure.chapter(), links.join(" "))
+    let body = html! {
+        (header(entries.len(), claims))
+        (contents(entries))
+        main {
+            @for entries in chapters(entries) { (chapter(entries)) }
+            (others(&rest))
+        }
+        "\n"
     };
-    format!("<nav>\n{}</nav>\n", chapters.map(line).collect::<String>())
+    patchcord_draw::html::page("The study, replayed", body)
 }
 
-fn chapter(exhibits: &[Exhibit<'_>]) -> String {
-    let sections: String = exhibits.iter().map(section).collect();
-    format!("<h2>{}</h2>\n{sections}", exhibits[0].figure.chapter())
-}
-
-fn section(exhibit: &Exhibit<'_>) -> String {
-    let (figure, drawn) = (exhibit.figure, exhibit.drawn);
-    let (id, heading) = (figure.id, escaped(&figure.heading()));
-    let commands: Vec<_> = drawn.commands.iter().map(|command| linked(command, &drawn.patches)).collect();
-    let commands = if commands.is_empty() { "from theory".to_owned() } else { commands.join("<br>") };
-    let numbers = drawn.table.as_ref().map(numbers).unwrap_or_default();
-    format!(
-        "<section id=\"{id}\">\n<h3>{heading} <small>{}</small></h3>\n<p class=\"reading\">{}</p>\n\
-         <div class=\"pair\">\n<figure><a href=\"{id}.svg\"><img src=\"{id}.svg\" alt=\"{heading}\" loading=\"lazy\"></a>\n\
-         <figcaption>{}<br><code>{commands}</code></figcaption>{numbers}</figure>\n{}</div>\n</section>\n",
-        escaped(figure.place),
-        escaped(&drawn.reading),
-        escaped(&drawn.settings),
-        table(&exhibit.claims),
-    )
-}
-
-/// Why a figure is as it is, and the numbers behind it, folded up.
-fn numbers(table: &Table) -> String {
-    let line = |cells: &[String], tag: &str| {
-        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}", escaped(cell))).collect();
-        format!("<tr>{cells}</tr>\n")
-    };
-    let rows: String = table.rows.iter().map(|row| line(row, "td")).collect();
-    format!(
-        "<p>{}</p>\n<details><summary>{} rows of numbers</summary><p>{}</p>\n<table>\n{}{rows}</table></details>\n",
-        escaped(table.reason),
-        table.rows.len(),
-        escaped(READ_WITH),
-        line(&table.head, "th")
-    )
-}
-
-/// A command, with links to the patches that lie beside the page.
-fn linked(command: &str, patches: &[Patch]) -> String {
-    let word = |word: &str| match patches.iter().any(|patch| patch.file() == word) {
-        true => format!("<a href=\"{0}\">{0}</a>", escaped(word)),
-        false => escaped(word),
-    };
-    command.split(' ').map(word).collect::<Vec<_>>().join(" ")
-}
-
-/// More claims than these are folded up.
-const MOST_SHOWN: usize = 12;
-
-fn table(claims: &[&Examined]) -> String {
-    if claims.is_empty() {
-        return "<div class=\"claims\"><p>The text claims nothing of it that can be checked.</p></div>\n"
-            .to_owned();
-    }
-    let rows: String = claims.iter().map(|row| line(row)).collect();
-    let table =
-        format!("<table>\n<tr><th>id<th>the text says<th>printed<th>we get<th>verdict</tr>\n{rows}</table>");
-    match claims.len() {
-        0..=MOST_SHOWN => format!("<div class=\"claims\">{table}</div>\n"),
-        count => format!(
-            "<div class=\"claims\"><details><summary>{count} claims: {}</summary>{table}</details></div>\n",
-            verdicts(claims.iter().copied())
-        ),
+/// Formats the introduction and the summary of all verdicts.
+fn header(figure_count: usize, claims: &[ExaminedClaim]) -> Markup {
+    html! {
+        header {
+            h1 { "The study, replayed" }
+            p {
+                "This page shows " (figure_count) " figures of the study, drawn again from runs of patches and from \
+                theory. Next to each figure are the claims of the text and our results. The patches that are named \
+                under a picture are in the folder of this page. The command under the picture repeats the run."
+            }
+            "\n"
+            (tally(claims))
+        }
+        "\n"
     }
 }
 
-fn line(row: &Examined) -> String {
-    let claim = &row.claim;
-    let difference = row.difference();
-    let got = escaped(&row.got());
-    let got = if difference.is_empty() { got } else { format!("{got} <small>{difference}</small>") };
-    let why =
-        if claim.why.is_empty() { String::new() } else { format!("<br><i>{}</i>", escaped(&claim.why)) };
-    format!(
-        "<tr><td title=\"{}\">{}<td>{}{why}<td>{}<td>{got}<td class=\"{}\">{}</tr>\n",
-        escaped(&claim.place),
-        escaped(&claim.id),
-        escaped(&claim.says),
-        escaped(&row.printed()),
-        row.outcome.verdict.word(),
-        row.outcome.verdict,
-    )
+/// Groups figures by their chapter. No group is empty.
+fn chapters<'e, 'a>(entries: &'e [GalleryFigure<'a>]) -> impl Iterator<Item = &'e [GalleryFigure<'a>]> {
+    entries.chunk_by(|one, next| one.figure.chapter() == next.figure.chapter())
 }
 
-/// The claims that no figure bears on, chapter by chapter.
-fn others(claims: &[&Examined]) -> String {
-    if claims.is_empty() {
-        return String::new();
+/// Formats the table of contents, with a line per chapter and a link per figure.
+fn contents(entries: &[GalleryFigure<'_>]) -> Markup {
+    html! {
+        nav {
+            @for entries in chapters(entries) {
+                p {
+                    b { (entries[0].figure.chapter()) }
+                    @for entry in entries { " " (link(entry.figure)) }
+                }
+                "\n"
+            }
+        }
+        "\n"
     }
-    let chapters = claims.chunk_by(|one, next| one.claim.chapter == next.claim.chapter);
-    let folded = chapters.map(|rows| {
-        let rest = format!("{} claims: {}", rows.len(), verdicts(rows.iter().copied()));
-        let lines: String = rows.iter().map(|row| line(row)).collect();
-        format!(
-            "<details><summary>{}, {rest}</summary><table>\n\
-             <tr><th>id<th>the text says<th>printed<th>we get<th>verdict</tr>\n{lines}</table></details>\n",
-            escaped(rows[0].claim.chapter)
-        )
-    });
-    format!("<h2>Claims that no figure shows</h2>\n{}", folded.collect::<String>())
 }
 
-/// How many of each verdict there are.
-fn verdicts<'a>(claims: impl Iterator<Item = &'a Examined> + Clone) -> String {
-    let told = Verdict::ALL.iter().filter_map(|(_, verdict)| {
+/// Formats the link to the section of a figure.
+fn link(figure: &Figure) -> Markup {
+    let number = figure.number();
+    html! {
+        a href={ "#" (figure.id) } title=(figure.title) { (number.trim_start_matches("Fig ")) }
+    }
+}
+
+/// Formats the sections of one chapter. `entries` is not empty.
+fn chapter(entries: &[GalleryFigure<'_>]) -> Markup {
+    html! {
+        h2 { (entries[0].figure.chapter()) }
+        "\n"
+        @for entry in entries { (section(entry)) }
+    }
+}
+
+/// Formats the section of one figure.
+fn section(entry: &GalleryFigure<'_>) -> Markup {
+    let figure = entry.figure;
+    html! {
+        section #(figure.id) {
+            h3 { (figure.heading()) " " small { (figure.place) } }
+            p.reading { (entry.drawn.reading) }
+            "\n"
+            div.pair { (picture(entry)) (table(&entry.claims)) }
+        }
+        "\n"
+    }
+}
+
+/// Formats the picture of a figure with its settings, its commands and its numbers.
+fn picture(entry: &GalleryFigure<'_>) -> Markup {
+    let (file, drawn) = (entry.picture(), entry.drawn);
+    html! {
+        figure {
+            a href=(file) { img src=(file) alt=(entry.figure.heading()) loading="lazy"; }
+            figcaption { (drawn.settings) br; code { (commands(drawn)) } }
+            @if let Some(table) = &drawn.table { (numbers(table)) }
+        }
+        "\n"
+    }
+}
+
+/// Formats the commands of a figure, one per line.
+fn commands(drawn: &DrawnFigure) -> Markup {
+    html! {
+        @if drawn.commands.is_empty() { "from theory" }
+        @for (index, command) in drawn.commands.iter().enumerate() {
+            @if index > 0 { br; }
+            (linked(command, &drawn.patches))
+        }
+    }
+}
+
+/// Formats the explanation of a figure, and its table of numbers, which is folded.
+fn numbers(table: &NumberTable) -> Markup {
+    html! {
+        p { (table.reason) }
+        "\n"
+        details {
+            summary { (table.rows.len()) " rows of numbers" }
+            p { (READING_NOTE) }
+            "\n"
+            table {
+                tr { @for cell in &table.head { th { (cell) } } }
+                "\n"
+                @for row in &table.rows { tr { @for cell in row { td { (cell) } } } "\n" }
+            }
+        }
+        "\n"
+    }
+}
+
+/// Formats a command. Names of patches become links to their files.
+fn linked(command: &str, patches: &[Patch]) -> Markup {
+    html! {
+        @for (index, word) in command.split(' ').enumerate() {
+            @if index > 0 { " " }
+            @if patches.iter().any(|patch| patch.file() == word) {
+                a href=(word) { (word) }
+            } @else {
+                (word)
+            }
+        }
+    }
+}
+
+/// A table with more claims than this is folded.
+const MAX_UNFOLDED_CLAIMS: usize = 12;
+
+/// Formats the claims of a figure as a table.
+fn table(claims: &[&ExaminedClaim]) -> Markup {
+    html! {
+        div.claims {
+            @match claims.len() {
+                0 => p { "The text makes no claim about this figure that can be checked." },
+                1..=MAX_UNFOLDED_CLAIMS => (claim_table(claims)),
+                count => details {
+                    summary { (count) " claims: " (verdicts(claims.iter().copied())) }
+                    (claim_table(claims))
+                },
+            }
+        }
+        "\n"
+    }
+}
+
+/// Formats claims as a table, with one row per claim.
+fn claim_table(claims: &[&ExaminedClaim]) -> Markup {
+    html! {
+        table {
+            tr { th { "id" } th { "the text says" } th { "printed" } th { "we get" } th { "verdict" } }
+            "\n"
+            @for row in claims { (line(row)) }
+        }
+    }
+}
+
+/// Formats one claim as a row of a table.
+fn line(row: &ExaminedClaim) -> Markup {
+    let (claim, difference, verdict) = (&row.claim, row.difference(), row.outcome.verdict);
+    html! {
+        tr {
+            td title=(claim.place) { (claim.id) }
+            td {
+                (claim.statement)
+                @if !claim.reason.is_empty() { br; i { (claim.reason) } }
+            }
+            td { (row.printed_text()) }
+            td {
+                (row.result_text())
+                @if !difference.is_empty() { " " small { (difference) } }
+            }
+            td.(verdict.ledger_word()) { (verdict) }
+        }
+        "\n"
+    }
+}
+
+/// Formats the claims that belong to no figure, chapter by chapter.
+fn others(claims: &[&ExaminedClaim]) -> Markup {
+    html! {
+        @if !claims.is_empty() { h2 { "Claims without a figure" } "\n" }
+        @for rows in claims.chunk_by(|one, next| one.claim.chapter == next.claim.chapter) {
+            details {
+                summary { (rows[0].claim.chapter) ", " (rows.len()) " claims: " (verdicts(rows.iter().copied())) }
+                (claim_table(rows))
+            }
+            "\n"
+        }
+    }
+}
+
+/// Lists the number of claims with each verdict: "3 reproduced, 1 differs". Verdicts without claims are omitted.
+fn verdicts<'a>(claims: impl Iterator<Item = &'a ExaminedClaim> + Clone) -> String {
+    let counts = Verdict::ALL.iter().filter_map(|(_, verdict)| {
         let count = claims.clone().filter(|row| row.outcome.verdict == *verdict).count();
         (count > 0).then(|| format!("{count} {verdict}"))
     });
-    told.collect::<Vec<_>>().join(", ")
+    counts.collect::<Vec<_>>().join(", ")
 }
 
-fn tally(claims: &[Examined]) -> String {
-    let boxes = Verdict::ALL.iter().map(|(word, verdict)| {
-        let count = claims.iter().filter(|row| row.outcome.verdict == *verdict).count();
-        format!("<span class=\"{word}\">{count} {verdict}</span> ")
-    });
-    format!(
-        "<p class=\"tally\">{} claims: {}</p>\n<p>{}</p>\n",
-        claims.len(),
-        boxes.collect::<String>(),
-        escaped(&cells_of_tables(claims))
-    )
+/// Formats the summary of all verdicts.
+fn tally(claims: &[ExaminedClaim]) -> Markup {
+    let count = |verdict: Verdict| claims.iter().filter(|row| row.outcome.verdict == verdict).count();
+    html! {
+        p.tally {
+            (claims.len()) " claims: "
+            @for (word, verdict) in Verdict::ALL { span.(word) { (count(verdict)) " " (verdict) } " " }
+        }
+        "\n"
+        p { (table_cells_summary(claims)) }
+        "\n"
+    }
 }

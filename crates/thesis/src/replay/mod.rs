@@ -1,40 +1,42 @@
-//! The study, replayed: its figures drawn again, and the ledger of claims, number by number beside what we get.
+//! The replay of the study: its figures drawn again, and its claims compared with our results.
 //!
-//! A [`Claim`] is a row of `crates/thesis/src/replay/claims`: where it stands, what it says in a few words, the number as printed, how
-//! near the text itself says it is, and the check that decides it with its arguments. A check is code
-//! (`crates/thesis/src/replay/checks`); the verdict follows from what it finds, and the row holds the verdict that is expected, with the
-//! reason for every one but "reproduced". [`page`] writes it all down.
+//! A [`Claim`] is one row of `crates/thesis/src/replay/claims`. The row holds the place in the text, a short
+//! statement, the printed number with its tolerance, and the check with its arguments. A check is code in
+//! `crates/thesis/src/replay/checks`. The verdict follows from the finding of the check. The row also holds the
+//! expected verdict, and a reason for every verdict except "reproduced". [`claims_page`] formats all claims as one
+//! page.
 //!
-//! A [`Figure`] (`crates/thesis/src/replay/figures`) is drawn from runs of shipped patches with settings of its own, or from theory.
-//! [`gallery`] shows figures beside the claims that they bear on, [`differences`] what the differences depend on.
+//! A [`Figure`] (`crates/thesis/src/replay/figures`) is drawn from runs of shipped patches with changed settings, or
+//! from theory. [`gallery`] shows figures with their claims. [`differences_page`] shows what the differences from the
+//! study depend on. [`run_all`] draws figures and examines claims on several threads.
 
 mod boundary;
+mod check_arguments;
 mod checks;
 mod claim;
+mod claims_page;
 mod conditions;
-mod differences;
-mod examined;
+mod differences_page;
+mod examined_claim;
 mod figures;
 mod finding;
 mod frequency;
 mod gallery;
-mod given;
 mod ledger;
-mod page;
-mod performance;
+mod number_table;
 mod recipe;
 mod reversal;
-mod table;
+mod run_all;
 
+pub use check_arguments::{ArgumentError, CheckArguments};
 pub use checks::CheckError;
-pub use claim::{Claim, Outcome, Verdict};
-pub use differences::differences;
-pub use examined::Examined;
-pub use figures::{Drawn, Figure, FigureError, Sheet, figures};
-pub use finding::{Finding, Printed, Within};
-pub use gallery::{Exhibit, gallery};
-pub use given::{Given, GivenError};
+pub use claim::{Claim, ClaimOutcome, Verdict};
+pub use claims_page::claims_page;
+pub use differences_page::differences_page;
+pub use examined_claim::ExaminedClaim;
+pub use figures::{DrawnFigure, Figure, FigureError, Sheet, figures};
+pub use finding::{Finding, PrintedNumber, Tolerance};
+pub use gallery::{GalleryFigure, gallery};
 pub use ledger::{LedgerError, ledger};
-pub use page::page;
-pub use performance::{ReplayError, perform};
-pub use table::Table;
+pub use number_table::NumberTable;
+pub use run_all::{ReplayError, run_all};

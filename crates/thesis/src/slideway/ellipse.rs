@@ -1,44 +1,49 @@
-//! The shape of the ellipse in which two crossed cylinders touch.
+//! The elliptical contact area of two crossed cylinders.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::root::halved;
+use super::root::bisect;
 use super::{Range, SlidewayError};
 
-/// Cross angles, in radians: from 30 degrees, where the table that the study took its constants from begins, to 90.
+/// Permitted cross angles in radians: 30 ... 90 degrees. The table from which the study took its constants begins at
+/// 30 degrees.
 pub(super) const CROSS_ANGLE: Range = Range::new("cross angle", "rad", PI / 6.0 - 1e-12, FRAC_PI_2 + 1e-12);
 
 /// Semi-axes of a Hertz contact, in units of (3/4 W Delta / (A + B))^(1/3) (eq 10-7, 11-7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ellipse {
-    /// The longer one, m.
+    /// The longer semi-axis, m.
     pub major: f64,
-    /// The shorter one, n.
+    /// The shorter semi-axis, n.
     pub minor: f64,
 }
 
 impl Ellipse {
-    /// The ellipse of an auxiliary angle arccos((B - A) / (A + B)) in radians; for equal radii it is the cross angle (eq 14-7).
-    /// From complete elliptic integrals, as the tables of Timoshenko and Goodier are: m 2.731 and n 0.493 at 30 degrees.
+    /// The ellipse for an auxiliary angle arccos((B - A) / (A + B)) in radians. For equal radii this is the cross
+    /// angle (eq 14-7).
+    ///
+    /// It is calculated from complete elliptic integrals, like the tables of Timoshenko and Goodier: m = 2.731 and n
+    /// = 0.493 at 30 degrees.
     ///
     /// # Errors
-    /// Outside of 30 ... 90 degrees.
+    /// If the angle is outside 30 ... 90 degrees.
     pub fn at(angle: f64) -> Result<Self, SlidewayError> {
         let cosine = CROSS_ANGLE.check(angle)?.cos();
-        // The more the axes differ, the larger the cosine; within the range the ratio is 0.18 ... 1.
-        let ratio = halved(0.1, 1.0, |ratio| cosine_of(ratio) > cosine);
+        // The cosine grows with the difference of the axes. Within the range the ratio of the axes is 0.18 ... 1.
+        let ratio = bisect(0.1, 1.0, |ratio| cosine_of(ratio) > cosine);
         let second = Integrals::of(ratio).second();
         let major = (second / FRAC_PI_2 / ratio.powi(2)).cbrt();
         Ok(Ellipse { major, minor: ratio * major })
     }
 }
 
-/// (B - A) / (A + B) of the ellipse with this ratio of its axes, below 1: ((1 + r^2) E - 2 r^2 K) / ((1 - r^2) E), in which what
-/// cancels near a circle is taken out beforehand.
+/// (B - A) / (A + B) of the ellipse with a ratio r of its axes, below 1: ((1 + r^2) E - 2 r^2 K) / ((1 - r^2) E).
+///
+/// The expression is rearranged so that nothing cancels near a circle.
 fn cosine_of(ratio: f64) -> f64 {
     let integrals = Integrals::of(ratio);
     let Integrals { square, rest, .. } = integrals;
-    (square.powi(2) / 2.0 - (2.0 - square) * rest) / (square * integrals.share())
+    (square.powi(2) / 2.0 - (2.0 - square) * rest) / (square * integrals.ratio())
 }
 
 /// Complete elliptic integrals K and E, by the arithmetic-geometric mean.
@@ -48,12 +53,12 @@ struct Integrals {
     first: f64,
     /// The square of the modulus.
     square: f64,
-    /// 1 - E / K, but for half the square of the modulus.
+    /// 1 - E / K minus half the square of the modulus.
     rest: f64,
 }
 
 impl Integrals {
-    /// For a complementary modulus above 0 and up to 1.
+    /// The integrals for a complementary modulus above 0 and up to 1.
     fn of(complement: f64) -> Self {
         let (mut one, mut other) = (1.0, complement);
         let (mut rest, mut weight) = (0.0, 1.0);
@@ -66,13 +71,13 @@ impl Integrals {
     }
 
     /// E / K.
-    fn share(&self) -> f64 {
+    fn ratio(&self) -> f64 {
         1.0 - self.square / 2.0 - self.rest
     }
 
     /// E.
     fn second(&self) -> f64 {
-        self.first * self.share()
+        self.first * self.ratio()
     }
 }
 
@@ -81,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_comes_out() {
+    fn table_of_timoshenko_and_goodier_is_reproduced() {
         // Timoshenko and Goodier, in degrees: m, n.
         for (degrees, major, minor) in [(30.0, 2.731, 0.493), (60.0, 1.486, 0.717), (90.0, 1.0, 1.0)] {
             let ellipse = Ellipse::at(f64::to_radians(degrees)).unwrap();
@@ -100,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_beyond_the_table_are_refused() {
+    fn angles_outside_the_table_are_refused() {
         assert!(Ellipse::at(0.5).is_err() && Ellipse::at(1.6).is_err());
     }
 }

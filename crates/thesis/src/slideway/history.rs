@@ -1,8 +1,8 @@
-//! Stick-slip before the study: what others had derived (chapter 2).
+//! Theories of stick-slip before the study (chapter 2).
 
 use std::f64::consts::PI;
 
-use super::root::halved;
+use super::root::bisect;
 use super::{Range, SlidewayError};
 
 const DROP: Range = Range::positive("drop of friction", "N");
@@ -12,12 +12,13 @@ const VELOCITY: Range = Range::positive("drive velocity", "m/s");
 const WEIGHT: Range = Range::not_negative("weight W", "N");
 const DISTANCE: Range = Range::positive("critical distance", "m");
 const TIME: Range = Range::not_negative("time at rest", "s");
-/// Nearer to 1 a slip would have to be followed through more than a hundred powers of ten.
+/// Permitted damping ratios. Closer to 1 a slip decays over more than a hundred powers of ten, which numbers cannot
+/// follow.
 const DAMPING: Range = Range::new("damping ratio", "", 0.0, 0.999);
 const RATE: Range = Range::not_negative("constant of the lubricant", "");
 
-/// Derjaguin, Push and Tolstoi: a mass that slips on a moving base, with friction that drops by dF when it starts to slip and falls
-/// straight with the velocity of slip (eq 15.2 ... 19.2).
+/// Slip of a mass on a moving base by Derjaguin, Push and Tolstoi (eq 15.2 ... 19.2). Friction drops by dF when the
+/// slip starts, and falls linearly with the velocity of slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slip {
     /// Drop of friction dF at the instant of slip, in N, above 0.
@@ -26,7 +27,7 @@ pub struct Slip {
     pub mass: f64,
     /// Stiffness K, in N/m, above 0.
     pub stiffness: f64,
-    /// What is left of damping, zeta = (f - n) / (2 sqrt(K M)), with n the fall of friction by velocity; 0 ... 0.999.
+    /// Net damping ratio zeta = (f - n) / (2 sqrt(K M)), where n is the slope of falling friction; 0 ... 0.999.
     pub damping: f64,
 }
 
@@ -44,61 +45,67 @@ impl Slip {
         (self.stiffness * self.mass).sqrt()
     }
 
-    /// phi = dF / (V sqrt(K M)) at a drive velocity V in m/s (eq 17.2).
+    /// Drop ratio phi = dF / (V sqrt(K M)) at a drive velocity V in m/s (eq 17.2).
     ///
     /// # Errors
-    /// Where a quantity is out of its range.
+    /// If a quantity is out of its range.
     pub fn drop_ratio(&self, velocity: f64) -> Result<f64, SlidewayError> {
         Ok(self.checked()?.drop / (VELOCITY.check(velocity)? * self.impedance()))
     }
 
-    /// Velocity of slip in m/s, `time` in s after its start, at a drive velocity V in m/s: V (1 - exp(-theta w t) (cos w t + (zeta - phi) /
-    /// sqrt(1 - zeta^2) sin w t)), theta = zeta / sqrt(1 - zeta^2), w = sqrt(K/M) sqrt(1 - zeta^2) (eq 18.2). It holds until slip ends.
+    /// Velocity of slip in m/s at a `time` in s after its start, for a drive velocity V in m/s (eq 18.2). It holds
+    /// until the slip ends.
+    ///
+    /// The formula is V (1 - exp(-theta w t) (cos w t + (zeta - phi) / sqrt(1 - zeta^2) sin w t)), with
+    /// theta = zeta / sqrt(1 - zeta^2) and w = sqrt(K/M) sqrt(1 - zeta^2).
     ///
     /// # Errors
-    /// Where a quantity is out of its range.
+    /// If a quantity is out of its range.
     pub fn velocity(&self, drive: f64, time: f64) -> Result<f64, SlidewayError> {
         let wave = Wave { damping: self.damping, drop: self.drop_ratio(drive)? };
         let frequency = (self.stiffness / self.mass).sqrt() * wave.root();
         Ok(drive * (1.0 - wave.at(frequency * time)))
     }
 
-    /// How long a slip lasts, in s, at a drive velocity in m/s. Without damping it is 2 (pi - atan(phi)) / wn, which tends to pi / wn for
-    /// slow drives (Bowden and Tabor).
+    /// Duration of a slip in s, at a drive velocity in m/s.
+    ///
+    /// Without damping it is 2 (pi - atan(phi)) / wn, which tends to pi / wn for slow drives (Bowden and Tabor).
     ///
     /// # Errors
-    /// Where a quantity is out of its range, or the drive is faster than critical: then slip never ends.
+    /// If a quantity is out of its range, or the drive is faster than the critical velocity. Then the slip never ends.
     pub fn duration(&self, drive: f64) -> Result<f64, SlidewayError> {
         let wave = Wave { damping: self.damping, drop: self.drop_ratio(drive)? };
         if wave.crest() < 1.0 {
-            let because = format!("the drive at {drive} m/s is faster than critical");
-            return Err(SlidewayError::NoSolution { sought: "end of slip", because });
+            let reason = format!("the drive at {drive} m/s is faster than the critical velocity");
+            return Err(SlidewayError::NoSolution { sought: "end of slip", reason });
         }
-        let (trough, crest) = wave.turns();
-        let angle = halved(trough, crest, |angle| wave.at(angle) < 1.0);
+        let (trough, crest) = wave.extrema();
+        let angle = bisect(trough, crest, |angle| wave.at(angle) < 1.0);
         Ok(angle / ((self.stiffness / self.mass).sqrt() * wave.root()))
     }
 
-    /// The drive velocity in m/s from which slip never ends, so that there is no stick: eq 18.2 touches 0 there.
+    /// The critical drive velocity in m/s. At faster drives a slip never ends, so there is no stick. Eq 18.2 touches
+    /// 0 there.
     ///
     /// # Errors
-    /// Where a quantity is out of its range, or there is no damping: then slip ends at every velocity.
+    /// If a quantity is out of its range, or there is no damping. Then a slip ends at every velocity.
     pub fn critical_velocity(&self) -> Result<f64, SlidewayError> {
         self.damped()?;
-        // The crest rises with phi without end; with phi = zeta it is below 1.
+        // The crest rises with phi without limit, and is below 1 for phi = zeta.
         let crest = |drop| Wave { damping: self.damping, drop }.crest();
         let mut high = 1.0;
         while crest(high) < 1.0 {
             high *= 2.0;
         }
-        let drop = halved(0.0, high, |drop| crest(drop) < 1.0);
+        let drop = bisect(0.0, high, |drop| crest(drop) < 1.0);
         Ok(self.drop / (drop * self.impedance()))
     }
 
-    /// The same for little damping, dF / sqrt(4 pi zeta M K), in m/s (eq 19.2): 3 % too high at zeta = 0.01, 15 % at 0.05, 31 % at 0.1.
+    /// The approximation of the critical velocity for small damping, dF / sqrt(4 pi zeta M K), in m/s (eq 19.2). It
+    /// is 3 % too high at zeta = 0.01, 15 % at 0.05, 31 % at 0.1.
     ///
     /// # Errors
-    /// Where a quantity is out of its range, or there is no damping.
+    /// If a quantity is out of its range, or there is no damping.
     pub fn approximate_critical_velocity(&self) -> Result<f64, SlidewayError> {
         let slip = self.damped()?;
         Ok(slip.drop / ((4.0 * PI * slip.damping).sqrt() * slip.impedance()))
@@ -110,7 +117,8 @@ impl Slip {
     }
 }
 
-/// exp(-theta x) (cos x + (zeta - phi) / sqrt(1 - zeta^2) sin x): what is missing of the drive's velocity, by angle.
+/// The difference between drive and slip velocity, relative to the drive velocity, against angle x = w t:
+/// exp(-theta x) (cos x + (zeta - phi) / sqrt(1 - zeta^2) sin x).
 struct Wave {
     damping: f64,
     drop: f64,
@@ -127,25 +135,39 @@ impl Wave {
         decay * (cosine + (self.damping - self.drop) / self.root() * sine)
     }
 
-    /// The angles of the first trough and of the crest behind it.
-    fn turns(&self) -> (f64, f64) {
+    /// The angles of the first trough and of the following crest.
+    fn extrema(&self) -> (f64, f64) {
         let lead = (self.drop * self.root()).atan2(1.0 - self.damping * self.drop);
         (PI - lead, 2.0 * PI - lead)
     }
 
     fn crest(&self) -> f64 {
-        self.at(self.turns().1)
+        self.at(self.extrema().1)
     }
 }
 
-/// Static friction that grows at rest: Brockley's mu_s - mu_k = gamma t^beta (eq 20.2).
+/// Brockley's law of static friction that grows at rest: mu_s - mu_k = gamma t^beta (eq 20.2).
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::slideway::history::GrowthAtRest;
+///
+/// let growth = GrowthAtRest { kinetic: 0.2, factor: 0.05, exponent: 0.3 };
+/// assert_eq!(growth.static_coefficient(0.0)?, 0.2);
+/// assert!((growth.static_coefficient(1.0)? - 0.25).abs() < 1e-12);
+///
+/// // A stiffer drive makes shorter slips.
+/// assert!(growth.slip(10.0, 5e4, 1e-4)? < growth.slip(10.0, 1e4, 1e-4)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GrowthAtRest {
-    /// Kinetic coefficient mu_k, which is also the static one at t = 0.
+    /// Kinetic coefficient mu_k. The static coefficient is equal to it at t = 0.
     pub kinetic: f64,
-    /// gamma, in s^-beta.
+    /// Factor gamma of growth, in s^-beta.
     pub factor: f64,
-    /// beta, the constant of growth.
+    /// Exponent beta of growth.
     pub exponent: f64,
 }
 
@@ -153,78 +175,83 @@ impl GrowthAtRest {
     /// Static coefficient after a time at rest in s.
     ///
     /// # Errors
-    /// Where the time is below 0.
+    /// If the time is below 0.
     pub fn static_coefficient(&self, time: f64) -> Result<f64, SlidewayError> {
         Ok(self.kinetic + self.factor * TIME.check(time)?.powf(self.exponent))
     }
 
-    /// How far each slip goes, in m, under a weight in N, on a drive of a stiffness in N/m that moves at a velocity in m/s: a spring
-    /// gives way by 2 W (mu_s - mu_k) / K, and is drawn as far again while friction grows, x = (2 W gamma / (K V^beta))^(1 / (1 - beta))
-    /// (2.3, Fig 2.2, without damping).
+    /// Distance of each slip in m, without damping, for a weight in N, a stiffness in N/m and a drive velocity in m/s
+    /// (2.3, Fig 2.2).
+    ///
+    /// The spring relaxes by 2 W (mu_s - mu_k) / K in a slip, and the drive stretches it by the same distance while
+    /// friction grows. So x = (2 W gamma / (K V^beta))^(1 / (1 - beta)).
     ///
     /// # Errors
-    /// Where weight, stiffness or velocity is not above 0, or gamma or beta outside of what makes friction grow, beta 0 ... 0.99.
+    /// If weight, stiffness or velocity is not above 0, or gamma is not above 0, or beta is outside
+    /// 0 ... 0.99.
     pub fn slip(&self, weight: f64, stiffness: f64, velocity: f64) -> Result<f64, SlidewayError> {
-        let (give, beta) = self.give(weight, stiffness)?;
-        Ok((give / VELOCITY.check(velocity)?.powf(beta)).powf(1.0 / (1.0 - beta)))
+        let (unit_slip, beta) = self.unit_slip(weight, stiffness)?;
+        Ok((unit_slip / VELOCITY.check(velocity)?.powf(beta)).powf(1.0 / (1.0 - beta)))
     }
 
-    /// The velocity in m/s at which a slip goes as far as the critical distance in m, where Rabinowicz has stick-slip end.
+    /// The velocity in m/s at which the distance of a slip equals the critical distance in m. Stick-slip ends there
+    /// by Rabinowicz.
     ///
     /// # Errors
-    /// As [`GrowthAtRest::slip`], and where the distance is not above 0 or friction does not grow.
+    /// As [`GrowthAtRest::slip`], and if the distance is not above 0 or friction does not grow.
     pub fn end_of_stick_slip(
         &self,
         weight: f64,
         stiffness: f64,
         critical_distance: f64,
     ) -> Result<f64, SlidewayError> {
-        let (give, beta) = self.give(weight, stiffness)?;
+        let (unit_slip, beta) = self.unit_slip(weight, stiffness)?;
         let distance = DISTANCE.check(critical_distance)?;
         let beta = Range::positive("beta", "").check(beta)?;
-        Ok(distance * (give / distance).powf(1.0 / beta))
+        Ok(distance * (unit_slip / distance).powf(1.0 / beta))
     }
 
-    /// 2 W gamma / K: how far a spring gives way by what friction has grown in a second; and beta.
-    fn give(&self, weight: f64, stiffness: f64) -> Result<(f64, f64), SlidewayError> {
+    /// 2 W gamma / K, the distance of a slip after growth for one second, and beta.
+    fn unit_slip(&self, weight: f64, stiffness: f64) -> Result<(f64, f64), SlidewayError> {
         let weight = Range::positive("weight W", "N").check(weight)?;
         let factor = Range::positive("gamma", "").check(self.factor)?;
         let beta = Range::new("beta", "", 0.0, 0.99).check(self.exponent)?;
         Ok((2.0 * weight * factor / STIFFNESS.check(stiffness)?, beta))
     }
 
-    /// Kinetic coefficient at a velocity in m/s by Rabinowicz's rule: the static one after the time that it takes to slide the critical
-    /// distance, in m.
+    /// Kinetic coefficient at a velocity in m/s by Rabinowicz's rule. It is the static coefficient after the time in
+    /// which the critical distance in m is covered.
     ///
     /// # Errors
-    /// Where velocity or distance is not above 0.
+    /// If velocity or distance is not above 0.
     pub fn coefficient_at(&self, velocity: f64, critical_distance: f64) -> Result<f64, SlidewayError> {
         let distance = DISTANCE.check(critical_distance)?;
         self.static_coefficient(distance / VELOCITY.check(velocity)?)
     }
 }
 
-/// Kato, Yamaguchi and Matsubayashi's constants of a lubricant (eq 36.2): a and b in s^-m and s^-n.
+/// Constants of a lubricant by Kato, Yamaguchi and Matsubayashi (eq 36.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KatoLubricant {
-    /// mu_s - mu_d: static coefficient less what is left of it at no time of stick.
+    /// mu_s - mu_d: static coefficient minus its value for a stick of zero duration.
     pub drop: f64,
-    /// a.
+    /// Rate a, in s^-m.
     pub a: f64,
-    /// m.
+    /// Exponent m.
     pub m: f64,
-    /// b.
+    /// Rate b, in s^-n.
     pub b: f64,
-    /// n.
+    /// Exponent n.
     pub n: f64,
 }
 
 impl KatoLubricant {
-    /// Critical velocity in m/s for a weight in N, a mass in kg and a stiffness in N/m: 2 W / (pi sqrt(K M)) (mu_s - mu_d)
-    /// (1 - exp(-a (pi/wn)^m)) (1 - exp(-b (pi/wn)^n)) (eq 36.2).
+    /// Critical velocity in m/s for a weight in N, a mass in kg and a stiffness in N/m (eq 36.2).
+    ///
+    /// The formula is 2 W / (pi sqrt(K M)) (mu_s - mu_d) (1 - exp(-a (pi/wn)^m)) (1 - exp(-b (pi/wn)^n)).
     ///
     /// # Errors
-    /// Where mass or stiffness is not above 0, or the weight, a or b below 0.
+    /// If mass or stiffness is not above 0, or the weight, a or b below 0.
     pub fn critical_velocity(&self, weight: f64, mass: f64, stiffness: f64) -> Result<f64, SlidewayError> {
         let (mass, stiffness) = (MASS.check(mass)?, STIFFNESS.check(stiffness)?);
         let half_period = PI * (mass / stiffness).sqrt();
@@ -235,29 +262,33 @@ impl KatoLubricant {
     }
 }
 
-/// Bell and Burdekin's slope of dynamic friction in N s/m, (F1 - F2) / (v1 - v2) between the largest force and the largest velocity of
-/// a cycle (eq 33.2); where it and the equivalent linear damping add up to 0 is their critical velocity. Forces in N, velocities in m/s.
+/// Bell and Burdekin's slope of dynamic friction in N s/m: (F1 - F2) / (v1 - v2) between the largest force and the
+/// largest velocity of a cycle (eq 33.2).
+///
+/// Each argument is a force in N with its velocity in m/s. At their critical velocity this slope and the equivalent
+/// linear damping add up to 0.
 ///
 /// # Errors
-/// Where the largest velocity is not the larger one.
+/// If the largest velocity does not exceed the velocity at the largest force.
 pub fn dynamic_slope(largest_force: (f64, f64), largest_velocity: (f64, f64)) -> Result<f64, SlidewayError> {
     let (force, velocity) = largest_force;
     let (force_there, velocity_there) = largest_velocity;
-    let apart =
+    let rise =
         Range::positive("rise of velocity from the largest force", "m/s").check(velocity_there - velocity)?;
-    Ok((force_there - force) / apart)
+    Ok((force_there - force) / rise)
 }
 
-/// Nakashima, Takata and Morita's friction for small motions, W a b0 / (s + b0) + T0 (eq 38.2), in the terms of the study.
+/// Nakashima, Takata and Morita's friction for small motions, W a b0 / (s + b0) + T0 (eq 38.2), in the notation of
+/// the study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NakashimaFriction {
     /// Weight W, in N.
     pub weight: f64,
-    /// a, in s/m; below 0 where friction falls.
+    /// Slope a, in s/m; negative while friction falls.
     pub slope: f64,
-    /// b0, in 1/s.
+    /// Rate b0, in 1/s.
     pub rate: f64,
-    /// T0, in N s/m.
+    /// Linear damping T0, in N s/m.
     pub linear: f64,
 }
 
@@ -270,7 +301,7 @@ impl NakashimaFriction {
     /// The time constant Tc = 1 / b0, in s.
     ///
     /// # Errors
-    /// Where b0 is not above 0.
+    /// If b0 is not above 0.
     pub fn memory(&self) -> Result<f64, SlidewayError> {
         Ok(1.0 / Range::positive("rate b0", "1/s").check(self.rate)?)
     }
@@ -281,25 +312,25 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::slideway::near;
+    use crate::slideway::assert_close;
 
     fn unit(damping: f64) -> Slip {
         Slip { drop: 1.0, mass: 1.0, stiffness: 1.0, damping }
     }
 
     #[test]
-    fn a_slip_is_as_long_as_friction_makes_it() {
+    fn slip_distance_agrees_with_the_growth_of_friction() {
         let growth = GrowthAtRest { kinetic: 0.2, factor: 0.05, exponent: 0.3 };
         let (weight, stiffness, velocity) = (10.0, 2e4, 1e-4);
         let slip = growth.slip(weight, stiffness, velocity).unwrap();
         let grown = growth.static_coefficient(slip / velocity).unwrap() - growth.kinetic;
-        near(2.0 * weight * grown / stiffness, slip, 1e-12);
+        assert_close(2.0 * weight * grown / stiffness, slip, 1e-12);
         let end = growth.end_of_stick_slip(weight, stiffness, slip).unwrap();
-        near(end, velocity, 1e-12);
+        assert_close(end, velocity, 1e-12);
     }
 
     #[test]
-    fn the_critical_velocity_is_that_of_tangency() {
+    fn critical_velocity_is_at_tangency() {
         for (damping, exact, approximate) in
             [(0.001, 8.893, 8.921), (0.01, 2.739, 2.821), (0.05, 1.098, 1.262), (0.1, 0.680, 0.892)]
         {
@@ -317,7 +348,9 @@ mod tests {
         let ratio = slip.drop_ratio(1e-3).unwrap();
         let closed = 2.0 * (PI - ratio.atan()) / (slip.stiffness / slip.mass).sqrt();
         assert!((slip.duration(1e-3).unwrap() / closed - 1.0).abs() < 1e-6);
-        assert!(unit(0.05).duration(2.0).unwrap_err().to_string().contains("faster than critical"));
+        assert!(
+            unit(0.05).duration(2.0).unwrap_err().to_string().contains("faster than the critical velocity")
+        );
     }
 
     proptest! {
@@ -347,13 +380,13 @@ mod tests {
     }
 
     #[test]
-    fn the_other_relations_are_as_printed() {
+    fn other_relations_agree_with_the_print() {
         let growth = GrowthAtRest { kinetic: 0.2, factor: 0.05, exponent: 0.5 };
         assert_eq!(growth.static_coefficient(0.0), Ok(0.2));
         assert!((growth.static_coefficient(4.0).unwrap() - 0.3).abs() < 1e-12);
         assert!((growth.coefficient_at(1e-6, 4e-6).unwrap() - 0.3).abs() < 1e-12);
-        let at_once = KatoLubricant { drop: 0.1, a: 1e9, m: 1.0, b: 1e9, n: 1.0 };
-        let velocity = at_once.critical_velocity(450.0 * 9.80665, 450.0, 45e6).unwrap();
+        let immediate = KatoLubricant { drop: 0.1, a: 1e9, m: 1.0, b: 1e9, n: 1.0 };
+        let velocity = immediate.critical_velocity(450.0 * 9.80665, 450.0, 45e6).unwrap();
         assert!((velocity * 1e3 - 1.974).abs() < 1e-3);
         assert_eq!(dynamic_slope((100.0, 1.0), (40.0, 4.0)), Ok(-20.0));
         assert!(dynamic_slope((100.0, 1.0), (40.0, 1.0)).is_err());

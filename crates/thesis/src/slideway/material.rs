@@ -1,4 +1,4 @@
-//! The metal of slideways: what presses and what shears.
+//! The metal of slideways: elasticity, hardness and shear strength.
 
 use super::units::KGF_PER_MM2;
 use super::{Range, SlidewayError};
@@ -15,6 +15,17 @@ pub const MEAN_TO_PEAK: f64 = 2.0 / 3.0;
 pub const YIELD_TO_HARDNESS: f64 = 0.6;
 
 /// A metal.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::slideway::material::Material;
+/// use patchcord_thesis::slideway::units::KGF_PER_MM2;
+///
+/// let iron = Material::GRADE_17_IRON;
+/// assert!((iron.yield_pressure() / KGF_PER_MM2 - 132.0).abs() < 1e-9);
+/// assert!((iron.with_tabor_shear().shear_strength / KGF_PER_MM2 - 76.2).abs() < 0.05);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Young's modulus E, in Pa.
@@ -28,8 +39,10 @@ pub struct Material {
 }
 
 impl Material {
-    /// Cast iron of grade 17 (7.2): E = 1.32e4 kgf/mm2, hardness 220 kgf/mm2, shear strength 30.87 kgf/mm2. Poisson's ratio is not
-    /// printed: 0.257 ... 0.279 give the printed figures of eq 24-7, and 0.27 those of eq 26-7 and 30-7 as well.
+    /// Cast iron of grade 17 (7.2): E = 1.32e4 kgf/mm2, hardness 220 kgf/mm2, shear strength 30.87 kgf/mm2.
+    ///
+    /// Poisson's ratio is not printed. Values of 0.257 ... 0.279 give the printed figures of eq 24-7, and 0.27 also
+    /// gives those of eq 26-7 and 30-7.
     pub const GRADE_17_IRON: Material = Material {
         modulus: 1.32e4 * KGF_PER_MM2,
         poisson: 0.27,
@@ -37,11 +50,11 @@ impl Material {
         shear_strength: 30.87 * KGF_PER_MM2,
     };
 
-    /// That every property is one that a metal can have: E of 1e6 ... 1e13 Pa, Poisson's ratio of 0 ... 0.5, a hardness of
-    /// 1e6 ... 1e12 Pa, a shear strength of 0 ... 1e12 Pa.
+    /// Returns the material if every property is possible for a metal: E of 1e6 ... 1e13 Pa, Poisson's ratio of 0 ...
+    /// 0.5, a hardness of 1e6 ... 1e12 Pa, a shear strength of 0 ... 1e12 Pa.
     ///
     /// # Errors
-    /// The first one that is not.
+    /// The first property that is out of its range.
     pub fn checked(&self) -> Result<&Self, SlidewayError> {
         MODULUS.check(self.modulus)?;
         POISSON.check(self.poisson)?;
@@ -55,7 +68,7 @@ impl Material {
         YIELD_TO_HARDNESS * self.hardness
     }
 
-    /// What two bodies of the metal give way by, Delta = 2 (1 - nu^2) / E in 1/Pa (eq 15-7).
+    /// Compliance of two bodies of the metal in contact, Delta = 2 (1 - nu^2) / E in 1/Pa (eq 15-7).
     pub fn pair_compliance(&self) -> f64 {
         2.0 * (1.0 - self.poisson.powi(2)) / self.modulus
     }
@@ -71,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_of_the_study_come_out() {
+    fn figures_of_the_study_are_reproduced() {
         let iron = Material::GRADE_17_IRON.checked().unwrap();
         assert!((iron.yield_pressure() / KGF_PER_MM2 - 132.0).abs() < 1e-9);
         assert!((iron.pair_compliance() * KGF_PER_MM2 - 1.4047e-4).abs() < 1e-8);
@@ -79,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_metal_has_is_refused() {
+    fn impossible_properties_are_refused() {
         let iron = Material::GRADE_17_IRON;
         assert!(Material { poisson: 0.6, ..iron }.checked().is_err());
         assert!(Material { modulus: 0.0, ..iron }.checked().is_err());

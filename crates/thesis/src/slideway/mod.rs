@@ -1,9 +1,14 @@
 //! The physics of a machine-tool slideway, as the study of its stick-slip derives it, in pure functions.
 //!
-//! Everything that is handed in or out is in SI units; formulas that the study fitted in kgf, mm, P and cm/s are kept as
-//! printed and converted at their edges ([`units`]). "eq 34-7" is equation 34 of the study's chapter 7. Where its sums and
-//! its fitted formulas differ, both are here, and say so. What lies outside the range of a law is a [`SlidewayError`],
-//! never a plausible number.
+//! All arguments and results are in SI units. Formulas that the study fitted in kgf, mm, P and cm/s are kept as
+//! printed; the functions convert units at their beginning and end ([`units`]). "eq 34-7" is equation 34 of the
+//! study's chapter 7. If a sum of the study and its fitted formula differ, both are given and the documentation names
+//! the difference. A value outside the range of a law gives a [`SlidewayError`], never a plausible number.
+//!
+//! Chapter 2 is in [`adhesion`] and [`history`], chapter 4 in [`hydraulics`] and [`tilt`]. Chapter 7 goes from one
+//! ridge to the lubricated joint: [`ridge`], [`crossing`], [`asperities`], [`joint`], [`dry_friction`],
+//! [`boundary_film`], [`wedge`], [`oil`], [`lubricated`]. Chapter 8 is in [`falling`] and [`scaling`], chapter 9 in
+//! [`stability`], [`describing`], [`simulated`], [`measured`] and [`design`].
 
 pub mod adhesion;
 pub mod asperities;
@@ -35,9 +40,9 @@ mod root;
 
 pub use range::{Range, SlidewayError};
 
-/// Holds a number to another, within a share of it.
+/// Asserts that a number agrees with the expected one within a relative tolerance.
 #[cfg(test)]
 #[track_caller]
-fn near(got: f64, wanted: f64, share: f64) {
-    assert!((got / wanted - 1.0).abs() < share, "{got}, not {wanted}");
+fn assert_close(got: f64, expected: f64, tolerance: f64) {
+    assert!((got / expected - 1.0).abs() < tolerance, "got {got}, expected {expected}");
 }

@@ -1,4 +1,4 @@
-//! Oils: the pressure that their film builds up between sliding surfaces, and their drag (7.3.ii); viscosity by pressure and
+//! Oils: pressure and drag of their film between sliding surfaces (7.3.ii), and viscosity against pressure and
 //! temperature (6.5).
 
 use super::power_law::PowerLaw;
@@ -8,37 +8,57 @@ use super::{Range, SlidewayError};
 
 const VISCOSITY: Range = Range::new("viscosity", "Pa s", 1e-6, 1e3);
 const GAP: Range = Range::new("height of the gap H", "m", 1e-9, 1e-2);
-/// The study fits up to 10 cm/s and goes no further.
+/// Velocities for which the study fitted its laws: up to 10 cm/s.
 const VELOCITY: Range = Range::new("velocity", "m/s", 0.0, 10.0 * CM_PER_S);
 const PRESSURE: Range = Range::new("film pressure", "Pa", 1e-3, 1e9);
 
-/// Power of the gap in the film pressure: 2 of Reynolds' equation and 0.478 of Ks (eq 155-7).
+/// Exponent of the gap in the film pressure: 2 from Reynolds' equation and 0.478 from Ks (eq 155-7).
 const GAP_EXPONENT: f64 = 2.478;
-/// Factor of eq 155-7: 6 times Ks 0.05 times 100, for P, cm/s, um, kgf/cm2. (The units alone would have it 30.6: 98.07 for 100.)
+/// Factor of eq 155-7: 6 times Ks 0.05 times 100, for P, cm/s, um, kgf/cm2. Exact units would give 30.6, because one
+/// kgf/cm2 is 98.07 kPa and not 100 kPa.
 const FILM_FACTOR: f64 = 30.0;
 
 /// An oil between the study's surfaces.
+///
+/// # Examples
+///
+/// The velocity at which the film carries 0.65 kgf/cm2 over a gap of 5.48 um. A thicker oil does so at a lower
+/// velocity:
+///
+/// ```
+/// use patchcord_thesis::slideway::oil::Oil;
+/// use patchcord_thesis::slideway::units::{KGF_PER_CM2, MM_PER_S, UM};
+///
+/// let parting = |oil: Oil| oil.velocity(5.48 * UM, 0.65 * KGF_PER_CM2);
+/// assert!((parting(Oil::ONE)? / MM_PER_S - 43.1).abs() < 0.4);
+/// assert!(parting(Oil::TWO)? < parting(Oil::ONE)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oil {
     /// Viscosity eta, in Pa s.
     pub viscosity: f64,
-    /// V / Cv by velocity, in cm/s: what the film's pressure is built up by. Cv is the study's correction of Reynolds' equation.
+    /// V / Cv in cm/s against velocity in cm/s. The film pressure is proportional to it. Cv is the study's correction
+    /// of Reynolds' equation.
     pub wedge_speed: PowerLaw,
 }
 
 impl Oil {
-    /// Oil 1: 0.74 P, V / Cv = 0.79 V^0.624 with a factor that makes eq 153-7 23.89 (eq 149-7 rounds it).
+    /// Oil 1: 0.74 P, V / Cv = 0.79 V^0.624. The factor is chosen so that eq 153-7 has 23.89 (eq 149-7 rounds it).
     pub const ONE: Oil =
         Oil { viscosity: 0.74 * POISE, wedge_speed: PowerLaw::new(23.89 / FILM_FACTOR, 0.624) };
 
-    /// Oil 2: V / Cv = 0.145 V^0.7, with a factor that makes eq 154-7 4.38. The scan lost its viscosity; 5.88 P follows from eq 10-9.
+    /// Oil 2: V / Cv = 0.145 V^0.7. The factor is chosen so that eq 154-7 has 4.38. The scan lost its viscosity; 5.88
+    /// P follows from eq 10-9.
     pub const TWO: Oil = Oil { viscosity: 5.88 * POISE, wedge_speed: PowerLaw::new(4.38 / FILM_FACTOR, 0.7) };
 
-    /// An oil of some viscosity in Pa s whose law of V / Cv lies between those of oil 1 and oil 2, on logarithmic paper: the exponent
-    /// goes with the logarithm of viscosity, that of the factor too. (Ours; eq 10-9 is the study's way between them, by one exponent.)
+    /// An oil of any viscosity in Pa s, interpolated between oil 1 and oil 2.
+    ///
+    /// The exponent of the law of V / Cv and the logarithm of its factor are linear in the logarithm of viscosity. This
+    /// interpolation is ours. The study interpolates with one exponent (eq 10-9).
     ///
     /// # Errors
-    /// Where the viscosity is outside of 1e-6 ... 1e3 Pa s.
+    /// If the viscosity is outside 1e-6 ... 1e3 Pa s.
     pub fn of_viscosity(viscosity: f64) -> Result<Self, SlidewayError> {
         let [one, two] = [Self::ONE, Self::TWO];
         let share = (VISCOSITY.check(viscosity)? / one.viscosity).ln() / (two.viscosity / one.viscosity).ln();
@@ -49,29 +69,32 @@ impl Oil {
         Ok(Oil { viscosity, wedge_speed })
     }
 
-    /// Pressure PL in Pa that the film builds up at a velocity in m/s and a gap H in m: 30 eta (V / Cv) / H^2.478 (eq 153-7 ... 155-7).
-    /// Velocities up to 10 cm/s, gaps of 4.64 ... 9.2 um; eq 149-7 and 150-7 were fitted above VcL, and are used from rest on.
+    /// Pressure PL in Pa of the film at a velocity in m/s and a gap H in m: 30 eta (V / Cv) / H^2.478 (eq 153-7 ...
+    /// 155-7).
+    ///
+    /// The law was fitted for velocities up to 10 cm/s and gaps of 4.64 ... 9.2 um. Eq 149-7 and 150-7 were fitted
+    /// above VcL, and the study uses them from rest on.
     ///
     /// # Errors
-    /// Where the viscosity is outside of 1e-6 ... 1e3 Pa s, the gap of 1e-9 ... 1e-2 m, or the velocity of 0 ... 10 cm/s.
+    /// If the viscosity is outside 1e-6 ... 1e3 Pa s, the gap of 1e-9 ... 1e-2 m, or the velocity of 0 ... 10 cm/s.
     pub fn film_pressure(&self, velocity: f64, gap: f64) -> Result<f64, SlidewayError> {
         let speed = self.wedge_speed.at(VELOCITY.check(velocity)? / CM_PER_S);
         Ok(self.pressure_of(speed, GAP.check(gap)?, VISCOSITY.check(self.viscosity)?))
     }
 
-    /// The gap in m over which the film builds up a pressure in Pa at a velocity in m/s, above 0.
+    /// The gap in m at which the film has a pressure in Pa, for a velocity in m/s above 0.
     ///
     /// # Errors
-    /// As [`Oil::film_pressure`], and where the pressure is outside of 1e-3 ... 1e9 Pa.
+    /// As [`Oil::film_pressure`], and where the pressure is outside 1e-3 ... 1e9 Pa.
     pub fn gap(&self, velocity: f64, pressure: f64) -> Result<f64, SlidewayError> {
         let at_unit_gap = self.film_pressure(velocity, UM)?;
         Ok((at_unit_gap / PRESSURE.check(pressure)?).powf(1.0 / GAP_EXPONENT) * UM)
     }
 
-    /// The velocity in m/s at which the film builds up a pressure in Pa over a gap in m (eq 166-7, 167-7).
+    /// The velocity in m/s at which the film has a pressure in Pa, for a gap in m (eq 166-7, 167-7).
     ///
     /// # Errors
-    /// Where viscosity, gap or pressure is outside of the ranges of [`Oil::film_pressure`] and [`Oil::gap`].
+    /// If viscosity, gap or pressure is outside the ranges of [`Oil::film_pressure`] and [`Oil::gap`].
     pub fn velocity(&self, gap: f64, pressure: f64) -> Result<f64, SlidewayError> {
         let at_unit_speed = self.pressure_of(1.0, GAP.check(gap)?, VISCOSITY.check(self.viscosity)?);
         Ok(self.wedge_speed.inverse().at(PRESSURE.check(pressure)? / at_unit_speed) * CM_PER_S)
@@ -80,7 +103,7 @@ impl Oil {
     /// Drag of the film on a square metre, in Pa, at a velocity in m/s and a gap in m: eta V Kf / H (eq 171-7, 176-7).
     ///
     /// # Errors
-    /// Where the viscosity is outside of 1e-6 ... 1e3 Pa s, the gap of 1e-9 ... 1e-2 m, or the velocity of 0 ... 10 cm/s.
+    /// If the viscosity is outside 1e-6 ... 1e3 Pa s, the gap of 1e-9 ... 1e-2 m, or the velocity of 0 ... 10 cm/s.
     pub fn drag(&self, velocity: f64, gap: f64) -> Result<f64, SlidewayError> {
         let rate = VELOCITY.check(velocity)? / GAP.check(gap)?;
         Ok(VISCOSITY.check(self.viscosity)? * rate * DRAG_FACTOR.at(gap / UM))
@@ -92,19 +115,20 @@ impl Oil {
     }
 }
 
-/// Cv = slow + by_speed V with V in cm/s: by how much the study divides Reynolds' pressure (eq 146-7 ... 148-7).
+/// The study's correction of Reynolds' equation, Cv = slow + by_speed V with V in cm/s (eq 146-7 ... 148-7). It
+/// divides the pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
     /// Cv at rest.
     pub slow: f64,
-    /// What every cm/s adds.
+    /// Increase of Cv per cm/s.
     pub by_speed: f64,
 }
 
 impl Correction {
-    /// That of oil 1 (eq 147-7).
+    /// The correction of oil 1 (eq 147-7).
     pub const ONE: Correction = Correction { slow: 1.6, by_speed: 0.14 };
-    /// That of oil 2 (eq 148-7).
+    /// The correction of oil 2 (eq 148-7).
     pub const TWO: Correction = Correction { slow: 7.4, by_speed: 0.64 };
 
     /// V / Cv at a velocity, both in cm/s.
@@ -113,19 +137,19 @@ impl Correction {
     }
 }
 
-/// By how much viscosity grows under a pressure in Pa: it doubles every 35 MN/m2 (6.5 1e).
+/// The factor by which viscosity grows under a pressure in Pa: it doubles every 35 MN/m2 (6.5 1e).
 ///
 /// # Errors
-/// Outside of 0 ... 1e9 Pa.
+/// If the pressure is outside 0 ... 1e9 Pa.
 pub fn thickening(pressure: f64) -> Result<f64, SlidewayError> {
     let pressure = Range::new("pressure on the oil", "Pa", 0.0, 1e9).check(pressure)?;
     Ok((pressure / 35e6).exp2())
 }
 
-/// By how much viscosity changes with a rise of temperature in K: it halves every 10 K (6.5 1f).
+/// The factor by which viscosity changes with a rise of temperature in K: it halves every 10 K (6.5 1f).
 ///
 /// # Errors
-/// Outside of -100 ... 100 K.
+/// If the rise is outside -100 ... 100 K.
 pub fn thinning(rise: f64) -> Result<f64, SlidewayError> {
     let rise = Range::new("rise of temperature", "K", -100.0, 100.0).check(rise)?;
     Ok((-rise / 10.0).exp2())
@@ -138,14 +162,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limit_velocities_of_both_oils_come_out() {
+    fn limit_velocities_of_both_oils_are_reproduced() {
         let at = |oil: Oil| oil.velocity(5.48 * UM, 0.65 * KGF_PER_CM2).unwrap() / CM_PER_S;
         assert!((at(Oil::ONE) - 4.314).abs() < 0.03, "{}", at(Oil::ONE));
         assert!((at(Oil::TWO) - 2.1483).abs() < 0.01, "{}", at(Oil::TWO));
     }
 
     #[test]
-    fn oils_between_both_are_between_both() {
+    fn interpolation_is_exact_at_both_oils() {
         for oil in [Oil::ONE, Oil::TWO] {
             let again = Oil::of_viscosity(oil.viscosity).unwrap().wedge_speed;
             assert!((again.factor / oil.wedge_speed.factor - 1.0).abs() < 1e-12);
@@ -168,7 +192,7 @@ mod tests {
                 .collect();
             let fit = PowerLaw::fit(&points).unwrap();
             assert!((fit.exponent - oil.wedge_speed.exponent).abs() < 0.01, "{fit:?}");
-            assert!(oil.wedge_speed.worst_miss(&points) < 0.05);
+            assert!(oil.wedge_speed.max_deviation(&points) < 0.05);
         }
     }
 
@@ -180,7 +204,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn gap_and_velocity_undo_pressure(velocity in 1e-4..0.1f64, micrometres in 4.0..10.0f64) {
+        fn gap_and_velocity_are_inverse_to_pressure(velocity in 1e-4..0.1f64, micrometres in 4.0..10.0f64) {
             let (oil, gap) = (Oil::ONE, micrometres * UM);
             let pressure = oil.film_pressure(velocity, gap).unwrap();
             prop_assert!((oil.gap(velocity, pressure).unwrap() / gap - 1.0).abs() < 1e-9);

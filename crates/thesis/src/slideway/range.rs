@@ -1,32 +1,43 @@
-//! What a quantity may be for a law to hold, and the error that tells where it does not.
+//! Ranges of quantities in which a law holds, and the error for values outside them.
 
-/// Why a law gives no number.
+/// The reason why a law gives no number.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SlidewayError {
-    /// A quantity for which the law does not hold.
-    #[error("{} is {}, and must be {}", range.quantity, range.told(*value), range.bounds())]
+    /// A quantity is outside the range in which the law holds.
+    #[error("{} must be {}, got {}", range.quantity, range.bounds(), range.with_unit(*value))]
     OutOfRange {
-        /// What the value is outside of.
+        /// The range that the value violates.
         range: Range,
-        /// The value.
+        /// The value, in the unit of the range.
         value: f64,
     },
-    /// What is sought does not exist for these values.
-    #[error("there is no {sought}: {because}")]
+    /// The wanted quantity does not exist for these values.
+    #[error("there is no {sought}: {reason}")]
     NoSolution {
-        /// What is sought.
+        /// Name of the wanted quantity.
         sought: &'static str,
-        /// What rules it out.
-        because: String,
+        /// The reason, as text.
+        reason: String,
     },
 }
 
-/// The values that a quantity may have, ends included.
+/// The permitted values of a quantity, both ends included.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::slideway::Range;
+///
+/// let overlap = Range::new("overlap", "m", 0.0, 1.0);
+/// assert_eq!(overlap.check(0.5), Ok(0.5));
+/// assert_eq!(overlap.check(2.0).unwrap_err().to_string(), "overlap must be within 0 ... 1, got 2 m");
+/// assert!(Range::positive("mass M", "kg").check(0.0).is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// What the quantity is called.
+    /// Name of the quantity.
     pub quantity: &'static str,
-    /// Its unit; empty for a pure number.
+    /// Unit of the quantity; empty for a pure number.
     pub unit: &'static str,
     /// The lowest value.
     pub low: f64,
@@ -35,7 +46,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// From the lowest to the highest value.
+    /// The range from the lowest to the highest value.
     pub const fn new(quantity: &'static str, unit: &'static str, low: f64, high: f64) -> Self {
         Range { quantity, unit, low, high }
     }
@@ -50,31 +61,32 @@ impl Range {
         Range::new(quantity, unit, 0.0, f64::MAX)
     }
 
-    /// The value, if it lies within.
+    /// Returns the value if it is within the range.
     ///
     /// # Errors
-    /// [`SlidewayError::OutOfRange`] for any other value and for what is not a number.
+    /// [`SlidewayError::OutOfRange`] if the value is outside the range or not a number.
     pub fn check(&self, value: f64) -> Result<f64, SlidewayError> {
         let is_within = (self.low..=self.high).contains(&value);
         if is_within { Ok(value) } else { Err(SlidewayError::OutOfRange { range: *self, value }) }
     }
 
-    /// All numbers.
+    /// All finite numbers.
     pub const fn finite(quantity: &'static str, unit: &'static str) -> Self {
         Range::new(quantity, unit, f64::MIN, f64::MAX)
     }
 
-    /// A value with its unit, if there is one.
-    fn told(&self, value: f64) -> String {
+    /// A value with the unit of the range, if there is one.
+    fn with_unit(&self, value: f64) -> String {
         format!("{value} {}", self.unit).trim_end().to_owned()
     }
 
+    /// The permitted values in words, as they follow "must be".
     fn bounds(&self) -> String {
         match (self.low, self.high) {
             (f64::MIN, f64::MAX) => "a finite number".to_owned(),
-            (f64::MIN_POSITIVE, f64::MAX) => "above 0".to_owned(),
+            (f64::MIN_POSITIVE, f64::MAX) => "positive".to_owned(),
             (low, f64::MAX) => format!("at least {low}"),
-            (low, high) => format!("{low} ... {high}"),
+            (low, high) => format!("within {low} ... {high}"),
         }
     }
 }
@@ -84,21 +96,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_outside_is_told_with_its_range() {
+    fn error_names_quantity_range_and_value() {
         let viscosity = Range::new("viscosity", "Pa s", 0.01, 0.6);
         assert_eq!(viscosity.check(0.6), Ok(0.6));
-        let told = |range: Range, value: f64| range.check(value).unwrap_err().to_string();
-        assert_eq!(told(viscosity, 0.7), "viscosity is 0.7 Pa s, and must be 0.01 ... 0.6");
-        assert_eq!(told(viscosity, f64::NAN), "viscosity is NaN Pa s, and must be 0.01 ... 0.6");
-        assert_eq!(told(Range::new("ratio", "", 0.0, 1.0), 2.0), "ratio is 2, and must be 0 ... 1");
-        assert_eq!(told(Range::positive("mass", "kg"), 0.0), "mass is 0 kg, and must be above 0");
+        let error = |range: Range, value: f64| range.check(value).unwrap_err().to_string();
+        assert_eq!(error(viscosity, 0.7), "viscosity must be within 0.01 ... 0.6, got 0.7 Pa s");
+        assert_eq!(error(viscosity, f64::NAN), "viscosity must be within 0.01 ... 0.6, got NaN Pa s");
+        assert_eq!(error(Range::new("ratio", "", 0.0, 1.0), 2.0), "ratio must be within 0 ... 1, got 2");
+        assert_eq!(error(Range::positive("mass", "kg"), 0.0), "mass must be positive, got 0 kg");
+        assert_eq!(error(Range::not_negative("speed", "m/s"), -1.0), "speed must be at least 0, got -1 m/s");
         assert_eq!(
-            told(Range::not_negative("speed", "m/s"), -1.0),
-            "speed is -1 m/s, and must be at least 0"
-        );
-        assert_eq!(
-            told(Range::finite("speed", "m/s"), f64::INFINITY),
-            "speed is inf m/s, and must be a finite number"
+            error(Range::finite("speed", "m/s"), f64::INFINITY),
+            "speed must be a finite number, got inf m/s"
         );
         assert!(Range::positive("mass", "kg").check(f64::INFINITY).is_err());
     }

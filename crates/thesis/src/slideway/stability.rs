@@ -1,8 +1,8 @@
-//! Small motions of a table whose solid friction follows velocity late: Routh-Hurwitz (8.2, 9.4 (i)).
+//! Stability of small motions of a table whose solid friction lags behind velocity: Routh-Hurwitz (8.2, 9.4 (i)).
 //!
-//! About a steady velocity at which solid friction falls by Cn for every unit of velocity, the table obeys
-//! M s^2 + f s - Cn s / (1 + Tc s) + K = 0. The study writes N for -Cn (eq 26-9 ... 32-9); here Cn is above 0 where
-//! friction falls, as in eq 40-8.
+//! Cn is the slope with which solid friction falls at the steady velocity. The characteristic equation of the table
+//! is M s^2 + f s - Cn s / (1 + Tc s) + K = 0. The study writes N for -Cn (eq 26-9 ... 32-9). Here Cn is positive
+//! while friction falls, as in eq 40-8.
 
 use super::falling::FallingFriction;
 use super::power_law::PowerLaw;
@@ -15,36 +15,55 @@ const DAMPING: Range = Range::not_negative("viscous coefficient f", "N s/m");
 const MEMORY: Range = Range::not_negative("time constant Tc", "s");
 const SLOPE: Range = Range::finite("slope of friction Cn", "N s/m");
 
-/// Eq 32-9 by the time constant as the study drew it, N s/mm by s, at 433 kg, 45 kN/mm and 10.71 N s/mm (eq 37-9). It is within 4 % of it
-/// over 6 ... 25 ms.
+/// The critical slope in N s/mm against time constant in s, as the study drew it for 433 kg, 45 kN/mm and 10.71 N
+/// s/mm (eq 37-9). It agrees with eq 32-9 to 4 % over 6 ... 25 ms.
 pub const PRINTED_BY_MEMORY: PowerLaw = PowerLaw::new(12.95e4, 1.55);
 
-/// Eq 32-9 by stiffness as the study drew it, N s/mm by N/mm, at 433 kg, 10.71 N s/mm and 7.1 ms (eq 38-9). It is within 7 % of it over
-/// 10 ... 45 kN/mm.
+/// The critical slope in N s/mm against stiffness in N/mm, as the study drew it for 433 kg, 10.71 N s/mm and 7.1 ms
+/// (eq 38-9). It agrees with eq 32-9 to 7 % over 10 ... 45 kN/mm.
 pub const PRINTED_BY_STIFFNESS: PowerLaw = PowerLaw::new(0.0385, 0.685);
 
-/// Viscous coefficient of the study's simulation, in N s/m: the one that its time constants were found with (8.4, 9.2).
+/// Viscous coefficient of the study's simulation, in N s/m (8.4, 9.2). The time constants of the study were found
+/// with it.
 pub const SIMULATED_DAMPING: f64 = 10.7e3;
 
-/// A table on its drive: a mass on a spring with viscous damping, whose solid friction remembers velocity.
+/// A table on its drive: a mass on a spring with viscous damping, whose solid friction lags behind velocity.
+///
+/// # Examples
+///
+/// Without lag the table is stable as long as friction falls less steeply than viscous friction rises:
+///
+/// ```
+/// use patchcord_thesis::slideway::stability::DrivenTable;
+///
+/// let table = DrivenTable::simulated(0.0);
+/// assert!((table.natural_frequency()? - 322.4).abs() < 0.1);
+/// assert_eq!(table.critical_slope()?, 10.7e3);
+///
+/// // A lag of friction makes the table more stable.
+/// let lagging = DrivenTable::simulated(0.0071);
+/// let slope = 1.01 * table.critical_slope()?;
+/// assert!(!table.is_stable(slope)? && lagging.is_stable(slope)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenTable {
-    /// Mass M of what slides, in kg, above 0.
+    /// Sliding mass M, in kg, above 0.
     pub mass: f64,
     /// Stiffness K of the drive, in N/m, above 0.
     pub stiffness: f64,
     /// Viscous coefficient f, in N s/m, not below 0.
     pub damping: f64,
-    /// Time constant Tc with which solid friction follows velocity, in s, not below 0.
+    /// Time constant Tc of the lag of solid friction behind velocity, in s, not below 0.
     pub memory: f64,
 }
 
-/// The numbers without unit that decide stability (eq 33-9 ... 35-9).
+/// The dimensionless groups that decide stability (eq 33-9 ... 35-9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Groups {
     /// A = K Tc^2 / M.
     pub stiffness: f64,
-    /// B = Cn Tc / M, above 0 where friction falls (the study's is below 0 there).
+    /// B = Cn Tc / M, positive while friction falls (negative in the study).
     pub slope: f64,
     /// C = f Tc / M.
     pub damping: f64,
@@ -58,8 +77,8 @@ impl Groups {
 }
 
 impl DrivenTable {
-    /// The study's final simulation (8.4), M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm, with a time constant in s; it set
-    /// 6 ... 25 ms.
+    /// The table of the study's final simulation (8.4): M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm, with a time
+    /// constant in s. The study set 6 ... 25 ms.
     pub const fn simulated(memory: f64) -> Self {
         DrivenTable { mass: 433.0, stiffness: 45e6, damping: SIMULATED_DAMPING, memory }
     }
@@ -72,15 +91,15 @@ impl DrivenTable {
         Ok(self)
     }
 
-    /// M + f Tc, in kg: the mass that the spring feels on the boundary of stability.
-    fn slowed_mass(&self) -> f64 {
+    /// M + f Tc, in kg: the effective mass on the boundary of stability.
+    fn effective_mass(&self) -> f64 {
         self.mass + self.damping * self.memory
     }
 
     /// Undamped natural frequency, sqrt(K / M), in rad/s (eq 11-8).
     ///
     /// # Errors
-    /// Where a quantity is out of its range.
+    /// If a quantity is out of its range.
     pub fn natural_frequency(&self) -> Result<f64, SlidewayError> {
         self.checked().map(|table| (table.stiffness / table.mass).sqrt())
     }
@@ -88,39 +107,39 @@ impl DrivenTable {
     /// Damping ratio of the table without solid friction, f / (2 sqrt(M K)) (eq 12-8).
     ///
     /// # Errors
-    /// Where a quantity is out of its range.
+    /// If a quantity is out of its range.
     pub fn damping_ratio(&self) -> Result<f64, SlidewayError> {
         self.checked().map(|table| table.damping / (2.0 * (table.mass * table.stiffness).sqrt()))
     }
 
-    /// Frequency with which the table without solid friction swings to rest, wn sqrt(1 - zeta^2), in rad/s.
+    /// Damped natural frequency of the table without solid friction, wn sqrt(1 - zeta^2), in rad/s.
     ///
     /// # Errors
-    /// Where a quantity is out of its range, or damping leaves no swing.
+    /// If a quantity is out of its range, or the damping ratio is 1 or more.
     pub fn damped_frequency(&self) -> Result<f64, SlidewayError> {
         let damping = self.damping_ratio()?;
         if damping >= 1.0 {
-            let because = format!("the damping ratio is {damping:.4}");
-            return Err(SlidewayError::NoSolution { sought: "damped frequency", because });
+            let reason = format!("the damping ratio is {damping:.4}");
+            return Err(SlidewayError::NoSolution { sought: "damped frequency", reason });
         }
         Ok(self.natural_frequency()? * (1.0 - damping.powi(2)).sqrt())
     }
 
-    /// Factors of s^3, s^2, s and 1 in the denominator of eq 26-9, where solid friction falls by `slope`, in N s/m.
+    /// Coefficients of s^3, s^2, s and 1 in the denominator of eq 26-9, for a slope of solid friction in N s/m.
     ///
     /// # Errors
-    /// Where a quantity of the table is out of its range, or the slope is not a number.
+    /// If a quantity of the table is out of its range, or the slope is not a number.
     pub fn characteristic(&self, slope: f64) -> Result<[f64; 4], SlidewayError> {
         let (table, slope) = (self.checked()?, SLOPE.check(slope)?);
         let velocity = table.stiffness * table.memory + table.damping - slope;
-        Ok([table.mass * table.memory, table.slowed_mass(), velocity, table.stiffness])
+        Ok([table.mass * table.memory, table.effective_mass(), velocity, table.stiffness])
     }
 
-    /// Whether small motions die away where solid friction falls by `slope`, in N s/m: (M + f Tc)(K Tc + f - Cn) > M K Tc
-    /// (eq 27-9; with "at least" it takes the boundary in).
+    /// Whether small motions decay at a slope of solid friction in N s/m: (M + f Tc)(K Tc + f - Cn) > M K Tc (eq
+    /// 27-9). The study writes "at least", which includes the boundary.
     ///
     /// # Errors
-    /// Where a quantity of the table is out of its range, or the slope is not a number.
+    /// If a quantity of the table is out of its range, or the slope is not a number.
     pub fn is_stable(&self, slope: f64) -> Result<bool, SlidewayError> {
         let [cube, square, line, constant] = self.characteristic(slope)?;
         Ok(square * line > cube * constant)
@@ -129,18 +148,20 @@ impl DrivenTable {
     /// The slope of solid friction on the boundary of stability, in N s/m: Cn = f + f K Tc^2 / (M + f Tc) (eq 32-9).
     ///
     /// # Errors
-    /// Where a quantity is out of its range.
+    /// If a quantity is out of its range.
     pub fn critical_slope(&self) -> Result<f64, SlidewayError> {
         let table = self.checked()?;
-        let by_memory = table.damping * table.stiffness * table.memory.powi(2) / table.slowed_mass();
+        let by_memory = table.damping * table.stiffness * table.memory.powi(2) / table.effective_mass();
         Ok(table.damping + by_memory)
     }
 
-    /// The critical velocity in m/s on a slideway with this friction, above which small motions die away: where friction falls by the
-    /// critical slope, VcL - Cn VcL^2 / (2 Fs) (eq 41-8 with 32-9).
+    /// The critical velocity in m/s on a slideway with this friction, above which small motions decay.
+    ///
+    /// The slope of friction equals the critical slope there: VcL - Cn VcL^2 / (2 Fs) (eq 41-8 with 32-9).
     ///
     /// # Errors
-    /// Where a quantity is out of its range, or friction is nowhere so steep: then they die away at every velocity.
+    /// If a quantity is out of its range, or the slope of friction is below the critical slope at every velocity.
+    /// Then small motions always decay.
     pub fn critical_velocity(&self, friction: &FallingFriction) -> Result<f64, SlidewayError> {
         friction.velocity_at_slope(self.critical_slope()?)
     }
@@ -148,15 +169,15 @@ impl DrivenTable {
     /// Frequency on the boundary of stability, sqrt(K / (M + f Tc)), in rad/s (eq 40-9).
     ///
     /// # Errors
-    /// Where a quantity is out of its range.
+    /// If a quantity is out of its range.
     pub fn boundary_frequency(&self) -> Result<f64, SlidewayError> {
-        self.checked().map(|table| (table.stiffness / table.slowed_mass()).sqrt())
+        self.checked().map(|table| (table.stiffness / table.effective_mass()).sqrt())
     }
 
-    /// The numbers without unit, where solid friction falls by `slope`, in N s/m (eq 33-9 ... 35-9).
+    /// The dimensionless groups for a slope of solid friction in N s/m (eq 33-9 ... 35-9).
     ///
     /// # Errors
-    /// Where a quantity of the table is out of its range, or the slope is not a number.
+    /// If a quantity of the table is out of its range, or the slope is not a number.
     pub fn groups(&self, slope: f64) -> Result<Groups, SlidewayError> {
         let (table, slope) = (self.checked()?, SLOPE.check(slope)?);
         let per_mass = table.memory / table.mass;
@@ -167,10 +188,10 @@ impl DrivenTable {
         })
     }
 
-    /// The power law closest to the critical slope over time constants in s: N s/mm by s, as eq 37-9 is printed.
+    /// The power law fitted to the critical slope over time constants in s: N s/mm against s, in the form of eq 37-9.
     ///
     /// # Errors
-    /// Where a quantity is out of its range, or fewer than two time constants differ.
+    /// If a quantity is out of its range, or fewer than two time constants differ.
     pub fn slope_by_memory(&self, memories: &[f64]) -> Result<PowerLaw, SlidewayError> {
         let point = |memory: &f64| {
             Ok((*memory, DrivenTable { memory: *memory, ..*self }.critical_slope()? / N_S_PER_MM))
@@ -178,10 +199,10 @@ impl DrivenTable {
         PowerLaw::fit(&memories.iter().map(point).collect::<Result<Vec<_>, SlidewayError>>()?)
     }
 
-    /// The power law closest to the critical slope over stiffnesses in N/m: N s/mm by N/mm, as eq 38-9 is printed.
+    /// The power law fitted to the critical slope over stiffnesses in N/m: N s/mm against N/mm, in the form of eq 38-9.
     ///
     /// # Errors
-    /// Where a quantity is out of its range, or fewer than two stiffnesses differ.
+    /// If a quantity is out of its range, or fewer than two stiffnesses differ.
     pub fn slope_by_stiffness(&self, stiffnesses: &[f64]) -> Result<PowerLaw, SlidewayError> {
         let point = |stiffness: &f64| {
             let slope = DrivenTable { stiffness: *stiffness, ..*self }.critical_slope()?;
@@ -197,17 +218,17 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::slideway::near;
+    use crate::slideway::assert_close;
 
     #[test]
-    fn figures_of_the_study_come_out() {
+    fn figures_of_the_study_are_reproduced() {
         let early = DrivenTable { mass: 454.0, stiffness: 17.86e6, damping: 17.86e3, memory: 0.0 };
-        near(early.natural_frequency().unwrap(), 198.34, 1e-4);
-        near(early.damping_ratio().unwrap(), 0.09917, 1e-4);
+        assert_close(early.natural_frequency().unwrap(), 198.34, 1e-4);
+        assert_close(early.damping_ratio().unwrap(), 0.09917, 1e-4);
         let table = DrivenTable { damping: 10.71e3, ..DrivenTable::simulated(0.0071) };
-        near(table.critical_slope().unwrap() / N_S_PER_MM, 58.4, 1e-3);
-        near(table.boundary_frequency().unwrap(), 297.3, 1e-3);
-        near(table.damped_frequency().unwrap(), 322.14, 1e-4);
+        assert_close(table.critical_slope().unwrap() / N_S_PER_MM, 58.4, 1e-3);
+        assert_close(table.boundary_frequency().unwrap(), 297.3, 1e-3);
+        assert_close(table.damped_frequency().unwrap(), 322.14, 1e-4);
     }
 
     #[test]
@@ -217,28 +238,28 @@ mod tests {
         let slope = |table: DrivenTable| table.critical_slope().unwrap() / N_S_PER_MM;
         let by_memory =
             [0.006, 0.0071, 0.01, 0.015, 0.025].map(|memory| (memory, slope(table(memory, 45e6))));
-        assert!(PRINTED_BY_MEMORY.worst_miss(&by_memory) < 0.04);
+        assert!(PRINTED_BY_MEMORY.max_deviation(&by_memory) < 0.04);
         let by_stiffness =
             [10e3, 20e3, 27.6e3, 45e3].map(|stiff| (stiff, slope(table(0.0071, stiff * N_PER_MM))));
-        assert!(PRINTED_BY_STIFFNESS.worst_miss(&by_stiffness) < 0.07);
+        assert!(PRINTED_BY_STIFFNESS.max_deviation(&by_stiffness) < 0.07);
     }
 
     #[test]
-    fn the_critical_velocity_is_that_of_the_slope() {
+    fn critical_velocity_follows_from_the_critical_slope() {
         let friction = FallingFriction::simulated(0.010_16);
         let velocity = DrivenTable::simulated(0.0065).critical_velocity(&friction).unwrap();
-        near(velocity * 1e3, 6.734, 1e-3);
+        assert_close(velocity * 1e3, 6.734, 1e-3);
         assert!(DrivenTable::simulated(0.025).critical_velocity(&friction).is_err());
     }
 
     #[test]
-    fn without_memory_no_falling_friction_beyond_the_viscous_is_borne() {
+    fn critical_slope_without_lag_is_the_viscous_coefficient() {
         assert_eq!(DrivenTable::simulated(0.0).critical_slope(), Ok(10.7e3));
         assert!(DrivenTable { mass: 0.0, ..DrivenTable::simulated(0.0) }.critical_slope().is_err());
         assert!(DrivenTable { damping: 1e6, ..DrivenTable::simulated(0.0) }.damped_frequency().is_err());
     }
 
-    /// Whether all roots of a cubic lie left of the imaginary axis, from the eigenvalues of its companion matrix.
+    /// Whether all roots of a cubic are in the left half-plane, from the eigenvalues of its companion matrix.
     fn has_stable_roots([cube, square, line, constant]: [f64; 4]) -> bool {
         // In units of the natural frequency, so that the matrix is balanced.
         let scale = (constant / cube).cbrt();
@@ -255,7 +276,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_criterion_agrees_with_the_roots(table in tables(), share in 0.2..2.0f64) {
+        fn criterion_agrees_with_the_roots(table in tables(), share in 0.2..2.0f64) {
             prop_assume!((share - 1.0).abs() > 1e-3);
             let slope = share * table.critical_slope().unwrap();
             prop_assert_eq!(table.is_stable(slope).unwrap(), share < 1.0);
@@ -263,14 +284,14 @@ mod tests {
         }
 
         #[test]
-        fn groups_tell_the_same_boundary(table in tables()) {
+        fn groups_give_the_same_boundary(table in tables()) {
             let groups = table.groups(table.critical_slope().unwrap()).unwrap();
             let boundary = Groups::boundary(groups.stiffness, groups.damping);
             prop_assert!((groups.slope / boundary - 1.0).abs() < 1e-9);
         }
 
         #[test]
-        fn the_boundary_swings_with_its_frequency(table in tables()) {
+        fn boundary_frequency_solves_the_characteristic_equation(table in tables()) {
             let [cube, square, line, constant] = table.characteristic(table.critical_slope().unwrap()).unwrap();
             let squared = table.boundary_frequency().unwrap().powi(2);
             prop_assert!((squared * square / constant - 1.0).abs() < 1e-9);

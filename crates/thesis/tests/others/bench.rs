@@ -1,28 +1,33 @@
-//! Circuits at an even command, as they are and rewired, and what is read off their velocity.
+//! Runs of circuits at a steady command, unchanged or rewired, and the quantities read from their velocity.
 
 use serde_json::{Map, Value, json};
 
 use crate::common::document;
-use crate::known::runs::{ran_circuit, recording};
+use crate::known_problems::runs::{recording_settings, run_circuit};
 use patchcord_core::patch::Patch;
 use patchcord_core::trace::Trace;
 
+/// The patch of Nakashima's circuit.
 pub const NAKASHIMA: &str = "others/nakashima";
+/// The patch of Singh's circuit.
 pub const SINGH: &str = "others/singh";
+/// The patch of the final circuit of the thesis.
 pub const THESIS: &str = "thesis/fig-8-16";
+/// The patch of Fig 8.16 with a brake in place of the dead zone.
 pub const BRAKE: &str = "thesis/fig-8-16-coulomb";
 
-/// Where the weight is what Nakashima's patch has, friction that his has too: mu_s M g, and VcL.
+/// Parameters that give Fig 8.16 the friction of Nakashima's patch: Fs = mu_s M g, and VcL.
 pub const FRICTION: [(&str, f64); 2] = [("Fs", 0.1815 * 433.0 * 9.80665), ("VcL", 12.7e-3)];
 
+/// Interval of the recorded samples in s.
 const EVERY: f64 = 1e-4;
 
-/// A patch as it stands.
+/// A shipped patch, unchanged.
 pub fn shipped(stem: &str) -> Patch {
     crate::common::shipped(stem)
 }
 
-/// A patch with its document changed; on the machine that has everything.
+/// A patch with an edited document, on the unlimited machine.
 pub fn edited(stem: &str, edit: impl FnOnce(&mut Map<String, Value>)) -> Patch {
     let mut document = document(stem);
     document["machine"] = json!("unlimited");
@@ -32,7 +37,8 @@ pub fn edited(stem: &str, edit: impl FnOnce(&mut Map<String, Value>)) -> Patch {
     Patch::parse(stem, &document.to_string()).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// Behind every multiplier a lag: what comes out of it has a bandwidth. Lags begin where the multipliers stand.
+/// A patch with a lag behind every multiplier, which limits the bandwidth of its output. The lags start at the
+/// initial outputs of the multipliers.
 pub fn with_slow_multipliers(stem: &str, time: f64) -> Patch {
     let program = crate::common::program(&shipped(stem), &[]);
     let machine = patchcord_core::solve::Machine::new(&program, 2e-5).unwrap();
@@ -49,13 +55,13 @@ pub fn with_slow_multipliers(stem: &str, time: f64) -> Patch {
     })
 }
 
-/// Elements of a kind.
+/// Names of the elements of a kind.
 pub fn names(elements: &Map<String, Value>, kind: &str) -> Vec<String> {
     let of_kind = elements.iter().filter(|(_, element)| element["kind"] == kind);
     of_kind.map(|(name, _)| name.clone()).collect()
 }
 
-/// Every cord from an element that another stands for comes from that one.
+/// Redirects every cord whose source has a replacement to this replacement.
 fn replace_cords(value: &mut Value, instead: &impl Fn(&str) -> Option<String>) {
     match value {
         Value::String(name) => *name = instead(name).unwrap_or_else(|| name.clone()),
@@ -65,59 +71,62 @@ fn replace_cords(value: &mut Value, instead: &impl Fn(&str) -> Option<String>) {
     }
 }
 
-/// A run with a record of its own.
+/// A run that records the given signals.
 pub fn record(patch: &Patch, changes: &[(&str, f64)], duration: f64, signals: &[&str]) -> Trace {
     let circuit = crate::common::circuit(patch, changes);
-    ran_circuit(&circuit, &recording(&circuit, duration, EVERY, signals))
+    run_circuit(&circuit, &recording_settings(&circuit, duration, EVERY, signals))
 }
 
-/// The output velocity in the last of 2 s at one command.
-pub struct Even {
+/// The output velocity in the last second of 2 s at a steady command.
+pub struct SteadyRun {
     command: f64,
     pub velocity: Vec<f64>,
 }
 
-impl Even {
-    /// Nakashima's arrangement, or what was made of it, at a set velocity.
-    pub fn set(patch: &Patch, changes: &[(&str, f64)], command: f64) -> Even {
-        Even::of(patch, &[changes, &[("v_set", command)]].concat(), command)
+impl SteadyRun {
+    /// Nakashima's circuit, unchanged or rewired, at a set velocity in m/s.
+    pub fn set(patch: &Patch, changes: &[(&str, f64)], command: f64) -> SteadyRun {
+        SteadyRun::of(patch, &[changes, &[("v_set", command)]].concat(), command)
     }
 
-    /// Fig 8.16, or what was made of it, with Nakashima's friction at the same command.
-    pub fn commanded(patch: &Patch, command: f64) -> Even {
-        Even::of(patch, &[&FRICTION[..], &[("v_start", command), ("v_rate", 0.0)]].concat(), command)
+    /// Fig 8.16, unchanged or rewired, with Nakashima's friction at the same command in m/s.
+    pub fn commanded(patch: &Patch, command: f64) -> SteadyRun {
+        SteadyRun::of(patch, &[&FRICTION[..], &[("v_start", command), ("v_rate", 0.0)]].concat(), command)
     }
 
-    fn of(patch: &Patch, changes: &[(&str, f64)], command: f64) -> Even {
+    /// Runs 2 s and keeps the second half. Panics if an overload lamp lit.
+    fn of(patch: &Patch, changes: &[(&str, f64)], command: f64) -> SteadyRun {
         let trace = record(patch, changes, 2.0, &["v_o"]);
         let lit: Vec<_> = trace.overloads().map(|overload| &overload.element).collect();
         assert!(lit.is_empty(), "{changes:?}: {lit:?}");
         let velocity = trace.values("v_o").unwrap();
-        Even { command, velocity: velocity[velocity.len() / 2..].to_vec() }
+        SteadyRun { command, velocity: velocity[velocity.len() / 2..].to_vec() }
     }
 
-    /// Share of the time for which it stands still.
-    pub fn stands(&self) -> f64 {
+    /// Share of the time at rest.
+    pub fn rest_share(&self) -> f64 {
         self.velocity.iter().filter(|velocity| **velocity == 0.0).count() as f64 / self.velocity.len() as f64
     }
 
+    /// The minimum velocity in m/s.
     pub fn least(&self) -> f64 {
         self.velocity.iter().copied().fold(f64::MAX, f64::min)
     }
 
+    /// The maximum velocity in m/s.
     pub fn most(&self) -> f64 {
         self.velocity.iter().copied().fold(f64::MIN, f64::max)
     }
 
-    /// Rises of the velocity through the command in a second.
+    /// Number of rises of velocity through the command per second.
     pub fn slips_per_second(&self) -> f64 {
         let ahead = |row: usize| self.velocity[row] >= self.command;
         let slips: Vec<_> = (1..self.velocity.len()).filter(|row| !ahead(row - 1) && ahead(*row)).collect();
         (slips.len() - 1) as f64 / ((slips[slips.len() - 1] - slips[0]) as f64 * EVERY)
     }
 
-    /// Whether the swing is less at the end than at the beginning, by so much at least.
-    pub fn dies_away(&self, share: f64) -> bool {
+    /// Whether the swing in the last quarter is less than `share` times the swing in the first quarter.
+    pub fn decays(&self, share: f64) -> bool {
         let quarter = self.velocity.len() / 4;
         let swing = |part: &[f64]| {
             part.iter().fold(0.0, |swing: f64, velocity| swing.max((velocity - self.command).abs()))

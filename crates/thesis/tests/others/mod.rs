@@ -1,5 +1,5 @@
-//! Circuits of others that the thesis compares its own with: Singh's, Nakashima's, and its own with the lag last. What
-//! docs/others.md tells of them is measured here.
+//! Circuits with which the thesis compares its own circuit: Singh's, Nakashima's, and Fig 8.16 with the lag behind
+//! the multiplier. The numbers of docs/others.md are measured here.
 
 mod bench;
 mod lag_last;

@@ -1,22 +1,22 @@
-//! The points a to g of the thesis's comparison (8.3); relays.rs has h.
+//! The points a to g of the thesis's comparison with Nakashima's circuit (8.3). Point h is in relays.rs.
 
 use serde_json::{Map, Value};
 
 use crate::common::document;
 use crate::others::bench::{
-    BRAKE, Even, FRICTION, NAKASHIMA, THESIS, edited, names, record, shipped, with_slow_multipliers,
+    BRAKE, FRICTION, NAKASHIMA, SteadyRun, THESIS, edited, names, record, shipped, with_slow_multipliers,
 };
 use patchcord_analysis::instruments::{Criterion, critical_velocity};
 
-/// Parts of a circuit that the text counts.
+/// A circuit whose parts are counted as in the text.
 pub struct Counts {
     elements: Map<String, Value>,
-    /// Elements that carry the output velocity, with either sign or none.
+    /// Elements whose output is the output velocity, its negative or its modulus.
     carriers: &'static [&'static str],
 }
 
 impl Counts {
-    /// Nakashima's circuit, and that of Fig 8.16.
+    /// Nakashima's circuit and Fig 8.16.
     pub fn both() -> [Counts; 2] {
         let carriers: [&[&str]; 2] = [&["A2", "R5", "B3", "B4"], &["A3", "B3", "U"]];
         let elements = |stem| document(stem)["elements"].as_object().unwrap().clone();
@@ -24,21 +24,23 @@ impl Counts {
             .map(|index| Counts { elements: elements([NAKASHIMA, THESIS][index]), carriers: carriers[index] })
     }
 
+    /// Number of elements of these kinds.
     pub fn of(&self, kinds: &[&str]) -> usize {
         kinds.iter().map(|kind| names(&self.elements, kind).len()).sum()
     }
 
-    /// Summing and integrating amplifiers.
+    /// Number of summing and integrating amplifiers.
     pub fn amplifiers(&self) -> usize {
         self.of(&["summer", "inverter", "integrator"])
     }
 
-    /// With the output amplifiers of multipliers and function generators, and the comparators of relays.
+    /// Number of amplifiers including the output amplifiers of multipliers and function generators, and the
+    /// comparators of relays.
     pub fn amplifiers_inside(&self) -> usize {
         self.amplifiers() + self.of(&["multiplier", "function-generator", "relay"])
     }
 
-    /// Multipliers of which one input is a setting: a pot on a reference.
+    /// Number of multipliers with a setting as one input, that is a pot on a reference.
     pub fn electronic_pots(&self) -> usize {
         let is_setting = |cord: &Value| {
             let from = cord.as_str().and_then(|name| self.elements.get(name));
@@ -50,14 +52,14 @@ impl Counts {
         multipliers.filter(|element| is_setting(&element["a"]) || is_setting(&element["b"])).count()
     }
 
-    /// Places where the output velocity goes in.
+    /// Number of inputs of the output velocity.
     pub fn inputs_of_velocity(&self) -> usize {
         let fed = |value: &Value| value.as_str().is_some_and(|from| self.carriers.contains(&from));
         let outside = self.elements.iter().filter(|(name, _)| !self.carriers.contains(&name.as_str()));
         outside.map(|(_, element)| leaves(element).into_iter().filter(|leaf| fed(leaf)).count()).sum()
     }
 
-    /// Settings in which a parameter stands.
+    /// Number of settings that contain a parameter.
     pub fn settings_of(&self, parameter: &str) -> usize {
         let names = |text: &str| {
             text.split(|letter: char| !letter.is_alphanumeric() && letter != '_')
@@ -69,7 +71,7 @@ impl Counts {
     }
 }
 
-/// The texts of an element's cords.
+/// The leaf values of an element's document, which include its cords.
 fn leaves(value: &Value) -> Vec<&Value> {
     match value {
         Value::Array(values) => values.iter().flat_map(leaves).collect(),
@@ -79,38 +81,38 @@ fn leaves(value: &Value) -> Vec<&Value> {
 }
 
 #[test]
-fn a_it_takes_nearly_twice_as_many_amplifiers() {
+fn a_nakashima_needs_nearly_twice_as_many_amplifiers() {
     let [nakashima, thesis] = Counts::both();
     assert_eq!([nakashima.amplifiers(), thesis.amplifiers()], [13, 13]);
     assert_eq!([nakashima.amplifiers_inside(), thesis.amplifiers_inside()], [27, 14]);
 }
 
-/// Bandwidths of the multipliers on the page, as time constants in s; 0: as fast as everything else.
+/// Time constants of the multipliers on the page, in s; 0 means no lag.
 pub const SLOW: [f64; 4] = [0.0, 50e-6, 100e-6, 200e-6];
 
-/// Nakashima's circuit and Fig 8.16 with a brake at one command, their multipliers slowed down.
-pub fn slowed(time: f64, command: f64) -> [Even; 2] {
+/// Nakashima's circuit and Fig 8.16 with a brake at one command, with lagging multipliers.
+pub fn slowed(time: f64, command: f64) -> [SteadyRun; 2] {
     let patch = |stem| if time == 0.0 { shipped(stem) } else { with_slow_multipliers(stem, time) };
-    [Even::set(&patch(NAKASHIMA), &[], command), Even::commanded(&patch(BRAKE), command)]
+    [SteadyRun::set(&patch(NAKASHIMA), &[], command), SteadyRun::commanded(&patch(BRAKE), command)]
 }
 
 #[test]
-fn b_slow_multipliers_make_its_sliding_unsteady() {
+fn b_slow_multipliers_disturb_sliding() {
     assert_eq!(Counts::both().map(|counts| counts.electronic_pots()), [7, 0]);
     let [quick, _] = slowed(0.0, 9e-3);
     let [slow, thesis] = slowed(50e-6, 9e-3);
-    assert!(quick.dies_away(0.6) && thesis.dies_away(0.6));
-    assert!(slow.stands() > 0.02, "{}", slow.stands());
-    // The one multiplier of the thesis makes friction later still, which calms.
-    assert!(slowed(200e-6, 9e-3)[1].dies_away(0.6));
+    assert!(quick.decays(0.6) && thesis.decays(0.6));
+    assert!(slow.rest_share() > 0.02, "{}", slow.rest_share());
+    // The single multiplier of the thesis increases the lag of friction, which stabilises.
+    assert!(slowed(200e-6, 9e-3)[1].decays(0.6));
 }
 
 #[test]
-fn c_it_cannot_go_backward() {
+fn c_nakashima_permits_no_negative_velocity() {
     let reversed = edited(NAKASHIMA, |elements| elements["PV"]["in"] = "-100".into());
     let trace = record(&reversed, &[("v_set", 1e-3)], 0.2, &["v_o", "spring_force"]);
     assert!(trace.values("v_o").unwrap().iter().all(|velocity| *velocity == 0.0));
-    // The spring is drawn out until its amplifier is overloaded.
+    // The spring is stretched until its amplifier is overloaded.
     assert!(trace.overloads().any(|overload| overload.element == "A1"));
     let [forward, backward] = [1e-3, -1e-3].map(|command| {
         let changes = [&FRICTION[..], &[("v_start", command), ("v_rate", 0.0)]].concat();
@@ -120,7 +122,7 @@ fn c_it_cannot_go_backward() {
 }
 
 #[test]
-fn d_quantities_go_in_at_several_places() {
+fn d_quantities_have_several_inputs() {
     let [nakashima, thesis] = Counts::both();
     assert_eq!([nakashima.settings_of("M"), thesis.settings_of("M")], [3, 1]);
     assert_eq!([nakashima.settings_of("f"), thesis.settings_of("f")], [1, 1]);
@@ -128,7 +130,7 @@ fn d_quantities_go_in_at_several_places() {
 }
 
 #[test]
-fn e_its_main_output_is_the_total_coefficient_of_friction() {
+fn e_main_output_is_the_total_coefficient_of_friction() {
     let names = ["mu", "spring_force", "a_o"];
     let trace = record(&shipped(NAKASHIMA), &[], 0.5, &names);
     let [mu, spring, acceleration] = names.map(|name| trace.values(name).unwrap());
@@ -140,7 +142,7 @@ fn e_its_main_output_is_the_total_coefficient_of_friction() {
 }
 
 /// Rising critical velocity of Fig 8.16 with a brake and Nakashima's friction, by one ramp of 1.2 mm/s2 up to 12 mm/s.
-pub fn by_a_ramp() -> f64 {
+pub fn critical_velocity_by_ramp() -> f64 {
     let trace = record(&shipped(BRAKE), &FRICTION, 10.0, &["v_i", "v_o"]);
     let [command, velocity] = ["v_i", "v_o"].map(|name| trace.values(name).unwrap());
     let criterion = Criterion { threshold: 0.25e-3, window: 0.04 };
@@ -148,22 +150,22 @@ pub fn by_a_ramp() -> f64 {
 }
 
 #[test]
-fn f_it_has_one_set_velocity_and_no_ramp() {
+fn f_nakashima_has_one_set_velocity_and_no_ramp() {
     let drives = |stem| document(stem)["drives"].as_object().map_or(0, Map::len);
     assert_eq!([drives(NAKASHIMA), drives(THESIS)], [0, 2]);
-    let critical = by_a_ramp();
+    let critical = critical_velocity_by_ramp();
     assert!(critical > 7e-3 && critical < 10e-3, "{critical}");
 }
 
 #[test]
-fn g_it_has_no_positions() {
+fn g_nakashima_has_no_positions() {
     let lengths = |stem| {
         let document = document(stem);
         let scales = document["scales"].as_object().unwrap();
         scales.values().filter(|scale| scale["unit"] == "m").count()
     };
     assert_eq!([lengths(NAKASHIMA), lengths(THESIS)], [0, 1]);
-    // A step of the position moves the thesis's table at once.
+    // A step of position moves the thesis's table immediately.
     let step = [("v_rate", 0.0), ("x_step", 0.0254e-3)];
     let velocity = record(&shipped(THESIS), &step, 0.05, &["v_o"]).values("v_o").unwrap();
     assert!(velocity.iter().any(|velocity| *velocity > 1e-3));

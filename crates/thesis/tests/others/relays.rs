@@ -1,12 +1,13 @@
-//! Point h of the thesis's comparison: friction applied by five relays, and what their hysteresis and slowness change.
+//! Point h of the thesis's comparison: friction applied by five relays, and the effects of their hysteresis and delay.
 
 use serde_json::json;
 
 use crate::common::document;
-use crate::others::bench::{Even, NAKASHIMA, edited, names, shipped};
+use crate::others::bench::{NAKASHIMA, SteadyRun, edited, names, shipped};
 use patchcord_core::patch::Patch;
 
-/// The patch with coils behind R1: R3, R4 and R5 follow it with a lag, and switch when that has come half way.
+/// The patch with coils behind R1. R3, R4 and R5 follow R1 through a lag, and switch when the lag has reached half
+/// its final value.
 pub fn with_coils(time: f64) -> Patch {
     edited(NAKASHIMA, |elements| {
         for relay in ["R3", "R4", "R5"] {
@@ -17,21 +18,21 @@ pub fn with_coils(time: f64) -> Patch {
     })
 }
 
-/// What is wrong with the relays, on the page, and what comes of it at 1 mm/s.
-pub fn faults() -> Vec<(String, Even)> {
+/// The faults of the relays on the page, each with its run at 1 mm/s.
+pub fn faults() -> Vec<(String, SteadyRun)> {
     let ideal = shipped(NAKASHIMA);
-    let set = |changes: &[(&str, f64)]| Even::set(&ideal, changes, 1e-3);
-    let mut faults = vec![("nothing".to_owned(), set(&[]))];
+    let set = |changes: &[(&str, f64)]| SteadyRun::set(&ideal, changes, 1e-3);
+    let mut faults = vec![("none".to_owned(), set(&[]))];
     for volts in [0.1, 1.0] {
         faults.push((format!("hysteresis of {volts} V"), set(&[("hysteresis", volts)])));
     }
     for volts in [0.1, 1.0] {
-        let even = set(&[("hysteresis", 2.0 * volts), ("late", volts)]);
-        faults.push((format!("{volts} V late either way"), even));
+        let run = set(&[("hysteresis", 2.0 * volts), ("late", volts)]);
+        faults.push((format!("{volts} V late in both directions"), run));
     }
     for time in [0.2e-3, 1e-3, 2e-3] {
-        let even = Even::set(&with_coils(time), &[], 1e-3);
-        faults.push((format!("coils with {} ms", time * 1e3), even));
+        let run = SteadyRun::set(&with_coils(time), &[], 1e-3);
+        faults.push((format!("coils with {} ms", time * 1e3), run));
     }
     faults
 }
@@ -44,20 +45,17 @@ fn h_five_relays_apply_the_friction() {
 
 #[test]
 fn h_hysteresis_alone_changes_nothing() {
-    let ideal = Even::set(&shipped(NAKASHIMA), &[], 1e-3);
-    let wide = Even::set(&shipped(NAKASHIMA), &[("hysteresis", 1.0)], 1e-3);
-    let off = ideal.velocity.iter().zip(&wide.velocity).map(|(one, other)| (one - other).abs());
-    assert!(
-        off.fold(0.0, f64::max) < 1e-11,
-        "the table is fast before R2 drops out, and held before R1 pulls in"
-    );
+    let ideal = SteadyRun::set(&shipped(NAKASHIMA), &[], 1e-3);
+    let wide = SteadyRun::set(&shipped(NAKASHIMA), &[("hysteresis", 1.0)], 1e-3);
+    let differences = ideal.velocity.iter().zip(&wide.velocity).map(|(one, other)| (one - other).abs());
+    assert!(differences.fold(0.0, f64::max) < 1e-11, "hysteresis alone must not change the motion");
 }
 
-/// What releases late slides backward; what is late longer does so more.
+/// With late relays the table slides backward, and more with a longer delay.
 #[test]
 fn h_relays_that_switch_late_change_the_motion() {
-    let coils = [0.2e-3, 1e-3, 2e-3].map(|time| Even::set(&with_coils(time), &[], 1e-3));
-    let ideal = Even::set(&shipped(NAKASHIMA), &[], 1e-3);
+    let coils = [0.2e-3, 1e-3, 2e-3].map(|time| SteadyRun::set(&with_coils(time), &[], 1e-3));
+    let ideal = SteadyRun::set(&shipped(NAKASHIMA), &[], 1e-3);
     let mut before = &ideal;
     for coil in &coils {
         assert!(coil.slips_per_second() < before.slips_per_second());

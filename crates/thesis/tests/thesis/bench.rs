@@ -1,15 +1,16 @@
-//! Shipped patches on the bench: set, run, recorded.
+//! Helpers that set, run and record shipped patches.
 
 use std::collections::HashMap;
 
 use crate::common::program_of;
-use crate::known::runs::circuit;
+use crate::known_problems::runs::circuit;
 use patchcord_core::patch::Amount;
 use patchcord_core::solve::Machine;
 use patchcord_core::trace::Trace;
 
 pub use crate::common::document;
 
+/// Names of the elements whose overload lamp lit.
 pub fn lit(trace: &Trace) -> Vec<&str> {
     trace.overloads().map(|overload| overload.element.as_str()).collect()
 }
@@ -26,7 +27,7 @@ pub fn pots(stem: &str, changes: &[(&str, f64)]) -> HashMap<String, f64> {
     settings.collect()
 }
 
-/// Voltages in initial condition, which is what the voltmeter reads in problem check.
+/// Voltages in initial condition, as the voltmeter reads them in problem check.
 pub fn volts_at_rest(stem: &str, elements: &[&str]) -> Vec<f64> {
     let program = program_of(&circuit(stem, &[]));
     let machine = Machine::new(&program, 2e-5).unwrap();
@@ -34,7 +35,7 @@ pub fn volts_at_rest(stem: &str, elements: &[&str]) -> Vec<f64> {
     elements.iter().map(|element| machine.voltage(element).unwrap()).collect()
 }
 
-/// Peak to peak over the 40 samples from each on: 40 ms, about two periods near the critical velocity.
+/// The peak-to-peak value over 40 samples, from each sample on: 40 ms, about two periods near the critical velocity.
 pub fn swing(velocity: &[f64]) -> Vec<f64> {
     let span = |window: &[f64]| {
         let bounds = window.iter().fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(*v), high.max(*v)));

@@ -1,25 +1,29 @@
 //! Fig 8.16: the final circuit.
 
-use crate::known::runs::record;
-use crate::known::slideway::{Law, Slideway};
+use crate::known_problems::runs::record;
+use crate::known_problems::slideway::{FrictionLaw, Slideway};
 use crate::thesis::{bench, slideway};
 use patchcord_analysis::instruments::{Criterion, critical_velocity};
 use patchcord_core::trace::Trace;
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at("thesis/fig-8-16", &Slideway::thesis(Law::Remembered)));
-    slideway::agrees_at_random_settings("thesis/fig-8-16", Law::Remembered, slideway::agrees_at);
+    assert!(slideway::agrees_at("thesis/fig-8-16", &Slideway::thesis(FrictionLaw::LagBeforeSquare)));
+    slideway::agrees_at_random_settings("thesis/fig-8-16", FrictionLaw::LagBeforeSquare, slideway::agrees_at);
 }
 
 #[test]
 fn equals_the_equations_at_its_own_step() {
-    assert!(slideway::equals_at_own_step("thesis/fig-8-16", &Slideway::thesis(Law::Remembered), 2.0));
-    slideway::equals_at_random_settings("thesis/fig-8-16", Law::Remembered);
+    assert!(slideway::equals_at_own_step(
+        "thesis/fig-8-16",
+        &Slideway::thesis(FrictionLaw::LagBeforeSquare),
+        2.0
+    ));
+    slideway::equals_at_random_settings("thesis/fig-8-16", FrictionLaw::LagBeforeSquare);
 }
 
 #[test]
-fn voltages_at_rest_are_those_of_the_setting_up() {
+fn voltages_at_rest_agree_with_the_text() {
     let volts = bench::volts_at_rest("thesis/fig-8-16", &["A1", "B1", "PC1", "M1", "X2", "A2"]);
     let expected = [100.0, -100.0, 70.7, 50.0, -50.0, 0.0];
     for (found, printed) in volts.iter().zip(expected) {
@@ -27,7 +31,7 @@ fn voltages_at_rest_are_those_of_the_setting_up() {
     }
 }
 
-/// Amplifier, its voltage furthest from 0 in the default run, half of the last digit known.
+/// Amplifier, its largest voltage in the default run, and half a unit of the last known digit.
 const PEAKS: &[(&str, f64, f64)] = &[
     ("A6", -0.72, 0.005),
     ("B4", 0.0, 0.0),
@@ -46,19 +50,19 @@ const PEAKS: &[(&str, f64, f64)] = &[
 ];
 
 #[test]
-fn the_default_run_reaches_the_known_peaks_and_overloads_nothing() {
+fn default_run_reaches_the_known_peaks_without_overload() {
     let names: Vec<&str> = PEAKS.iter().map(|(name, ..)| *name).collect();
     let trace = record("thesis/fig-8-16", &[], 8.4667, 2e-5, &names);
     assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
     for (name, expected, within) in PEAKS {
         let volts = trace.values(name).unwrap();
-        let furthest = volts.into_iter().fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
-        assert!((furthest - expected).abs() <= *within, "{name} reaches {furthest} V, not {expected} V");
+        let peak = volts.into_iter().fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
+        assert!((peak - expected).abs() <= *within, "{name} reaches {peak} V, expected {expected} V");
     }
 }
 
 #[test]
-fn a_step_of_0_127_mm_overloads_a_stiff_drive_only() {
+fn step_of_0_127_mm_overloads_only_a_stiff_drive() {
     let step = |stiffness: f64| {
         let named = [("K", stiffness), ("v_rate", 0.0), ("x_step", 0.127e-3)];
         record("thesis/fig-8-16", &named, 0.2, 1e-3, &["v_o"])
@@ -67,24 +71,26 @@ fn a_step_of_0_127_mm_overloads_a_stiff_drive_only() {
     let stiff = step(45e6);
     let first = stiff.overloads().next().unwrap();
     assert_eq!((first.element.as_str(), first.time), ("A5", 0.0));
-    // 0.127 mm are 126 V there.
+    // 0.127 mm are 126 V at this stiffness.
     assert!((first.peak - 126.0).abs() < 0.5, "{first:?}");
 }
 
-/// Seconds up to the turn, at 1.2 mm/s2: 4.8 mm/s, above the critical velocity. What the rising run leaves
-/// there is the disturbance from which the falling run begins to oscillate.
+/// Time of the turn in s, at 1.2 mm/s2: 4.8 mm/s, above the critical velocity. The remaining motion of the rise is
+/// the disturbance from which oscillation grows during the fall.
 const TURN: f64 = 4.0;
+/// Interval of the recorded samples in s.
 const EVERY: f64 = 1e-3;
-/// Oscillation is there while the velocity swings by this much, peak to peak, in m/s.
+/// A larger peak-to-peak swing of velocity, in m/s, counts as oscillation.
 const THRESHOLD: f64 = 0.25e-3;
 
+/// The run with a rising and falling command.
 fn profile() -> Trace {
     let named = [("v_turn", TURN)];
     record("thesis/fig-8-16", &named, 2.0 * TURN, EVERY, &["v_i", "v_o"])
 }
 
 #[test]
-fn the_command_turns_back() {
+fn command_rises_and_falls() {
     let trace = profile();
     let (time, commanded) = (&trace.time, trace.values("v_i").unwrap());
     for (time, velocity) in time.iter().zip(commanded) {
@@ -94,7 +100,7 @@ fn the_command_turns_back() {
 }
 
 #[test]
-fn oscillation_ends_later_rising_than_it_begins_falling() {
+fn rising_critical_velocity_exceeds_the_falling_one() {
     let trace = profile();
     assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
     let (commanded, swing) = (trace.values("v_i").unwrap(), bench::swing(&trace.values("v_o").unwrap()));
@@ -104,7 +110,7 @@ fn oscillation_ends_later_rising_than_it_begins_falling() {
     let (rising, falling) = (commanded[ends], commanded[begins]);
     let criterion = Criterion { threshold: THRESHOLD, window: 40.0 * EVERY };
     let read = critical_velocity(&trace.time, &commanded, &trace.values("v_o").unwrap(), criterion);
-    assert_eq!((read.rising, read.falling), (Ok(rising), Ok(falling)), "the instrument reads the same");
+    assert_eq!((read.rising, read.falling), (Ok(rising), Ok(falling)), "the instrument must agree");
     assert!((rising - 4.54e-3).abs() < 0.05e-3, "{rising}");
     assert!(falling < 2.54e-3 && falling > 0.0, "{falling}");
 }

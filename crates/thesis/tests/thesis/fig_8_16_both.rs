@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value};
 
-use crate::known::runs::{difference, record};
+use crate::known_problems::runs::{difference, record};
 use crate::thesis::bench::document;
 
-/// The elements of a patch as they stand in the larger one: renamed, without notes and parts of the machine.
+/// The elements of a patch as the larger patch contains them: renamed, without notes and parts of the machine.
 fn renamed(stem: &str, prefix: &str) -> Map<String, Value> {
     let patch = document(stem);
     let elements = patch["elements"].as_object().unwrap();
@@ -18,7 +18,7 @@ fn renamed(stem: &str, prefix: &str) -> Map<String, Value> {
     elements.iter().map(|(name, value)| entry(name, value)).collect()
 }
 
-/// A value with the prefix before every name of an element.
+/// A value with the prefix added to every name of an element.
 fn with_prefix(value: &Value, elements: &Map<String, Value>, prefix: &str) -> Value {
     match value {
         Value::String(text) if elements.contains_key(text) => Value::from(format!("{prefix}{text}")),
@@ -33,11 +33,11 @@ fn with_prefix(value: &Value, elements: &Map<String, Value>, prefix: &str) -> Va
 }
 
 #[test]
-fn it_holds_both_circuits_as_they_are() {
+fn patch_contains_both_circuits_unchanged() {
     let both = document("thesis/fig-8-16-both");
     let mut expected = renamed("thesis/fig-8-16", "D.");
     expected.extend(renamed("thesis/fig-8-16-coulomb", "B."));
-    // What serves to read the acceleration, which is not read here.
+    // These elements read the acceleration, which this patch does not record.
     for name in ["X2", "PX", "KV", "A7", "KM"] {
         expected.remove(&format!("B.{name}")).unwrap();
     }
@@ -48,13 +48,13 @@ fn it_holds_both_circuits_as_they_are() {
 }
 
 #[test]
-fn each_moves_as_it_does_alone() {
+fn each_circuit_moves_as_alone() {
     let named = [("v_start", 0.5e-3), ("v_rate", 0.0)];
     let both = record("thesis/fig-8-16-both", &named, 0.3, 1e-3, &["dead-zone.v_o", "brake.v_o"]);
     for (signal, stem) in [("dead-zone.v_o", "thesis/fig-8-16"), ("brake.v_o", "thesis/fig-8-16-coulomb")] {
         let alone = record(stem, &named, 0.3, 1e-3, &["v_o"]).values("v_o").unwrap();
-        let off = difference(&both.values(signal).unwrap(), &alone);
-        // The switchings and kinks of one shift the steps of the other.
-        assert!(off < 1e-8, "{signal} is {off:e} off");
+        let error = difference(&both.values(signal).unwrap(), &alone);
+        // Switching and kinks of one circuit shift the steps of the other.
+        assert!(error < 1e-8, "{signal} deviates by {error:e}");
     }
 }

@@ -1,4 +1,4 @@
-//! The thesis's circuits against physics written down independently, and against what its text says of them.
+//! Tests of the thesis's circuits: comparison with independently written equations and with the statements of the text.
 
 mod bench;
 mod compromise;

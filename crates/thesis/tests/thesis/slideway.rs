@@ -1,77 +1,80 @@
-//! The thesis's patches held against the slideway's equations, at settings of any size.
+//! Comparison of the thesis's patches with the slideway's equations, at random settings.
 
-use crate::common::dice::Dice;
-use crate::known::runs::{difference, record};
-use crate::known::slideway::{Law, Slideway};
-use crate::known::thesis::FINE_STEP;
+use crate::common::random::SplitMix64;
+use crate::known_problems::runs::{difference, record};
+use crate::known_problems::slideway::{FrictionLaw, Slideway};
+use crate::known_problems::thesis::FINE_STEP;
 use crate::thesis::bench;
 
 impl Slideway {
-    /// A setting from the ranges of the patches.
-    pub fn random(law: Law, dice: &mut Dice) -> Self {
+    /// A random setting within the ranges of the patches.
+    pub fn random(law: FrictionLaw, random: &mut SplitMix64) -> Self {
         Slideway {
-            mass: dice.logarithmic(180.0, 4000.0),
-            stiffness: dice.logarithmic(5e6, 178e6),
-            viscous: dice.logarithmic(100.0, 178e3),
-            solid: dice.even(1.0, 2000.0),
-            vcl: dice.logarithmic(0.254e-3, 50e-3),
-            tc: dice.logarithmic(1e-3, 1.0),
-            v_start: dice.even(-0.01, 0.01),
-            v_rate: dice.even(-3e-3, 3e-3),
-            v_turn: dice.even(0.0, 0.4),
+            mass: random.log_uniform(180.0, 4000.0),
+            stiffness: random.log_uniform(5e6, 178e6),
+            viscous: random.log_uniform(100.0, 178e3),
+            solid: random.uniform(1.0, 2000.0),
+            vcl: random.log_uniform(0.254e-3, 50e-3),
+            tc: random.log_uniform(1e-3, 1.0),
+            v_start: random.uniform(-0.01, 0.01),
+            v_rate: random.uniform(-3e-3, 3e-3),
+            v_turn: random.uniform(0.0, 0.4),
             ..Slideway::thesis(law)
         }
     }
 }
 
-/// Compared over this time, in seconds, at instants this far apart.
+/// Duration of a comparison, in s.
 const COMPARED: f64 = 0.2;
+/// Time between compared samples, in s.
 const EVERY: f64 = 1e-3;
-/// Wiring at its own step and equations at the fine one may differ by this share of the peak velocity;
-/// they come to 6.1e-7 at the worst of the settings here.
+/// Permitted difference between the circuit at its own step and the equations at the fine step, as a share of the
+/// peak velocity. The largest difference of the settings here is 6.1e-7.
 const TOLERANCE: f64 = 2e-6;
 
-/// Output velocity of the wiring at its own step, unless a lamp lit.
-pub fn wired(stem: &str, slideway: &Slideway, duration: f64) -> Option<Vec<f64>> {
+/// Output velocity of the circuit at its own step. `None` if an overload lamp lit.
+pub fn circuit_velocity(stem: &str, slideway: &Slideway, duration: f64) -> Option<Vec<f64>> {
     let trace = record(stem, &slideway.changes(), duration, EVERY, &["v_o"]);
     bench::lit(&trace).is_empty().then(|| trace.values("v_o").unwrap())
 }
 
-/// Holds the wiring against what the output velocity should be; tells whether it could, no lamp being lit.
+/// Compares the circuit with the expected output velocity. Returns false if an overload lamp lit, so that no
+/// comparison is possible.
 fn agrees(stem: &str, slideway: &Slideway, expected: impl Fn() -> Vec<f64>) -> bool {
-    let Some(found) = wired(stem, slideway, COMPARED) else { return false };
-    let off = difference(&found, &expected());
-    assert!(off < TOLERANCE, "{stem} is {off:.1e} off at {slideway:?}");
+    let Some(found) = circuit_velocity(stem, slideway, COMPARED) else { return false };
+    let error = difference(&found, &expected());
+    assert!(error < TOLERANCE, "{stem} deviates by {error:.1e} at {slideway:?}");
     true
 }
 
-/// Holds the wiring at its own step against the equations at a fine one.
+/// Compares the circuit at its own step with the equations at a fine step.
 pub fn agrees_at(stem: &str, slideway: &Slideway) -> bool {
     agrees(stem, slideway, || slideway.velocity(COMPARED, EVERY, FINE_STEP))
 }
 
-/// The same at 20 random settings at which no lamp lights; few may be lost to overload.
-pub fn agrees_at_random_settings(stem: &str, law: Law, check: impl Fn(&str, &Slideway) -> bool) {
-    let mut dice = Dice(816);
+/// Compares at 20 random settings at which no overload lamp lights. At most 5 settings may be skipped because of
+/// overload.
+pub fn agrees_at_random_settings(stem: &str, law: FrictionLaw, check: impl Fn(&str, &Slideway) -> bool) {
+    let mut random = SplitMix64(816);
     let (mut compared, mut skipped) = (0, 0);
     while compared < 20 {
-        let could = check(stem, &Slideway::random(law, &mut dice));
-        compared += usize::from(could);
-        skipped += usize::from(!could);
+        let was_compared = check(stem, &Slideway::random(law, &mut random));
+        compared += usize::from(was_compared);
+        skipped += usize::from(!was_compared);
         assert!(skipped <= 5, "{stem} cannot be compared at {skipped} settings");
     }
 }
 
-/// Holds the wiring against the equations at the wiring's own step: nothing but rounding differs.
+/// Compares the circuit with the equations at the circuit's own step. Only rounding differs.
 pub fn equals_at_own_step(stem: &str, slideway: &Slideway, duration: f64) -> bool {
-    let Some(found) = wired(stem, slideway, duration) else { return false };
-    let off = difference(&found, &slideway.velocity(duration, EVERY, 2e-5));
-    assert!(off < 1e-9, "{stem} is {off:.1e} off at {slideway:?}");
+    let Some(found) = circuit_velocity(stem, slideway, duration) else { return false };
+    let error = difference(&found, &slideway.velocity(duration, EVERY, 2e-5));
+    assert!(error < 1e-9, "{stem} deviates by {error:.1e} at {slideway:?}");
     true
 }
 
-/// The same at random settings, for a short time: there are some at which the last bit of K comes to 2e-9
-/// after 2 s of stick-slip.
-pub fn equals_at_random_settings(stem: &str, law: Law) {
+/// Compares with the equations at the circuit's own step, at random settings and for a short time. At some settings
+/// an error in the last bit of K grows to 2e-9 after 2 s of stick-slip.
+pub fn equals_at_random_settings(stem: &str, law: FrictionLaw) {
     agrees_at_random_settings(stem, law, |stem, slideway| equals_at_own_step(stem, slideway, COMPARED));
 }

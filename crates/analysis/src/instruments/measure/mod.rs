@@ -1,174 +1,214 @@
-//! Measures: what an instrument reads off a run as one or a few numbers, asked for by a short text.
+//! Measures: an instrument reads one or a few numbers off a run and is requested by a short text.
+//!
+//! `table` lists the measures with their names, signals, options and columns. `read` holds the function of each one.
+//! Sweeps use measures to fill the columns of their CSV file.
 
 mod read;
 mod table;
 
 use super::Criterion;
 use patchcord_core::document::suggestion;
-use patchcord_core::ir::Probe;
+use patchcord_core::ir::SignalInfo;
 use patchcord_core::trace::Trace;
 use patchcord_expr::{Dimension, Unit};
-use table::{Entry, Signals, TABLE, UnitOf};
+use table::{ColumnUnit, MeasureDefinition, MeasureInputs, TABLE};
 
 /// An instrument connected to the signals that it reads.
 ///
-/// Asked for by `NAME`, `NAME:SIGNAL` or `NAME:SIGNAL,OPTION=VALUE`: "peak:v_o",
-/// "critical_velocity:threshold=0.5e-3". Of a trace of several runs the last is read.
+/// It is requested by `NAME`, `NAME:SIGNAL` or `NAME:SIGNAL,OPTION=VALUE`. Examples: "peak:v_o",
+/// "critical_velocity:threshold=0.5e-3". If a trace has several runs, the measure reads the last one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure {
-    entry: &'static Entry,
-    /// Names and units of its signals.
+    /// The row of the table of measures.
+    definition: &'static MeasureDefinition,
+    /// Names and units of the signals, in the order of the definition.
     signals: Vec<(String, String)>,
-    /// The values of the entry's options.
+    /// The values of the options, in the order of the definition. None if an option is not given.
     options: Vec<Option<f64>>,
-    /// What was asked for behind the name.
-    asked: String,
+    /// The text after the colon, without blanks.
+    arguments: String,
 }
 
 /// A column that a measure fills.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// Its name.
+pub struct MeasureColumn {
+    /// The name in the header, such as "peak:v_o".
     pub name: String,
-    /// Text of its unit; empty where it holds names.
+    /// The unit as text; empty for a column of names.
     pub unit: String,
 }
 
-/// What a measure reads into a column.
+/// The value of a measure in one column.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
+pub enum MeasureValue {
     /// A finite number, in the unit of the column.
     Number(f64),
     /// The name of an element, or "none".
     Name(String),
-    /// Nothing, because there is nothing to read: the time of an overload that did not happen.
+    /// No value, such as the time of an overload that did not happen.
     Empty,
 }
 
-/// Why there is no such measure.
+/// Why a measure cannot be connected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeasureError {
-    /// No instrument has this name.
+    /// There is no measure with this name.
     #[error("there is no measure \"{name}\"; {hint}")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What may have been meant.
+        /// A similar name, or all names.
         hint: String,
     },
-    /// A signal does not exist.
-    #[error("{measure} reads the signal \"{signal}\", which the patch does not have; {hint}")]
+    /// The patch has no signal with this name.
+    #[error("{measure} needs the signal \"{signal}\", which the patch does not have; {hint}")]
     UnknownSignal {
-        /// The measure.
+        /// Name of the measure.
         measure: &'static str,
-        /// The signal.
+        /// The requested signal.
         signal: String,
-        /// What may have been meant.
+        /// A similar name, or all names.
         hint: String,
     },
-    /// It was not told which signals to read, or too many.
+    /// The number of signals is wrong.
     #[error("{measure} reads {wanted}: write {measure}{example}")]
-    Signals {
-        /// The measure.
+    WrongSignals {
+        /// Name of the measure.
         measure: &'static str,
-        /// How many it reads, in words.
+        /// Number and kind of its signals, in words.
         wanted: &'static str,
-        /// How to write them.
+        /// How to specify them, from the colon on.
         example: &'static str,
     },
-    /// It has no such option.
+    /// The measure has no option with this name.
     #[error("{measure} has no option \"{option}\"; {hint}")]
     UnknownOption {
-        /// The measure.
+        /// Name of the measure.
         measure: &'static str,
-        /// The option.
+        /// The requested option.
         option: String,
-        /// Those that it has.
+        /// A similar option, or all options.
         hint: String,
     },
-    /// An option is not a number above 0.
-    #[error("\"{option}\" of {measure} must be a number above 0, not \"{value}\"")]
+    /// The value of an option is not a positive number.
+    #[error("\"{option}\" of {measure} must be a positive number, got \"{value}\"")]
     BadOption {
-        /// The measure.
+        /// Name of the measure.
         measure: &'static str,
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// What was given.
+        /// The text that was given.
         value: String,
     },
-    /// Two signals that are compared are not in the same unit.
-    #[error("{measure} compares {first} and {second}, which are not in the same unit")]
-    Units {
-        /// The measure.
+    /// The two signals of the measure have different units.
+    #[error("{measure} compares {first} and {second}: they must have the same unit")]
+    UnequalUnits {
+        /// Name of the measure.
         measure: &'static str,
-        /// One signal with its unit.
+        /// The first signal with its unit.
         first: String,
-        /// The other.
+        /// The second signal with its unit.
         second: String,
     },
-    /// A signal is not what it is read as.
-    #[error("{measure} reads {signal} as a {wanted}, which it is not")]
-    Quantity {
-        /// The measure.
+    /// A signal has the wrong dimension.
+    #[error("{measure} needs a {wanted}, but {signal} is none")]
+    WrongDimension {
+        /// Name of the measure.
         measure: &'static str,
         /// The signal with its unit.
         signal: String,
-        /// What it would have to be.
+        /// The quantity that is needed, such as "velocity".
         wanted: &'static str,
     },
-    /// The usual threshold is a velocity, and the signals are none.
-    #[error("{measure} needs a threshold for signals in {unit}: write threshold=VALUE behind them")]
+    /// The signals are not velocities, so there is no default threshold.
+    #[error("{measure} has no default threshold for signals in {unit}: add threshold=VALUE")]
     NoThreshold {
-        /// The measure.
+        /// Name of the measure.
         measure: &'static str,
-        /// The unit.
+        /// The unit of the signals.
         unit: String,
     },
 }
 
-/// Every measure: how it is written, and what it reads.
+/// The syntax and the meaning of every measure.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::instruments::measures;
+///
+/// let (syntax, meaning) = measures().next().expect("the table is not empty");
+/// assert_eq!((syntax.as_str(), meaning), ("voltmeter:SIGNAL", "the value at the end of the run"));
+/// ```
 pub fn measures() -> impl Iterator<Item = (String, &'static str)> {
-    TABLE.iter().map(|entry| (entry.written(), entry.meaning))
+    TABLE.iter().map(|definition| (definition.syntax(), definition.meaning))
 }
 
 impl Measure {
-    /// Reads what is asked for, of a program with these signals.
+    /// Parses a request such as "peak:v_o" for a program with these signals.
     ///
     /// # Errors
-    /// When there is no such measure, signal or option.
-    pub fn parse(text: &str, signals: &[Probe]) -> Result<Measure, MeasureError> {
-        let (name, asked) = text.trim().split_once(':').unwrap_or((text.trim(), ""));
-        let entry = TABLE.iter().find(|entry| entry.name == name).ok_or_else(|| {
-            let known: Vec<_> = TABLE.iter().map(|entry| entry.name).collect();
+    /// If there is no such measure, signal or option, or the signals or the option values are unsuitable.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_analysis::instruments::{Measure, MeasureValue};
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::{RunSettings, run};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// // dx/dt = -x, from x = 50 V
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("Decay").element("A1", decay).run(1.0, 1e-3).record(["A1"]).build()?;
+    /// let circuit = Circuit::new(&patch)?;
+    /// let program = Program::new(&circuit)?;
+    /// let trace = run(&program, &RunSettings::of(&circuit)?)?;
+    ///
+    /// let measure = Measure::parse("peak: A1", program.signals())?;
+    /// assert_eq!((measure.text(), measure.columns()[0].name.as_str()), ("peak:A1".to_owned(), "peak:A1"));
+    /// assert_eq!(measure.read(&trace), [Ok(MeasureValue::Number(50.0))]);
+    /// let error = Measure::parse("peek:A1", program.signals()).unwrap_err();
+    /// assert_eq!(error.to_string(), "there is no measure \"peek\"; did you mean \"peak\"?");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn parse(text: &str, signals: &[SignalInfo]) -> Result<Measure, MeasureError> {
+        let (name, arguments) = text.trim().split_once(':').unwrap_or((text.trim(), ""));
+        let definition = TABLE.iter().find(|definition| definition.name == name).ok_or_else(|| {
+            let known: Vec<_> = TABLE.iter().map(|definition| definition.name).collect();
             let hint = suggestion(name, &known).unwrap_or_default();
             MeasureError::Unknown { name: name.to_owned(), hint }
         })?;
-        let words = || asked.split(',').map(str::trim).filter(|word| !word.is_empty());
+        let words = || arguments.split(',').map(str::trim).filter(|word| !word.is_empty());
         let options = words().filter_map(|word| word.split_once('='));
         let named: Vec<&str> = words().filter(|word| !word.contains('=')).collect();
         let measure = Measure {
-            entry,
-            signals: entry.connected(&named, signals)?,
-            options: entry.set(options)?,
-            asked: words().collect::<Vec<_>>().join(","),
+            definition,
+            signals: definition.connect(&named, signals)?,
+            options: definition.parse_options(options)?,
+            arguments: words().collect::<Vec<_>>().join(","),
         };
-        measure.checked()
+        measure.with_checked_units()
     }
 
-    fn checked(mut self) -> Result<Self, MeasureError> {
-        let measure = self.entry.name;
+    /// Checks the units of two signals and sets the default threshold.
+    fn with_checked_units(mut self) -> Result<Self, MeasureError> {
+        let measure = self.definition.name;
         let [(first, unit), (second, other)] = self.signals.as_slice() else { return Ok(self) };
-        match self.entry.signals {
-            Signals::VelocityAndForce(_) => {
-                is_in(measure, first, unit, "velocity", Dimension::LENGTH.over(Dimension::TIME))?;
-                is_in(measure, second, other, "force", Dimension::FORCE)?;
+        match self.definition.inputs {
+            MeasureInputs::VelocityAndForce(_) => {
+                check_dimension(measure, first, unit, "velocity", Dimension::LENGTH.over(Dimension::TIME))?;
+                check_dimension(measure, second, other, "force", Dimension::FORCE)?;
             }
             _ if unit != other => {
-                let told = |name: &str, unit: &str| format!("{name} in {unit}");
-                return Err(MeasureError::Units {
+                let signal = |name: &str, unit: &str| format!("{name} in {unit}");
+                return Err(MeasureError::UnequalUnits {
                     measure,
-                    first: told(first, unit),
-                    second: told(second, other),
+                    first: signal(first, unit),
+                    second: signal(second, other),
                 });
             }
             _ => (),
@@ -181,53 +221,53 @@ impl Measure {
         Ok(self)
     }
 
-    /// What it was asked for as, without blanks.
+    /// The request in its normal form, without blanks.
     pub fn text(&self) -> String {
-        let colon = if self.asked.is_empty() { "" } else { ":" };
-        format!("{}{colon}{}", self.entry.name, self.asked)
+        let colon = if self.arguments.is_empty() { "" } else { ":" };
+        format!("{}{colon}{}", self.definition.name, self.arguments)
     }
 
-    /// The columns that it fills.
-    pub fn columns(&self) -> Vec<Column> {
-        let colon = if self.asked.is_empty() { "" } else { ":" };
-        let columns = self.entry.columns.iter().map(|(suffix, unit)| Column {
-            name: format!("{}{suffix}{colon}{}", self.entry.name, self.asked),
+    /// The columns that the measure fills.
+    pub fn columns(&self) -> Vec<MeasureColumn> {
+        let colon = if self.arguments.is_empty() { "" } else { ":" };
+        let columns = self.definition.columns.iter().map(|(suffix, unit)| MeasureColumn {
+            name: format!("{}{suffix}{colon}{}", self.definition.name, self.arguments),
             unit: match unit {
-                UnitOf::Signal => self.signals[0].1.clone(),
-                UnitOf::Text(text) => (*text).to_owned(),
+                ColumnUnit::Signal => self.signals[0].1.clone(),
+                ColumnUnit::Fixed(text) => (*text).to_owned(),
             },
         });
         columns.collect()
     }
 
-    /// The signals that a run has to record for it.
+    /// The names of the signals that a run must record for this measure.
     pub fn signals(&self) -> impl Iterator<Item = &str> {
         self.signals.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Whether it reads the samples, of which no two may stand at one instant.
+    /// Whether the measure uses the samples. Then no two samples may have the same time.
     pub(crate) fn is_sampled(&self) -> bool {
-        self.entry.is_sampled
+        self.definition.is_sampled
     }
 
-    /// What it reads off a run, a cell a column, or why it reads nothing.
-    pub fn read(&self, trace: &Trace) -> Vec<Result<Cell, String>> {
-        let cells = (self.entry.read)(&read::Run::last(trace, self));
-        let finite = |cell: Cell| match cell {
-            Cell::Number(number) if !number.is_finite() => Err(format!("it comes to {number}")),
-            cell => Ok(cell),
+    /// Reads the last run of a trace: one value per column, or why a column has none.
+    pub fn read(&self, trace: &Trace) -> Vec<Result<MeasureValue, String>> {
+        let values = (self.definition.read)(&read::LastRun::new(trace, self));
+        let finite = |value: MeasureValue| match value {
+            MeasureValue::Number(number) if !number.is_finite() => Err(format!("the value is {number}")),
+            value => Ok(value),
         };
-        cells.into_iter().map(|cell| cell.and_then(finite)).collect()
+        values.into_iter().map(|value| value.and_then(finite)).collect()
     }
 
-    /// The value of an option of the entry, in its order.
+    /// The value of the option with this index in the definition.
     fn option(&self, index: usize) -> Option<f64> {
         self.options[index]
     }
 }
 
-/// That a signal is what a measure reads.
-fn is_in(
+/// An error unless `unit` has the given dimension.
+fn check_dimension(
     measure: &'static str,
     signal: &str,
     unit: &str,
@@ -236,7 +276,7 @@ fn is_in(
 ) -> Result<(), MeasureError> {
     match Unit::parse(unit) {
         Ok(parsed) if parsed.dimension() == dimension => Ok(()),
-        _ => Err(MeasureError::Quantity { measure, signal: format!("{signal} in {unit}"), wanted }),
+        _ => Err(MeasureError::WrongDimension { measure, signal: format!("{signal} in {unit}"), wanted }),
     }
 }
 
@@ -248,45 +288,45 @@ mod tests {
     use patchcord_core::patch::Patch;
 
     fn parse(text: &str) -> Result<Measure, MeasureError> {
-        let patch = Patch::read("../../patches/thesis/fig-8-16.json".as_ref()).unwrap();
-        Measure::parse(text, Program::new(&Circuit::new(&patch, &[]).unwrap()).unwrap().signals())
+        let patch = Patch::read("../../patches/thesis/fig-8-16.json").unwrap();
+        Measure::parse(text, Program::new(&Circuit::new(&patch).unwrap()).unwrap().signals())
     }
 
     fn columns(text: &str) -> Vec<(String, String)> {
         parse(text).unwrap().columns().into_iter().map(|column| (column.name, column.unit)).collect()
     }
 
-    fn told(name: &str, unit: &str) -> (String, String) {
+    fn column(name: &str, unit: &str) -> (String, String) {
         (name.to_owned(), unit.to_owned())
     }
 
     #[test]
-    fn columns_are_named_by_what_is_asked_for() {
-        assert_eq!(columns("peak:v_o"), [told("peak:v_o", "m/s")]);
-        assert_eq!(columns(" frequency: x_error, last=0.5 "), [told("frequency:x_error,last=0.5", "Hz")]);
+    fn columns_are_named_by_the_request() {
+        assert_eq!(columns("peak:v_o"), [column("peak:v_o", "m/s")]);
+        assert_eq!(columns(" frequency: x_error, last=0.5 "), [column("frequency:x_error,last=0.5", "Hz")]);
         let [rising, falling] =
-            ["critical_velocity_rising", "critical_velocity_falling"].map(|name| told(name, "m/s"));
+            ["critical_velocity_rising", "critical_velocity_falling"].map(|name| column(name, "m/s"));
         assert_eq!(columns("critical_velocity"), [rising, falling]);
-        assert_eq!(columns("profile:standstill=1e-5")[4], told("profile_5:standstill=1e-5", "m/s"));
+        assert_eq!(columns("profile:standstill=1e-5")[4], column("profile_5:standstill=1e-5", "m/s"));
         assert_eq!(
             columns("friction_loop"),
-            [told("friction_loop_area", "W"), told("friction_loop_work", "J")]
+            [column("friction_loop_area", "W"), column("friction_loop_work", "J")]
         );
-        assert_eq!(columns("overload"), [told("overload", ""), told("overload_time", "s")]);
+        assert_eq!(columns("overload"), [column("overload", ""), column("overload_time", "s")]);
     }
 
     #[test]
-    fn what_cannot_be_measured_is_told_with_what_could() {
+    fn bad_requests_return_errors_with_hints() {
         let cases = [
             ("peek:v_o", "there is no measure \"peek\"; did you mean \"peak\"?"),
             ("", "there is no measure \"\"; known here: voltmeter, "),
             ("peak", "peak reads one signal: write peak:SIGNAL"),
             ("overload:v_o", "overload reads no signal: write overload"),
             ("peak:v_o,v_i", "peak reads one signal: write peak:SIGNAL"),
-            ("peak:v_p", "peak reads the signal \"v_p\", which the patch does not have; did you mean \"v_"),
+            ("peak:v_p", "peak needs the signal \"v_p\", which the patch does not have; did you mean \"v_"),
             ("peak:v_o,last=2", "peak has no option \"last\"; it has none"),
             ("amplitude:v_o,lst=2", "amplitude has no option \"lst\"; did you mean \"last\"?"),
-            ("amplitude:v_o,last=-2", "\"last\" of amplitude must be a number above 0, not \"-2\""),
+            ("amplitude:v_o,last=-2", "\"last\" of amplitude must be a positive number, got \"-2\""),
             ("critical_velocity:v_i", "critical_velocity reads two signals, the commanded"),
             (
                 "friction_loop:v_o",
@@ -294,12 +334,15 @@ mod tests {
             ),
             (
                 "friction_loop:x_error,spring_force",
-                "friction_loop reads x_error in m as a velocity, which it is not",
+                "friction_loop needs a velocity, but x_error in m is none",
             ),
-            ("friction_loop:v_o,v_i", "friction_loop reads v_i in m/s as a force, which it is not"),
-            ("profile:standstill=0", "\"standstill\" of profile must be a number above 0"),
+            ("friction_loop:v_o,v_i", "friction_loop needs a force, but v_i in m/s is none"),
+            ("profile:standstill=0", "\"standstill\" of profile must be a positive number"),
             ("critical_velocity:v_i,x_error", "critical_velocity compares v_i in m/s and x_error in m"),
-            ("critical_velocity:x_error,x_error", "critical_velocity needs a threshold for signals in m"),
+            (
+                "critical_velocity:x_error,x_error",
+                "critical_velocity has no default threshold for signals in m",
+            ),
         ];
         for (text, expected) in cases {
             let error = parse(text).unwrap_err().to_string();

@@ -1,26 +1,34 @@
-//! The table of measures: names, signals, options, columns.
+//! The table of measures: name, signals, options, columns and function of each one.
+//!
+//! A new measure needs one row here and one function in `read`. The parser in `measure`, the help text and the columns
+//! of a sweep follow from the row. Options are positive numbers, and their order is that of `Measure::option`.
 
-use super::read::{self, Run};
-use super::{Cell, MeasureError};
+use super::read::{self, LastRun};
+use super::{MeasureError, MeasureValue};
 use patchcord_core::document::suggestion;
-use patchcord_core::ir::Probe;
+use patchcord_core::ir::SignalInfo;
 
-/// A row of the table.
+/// One row of the table.
 #[derive(Debug)]
-pub(super) struct Entry {
+pub(super) struct MeasureDefinition {
+    /// The name by which it is requested.
     pub name: &'static str,
-    /// What it reads, in a line.
+    /// What it reads, in one line, for help texts.
     pub meaning: &'static str,
-    pub signals: Signals,
+    /// The signals that it reads, with their defaults.
+    pub inputs: MeasureInputs,
+    /// Names of the options. Each one takes a positive number.
     options: &'static [&'static str],
-    /// Whether it reads the samples, of which no two may stand at one instant.
+    /// Whether it uses the samples. Then no two samples may have the same time.
     pub is_sampled: bool,
-    /// What the name of each column has behind that of the measure, and its unit.
-    pub columns: &'static [(&'static str, UnitOf)],
-    pub read: fn(&Run<'_>) -> Vec<Result<Cell, String>>,
+    /// For each column: the suffix that is appended to the measure's name, and the unit.
+    pub columns: &'static [(&'static str, ColumnUnit)],
+    /// Reads the last run: one value per column, or why a column has none.
+    pub read: fn(&LastRun<'_>) -> Vec<Result<MeasureValue, String>>,
 }
 
-impl PartialEq for Entry {
+impl PartialEq for MeasureDefinition {
+    /// Two rows are equal if their names are. Function pointers cannot be compared reliably.
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
     }
@@ -28,215 +36,231 @@ impl PartialEq for Entry {
 
 /// The unit of a column.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum UnitOf {
-    /// That of the first signal.
+pub(super) enum ColumnUnit {
+    /// The unit of the first signal.
     Signal,
-    Text(&'static str),
+    /// A fixed unit; empty for a column of names.
+    Fixed(&'static str),
 }
 
 /// The signals that a measure reads.
 #[derive(Debug)]
-pub(super) enum Signals {
-    /// None.
+pub(super) enum MeasureInputs {
+    /// No signal.
     None,
-    /// One, which has to be named.
+    /// One signal, which must be given.
     One,
-    /// A velocity: this one, where no other is named.
+    /// A velocity. The field is the default.
     Velocity(&'static [&'static str; 1]),
-    /// The commanded and the actual velocity, in one unit: these, where no others are named. The first option is a threshold in that unit.
+    /// The commanded and the actual velocity, in the same unit. The field holds the defaults. The first option of
+    /// such a measure is a threshold in that unit.
     Velocities(&'static [&'static str; 2]),
-    /// A velocity and a force, likewise.
+    /// A velocity and a force. The field holds the defaults. The first option is a threshold in the unit of the
+    /// velocity.
     VelocityAndForce(&'static [&'static str; 2]),
 }
 
-impl Signals {
-    /// Those that are read where no others are named.
-    fn usual(&self) -> &'static [&'static str] {
+impl MeasureInputs {
+    /// The default signals.
+    fn defaults(&self) -> &'static [&'static str] {
         match self {
-            Signals::None | Signals::One => &[],
-            Signals::Velocity(name) => *name,
-            Signals::Velocities(names) | Signals::VelocityAndForce(names) => *names,
+            MeasureInputs::None | MeasureInputs::One => &[],
+            MeasureInputs::Velocity(name) => *name,
+            MeasureInputs::Velocities(names) | MeasureInputs::VelocityAndForce(names) => *names,
         }
     }
 
-    /// How many there are.
+    /// The number of signals.
     fn count(&self) -> usize {
         match self {
-            Signals::None => 0,
-            Signals::One | Signals::Velocity(_) => 1,
-            Signals::Velocities(_) | Signals::VelocityAndForce(_) => 2,
+            MeasureInputs::None => 0,
+            MeasureInputs::One | MeasureInputs::Velocity(_) => 1,
+            MeasureInputs::Velocities(_) | MeasureInputs::VelocityAndForce(_) => 2,
         }
     }
 
-    /// What they are, in words, and how they are written.
-    fn told(&self) -> (&'static str, &'static str) {
+    /// Number and kind of the signals in words, and an example from the colon on.
+    /// The error for a wrong number of signals quotes both.
+    fn description(&self) -> (&'static str, &'static str) {
         match self {
-            Signals::None => ("no signal", ""),
-            Signals::One | Signals::Velocity(_) => ("one signal", ":SIGNAL"),
-            Signals::Velocities(_) => ("two signals, the commanded and the actual velocity", ":v_i,v_o"),
-            Signals::VelocityAndForce(_) => ("two signals, a velocity and a force", ":v_o,spring_force"),
+            MeasureInputs::None => ("no signal", ""),
+            MeasureInputs::One | MeasureInputs::Velocity(_) => ("one signal", ":SIGNAL"),
+            MeasureInputs::Velocities(_) => {
+                ("two signals, the commanded and the actual velocity", ":v_i,v_o")
+            }
+            MeasureInputs::VelocityAndForce(_) => {
+                ("two signals, a velocity and a force", ":v_o,spring_force")
+            }
         }
     }
 }
 
-const SIGNAL: &[(&str, UnitOf)] = &[("", UnitOf::Signal)];
-const BOTH_WAYS: &[(&str, UnitOf)] = &[("_rising", UnitOf::Signal), ("_falling", UnitOf::Signal)];
-const POINTS: &[(&str, UnitOf)] = &[
-    ("_1", UnitOf::Signal),
-    ("_2", UnitOf::Signal),
-    ("_3", UnitOf::Signal),
-    ("_4", UnitOf::Signal),
-    ("_5", UnitOf::Signal),
+/// One column in the unit of the signal.
+/// The suffix is empty, so the column has the name of the request.
+const SIGNAL: &[(&str, ColumnUnit)] = &[("", ColumnUnit::Signal)];
+/// A column for the rising and one for the falling ramp.
+const BOTH_RAMPS: &[(&str, ColumnUnit)] =
+    &[("_rising", ColumnUnit::Signal), ("_falling", ColumnUnit::Signal)];
+/// A column for each point of a velocity profile.
+const POINTS: &[(&str, ColumnUnit)] = &[
+    ("_1", ColumnUnit::Signal),
+    ("_2", ColumnUnit::Signal),
+    ("_3", ColumnUnit::Signal),
+    ("_4", ColumnUnit::Signal),
+    ("_5", ColumnUnit::Signal),
 ];
 
-pub(super) const TABLE: &[Entry] = &[
-    Entry {
+/// Every measure, in the order of the help text.
+pub(super) const TABLE: &[MeasureDefinition] = &[
+    MeasureDefinition {
         name: "voltmeter",
         meaning: "the value at the end of the run",
-        signals: Signals::One,
+        inputs: MeasureInputs::One,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
         read: read::voltmeter,
     },
-    Entry {
+    MeasureDefinition {
         name: "peak",
-        meaning: "the largest value without sign",
-        signals: Signals::One,
+        meaning: "the largest absolute value",
+        inputs: MeasureInputs::One,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
         read: read::peak,
     },
-    Entry {
+    MeasureDefinition {
         name: "least",
-        meaning: "the least value",
-        signals: Signals::One,
+        meaning: "the smallest value",
+        inputs: MeasureInputs::One,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
         read: read::least,
     },
-    Entry {
+    MeasureDefinition {
         name: "most",
         meaning: "the largest value",
-        signals: Signals::One,
+        inputs: MeasureInputs::One,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
         read: read::most,
     },
-    Entry {
+    MeasureDefinition {
         name: "amplitude",
-        meaning: "half of the swing of an oscillation, over the last half of the run or its last so many seconds",
-        signals: Signals::One,
+        meaning: "half the peak-to-peak value of an oscillation, over the last half of the run or the last N seconds",
+        inputs: MeasureInputs::One,
         options: &["last"],
         is_sampled: true,
         columns: SIGNAL,
         read: read::amplitude,
     },
-    Entry {
+    MeasureDefinition {
         name: "frequency",
-        meaning: "whole cycles of an oscillation over their time, read like its amplitude",
-        signals: Signals::One,
+        meaning: "number of whole cycles of an oscillation divided by their duration, over the same time as amplitude",
+        inputs: MeasureInputs::One,
         options: &["last"],
         is_sampled: true,
-        columns: &[("", UnitOf::Text("Hz"))],
+        columns: &[("", ColumnUnit::Fixed("Hz"))],
         read: read::frequency,
     },
-    Entry {
+    MeasureDefinition {
         name: "critical_velocity",
-        meaning: "the command at which oscillation ends while it rises, and begins while it falls: swings above a \
-                  threshold (0.25 mm/s) within a window (0.04 s)",
-        signals: Signals::Velocities(&["v_i", "v_o"]),
+        meaning: "the command at which oscillation ends while the command rises, and begins while it falls; the \
+                  velocity oscillates if it swings by more than threshold (0.25 mm/s) within window (0.04 s)",
+        inputs: MeasureInputs::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window"],
         is_sampled: true,
-        columns: BOTH_WAYS,
+        columns: BOTH_RAMPS,
         read: read::critical_velocity,
     },
-    Entry {
+    MeasureDefinition {
         name: "critical_velocity_range",
-        meaning: "from where to where each critical velocity moves with half and double of threshold and window, and with \
-                  what a ramp overruns in a cycle; how many of these four readings could not be had",
-        signals: Signals::Velocities(&["v_i", "v_o"]),
+        meaning: "the interval of each critical velocity: readings with half and twice the threshold and the window, \
+                  and the overrun of the ramp in one cycle; also how many of these four readings failed",
+        inputs: MeasureInputs::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window"],
         is_sampled: true,
         columns: &[
-            ("_rising_least", UnitOf::Signal),
-            ("_rising_most", UnitOf::Signal),
-            ("_rising_unread", UnitOf::Text("1")),
-            ("_falling_least", UnitOf::Signal),
-            ("_falling_most", UnitOf::Signal),
-            ("_falling_unread", UnitOf::Text("1")),
+            ("_rising_least", ColumnUnit::Signal),
+            ("_rising_most", ColumnUnit::Signal),
+            ("_rising_unread", ColumnUnit::Fixed("1")),
+            ("_falling_least", ColumnUnit::Signal),
+            ("_falling_most", ColumnUnit::Signal),
+            ("_falling_unread", ColumnUnit::Fixed("1")),
         ],
         read: read::critical_velocity_range,
     },
-    Entry {
+    MeasureDefinition {
         name: "first_oscillation",
-        meaning: "the command at which oscillation first appears while it rises, and while it falls: points 2 and 5 of the velocity \
-                  profile of that way; one slip, and what rings behind it, is none",
-        signals: Signals::Velocities(&["v_i", "v_o"]),
+        meaning: "the command at which oscillation first appears during the rising and the falling ramp (points 2 \
+                  and 5 of the velocity profiles); a single slip and its ringing do not count",
+        inputs: MeasureInputs::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window", "standstill"],
         is_sampled: true,
-        columns: BOTH_WAYS,
+        columns: BOTH_RAMPS,
         read: read::first_oscillation,
     },
-    Entry {
+    MeasureDefinition {
         name: "profile",
-        meaning: "the commands at points 1 to 5 of the velocity profile: it breaks away, oscillation begins, stick-slip \
-                  begins and ends, oscillation ends; a velocity up to standstill (half of the threshold) is none",
-        signals: Signals::Velocities(&["v_i", "v_o"]),
+        meaning: "the commands at points 1 to 5 of the velocity profile: breaking away, start of oscillation, start \
+                  and end of stick-slip, end of oscillation; velocities up to standstill (half the threshold) count \
+                  as 0",
+        inputs: MeasureInputs::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window", "standstill"],
         is_sampled: true,
         columns: POINTS,
         read: read::profile,
     },
-    Entry {
+    MeasureDefinition {
         name: "profile_falling",
-        meaning: "the commands at points 1 to 5 on the way back: it comes to rest, oscillation ends, stick-slip ends and begins, \
-                  oscillation begins",
-        signals: Signals::Velocities(&["v_i", "v_o"]),
+        meaning: "the commands at points 1 to 5 of the falling ramp: coming to rest, end of oscillation, end and \
+                  start of stick-slip, start of oscillation",
+        inputs: MeasureInputs::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window", "standstill"],
         is_sampled: true,
         columns: POINTS,
         read: read::profile_falling,
     },
-    Entry {
+    MeasureDefinition {
         name: "friction_loop",
-        meaning: "area of the loop of force against velocity (positive clockwise) and work of the force in a cycle, the \
-                  mean of the whole cycles above a threshold (0.25 mm/s) in the last half of the run or its last so many seconds",
-        signals: Signals::VelocityAndForce(&["v_o", "spring_force"]),
+        meaning: "area of the loop of force against velocity (positive if clockwise) and work of the force per cycle: \
+                  means over the whole cycles above threshold (0.25 mm/s) in the last half of the run or the last N \
+                  seconds",
+        inputs: MeasureInputs::VelocityAndForce(&["v_o", "spring_force"]),
         options: &["threshold", "last"],
         is_sampled: true,
-        columns: &[("_area", UnitOf::Text("W")), ("_work", UnitOf::Text("J"))],
+        columns: &[("_area", ColumnUnit::Fixed("W")), ("_work", ColumnUnit::Fixed("J"))],
         read: read::friction_loop,
     },
-    Entry {
+    MeasureDefinition {
         name: "stick_end",
-        meaning: "when a velocity first passes a threshold (a millionth of its largest value): sliding begins",
-        signals: Signals::Velocity(&["v_o"]),
+        meaning: "the time at which a velocity first exceeds a threshold (default: a millionth of its largest value)",
+        inputs: MeasureInputs::Velocity(&["v_o"]),
         options: &["threshold"],
         is_sampled: true,
-        columns: &[("", UnitOf::Text("s"))],
+        columns: &[("", ColumnUnit::Fixed("s"))],
         read: read::stick_end,
     },
-    Entry {
+    MeasureDefinition {
         name: "overload",
-        meaning: "the amplifier whose overload lamp lights first, and when",
-        signals: Signals::None,
+        meaning: "the amplifier that is overloaded first, and the time",
+        inputs: MeasureInputs::None,
         options: &[],
         is_sampled: false,
-        columns: &[("", UnitOf::Text("")), ("_time", UnitOf::Text("s"))],
+        columns: &[("", ColumnUnit::Fixed("")), ("_time", ColumnUnit::Fixed("s"))],
         read: read::overload,
     },
 ];
 
-impl Entry {
-    /// How it is asked for.
-    pub fn written(&self) -> String {
-        let signals = match &self.signals {
-            Signals::One => "SIGNAL".to_owned(),
-            signals => match signals.usual() {
+impl MeasureDefinition {
+    /// The syntax for help texts, such as "amplitude:SIGNAL,[last=N]".
+    pub fn syntax(&self) -> String {
+        let signals = match &self.inputs {
+            MeasureInputs::One => "SIGNAL".to_owned(),
+            inputs => match inputs.defaults() {
                 [] => String::new(),
                 names => format!("[{}]", names.join(",")),
             },
@@ -247,17 +271,25 @@ impl Entry {
         format!("{}{colon}{}", self.name, all.join(","))
     }
 
-    /// Names and units of the signals that it is to read.
-    pub fn connected(&self, named: &[&str], known: &[Probe]) -> Result<Vec<(String, String)>, MeasureError> {
-        let names = if named.is_empty() { self.signals.usual() } else { named };
-        if names.len() != self.signals.count() {
-            let (wanted, example) = self.signals.told();
-            return Err(MeasureError::Signals { measure: self.name, wanted, example });
+    /// Names and units of the requested signals, or of the default ones.
+    ///
+    /// # Errors
+    /// If the number of signals is wrong, or a signal is unknown.
+    pub fn connect(
+        &self,
+        named: &[&str],
+        known: &[SignalInfo],
+    ) -> Result<Vec<(String, String)>, MeasureError> {
+        let names = if named.is_empty() { self.inputs.defaults() } else { named };
+        if names.len() != self.inputs.count() {
+            let (wanted, example) = self.inputs.description();
+            return Err(MeasureError::WrongSignals { measure: self.name, wanted, example });
         }
         names.iter().map(|name| self.find(name, known)).collect()
     }
 
-    fn find(&self, name: &str, known: &[Probe]) -> Result<(String, String), MeasureError> {
+    /// Name and unit of a signal; an error with a similar name if it is unknown.
+    fn find(&self, name: &str, known: &[SignalInfo]) -> Result<(String, String), MeasureError> {
         let found = known.iter().find(|probe| probe.name == name);
         found.map(|probe| (probe.name.clone(), probe.unit.clone())).ok_or_else(|| {
             let names: Vec<_> = known.iter().map(|probe| probe.name.as_str()).collect();
@@ -266,8 +298,11 @@ impl Entry {
         })
     }
 
-    /// The values of its options.
-    pub fn set<'a>(
+    /// The values of the options, in the order of the definition. None if an option is not given.
+    ///
+    /// # Errors
+    /// If an option is unknown, or a value is not a positive finite number.
+    pub fn parse_options<'a>(
         &self,
         given: impl Iterator<Item = (&'a str, &'a str)>,
     ) -> Result<Vec<Option<f64>>, MeasureError> {

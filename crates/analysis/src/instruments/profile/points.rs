@@ -1,112 +1,137 @@
-//! Where the points of a profile lie.
+//! Locates the five points of a velocity profile in a ramp.
+//!
+//! The cycles before the oscillation are removed first. If no oscillation remains, all points after the first have the
+//! same reason. Otherwise point 2 is at the first cycle, and point 5 is at the critical velocity. Points 3 and 4 are at
+//! the first and the last cycles that reach standstill. All times are transformed times, see `ramp`.
 
 use super::super::critical_velocity::NoCriticalVelocity;
 use super::super::cycles::Cycle;
-use super::ramp::{Beginning, Ramp, bouts};
-use super::{Absent, ProfilePoint, Section, Way};
+use super::ramp::{CycleSplit, RampReader, bouts};
+use super::{AbsenceReason, ProfilePoint, ProfileSection, RampDirection};
 
-pub(super) type Points = [Result<ProfilePoint, Absent>; 5];
-pub(super) type Sections = [Result<Section, Absent>; 4];
+/// Points 1 to 5, or why a point is missing.
+pub(super) type Points = [Result<ProfilePoint, AbsenceReason>; 5];
+/// Sections A to D, or why a section is missing.
+pub(super) type Sections = [Result<ProfileSection, AbsenceReason>; 4];
 
-/// So many cycles in a row come down to standstill where stick-slip begins and ends: near rest one may by chance.
-const IN_A_ROW: usize = 3;
+/// The number of consecutive cycles that must reach standstill for stick-slip. Near rest a single one may do so by
+/// chance.
+const STICKING_CYCLES: usize = 3;
 
-impl Ramp {
-    /// Points and sections behind the first point.
-    pub fn found(&self, first: Result<ProfilePoint, Absent>) -> (Points, Sections) {
-        let beginning = self.beginning(first.ok().map(|point| point.time));
-        let (before, oscillating) = self.cycles.split_at(beginning.first);
-        match self.why_not(first, &beginning, oscillating) {
-            Some(why) => self.without_oscillation(first, &beginning, why),
+impl RampReader {
+    /// All points and sections, given the first point.
+    pub fn points_with_sections(&self, first: Result<ProfilePoint, AbsenceReason>) -> (Points, Sections) {
+        let split = self.split_cycles(first.ok().map(|point| point.time));
+        let (before, oscillating) = self.cycles.split_at(split.first);
+        match self.absence_reason(first, &split, oscillating) {
+            Some(why) => self.without_oscillation(first, &split, why),
             None => {
-                let points = self.points(first, &beginning, oscillating);
+                let points = self.points(first, &split, oscillating);
                 (points, self.sections(points, before, oscillating))
             }
         }
     }
 
-    /// Why it does not oscillate; nothing where it does.
-    fn why_not(
+    /// Why the ramp has no oscillation; None if it has one.
+    ///
+    /// The cases are tested in this order: the slideway never slides, there is an oscillation, the velocity only
+    /// rings, the record is too short, the velocity does not oscillate.
+    fn absence_reason(
         &self,
-        first: Result<ProfilePoint, Absent>,
-        beginning: &Beginning,
+        first: Result<ProfilePoint, AbsenceReason>,
+        split: &CycleSplit,
         oscillating: &[Cycle],
-    ) -> Option<Absent> {
+    ) -> Option<AbsenceReason> {
         use NoCriticalVelocity::{NotBegun, NotEnded};
         let oscillates = bouts(oscillating).any(|bout| self.lasts(bout));
-        let rings = beginning.ringing.is_some_and(|cycles| cycles > 0);
+        let rings = split.ringing.is_some_and(|cycles| cycles > 0);
         match (first, self.end) {
-            (Err(Absent::Sticks), _) => Some(Absent::Sticks),
+            (Err(AbsenceReason::Sticks), _) => Some(AbsenceReason::Sticks),
             (_, Ok(_) | Err(NotEnded(_) | NotBegun)) if oscillates => None,
-            _ if self.way == Way::Rising && rings => Some(Absent::RingsOnly),
-            (_, Err(NotEnded(_))) => Some(Absent::TooShort),
-            (_, Ok(_)) if self.way == Way::Falling && self.is_cut_off() => Some(Absent::TooShort),
-            _ => Some(Absent::Quiet),
+            _ if self.direction == RampDirection::Rising && rings => Some(AbsenceReason::RingsOnly),
+            (_, Err(NotEnded(_))) => Some(AbsenceReason::TooShort),
+            (_, Ok(_)) if self.direction == RampDirection::Falling && self.is_cut_off() => {
+                Some(AbsenceReason::TooShort)
+            }
+            _ => Some(AbsenceReason::NoOscillation),
         }
     }
 
+    /// Points and sections of a ramp without oscillation: only point 1 and section A can exist.
     fn without_oscillation(
         &self,
-        first: Result<ProfilePoint, Absent>,
-        beginning: &Beginning,
-        why: Absent,
+        first: Result<ProfilePoint, AbsenceReason>,
+        split: &CycleSplit,
+        why: AbsenceReason,
     ) -> (Points, Sections) {
         let begin = first.map_or(self.begin(), |point| point.time);
-        let smooth = beginning.ringing.map(|_| self.section(&self.cycles, [begin, self.finish()])).ok_or(why);
+        let smooth = split.ringing.map(|_| self.section(&self.cycles, [begin, self.finish()])).ok_or(why);
         ([first, Err(why), Err(why), Err(why), Err(why)], [smooth, Err(why), Err(why), Err(why)])
     }
 
-    fn points(&self, first: Result<ProfilePoint, Absent>, beginning: &Beginning, cycles: &[Cycle]) -> Points {
-        let begins = self.begins(first, beginning, &cycles[0]);
+    /// The five points of a ramp with oscillation. `cycles` are those of the oscillation.
+    fn points(
+        &self,
+        first: Result<ProfilePoint, AbsenceReason>,
+        split: &CycleSplit,
+        cycles: &[Cycle],
+    ) -> Points {
+        let begins = self.oscillation_point(first, split, &cycles[0]);
         let ends = match self.end {
             Ok(time) => Ok(self.point(time)),
-            Err(_) => Err(self.way.of([Absent::NotEnded, Absent::NotBegun])),
+            Err(_) => Err(self.direction.select([AbsenceReason::NotEnded, AbsenceReason::NotBegun])),
         };
-        let [sticks, slides] = self.stick_slip(cycles, begins, ends);
+        let [sticks, slides] = self.stick_slip_points(cycles, begins, ends);
         let ends = ends.map(|point| {
-            let coincides = slides.ok().filter(|slides| slides.time == point.time).map(|_| 4);
-            ProfilePoint { coincides, ..point }
+            let coincides_with = slides.ok().filter(|slides| slides.time == point.time).map(|_| 4);
+            ProfilePoint { coincides_with, ..point }
         });
         [first, begins, sticks, slides, ends]
     }
 
-    /// Point 2.
-    fn begins(
+    /// Point 2. `cycle` is the first cycle of the oscillation.
+    fn oscillation_point(
         &self,
-        first: Result<ProfilePoint, Absent>,
-        beginning: &Beginning,
+        first: Result<ProfilePoint, AbsenceReason>,
+        split: &CycleSplit,
         cycle: &Cycle,
-    ) -> Result<ProfilePoint, Absent> {
+    ) -> Result<ProfilePoint, AbsenceReason> {
         let window = self.criterion.oscillation.window;
         match first {
-            // The last slip has no whole cycle of its own.
+            // The last slip is not part of a whole cycle.
             Ok(jump)
-                if beginning.ringing.is_none()
-                    && (self.way == Way::Falling || cycle.begin <= jump.time + window) =>
+                if split.ringing.is_none()
+                    && (self.direction == RampDirection::Falling || cycle.begin <= jump.time + window) =>
             {
-                Ok(ProfilePoint { coincides: Some(1), ..jump })
+                Ok(ProfilePoint { coincides_with: Some(1), ..jump })
             }
-            // Backward in time the record begins with what goes on at its end.
-            Err(Absent::NoRest) if beginning.ringing.is_none() => Err(Absent::NotEnded),
+            // A falling ramp is read backward in time, so the end of the record comes first.
+            Err(AbsenceReason::NoRest) if split.ringing.is_none() => Err(AbsenceReason::NotEnded),
             _ => Ok(self.point(cycle.begin)),
         }
     }
 
     /// Points 3 and 4.
-    fn stick_slip(
+    ///
+    /// Stick-slip lasts from the first to the last [`STICKING_CYCLES`] adjoining cycles that reach standstill. Point 3
+    /// coincides with point 2 if the first cycle sticks. Point 4 is point 5 if the last cycle sticks.
+    fn stick_slip_points(
         &self,
         cycles: &[Cycle],
-        begins: Result<ProfilePoint, Absent>,
-        ends: Result<ProfilePoint, Absent>,
-    ) -> [Result<ProfilePoint, Absent>; 2] {
+        begins: Result<ProfilePoint, AbsenceReason>,
+        ends: Result<ProfilePoint, AbsenceReason>,
+    ) -> [Result<ProfilePoint, AbsenceReason>; 2] {
         let sticks = |cycle: &Cycle| cycle.least <= self.criterion.standstill;
         let in_a_row = |row: &[Cycle]| row.iter().all(sticks) && bouts(row).count() == 1;
-        let Some(first) = cycles.windows(IN_A_ROW).position(in_a_row) else {
-            return [Err(Absent::NoStickSlip); 2];
+        let Some(first) = cycles.windows(STICKING_CYCLES).position(in_a_row) else {
+            return [Err(AbsenceReason::NoStickSlip); 2];
         };
-        let last = cycles.windows(IN_A_ROW).rposition(in_a_row).map_or(first, |row| row + IN_A_ROW - 1);
+        let last = cycles
+            .windows(STICKING_CYCLES)
+            .rposition(in_a_row)
+            .map_or(first, |row| row + STICKING_CYCLES - 1);
         let begin = match first {
-            0 => begins.map(|begins| ProfilePoint { coincides: Some(2), ..begins }),
+            0 => begins.map(|begins| ProfilePoint { coincides_with: Some(2), ..begins }),
             _ => Ok(self.point(cycles[first].begin)),
         };
         let end = match ends {

@@ -1,72 +1,89 @@
-//! One way of a command, as a way up: what falls is read backward in time.
+//! One ramp of a velocity profile, transformed so that both ramps are read by the same code.
+//!
+//! A negative command is mirrored. A falling ramp is reversed in time, so the command always rises from rest.
+//! Results are transformed back to the original time and sign.
 
-use super::super::critical_velocity::{Criterion, NoCriticalVelocity, REST, critical_samples, largest_of};
+use super::super::critical_velocity::{
+    Criterion, NoCriticalVelocity, REST_WINDOWS, critical_samples, largest_of,
+};
 use super::super::cut::at;
 use super::super::cycles::{Cycle, CyclesError, cycles};
 use super::super::steadiness::Steadiness;
 use super::super::stick::{StickError, stick_end};
 use super::super::window::samples_in;
-use super::{Absent, ProfileCriterion, ProfileError, ProfilePoint, Section, VelocityProfile, Way};
+use super::{
+    AbsenceReason, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
+    VelocityProfile,
+};
 
-/// One way of a profile, turned so that time goes on while the command rises, forward.
-pub(super) struct Ramp {
+/// One ramp of a profile, transformed so that the command is positive and rises with time.
+pub(super) struct RampReader {
+    /// Transformed time of every sample, in seconds; negative for a falling ramp.
     time: Vec<f64>,
+    /// Transformed command of every sample.
     command: Vec<f64>,
+    /// Transformed velocity of every sample.
     velocity: Vec<f64>,
+    /// The criterion for oscillation and standstill.
     pub criterion: ProfileCriterion,
-    pub way: Way,
-    /// The direction of the command, 1 or -1.
-    direction: f64,
-    /// Its cycles, one after the other.
+    /// The ramp that is read.
+    pub direction: RampDirection,
+    /// The original sign of the command, 1 or -1.
+    sign: f64,
+    /// The cycles in order of transformed time.
     pub cycles: Vec<Cycle>,
-    /// When oscillation ends.
+    /// The transformed time at which oscillation ends (rising) or begins (falling), or why there is none.
     pub end: Result<f64, NoCriticalVelocity>,
 }
 
-/// A cycle of ringing is smaller than this share of the one before: a damping ratio of 0.017 and more.
-const RINGS: f64 = 0.9;
+/// In ringing each cycle is smaller than this fraction of the previous one: a damping ratio of at least 0.017.
+const RINGING_DECAY: f64 = 0.9;
 
-/// Cycles up to the first rest, and behind it.
-pub(super) struct Beginning {
-    /// How many there are before the velocity slides smoothly for the first time, where they are no oscillation; nothing where it does not
-    /// slide smoothly, or oscillates before.
+/// The cycles of a ramp, split into ringing, short bouts and oscillation.
+pub(super) struct CycleSplit {
+    /// The number of cycles before the velocity first slides smoothly, if they are ringing and not oscillation. None if
+    /// the velocity never slides smoothly or oscillates before.
     pub ringing: Option<usize>,
-    /// How many there are before oscillation begins.
+    /// The number of cycles before the oscillation.
     pub first: usize,
 }
 
-impl Ramp {
+impl RampReader {
+    /// Cuts one ramp out of a run and transforms it.
+    ///
+    /// # Errors
+    /// If the run is no profile, the criterion is unusable with it, or command and velocity stay below standstill.
     pub fn new(
         time: &[f64],
         command: &[f64],
         velocity: &[f64],
         criterion: ProfileCriterion,
-        way: Way,
+        direction: RampDirection,
     ) -> Result<Self, ProfileError> {
-        let end = match way.of(critical_samples(time, command, velocity, criterion.oscillation)?) {
-            Err(error) if !is_told_by_points(error) => return Err(error.into()),
+        let end = match direction.select(critical_samples(time, command, velocity, criterion.oscillation)?) {
+            Err(error) if !is_reported_by_points(error) => return Err(error.into()),
             end => end.map(|sample| time[sample]),
         };
-        let samples = way.samples(command);
-        check_reach(criterion.standstill, [&command[samples.clone()], &velocity[samples.clone()]])?;
-        let direction = command[way.of([samples.end - 1, samples.start])].signum();
+        let samples = direction.samples(command);
+        check_motion(criterion.standstill, [&command[samples.clone()], &velocity[samples.clone()]])?;
+        let sign = command[direction.select([samples.end - 1, samples.start])].signum();
         let [time, command, velocity] =
-            [(time, 1.0), (command, direction), (velocity, direction)].map(|(values, sign)| {
+            [(time, 1.0), (command, sign), (velocity, sign)].map(|(values, sign)| {
                 values[samples.clone()].iter().map(|value| value * sign).collect::<Vec<_>>()
             });
         let cycles = match cycles(&time, &command, &velocity, criterion.oscillation) {
-            Err(CyclesError::Quiet) => Vec::new(),
+            Err(CyclesError::NoOscillation) => Vec::new(),
             found => found?,
         };
-        let mut ramp = Ramp { time, command, velocity, criterion, way, direction, cycles, end };
-        if way == Way::Falling {
-            ramp.turn_back();
+        let mut ramp = RampReader { time, command, velocity, criterion, direction, sign, cycles, end };
+        if direction == RampDirection::Falling {
+            ramp.reverse_time();
         }
         Ok(ramp)
     }
 
-    /// What comes last comes first.
-    fn turn_back(&mut self) {
+    /// Reverses time: the last sample becomes the first, and times change their sign.
+    fn reverse_time(&mut self) {
         self.time.iter_mut().for_each(|time| *time = -*time);
         for values in [&mut self.time, &mut self.command, &mut self.velocity] {
             values.reverse();
@@ -76,45 +93,46 @@ impl Ramp {
         self.end = self.end.map(|time| -time);
     }
 
+    /// The profile of this ramp, in the original time and sign.
     pub fn profile(&self) -> VelocityProfile {
         let jump = self.jump();
-        let (points, sections) = self.found(jump.map(|(time, _)| self.point(time)));
-        let jump = jump.ok().map(|(_, height)| height * self.direction);
-        let points = points.map(|point| point.map(|point| self.turned_point(point)));
-        let sections = sections.map(|section| section.map(|section| self.turned_section(section)));
-        VelocityProfile { way: self.way, points, sections, jump }
+        let (points, sections) = self.points_with_sections(jump.map(|(time, _)| self.point(time)));
+        let jump = jump.ok().map(|(_, height)| height * self.sign);
+        let points = points.map(|point| point.map(|point| self.original_point(point)));
+        let sections = sections.map(|section| section.map(|section| self.original_section(section)));
+        VelocityProfile { direction: self.direction, points, sections, jump }
     }
 
-    /// When it breaks away, and the largest velocity that comes of it.
-    fn jump(&self) -> Result<(f64, f64), Absent> {
+    /// The time of breaking away, and the largest velocity within a window after it.
+    fn jump(&self) -> Result<(f64, f64), AbsenceReason> {
         let ProfileCriterion { oscillation: Criterion { threshold, window }, standstill } = self.criterion;
         let begin = stick_end(&self.time, &self.velocity, Some(standstill)).map_err(|error| match error {
-            StickError::Sticks => Absent::Sticks,
-            _ => self.way.of([Absent::NoJump, Absent::NoRest]),
+            StickError::Sticks => AbsenceReason::Sticks,
+            _ => self.direction.select([AbsenceReason::NoJump, AbsenceReason::NoRest]),
         })?;
         let within = |index: &usize| (begin..=begin + window).contains(&self.time[*index]);
         let samples = || (0..self.time.len()).filter(within);
         if samples().all(|index| self.velocity[index] - self.command[index] <= threshold) {
-            return Err(self.way.of([Absent::NoJump, Absent::NoSlip]));
+            return Err(self.direction.select([AbsenceReason::NoJump, AbsenceReason::NoSlip]));
         }
         Ok((begin, samples().map(|index| self.velocity[index]).fold(0.0, f64::max)))
     }
 
-    /// What is ringing behind the jump, or too short, and what oscillates.
-    pub fn beginning(&self, jump: Option<f64>) -> Beginning {
-        let oscillates = Beginning { ringing: None, first: 0 };
-        let Some(rest) = self.first_rest(jump.unwrap_or(self.begin())) else { return oscillates };
+    /// Separates ringing after the jump and short bouts from the oscillation. `jump` is the time of breaking away.
+    pub fn split_cycles(&self, jump: Option<f64>) -> CycleSplit {
+        let all_oscillation = CycleSplit { ringing: None, first: 0 };
+        let Some(rest) = self.first_rest(jump.unwrap_or(self.begin())) else { return all_oscillation };
         let ringing = self.cycles.partition_point(|cycle| cycle.begin < rest);
         let (before, behind) = self.cycles.split_at(ringing);
-        let shrinks = before.windows(2).all(|pair| pair[1].amplitude < RINGS * pair[0].amplitude);
-        if self.lasts(before) && !(shrinks && self.way == Way::Rising) {
-            return oscillates;
+        let shrinks = before.windows(2).all(|pair| pair[1].amplitude < RINGING_DECAY * pair[0].amplitude);
+        if self.lasts(before) && !(shrinks && self.direction == RampDirection::Rising) {
+            return all_oscillation;
         }
         let short = bouts(behind).take_while(|bout| !self.lasts(bout)).map(<[_]>::len).sum::<usize>();
-        Beginning { ringing: Some(ringing), first: ringing + short }
+        CycleSplit { ringing: Some(ringing), first: ringing + short }
     }
 
-    /// When, from an instant on, the velocity first follows the command for four windows.
+    /// The first time, from `begin` on, after which the velocity follows the command for four windows.
     fn first_rest(&self, begin: f64) -> Option<f64> {
         let oscillation = self.criterion.oscillation;
         let span = samples_in(&self.time, oscillation).ok()?;
@@ -123,45 +141,50 @@ impl Ramp {
         steadiness.first_rest(first..self.time.len()).map(|rest| self.time[rest])
     }
 
-    /// Whether the run ends while the command falls, and the velocity does not follow it there.
+    /// Whether the run ends during the falling ramp before the velocity follows the command.
     pub fn is_cut_off(&self) -> bool {
         self.command[0] > self.criterion.standstill && self.first_rest(self.begin()) != Some(self.begin())
     }
 
-    /// Whether cycles that go on from one to the next last for four windows.
+    /// Whether these adjoining cycles together last for at least four windows.
     pub fn lasts(&self, bout: &[Cycle]) -> bool {
         let [Some(first), Some(last)] = [bout.first(), bout.last()] else { return false };
-        last.end - first.begin >= REST as f64 * self.criterion.oscillation.window
+        last.end - first.begin >= REST_WINDOWS as f64 * self.criterion.oscillation.window
     }
 
+    /// The first transformed time.
     pub fn begin(&self) -> f64 {
         self.time[0]
     }
 
+    /// The last transformed time.
     pub fn finish(&self) -> f64 {
         self.time[self.time.len() - 1]
     }
 
+    /// The transformed command at a transformed time.
     pub fn command(&self, time: f64) -> f64 {
         at(&self.time, &self.command, time)
     }
 
+    /// The point of the profile at a transformed time.
     pub fn point(&self, time: f64) -> ProfilePoint {
-        ProfilePoint { time, command: self.command(time), coincides: None }
+        ProfilePoint { time, command: self.command(time), coincides_with: None }
     }
 
-    /// A point on the run's own clock, in the command's own direction.
-    fn turned_point(&self, point: ProfilePoint) -> ProfilePoint {
-        let time = point.time * self.way.of([1.0, -1.0]);
-        ProfilePoint { time, command: point.command * self.direction, ..point }
+    /// A point in the original time and sign.
+    fn original_point(&self, point: ProfilePoint) -> ProfilePoint {
+        let time = point.time * self.direction.select([1.0, -1.0]);
+        ProfilePoint { time, command: point.command * self.sign, ..point }
     }
 
-    fn turned_section(&self, section: Section) -> Section {
-        let command = section.command.map(|command| command * self.direction);
+    /// A section in the original time and sign.
+    fn original_section(&self, section: ProfileSection) -> ProfileSection {
+        let command = section.command.map(|command| command * self.sign);
         let backward = |[first, last]: [f64; 2]| [last, first];
-        match self.way {
-            Way::Rising => Section { command, ..section },
-            Way::Falling => Section {
+        match self.direction {
+            RampDirection::Rising => ProfileSection { command, ..section },
+            RampDirection::Falling => ProfileSection {
                 time: backward(section.time).map(|time| -time),
                 command: backward(command),
                 frequency: section.frequency.map(backward),
@@ -171,19 +194,19 @@ impl Ramp {
     }
 }
 
-/// Cycles that go on from one to the next: between two of these the velocity has rested.
+/// Groups of adjoining cycles. Between two groups the velocity slides steadily.
 pub(super) fn bouts(cycles: &[Cycle]) -> impl Iterator<Item = &[Cycle]> {
     cycles.chunk_by(|cycle, next| cycle.end == next.begin)
 }
 
-/// That command or velocity passes standstill somewhere.
-fn check_reach(standstill: f64, values: [&[f64]; 2]) -> Result<(), ProfileError> {
+/// An error if neither command nor velocity exceeds standstill.
+fn check_motion(standstill: f64, values: [&[f64]; 2]) -> Result<(), ProfileError> {
     let reached = values.map(largest_of).into_iter().fold(0.0, f64::max);
-    if reached > standstill { Ok(()) } else { Err(ProfileError::StandsStill { standstill, reached }) }
+    if reached > standstill { Ok(()) } else { Err(ProfileError::Motionless { standstill, reached }) }
 }
 
-/// Whether it is the points that tell why there is no critical velocity.
-fn is_told_by_points(error: NoCriticalVelocity) -> bool {
-    use NoCriticalVelocity::{NotBegun, NotEnded, Quiet};
-    matches!(error, Quiet | NotEnded(_) | NotBegun)
+/// Whether the missing points already report this reason, so that the profile can still be read.
+fn is_reported_by_points(error: NoCriticalVelocity) -> bool {
+    use NoCriticalVelocity::{NoOscillation, NotBegun, NotEnded};
+    matches!(error, NoOscillation | NotEnded(_) | NotBegun)
 }

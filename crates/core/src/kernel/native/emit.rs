@@ -1,4 +1,10 @@
-//! The code of steps and of looks ahead.
+//! Emits the code of steps and of look-aheads.
+//!
+//! The code has three functions: the loop over steps, the look-ahead, and the evaluation at the slots. All of them get
+//! the address of a `Memory` and emit the same stages. A stage computes the rates from given states and a time;
+//! `values` has what is known in it.
+//!
+//! The processor has to wait for the last rate of a step. So everything that does not depend on it is emitted before.
 
 use std::collections::HashMap;
 use std::mem::offset_of;
@@ -8,48 +14,57 @@ use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, MemFlagsData, Value, ty
 use cranelift_frontend::FunctionBuilder;
 
 use super::super::code::Slot;
-use super::super::rows::Columns;
+use super::super::rows::RowLayout;
 use super::super::step::SIXTH;
 use super::super::{Checks, Kernel};
 use super::Memory;
 
-/// States of so many integrators are carried from step to step in registers.
-const MOST_CARRIED: usize = 4;
+/// Maximum number of states that are kept in registers from step to step.
+const MAX_CARRIED: usize = 4;
 
-/// What writes the code of a kernel.
+/// Emits the code of a kernel.
 pub(super) struct Emitter<'a, 'f> {
+    /// The builder of the function.
     pub build: &'a mut FunctionBuilder<'f>,
+    /// The kernel whose operations are emitted.
     pub kernel: &'a Kernel,
+    /// The type of an address.
     pub pointer: types::Type,
+    /// The helper for functions.
     pub call: FuncRef,
+    /// The helper for tables.
     pub look_up: FuncRef,
+    /// The argument of the function: the address of its memory.
     pub memory: Value,
-    /// The slots, by stage.
+    /// The base address of the slots, once per stage and once for the end.
     pub slots: [Value; 5],
-    /// Where they are read now.
+    /// Index of the stage whose base address is used.
     pub stage: usize,
-    /// The states and their rates.
+    /// The base address of the states at the beginning of a look-ahead.
     pub states: Value,
+    /// The base address of the rates of these states.
     pub rates: Value,
-    pub columns: &'a Columns,
-    /// Of a step, the row in which it begins.
+    /// The layout of the rows.
+    pub columns: &'a RowLayout,
+    /// The row in which the present step begins; `None` outside of steps.
     pub row: Option<Value>,
-    /// Where stands what tables of time give in the middle of a step, and at its end.
+    /// The base address of the values of tables of time, in the middle and at the end of the step.
     ahead: Value,
-    /// The states that the first stage of a step tries, where they are few: worked out in the step before, from what is
-    /// still at hand.
-    tried: Vec<Value>,
-    /// The values of the slots that were worked out or loaded in this stage.
+    /// The states of the first stage, computed in the step before from values that are still in registers. Empty if
+    /// there are many states.
+    first_trial: Vec<Value>,
+    /// The values of the slots that were computed or loaded in this stage.
     pub values: Vec<Option<Value>>,
-    /// The beginnings of sums that were worked out in this stage.
+    /// The beginnings of sums that were computed in this stage.
     pub sums: HashMap<Vec<Slot>, Value>,
 }
 
 impl<'a, 'f> Emitter<'a, 'f> {
+    /// Begins a function: loads the addresses that every stage needs. No slot has a known value yet.
     pub fn new(
         build: &'a mut FunctionBuilder<'f>,
         kernel: &'a Kernel,
-        columns: &'a Columns,
+        columns: &'a RowLayout,
         pointer: types::Type,
         [call, look_up]: [FuncRef; 2],
     ) -> Self {
@@ -80,30 +95,35 @@ impl<'a, 'f> Emitter<'a, 'f> {
             columns,
             row: None,
             ahead,
-            tried: Vec::new(),
+            first_trial: Vec::new(),
             values,
             sums: HashMap::new(),
         }
     }
 
+    /// Loads a field of the memory by its offset. The field does not change while the code runs.
     pub fn of_memory(&mut self, of: types::Type, offset: usize) -> Value {
         self.build.ins().load(of, constant(), self.memory, offset as i32)
     }
 
+    /// A number as a constant of the code.
     pub fn number(&mut self, value: f64) -> Value {
         self.build.ins().f64const(value)
     }
 
+    /// Loads a number from a list of doubles, by its index.
     pub fn load(&mut self, base: Value, index: usize) -> Value {
         self.build.ins().load(types::F64, MemFlagsData::trusted(), base, 8 * index as i32)
     }
 
+    /// Stores a number into a list of doubles, by its index.
     pub fn store(&mut self, value: Value, base: Value, index: usize) {
         self.build.ins().store(MemFlagsData::trusted(), value, base, 8 * index as i32);
     }
 
-    /// The loop over the steps. When a step ends is worked out in the step before it, as that takes long; so is what its first
-    /// stage tries.
+    /// The loop over the steps. Its variables are the number of steps taken, the row, the time and the end of the step,
+    /// and the states of its first stage. The end of a step and the states of its first stage are computed one step
+    /// earlier, because they take long.
     pub fn steps(mut self) {
         let kernel = self.kernel;
         let [first, all] = [offset_of!(Memory, first), offset_of!(Memory, count)]
@@ -113,11 +133,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let zero = self.build.ins().iconst(types::I64, 0);
         let end = self.end_of(zero, first);
         self.row = Some(row);
-        let carried = if kernel.rates.len() > MOST_CARRIED { 0 } else { kernel.rates.len() };
+        let carried = if kernel.rates.len() > MAX_CARRIED { 0 } else { kernel.rates.len() };
         let states: Vec<Value> = (0..carried).map(|index| self.state(index)).collect();
         let rates: Vec<Value> = (0..carried).map(|index| self.rate(index)).collect();
-        let tried = self.tried_first([time, end], &states, &rates);
-        let start = [&[zero, row, time, end], &tried[..]].concat();
+        let first_trial = self.first_trial_states([time, end], &states, &rates);
+        let start = [&[zero, row, time, end], &first_trial[..]].concat();
         let head = self.build.create_block();
         for value in &start {
             let of = self.build.func.dfg.value_type(*value);
@@ -127,30 +147,36 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
         self.build.switch_to_block(head);
         let here: Vec<Value> = self.build.block_params(head).to_vec();
-        let [gone, row, time, end] = [here[0], here[1], here[2], here[3]];
-        (self.row, self.tried) = (Some(row), here[4..].to_vec());
-        let is_done = self.build.ins().icmp(IntCC::UnsignedGreaterThanOrEqual, gone, all);
+        let [taken, row, time, end] = [here[0], here[1], here[2], here[3]];
+        (self.row, self.first_trial) = (Some(row), here[4..].to_vec());
+        let is_done = self.build.ins().icmp(IntCC::UnsignedGreaterThanOrEqual, taken, all);
         let [done, on] = [(); 2].map(|()| self.build.create_block());
         self.build.ins().brif(is_done, done, &[], on, &[]);
         self.build.switch_to_block(on);
-        let next = self.build.ins().iadd_imm_s(gone, 1);
+        let next = self.build.ins().iadd_imm_s(taken, 1);
         let end_of_next = self.end_of(next, first);
         let next_row = self.build.ins().iadd_imm_s(row, 8 * self.columns.width as i64);
         let [states, rates] = self.step([time, end], next_row);
-        let tried = self.tried_first([end, end_of_next], &states, &rates);
-        self.jump(head, &[&[next, next_row, end, end_of_next], &tried[..]].concat());
+        let first_trial = self.first_trial_states([end, end_of_next], &states, &rates);
+        self.jump(head, &[&[next, next_row, end, end_of_next], &first_trial[..]].concat());
         self.build.switch_to_block(done);
-        self.leave();
+        self.return_zero();
     }
 
+    /// Jumps to a block with arguments: the values of its variables.
     fn jump(&mut self, block: Block, values: &[Value]) {
         let values: Vec<_> = values.iter().copied().map(Into::into).collect();
         self.build.ins().jump(block, &values);
     }
 
-    /// What the first stage of a step between two times tries; nothing of many states, which no registers hold.
-    fn tried_first(&mut self, [time, end]: [Value; 2], states: &[Value], rates: &[Value]) -> Vec<Value> {
-        if states.len() > MOST_CARRIED {
+    /// The states of the first stage of a step; empty if there are too many states for registers.
+    fn first_trial_states(
+        &mut self,
+        [time, end]: [Value; 2],
+        states: &[Value],
+        rates: &[Value],
+    ) -> Vec<Value> {
+        if states.len() > MAX_CARRIED {
             return Vec::new();
         }
         let length = self.build.ins().fsub(end, time);
@@ -159,39 +185,41 @@ impl<'a, 'f> Emitter<'a, 'f> {
         pairs.map(|(state, rate)| self.build.ins().fma(*rate, half, *state)).collect()
     }
 
+    /// Half of a length. The constant is read from memory, which is faster than to build it.
     fn half_of(&mut self, length: Value) -> Value {
         let a_half = self.of_memory(types::F64, offset_of!(Memory, half));
         self.build.ins().fmul(a_half, length)
     }
 
-    /// One step between two times, written down in a row: states and rates at its end.
+    /// One step, which is written to a row. Returns the states and rates at its end.
     fn step(&mut self, [time, end]: [Value; 2], next: Value) -> [Vec<Value>; 2] {
         let (kernel, columns) = (self.kernel, self.columns);
         self.ahead = self.build.ins().iadd_imm_s(next, 8 * columns.scheduled as i64);
         let length = self.build.ins().fsub(end, time);
         let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
             for (index, slot) in columns.middles.iter().enumerate() {
-                emitter.write_down(*slot, next, columns.ends.len() + index);
+                emitter.write(*slot, next, columns.ends.len() + index);
             }
         });
         for (column, slot) in columns.ends.iter().enumerate() {
-            self.write_down(*slot, next, column);
+            self.write(*slot, next, column);
         }
         for (index, rate) in rates.iter().enumerate() {
             self.store(*rate, next, columns.rates + index);
         }
         for (index, slot) in kernel.kept.iter().enumerate() {
-            self.write_down(*slot, next, columns.kept + index);
+            self.write(*slot, next, columns.kept + index);
         }
         [after, rates]
     }
 
-    fn write_down(&mut self, slot: Slot, row: Value, column: usize) {
+    /// Stores the value of a slot into a column of a row. It is that of the present stage.
+    fn write(&mut self, slot: Slot, row: Value, column: usize) {
         let value = self.get(slot);
         self.store(value, row, column);
     }
 
-    /// A state where it begins.
+    /// A state at the beginning of the step: from the row, or from the frame for a look-ahead.
     fn state(&mut self, index: usize) -> Value {
         match self.row {
             Some(row) => self.load(row, self.columns.states[index]),
@@ -199,7 +227,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    /// Its rate there.
+    /// The rate of a state at the beginning of the step: from the row, or from the frame for a look-ahead.
     fn rate(&mut self, index: usize) -> Value {
         match self.row {
             Some(row) => self.load(row, self.columns.rates + index),
@@ -207,7 +235,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    /// A look ahead: 0 where nothing is met, 1 where something comes and goes, else 2.
+    /// A look-ahead. It returns 0 if no watch is hit, 1 if one is hit in the middle only, and 2 if one is hit at the
+    /// end.
     pub fn one_look(mut self) {
         let kernel = self.kernel;
         let [time, length, end] =
@@ -223,11 +252,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.store_end(&rates);
         let two = self.build.ins().iconst(types::I64, 2);
         let otherwise = self.build.ins().uextend(types::I64, within);
-        let told = self.build.ins().select(ahead, two, otherwise);
-        self.build.ins().return_(&[told]);
+        let result = self.build.ins().select(ahead, two, otherwise);
+        self.build.ins().return_(&[result]);
     }
 
-    /// Everything at the states and the time in the slots.
+    /// Evaluates everything at the states and the time in the slots.
     pub fn at_slots(mut self) {
         let kernel = self.kernel;
         self.stage = 4;
@@ -237,10 +266,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.watch(kernel.thorough.all);
         let rates: Vec<Value> = kernel.rates.iter().map(|slot| self.get(*slot)).collect();
         self.store_end(&rates);
-        self.leave();
+        self.return_zero();
     }
 
-    /// Writes down what is worked out at an end: rates, what is recorded and followed, what is kept.
+    /// Stores the results of an end into the frame: rates, recorded and tracked voltages, and sampled values. The other
+    /// slots keep old values, which nothing reads.
     fn store_end(&mut self, rates: &[Value]) {
         let kernel = self.kernel;
         let pointer = self.pointer;
@@ -248,20 +278,24 @@ impl<'a, 'f> Emitter<'a, 'f> {
         for (index, rate) in rates.iter().enumerate() {
             self.store(*rate, rates_ahead, index);
         }
-        let seen = kernel.seen.iter().map(|seen| seen.slot);
-        for slot in seen.chain(kernel.followed.iter().chain(&kernel.kept).copied()) {
+        let recorded = kernel.recorded.iter().map(|recorded| recorded.slot);
+        for slot in recorded.chain(kernel.tracked.iter().chain(&kernel.kept).copied()) {
             let value = self.get(slot);
             self.store(value, self.slots[4], slot as usize);
         }
     }
 
-    /// Leaves code that has nothing to tell.
-    fn leave(&mut self) {
+    /// Returns from code without a result.
+    fn return_zero(&mut self) {
         let nothing = self.build.ins().iconst(types::I64, 0);
         self.build.ins().return_(&[nothing]);
     }
 
-    /// The stages of a step to states and rates at its end, with what is checked; the middle is looked at in between.
+    /// The four stages of a step with its tests. Returns the states and rates at its end, and the result of
+    /// `in_the_middle`.
+    ///
+    /// The order is: stages 0 and 1, the part of the end that they determine, the tests in the middle, stage 2. The
+    /// evaluation at the end (stage 3) follows with its tests.
     fn stages<T>(
         &mut self,
         [time, length, end]: [Value; 3],
@@ -275,7 +309,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let two = self.of_memory(types::F64, offset_of!(Memory, two));
         let a_sixth = self.number(SIXTH);
         let sixth = self.build.ins().fmul(length, a_sixth);
-        // All but the last rate, on which everything waits.
+        // Everything except the last rate, which is ready last.
         let ways: Vec<Value> = (0..second.len())
             .map(|index| {
                 let inner = self.build.ins().fadd(second[index], third[index]);
@@ -285,17 +319,17 @@ impl<'a, 'f> Emitter<'a, 'f> {
             })
             .collect();
         self.run(&checks.middle);
-        let seen = in_the_middle(self);
+        let recorded = in_the_middle(self);
         let fourth = self.stage(2, &third, length, end);
         let pairs = fourth.into_iter().zip(ways);
         let after: Vec<Value> = pairs.map(|(rate, way)| self.build.ins().fma(rate, sixth, way)).collect();
         let rates = self.evaluate(3, &after, end);
         self.run(&checks.middle);
         self.run(&checks.ending);
-        (after, rates, seen)
+        (after, rates, recorded)
     }
 
-    /// When a step ends: as [`Steps::end_of`] tells it.
+    /// The time at which a step ends, as in [`Steps::end_of`](super::super::Steps::end_of).
     fn end_of(&mut self, index: Value, first: Value) -> Value {
         let number = self.build.ins().iadd(first, index);
         let number = self.build.ins().fcvt_from_sint(types::F64, number);
@@ -307,17 +341,17 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.ins().fadd(begin, time)
     }
 
-    /// The rates of the first stage.
+    /// The rates of the first stage. Its states may be known from the step before.
     fn first_stage(&mut self, half: Value, middle: Value) -> Vec<Value> {
-        if self.tried.is_empty() {
+        if self.first_trial.is_empty() {
             let rates: Vec<Value> = (0..self.kernel.rates.len()).map(|index| self.rate(index)).collect();
             return self.stage(0, &rates, half, middle);
         }
-        let tried = std::mem::take(&mut self.tried);
-        self.evaluate(0, &tried, middle)
+        let first_trial = std::mem::take(&mut self.first_trial);
+        self.evaluate(0, &first_trial, middle)
     }
 
-    /// The rates of a stage that stands some length of the way along rates.
+    /// The rates of a stage at a distance `length` along other rates: f(x + length x rates) at a time.
     fn stage(&mut self, stage: usize, rates: &[Value], length: Value, time: Value) -> Vec<Value> {
         let trial: Vec<Value> = (0..rates.len())
             .map(|index| {
@@ -328,6 +362,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.evaluate(stage, &trial, time)
     }
 
+    /// Evaluates the rates at these states and this time, as one stage of a step. Everything that the stage before has
+    /// computed is discarded. Tables of time have their value in the middle for stages 0 and 1, and at the end
+    /// otherwise.
     fn evaluate(&mut self, stage: usize, states: &[Value], time: Value) -> Vec<Value> {
         let kernel = self.kernel;
         self.stage = stage;
@@ -349,7 +386,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 }
 
-/// Of memory that nothing changes while the code runs.
+/// Flags for memory that does not change while the code runs.
 pub(super) fn constant() -> MemFlagsData {
     MemFlagsData::trusted().with_readonly()
 }

@@ -1,8 +1,14 @@
 //! A kernel's steps as native code.
 //!
-//! The code does the operations of [`Kernel::steps`] over one lane, and gives the same bits; but it goes its steps blindly, and the
-//! rows that it writes are judged afterwards. Here alone memory is reached without the compiler's guard: through the pointers of
-//! [`Memory`], to the numbers of one frame, whose lengths are those for which the code was made, and to its rows.
+//! The code runs the operations of [`Kernel::steps`] for one lane and gives the same bits. It takes its steps without
+//! tests; the rows that it writes are tested afterwards.
+//!
+//! Only this module contains `unsafe` code. The generated code reads and writes memory through the pointers of
+//! [`Memory`]: the values of one frame and its rows. Their lengths are compared with those for which the code was
+//! made.
+//!
+//! Compilation takes time, so it is worth it for long runs only (`store`). A block of steps runs without any test; then
+//! its rows are tested, and the steps up to the first hit are accepted.
 
 #![allow(unsafe_code, reason = "calls code that is made while the program runs")]
 
@@ -21,149 +27,171 @@ use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_nam
 use super::Kernel;
 use super::code::Instruction;
 use super::frame::Frame;
-use super::rows::Columns;
-use super::step::{Look, Steps};
+use super::rows::RowLayout;
+use super::step::{LookResult, Steps};
 use crate::ir::Number;
 use emit::Emitter;
 use patchcord_expr::Function;
 
 /// The native code of one kernel.
 pub(crate) struct Native {
+    /// The loop over steps, which writes rows.
     run: Entry,
+    /// The look-ahead.
     look: Entry,
+    /// The evaluation at the states and the time in the slots.
     at_slots: Entry,
-    /// Owns the code.
+    /// The owner of the generated code.
     module: Option<JITModule>,
-    /// The lengths of the frames for which it was made.
+    /// The lengths of the frames for which the code was made.
     lengths: Lengths,
-    /// So many tables are looked up, the first.
+    /// Number of tables that the code reads; the first ones of all.
     tables: usize,
-    columns: Columns,
+    /// The layout of the rows that the code writes.
+    columns: RowLayout,
 }
 
-/// Code that reaches what its memory points to, at the places that frames and tables of its kernel have.
+/// Generated code. It accesses the memory that its argument points to, at the places that frames and tables of its
+/// kernel have.
 type Entry = unsafe extern "C" fn(*mut Memory) -> u64;
 
-/// How many numbers stand behind each pointer to a frame.
+/// The number of values behind each pointer to a frame.
 type Lengths = [usize; 8];
 
-/// What the code reaches.
+/// Everything that the generated code accesses.
 #[repr(C)]
 struct Memory {
-    /// The same once for each stage and once for what is watched: what is loaded through one is used there, and
-    /// takes no register for longer.
+    /// The slots, once per stage and once for the watches. A pointer that is loaded for one stage need not stay in a
+    /// register longer.
     slots: [*mut f64; 5],
+    /// The states at the beginning of a look-ahead, in volts.
     states: *mut f64,
+    /// The rates of these states.
     rates: *mut f64,
+    /// The slopes of the watches.
     slopes: *const f64,
-    rooms: *const f64,
-    /// Of a look, and of what is worked out at the slots: rates and what is left of the watches at its end.
+    /// The offsets of the watches.
+    offsets: *const f64,
+    /// The rates that a look-ahead or an evaluation computes.
     rates_ahead: *mut f64,
-    rests: *mut f64,
-    /// Of a look: its length, and when it ends.
+    /// The margins of the watches that a look-ahead or an evaluation computes.
+    margins: *mut f64,
+    /// Length of a look-ahead, in problem seconds.
     length: f64,
+    /// Time at which a look-ahead ends, in problem seconds.
     end: f64,
-    /// What tables of time give in its middle, then at its end.
+    /// The values of tables of time in the middle of the look-ahead, then at its end.
     ahead: *const f64,
+    /// The tables of the program, for the helper that looks up a curve.
     tables: *const Vec<[f64; 2]>,
-    /// Of steps: the row in which they begin, before as many others as there are steps.
+    /// The row in which the steps begin. As many rows follow as there are steps.
     rows: *mut f64,
+    /// Time at which the steps or a look-ahead begin, in problem seconds.
     time: f64,
+    /// Time at which the grid of the steps begins, in problem seconds.
     begin: f64,
-    /// What the number of a step is multiplied by, then divided by.
+    /// The factor of the index: the time of instant k is begin + k x step / per_second.
     step: f64,
+    /// Steps per second; 1 if that is not a whole number.
     per_second: f64,
+    /// Index of the instant at which the first step ends.
     first: u64,
+    /// Number of steps.
     count: u64,
-    /// Numbers that are quicker read than made.
+    /// Constants that are faster to read than to build.
     half: f64,
+    /// The number 2.
     two: f64,
 }
 
-/// Kernels whose code would have more operations than this are interpreted: making it takes a second, and from there on
-/// longer than in proportion.
-const MOST_OPERATIONS: usize = 16_000;
+/// Maximum number of operations in native code. Larger kernels are interpreted: compiling this many takes a second,
+/// and the time grows faster than in proportion.
+const MAX_OPERATIONS: usize = 16_000;
 
 impl Native {
-    /// The native code of a kernel; nothing where this processor, or the kernel, is none for it: steps that delay lines cut into
-    /// pieces are not gone blindly.
+    /// The native code of a kernel. `None` if the processor is not supported, if the kernel is too large, or if it has
+    /// delay lines, which cut steps into pieces.
     pub fn new(kernel: &Kernel) -> Option<Native> {
-        (!kernel.has_lines() && kernel.operations() <= MOST_OPERATIONS)
-            .then(|| made(kernel).ok().flatten())
+        (!kernel.has_delay_lines() && kernel.operations() <= MAX_OPERATIONS)
+            .then(|| compile(kernel).ok().flatten())
             .flatten()
     }
 
-    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    /// Takes steps of a grid until a watch is hit. Returns how many were taken.
     pub fn steps(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
-        let mut gone = 0;
-        frame.rows.make_room(&self.columns);
-        while gone < steps.count {
-            frame.begin_rows(&self.columns);
-            let left = steps.after(gone);
-            let block = Steps { count: frame.rows.next_of(&self.columns, left.count), ..left };
+        let mut taken = 0;
+        frame.rows.allocate(&self.columns);
+        while taken < steps.count {
+            frame.write_start_row(&self.columns);
+            let left = steps.after(taken);
+            let block = Steps { count: frame.rows.next_block(&self.columns, left.count), ..left };
             let quiet = self.block(frame, tables, &block);
-            gone += quiet;
+            taken += quiet;
             if quiet < block.count {
                 break;
             }
         }
-        gone
+        taken
     }
 
-    /// The same of no more steps than there is room for in the rows, the first of which is written.
+    /// Takes at most as many steps as there are rows. The first row must be written.
     fn block(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
-        let (step, per_second) = steps.grid.numbers();
-        frame.put_scheduled_rows(&self.columns, tables, steps);
+        let (step, per_second) = steps.grid.factors();
+        frame.write_scheduled_rows(&self.columns, tables, steps);
         self.enter(self.run, frame, tables, |memory| {
             let (begin, first, count) = (steps.begin, steps.first, steps.count);
             Memory { begin, step, per_second, first, count, ..memory }
         });
-        frame.judge_rows(&self.columns, steps)
+        frame.accept_rows(&self.columns, steps)
     }
 
-    /// Looks ahead by a step of this length.
-    pub fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
+    /// Evaluates a step of this length, without taking it, and tests every watch.
+    pub fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> LookResult {
         let end = frame.time + length;
-        frame.put_ahead(tables, [frame.time + 0.5 * length, end]);
+        frame.compute_ahead(tables, [frame.time + 0.5 * length, end]);
         match self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }) {
-            0 => Look::Quiet,
-            1 => Look::Within,
-            _ => Look::Ahead,
+            0 => LookResult::Quiet,
+            1 => LookResult::Inside,
+            _ => LookResult::AtEnd,
         }
     }
 
-    /// Works everything out at the states and the time in the slots.
-    pub fn work_out(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) {
+    /// Evaluates everything at the states and the time in the slots.
+    pub fn evaluate(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) {
         self.enter(self.at_slots, frame, tables, |memory| memory);
     }
 
-    /// Runs code of this kernel on a frame and tables, told what to do in its memory: what it gives.
+    /// Runs code of this kernel on a frame and tables, with the inputs that `setup` specifies. Returns its result.
     fn enter(
         &self,
         code: Entry,
         frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
-        told: impl FnOnce(Memory) -> Memory,
+        setup: impl FnOnce(Memory) -> Memory,
     ) -> u64 {
-        // One by one: arrays would be written down before they are compared.
+        // One by one, because arrays would be written to memory before they are compared.
         let fits =
             lengths(frame).into_iter().zip(self.lengths).fold(true, |all, (own, made)| all & (own == made));
         assert!(fits && tables.len() >= self.tables, "a frame of another kernel");
-        let mut memory = told(memory(frame, tables));
-        assert!(memory.count == 0 || frame.rows.hold(&self.columns, memory.count), "more steps than rows");
-        // SAFETY: the code reaches places below the lengths for which it was made, which were compared, and the rows of so many
-        // steps, for which there is room; frame and tables are borrowed until it is done.
+        let mut memory = setup(memory(frame, tables));
+        assert!(
+            memory.count == 0 || frame.rows.has_capacity(&self.columns, memory.count),
+            "more steps than rows"
+        );
+        // SAFETY: the code accesses places below the lengths for which it was made, which were compared, and rows for
+        // `count` steps, which exist. Frame and tables are borrowed until it returns.
         unsafe { code(&raw mut memory) }
     }
 }
 
-/// How many numbers of a frame the code may reach.
+/// The number of values of a frame that the code may access.
 fn lengths(frame: &Frame<f64>) -> Lengths {
-    let Frame { slots, states, rates, slopes, rooms, rests, ahead, stages: [.., rates_ahead], .. } = frame;
-    [slots, states, rates, slopes, rooms, rests, ahead, rates_ahead].map(Vec::len)
+    let Frame { slots, states, rates, slopes, offsets, margins, ahead, stages: [.., rates_ahead], .. } =
+        frame;
+    [slots, states, rates, slopes, offsets, margins, ahead, rates_ahead].map(Vec::len)
 }
 
-/// How many tables of a program, the first, hold all that a kernel looks up.
+/// The number of tables of a program that include all those the kernel reads; the first ones of all.
 fn tables(kernel: &Kernel) -> usize {
     let checks =
         [&kernel.quick, &kernel.thorough].into_iter().flat_map(|checks| [&checks.middle, &checks.ending]);
@@ -175,16 +203,16 @@ fn tables(kernel: &Kernel) -> usize {
     above.max().unwrap_or(0)
 }
 
-/// The numbers of a frame; nothing is told yet of steps or of a look.
+/// The values of a frame, without steps or a look-ahead.
 fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
     Memory {
         slots: [frame.slots.as_mut_ptr(); 5],
         states: frame.states.as_mut_ptr(),
         rates: frame.rates.as_mut_ptr(),
         slopes: frame.slopes.as_ptr(),
-        rooms: frame.rooms.as_ptr(),
+        offsets: frame.offsets.as_ptr(),
         rates_ahead: frame.stages[3].as_mut_ptr(),
-        rests: frame.rests.as_mut_ptr(),
+        margins: frame.margins.as_mut_ptr(),
         length: 0.0,
         end: 0.0,
         ahead: frame.ahead.as_ptr(),
@@ -204,13 +232,13 @@ fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
 impl Drop for Native {
     fn drop(&mut self) {
         if let Some(module) = self.module.take() {
-            // SAFETY: the code is called through `self` alone.
+            // SAFETY: the code is called through `self` only.
             unsafe { module.free_memory() };
         }
     }
 }
 
-// SAFETY: the code and what it was made of are never changed once they are there.
+// SAFETY: the code and its module are never changed after they are made.
 unsafe impl Send for Native {}
 // SAFETY: the same.
 unsafe impl Sync for Native {}
@@ -221,19 +249,22 @@ impl fmt::Debug for Native {
     }
 }
 
+/// Helper of the code: a function of one or two numbers, by its index.
 extern "C" fn call(function: u64, a: f64, b: f64) -> f64 {
-    Function::at(function as usize).map_or(f64::NAN, |function| function.apply(a, b))
+    Function::from_index(function as usize).map_or(f64::NAN, |function| function.apply(a, b))
 }
 
+/// Helper of the code: the value of a table at an abscissa.
 extern "C" fn look_up(tables: *const Vec<[f64; 2]>, table: u64, x: f64) -> f64 {
-    // SAFETY: the code passes on the pointer of its memory, and the indices of the kernel's tables.
+    // SAFETY: the code passes on the pointer from its memory, and indices of the kernel's tables.
     let points = unsafe { &*tables.add(table as usize) };
     x.table(points)
 }
 
-fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
+/// Compiles a kernel. `None` if the processor is not supported.
+fn compile(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
     let mut flags = settings::builder();
-    // The order of the operations is chosen for few registers: it is best left alone.
+    // The emitter orders operations so that few registers are needed. An optimiser would change that.
     for (name, value) in [("opt_level", "none"), ("is_pic", "false"), ("enable_verifier", "false")] {
         flags.set(name, value).expect("a flag of this version");
     }
@@ -247,7 +278,7 @@ fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
 
     let call = import(&mut module, "patchcord_call", [types::I64, types::F64, types::F64])?;
     let look_up = import(&mut module, "patchcord_look_up", [pointer, types::I64, types::F64])?;
-    let (helpers, columns) = ([call, look_up], Columns::of(kernel));
+    let (helpers, columns) = ([call, look_up], RowLayout::of(kernel));
     let run = define(&mut module, "steps", (kernel, &columns), helpers, |emitter| emitter.steps())?;
     let look = define(&mut module, "look", (kernel, &columns), helpers, |emitter| emitter.one_look())?;
     let at_slots =
@@ -262,7 +293,7 @@ fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
     Ok(Some(Native { run, look, at_slots, module: Some(module), lengths, tables, columns }))
 }
 
-/// A function that the code calls, and that gives a number.
+/// Declares a helper function that the code calls and that returns a number.
 fn import(module: &mut JITModule, name: &str, takes: [types::Type; 3]) -> Result<FuncId, Box<ModuleError>> {
     let mut signature = module.make_signature();
     signature.params.extend(takes.map(AbiParam::new));
@@ -270,11 +301,11 @@ fn import(module: &mut JITModule, name: &str, takes: [types::Type; 3]) -> Result
     Ok(module.declare_function(name, Linkage::Import, &signature)?)
 }
 
-/// Makes a function of a kernel.
+/// Compiles one function of a kernel.
 fn define(
     module: &mut JITModule,
     name: &str,
-    (kernel, columns): (&Kernel, &Columns),
+    (kernel, columns): (&Kernel, &RowLayout),
     helpers: [FuncId; 2],
     emit: impl FnOnce(Emitter<'_, '_>),
 ) -> Result<FuncId, Box<ModuleError>> {
@@ -285,8 +316,8 @@ fn define(
     context.func.signature.call_conv = module.target_config().default_call_conv;
     let function = module.declare_function(name, Linkage::Export, &context.func.signature)?;
     let helpers = helpers.map(|helper| module.declare_func_in_func(helper, &mut context.func));
-    let mut room = FunctionBuilderContext::new();
-    let mut builder = FunctionBuilder::new(&mut context.func, &mut room);
+    let mut builder_context = FunctionBuilderContext::new();
+    let mut builder = FunctionBuilder::new(&mut context.func, &mut builder_context);
     emit(Emitter::new(&mut builder, kernel, columns, pointer, helpers));
     builder.seal_all_blocks();
     builder.finalize(module.target_config());

@@ -1,4 +1,8 @@
-//! The code of a kernel's operations.
+//! Emits the code of a kernel's operations.
+//!
+//! The code has no loops over operations: each instruction of the kernel becomes one or a few instructions of the
+//! processor. A value is loaded from its slot at the first use in a stage and not again. Functions and tables are calls
+//! of helpers, so they give the same bits as the interpreter.
 
 use std::mem::offset_of;
 
@@ -11,6 +15,9 @@ use super::emit::{Emitter, constant};
 
 impl Emitter<'_, '_> {
     /// The value in a slot.
+    ///
+    /// A value that this stage has computed or loaded is used again. Otherwise a factor of 0 becomes a constant, a
+    /// sampled value is loaded from the row of the present step, and everything else from the slot.
     pub fn get(&mut self, slot: Slot) -> Value {
         let place = slot as usize;
         if let Some(value) = self.values[place] {
@@ -20,14 +27,14 @@ impl Emitter<'_, '_> {
         let value = match (self.kernel.number(slot), self.row) {
             (Some(value), _) if value.to_bits() == 0 => self.number(0.0),
             (_, Some(row)) if kept.contains(&place) => self.load(row, self.columns.kept + place - kept.start),
-            // Factors, levels and what is kept without a row never change while the code runs.
+            // Factors and levels never change while the code runs; nor do sampled values outside of steps.
             _ => self.build.ins().load(types::F64, constant(), self.slots[self.stage], 8 * slot as i32),
         };
         self.values[place] = Some(value);
         value
     }
 
-    /// Works a list of operations out.
+    /// Emits a list of operations. Their results are known by slot until the next stage begins.
     pub fn run(&mut self, code: &Code) {
         for instruction in &code.instructions {
             let (out, value) = self.instruction(code, *instruction);
@@ -35,6 +42,8 @@ impl Emitter<'_, '_> {
         }
     }
 
+    /// Emits one instruction. Returns its slot and its value. Each has the rounding of the interpreter: fused
+    /// multiply-adds for lines and sums, and comparisons that return a NaN on the left.
     fn instruction(&mut self, code: &Code, instruction: Instruction) -> (Slot, Value) {
         match instruction {
             Instruction::Line { out, constant, factor, a } => {
@@ -78,7 +87,7 @@ impl Emitter<'_, '_> {
         }
     }
 
-    /// A sum, from where it goes on from another that begins in the same way.
+    /// Emits a sum. If another sum begins with the same terms, it continues from there.
     fn sum(&mut self, constant: Slot, terms: &[(Slot, Slot)]) -> Value {
         let mut way = vec![constant];
         let mut sum = None;
@@ -98,8 +107,8 @@ impl Emitter<'_, '_> {
         sum.unwrap_or_else(|| self.get(constant))
     }
 
-    /// `then` where a comparison holds, else `otherwise`. A branch, as what is compared rarely changes sides: the
-    /// processor goes on before it knows.
+    /// `then` if a comparison holds, otherwise `otherwise`. A branch is used because compared values rarely change
+    /// sides, and the processor predicts it.
     fn choose(&mut self, is: FloatCC, left: Value, right: Value, then: Value, otherwise: Value) -> Value {
         let holds = self.build.ins().fcmp(is, left, right);
         let joined = self.build.create_block();

@@ -1,262 +1,301 @@
-//! Writing macros out: every instance becomes its elements, named "L1.A1".
+//! Expands macros: replaces every instance by its elements, with names such as "L1.A1".
+//!
+//! The expansion walks through the section of the patch and, for each instance, through the section of its macro. Cords
+//! from ports become cords from the elements, drives or references behind the ports. Names of settings in formulas
+//! become names of the instance's settings ("L1.T"). Nested instances can multiply elements without limit, so the
+//! expansion counts the bytes that it produces and stops at the size of the largest document.
 
 use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
-use super::check::{check, unused};
-use super::outline::{Meaning, Section};
-use super::{Feed, Instance, Item, Macros, Port};
+use super::check::{check_macros, warn_unused};
+use super::resolve::{CordOrigin, SectionScope};
+use super::{DrivenJack, Instance, InstanceOutput, Macros, SectionEntry};
 use crate::document::fields::Findings;
-use crate::document::file::LARGEST;
+use crate::document::file::MAX_DOCUMENT_BYTES;
 use crate::document::{Code, Diagnostic, Phase, Placed, Span, any_error};
-use crate::patch::document::{Amount, Entry, Patch, Plug};
-use crate::patch::names::same_name;
+use crate::patch::document::{Amount, ElementEntry, Patch, Plug};
+use crate::patch::names::duplicate_name;
 use crate::patch::table_file::TableFile;
 use patchcord_expr::Formula;
 
-/// Puts the elements of a document into the patch, instances of macros written out.
-pub(in crate::patch) fn write_out(
+/// Puts the elements of a section into the patch, with macros expanded.
+///
+/// Fills the elements, instances, outputs of instances and macros of the patch. The parameters, scales, drives and
+/// signals of the patch must have been decoded. Unused macros and ports are reported only if there is no error.
+pub(in crate::patch) fn expand_macros(
     mut macros: Macros,
-    items: &IndexMap<String, Item>,
+    element_section: &IndexMap<String, SectionEntry>,
     patch: &mut Patch,
     findings: &mut Findings,
 ) {
-    macros.order(findings);
-    check(&mut macros, items, patch, findings);
-    let Written { elements, instances, ports, lost, full, .. } = Written::of(&macros, items, patch, findings);
+    macros.mark_unusable(findings);
+    check_macros(&mut macros, element_section, patch, findings);
+    let Expansion { elements, instances, instance_outputs, unread, is_full, .. } =
+        Expansion::of_patch(&macros, element_section, patch, findings);
     if !any_error(findings) {
-        unused(&macros, items, findings);
+        warn_unused(&macros, element_section, findings);
     }
-    (patch.elements, patch.instances, patch.ports) = (elements, instances, ports);
-    patch.lost.names.extend(lost);
-    patch.lost.section |= full;
-    (patch.macros, patch.macros_at) = (macros.defined, macros.span);
-    read_ports(patch);
+    (patch.elements, patch.instances, patch.instance_outputs) = (elements, instances, instance_outputs);
+    patch.unread.names.extend(unread);
+    patch.unread.has_unread_section |= is_full;
+    (patch.macros, patch.macros_span) = (macros.defined, macros.span);
+    replace_ports(patch);
 }
 
-/// What is read at a port is read at the element that it is.
-fn read_ports(patch: &mut Patch) {
-    let Patch { signals, record, pictures, run, ports, .. } = patch;
-    let element = |name: &mut Placed<String>| {
-        if let Some(port) = ports.get(&name.value) {
-            name.value.clone_from(&port.at);
+/// Replaces the names of ports in signals, records, pictures and phases by the names of the elements behind them.
+fn replace_ports(patch: &mut Patch) {
+    let Patch { signals, record, pictures, run, instance_outputs, .. } = patch;
+    let replace_port = |name: &mut Placed<String>| {
+        if let Some(output) = instance_outputs.get(&name.value) {
+            name.value.clone_from(&output.element);
         }
     };
     let is_no_signal = |name: &&mut Placed<String>| !signals.contains_key(&name.value);
-    record.iter_mut().filter(is_no_signal).for_each(element);
+    record.iter_mut().filter(is_no_signal).for_each(replace_port);
     for picture in pictures {
-        picture.y.iter_mut().chain([&mut picture.x]).filter(is_no_signal).for_each(element);
+        picture.y.iter_mut().chain([&mut picture.x]).filter(is_no_signal).for_each(replace_port);
     }
-    signals.values_mut().map(|signal| &mut signal.at).for_each(element);
-    run.phases.iter_mut().flat_map(relays).for_each(element);
+    signals.values_mut().map(|signal| &mut signal.element).for_each(replace_port);
+    run.phases.iter_mut().flat_map(relay_names).for_each(replace_port);
 }
 
-/// The names of the relays that a phase waits for.
-fn relays(phase: &mut Phase) -> Vec<&mut Placed<String>> {
+/// The names of the relays that end a phase or the phases inside it.
+fn relay_names(phase: &mut Phase) -> Vec<&mut Placed<String>> {
     match phase {
         Phase::Operate { until: Some(until), .. } => vec![&mut until.relay],
-        Phase::Repeat { phases, .. } => phases.iter_mut().flat_map(relays).collect(),
+        Phase::Repeat { phases, .. } => phases.iter_mut().flat_map(relay_names).collect(),
         _ => Vec::new(),
     }
 }
 
-/// A section being written out: that of an instance, or the patch's own.
-pub(super) struct Frame<'m> {
-    /// What the names of its elements begin with: "L1.".
+/// A section during expansion: that of the patch, or that of an instance.
+pub(super) struct ExpandedSection<'m> {
+    /// The prefix of the names of its elements: "L1." for an instance, empty for the patch.
     pub prefix: String,
-    pub section: Section<'m>,
-    /// What drives the input ports.
+    /// The section as written.
+    pub scope: SectionScope<'m>,
+    /// The element, drive or reference that drives each input port. `None` if the cord has a fault.
     pub drivers: HashMap<&'m str, Option<String>>,
-    /// Where the outermost instance stands.
+    /// Position of the outermost instance in the document. `None` for the section of the patch.
     pub span: Option<Span>,
 }
 
-impl<'m> Frame<'m> {
-    /// The name of the instance.
+impl<'m> ExpandedSection<'m> {
+    /// The name of the instance; empty for the section of the patch.
     pub fn name(&self) -> &str {
         self.prefix.strip_suffix('.').unwrap_or_default()
     }
 
-    /// The element, drive or reference that a cord comes from.
+    /// The element, drive or reference from which a cord comes, by its name in the whole patch. `None` if there is a
+    /// fault.
     pub fn driver(&self, cord: &str) -> Option<String> {
-        match self.section.meaning(cord) {
-            Meaning::Outlet(outlet) => Some(format!("{}{outlet}", self.prefix)),
-            Meaning::Source => Some(cord.to_owned()),
-            Meaning::Input => self.drivers.get(cord).cloned().flatten(),
+        match self.scope.resolve(cord) {
+            CordOrigin::Element(element) => Some(format!("{}{element}", self.prefix)),
+            CordOrigin::DriveOrReference => Some(cord.to_owned()),
+            CordOrigin::MacroInput => self.drivers.get(cord).cloned().flatten(),
             _ => None,
         }
     }
 
-    /// The input port that a cord comes from.
-    pub fn port(&self, cord: &str) -> Option<&'m str> {
+    /// The input port of the instance from which a cord comes. `None` if it comes from another source.
+    pub fn input_port(&self, cord: &str) -> Option<&'m str> {
         self.drivers.get_key_value(cord).map(|(port, _)| *port)
     }
 
-    /// A formula in the names of the whole patch: settings of the macro become those of the instance.
+    /// A formula in the names of the whole patch: names of settings get the prefix of the instance.
     pub fn formula(&self, formula: &Formula) -> Formula {
-        match self.section.of {
-            Some((_, of)) => formula
-                .renamed(&|name| of.settings.contains_key(name).then(|| format!("{}{name}", self.prefix))),
+        match self.scope.owner {
+            Some((_, owner)) => formula
+                .renamed(&|name| owner.settings.contains_key(name).then(|| format!("{}{name}", self.prefix))),
             None => formula.clone(),
         }
     }
 
-    /// The same at its place.
-    pub fn placed(&self, formula: &Placed<Formula>) -> Placed<Formula> {
+    /// A formula in the names of the whole patch, with its position in the document.
+    pub fn placed_formula(&self, formula: &Placed<Formula>) -> Placed<Formula> {
         Placed { value: self.formula(&formula.value), span: formula.span }
     }
 }
 
-/// For every port of a section, the jacks that it feeds.
-pub(super) type Feeds = HashMap<String, Vec<Feed>>;
+/// The jacks that each input port of a section drives, by port.
+pub(super) type JacksByPort = HashMap<String, Vec<DrivenJack>>;
 
-/// What has been written out so far.
-pub(super) struct Written<'p> {
-    pub elements: IndexMap<String, Entry>,
+/// The result of the expansion so far.
+pub(super) struct Expansion<'p> {
+    /// The elements by their names in the whole patch.
+    pub elements: IndexMap<String, ElementEntry>,
+    /// The instances by name, each before those inside it.
     pub instances: IndexMap<String, Instance>,
-    pub ports: IndexMap<String, Port>,
-    /// Names that could not be written out.
-    pub lost: Vec<String>,
+    /// The outputs of instances by the names that cords use.
+    pub instance_outputs: IndexMap<String, InstanceOutput>,
+    /// Names that could not be expanded.
+    pub unread: Vec<String>,
+    /// The patch, for its drives and unread names.
     pub patch: &'p Patch,
-    /// Bytes that macros may still be written out to: together as many as a document may have.
-    room: usize,
-    full: bool,
+    /// Number of bytes that instances may still produce. In total they may produce as many as a document may have.
+    remaining_bytes: usize,
+    /// Whether the limit has been exceeded. Nothing more is then expanded.
+    is_full: bool,
 }
 
-/// What an element or a port takes beside its names, in bytes.
-pub(super) const OVERHEAD: usize = 50;
-/// What a point of a table takes, in bytes.
-const POINT: usize = 32;
+/// Estimated size of an element, a port or a cord in addition to its texts, in bytes. A rough value is sufficient,
+/// because it only bounds the memory that nested instances use.
+pub(super) const ENTRY_OVERHEAD_BYTES: usize = 50;
+/// Estimated size of a point of a table, in bytes: twice its two numbers of 8 bytes.
+const POINT_BYTES: usize = 32;
 
-impl<'p> Written<'p> {
-    fn of(
+impl<'p> Expansion<'p> {
+    /// Expands the section of a patch.
+    fn of_patch(
         macros: &Macros,
-        items: &IndexMap<String, Item>,
+        entries: &IndexMap<String, SectionEntry>,
         patch: &'p Patch,
         findings: &mut Findings,
     ) -> Self {
-        let section = Section { items, of: None, lost: &patch.lost.names, macros, drives: &patch.drives };
-        let outside = Frame { prefix: String::new(), section, drivers: HashMap::new(), span: None };
-        let mut written = Written {
+        let (unread, drives) = (&patch.unread.names, &patch.drives);
+        let scope = SectionScope { entries, owner: None, unread, macros, drives };
+        let section = ExpandedSection { prefix: String::new(), scope, drivers: HashMap::new(), span: None };
+        let mut expansion = Expansion {
             elements: IndexMap::new(),
             instances: IndexMap::new(),
-            ports: IndexMap::new(),
-            lost: Vec::new(),
+            instance_outputs: IndexMap::new(),
+            unread: Vec::new(),
             patch,
-            room: LARGEST,
-            full: false,
+            remaining_bytes: MAX_DOCUMENT_BYTES,
+            is_full: false,
         };
-        written.section(&outside, findings);
-        written
+        expansion.add_section(&section, findings);
+        expansion
     }
 
-    /// The elements of a section: their names, and what its ports feed.
-    pub fn section(&mut self, frame: &Frame<'_>, findings: &mut Findings) -> (Vec<String>, Feeds) {
-        let (mut members, mut feeds) = (Vec::new(), Feeds::new());
-        for (name, item) in frame.section.items {
-            let flat = format!("{}{name}", frame.prefix);
-            if self.full || self.is_taken(&flat, item, findings) {
+    /// Adds the elements of a section. Returns their names, and the jacks that the input ports of the section drive.
+    pub fn add_section(
+        &mut self,
+        section: &ExpandedSection<'_>,
+        findings: &mut Findings,
+    ) -> (Vec<String>, JacksByPort) {
+        let (mut members, mut jacks) = (Vec::new(), JacksByPort::new());
+        for (name, entry) in section.scope.entries {
+            let full_name = format!("{}{name}", section.prefix);
+            if self.is_full || self.report_duplicate(&full_name, entry, findings) {
                 continue;
             }
-            match item {
-                Item::Element(entry) => {
-                    self.element(frame, &flat, entry, &mut feeds, findings);
-                    members.push(flat);
+            match entry {
+                SectionEntry::Element(entry) => {
+                    self.add_element(section, &full_name, entry, &mut jacks, findings);
+                    members.push(full_name);
                 }
-                Item::Use(made) => members.extend(self.instance(frame, &flat, made, &mut feeds, findings)),
+                SectionEntry::Instance(entry) => {
+                    members.extend(self.add_instance(section, &full_name, entry, &mut jacks, findings));
+                }
             }
         }
-        if !frame.prefix.is_empty() {
-            for name in frame.section.lost {
-                self.lose(format!("{}{name}", frame.prefix), frame, findings);
+        if !section.prefix.is_empty() {
+            for name in section.scope.unread {
+                self.add_unread(format!("{}{name}", section.prefix), section, findings);
             }
         }
-        (members, feeds)
+        (members, jacks)
     }
 
-    fn is_taken(&self, flat: &str, item: &Item, findings: &mut Findings) -> bool {
-        let taken = self.elements.contains_key(flat) || self.ports.contains_key(flat);
-        findings.extend(taken.then(|| same_name(flat, item.span(), "element", "element")));
-        taken
+    /// Reports an entry whose full name exists already, for example an element "L1.A1" of the patch. Returns whether it
+    /// exists.
+    fn report_duplicate(&self, full_name: &str, entry: &SectionEntry, findings: &mut Findings) -> bool {
+        let is_duplicate =
+            self.elements.contains_key(full_name) || self.instance_outputs.contains_key(full_name);
+        findings.extend(is_duplicate.then(|| duplicate_name(full_name, entry.span(), "element", "element")));
+        is_duplicate
     }
 
-    fn element(
+    /// Adds an element, with its cords and formulas in the names of the whole patch.
+    fn add_element(
         &mut self,
-        frame: &Frame<'_>,
-        flat: &str,
-        entry: &Entry,
-        feeds: &mut Feeds,
+        section: &ExpandedSection<'_>,
+        full_name: &str,
+        entry: &ElementEntry,
+        jacks: &mut JacksByPort,
         findings: &mut Findings,
     ) {
-        let mut own = Entry { plugs: Vec::new(), ..entry.clone() };
+        let mut expanded = ElementEntry { plugs: Vec::new(), ..entry.clone() };
         for Plug { jack, from } in &entry.plugs {
-            let Some(driver) = self.driver(frame, from, findings) else {
-                own.doubtful = true;
+            let Some(driver) = self.plug_driver(section, from, findings) else {
+                expanded.is_incomplete = true;
                 continue;
             };
-            if let Some(port) = frame.port(&from.value) {
-                let feed = Feed { element: flat.to_owned(), jack: jack.value.clone() };
-                feeds.entry(port.to_owned()).or_default().push(feed);
+            if let Some(port) = section.input_port(&from.value) {
+                let driven_jack = DrivenJack { element: full_name.to_owned(), jack: jack.value.clone() };
+                jacks.entry(port.to_owned()).or_default().push(driven_jack);
             }
             let from = Placed { value: driver, span: from.span };
-            own.plugs.push(Plug { jack: jack.clone(), from });
+            expanded.plugs.push(Plug { jack: jack.clone(), from });
         }
-        for setting in own.settings.iter_mut().flatten() {
+        for setting in expanded.settings.iter_mut().flatten() {
             if let Amount::Formula(formula) = &mut setting.value {
-                *formula = frame.formula(formula);
+                *formula = section.formula(formula);
             }
         }
-        self.spend(flat.len() + size(&own), frame, findings);
-        self.elements.insert(flat.to_owned(), own);
+        self.spend_bytes(full_name.len() + byte_count(&expanded), section, findings);
+        self.elements.insert(full_name.to_owned(), expanded);
     }
 
-    /// What drives a jack of an element. Outside of all macros a name that is not known stays as it is: it is told
-    /// when cords are plugged in.
-    fn driver(&self, frame: &Frame<'_>, cord: &Placed<String>, findings: &mut Findings) -> Option<String> {
-        match frame.section.meaning(&cord.value) {
-            Meaning::Inside(inside) if frame.span.is_none() => {
-                findings.push(inside.told(cord));
+    /// The element, drive or reference that drives a jack. `None` if the cord has a fault.
+    ///
+    /// In the section of the patch, an unknown name is returned unchanged. It is reported later, when the circuit
+    /// resolves all cords. Faults inside macros have been reported by the check of the macros.
+    fn plug_driver(
+        &self,
+        section: &ExpandedSection<'_>,
+        cord: &Placed<String>,
+        findings: &mut Findings,
+    ) -> Option<String> {
+        match section.scope.resolve(&cord.value) {
+            CordOrigin::NotAnOutput(missing) if section.span.is_none() => {
+                findings.push(missing.diagnostic(cord));
                 None
             }
-            Meaning::Unknown | Meaning::Lost if frame.span.is_none() => Some(cord.value.clone()),
-            _ => frame.driver(&cord.value),
+            CordOrigin::Unknown | CordOrigin::Unread if section.span.is_none() => Some(cord.value.clone()),
+            _ => section.driver(&cord.value),
         }
     }
 
-    /// Notes a name that cannot be written out.
-    pub fn lose(&mut self, name: String, frame: &Frame<'_>, findings: &mut Findings) {
-        self.spend(name.len(), frame, findings);
-        self.lost.push(name);
+    /// Adds a name that cannot be expanded.
+    pub fn add_unread(&mut self, name: String, section: &ExpandedSection<'_>, findings: &mut Findings) {
+        self.spend_bytes(name.len(), section, findings);
+        self.unread.push(name);
     }
 
-    /// Takes bytes of an instance from the room that is left; nothing more is written once it is full.
-    pub fn spend(&mut self, bytes: usize, frame: &Frame<'_>, findings: &mut Findings) {
-        let Some(span) = frame.span.filter(|_| !self.full) else { return };
-        match self.room.checked_sub(bytes + OVERHEAD) {
-            Some(room) => self.room = room,
+    /// Subtracts the bytes of an entry and its overhead from the remaining bytes. Reports an exceeded limit once.
+    ///
+    /// Entries in the section of the patch are free, because the size of the document limits them.
+    pub fn spend_bytes(&mut self, bytes: usize, section: &ExpandedSection<'_>, findings: &mut Findings) {
+        let Some(span) = section.span.filter(|_| !self.is_full) else { return };
+        match self.remaining_bytes.checked_sub(bytes + ENTRY_OVERHEAD_BYTES) {
+            Some(remaining_bytes) => self.remaining_bytes = remaining_bytes,
             None => {
                 let message = format!(
-                    "the macros of the patch make more than {} MB when written out",
-                    LARGEST / 1_000_000
+                    "the elements of all macro instances together are larger than {} MB",
+                    MAX_DOCUMENT_BYTES / 1_000_000
                 );
                 findings.push(Diagnostic::at(Code::MacroTooLarge, span, message));
-                self.full = true;
+                self.is_full = true;
             }
         }
     }
 }
 
-/// Bytes of an element's note, cords, parts, formulas, points and files.
-fn size(entry: &Entry) -> usize {
+/// Estimated size of an element in bytes: its note, cords, machine parts, formulas, points and file names.
+fn byte_count(entry: &ElementEntry) -> usize {
     let plugs = entry.plugs.iter().map(|plug| plug.jack.value.len() + plug.from.value.len());
-    let empty = entry.empty_jacks.iter().map(|jack| jack.value.len() + OVERHEAD);
-    let parts = entry.uses.iter().flat_map(|(_, names)| names).map(|name| name.value.len() + OVERHEAD);
+    let empty = entry.empty_jacks.iter().map(|jack| jack.value.len() + ENTRY_OVERHEAD_BYTES);
+    let part_names = entry.machine_parts.iter().flat_map(|(_, names)| names);
+    let parts = part_names.map(|name| name.value.len() + ENTRY_OVERHEAD_BYTES);
     let settings = entry.settings.iter().flatten().map(|setting| match &setting.value {
         Amount::Formula(formula) => formula.text().len(),
-        Amount::Points(points) => POINT * points.len(),
+        Amount::Points(points) => POINT_BYTES * points.len(),
         _ => 0,
     });
-    let files = entry.files.iter().map(TableFile::size);
+    let files = entry.table_files.iter().map(TableFile::size);
     entry.note.len() + plugs.chain(empty).chain(parts).chain(settings).chain(files).sum::<usize>()
 }

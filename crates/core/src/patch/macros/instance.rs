@@ -1,104 +1,115 @@
-//! Writing out one instance: its ports, its settings, its elements.
+//! Expands one instance of a macro: its ports, its settings and its elements.
+//!
+//! The drivers of the input ports are found first, because the elements inside need them. Then the output ports and the
+//! settings get their names in the whole patch. Last, the elements of the macro are added.
+//!
+//! An instance "L1" of a macro with the element "A", the output "out" and the setting "T" gives an element "L1.A", the
+//! outputs "L1.out" and "L1", and a quantity "L1.T".
 
 use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
-use super::expand::{Feeds, Frame, OVERHEAD, Written};
-use super::outline::Meaning;
-use super::read::KEYS;
-use super::{Inlet, Instance, InstanceSetting, Macro, MacroSetting, Port, Use};
+use super::decode::INSTANCE_KEYS;
+use super::expand::{ENTRY_OVERHEAD_BYTES, ExpandedSection, Expansion, JacksByPort};
+use super::resolve::CordOrigin;
+use super::{Instance, InstanceEntry, InstanceInput, InstanceOutput, InstanceSetting, Macro, MacroSetting};
 use crate::document::fields::Findings;
 use crate::document::{Code, Diagnostic, Placed, Span};
-use crate::patch::names::{outlet_name, same_name};
+use crate::patch::names::{check_output_name, duplicate_name};
 
-/// An instance that is being written out.
-struct Making<'f, 'm> {
+/// An instance during expansion.
+struct InstanceContext<'f, 'm> {
     /// Its name in the whole patch.
     name: &'f str,
-    made: &'f Use,
-    of: &'m Macro,
-    /// The section where it stands.
-    around: &'f Frame<'m>,
+    /// The instance in the document.
+    entry: &'f InstanceEntry,
+    /// The definition of its macro.
+    definition: &'m Macro,
+    /// The section that contains the instance.
+    parent: &'f ExpandedSection<'m>,
 }
 
-impl Written<'_> {
-    /// The names of an instance's elements, written out; `feeds` are those of the section where it stands.
-    pub fn instance(
+impl Expansion<'_> {
+    /// Adds an instance and its elements. Returns the names of the elements.
+    ///
+    /// `outer_jacks` are the jacks that the input ports of the parent drive. The jacks behind the ports of this
+    /// instance are added to them.
+    pub fn add_instance(
         &mut self,
-        around: &Frame<'_>,
+        parent: &ExpandedSection<'_>,
         name: &str,
-        made: &Use,
-        feeds: &mut Feeds,
+        entry: &InstanceEntry,
+        outer_jacks: &mut JacksByPort,
         findings: &mut Findings,
     ) -> Vec<String> {
-        if around.span.is_none() {
-            findings.extend(outlet_name(name, made.span, "element"));
+        if parent.span.is_none() {
+            findings.extend(check_output_name(name, entry.span, "element"));
         }
-        let Some((macro_name, of)) = around.section.macros.usable(&made.of.value) else {
-            self.lose(name.to_owned(), around, findings);
+        let Some((macro_name, definition)) = parent.scope.macros.usable(&entry.macro_name.value) else {
+            self.add_unread(name.to_owned(), parent, findings);
             return Vec::new();
         };
-        let making = Making { name, made, of, around };
-        let inside = Frame {
+        let context = InstanceContext { name, entry, definition, parent };
+        let section = ExpandedSection {
             prefix: format!("{name}."),
-            section: around.section.inside(macro_name, of),
-            drivers: self.drivers(&making, findings),
-            span: around.span.or(Some(made.span)),
+            scope: parent.scope.macro_scope(macro_name, definition),
+            drivers: self.input_drivers(&context, findings),
+            span: parent.span.or(Some(entry.span)),
         };
-        // It stands before the instances inside it; what they feed is known only after them.
-        let instance = self.empty_box(&making, &inside, findings);
+        // An instance precedes the instances inside it, but the jacks behind its inputs are known only after them.
+        let instance = self.instance_without_elements(&context, &section, findings);
         self.instances.insert(name.to_owned(), instance);
-        let (members, inner) = self.section(&inside, findings);
-        making.pass_on(&inner, feeds);
+        let (members, inner_jacks) = self.add_section(&section, findings);
+        context.add_to_outer_jacks(&inner_jacks, outer_jacks);
         let instance = &mut self.instances[name];
         instance.members.clone_from(&members);
-        instance.inputs = making.inlets(&inside, inner);
+        instance.inputs = context.inputs(&section, inner_jacks);
         members
     }
 
-    /// An instance without its elements.
-    fn empty_box(
+    /// An instance with its outputs and settings, but without inputs and elements.
+    fn instance_without_elements(
         &mut self,
-        making: &Making<'_, '_>,
-        inside: &Frame<'_>,
+        context: &InstanceContext<'_, '_>,
+        section: &ExpandedSection<'_>,
         findings: &mut Findings,
     ) -> Instance {
-        let Making { made, of, around, .. } = making;
+        let InstanceContext { entry, definition, parent, .. } = context;
         let instance = Instance {
-            of: made.of.value.clone(),
-            around: around.span.map(|_| around.name().to_owned()),
-            note: made.note.clone(),
+            macro_name: entry.macro_name.value.clone(),
+            parent: parent.span.map(|_| parent.name().to_owned()),
+            note: entry.note.clone(),
             inputs: IndexMap::new(),
-            outputs: self.outputs(inside, of, findings),
-            settings: self.settings(making, inside, findings),
+            outputs: self.outputs(section, definition, findings),
+            settings: self.settings(context, section, findings),
             members: Vec::new(),
-            span: made.span,
+            span: entry.span,
         };
-        self.spend(inside.prefix.len() + size(&instance, inside), inside, findings);
+        self.spend_bytes(section.prefix.len() + byte_count(&instance, section), section, findings);
         instance
     }
 
-    /// What drives the input ports.
-    fn drivers<'m>(
+    /// The element, drive or reference that drives each input port. Reports ports without a cord or with several cords.
+    fn input_drivers<'m>(
         &self,
-        making: &Making<'_, 'm>,
+        context: &InstanceContext<'_, 'm>,
         findings: &mut Findings,
     ) -> HashMap<&'m str, Option<String>> {
-        let Making { name, made, of, .. } = making;
+        let InstanceContext { name, entry, definition, .. } = context;
         let mut drivers = HashMap::new();
-        for (port, description) in &of.inputs {
-            let cords = made.cords.get(port);
+        for (port, description) in &definition.inputs {
+            let cords = entry.cords.get(port);
             let driver = match cords.map_or(&[][..], |cords| &cords.value) {
-                [] if made.doubtful || KEYS.contains(&port.as_str()) => None,
+                [] if entry.is_incomplete || INSTANCE_KEYS.contains(&port.as_str()) => None,
                 [] => {
-                    let span = cords.map_or(made.span, |cords| cords.span);
-                    findings.push(undriven(name, port, &description.value, span));
+                    let span = cords.map_or(entry.span, |cords| cords.span);
+                    findings.push(undriven_input(name, port, &description.value, span));
                     None
                 }
-                [only] => self.port_driver(making, only, findings),
+                [cord] => self.input_driver(context, cord, findings),
                 [first, second, ..] => {
-                    findings.push(tied(name, port, first, second));
+                    findings.push(tied_outputs(name, port, first, second));
                     None
                 }
             };
@@ -107,118 +118,139 @@ impl Written<'_> {
         drivers
     }
 
-    /// What drives a port. Cords inside macros were looked at there.
-    fn port_driver(
+    /// The element, drive or reference from which a cord into an input port comes.
+    ///
+    /// Faults are reported only in the section of the patch. Cords inside macros have been checked with the macros.
+    fn input_driver(
         &self,
-        making: &Making<'_, '_>,
+        context: &InstanceContext<'_, '_>,
         cord: &Placed<String>,
         findings: &mut Findings,
     ) -> Option<String> {
-        let Making { name, around, .. } = making;
-        if around.span.is_none() {
-            match around.section.meaning(&cord.value) {
-                Meaning::Inside(inside) => findings.push(inside.told(cord)),
-                Meaning::Unknown if !self.patch.lost.may_hold(&cord.value) => {
-                    findings.push(around.section.told_missing(name, cord, "the patch", findings.len()));
+        let InstanceContext { name, parent, .. } = context;
+        if parent.span.is_none() {
+            match parent.scope.resolve(&cord.value) {
+                CordOrigin::NotAnOutput(missing) => findings.push(missing.diagnostic(cord)),
+                CordOrigin::Unknown if !self.patch.unread.may_include(&cord.value) => {
+                    findings.push(parent.scope.unknown_source(name, cord, "the patch", findings.len()));
                 }
                 _ => {}
             }
         }
-        around.driver(&cord.value)
+        parent.driver(&cord.value)
     }
 
-    /// The elements that the output ports are; cords, signals and records find them by the ports' names.
+    /// The elements behind the output ports. They also become outputs of the patch, under the names that cords, signals
+    /// and records use: "L1.out" for each port, and "L1" for the first.
+    ///
+    /// An output whose element has a fault becomes an unread name, so that cords from it are not reported as well.
     fn outputs(
         &mut self,
-        inside: &Frame<'_>,
-        of: &Macro,
+        section: &ExpandedSection<'_>,
+        definition: &Macro,
         findings: &mut Findings,
     ) -> IndexMap<String, String> {
         let mut outputs = IndexMap::new();
-        for (index, (port, output)) in of.outputs.iter().enumerate() {
-            let names = [format!("{}{port}", inside.prefix)]
+        for (index, (port, output)) in definition.outputs.iter().enumerate() {
+            let names = [format!("{}{port}", section.prefix)]
                 .into_iter()
-                .chain((index == 0).then(|| inside.name().to_owned()));
-            let at = output.at.as_ref().map(|at| inside.section.meaning(&at.value));
-            let Some(Meaning::Outlet(at)) = at else {
-                names.for_each(|name| self.lose(name, inside, findings));
+                .chain((index == 0).then(|| section.name().to_owned()));
+            let origin = output.element.as_ref().map(|element| section.scope.resolve(&element.value));
+            let Some(CordOrigin::Element(element)) = origin else {
+                names.for_each(|name| self.add_unread(name, section, findings));
                 continue;
             };
-            let at = format!("{}{at}", inside.prefix);
-            let span = inside.span.unwrap_or(output.span);
+            let element = format!("{}{element}", section.prefix);
+            let span = section.span.unwrap_or(output.span);
             for name in names {
-                let taken = self.elements.contains_key(&name);
-                findings.extend(taken.then(|| same_name(&name, span, "output", "element")));
-                self.ports.insert(name, Port { at: at.clone(), span });
+                let is_duplicate = self.elements.contains_key(&name);
+                findings.extend(is_duplicate.then(|| duplicate_name(&name, span, "output", "element")));
+                self.instance_outputs.insert(name, InstanceOutput { element: element.clone(), span });
             }
-            outputs.insert(port.clone(), at);
+            outputs.insert(port.clone(), element);
         }
         outputs
     }
 
-    /// The settings of an instance, as they are written there or by default.
+    /// The settings of an instance: the values in the document, or else the defaults of the macro.
+    ///
+    /// Reports a missing setting without a default. A setting without a value becomes an unread name.
+    ///
+    /// A value in the document can name settings of the parent, so it is renamed to the names of the whole patch. A
+    /// default names only parameters and scales, so it stays as it is.
     fn settings(
         &mut self,
-        making: &Making<'_, '_>,
-        inside: &Frame<'_>,
+        context: &InstanceContext<'_, '_>,
+        section: &ExpandedSection<'_>,
         findings: &mut Findings,
     ) -> IndexMap<String, InstanceSetting> {
-        let Making { made, of, around, .. } = making;
+        let InstanceContext { entry, definition, parent, .. } = context;
         let mut settings = IndexMap::new();
-        for (name, row) in &of.settings {
-            let written = made.settings.get(name);
+        for (name, declared) in &definition.settings {
+            let written = entry.settings.get(name);
             let value = match written {
-                Some(written) => written.as_ref().map(|placed| around.placed(placed)),
-                None => row.default.clone(),
+                Some(written) => written.as_ref().map(|formula| parent.placed_formula(formula)),
+                None => declared.default.clone(),
             };
-            if let (Some(value), Some(unit)) = (value, row.unit.clone()) {
+            if let (Some(value), Some(unit)) = (value, declared.unit.clone()) {
                 settings.insert(name.clone(), InstanceSetting { value, unit });
                 continue;
             }
-            // What could not be read has been reported.
-            if row.unit.is_some() && written.is_none() && !made.doubtful {
-                findings.push(unset(inside, name, row, made.span));
+            // Values that could not be read have been reported.
+            if declared.unit.is_some() && written.is_none() && !entry.is_incomplete {
+                findings.push(missing_setting(section, name, declared, entry.span));
             }
-            self.lose(format!("{}{name}", inside.prefix), inside, findings);
+            self.add_unread(format!("{}{name}", section.prefix), section, findings);
         }
         settings
     }
 }
 
-impl Making<'_, '_> {
-    /// Where ports of the section drive ports of the instance, they feed what those feed.
-    fn pass_on(&self, inner: &Feeds, feeds: &mut Feeds) {
-        for port in self.made.cords.keys() {
-            if let (Some(outer), Some(fed)) = (self.outer_port(port), inner.get(port)) {
-                feeds.entry(outer.to_owned()).or_default().extend(fed.iter().cloned());
+impl InstanceContext<'_, '_> {
+    /// Adds the jacks behind the ports of the instance to the jacks of the parent's ports that drive them.
+    ///
+    /// A port inside a macro can be driven by a port of the macro. The jacks behind the inner port are then also behind
+    /// the outer one.
+    fn add_to_outer_jacks(&self, inner_jacks: &JacksByPort, outer_jacks: &mut JacksByPort) {
+        for port in self.entry.cords.keys() {
+            if let (Some(outer_port), Some(jacks)) = (self.outer_port(port), inner_jacks.get(port)) {
+                outer_jacks.entry(outer_port.to_owned()).or_default().extend(jacks.iter().cloned());
             }
         }
     }
 
-    /// The port of the section that is plugged into a port of the instance.
+    /// The input port of the parent that is plugged into a port of the instance, if there is one.
     fn outer_port(&self, port: &str) -> Option<&str> {
-        self.made.cords.get(port)?.value.first().and_then(|cord| self.around.port(&cord.value))
+        self.entry.cords.get(port)?.value.first().and_then(|cord| self.parent.input_port(&cord.value))
     }
 
-    fn inlets(&self, inside: &Frame<'_>, mut feeds: Feeds) -> IndexMap<String, Inlet> {
-        let inlet = |port: &String| {
-            let driver = inside.drivers.get(port.as_str()).cloned().flatten();
-            let outer = self.outer_port(port).map(str::to_owned);
-            (port.clone(), Inlet { driver, port: outer, feeds: feeds.remove(port).unwrap_or_default() })
+    /// The input ports of the instance with their drivers and jacks.
+    fn inputs(
+        &self,
+        section: &ExpandedSection<'_>,
+        mut inner_jacks: JacksByPort,
+    ) -> IndexMap<String, InstanceInput> {
+        let input = |port: &String| {
+            let driver = section.drivers.get(port.as_str()).cloned().flatten();
+            let outer_port = self.outer_port(port).map(str::to_owned);
+            let driven_jacks = inner_jacks.remove(port).unwrap_or_default();
+            (port.clone(), InstanceInput { driver, outer_port, driven_jacks })
         };
-        self.of.inputs.keys().map(inlet).collect()
+        self.definition.inputs.keys().map(input).collect()
     }
 }
 
-/// Bytes of an instance's drivers, outputs and settings.
-fn size(instance: &Instance, inside: &Frame<'_>) -> usize {
-    let drivers = inside.drivers.values().flatten().map(String::len);
+/// Estimated size of an instance in bytes: its drivers, outputs, settings and note.
+fn byte_count(instance: &Instance, section: &ExpandedSection<'_>) -> usize {
+    let drivers = section.drivers.values().flatten().map(String::len);
     let outputs = instance.outputs.values().map(String::len);
     let settings = instance.settings.values().map(|setting| setting.value.value.text().len());
-    drivers.chain(outputs).chain(settings).map(|bytes| bytes + OVERHEAD).sum::<usize>() + instance.note.len()
+    let entries = drivers.chain(outputs).chain(settings);
+    entries.map(|bytes| bytes + ENTRY_OVERHEAD_BYTES).sum::<usize>() + instance.note.len()
 }
 
-fn undriven(instance: &str, port: &str, description: &str, span: Span) -> Diagnostic {
+/// The diagnostic for an input port without a cord. The hint contains the description of the port.
+fn undriven_input(instance: &str, port: &str, description: &str, span: Span) -> Diagnostic {
     let message = format!("nothing drives \"{port}\" of {instance}");
     let hint = match description {
         "" => "use \"ground\" for 0 V".to_owned(),
@@ -227,7 +259,8 @@ fn undriven(instance: &str, port: &str, description: &str, span: Span) -> Diagno
     Diagnostic::at(Code::NoDriver, span, message).hint(hint)
 }
 
-fn tied(instance: &str, port: &str, first: &Placed<String>, second: &Placed<String>) -> Diagnostic {
+/// The diagnostic for an input port with several cords, which would connect two outputs with each other.
+fn tied_outputs(instance: &str, port: &str, first: &Placed<String>, second: &Placed<String>) -> Diagnostic {
     let message = format!(
         "the outputs of {} and {} are tied together at {port} of {instance}",
         first.value, second.value
@@ -236,10 +269,16 @@ fn tied(instance: &str, port: &str, first: &Placed<String>, second: &Placed<Stri
         .hint("add them in a summer, and plug in its output")
 }
 
-fn unset(inside: &Frame<'_>, name: &str, row: &MacroSetting, span: Span) -> Diagnostic {
-    let message = format!("{} needs \"{name}\"", inside.name());
-    let hint = match row.description.as_str() {
-        "" => "write it there, or give it a \"default\" in the macro",
+/// The diagnostic for a setting that has neither a value in the instance nor a default.
+fn missing_setting(
+    section: &ExpandedSection<'_>,
+    name: &str,
+    declared: &MacroSetting,
+    span: Span,
+) -> Diagnostic {
+    let message = format!("{} needs \"{name}\"", section.name());
+    let hint = match declared.description.as_str() {
+        "" => "specify it in the instance, or add a \"default\" in the macro",
         description => description,
     };
     Diagnostic::at(Code::MissingKey, span, message).hint(hint)

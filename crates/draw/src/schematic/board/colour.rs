@@ -1,4 +1,8 @@
-//! Colours of cords: those from one output alike, those that meet at a module or run near each other different.
+//! The colours of the cords.
+//!
+//! All cords of one output (a net) have the same colour. Nets are coloured one after the other, the net
+//! with the fewest remaining colours first. Each gets the colour that is not yet at its modules and is
+//! least used close to its cords.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,71 +11,90 @@ use super::{Cord, Module};
 use crate::plot::Ink;
 use crate::schematic::layout::Point;
 
-/// Side of the cells in which cords count as near each other, and how much more than their ways their ends count.
-const NEAR: f64 = 32.0;
-const ENDS: f64 = 100.0;
+/// The side of the cells in which cords count as close to each other.
+const CELL: f64 = 32.0;
+/// The weight of the ends of a cord; its other points have the weight 1.
+const END_WEIGHT: f64 = 100.0;
 
-/// Cells with how much a net counts in each.
-type Room = BTreeMap<(i64, i64), f64>;
+/// The weight of a net in each cell.
+type CellWeights = BTreeMap<(i64, i64), f64>;
 
 /// The cords of one output.
 struct Net {
+    /// The indices of its cords, in ascending order.
     cords: Vec<usize>,
-    /// The modules that they come from and go to.
+    /// The modules at both ends of the cords.
     modules: BTreeSet<usize>,
-    /// The cells on and beside them.
-    room: Room,
+    /// The weights of the cells on and next to the cords.
+    weights: CellWeights,
 }
 
-/// Colours that nets have already: by module as bits, by cell as what they count, and how often each.
-struct Taken {
+/// The colours that are assigned already.
+struct UsedColours {
+    /// For each module, the colours at it as bits.
     at_module: Vec<u32>,
-    in_cell: BTreeMap<(i64, i64), [f64; Ink::CORDS]>,
-    used: [usize; Ink::CORDS],
+    /// For each cell, the sum of the weights of each colour.
+    in_cell: BTreeMap<(i64, i64), [f64; Ink::CORD_COLOURS]>,
+    /// For each colour, the number of nets.
+    count: [usize; Ink::CORD_COLOURS],
 }
 
-/// Colours cords; the nets that have the fewest colours left come first.
+/// Assigns a colour to each cord.
 pub(super) fn colour(cords: &mut [Cord], modules: &[Module]) {
     let mut nets = nets(cords, modules);
-    let mut taken =
-        Taken { at_module: vec![0; modules.len()], in_cell: BTreeMap::new(), used: [0; Ink::CORDS] };
-    let urgent = |net: &Net, taken: &Taken| {
-        (taken.met(net).count_ones(), net.modules.len(), net.room.len(), Reverse(net.cords[0]))
+    let mut used = UsedColours {
+        at_module: vec![0; modules.len()],
+        in_cell: BTreeMap::new(),
+        count: [0; Ink::CORD_COLOURS],
     };
-    while let Some(next) = (0..nets.len()).max_by_key(|index| urgent(&nets[*index], &taken)) {
+    let priority = |net: &Net, used: &UsedColours| {
+        (
+            used.colours_at_modules(net).count_ones(),
+            net.modules.len(),
+            net.weights.len(),
+            Reverse(net.cords[0]),
+        )
+    };
+    while let Some(next) = (0..nets.len()).max_by_key(|index| priority(&nets[*index], &used)) {
         let net = nets.swap_remove(next);
-        let colour = taken.give(&net);
+        let colour = used.assign(&net);
         net.cords.iter().for_each(|index| cords[*index].colour = colour);
     }
 }
 
-impl Taken {
-    /// The colours of the nets that a net meets at a module, as bits.
-    fn met(&self, net: &Net) -> u32 {
-        net.modules.iter().fold(0, |met, module| met | self.at_module[*module])
+impl UsedColours {
+    /// Returns the colours of other nets at the modules of a net, as bits.
+    fn colours_at_modules(&self, net: &Net) -> u32 {
+        net.modules.iter().fold(0, |colours, module| colours | self.at_module[*module])
     }
 
-    /// Takes the best colour for a net.
-    fn give(&mut self, net: &Net) -> usize {
-        let met = self.met(net);
-        let near = |colour: usize| -> f64 {
-            net.room.iter().filter_map(|(cell, weight)| Some(weight * self.in_cell.get(cell)?[colour])).sum()
+    /// Chooses the best colour for a net and records it.
+    fn assign(&mut self, net: &Net) -> usize {
+        let at_modules = self.colours_at_modules(net);
+        let weight_nearby = |colour: usize| -> f64 {
+            net.weights
+                .iter()
+                .filter_map(|(cell, weight)| Some(weight * self.in_cell.get(cell)?[colour]))
+                .sum()
         };
-        let meets = |colour: usize| met >> colour & 1;
+        let is_at_modules = |colour: usize| at_modules >> colour & 1;
         let better = |one: &usize, other: &usize| {
             let (one, other) = (*one, *other);
-            let by_place = meets(one).cmp(&meets(other)).then(near(one).total_cmp(&near(other)));
-            by_place.then(self.used[one].cmp(&self.used[other]))
+            let by_position = is_at_modules(one)
+                .cmp(&is_at_modules(other))
+                .then(weight_nearby(one).total_cmp(&weight_nearby(other)));
+            by_position.then(self.count[one].cmp(&self.count[other]))
         };
-        let colour = (0..Ink::CORDS).min_by(better).unwrap_or_default();
-        self.used[colour] += 1;
+        let colour = (0..Ink::CORD_COLOURS).min_by(better).unwrap_or_default();
+        self.count[colour] += 1;
         net.modules.iter().for_each(|module| self.at_module[*module] |= 1 << colour);
-        let cells = net.room.iter();
+        let cells = net.weights.iter();
         cells.for_each(|(cell, weight)| self.in_cell.entry(*cell).or_default()[colour] += weight);
         colour
     }
 }
 
+/// Groups the cords by output.
 fn nets(cords: &[Cord], modules: &[Module]) -> Vec<Net> {
     let mut outputs: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (index, cord) in cords.iter().enumerate() {
@@ -79,31 +102,38 @@ fn nets(cords: &[Cord], modules: &[Module]) -> Vec<Net> {
     }
     let net = |own: Vec<usize>| {
         let ends = own.iter().flat_map(|index| cords[*index].ends);
-        let modules = ends.filter_map(|end| modules.iter().position(|module| module.holds(end)));
-        Net { modules: modules.collect(), room: room(own.iter().map(|index| &cords[*index])), cords: own }
+        let modules = ends.filter_map(|end| modules.iter().position(|module| module.contains(end)));
+        Net {
+            modules: modules.collect(),
+            weights: cell_weights(own.iter().map(|index| &cords[*index])),
+            cords: own,
+        }
     };
     outputs.into_values().map(net).collect()
 }
 
-/// The cells on and beside cords, each with how much it counts.
-fn room<'a>(cords: impl Iterator<Item = &'a Cord>) -> Room {
-    let mut room = Room::new();
+/// Returns the weights of the cells on and next to cords.
+fn cell_weights<'a>(cords: impl Iterator<Item = &'a Cord>) -> CellWeights {
+    let mut weights = CellWeights::new();
     for cord in cords {
-        let way = cord.points.iter().map(|at| (at, 1.0)).chain(cord.ends.iter().map(|at| (at, ENDS)));
-        for (at, weight) in way {
+        let points =
+            cord.points.iter().map(|at| (at, 1.0)).chain(cord.ends.iter().map(|at| (at, END_WEIGHT)));
+        for (at, weight) in points {
             for cell in cells(*at) {
-                let held = room.entry(cell).or_default();
-                *held = held.max(weight);
+                let stored = weights.entry(cell).or_default();
+                *stored = stored.max(weight);
             }
         }
     }
-    room
+    weights
 }
 
-/// The four cells nearest to a point.
+/// Returns the four cells nearest to a point.
+///
+/// A cord near the edge of a cell therefore also counts in the neighbouring cell.
 fn cells((x, y): Point) -> impl Iterator<Item = (i64, i64)> {
     let corners = [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)];
     corners
         .into_iter()
-        .map(move |(across, down)| ((x / NEAR + across).floor() as i64, (y / NEAR + down).floor() as i64))
+        .map(move |(across, down)| ((x / CELL + across).floor() as i64, (y / CELL + down).floor() as i64))
 }

@@ -1,65 +1,72 @@
-//! What cords and links look like.
+//! Draws cords and links.
 
 use super::Cord;
-use super::face::JACK;
-use crate::plot::{Ink, Stroke};
+use super::face::JACK_RADIUS;
+use crate::plot::{Ink, Primitive};
 use crate::schematic::layout::Point;
 
-/// Thickness of a cord and of the gap that sets it off from those behind it.
-const CORD: f64 = 2.4;
-const GAP: f64 = 4.6;
+/// The thickness of a cord.
+const CORD_WIDTH: f64 = 2.4;
+/// The thickness of the background line that separates a cord from those behind it.
+const OUTLINE_WIDTH: f64 = 4.6;
 
-/// Thickness of a link, radius of its plugs, and lengths of its dashes and of the gaps between them.
-const LINK: f64 = 1.3;
-const PIN: f64 = 2.4;
+/// The thickness of a link.
+const LINK_WIDTH: f64 = 1.3;
+/// The radius of the plugs of a link.
+const PIN_RADIUS: f64 = 2.4;
+/// The lengths of the dashes of a link and of the gaps between them.
 const DASH: (f64, f64) = (9.0, 4.0);
 
 /// Draws a cord.
-pub(super) fn draw(cord: &Cord, marks: &mut Vec<Stroke>) {
-    marks.push(Stroke::Line { points: cord.points.clone(), width: GAP, ink: Ink::Page });
-    marks.push(Stroke::Line { points: cord.points.clone(), width: CORD, ink: Ink::Cord(cord.colour) });
+pub(super) fn draw(cord: &Cord, primitives: &mut Vec<Primitive>) {
+    primitives.push(Primitive::Line { points: cord.points.clone(), width: OUTLINE_WIDTH, ink: Ink::Page });
+    primitives.push(Primitive::Line {
+        points: cord.points.clone(),
+        width: CORD_WIDTH,
+        ink: Ink::Cord(cord.colour),
+    });
 }
 
-/// Draws the plugs of a cord, in front of the jacks.
-pub(super) fn draw_plugs(cord: &Cord, marks: &mut Vec<Stroke>) {
+/// Draws the plugs of a cord. They are in front of the jacks.
+pub(super) fn draw_plugs(cord: &Cord, primitives: &mut Vec<Primitive>) {
     let ink = Ink::Cord(cord.colour);
-    marks.extend(cord.ends.map(|centre| Stroke::Disc { centre, radius: JACK, ink }));
+    primitives.extend(cord.ends.map(|centre| Primitive::Disc { centre, radius: JACK_RADIUS, ink }));
 }
 
-/// Draws a link: thin and dashed.
-pub(super) fn draw_link(points: &[Point], marks: &mut Vec<Stroke>) {
+/// Draws a link as a thin dashed line.
+pub(super) fn draw_link(points: &[Point], primitives: &mut Vec<Primitive>) {
     let mut dash = vec![points[0]];
-    let (mut left, mut is_drawn) = (DASH.0, true);
+    let (mut remaining, mut is_drawn) = (DASH.0, true);
     for pair in points.windows(2) {
         let (mut from, to) = (pair[0], pair[1]);
         loop {
             let length = (to.0 - from.0).hypot(to.1 - from.1);
-            if length <= left {
-                left -= length;
+            if length <= remaining {
+                remaining -= length;
                 dash.push(to);
                 break;
             }
-            let share = left / length;
+            let share = remaining / length;
             from = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
             dash.push(from);
-            end_dash(&mut dash, is_drawn, marks);
+            end_dash(&mut dash, is_drawn, primitives);
             is_drawn = !is_drawn;
-            left = if is_drawn { DASH.0 } else { DASH.1 };
+            remaining = if is_drawn { DASH.0 } else { DASH.1 };
         }
     }
-    end_dash(&mut dash, is_drawn, marks);
+    end_dash(&mut dash, is_drawn, primitives);
 }
 
-/// Draws a dash, or leaves a gap, and begins the next where it ends.
-fn end_dash(dash: &mut Vec<Point>, is_drawn: bool, marks: &mut Vec<Stroke>) {
+/// Draws the current dash, or skips it if it is a gap, and starts the next at its end.
+fn end_dash(dash: &mut Vec<Point>, is_drawn: bool, primitives: &mut Vec<Primitive>) {
     let next = dash[dash.len() - 1];
     let points = std::mem::replace(dash, vec![next]);
     if is_drawn && points.len() > 1 {
-        marks.push(Stroke::Line { points, width: LINK, ink: Ink::Line });
+        primitives.push(Primitive::Line { points, width: LINK_WIDTH, ink: Ink::Line });
     }
 }
 
-/// Draws the plugs of a link, in front of those of cords.
-pub(super) fn draw_pins(ends: [Point; 2], marks: &mut Vec<Stroke>) {
-    marks.extend(ends.map(|centre| Stroke::Disc { centre, radius: PIN, ink: Ink::Line }));
+/// Draws the plugs of a link. They are in front of the plugs of cords.
+pub(super) fn draw_pins(ends: [Point; 2], primitives: &mut Vec<Primitive>) {
+    primitives.extend(ends.map(|centre| Primitive::Disc { centre, radius: PIN_RADIUS, ink: Ink::Line }));
 }

@@ -1,75 +1,82 @@
-//! What the empty panel looks like: modules, jacks, texts.
+//! Draws the empty panel: modules, jacks and texts.
 
 use super::Module;
 use super::cords::draw_link;
-use crate::plot::{Align, Area, Ink, Label, Stroke, text_within};
+use crate::plot::{Align, Area, Ink, Label, Primitive, truncate_text};
 use crate::schematic::layout::Point;
 use crate::schematic::shapes::{NAME, PRINT, SMALL};
 
 /// Draws modules without jacks and texts.
-pub(super) fn draw(modules: &[Module], marks: &mut Vec<Stroke>) {
+pub(super) fn draw(modules: &[Module], primitives: &mut Vec<Primitive>) {
     for module in modules {
         let [(left, top), (right, bottom)] = module.corners;
         let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom)];
         let edge = corners.iter().chain(corners.first()).copied().collect();
-        marks.push(Stroke::Area { corners: corners.clone(), ink: Ink::Body });
-        marks.push(Stroke::Line { points: edge, width: 1.0, ink: Ink::Faint });
+        primitives.push(Primitive::Area { corners: corners.clone(), ink: Ink::Body });
+        primitives.push(Primitive::Line { points: edge, width: 1.0, ink: Ink::Faint });
     }
 }
 
-/// What dashed cords are.
+/// The explanation of dashed cords below the panel.
 const LINKS: &str = "links between the parts of one element, to be plugged in like the cords";
 
-/// Radius of a jack, and of the plug that fills it.
-pub(super) const JACK: f64 = 4.4;
+/// The radius of a jack and of its plug.
+pub(super) const JACK_RADIUS: f64 = 4.4;
 
-/// Draws the jacks, in front of the cords.
-pub(super) fn draw_jacks(modules: &[Module], marks: &mut Vec<Stroke>) {
+/// Draws the jacks. They are in front of the cords.
+pub(super) fn draw_jacks(modules: &[Module], primitives: &mut Vec<Primitive>) {
     for centre in modules.iter().flat_map(Module::jacks) {
-        marks.push(Stroke::Disc { centre, radius: JACK, ink: Ink::Page });
-        marks.push(Stroke::Ring { centre, radius: JACK, width: 1.2, ink: Ink::Soft });
+        primitives.push(Primitive::Disc { centre, radius: JACK_RADIUS, ink: Ink::Page });
+        primitives.push(Primitive::Ring { centre, radius: JACK_RADIUS, width: 1.2, ink: Ink::Soft });
     }
 }
 
-/// Writes headings, names, settings and gains on plates in front of the cords.
-pub(super) fn draw_texts(modules: &[Module], rows: &[(String, Point)], marks: &mut Vec<Stroke>) {
+/// Writes headings, names, settings and gains on plates. They are in front of the cords.
+///
+/// The plates have the colour of the background, so that a text stays readable if a cord passes below it.
+pub(super) fn draw_texts(modules: &[Module], rows: &[(String, Point)], primitives: &mut Vec<Primitive>) {
     for (heading, at) in rows {
-        plate(text(heading, *at, PRINT, Align::Start, Ink::Signal), Ink::Page, marks);
+        plate(text(heading, *at, PRINT, Align::Start, Ink::Signal), Ink::Page, primitives);
     }
     for module in modules {
         let [(left, top), (right, _)] = module.corners;
-        let (middle, room) = ((left + right) / 2.0, right - left - 8.0);
-        let name = text_within(&module.name, NAME, room);
-        plate(text(&name, (middle, top + 14.0), NAME, Align::Middle, Ink::Line), Ink::Body, marks);
-        let told = [module.kind.as_str(), module.note.as_str()].into_iter().filter(|told| !told.is_empty());
-        let note = text_within(&told.collect::<Vec<_>>().join(", "), SMALL, room);
-        plate(text(&note, (middle, top + 26.0), SMALL, Align::Middle, Ink::Soft), Ink::Body, marks);
+        let (middle, max_width) = ((left + right) / 2.0, right - left - 8.0);
+        let name = truncate_text(&module.name, NAME, max_width);
+        plate(text(&name, (middle, top + 14.0), NAME, Align::Middle, Ink::Line), Ink::Body, primitives);
+        let texts = [module.kind.as_str(), module.note.as_str()].into_iter().filter(|text| !text.is_empty());
+        let note = truncate_text(&texts.collect::<Vec<_>>().join(", "), SMALL, max_width);
+        plate(text(&note, (middle, top + 26.0), SMALL, Align::Middle, Ink::Soft), Ink::Body, primitives);
         for (name, at) in &module.inputs {
-            let label = text_within(name, SMALL, room * 0.6);
-            plate(text(&label, (at.0 - 5.0, at.1 - 7.5), SMALL, Align::Start, Ink::Line), Ink::Body, marks);
+            let label = truncate_text(name, SMALL, max_width * 0.6);
+            plate(
+                text(&label, (at.0 - 5.0, at.1 - 7.5), SMALL, Align::Start, Ink::Line),
+                Ink::Body,
+                primitives,
+            );
         }
     }
 }
 
-/// Says what dashed cords are.
-pub(super) fn draw_legend((left, y): Point, marks: &mut Vec<Stroke>) {
+/// Draws the explanation of dashed cords.
+pub(super) fn draw_legend((left, y): Point, primitives: &mut Vec<Primitive>) {
     let sample: Vec<_> = (0..6).map(|point| (left + 8.0 * f64::from(point), y - 3.5)).collect();
-    draw_link(&sample, marks);
-    marks.push(Stroke::Text(text(LINKS, (left + 48.0, y), SMALL, Align::Start, Ink::Soft)));
+    draw_link(&sample, primitives);
+    primitives.push(Primitive::Text(text(LINKS, (left + 48.0, y), SMALL, Align::Start, Ink::Soft)));
 }
 
-/// A text on a small plate.
-fn plate(label: Label, ink: Ink, marks: &mut Vec<Stroke>) {
+/// Draws a text on a small plate of the given colour; an empty text is not drawn.
+fn plate(label: Label, ink: Ink, primitives: &mut Vec<Primitive>) {
     if label.text.is_empty() {
         return;
     }
     let Area { left, top, right, bottom } = label.area();
     let (left, right) = (left - 1.0, right + 2.0);
     let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom)];
-    marks.push(Stroke::Area { corners, ink });
-    marks.push(Stroke::Text(label));
+    primitives.push(Primitive::Area { corners, ink });
+    primitives.push(Primitive::Text(label));
 }
 
+/// Returns a label with a point of its baseline at `at`.
 fn text(text: &str, at: Point, size: f64, align: Align, ink: Ink) -> Label {
     Label { text: text.to_owned(), at, size, align, ink }
 }

@@ -1,121 +1,141 @@
-//! The panel: rows of modules with their jacks.
+//! The panel layout: rows of modules with their jacks.
+//!
+//! The rows are specified first: references and drives, then each kind of part that the machine has or
+//! the patch uses, then switches. Then every module gets a position.
 
 use std::collections::BTreeMap;
 
 use super::Module;
-use super::network::{self, Spot};
+use super::composites::{self, LinkEnd};
 use crate::schematic::layout::Point;
-use crate::schematic::symbol::{Jack, Setting, Source, Symbol, Value};
+use crate::schematic::symbol::{CordSource, Jack, SettingValue, Symbol, SymbolSetting};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::machines::Part;
 
-/// Width of the panel.
+/// The width of the panel.
 pub(super) const WIDTH: f64 = 1080.0;
 
-/// Distance of jacks, room above the first one of a module, and of the jacks from its edge.
-const PITCH: f64 = 21.0;
-const HEAD: f64 = 40.0;
-const INSET: f64 = 11.0;
+/// The distance of neighbouring jacks of a module.
+const JACK_PITCH: f64 = 21.0;
+/// The height above the first jack of a module, for its name and note.
+const HEAD_HEIGHT: f64 = 40.0;
+/// The distance of the jacks from the edge of their module.
+const JACK_INSET: f64 = 11.0;
 
-/// Room between modules, and for the heading of a row.
-const GAP: f64 = 6.0;
-const ROW_HEAD: f64 = 18.0;
+/// The gap between modules.
+const MODULE_GAP: f64 = 6.0;
+/// The height of the heading of a row.
+const ROW_HEADING: f64 = 18.0;
 
-/// The panel laid out.
-pub(super) struct Laid {
+/// The modules of a panel with their positions.
+pub(super) struct PanelLayout {
+    /// The modules, row by row.
     pub modules: Vec<Module>,
-    /// For every symbol the module that its cords leave from.
+    /// For each symbol, the module with its output.
     pub module_of: Vec<usize>,
-    /// The modules of an element's parts, by the symbol, the sort of the part and its number.
-    parts: BTreeMap<Place, usize>,
-    /// Where the cord into a jack of a symbol is plugged in.
-    pub plugs: BTreeMap<Plug, Point>,
+    /// The modules of the parts of elements.
+    parts: BTreeMap<PartId, usize>,
+    /// The positions of the input jacks in use.
+    pub plugs: BTreeMap<JackId, Point>,
+    /// The headings of the rows, with their positions.
     pub rows: Vec<(String, Point)>,
+    /// The lower edge of the last row.
     pub bottom: f64,
+    /// The module of each reference.
     references: Vec<(&'static str, usize)>,
-    /// How many output jacks of each module have a cord.
-    taken: Vec<usize>,
+    /// For each module, the number of output jacks in use.
+    used_outputs: Vec<usize>,
 }
 
-impl Laid {
-    /// The module of a reference.
+impl PanelLayout {
+    /// Returns the module of a reference.
     pub fn reference(&self, name: &str) -> usize {
         self.references.iter().find(|(other, _)| *other == name).map_or(0, |(_, module)| *module)
     }
 
-    /// The next free output jack of a module.
+    /// Returns the next free output jack of a module.
     pub fn output(&mut self, module: usize) -> Point {
-        self.taken[module] += 1;
-        self.modules[module].outputs[self.taken[module] - 1]
+        self.used_outputs[module] += 1;
+        self.modules[module].outputs[self.used_outputs[module] - 1]
     }
 
-    /// The jack in which a link of a symbol ends.
-    pub fn jack(&mut self, symbol: usize, spot: Spot) -> Option<Point> {
-        let module = match spot {
-            Spot::Input(part, number, _) | Spot::Output(part, number) => {
+    /// Returns the jack at an end of a link of a symbol; `None` if the module has no such jack.
+    pub fn jack(&mut self, symbol: usize, end: LinkEnd) -> Option<Point> {
+        let module = match end {
+            LinkEnd::Input(part, number, _) | LinkEnd::Output(part, number) => {
                 *self.parts.get(&(symbol, part, number))?
             }
-            Spot::Own | Spot::Junction => self.module_of[symbol],
-            Spot::Reference(name) => self.reference(name),
+            LinkEnd::Own | LinkEnd::Junction => self.module_of[symbol],
+            LinkEnd::Reference(name) => self.reference(name),
         };
         let inputs = &self.modules[module].inputs;
-        match spot {
-            Spot::Input(.., slot) => inputs.get(slot).map(|(_, at)| *at),
-            Spot::Junction => inputs.iter().find(|(label, _)| label == JUNCTION).map(|(_, at)| *at),
+        match end {
+            LinkEnd::Input(.., slot) => inputs.get(slot).map(|(_, at)| *at),
+            LinkEnd::Junction => inputs.iter().find(|(label, _)| label == JUNCTION).map(|(_, at)| *at),
             _ => Some(self.output(module)),
         }
     }
 }
 
-/// A jack, by the indices of the symbol and of the jack in it.
-type Plug = (usize, usize);
+/// A jack: the indices of the symbol and of the jack in the symbol.
+type JackId = (usize, usize);
 
-/// A part of an element, by the index of the symbol, its sort and its number.
-type Place = (usize, Part, usize);
+/// A part of an element: the index of the symbol, the kind of the part and its number.
+type PartId = (usize, Part, usize);
 
-/// An input jack: what stands beside it, and which jack it is, where a cord can go into it.
-type Slot = (String, Option<Plug>);
+/// An input jack: its label, and the jack of the symbol if it has one.
+type InputSlot = (String, Option<JackId>);
 
-/// What stands beside the summing junction of an amplifier.
+/// The label of the summing junction of an amplifier.
 const JUNCTION: &str = "SJ";
 
-/// A module before it has a place.
+/// A module without a position.
 #[derive(Default)]
-struct Wanted {
+struct ModuleSpec {
+    /// The name of the element or of the part; empty for a part that is not used.
     name: String,
+    /// The kind of the element; empty if the heading of the row contains it.
     kind: String,
+    /// The setting, or the element to which an auxiliary part belongs.
     note: String,
-    inputs: Vec<Slot>,
+    /// The input jacks from the top down, with and without cords.
+    inputs: Vec<InputSlot>,
+    /// The number of output jacks.
     outputs: usize,
-    /// The symbol whose cords leave it.
+    /// The symbol whose output the module has.
     symbol: Option<usize>,
-    part: Option<Place>,
+    /// The part of an element that the module is; `None` for references, drives and switches.
+    part: Option<PartId>,
+    /// The name of the reference; `None` for any other module.
     reference: Option<&'static str>,
 }
 
-/// A row of modules of one sort.
-struct Shelf {
+/// A row of modules of one kind. It may need several lines.
+struct ModuleRow {
+    /// The heading, such as the name of the kind of part.
     heading: String,
+    /// The number of modules in a line.
     across: usize,
-    modules: Vec<Wanted>,
+    /// The modules from left to right.
+    modules: Vec<ModuleSpec>,
 }
 
-impl Shelf {
-    /// A row; modules do not repeat a kind that its heading says.
-    fn new(heading: String, across: usize, mut modules: Vec<Wanted>) -> Shelf {
-        let plain = modules.iter_mut().filter(|module| heading.contains(&module.kind));
-        plain.for_each(|module| module.kind.clear());
-        Shelf { heading, across, modules }
+impl ModuleRow {
+    /// Returns a row. A module does not repeat a kind that the heading contains.
+    fn new(heading: String, across: usize, mut modules: Vec<ModuleSpec>) -> ModuleRow {
+        let repeating = modules.iter_mut().filter(|module| heading.contains(&module.kind));
+        repeating.for_each(|module| module.kind.clear());
+        ModuleRow { heading, across, modules }
     }
 }
 
-/// Lays the panel out from a corner on: sources above, then the parts of the machine, then switches.
-pub(super) fn lay(circuit: &Circuit, symbols: &[Symbol], corner: Point) -> Laid {
-    let patched = Patched { circuit, symbols, links: symbols.iter().map(network::links).collect() };
-    let mut shelves = vec![patched.sources()];
-    shelves.extend(Part::ALL.iter().map(|part| patched.shelf(*part)));
-    shelves.push(patched.switches());
-    let mut laid = Laid {
+/// Lays out the panel below a corner: sources first, then the parts of the machine, then switches.
+pub(super) fn lay_out(circuit: &Circuit, symbols: &[Symbol], corner: Point) -> PanelLayout {
+    let builder = PanelBuilder { circuit, symbols, links: symbols.iter().map(composites::links).collect() };
+    let mut rows = vec![builder.sources()];
+    rows.extend(Part::ALL.iter().map(|part| builder.part_row(*part)));
+    rows.push(builder.switches());
+    let mut layout = PanelLayout {
         modules: vec![],
         module_of: vec![0; symbols.len()],
         parts: BTreeMap::new(),
@@ -123,92 +143,97 @@ pub(super) fn lay(circuit: &Circuit, symbols: &[Symbol], corner: Point) -> Laid 
         rows: vec![],
         bottom: corner.1,
         references: vec![],
-        taken: vec![],
+        used_outputs: vec![],
     };
-    shelves.into_iter().filter(|shelf| !shelf.modules.is_empty()).for_each(|shelf| laid.put(shelf, corner.0));
-    laid
+    rows.into_iter().filter(|row| !row.modules.is_empty()).for_each(|row| layout.place_row(row, corner.0));
+    layout
 }
 
-/// What is plugged together: symbols, and for each the links between its parts.
-struct Patched<'a> {
+/// The symbols of a circuit and, for each, the links between its parts.
+struct PanelBuilder<'a> {
+    /// The circuit, for its machine and its parts.
     circuit: &'a Circuit,
+    /// The symbols of all elements and drives.
     symbols: &'a [Symbol],
-    links: Vec<Vec<[Spot; 2]>>,
+    /// For each symbol, the links between its parts, output first.
+    links: Vec<Vec<[LinkEnd; 2]>>,
 }
 
-impl Patched<'_> {
-    /// The number of cords and links that leave a symbol.
-    fn readers(&self, index: usize) -> usize {
+impl PanelBuilder<'_> {
+    /// Returns the number of cords and links from the output of a symbol.
+    fn output_count(&self, index: usize) -> usize {
         let jacks = self.symbols.iter().flat_map(|symbol| &symbol.jacks);
-        let cords = jacks.filter(|jack| matches!(jack.from, Source::Output(from, _) if from == index));
-        cords.count() + self.links[index].iter().filter(|[from, _]| *from == Spot::Own).count()
+        let cords = jacks.filter(|jack| matches!(jack.from, CordSource::Output(from, _) if from == index));
+        cords.count() + self.links[index].iter().filter(|[from, _]| *from == LinkEnd::Own).count()
     }
 
-    /// The number of cords and links that leave a reference.
-    fn plugged(&self, name: &'static str) -> usize {
+    /// Returns the number of cords and links from a reference.
+    fn reference_count(&self, name: &'static str) -> usize {
         let jacks = self.symbols.iter().flat_map(|symbol| &symbol.jacks);
-        let cords = jacks.filter(|jack| matches!(jack.from, Source::Reference(other) if other == name));
-        let links = self.links.iter().flatten().filter(|[from, _]| *from == Spot::Reference(name));
+        let cords = jacks.filter(|jack| matches!(jack.from, CordSource::Reference(other) if other == name));
+        let links = self.links.iter().flatten().filter(|[from, _]| *from == LinkEnd::Reference(name));
         cords.count() + links.count()
     }
 
-    /// References with a jack for every cord, and drives.
-    fn sources(&self) -> Shelf {
-        let references = patchcord_core::elements::REFERENCES.iter().map(|(name, _)| Wanted {
+    /// Returns the row of references, with a jack for every cord, and drives.
+    fn sources(&self) -> ModuleRow {
+        let references = patchcord_core::elements::REFERENCES.iter().map(|(name, _)| ModuleSpec {
             name: name.replace('-', "−"),
-            outputs: self.plugged(name).max(1),
+            outputs: self.reference_count(name).max(1),
             reference: Some(name),
-            ..Wanted::default()
+            ..ModuleSpec::default()
         });
         let drives = (0..self.symbols.len())
             .filter(|index| self.circuit.patch().drives.contains_key(&self.symbols[*index].name));
         let drives = drives.map(|index| self.main_module(index, &[]));
-        Shelf::new("references and drives".to_owned(), 12, references.chain(drives).collect())
+        ModuleRow::new("references and drives".to_owned(), 12, references.chain(drives).collect())
     }
 
-    /// Elements that take no part that machines have a number of.
-    fn switches(&self) -> Shelf {
+    /// Returns the row of elements without machine parts, which are the key switches.
+    fn switches(&self) -> ModuleRow {
         let without = (0..self.symbols.len()).filter(|index| {
             let name = &self.symbols[*index].name;
             self.circuit.patch().elements.contains_key(name) && self.circuit.parts_of(name).is_empty()
         });
         let modules = without.map(|index| self.main_module(index, &[])).collect();
-        Shelf::new("key switches".to_owned(), 12, modules)
+        ModuleRow::new("key switches".to_owned(), 12, modules)
     }
 
-    /// All parts of one sort that the machine has, or that the patch uses.
-    fn shelf(&self, part: Part) -> Shelf {
+    /// Returns the row of all parts of one kind that the machine has or the patch uses.
+    fn part_row(&self, part: Part) -> ModuleRow {
         let jacks = self.jacks_of(part);
-        let taken = self.taken(part);
-        let mut modules: Vec<Wanted> = taken.into_iter().map(|place| self.module(place, &jacks)).collect();
+        let used = self.used_parts(part);
+        let mut modules: Vec<ModuleSpec> = used.into_iter().map(|part| self.module(part, &jacks)).collect();
         if let Some(owned) = self.circuit.machine().count(part) {
-            let idle = || Wanted { inputs: idle(&jacks), outputs: 1, ..Wanted::default() };
+            let idle = || ModuleSpec { inputs: idle(&jacks), outputs: 1, ..ModuleSpec::default() };
             modules.resize_with(owned, idle);
             let outputs = modules.iter().map(|module| module.outputs).max().unwrap_or(0);
             modules.iter_mut().for_each(|module| module.outputs = outputs);
         }
         let across = if matches!(part, Part::FixedPot | Part::FreePot) { 12 } else { 8 };
-        Shelf::new(part.noun(), across, modules)
+        ModuleRow::new(part.noun(), across, modules)
     }
 
-    /// The parts of one sort that elements take.
-    fn taken(&self, part: Part) -> Vec<Place> {
-        let places = self.symbols.iter().enumerate().flat_map(|(index, symbol)| {
+    /// Returns the parts of one kind that elements use.
+    fn used_parts(&self, part: Part) -> Vec<PartId> {
+        let used = self.symbols.iter().enumerate().flat_map(|(index, symbol)| {
             let parts = self.circuit.parts_of(&symbol.name);
             let count = parts.iter().find(|(other, _)| *other == part).map_or(0, |(_, count)| *count);
             (0..count).map(move |number| (index, part, number))
         });
-        places.collect()
+        used.collect()
     }
 
-    /// Whether an element's cords leave from parts of this sort.
+    /// Whether the output of an element is on a part of this kind.
     fn is_main(&self, index: usize, part: Part) -> bool {
         let symbol = &self.symbols[index];
         let first = self.circuit.parts_of(&symbol.name).first().map(|(first, _)| *first);
-        first.is_some_and(|first| network::main_part(symbol, first) == part)
+        first.is_some_and(|first| composites::main_part(symbol, first) == part)
     }
 
-    /// The input jacks that every part of a sort has: of each gain as many as the fullest element takes.
+    /// Returns the labels of the input jacks of every part of a kind.
+    ///
+    /// For each gain there are as many jacks as the element with the most inputs of this gain needs.
     fn jacks_of(&self, part: Part) -> Vec<String> {
         let gains = match part {
             Part::Summer => self.circuit.machine().summer_gains,
@@ -219,51 +244,51 @@ impl Patched<'_> {
             .filter(|index| self.is_main(*index, part))
             .map(|index| self.plugs(index))
             .collect();
-        let fullest = |label: &str| {
+        let max_count = |label: &str| {
             let counts = mains.iter().map(|plugs| plugs.iter().filter(|(other, _)| other == label).count());
             counts.max().unwrap_or(0)
         };
         let labels = gains.iter().map(|gain| gain.to_string());
         let mut jacks: Vec<_> =
-            labels.flat_map(|label| vec![label.clone(); fullest(&label).max(1)]).collect();
-        jacks.extend((!gains.is_empty() && fullest(JUNCTION) > 0).then(|| JUNCTION.to_owned()));
+            labels.flat_map(|label| vec![label.clone(); max_count(&label).max(1)]).collect();
+        jacks.extend((!gains.is_empty() && max_count(JUNCTION) > 0).then(|| JUNCTION.to_owned()));
         jacks
     }
 
-    /// What is plugged into the module that an element's cords leave from.
-    fn plugs(&self, index: usize) -> Vec<Slot> {
+    /// Returns the input jacks in use on the main module of an element.
+    fn plugs(&self, index: usize) -> Vec<InputSlot> {
         let symbol = &self.symbols[index];
         let is_inverter = symbol.kind == "inverter" && !self.circuit.machine().summer_gains.is_empty();
         let label = |jack: &Jack| if is_inverter { "1".to_owned() } else { jack_label(jack) };
         let here = symbol.jacks.iter().enumerate();
-        let here = here.filter(|(_, jack)| network::elsewhere(symbol, &jack.input).is_none());
+        let here = here.filter(|(_, jack)| composites::auxiliary_input(symbol, &jack.input).is_none());
         let mut plugs: Vec<_> = here.map(|(number, jack)| (label(jack), Some((index, number)))).collect();
-        let is_joined = self.links[index].iter().any(|[_, to]| *to == Spot::Junction);
+        let is_joined = self.links[index].iter().any(|[_, to]| *to == LinkEnd::Junction);
         plugs.extend(is_joined.then(|| (JUNCTION.to_owned(), None)));
         plugs
     }
 
-    /// The module of a part that an element takes.
-    fn module(&self, place: Place, jacks: &[String]) -> Wanted {
-        let (index, part, number) = place;
+    /// Returns the module of a part of an element.
+    fn module(&self, id: PartId, jacks: &[String]) -> ModuleSpec {
+        let (index, part, number) = id;
         let symbol = &self.symbols[index];
         let names = self.circuit.part_names(&symbol.name, part);
         let name = names.get(number).cloned().unwrap_or_default();
         let mut module = if number == 0 && self.is_main(index, part) {
             let module = self.main_module(index, jacks);
-            Wanted { name: format!("{} {name}", symbol.name).trim_end().to_owned(), ..module }
+            ModuleSpec { name: format!("{} {name}", symbol.name).trim_end().to_owned(), ..module }
         } else {
-            helper(symbol, place, name, jacks)
+            auxiliary_module(symbol, id, name, jacks)
         };
         if part == Part::DiodePair {
-            let ways = network::diodes(symbol);
-            module.inputs.iter_mut().zip(ways).for_each(|((label, _), way)| way.clone_into(label));
+            let ends = composites::diodes(symbol);
+            module.inputs.iter_mut().zip(ends).for_each(|((label, _), end)| end.clone_into(label));
         }
-        Wanted { part: Some(place), ..module }
+        ModuleSpec { part: Some(id), ..module }
     }
 
-    /// The module that the cords of an element leave from.
-    fn main_module(&self, index: usize, jacks: &[String]) -> Wanted {
+    /// Returns the module with the output of an element.
+    fn main_module(&self, index: usize, jacks: &[String]) -> ModuleSpec {
         let symbol = &self.symbols[index];
         let mut inputs = idle(jacks);
         for (label, plug) in self.plugs(index) {
@@ -272,42 +297,49 @@ impl Patched<'_> {
                 None => inputs.push((label, plug)),
             }
         }
-        Wanted {
+        ModuleSpec {
             name: symbol.name.clone(),
             kind: symbol.kind.replace('-', " "),
             note: main_note(symbol),
             inputs,
-            outputs: self.readers(index).max(1),
+            outputs: self.output_count(index).max(1),
             symbol: Some(index),
-            ..Wanted::default()
+            ..ModuleSpec::default()
         }
     }
 }
 
-/// A part that helps an element, with the jacks of the element that lie on it.
-fn helper(symbol: &Symbol, (index, part, number): Place, name: String, jacks: &[String]) -> Wanted {
+/// Returns the module of an auxiliary part, with the jacks of the element that are on it.
+///
+/// Its note is the setting, if it applies to the part, and the element: `0.2537 of DZ`.
+fn auxiliary_module(
+    symbol: &Symbol,
+    (index, part, number): PartId,
+    name: String,
+    jacks: &[String],
+) -> ModuleSpec {
     let mut inputs = idle(jacks);
     for (plug, jack) in symbol.jacks.iter().enumerate() {
-        match network::elsewhere(symbol, &jack.input) {
-            Some(Spot::Input(other, place, slot)) if (other, place) == (part, number) => {
+        match composites::auxiliary_input(symbol, &jack.input) {
+            Some(LinkEnd::Input(other, other_number, slot)) if (other, other_number) == (part, number) => {
                 inputs[slot] = (jack_label(jack), Some((index, plug)));
             }
             _ => (),
         }
     }
-    let set = noted(symbol).filter(|_| network::is_set(symbol, part));
-    let note = set.map(|setting| format!("{} ", setting.shown)).unwrap_or_default();
+    let setting = noted_setting(symbol).filter(|_| composites::is_set_part(symbol, part));
+    let note = setting.map(|setting| format!("{} ", setting.shown)).unwrap_or_default();
     let note = format!("{note}of {}", symbol.name);
     let outputs = usize::from(!jacks.is_empty());
-    Wanted { name, note, inputs, outputs, ..Wanted::default() }
+    ModuleSpec { name, note, inputs, outputs, ..ModuleSpec::default() }
 }
 
-/// Jacks that nothing is plugged into.
-fn idle(jacks: &[String]) -> Vec<Slot> {
+/// Returns input jacks without cords.
+fn idle(jacks: &[String]) -> Vec<InputSlot> {
     jacks.iter().map(|label| (label.clone(), None)).collect()
 }
 
-/// The input jacks of a part without gains.
+/// Returns the labels of the input jacks of a part without gains.
 fn named_jacks(part: Part) -> &'static [&'static str] {
     match part {
         Part::FreePot => &["in", "end"],
@@ -321,7 +353,9 @@ fn named_jacks(part: Part) -> &'static [&'static str] {
     }
 }
 
-/// What stands beside a jack.
+/// Returns the label of a jack.
+///
+/// A gain stands for a summing input: `10`. Another input is named before its gain: `brake 10`.
 fn jack_label(jack: &Jack) -> String {
     match jack.gain {
         Some(gain) if jack.input == "x" => format!("{gain}"),
@@ -330,67 +364,71 @@ fn jack_label(jack: &Jack) -> String {
     }
 }
 
-/// The setting that is written on the module of an element.
-fn noted(symbol: &Symbol) -> Option<&Setting> {
+/// Returns the setting that is written on the module of an element.
+fn noted_setting(symbol: &Symbol) -> Option<&SymbolSetting> {
     ["setting", "initial", "limit.upper"].iter().find_map(|name| symbol.setting(name))
 }
 
-/// Whether a module tells a setting, or may leave it out: a number that the patch does not give.
-pub(super) fn tells(symbol: &Symbol, setting: &Setting) -> bool {
-    let is_number = matches!(setting.value, Value::Number(_));
-    noted(symbol).is_some_and(|noted| noted.name == setting.name) || is_number && !setting.is_given
+/// Whether a module shows a setting, or may omit it because it is a number that the patch does not
+/// specify.
+pub(super) fn shows_setting(symbol: &Symbol, setting: &SymbolSetting) -> bool {
+    let is_number = matches!(setting.value, SettingValue::Number(_));
+    noted_setting(symbol).is_some_and(|noted| noted.name == setting.name) || is_number && !setting.is_given
 }
 
-/// The setting on the module that an element's cords leave from.
+/// Returns the text of the setting on the main module of an element.
 fn main_note(symbol: &Symbol) -> String {
-    let here = noted(symbol).filter(|_| !network::is_set(symbol, Part::FreePot));
-    let told = here.map(|setting| match setting.name.as_str() {
+    let here = noted_setting(symbol).filter(|_| !composites::is_set_part(symbol, Part::FreePot));
+    let text = here.map(|setting| match setting.name.as_str() {
         "initial" => format!("IC {}", setting.shown),
         "limit.upper" => format!("≤ {}", setting.shown),
         _ => setting.shown.clone(),
     });
-    told.unwrap_or_default()
+    text.unwrap_or_default()
 }
 
-impl Laid {
-    /// Sets a shelf under what stands there already.
-    fn put(&mut self, shelf: Shelf, left: f64) {
-        self.rows.push((shelf.heading, (left, self.bottom + ROW_HEAD - 5.0)));
-        self.bottom += ROW_HEAD;
-        let width = (WIDTH + GAP) / shelf.across as f64 - GAP;
-        let mut modules = shelf.modules.into_iter().peekable();
+impl PanelLayout {
+    /// Adds a row below the last one.
+    ///
+    /// The modules of a row have equal widths. The modules of a line have the height of the one with the most jacks.
+    fn place_row(&mut self, row: ModuleRow, left: f64) {
+        self.rows.push((row.heading, (left, self.bottom + ROW_HEADING - 5.0)));
+        self.bottom += ROW_HEADING;
+        let width = (WIDTH + MODULE_GAP) / row.across as f64 - MODULE_GAP;
+        let mut modules = row.modules.into_iter().peekable();
         while modules.peek().is_some() {
-            let line: Vec<Wanted> = modules.by_ref().take(shelf.across).collect();
+            let line: Vec<ModuleSpec> = modules.by_ref().take(row.across).collect();
             let jacks = line.iter().map(|module| module.inputs.len().max(module.outputs)).max().unwrap_or(0);
-            let height = HEAD + PITCH * jacks as f64;
-            for (place, wanted) in line.into_iter().enumerate() {
-                let corner = (left + place as f64 * (width + GAP), self.bottom);
-                self.set(wanted, corner, (width, height));
+            let height = HEAD_HEIGHT + JACK_PITCH * jacks as f64;
+            for (column, spec) in line.into_iter().enumerate() {
+                let corner = (left + column as f64 * (width + MODULE_GAP), self.bottom);
+                self.place_module(spec, corner, (width, height));
             }
-            self.bottom += height + GAP;
+            self.bottom += height + MODULE_GAP;
         }
-        self.bottom += GAP;
+        self.bottom += MODULE_GAP;
     }
 
-    fn set(&mut self, wanted: Wanted, (left, top): Point, (width, height): (f64, f64)) {
-        if let Some(symbol) = wanted.symbol {
+    /// Adds a module with its upper left corner and its size.
+    fn place_module(&mut self, spec: ModuleSpec, (left, top): Point, (width, height): (f64, f64)) {
+        if let Some(symbol) = spec.symbol {
             self.module_of[symbol] = self.modules.len();
         }
-        self.references.extend(wanted.reference.map(|name| (name, self.modules.len())));
-        self.parts.extend(wanted.part.map(|place| (place, self.modules.len())));
-        let jack = |x: f64, number: usize| (x, top + HEAD + 5.0 + PITCH * number as f64);
-        let plugs = wanted.inputs.iter().enumerate();
-        let plugs = plugs.filter_map(|(number, (_, plug))| Some(((*plug)?, jack(left + INSET, number))));
+        self.references.extend(spec.reference.map(|name| (name, self.modules.len())));
+        self.parts.extend(spec.part.map(|part| (part, self.modules.len())));
+        let jack = |x: f64, number: usize| (x, top + HEAD_HEIGHT + 5.0 + JACK_PITCH * number as f64);
+        let plugs = spec.inputs.iter().enumerate();
+        let plugs = plugs.filter_map(|(number, (_, plug))| Some(((*plug)?, jack(left + JACK_INSET, number))));
         self.plugs.extend(plugs);
-        let inputs = wanted.inputs.into_iter().enumerate();
-        self.taken.push(0);
+        let inputs = spec.inputs.into_iter().enumerate();
+        self.used_outputs.push(0);
         self.modules.push(Module {
-            name: wanted.name,
-            kind: wanted.kind,
-            note: wanted.note,
+            name: spec.name,
+            kind: spec.kind,
+            note: spec.note,
             corners: [(left, top), (left + width, top + height)],
-            inputs: inputs.map(|(number, (name, _))| (name, jack(left + INSET, number))).collect(),
-            outputs: (0..wanted.outputs).map(|number| jack(left + width - INSET, number)).collect(),
+            inputs: inputs.map(|(number, (name, _))| (name, jack(left + JACK_INSET, number))).collect(),
+            outputs: (0..spec.outputs).map(|number| jack(left + width - JACK_INSET, number)).collect(),
         });
     }
 }

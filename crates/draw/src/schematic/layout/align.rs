@@ -1,44 +1,48 @@
-//! Heights of items in their layers: cords as straight as the room allows.
+//! Sets the heights of the items in their layers so that the nets are as straight as possible.
+//!
+//! Each item has preferred heights, at which its nets are straight. Layer by layer, the heights are set to
+//! the weighted medians of the preferred heights, in the given order and with minimum gaps (isotonic
+//! regression in the sum of absolute deviations). Rows are then made as low as possible.
 
 use super::Graph;
-use super::wires::{Pin, Sheet, What};
+use super::wires::{ItemKind, LayeredSheet, Pin};
 
-/// Room between two nodes of a layer.
-pub(super) const APART: f64 = 16.0;
+/// The minimum gap between two nodes of a layer.
+pub(super) const NODE_GAP: f64 = 16.0;
 
-/// Room between a node and a cord that passes it.
-const BESIDE: f64 = 10.0;
+/// The minimum gap between a node and a net that passes through its layer.
+const NODE_NET_GAP: f64 = 10.0;
 
-/// Room between two cords that pass side by side.
-const SIDE_BY_SIDE: f64 = 16.0;
+/// The minimum gap between two nets that pass through a layer.
+const NET_GAP: f64 = 16.0;
 
-/// Level cords of different nets in a channel are never nearer than this.
-const CLEAR: f64 = 6.0;
+/// The minimum distance of the horizontal lines of different nets in a channel.
+const MIN_LINE_DISTANCE: f64 = 6.0;
 
-/// Passes over all layers, each in both directions.
+/// The maximum number of passes over all layers, each in both directions.
 const PASSES: usize = 10;
 
-/// What a row's height costs beside the length of its cords.
-const TALL: f64 = 2.0;
+/// The cost of the height of a row, relative to the length of its vertical lines.
+const HEIGHT_COST: f64 = 2.0;
 
-/// How much straight cords between nodes, between a node and a layer, and through layers are worth.
-const WORTH: [f64; 3] = [1.0, 2.0, 8.0];
+/// The weights of straight nets: between nodes, between a node and a layer, and through layers.
+const WEIGHTS: [f64; 3] = [1.0, 2.0, 8.0];
 
-/// A height that an item would like to have, and how much.
-type Wish = (f64, f64);
+/// A preferred height of an item and its weight.
+type Preference = (f64, f64);
 
-/// Gives every item its height.
-pub(super) fn align(graph: &Graph, sheet: &mut Sheet) {
+/// Sets the height of every item.
+pub(super) fn align(graph: &Graph, sheet: &mut LayeredSheet) {
     for row in 0..sheet.rows.len() {
         let mut aligner = Aligner::new(graph, sheet, row);
         aligner.stack();
         let layers = aligner.sheet.rows[row].layers.len();
         let mut best = (f64::INFINITY, Vec::new());
         for _ in 0..aligner.sheet.rows[row].rounds(PASSES) {
-            (0..layers).for_each(|layer| aligner.settle(layer, true, false));
-            (0..layers).rev().for_each(|layer| aligner.settle(layer, false, true));
-            (0..layers).for_each(|layer| aligner.settle(layer, true, true));
-            aligner.squeeze();
+            (0..layers).for_each(|layer| aligner.straighten(layer, true, false));
+            (0..layers).rev().for_each(|layer| aligner.straighten(layer, false, true));
+            (0..layers).for_each(|layer| aligner.straighten(layer, true, true));
+            aligner.compact();
             let cost = aligner.cost();
             if cost < best.0 {
                 best = (cost, aligner.heights());
@@ -46,80 +50,90 @@ pub(super) fn align(graph: &Graph, sheet: &mut Sheet) {
         }
         (0..best.1.len()).for_each(|item| aligner.set_y(item, best.1[item]));
         for layer in 0..layers {
-            aligner.settle(layer, true, false);
-            aligner.keep_clear(layer);
+            aligner.straighten(layer, true, false);
+            aligner.separate_nets(layer);
         }
-        aligner.begin_at_0();
+        aligner.move_to_top();
     }
 }
 
+/// Sets the heights of the items of one row.
 struct Aligner<'a> {
+    /// The graph, for the areas and jacks of its nodes.
     graph: &'a Graph,
-    sheet: &'a mut Sheet,
+    /// The sheet with the heights that are changed.
+    sheet: &'a mut LayeredSheet,
+    /// The index of the row.
     row: usize,
-    /// Places of all items of the row in their layers.
-    places: Vec<usize>,
+    /// For each item of the row, its position in its layer.
+    positions: Vec<usize>,
 }
 
 impl<'a> Aligner<'a> {
-    fn new(graph: &'a Graph, sheet: &'a mut Sheet, row: usize) -> Aligner<'a> {
-        let mut places = vec![0; sheet.rows[row].items.len()];
+    /// Returns an aligner for a row whose layers are ordered already.
+    fn new(graph: &'a Graph, sheet: &'a mut LayeredSheet, row: usize) -> Aligner<'a> {
+        let mut positions = vec![0; sheet.rows[row].items.len()];
         for layer in &sheet.rows[row].layers {
-            layer.iter().enumerate().for_each(|(place, item)| places[*item] = place);
+            layer.iter().enumerate().for_each(|(position, item)| positions[*item] = position);
         }
-        Aligner { graph, sheet, row, places }
+        Aligner { graph, sheet, row, positions }
     }
 
-    /// Room that an item takes above or below its anchor.
+    /// Returns the extent of an item above or below its anchor.
     fn reach(&self, item: usize, above: bool) -> f64 {
-        match self.sheet.rows[self.row].items[item].what {
-            What::Node(node) => self.graph.nodes[node].reach(above),
-            What::Through(_) => 0.0,
+        match self.sheet.rows[self.row].items[item].kind {
+            ItemKind::Node(node) => self.graph.nodes[node].reach(above),
+            ItemKind::PassThrough(_) => 0.0,
         }
     }
 
+    /// Whether an item is a node; otherwise it is a net that passes through.
     fn is_node(&self, item: usize) -> bool {
-        matches!(self.sheet.rows[self.row].items[item].what, What::Node(_))
+        matches!(self.sheet.rows[self.row].items[item].kind, ItemKind::Node(_))
     }
 
-    /// Least distance of the anchors of two neighbours in a layer.
+    /// Returns the minimum distance of the anchors of two neighbours in a layer.
     fn distance(&self, upper: usize, lower: usize) -> f64 {
         let gap = match (self.is_node(upper), self.is_node(lower)) {
-            (true, true) => APART,
-            (false, false) => SIDE_BY_SIDE,
-            _ => BESIDE,
+            (true, true) => NODE_GAP,
+            (false, false) => NET_GAP,
+            _ => NODE_NET_GAP,
         };
         (self.reach(upper, false) + gap + self.reach(lower, true)).ceil()
     }
 
+    /// Returns the height of the anchor of an item; y points down.
     fn y(&self, item: usize) -> f64 {
         self.sheet.rows[self.row].items[item].y
     }
 
+    /// Sets the height of the anchor of an item.
     fn set_y(&mut self, item: usize, y: f64) {
         self.sheet.rows[self.row].items[item].y = y;
     }
 
+    /// Returns the items of a layer from the top down.
     fn layer(&self, layer: usize) -> Vec<usize> {
         self.sheet.rows[self.row].layers[layer].clone()
     }
 
-    /// Distances of the anchors of a layer from that of its first item, as close as they can be.
-    fn closest(&self, items: &[usize]) -> Vec<f64> {
+    /// Returns the minimum distances of the anchors of a layer from that of its first item.
+    fn min_offsets(&self, items: &[usize]) -> Vec<f64> {
         let mut below = 0.0;
-        let mut closest = vec![0.0; items.len()];
+        let mut min_offsets = vec![0.0; items.len()];
         for (index, pair) in items.windows(2).enumerate() {
             below += self.distance(pair[0], pair[1]);
-            closest[index + 1] = below;
+            min_offsets[index + 1] = below;
         }
-        closest
+        min_offsets
     }
 
+    /// Returns the heights of all items of the row, in their order.
     fn heights(&self) -> Vec<f64> {
         self.sheet.rows[self.row].items.iter().map(|item| item.y).collect()
     }
 
-    /// Height of the row, and how long its upright lines are together.
+    /// Returns the cost of the current heights: of the row height and of all vertical lines.
     fn cost(&self) -> f64 {
         let items = 0..self.sheet.rows[self.row].items.len();
         let top =
@@ -127,18 +141,21 @@ impl<'a> Aligner<'a> {
         let bottom = items.map(|item| self.y(item) + self.reach(item, false)).fold(top, f64::max);
         let length = |trunk: &super::wires::Trunk| {
             let pins = trunk.pins().map(|pin| self.sheet.height(self.graph, self.row, pin));
-            let streets = [(trunk.up, top), (trunk.down, bottom)].into_iter().filter(|(goes, _)| *goes);
-            let ends = pins.chain(streets.map(|(_, y)| y));
+            let row_gaps =
+                [(trunk.up, top), (trunk.down, bottom)].into_iter().filter(|(is_used, _)| *is_used);
+            let ends = pins.chain(row_gaps.map(|(_, y)| y));
             let (low, high) = ends.fold((bottom, top), |(low, high), y| (low.min(y), high.max(y)));
             high - low
         };
         let trunks = self.sheet.rows[self.row].channels.iter().flatten();
-        TALL * (bottom - top) + trunks.map(length).sum::<f64>()
+        HEIGHT_COST * (bottom - top) + trunks.map(length).sum::<f64>()
     }
 
-    /// Draws the row together where a level line across it finds room in every layer that has items on both sides
-    /// of it, and cuts no straight cord.
-    fn squeeze(&mut self) {
+    /// Closes gaps across the whole row.
+    ///
+    /// Everything below a level moves up if all layers have free space there. No straight net that crosses
+    /// the level is bent.
+    fn compact(&mut self) {
         let nodes = (0..self.heights().len()).filter(|item| self.is_node(*item));
         let mut levels: Vec<f64> = nodes.map(|item| self.y(item)).collect();
         levels.sort_by(f64::total_cmp);
@@ -149,16 +166,16 @@ impl<'a> Aligner<'a> {
             if straight.iter().any(is_cut) {
                 continue;
             }
-            let room = self.room_below(level);
-            if room.is_finite() && room > 0.0 {
+            let slack = self.slack_below(level);
+            if slack.is_finite() && slack > 0.0 {
                 let below = (0..self.heights().len()).filter(|item| self.y(*item) > level);
-                let moved: Vec<_> = below.map(|item| (item, self.y(item) - room)).collect();
+                let moved: Vec<_> = below.map(|item| (item, self.y(item) - slack)).collect();
                 moved.into_iter().for_each(|(item, y)| self.set_y(item, y));
             }
         }
     }
 
-    /// Anchors of items that a straight cord joins, the upper one first.
+    /// Returns the anchors of each pair of items that a straight net connects, the upper one first.
     fn straight_pairs(&self) -> Vec<(f64, f64)> {
         let height = |pin: &Pin| self.sheet.height(self.graph, self.row, *pin);
         let trunks = self.sheet.rows[self.row].channels.iter().flatten();
@@ -170,69 +187,74 @@ impl<'a> Aligner<'a> {
         anchors.map(|(left, right)| (left.min(right), left.max(right))).collect()
     }
 
-    /// By how much everything below a level can move up before it meets what stands above.
-    fn room_below(&self, level: f64) -> f64 {
+    /// Returns the distance by which everything below a level can move up.
+    fn slack_below(&self, level: f64) -> f64 {
         let layers = 0..self.sheet.rows[self.row].layers.len();
         let pairs = layers.flat_map(|layer| {
             let items = self.layer(layer);
             items.windows(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>()
         });
         let across = pairs.filter(|(upper, lower)| self.y(*upper) <= level && self.y(*lower) > level);
-        let room = across.map(|(upper, lower)| self.y(lower) - self.y(upper) - self.distance(upper, lower));
-        room.fold(f64::INFINITY, f64::min).floor()
+        let slack = across.map(|(upper, lower)| self.y(lower) - self.y(upper) - self.distance(upper, lower));
+        slack.fold(f64::INFINITY, f64::min).floor()
     }
 
+    /// Sets initial heights: the items of each layer without gaps, with the middle of each layer at height 0.
     fn stack(&mut self) {
         for layer in 0..self.sheet.rows[self.row].layers.len() {
             let items = self.layer(layer);
-            let closest = self.closest(&items);
-            let middle = closest.last().map_or(0.0, |last| (last / 2.0).round());
-            items.iter().zip(closest).for_each(|(item, y)| self.set_y(*item, y - middle));
+            let min_offsets = self.min_offsets(&items);
+            let middle = min_offsets.last().map_or(0.0, |last| (last / 2.0).round());
+            items.iter().zip(min_offsets).for_each(|(item, y)| self.set_y(*item, y - middle));
         }
     }
 
-    /// Moves the items of a layer to where their cords to the left, to the right or both are straight.
-    fn settle(&mut self, layer: usize, to_left: bool, to_right: bool) {
+    /// Moves the items of a layer to where their nets to the left, to the right or both are straight.
+    ///
+    /// An item without such nets prefers its present height with a very small weight.
+    fn straighten(&mut self, layer: usize, to_left: bool, to_right: bool) {
         let items = self.layer(layer);
-        let wishes = self.wishes(layer, to_left, to_right);
-        let closest = self.closest(&items);
-        let reduced = items.iter().zip(&closest).zip(wishes).map(|((item, closest), mut own)| {
+        let preferences = self.preferences(layer, to_left, to_right);
+        let min_offsets = self.min_offsets(&items);
+        let reduced = items.iter().zip(&min_offsets).zip(preferences).map(|((item, offset), mut own)| {
             if own.is_empty() {
                 own.push((self.y(*item), 1e-3));
             }
-            own.iter().map(|(y, worth)| (y - closest, *worth)).collect()
+            own.iter().map(|(y, weight)| (y - offset, *weight)).collect()
         });
-        let heights = in_order(reduced.collect());
-        for ((item, closest), y) in items.iter().zip(&closest).zip(heights) {
-            self.set_y(*item, (y + closest).round());
+        let heights = ascending_medians(reduced.collect());
+        for ((item, offset), y) in items.iter().zip(&min_offsets).zip(heights) {
+            self.set_y(*item, (y + offset).round());
         }
     }
 
-    /// What the items of a layer would like, in their order.
-    fn wishes(&self, layer: usize, to_left: bool, to_right: bool) -> Vec<Vec<Wish>> {
+    /// Returns the preferred heights of the items of a layer in order.
+    fn preferences(&self, layer: usize, to_left: bool, to_right: bool) -> Vec<Vec<Preference>> {
         let row = &self.sheet.rows[self.row];
-        let mut wishes = vec![Vec::new(); row.layers[layer].len()];
-        let mut wish = |mover: Pin, other: Pin| {
+        let mut preferences = vec![Vec::new(); row.layers[layer].len()];
+        let mut prefer = |mover: Pin, other: Pin| {
             let straight = self.sheet.height(self.graph, self.row, other)
                 - self.sheet.offset(self.graph, self.row, mover);
             let through = [mover, other].iter().filter(|pin| !self.is_node(pin.item)).count();
-            wishes[self.places[mover.item]].push((straight, WORTH[through]));
+            preferences[self.positions[mover.item]].push((straight, WEIGHTS[through]));
         };
         let channels = [(to_left, layer), (to_right, layer + 1)];
-        for (_, channel) in channels.into_iter().filter(|(wanted, _)| *wanted) {
+        for (_, channel) in channels.into_iter().filter(|(is_used, _)| *is_used) {
             for trunk in &row.channels[channel] {
                 for (left, right) in
                     trunk.left.iter().flat_map(|left| trunk.right.iter().map(move |right| (left, right)))
                 {
-                    if channel == layer { wish(*right, *left) } else { wish(*left, *right) }
+                    if channel == layer { prefer(*right, *left) } else { prefer(*left, *right) }
                 }
             }
         }
-        wishes
+        preferences
     }
 
-    /// Moves items on so that no cord into them is in line with one of another net that leaves the layer before.
-    fn keep_clear(&mut self, layer: usize) {
+    /// Moves items so that lines of different nets into and out of a channel are not at the same height.
+    ///
+    /// An item moves by the smallest whole number of pixels at which its nets are clear of those from the left.
+    fn separate_nets(&mut self, layer: usize) {
         let taken: Vec<(f64, usize)> = self.sheet.rows[self.row].channels[layer]
             .iter()
             .filter_map(|trunk| Some((self.sheet.height(self.graph, self.row, trunk.left?), trunk.net)))
@@ -240,34 +262,37 @@ impl<'a> Aligner<'a> {
         let arriving = self.arriving(layer);
         let mut above: Option<usize> = None;
         for (item, arriving) in self.layer(layer).into_iter().zip(arriving) {
-            let least = above.map_or(f64::NEG_INFINITY, |above| self.y(above) + self.distance(above, item));
+            let min = above.map_or(f64::NEG_INFINITY, |above| self.y(above) + self.distance(above, item));
             let is_clear = |y: f64| {
                 arriving.iter().all(|(offset, net)| {
-                    taken.iter().all(|(at, other)| net == other || (at - y - offset).abs() >= CLEAR)
+                    taken
+                        .iter()
+                        .all(|(at, other)| net == other || (at - y - offset).abs() >= MIN_LINE_DISTANCE)
                 })
             };
-            let wanted = self.y(item).max(least);
+            let wanted = self.y(item).max(min);
             let near = (0..).flat_map(|far| [wanted + f64::from(far), wanted - f64::from(far)]);
-            let found = near.filter(|y| *y >= least).find(|y| is_clear(*y));
+            let found = near.filter(|y| *y >= min).find(|y| is_clear(*y));
             self.set_y(item, found.unwrap_or(wanted));
             above = Some(item);
         }
     }
 
-    /// For every item of a layer, in order, heights of the cords into it from its anchor, and their nets.
+    /// Returns the nets into each item of a layer, with their heights relative to its anchor.
     fn arriving(&self, layer: usize) -> Vec<Vec<(f64, usize)>> {
         let row = &self.sheet.rows[self.row];
         let mut arriving = vec![Vec::new(); row.layers[layer].len()];
         for trunk in &row.channels[layer] {
             for pin in &trunk.right {
                 let offset = self.sheet.offset(self.graph, self.row, *pin);
-                arriving[self.places[pin.item]].push((offset, trunk.net));
+                arriving[self.positions[pin.item]].push((offset, trunk.net));
             }
         }
         arriving
     }
 
-    fn begin_at_0(&mut self) {
+    /// Moves all items by the same distance, so that the highest one is at the top of the row.
+    fn move_to_top(&mut self) {
         let items = 0..self.sheet.rows[self.row].items.len();
         let top =
             items.clone().map(|item| self.y(item) - self.reach(item, true)).fold(f64::INFINITY, f64::min);
@@ -275,11 +300,13 @@ impl<'a> Aligner<'a> {
     }
 }
 
-/// Rising heights that come as near as they can to what is wished for, by the sum of distances: neighbours that
-/// would pass each other move as one block, to the median of their wishes.
-fn in_order(wishes: Vec<Vec<Wish>>) -> Vec<f64> {
-    let mut blocks: Vec<(Vec<Wish>, usize, f64)> = Vec::new();
-    for mut own in wishes {
+/// Returns ascending heights with the smallest weighted sum of distances to the preferred heights.
+///
+/// Items that would pass each other form one block at the weighted median of their preferred heights
+/// (pool adjacent violators).
+fn ascending_medians(preferences: Vec<Vec<Preference>>) -> Vec<f64> {
+    let mut blocks: Vec<(Vec<Preference>, usize, f64)> = Vec::new();
+    for mut own in preferences {
         let mut count = 1;
         let mut height = median(&mut own);
         while let Some((mut upper, many, _)) = blocks.pop_if(|(.., above)| *above > height) {
@@ -293,13 +320,13 @@ fn in_order(wishes: Vec<Vec<Wish>>) -> Vec<f64> {
     blocks.into_iter().flat_map(|(_, count, height)| std::iter::repeat_n(height, count)).collect()
 }
 
-/// The lower weighted median.
-fn median(wishes: &mut [Wish]) -> f64 {
-    wishes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = wishes.iter().map(|(_, worth)| worth).sum::<f64>() / 2.0;
+/// Returns the lower weighted median.
+fn median(preferences: &mut [Preference]) -> f64 {
+    preferences.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = preferences.iter().map(|(_, weight)| weight).sum::<f64>() / 2.0;
     let mut sum = 0.0;
-    let found = wishes.iter().find(|(_, worth)| {
-        sum += worth;
+    let found = preferences.iter().find(|(_, weight)| {
+        sum += weight;
         sum >= half
     });
     found.map_or(0.0, |(height, _)| *height)
@@ -310,11 +337,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn blocks_stand_at_the_median_of_their_wishes() {
-        let wish = |heights: &[f64]| heights.iter().map(|height| (*height, 1.0)).collect::<Vec<_>>();
-        assert_eq!(in_order(vec![wish(&[1.0]), wish(&[5.0])]), [1.0, 5.0]);
-        assert_eq!(in_order(vec![wish(&[5.0, 5.0]), wish(&[1.0])]), [5.0, 5.0]);
-        let heights = in_order(vec![wish(&[3.0]), wish(&[9.0]), wish(&[2.0, 2.0, 2.0]), wish(&[10.0])]);
+    fn blocks_are_at_the_median_of_their_preferences() {
+        let prefer = |heights: &[f64]| heights.iter().map(|height| (*height, 1.0)).collect::<Vec<_>>();
+        assert_eq!(ascending_medians(vec![prefer(&[1.0]), prefer(&[5.0])]), [1.0, 5.0]);
+        assert_eq!(ascending_medians(vec![prefer(&[5.0, 5.0]), prefer(&[1.0])]), [5.0, 5.0]);
+        let heights = ascending_medians(vec![
+            prefer(&[3.0]),
+            prefer(&[9.0]),
+            prefer(&[2.0, 2.0, 2.0]),
+            prefer(&[10.0]),
+        ]);
         assert_eq!(heights, [2.0, 2.0, 2.0, 10.0]);
     }
 }

@@ -1,23 +1,26 @@
-//! The order of items in their layers, so that few cords cross.
+//! Orders the items of each layer so that few nets cross.
+//!
+//! Layers are sorted by the mean position of their neighbours (barycentre method), and neighbours are
+//! exchanged if that saves crossings. The best order of all sweeps, from two initial orders, is kept.
 
 use std::cmp::Ordering;
 
 use super::Graph;
-use super::wires::{Jack, Pin, Row, Sheet, What};
+use super::wires::{ItemKind, LayerRow, LayeredSheet, Pin, PinKind};
 
-/// Sweeps over the layers, each in both directions.
+/// The maximum number of sweeps over the layers, each in both directions.
 const SWEEPS: usize = 14;
 
-/// Orders every row, and with it the inputs that may be exchanged.
-pub(super) fn reduce(graph: &Graph, rank: &[usize], sheet: &mut Sheet) {
+/// Orders the items of every row, and the inputs that may be exchanged.
+pub(super) fn reduce(graph: &Graph, rank: &[usize], sheet: &mut LayeredSheet) {
     for row in 0..sheet.rows.len() {
         let mut best: Option<(usize, Vec<Vec<usize>>)> = None;
-        for turned in [false, true] {
-            begin(rank, &mut sheet.rows[row], turned);
+        for reversed in [false, true] {
+            set_initial_order(rank, &mut sheet.rows[row], reversed);
             let mut sorter = Sorter::new(graph, sheet, row);
             sorter.sort();
             let crossings = sorter.all_crossings();
-            if best.as_ref().is_none_or(|(least, _)| crossings < *least) {
+            if best.as_ref().is_none_or(|(lowest, _)| crossings < *lowest) {
                 best = Some((crossings, sheet.rows[row].layers.clone()));
             }
         }
@@ -28,52 +31,63 @@ pub(super) fn reduce(graph: &Graph, rank: &[usize], sheet: &mut Sheet) {
     }
 }
 
-/// The first order: that of reading.
-fn begin(rank: &[usize], row: &mut Row, turned: bool) {
-    let Row { items, layers, .. } = row;
-    let key = |item: &usize| match items[*item].what {
-        What::Node(node) => (0, rank[node] as isize * if turned { -1 } else { 1 }),
-        What::Through(net) => (1, net as isize),
+/// Sets the initial order, which is that of reading or its reverse.
+fn set_initial_order(rank: &[usize], row: &mut LayerRow, reversed: bool) {
+    let LayerRow { items, layers, .. } = row;
+    let key = |item: &usize| match items[*item].kind {
+        ItemKind::Node(node) => (0, rank[node] as isize * if reversed { -1 } else { 1 }),
+        ItemKind::PassThrough(net) => (1, net as isize),
     };
     layers.iter_mut().for_each(|layer| layer.sort_by_key(key));
 }
 
+/// Orders the items of the layers of one row.
 struct Sorter<'a> {
+    /// The graph, for the number of outputs and of exchangeable inputs.
     graph: &'a Graph,
-    row: &'a mut Row,
-    slots: &'a mut [Vec<usize>],
-    /// Places of all items of the row in their layers.
-    places: Vec<f64>,
+    /// The row whose layers are ordered.
+    row: &'a mut LayerRow,
+    /// For each node and input, the index of the jack that it uses.
+    input_slots: &'a mut [Vec<usize>],
+    /// For each item of the row, its position in its layer.
+    positions: Vec<f64>,
 }
 
-/// Places of a net on the two sides of a channel, counted in items.
+/// The positions of a net on the two sides of a channel, counted in items.
 type Strand = (f64, f64);
 
 impl<'a> Sorter<'a> {
-    fn new(graph: &'a Graph, sheet: &'a mut Sheet, row: usize) -> Sorter<'a> {
-        let Sheet { rows, slots } = sheet;
-        let places = vec![0.0; rows[row].items.len()];
-        let mut sorter = Sorter { graph, row: &mut rows[row], slots, places };
-        sorter.count_places();
+    /// Returns a sorter that starts from the present order of the layers.
+    fn new(graph: &'a Graph, sheet: &'a mut LayeredSheet, row: usize) -> Sorter<'a> {
+        let LayeredSheet { rows, input_slots } = sheet;
+        let positions = vec![0.0; rows[row].items.len()];
+        let mut sorter = Sorter { graph, row: &mut rows[row], input_slots, positions };
+        sorter.update_positions();
         sorter
     }
 
-    fn count_places(&mut self) {
-        (0..self.row.layers.len()).for_each(|layer| self.count_places_of(layer));
+    /// Updates the positions of all items after their layers have changed.
+    fn update_positions(&mut self) {
+        (0..self.row.layers.len()).for_each(|layer| self.update_positions_of(layer));
     }
 
-    fn count_places_of(&mut self, layer: usize) {
-        for (place, item) in self.row.layers[layer].iter().enumerate() {
-            self.places[*item] = place as f64;
+    /// Updates the positions of the items of one layer.
+    fn update_positions_of(&mut self, layer: usize) {
+        for (position, item) in self.row.layers[layer].iter().enumerate() {
+            self.positions[*item] = position as f64;
         }
     }
 
+    /// Orders all layers by repeated sweeps and keeps the best order.
+    ///
+    /// A sweep sorts each layer by its left neighbours, then by its right neighbours, and then exchanges
+    /// neighbours. It may increase the number of crossings, so the best order need not be the last one.
     fn sort(&mut self) {
         let mut best = (usize::MAX, self.row.layers.clone());
         for _ in 0..self.row.rounds(SWEEPS) {
             let layers = self.row.layers.len();
-            (1..layers).for_each(|layer| self.by_neighbours(layer, layer));
-            (0..layers).rev().for_each(|layer| self.by_neighbours(layer, layer + 1));
+            (1..layers).for_each(|layer| self.sort_by_neighbours(layer, layer));
+            (0..layers).rev().for_each(|layer| self.sort_by_neighbours(layer, layer + 1));
             self.exchange_inputs();
             (0..layers).for_each(|layer| self.swap_neighbours(layer));
             let crossings = self.all_crossings();
@@ -82,44 +96,48 @@ impl<'a> Sorter<'a> {
             }
         }
         self.row.layers = best.1;
-        self.count_places();
+        self.update_positions();
         self.exchange_inputs();
     }
 
-    /// Place of a pin: that of its item and a little for which input it is.
-    fn place(&self, pin: Pin) -> f64 {
-        let share = match (self.row.items[pin.item].what, pin.jack) {
-            (What::Node(node), Jack::Input(input)) => {
-                (self.slots[node][input] as f64 + 1.0) / (self.slots[node].len() as f64 + 1.0)
+    /// Returns the position of a pin: that of its item plus a fraction for its input or output.
+    fn pin_position(&self, pin: Pin) -> f64 {
+        let fraction = match (self.row.items[pin.item].kind, pin.kind) {
+            (ItemKind::Node(node), PinKind::Input(input)) => {
+                (self.input_slots[node][input] as f64 + 1.0) / (self.input_slots[node].len() as f64 + 1.0)
             }
-            (What::Node(node), Jack::Output(outlet)) => {
-                (outlet as f64 + 1.0) / (self.graph.nodes[node].outputs.len() as f64 + 1.0)
+            (ItemKind::Node(node), PinKind::Output(output)) => {
+                (output as f64 + 1.0) / (self.graph.nodes[node].outputs.len() as f64 + 1.0)
             }
             _ => 0.5,
         };
-        self.places[pin.item] + share
+        self.positions[pin.item] + fraction
     }
 
-    /// The strands of a channel. Streets lie beyond the first and the last item of a layer.
+    /// Returns the strands of a channel with the items at their ends.
+    ///
+    /// A row gap has a position before the first or after the last item of a layer.
     fn strands(&self, channel: usize) -> Vec<(Strand, Option<usize>, Option<usize>)> {
         let end = |layer: Option<&Vec<usize>>| layer.map_or(1.0, |layer| layer.len() as f64 + 1.0);
         let left_end = end(channel.checked_sub(1).and_then(|left| self.row.layers.get(left)));
         let right_end = end(self.row.layers.get(channel));
         let mut strands = Vec::new();
         for trunk in &self.row.channels[channel] {
-            let streets = [(trunk.up, -1.0, -1.0), (trunk.down, left_end, right_end)];
-            let streets = streets.into_iter().filter(|(used, ..)| *used);
+            let row_gaps = [(trunk.up, -1.0, -1.0), (trunk.down, left_end, right_end)];
+            let row_gaps = row_gaps.into_iter().filter(|(used, ..)| *used);
             match trunk.left {
                 Some(left) => {
-                    let from = self.place(left);
+                    let from = self.pin_position(left);
                     let to = trunk.right.iter();
-                    strands.extend(to.map(|to| ((from, self.place(*to)), Some(left.item), Some(to.item))));
-                    strands.extend(streets.map(|(_, _, to)| ((from, to), Some(left.item), None)));
+                    strands.extend(
+                        to.map(|to| ((from, self.pin_position(*to)), Some(left.item), Some(to.item))),
+                    );
+                    strands.extend(row_gaps.map(|(_, _, to)| ((from, to), Some(left.item), None)));
                 }
                 None => {
-                    for (_, from, _) in streets {
+                    for (_, from, _) in row_gaps {
                         let to = trunk.right.iter();
-                        strands.extend(to.map(|to| ((from, self.place(*to)), None, Some(to.item))));
+                        strands.extend(to.map(|to| ((from, self.pin_position(*to)), None, Some(to.item))));
                     }
                 }
             }
@@ -127,66 +145,69 @@ impl<'a> Sorter<'a> {
         strands
     }
 
-    /// For every item of a layer, in order, where its strands over one of the layer's channels lead.
-    fn far_ends(&self, layer: usize, channel: usize) -> Vec<Vec<f64>> {
+    /// Returns the positions at the far ends of the strands in a channel, for each item of a layer.
+    fn far_positions(&self, layer: usize, channel: usize) -> Vec<Vec<f64>> {
         let mut ends = vec![Vec::new(); self.row.layers[layer].len()];
         for ((from, to), left, right) in self.strands(channel) {
             let (item, other) = if channel == layer { (right, from) } else { (left, to) };
             if let Some(item) = item {
-                ends[self.places[item] as usize].push(other);
+                ends[self.positions[item] as usize].push(other);
             }
         }
         ends
     }
 
-    /// Sorts a layer by the mean place of what its items are joined to over one of its channels.
-    fn by_neighbours(&mut self, layer: usize, channel: usize) {
-        let ends = self.far_ends(layer, channel);
-        let mean = |item: &usize| match &ends[self.places[*item] as usize] {
-            ends if ends.is_empty() => self.places[*item] + 0.5,
+    /// Sorts a layer by the mean position of the items that are connected through a channel.
+    fn sort_by_neighbours(&mut self, layer: usize, channel: usize) {
+        let ends = self.far_positions(layer, channel);
+        let mean = |item: &usize| match &ends[self.positions[*item] as usize] {
+            ends if ends.is_empty() => self.positions[*item] + 0.5,
             ends => ends.iter().sum::<f64>() / ends.len() as f64,
         };
         let mut keyed: Vec<(f64, usize)> =
             self.row.layers[layer].iter().map(|item| (mean(item), *item)).collect();
         keyed.sort_by(|a, b| compare(a.0, b.0));
         self.row.layers[layer] = keyed.into_iter().map(|(_, item)| item).collect();
-        self.count_places_of(layer);
+        self.update_positions_of(layer);
     }
 
-    /// Exchanges neighbours in a layer where that saves crossings: only their own strands count.
+    /// Exchanges neighbours in a layer if that saves crossings of their own strands.
     fn swap_neighbours(&mut self, layer: usize) {
-        let mut sides = [layer, layer + 1].map(|channel| self.far_ends(layer, channel));
+        let mut sides = [layer, layer + 1].map(|channel| self.far_positions(layer, channel));
         sides.iter_mut().flatten().for_each(|ends| ends.sort_by(|a, b| compare(*a, *b)));
         let crossings = |upper: usize, lower: usize| -> usize {
             sides.iter().map(|ends| crossings_of(&ends[upper], &ends[lower])).sum()
         };
-        let was = self.row.layers[layer].clone();
-        let mut order: Vec<usize> = (0..was.len()).collect();
+        let previous = self.row.layers[layer].clone();
+        let mut order: Vec<usize> = (0..previous.len()).collect();
         for lower in 1..order.len() {
             let (one, other) = (order[lower - 1], order[lower]);
             if crossings(other, one) < crossings(one, other) {
                 order.swap(lower - 1, lower);
             }
         }
-        self.row.layers[layer] = order.into_iter().map(|place| was[place]).collect();
-        self.count_places_of(layer);
+        self.row.layers[layer] = order.into_iter().map(|position| previous[position]).collect();
+        self.update_positions_of(layer);
     }
 
+    /// Returns the number of crossings in all channels of the row.
     fn all_crossings(&self) -> usize {
         let strands =
             |channel| self.strands(channel).into_iter().map(|(strand, ..)| strand).collect::<Vec<_>>();
         (0..self.row.channels.len()).map(|channel| crossings_among(strands(channel))).sum()
     }
 
-    /// Inputs that may be exchanged stand in the order of what they come from.
+    /// Orders exchangeable inputs by the positions of their sources.
     fn exchange_inputs(&mut self) {
-        let mut sources: Vec<Vec<f64>> = self.slots.iter().map(|slots| vec![0.0; slots.len()]).collect();
+        let mut sources: Vec<Vec<f64>> =
+            self.input_slots.iter().map(|input_slots| vec![0.0; input_slots.len()]).collect();
         for channel in &self.row.channels {
             for trunk in channel {
-                let street = if trunk.up { -1.0 } else { f64::INFINITY };
-                let from = trunk.left.map_or(street, |left| self.place(left));
+                let row_gap = if trunk.up { -1.0 } else { f64::INFINITY };
+                let from = trunk.left.map_or(row_gap, |left| self.pin_position(left));
                 for pin in &trunk.right {
-                    if let (What::Node(node), Jack::Input(input)) = (self.row.items[pin.item].what, pin.jack)
+                    if let (ItemKind::Node(node), PinKind::Input(input)) =
+                        (self.row.items[pin.item].kind, pin.kind)
                     {
                         sources[node][input] = from;
                     }
@@ -194,16 +215,18 @@ impl<'a> Sorter<'a> {
             }
         }
         for item in &self.row.items {
-            if let What::Node(node) = item.what {
-                let mut order: Vec<usize> = (0..self.graph.nodes[node].free).collect();
+            if let ItemKind::Node(node) = item.kind {
+                let mut order: Vec<usize> = (0..self.graph.nodes[node].exchangeable).collect();
                 order.sort_by(|a, b| compare(sources[node][*a], sources[node][*b]));
-                order.iter().enumerate().for_each(|(slot, input)| self.slots[node][*input] = slot);
+                order.iter().enumerate().for_each(|(slot, input)| self.input_slots[node][*input] = slot);
             }
         }
     }
 }
 
-/// Crossings of the strands of a channel: such as begin above others and end below them.
+/// Returns the number of crossings of the strands of a channel.
+///
+/// Two strands cross if one starts above the other and ends below it.
 fn crossings_among(mut strands: Vec<Strand>) -> usize {
     strands.sort_by(|a, b| compare(a.0, b.0).then(compare(a.1, b.1)));
     let mut ends: Vec<f64> = Vec::with_capacity(strands.len());
@@ -216,11 +239,12 @@ fn crossings_among(mut strands: Vec<Strand>) -> usize {
     crossings
 }
 
-/// Crossings of the strands of two neighbours, by where they lead, in order.
+/// Returns the number of crossings of the strands of two neighbours from their sorted far ends.
 fn crossings_of(upper: &[f64], lower: &[f64]) -> usize {
     upper.iter().map(|end| lower.partition_point(|other| other < end)).sum()
 }
 
+/// Compares two positions. Positions are never NaN.
 fn compare(one: f64, other: f64) -> Ordering {
     one.partial_cmp(&other).unwrap_or(Ordering::Equal)
 }
@@ -229,7 +253,7 @@ fn compare(one: f64, other: f64) -> Ordering {
 mod tests {
     use super::*;
 
-    /// Every pair of strands, looked at one by one.
+    /// Counts the crossings of all pairs of strands one by one.
     fn pairs(strands: &[Strand]) -> usize {
         let crosses = |one: &Strand, other: &Strand| (one.0 - other.0) * (one.1 - other.1) < 0.0;
         let later = |(index, one)| strands[index + 1..].iter().filter(|other| crosses(one, other)).count();
@@ -238,9 +262,10 @@ mod tests {
 
     #[test]
     fn crossings_are_those_of_all_pairs() {
-        let place = |index: usize, by: usize| (index * by % 7) as f64;
+        let position = |index: usize, by: usize| (index * by % 7) as f64;
         for count in 0..20 {
-            let strands: Vec<Strand> = (0..count).map(|index| (place(index, 11), place(index, 17))).collect();
+            let strands: Vec<Strand> =
+                (0..count).map(|index| (position(index, 11), position(index, 17))).collect();
             assert_eq!(crossings_among(strands.clone()), pairs(&strands));
         }
         assert_eq!(crossings_of(&[1.0, 2.0, 5.0], &[0.0, 2.0, 3.0]), 5);

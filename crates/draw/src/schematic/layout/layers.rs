@@ -1,11 +1,11 @@
-//! Layers: every cord that goes forward leads to a later one.
+//! Assigns nodes to layers so that every forward edge leads to a later layer.
 
 use super::Graph;
 
-/// A cord from node to node.
+/// An edge from one node to another.
 pub(super) type Edge = (usize, usize);
 
-/// The cords that go forward, each pair of nodes once.
+/// Returns the forward edges in ascending order, each pair of nodes once.
 pub(super) fn forward_edges(graph: &Graph, rank: &[usize]) -> Vec<Edge> {
     let all = graph.nets.iter().flat_map(|net| net.to.iter().map(|(node, _)| (net.from, *node)));
     let mut edges: Vec<_> = all.filter(|(from, to)| rank[*from] < rank[*to]).collect();
@@ -14,8 +14,9 @@ pub(super) fn forward_edges(graph: &Graph, rank: &[usize]) -> Vec<Edge> {
     edges
 }
 
-/// The layer of every node, counted from 0: as far left as its cords allow, then drawn together so that cords
-/// become short.
+/// Returns the layer of each node, numbered from 0.
+///
+/// Each node is first as far left as its edges permit. Then nodes move right if that shortens the nets.
 pub(super) fn assign(graph: &Graph, rank: &[usize], edges: &[Edge]) -> Vec<usize> {
     let mut into = vec![Vec::new(); rank.len()];
     let mut out = vec![Vec::new(); rank.len()];
@@ -34,7 +35,7 @@ pub(super) fn assign(graph: &Graph, rank: &[usize], edges: &[Edge]) -> Vec<usize
             let last = out[*node].iter().map(|to| layers[*to] - 1).min();
             let first = into[*node].iter().map(|from| layers[*from] + 1).max().unwrap_or(0);
             layers[*node] = match last {
-                Some(last) if pulls_right(graph, *node, &layers, &into, &out) => last,
+                Some(last) if should_move_right(graph, *node, &layers, &into, &out) => last,
                 _ => first,
             };
         }
@@ -42,12 +43,13 @@ pub(super) fn assign(graph: &Graph, rank: &[usize], edges: &[Edge]) -> Vec<usize
     layers
 }
 
-/// So often are layers drawn together.
+/// The number of rounds in which nodes move right.
 const ROUNDS: usize = 6;
 
-/// Whether cords get shorter, or no longer, when the node moves to the right: a net is as long as its way to
-/// the last of its readers.
-fn pulls_right(
+/// Whether the nets get shorter, or do not get longer, if the node moves to the right.
+///
+/// The length of a net is the distance to its last reader.
+fn should_move_right(
     graph: &Graph,
     node: usize,
     layers: &[usize],
@@ -55,6 +57,6 @@ fn pulls_right(
     out: &[Vec<usize>],
 ) -> bool {
     let is_last = |from: &&usize| out[**from].iter().all(|to| layers[*to] <= layers[node]);
-    let longer = into[node].iter().filter(is_last).count();
-    longer < 1 || (longer == 1 && graph.nodes[node].leans_right)
+    let lengthened = into[node].iter().filter(is_last).count();
+    lengthened < 1 || (lengthened == 1 && graph.nodes[node].prefers_right)
 }

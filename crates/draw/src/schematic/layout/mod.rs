@@ -1,99 +1,107 @@
-//! Laying out a graph of boxes and nets: layers from left to right, feedback below, cords on tracks of their own.
+//! The layout of a graph of boxes and nets: layers from left to right, feedback below.
 //!
-//! The method is the classical one of layered drawings (Sugiyama, Tagawa, Toda 1981) with channel routing: cords
-//! run level through layers and upright in the channels between them; what goes back, or to another row, runs in
-//! a street below or above the row. No two nets share a track. Circuits that have but their drives in common stand one
-//! below the other.
+//! The method is that of layered drawings (Sugiyama, Tagawa and Toda 1981) with channel routing:
+//!
+//! 1. `order`, `components`, `layers` and `rows` assign each node to a row and a layer. Unconnected
+//!    parts of a circuit get separate rows, and a very wide drawing is folded into several rows.
+//! 2. `wires` assigns the nets to channels and row gaps. A channel is the vertical space between two
+//!    layers, and a row gap is the horizontal space between two rows.
+//! 3. `crossings` orders the nodes of each layer, and `align` sets their heights.
+//! 4. `tracks` and `coordinates` give each net a separate track and return all positions.
+//!
+//! Nets that run back, or to another row, use the row gaps. No two nets share a track.
 
 mod align;
+mod components;
+mod coordinates;
 mod crossings;
 mod layers;
 mod order;
-mod parts;
 mod rows;
-mod tidy;
 mod tracks;
 mod wires;
 
 use crate::plot::Area;
 
-/// A place on the sheet, in pixels from its upper left corner.
+/// A position on the sheet, in pixels from its upper left corner.
 pub type Point = (f64, f64);
 
-/// A box with jacks, measured from its anchor.
+/// A box with jacks. Positions are relative to its anchor.
 #[derive(Debug, Clone)]
 pub(crate) struct Node {
-    /// Its room, texts included.
+    /// The area, including texts.
     pub area: Area,
-    /// Where cords arrive.
+    /// The positions of the inputs.
     pub inputs: Vec<Point>,
-    /// Where cords leave, one net each.
+    /// The positions of the outputs; each has at most one net.
     pub outputs: Vec<Point>,
-    /// So many of the inputs, the first ones, may be exchanged among each other.
-    pub free: usize,
-    /// Whether it stands before what it feeds rather than behind what feeds it.
-    pub leans_right: bool,
+    /// The number of leading inputs that may be exchanged with each other.
+    pub exchangeable: usize,
+    /// Whether the node is placed next to its readers instead of next to its sources.
+    pub prefers_right: bool,
 }
 
-/// An output and the inputs that read it.
+/// An output and the inputs that are connected to it.
 #[derive(Debug, Clone)]
 pub(crate) struct Net {
-    /// The node that drives it.
+    /// The node with the output.
     pub from: usize,
-    /// Which of the node's outputs it is.
-    pub outlet: usize,
-    /// Node and input of every reader.
+    /// The index of the output of that node.
+    pub output: usize,
+    /// The node and the input of each reader.
     pub to: Vec<(usize, usize)>,
 }
 
-/// What is laid out.
+/// The graph to be laid out.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Graph {
-    /// The boxes.
+    /// The nodes.
     pub nodes: Vec<Node>,
-    /// Nets, at most one an output.
+    /// The nets, at most one for each output.
     pub nets: Vec<Net>,
-    /// Nodes at which reading begins, the first one first.
+    /// The nodes at which the order of reading starts, in order of preference.
     pub starts: Vec<usize>,
 }
 
-/// Where everything stands.
+/// The positions of nodes and nets.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Layout {
-    /// Anchor of every node.
-    pub places: Vec<Point>,
-    /// For every node and input, the index of the place that it takes among the node's inputs.
-    pub slots: Vec<Vec<usize>>,
-    /// Lines of every net.
+    /// The anchor of each node.
+    pub positions: Vec<Point>,
+    /// For each node and input, the index of the jack that it uses among the inputs of the node.
+    pub input_slots: Vec<Vec<usize>>,
+    /// The lines of each net.
     pub routes: Vec<Route>,
-    /// Size of the whole.
+    /// Width and height.
     pub size: (f64, f64),
 }
 
 /// The lines of a net.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Route {
-    /// Level and upright lines, none of them overlapping.
+    /// Horizontal and vertical lines; they do not overlap.
     pub lines: Vec<[Point; 2]>,
-    /// Where three or more of them meet.
+    /// The points where three or more lines meet.
     pub dots: Vec<Point>,
-    /// Places on lines that run back, where a small arrow shows the way of the signal.
+    /// The positions of arrows on lines that run back.
     pub arrows: Vec<Point>,
 }
 
-/// Lays a graph out, unless it would be higher than `highest`.
+/// Lays out a graph.
 ///
 /// # Errors
-/// How high it would be at least, which is known before the work begins.
-pub(crate) fn layout(graph: &Graph, highest: f64) -> Result<Layout, f64> {
+///
+/// If the layout would be higher than `max_height`. The error is a lower bound of the height, which is
+/// checked before the layout starts.
+pub(crate) fn layout(graph: &Graph, max_height: f64) -> Result<Layout, f64> {
     let rank = order::ranks(graph);
     let cells = rows::fold(graph, &rank);
-    let least = rows::least_height(graph, &cells);
-    if least > highest {
-        return Err(least);
+    let min_height = rows::min_height(graph, &cells);
+    if min_height > max_height {
+        return Err(min_height);
     }
-    let mut sheet = wires::Sheet::new(graph, &cells);
+    let mut sheet = wires::LayeredSheet::new(graph, &cells);
     crossings::reduce(graph, &rank, &mut sheet);
     align::align(graph, &mut sheet);
-    Ok(tidy::routed(graph, &sheet))
+    Ok(coordinates::assign(graph, &sheet))
 }

@@ -1,136 +1,146 @@
-//! Tracks: parallel lines side by side in a channel or street, ordered so that few cross.
+//! Assigns the lines of a channel or row gap to parallel tracks so that few lines cross.
+//!
+//! The lines are ordered by sifting: each line in turn moves to its best position among the others.
+//! Then each line gets the first track after those of earlier lines that overlap it.
 
 use std::cmp::Ordering;
 
-/// A line along a channel, seen across it: what reaches it from the side before it and from the side after it.
+/// A line along a channel, with the positions along the channel at which it is connected.
+///
+/// "Before" is the left side of a channel or the upper side of a row gap, "after" the other side.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Bus {
-    /// Places along the channel at which something comes from before.
+pub(super) struct ChannelLine {
+    /// The positions of connections to the side before.
     pub before: Vec<f64>,
-    /// Places at which something goes on to after.
+    /// The positions of connections to the side after.
     pub after: Vec<f64>,
-    /// Places that it reaches along the channel without leaving it.
+    /// Positions that the line reaches within the channel.
     pub reach: Vec<f64>,
 }
 
-/// Lines on one track are at least this far apart.
-const APART: f64 = 10.0;
+/// The minimum gap between lines on one track.
+const LINE_GAP: f64 = 10.0;
 
-/// What one line before the other costs when they would run in one.
-const IN_LINE: usize = 1000;
+/// The cost of an order in which the connections of two lines would overlap.
+const OVERLAP_COST: usize = 1000;
 
-impl Bus {
-    fn places(&self) -> impl Iterator<Item = f64> + '_ {
+impl ChannelLine {
+    /// Returns all positions at which the line is connected or which it reaches.
+    fn positions(&self) -> impl Iterator<Item = f64> + '_ {
         self.before.iter().chain(&self.after).chain(&self.reach).copied()
     }
 
-    /// Its least and greatest place.
+    /// Returns the lowest and highest positions.
     pub fn ends(&self) -> (f64, f64) {
-        self.places().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
+        self.positions()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
     }
 
-    /// Whether it is a mere crossing of the channel.
+    /// Whether the line only crosses the channel, at one position.
     pub fn is_straight(&self) -> bool {
         let (low, high) = self.ends();
         low >= high
     }
 
-    fn crossed_at(&self, place: f64) -> bool {
+    /// Whether a connection at a position crosses the line.
+    fn crossed_at(&self, position: f64) -> bool {
         let (low, high) = self.ends();
-        (low..=high).contains(&place)
+        (low..=high).contains(&position)
     }
 
-    /// Crossings when this one comes before the other.
-    fn crossings_before(&self, other: &Bus) -> usize {
-        let on = self.after.iter().filter(|place| other.crossed_at(**place)).count();
-        let from = other.before.iter().filter(|place| self.crossed_at(**place)).count();
-        let in_line = self.after.iter().any(|place| other.before.contains(place));
-        on + from + if in_line { IN_LINE } else { 0 }
+    /// Returns the cost of the crossings if this line is before the other.
+    fn crossings_before(&self, other: &ChannelLine) -> usize {
+        let on = self.after.iter().filter(|position| other.crossed_at(**position)).count();
+        let from = other.before.iter().filter(|position| self.crossed_at(**position)).count();
+        let overlaps = self.after.iter().any(|position| other.before.contains(position));
+        on + from + if overlaps { OVERLAP_COST } else { 0 }
     }
 }
 
-/// The track of every line, and how many tracks there are; lines that cross straight need none.
-pub(super) fn assign(buses: &[Bus]) -> (Vec<usize>, usize) {
-    let order = ordered(buses);
-    let mut tracks = vec![0; buses.len()];
+/// Returns the track of each line and the number of tracks. Straight crossings need no track.
+pub(super) fn assign(lines: &[ChannelLine]) -> (Vec<usize>, usize) {
+    let order = sorted_lines(lines);
+    let mut tracks = vec![0; lines.len()];
     let mut count = 0;
-    for (index, bus) in order.iter().enumerate() {
-        let near = order[..index].iter().filter(|earlier| overlap(&buses[*bus], &buses[**earlier]));
-        tracks[*bus] = near.map(|earlier| tracks[*earlier] + 1).max().unwrap_or(0);
-        count = count.max(tracks[*bus] + 1);
+    for (index, line) in order.iter().enumerate() {
+        let near = order[..index].iter().filter(|earlier| overlap(&lines[*line], &lines[**earlier]));
+        tracks[*line] = near.map(|earlier| tracks[*earlier] + 1).max().unwrap_or(0);
+        count = count.max(tracks[*line] + 1);
     }
     (tracks, count)
 }
 
-fn overlap(one: &Bus, other: &Bus) -> bool {
+/// Whether two lines are too close to share a track.
+fn overlap(one: &ChannelLine, other: &ChannelLine) -> bool {
     let (one, other) = (one.ends(), other.ends());
-    one.0 < other.1 + APART && other.0 < one.1 + APART
+    one.0 < other.1 + LINE_GAP && other.0 < one.1 + LINE_GAP
 }
 
-/// Puts every line where it crosses least, again and again.
-fn ordered(buses: &[Bus]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..buses.len()).filter(|bus| !buses[*bus].is_straight()).collect();
-    order.sort_by(|a, b| buses[*a].ends().partial_cmp(&buses[*b].ends()).unwrap_or(Ordering::Equal));
+/// Returns the lines in an order with few crossings, found by repeated sifting.
+fn sorted_lines(lines: &[ChannelLine]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..lines.len()).filter(|line| !lines[*line].is_straight()).collect();
+    order.sort_by(|a, b| lines[*a].ends().partial_cmp(&lines[*b].ends()).unwrap_or(Ordering::Equal));
     let costs: Vec<Vec<usize>> =
-        buses.iter().map(|one| buses.iter().map(|other| one.crossings_before(other)).collect()).collect();
+        lines.iter().map(|one| lines.iter().map(|other| one.crossings_before(other)).collect()).collect();
     for _ in 0..ROUNDS {
-        let was = order.clone();
-        for bus in was.clone() {
-            sift(bus, &mut order, &costs);
+        let previous = order.clone();
+        for line in previous.clone() {
+            sift(line, &mut order, &costs);
         }
-        if order == was {
+        if order == previous {
             break;
         }
     }
     order
 }
 
+/// The maximum number of rounds of sifting.
 const ROUNDS: usize = 8;
 
-/// Moves one line to the best of its places among the others; the first of equals that it meets from where it is.
-fn sift(bus: usize, order: &mut Vec<usize>, costs: &[Vec<usize>]) {
-    let Some(now) = order.iter().position(|other| *other == bus) else { return };
+/// Moves one line to its best position; of equally good positions to the nearest.
+fn sift(line: usize, order: &mut Vec<usize>, costs: &[Vec<usize>]) {
+    let Some(now) = order.iter().position(|other| *other == line) else { return };
     order.remove(now);
-    let mut cost: usize = order.iter().map(|other| costs[bus][*other]).sum();
+    let mut cost: usize = order.iter().map(|other| costs[line][*other]).sum();
     let mut at = vec![cost];
     for other in order.iter() {
-        cost = cost + costs[*other][bus] - costs[bus][*other];
+        cost = cost + costs[*other][line] - costs[line][*other];
         at.push(cost);
     }
-    let best = (0..at.len()).min_by_key(|place| (at[*place], place.abs_diff(now)));
-    order.insert(best.unwrap_or(now), bus);
+    let best = (0..at.len()).min_by_key(|position| (at[*position], position.abs_diff(now)));
+    order.insert(best.unwrap_or(now), line);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn bus(before: &[f64], after: &[f64]) -> Bus {
-        Bus { before: before.to_vec(), after: after.to_vec(), reach: vec![] }
+    fn line(before: &[f64], after: &[f64]) -> ChannelLine {
+        ChannelLine { before: before.to_vec(), after: after.to_vec(), reach: vec![] }
     }
 
     #[test]
-    fn lines_apart_share_a_track_and_straight_ones_need_none() {
-        let buses = [bus(&[0.0], &[50.0]), bus(&[80.0], &[120.0]), bus(&[70.0], &[70.0])];
-        assert_eq!(assign(&buses), (vec![0, 0, 0], 1));
+    fn separate_lines_share_a_track() {
+        let lines = [line(&[0.0], &[50.0]), line(&[80.0], &[120.0]), line(&[70.0], &[70.0])];
+        assert_eq!(assign(&lines), (vec![0, 0, 0], 1));
     }
 
     #[test]
     fn nested_lines_do_not_cross() {
-        // The inner line goes on before the outer one does.
-        let buses = [bus(&[0.0], &[100.0]), bus(&[20.0], &[80.0])];
-        let (tracks, count) = assign(&buses);
+        // The inner line is connected to the side after before the outer one is.
+        let lines = [line(&[0.0], &[100.0]), line(&[20.0], &[80.0])];
+        let (tracks, count) = assign(&lines);
         assert_eq!(count, 2);
-        assert_eq!(buses[0].crossings_before(&buses[1]).min(buses[1].crossings_before(&buses[0])), 1);
+        assert_eq!(lines[0].crossings_before(&lines[1]).min(lines[1].crossings_before(&lines[0])), 1);
         let (first, second) = if tracks[0] < tracks[1] { (0, 1) } else { (1, 0) };
-        assert_eq!(buses[first].crossings_before(&buses[second]), 1);
+        assert_eq!(lines[first].crossings_before(&lines[second]), 1);
     }
 
     #[test]
-    fn what_comes_from_before_is_not_run_into() {
-        // The second comes in where the first goes on: it must be met before.
-        let buses = [bus(&[0.0], &[50.0]), bus(&[50.0], &[90.0])];
-        let (tracks, _) = assign(&buses);
+    fn connections_do_not_overlap() {
+        // The second line enters at the position at which the first one leaves, so its track must be first.
+        let lines = [line(&[0.0], &[50.0]), line(&[50.0], &[90.0])];
+        let (tracks, _) = assign(&lines);
         assert!(tracks[1] < tracks[0]);
     }
 }

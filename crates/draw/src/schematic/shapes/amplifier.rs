@@ -1,22 +1,22 @@
-//! Triangles: summing and integrating amplifiers.
+//! Triangles: summers, integrators, lags and open amplifiers.
 
 use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, jack_heights};
 use super::{Align, Ink, Symbol};
 use crate::plot::text_width;
-use crate::schematic::symbol::{Jack, volts};
+use crate::schematic::symbol::{Jack, format_volts};
 
-/// Length of a triangle.
+/// The length of a triangle.
 const LENGTH: f64 = 58.0;
 
-/// Width of the bar before an integrator's triangle.
+/// The width of the bar at the base of an integrator.
 const BAR: f64 = 27.0;
 
-/// Height of a triangle with so many jacks at its base.
+/// Returns the height of a triangle with this number of jacks at its base.
 fn height(jacks: usize) -> f64 {
     (16.0 * jacks as f64 + 22.0).max(48.0)
 }
 
-/// The triangle of an amplifier, its base at `left`.
+/// Returns the triangle of an amplifier with its base at `left`.
 fn triangle(left: f64, jacks: usize) -> Art {
     let half = height(jacks) / 2.0;
     let mut art = Art { outputs: vec![(left + LENGTH, 0.0)], ..Art::default() };
@@ -25,10 +25,14 @@ fn triangle(left: f64, jacks: usize) -> Art {
     art
 }
 
+/// Returns the gain of a jack as it is written at the jack; empty without a gain.
 fn gain_text(jack: &Jack) -> String {
     jack.gain.map(|gain| format!("{gain}")).unwrap_or_default()
 }
 
+/// Draws a summer: a triangle that points to the output, with the gains inside at its base.
+///
+/// Inverters and other amplifiers with fixed feedback have the same shape.
 pub(super) fn summer(symbol: &Symbol) -> Art {
     let left = -LENGTH / 2.0;
     let mut art = triangle(left, symbol.jacks.len());
@@ -44,27 +48,27 @@ pub(super) fn summer(symbol: &Symbol) -> Art {
     art
 }
 
-/// An amplifier without feedback of its own: its base is bent.
+/// Draws an amplifier without built-in feedback: a triangle with a curved base.
 pub(super) fn open(symbol: &Symbol) -> Art {
     let mut art = summer(symbol);
     let (left, half) = (-LENGTH / 2.0, height(symbol.jacks.len()) / 2.0);
-    let bent = |step: i32| {
+    let curved = |step: i32| {
         let y = half * f64::from(step) / 8.0;
         (left - BEND * (1.0 - (y / half).powi(2)), y)
     };
-    let bow: Vec<_> = (-8..=8).map(bent).collect();
-    let mut under = Art::default();
-    under.body(&bow);
-    under.marks.append(&mut art.marks);
-    art.marks = under.marks;
+    let bow: Vec<_> = (-8..=8).map(curved).collect();
+    let mut background = Art::default();
+    background.body(&bow);
+    background.primitives.append(&mut art.primitives);
+    art.primitives = background.primitives;
     art.inputs.iter_mut().for_each(|at| at.0 = left - BEND * (1.0 - (at.1 / half).powi(2)));
     art
 }
 
-/// How far the base of an open amplifier is bent.
+/// The depth of the curved base of an open amplifier.
 const BEND: f64 = 10.0;
 
-/// A summing amplifier with a capacitor: its time constant stands in the bar.
+/// Draws a first-order lag: an integrator with its time constant below.
 pub(super) fn lag(symbol: &Symbol) -> Art {
     let mut art = integrator(symbol);
     if let Some(setting) = symbol.setting("time") {
@@ -73,7 +77,7 @@ pub(super) fn lag(symbol: &Symbol) -> Art {
     art
 }
 
-/// The name after the gains, where the triangle is still high enough for it.
+/// Writes the name inside the triangle if it fits to the right of `left`, else above the triangle.
 fn name_in_triangle(art: &mut Art, symbol: &Symbol, left: f64) {
     let width = text_width(&symbol.name, NAME);
     let half = height(symbol.jacks.len()) / 2.0;
@@ -85,12 +89,12 @@ fn name_in_triangle(art: &mut Art, symbol: &Symbol, left: f64) {
     }
 }
 
-/// The diodes that hold an output within limits, with the levels.
+/// Draws the limiting diodes above the triangle, with their levels.
 fn limits(art: &mut Art, symbol: &Symbol) {
     for (name, sign) in [("limit.upper", "≤"), ("limit.lower", "≥")] {
         if let Some(level) = symbol.number(name) {
             let top = art.area().top - 9.0;
-            let text = format!("{sign} {}", volts(level));
+            let text = format!("{sign} {}", format_volts(level));
             let left = -(text_width(&text, PRINT) + 18.0) / 2.0;
             art.rule(&[(left, top), (left + 4.0, top)]);
             art.diode((left + 8.0, top), (if sign == "≤" { 1.0 } else { -1.0 }, 0.0));
@@ -100,6 +104,10 @@ fn limits(art: &mut Art, symbol: &Symbol) {
     }
 }
 
+/// Draws an integrator: a triangle with a bar at its base.
+///
+/// The gains are in the bar, and the initial condition is above it. Inputs other than `x`, such as the brake, are named
+/// to the left of their jacks.
 pub(super) fn integrator(symbol: &Symbol) -> Art {
     let left = -(LENGTH + BAR) / 2.0;
     let count = symbol.jacks.len();
@@ -110,9 +118,9 @@ pub(super) fn integrator(symbol: &Symbol) -> Art {
     for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
         let text = gain_text(jack);
         art.text(&text, (left + BAR / 2.0, at.1 + HALF_LETTER * SMALL), SMALL, Align::Middle, Ink::Line);
-        let what = jack.input.trim_end_matches("_x");
-        if what != "x" {
-            art.text(what, (left - 4.0, at.1 - 3.0), SMALL, Align::End, Ink::Soft);
+        let input = jack.input.trim_end_matches("_x");
+        if input != "x" {
+            art.text(input, (left - 4.0, at.1 - 3.0), SMALL, Align::End, Ink::Soft);
         }
     }
     initial(&mut art, symbol, left + BAR / 2.0, -half);
@@ -121,9 +129,15 @@ pub(super) fn integrator(symbol: &Symbol) -> Art {
     art
 }
 
-/// The initial condition, which goes into the bar from above.
+/// Draws the initial condition, which enters the bar from above.
 fn initial(art: &mut Art, symbol: &Symbol, x: f64, top: f64) {
     let Some(initial) = symbol.number("initial") else { return };
     art.line(&[(x, top - 7.0), (x, top)]);
-    art.text(&format!("IC {}", volts(initial)), (x - BAR / 2.0, top - 11.0), PRINT, Align::Start, Ink::Line);
+    art.text(
+        &format!("IC {}", format_volts(initial)),
+        (x - BAR / 2.0, top - 11.0),
+        PRINT,
+        Align::Start,
+        Ink::Line,
+    );
 }

@@ -1,4 +1,7 @@
-//! The symbols of the trade: one file a group, one row a symbol in [`SHAPES`].
+//! The shapes of the symbols.
+//!
+//! Each file has one group of shapes, and each shape is one row of [`SHAPES`]. A shape is drawn around
+//! its anchor. References at its jacks, and names and voltages at its outputs, are then added.
 
 mod amplifier;
 mod art;
@@ -9,15 +12,15 @@ mod network;
 mod ports;
 mod switching;
 
-use super::symbol::{Setting, Source, Symbol};
-use crate::plot::{Align, Area, Ink, Label, Stroke};
+use super::symbol::{CordSource, Symbol, SymbolSetting};
+use crate::plot::{Align, Area, Ink, Label, Primitive};
 
 pub(super) use art::{Art, CORD, NAME, PRINT, SMALL};
 
-/// A symbol drawn around its anchor.
+/// A function that draws a symbol around its anchor.
 type Draw = fn(&Symbol) -> Art;
 
-/// Every symbol by its name in the registry of elements, with the settings that it writes.
+/// Every shape: its name in the registry of elements, its function, and the settings that it shows.
 pub(super) static SHAPES: &[(&str, Draw, &[&str])] = &[
     ("amplifier", amplifier::summer, &["limit.upper", "limit.lower"]),
     ("open-amplifier", amplifier::open, &["limit.upper", "limit.lower"]),
@@ -42,8 +45,8 @@ pub(super) static SHAPES: &[(&str, Draw, &[&str])] = &[
     ("switch", switching::key, &["closed"]),
     ("delay", function::delay, &["delay"]),
     ("macro", ports::instance, &[]),
-    ("port-in", ports::inlet, &[]),
-    ("port-out", ports::outlet, &[]),
+    ("port-in", ports::input, &[]),
+    ("port-out", ports::output, &[]),
     ("drive-step", drive::step, &[]),
     ("drive-ramp", drive::ramp, &[]),
     ("drive-triangle", drive::triangle, &[]),
@@ -52,10 +55,12 @@ pub(super) static SHAPES: &[(&str, Draw, &[&str])] = &[
     ("drive-table", drive::table, &[]),
 ];
 
-/// Room to the right of an output for the names and the voltage read there.
+/// The gap between an output and the names and voltages at it.
 const READING_GAP: f64 = 4.0;
 
-/// Draws a symbol with what is read at it and the references plugged into it.
+/// Draws a symbol with its signal names, voltages and references.
+///
+/// An unknown shape, or one with too few inputs, is drawn as a plain box.
 pub(super) fn draw(symbol: &Symbol) -> Art {
     let row = SHAPES.iter().find(|(name, ..)| *name == symbol.shape);
     let mut art = row.map_or_else(|| network::plain_box(symbol), |(_, draw, _)| draw(symbol));
@@ -67,25 +72,25 @@ pub(super) fn draw(symbol: &Symbol) -> Art {
     art
 }
 
-/// Whether a symbol tells a setting, or may leave it out because the patch does not give it.
-pub(super) fn tells(symbol: &Symbol, setting: &Setting) -> bool {
+/// Whether a symbol shows a setting, or may omit it because the patch does not specify it.
+pub(super) fn shows_setting(symbol: &Symbol, setting: &SymbolSetting) -> bool {
     let row = SHAPES.iter().find(|(name, ..)| *name == symbol.shape);
     !setting.is_given || row.is_some_and(|(.., written)| written.contains(&setting.name.as_str()))
 }
 
-/// How many of its first jacks are equal in rights.
+/// Returns the number of leading jacks that may be exchanged, which are those of a summing input.
 pub(super) fn exchangeable(symbol: &Symbol) -> usize {
     let summing = symbol.jacks.iter().take_while(|jack| jack.input == "x");
     summing.count()
 }
 
-/// Flags of the references at the jacks that they are plugged into.
+/// Draws the references at the jacks of a symbol: a flag with its name, or the sign of ground.
 fn references(symbol: &Symbol, art: &mut Art) {
     let texts: Vec<Area> = art.labels().map(Label::area).collect();
     for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
-        let Source::Reference(name) = jack.from else { continue };
-        let is_beside = |text: &&Area| text.top < at.1 + FLAG.1 / 2.0 && at.1 - FLAG.1 / 2.0 < text.bottom;
-        let clear = texts.iter().filter(is_beside).map(|text| text.left - BESIDE);
+        let CordSource::Reference(name) = jack.from else { continue };
+        let is_at_height = |text: &&Area| text.top < at.1 + FLAG.1 / 2.0 && at.1 - FLAG.1 / 2.0 < text.bottom;
+        let clear = texts.iter().filter(is_at_height).map(|text| text.left - FLAG_GAP);
         let tip = clear.fold(at.0, f64::min).min(at.0 - STUB);
         art.line(&[(tip, at.1), at]);
         match name {
@@ -95,11 +100,14 @@ fn references(symbol: &Symbol, art: &mut Art) {
     }
 }
 
-/// Least length of the cord to a reference, and room between it and a text at the jack.
+/// The minimum length of the cord to a reference.
 const STUB: f64 = 9.0;
-const BESIDE: f64 = 2.0;
+/// The gap between a reference and a text at the jack.
+const FLAG_GAP: f64 = 2.0;
+/// The width and height of the flag of a reference.
 const FLAG: (f64, f64) = (34.0, 13.0);
 
+/// Draws a flag with the name of a reference; its tip is at a point.
 fn flag(name: &str, at: (f64, f64), art: &mut Art) {
     let (tip, half) = (at.0, FLAG.1 / 2.0);
     let (left, shoulder) = (tip - FLAG.0, tip - half);
@@ -120,6 +128,7 @@ fn flag(name: &str, at: (f64, f64), art: &mut Art) {
     );
 }
 
+/// Draws the sign of ground: three lines that get shorter to the left.
 fn ground(at: (f64, f64), art: &mut Art) {
     for (step, half) in [6.0, 4.0, 2.0].into_iter().enumerate() {
         let x = at.0 - 3.0 * step as f64;
@@ -127,13 +136,15 @@ fn ground(at: (f64, f64), art: &mut Art) {
     }
 }
 
-/// Names of signals above the cords that leave, voltages below them; room is kept for voltages that are not drawn, so
-/// that everything stands where it does with them.
+/// Writes signal names above the cords at the outputs and voltages below them.
+///
+/// The area of a voltage is reserved even if voltages are not drawn, so that both drawings have the same
+/// layout.
 fn readings(symbol: &Symbol, art: &mut Art) {
     if symbol.shape.starts_with("port-") {
         return;
     }
-    for (index, outlet) in symbol.outlets.iter().enumerate() {
+    for (index, output) in symbol.outputs.iter().enumerate() {
         let (x, y) = art.outputs[index];
         let label = |text, down, ink| Label {
             text,
@@ -142,32 +153,32 @@ fn readings(symbol: &Symbol, art: &mut Art) {
             align: Align::Start,
             ink,
         };
-        let names = label(outlet.signals.join(", "), -4.0, Ink::Signal);
-        let room = label(voltage(WIDEST_VOLTAGE), 11.0, Ink::Voltage);
-        let volts = outlet.volts.map(|volts| Label { text: voltage(volts), ..room.clone() });
-        art.kept = Some(hull(art.kept.into_iter().chain([room.area()])));
-        art.outputs[index] = (names.area().right.max(room.area().right).ceil(), y);
+        let names = label(output.signals.join(", "), -4.0, Ink::Signal);
+        let widest = label(voltage(WIDEST_VOLTAGE), 11.0, Ink::Voltage);
+        let volts = output.volts.map(|volts| Label { text: voltage(volts), ..widest.clone() });
+        art.reserved = Some(hull(art.reserved.into_iter().chain([widest.area()])));
+        art.outputs[index] = (names.area().right.max(widest.area().right).ceil(), y);
         art.cord(&[(x, y), art.outputs[index]]);
         let written = [Some(names).filter(|names| !names.text.is_empty()), volts];
-        art.marks.extend(written.into_iter().flatten().map(Stroke::Text));
+        art.primitives.extend(written.into_iter().flatten().map(Primitive::Text));
     }
 }
 
-/// No voltage takes more room.
+/// The voltage with the widest text.
 const WIDEST_VOLTAGE: f64 = -100.0;
 
-/// A voltage as a voltmeter shows it.
+/// Formats a voltage with two decimals and its sign; zero has no sign.
 fn voltage(volts: f64) -> String {
     let text = format!("{volts:+.2}");
-    let nothing = text.trim_start_matches(['+', '-']).chars().all(|digit| matches!(digit, '0' | '.'));
-    if nothing { "0.00".to_owned() } else { text.replace('-', "−") }
+    let is_zero = text.trim_start_matches(['+', '-']).chars().all(|digit| matches!(digit, '0' | '.'));
+    if is_zero { "0.00".to_owned() } else { text.replace('-', "−") }
 }
 
-/// The hull of areas.
+/// Returns the smallest area that encloses the given areas.
 pub(super) fn hull(areas: impl Iterator<Item = Area>) -> Area {
-    let nothing =
+    let empty =
         Area { left: f64::INFINITY, top: f64::INFINITY, right: f64::NEG_INFINITY, bottom: f64::NEG_INFINITY };
-    areas.fold(nothing, |hull, area| Area {
+    areas.fold(empty, |hull, area| Area {
         left: hull.left.min(area.left),
         top: hull.top.min(area.top),
         right: hull.right.max(area.right),

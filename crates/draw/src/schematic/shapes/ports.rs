@@ -1,79 +1,85 @@
-//! Instances of macros as boxes, and the ports of an opened one.
+//! Macro instances as boxes, and the ports of an opened instance.
 
 use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, jack_heights};
 use super::{Align, Ink, Symbol};
-use crate::plot::{text_width, text_within};
+use crate::plot::{text_width, truncate_text};
 
-/// Distance of output ports: room for what is read at each.
-const OUTLETS: f64 = 28.0;
+/// The distance of output ports, which leaves space for the names and the voltage at each.
+const OUTPUT_PITCH: f64 = 28.0;
 
-/// The least width of a box, and the room between the names of ports and its edge and each other.
-const NARROW: f64 = 76.0;
-const BESIDE: f64 = 4.0;
-const BETWEEN: f64 = 14.0;
+/// The minimum width of a box.
+const MIN_WIDTH: f64 = 76.0;
+/// The gap between the name of a port and the edge.
+const NAME_GAP: f64 = 4.0;
+/// The minimum gap between the names of inputs and outputs.
+const MIDDLE_GAP: f64 = 14.0;
 
-/// Texts of a box are cut to this width.
-const WIDEST: f64 = 150.0;
+/// The maximum width of the texts of a box; longer texts are truncated.
+const MAX_TEXT_WIDTH: f64 = 150.0;
 
-/// A box with the names of its ports; its settings below the name of its macro.
+/// Draws an instance: a box with the names of its ports, and below it the macro and the settings.
 pub(super) fn instance(symbol: &Symbol) -> Art {
-    let inlets: Vec<String> = symbol.jacks.iter().map(|jack| cut(&jack.input)).collect();
-    let outlets: Vec<String> = symbol.outlets.iter().map(|outlet| cut(&outlet.port)).collect();
+    let inputs: Vec<String> = symbol.jacks.iter().map(|jack| truncated(&jack.input)).collect();
+    let outputs: Vec<String> = symbol.outputs.iter().map(|output| truncated(&output.port)).collect();
     let widest = |names: &[String]| names.iter().map(|name| text_width(name, SMALL)).fold(0.0, f64::max);
-    let room = widest(&inlets) + widest(&outlets) + 2.0 * BESIDE + BETWEEN;
-    let half = (room.max(NARROW) / 2.0).ceil();
+    let min_width = widest(&inputs) + widest(&outputs) + 2.0 * NAME_GAP + MIDDLE_GAP;
+    let half = (min_width.max(MIN_WIDTH) / 2.0).ceil();
     let mut art = Art {
-        inputs: jack_heights(inlets.len()).map(|y| (-half, y)).collect(),
-        outputs: outlet_heights(outlets.len()).map(|y| (half, y)).collect(),
+        inputs: jack_heights(inputs.len()).map(|y| (-half, y)).collect(),
+        outputs: output_heights(outputs.len()).map(|y| (half, y)).collect(),
         ..Art::default()
     };
     let lowest = art.inputs.iter().chain(&art.outputs).map(|at| at.1).fold(0.0, f64::max);
     art.rectangle((-half, -lowest - 15.0), (half, lowest + 15.0));
-    let sides = [(inlets, art.inputs.clone(), Align::Start), (outlets, art.outputs.clone(), Align::End)];
+    let sides = [(inputs, art.inputs.clone(), Align::Start), (outputs, art.outputs.clone(), Align::End)];
     for (names, places, align) in sides {
-        let inward = if align == Align::Start { BESIDE } else { -BESIDE };
+        let inward = if align == Align::Start { NAME_GAP } else { -NAME_GAP };
         for (name, at) in names.iter().zip(places) {
             art.text(name, (at.0 + inward, at.1 + HALF_LETTER * SMALL), SMALL, align, Ink::Soft);
         }
     }
-    art.above(&cut(&symbol.name), NAME, Ink::Line);
-    art.below(&cut(&symbol.kind), PRINT, Ink::Soft);
+    art.above(&truncated(&symbol.name), NAME, Ink::Line);
+    art.below(&truncated(&symbol.kind), PRINT, Ink::Soft);
     for setting in &symbol.settings {
-        art.below(&cut(&format!("{} {}", setting.name, setting.shown)), PRINT, Ink::Line);
+        art.below(&truncated(&format!("{} {}", setting.name, setting.shown)), PRINT, Ink::Line);
     }
     if !symbol.inside.is_empty() {
-        art.below(&cut(&format!("inside: {}", symbol.inside.join(", "))), PRINT, Ink::Signal);
+        art.below(&truncated(&format!("inside: {}", symbol.inside.join(", "))), PRINT, Ink::Signal);
     }
     art
 }
 
-fn cut(text: &str) -> String {
-    text_within(text, PRINT, WIDEST)
+/// Truncates a text of a box to [`MAX_TEXT_WIDTH`].
+fn truncated(text: &str) -> String {
+    truncate_text(text, PRINT, MAX_TEXT_WIDTH)
 }
 
-fn outlet_heights(count: usize) -> impl Iterator<Item = f64> {
-    let first = -OUTLETS * (count.max(1) - 1) as f64 / 2.0;
-    (0..count).map(move |outlet| first + OUTLETS * outlet as f64)
+/// Returns the heights of this number of outputs, centred on 0.
+fn output_heights(count: usize) -> impl Iterator<Item = f64> {
+    let first = -OUTPUT_PITCH * (count.max(1) - 1) as f64 / 2.0;
+    (0..count).map(move |output| first + OUTPUT_PITCH * output as f64)
 }
 
+/// The radius of the circle of a port.
 const RADIUS: f64 = 4.5;
 
-/// A port that signals come in by: its name at its left.
-pub(super) fn inlet(symbol: &Symbol) -> Art {
+/// Draws an input port with its name at the left.
+pub(super) fn input(symbol: &Symbol) -> Art {
     terminal(symbol, -1.0, Align::End)
 }
 
-/// A port that signals go out by: its name at its right.
-pub(super) fn outlet(symbol: &Symbol) -> Art {
+/// Draws an output port with its name at the right.
+pub(super) fn output(symbol: &Symbol) -> Art {
     let mut art = terminal(symbol, 1.0, Align::Start);
     art.inputs.push((-RADIUS, 0.0));
     art
 }
 
+/// Draws a small circle with a name; `side` is -1 for a name at the left and 1 for a name at the right.
 fn terminal(symbol: &Symbol, side: f64, align: Align) -> Art {
     let mut art = Art { outputs: vec![(RADIUS, 0.0)], ..Art::default() };
     art.circle((0.0, 0.0), RADIUS);
-    let place = (side * (RADIUS + BESIDE), HALF_LETTER * NAME);
-    art.text(&cut(&symbol.name), place, NAME, align, Ink::Line);
+    let place = (side * (RADIUS + NAME_GAP), HALF_LETTER * NAME);
+    art.text(&truncated(&symbol.name), place, NAME, align, Ink::Line);
     art
 }

@@ -3,7 +3,7 @@
 use super::art::{Art, NAME, PRINT, SMALL};
 use super::{Align, Ink, Symbol};
 
-/// A coil that pulls in at one level and releases at another, and a contact that it throws.
+/// Draws a relay: a coil with its switching levels, and a changeover contact.
 pub(super) fn relay(symbol: &Symbol) -> Art {
     let is_compared = symbol.jacks.len() > 3;
     let bottom = if is_compared { 46.0 } else { 34.0 };
@@ -35,10 +35,10 @@ pub(super) fn relay(symbol: &Symbol) -> Art {
     art
 }
 
-/// The position in which a relay connects its upper contact.
+/// The switching position in which a relay connects its upper contact.
 const PULLED_IN: &str = "pulled-in";
 
-/// The contact of a relay.
+/// Draws the contact of a relay.
 fn contact(art: &mut Art, pulled_in: bool) {
     let (on, off, pivot) = ((-8.0, -22.0), (-8.0, -2.0), (20.0, -12.0));
     art.line(&[(-34.0, -22.0), on]);
@@ -48,7 +48,7 @@ fn contact(art: &mut Art, pulled_in: bool) {
     [on, off, pivot].into_iter().for_each(|at| art.disc(at, 2.2));
 }
 
-/// An amplifier behind a switch that its control opens and closes.
+/// Draws a track-hold amplifier: an amplifier with a controlled switch at its input.
 pub(super) fn track_hold(symbol: &Symbol) -> Art {
     let mut art =
         Art { inputs: vec![(-52.0, 0.0), (-52.0, 22.0)], outputs: vec![(44.0, 0.0)], ..Art::default() };
@@ -71,7 +71,7 @@ pub(super) fn track_hold(symbol: &Symbol) -> Art {
     art
 }
 
-/// A hand switch, open or closed.
+/// Draws a key switch, open or closed.
 pub(super) fn key(symbol: &Symbol) -> Art {
     let mut art = Art { inputs: vec![(-24.0, 0.0)], outputs: vec![(24.0, 0.0)], ..Art::default() };
     let tip = if symbol.flag("closed") { (12.0, -1.0) } else { (10.0, -11.0) };

@@ -1,73 +1,92 @@
-//! What data are like before any model is held against them: noise, steps of the recorder, gaps, what was excited.
+//! Properties of a column of samples that need no model: range, noise, quantisation, repetitions, bandwidth, outliers.
+//!
+//! [`examine`] computes all of them except the outliers, which [`wild_samples`] finds. Samples are evenly spaced, and
+//! NaN is a missing sample.
 
 mod noise;
 mod quantum;
 mod spectrum;
-mod wild;
+mod wild_samples;
 
 use crate::data::examine::noise::noise;
 use crate::data::examine::quantum::quantum;
-use crate::data::examine::spectrum::frequencies_below;
-use crate::statistics::descriptive::{ends, mean, there};
+use crate::data::examine::spectrum::power_frequencies;
+use crate::statistics::descriptive::{extremes, mean, present};
 
 pub use noise::{Noise, NoiseKind};
-pub use spectrum::SHARES;
-pub(crate) use spectrum::{Peak, peaks};
-pub(crate) use wild::wild;
+pub use spectrum::POWER_FRACTIONS;
+pub(crate) use spectrum::{SpectralPeak, spectral_peaks};
+pub(crate) use wild_samples::wild_samples;
 
-/// What a column is like. Values are in its unit.
+/// Statistics of a column. Values are in the unit of the column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Examined {
-    /// How many samples are there.
+pub struct ColumnStatistics {
+    /// The number of samples without the missing ones.
     pub samples: usize,
-    /// How many are missing between them.
+    /// The number of missing samples.
     pub missing: usize,
-    /// The least sample.
-    pub least: f64,
-    /// The largest sample.
-    pub most: f64,
+    /// The smallest sample; infinite if there are no samples.
+    pub minimum: f64,
+    /// The largest sample; negative infinite if there are no samples.
+    pub maximum: f64,
     /// Root mean square about the mean.
     pub rms: f64,
-    /// Its noise; `None` where there are too few samples.
+    /// The noise. None if there are too few consecutive samples.
     pub noise: Option<Noise>,
-    /// The step of which all samples are multiples, apart from an offset; `None` where there is none to be seen.
+    /// The quantum: the step of which all samples are multiples, apart from a common offset. None if there is no such
+    /// step.
     pub quantum: Option<f64>,
-    /// The share of samples that equal the one before.
-    pub repeats: f64,
-    /// The frequencies in Hz below which the shares [`SHARES`] of the power lie, the mean and a straight trend left out; the duration
-    /// of the record resolves no less than its inverse. `None` where nothing moves.
-    pub below: Option<[f64; SHARES.len()]>,
+    /// The fraction of samples that are equal to their predecessor.
+    pub repeated_fraction: f64,
+    /// The frequencies in Hz below which the fractions [`POWER_FRACTIONS`] of the power are. The mean and the linear
+    /// trend do not count. The resolution is about the inverse of the duration. None if the column is constant, is a
+    /// straight line, or is too short.
+    pub power_frequencies: Option<[f64; POWER_FRACTIONS.len()]>,
 }
 
-/// The noise of evenly spaced samples; `None` where there are too few of them.
-pub fn noise_of(samples: &[f64]) -> Option<Noise> {
-    noise(samples, quantum(&there(samples)))
+/// Estimates the noise of evenly spaced samples. None if there are too few consecutive samples.
+pub fn estimate_noise(samples: &[f64]) -> Option<Noise> {
+    noise(samples, quantum(&present(samples)))
 }
 
-/// Looks at evenly spaced samples, `interval` seconds apart; NaN is a missing one.
-pub fn examine(samples: &[f64], interval: f64) -> Examined {
-    let there = there(samples);
-    let count = there.len().max(1) as f64;
-    let mean = mean(&there);
-    let [least, most] = ends(there.iter().copied());
-    let quantum = quantum(&there);
-    Examined {
-        samples: there.len(),
-        missing: samples.len() - there.len(),
-        least,
-        most,
-        rms: (there.iter().map(|sample| (sample - mean) * (sample - mean)).sum::<f64>() / count).sqrt(),
+/// Computes the statistics of evenly spaced samples that are `interval` seconds apart. NaN is a missing sample.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::examine;
+///
+/// let mut samples: Vec<f64> = (0..100).map(|index| 0.5 * f64::from(index % 20)).collect();
+/// samples[7] = f64::NAN;
+/// let statistics = examine(&samples, 0.01);
+/// assert_eq!((statistics.samples, statistics.missing), (99, 1));
+/// assert_eq!((statistics.minimum, statistics.maximum), (0.0, 9.5));
+/// assert_eq!((statistics.quantum, statistics.repeated_fraction), (Some(0.5), 0.0));
+/// ```
+pub fn examine(samples: &[f64], interval: f64) -> ColumnStatistics {
+    let present = present(samples);
+    let count = present.len().max(1) as f64;
+    let mean = mean(&present);
+    let [minimum, maximum] = extremes(present.iter().copied());
+    let quantum = quantum(&present);
+    ColumnStatistics {
+        samples: present.len(),
+        missing: samples.len() - present.len(),
+        minimum,
+        maximum,
+        rms: (present.iter().map(|sample| (sample - mean) * (sample - mean)).sum::<f64>() / count).sqrt(),
         noise: noise(samples, quantum),
         quantum,
-        repeats: there.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64 / count,
-        below: frequencies_below(samples, interval),
+        repeated_fraction: present.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64 / count,
+        power_frequencies: power_frequencies(samples, interval),
     }
 }
 
-impl Examined {
-    /// Samples in a period of the frequency below which nine tenths of the power lie.
-    pub fn samples_a_period(&self, interval: f64) -> Option<f64> {
-        self.below.map(|below| 1.0 / (below[1] * interval))
+impl ColumnStatistics {
+    /// Returns the samples per period of the frequency below which 90 % of the power is. `interval` is the interval of
+    /// the samples in seconds. None if there is no such frequency.
+    pub fn samples_per_period(&self, interval: f64) -> Option<f64> {
+        self.power_frequencies.map(|frequencies| 1.0 / (frequencies[1] * interval))
     }
 }
 
@@ -77,22 +96,24 @@ mod tests {
     use crate::data::examine::NoiseKind;
 
     #[test]
-    fn a_column_is_told_in_short() {
-        let mut samples: Vec<f64> = (0..100).map(|place| (0.1 * f64::from(place)).floor()).collect();
+    fn statistics_of_a_quantised_column_with_a_missing_sample_are_correct() {
+        let mut samples: Vec<f64> = (0..100).map(|index| (0.1 * f64::from(index)).floor()).collect();
         samples[50] = f64::NAN;
-        let found = examine(&samples, 0.5);
-        assert_eq!((found.samples, found.missing, found.least, found.most), (99, 1, 0.0, 9.0));
-        assert_eq!(found.quantum, Some(1.0));
-        assert!((found.repeats - 89.0 / 99.0).abs() < 1e-12);
-        assert!((found.rms - 2.88).abs() < 0.02, "{}", found.rms);
+        let statistics = examine(&samples, 0.5);
+        assert_eq!((statistics.samples, statistics.missing), (99, 1));
+        assert_eq!((statistics.minimum, statistics.maximum), (0.0, 9.0));
+        assert_eq!(statistics.quantum, Some(1.0));
+        assert!((statistics.repeated_fraction - 89.0 / 99.0).abs() < 1e-12);
+        assert!((statistics.rms - 2.88).abs() < 0.02, "{}", statistics.rms);
     }
 
     #[test]
-    fn nothing_is_made_of_nothing() {
-        let found = examine(&[], 1.0);
-        assert_eq!((found.samples, found.noise, found.quantum, found.below), (0, None, None, None));
-        let found = examine(&[2.0; 40], 1.0);
-        assert_eq!((found.rms, found.quantum, found.below), (0.0, None, None));
-        assert_eq!(found.noise.map(|noise| (noise.sigma, noise.kind)), Some((0.0, NoiseKind::None)));
+    fn empty_and_constant_columns_have_no_quantum_and_no_power() {
+        let empty = examine(&[], 1.0);
+        assert_eq!((empty.samples, empty.noise), (0, None));
+        assert_eq!((empty.quantum, empty.power_frequencies), (None, None));
+        let constant = examine(&[2.0; 40], 1.0);
+        assert_eq!((constant.rms, constant.quantum, constant.power_frequencies), (0.0, None, None));
+        assert_eq!(constant.noise.map(|noise| (noise.sigma, noise.kind)), Some((0.0, NoiseKind::None)));
     }
 }

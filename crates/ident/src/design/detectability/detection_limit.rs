@@ -1,63 +1,64 @@
-//! The weakest effect of a kind, at a place, that data would have shown.
+//! The detection limit of an effect at a place, and the limits of a whole library.
 
-use crate::fit::extended_model::LeftOut;
+use crate::fit::extended_model::SkippedTrial;
 use crate::fit::parameter_values::ParameterValues;
 
-/// The weakest effect of a kind, at a place, that data would have shown.
+/// The smallest strength of an effect at a place that would be detected in given data.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Limit {
+pub struct DetectionLimit {
     /// Name of the effect.
     pub effect: String,
     /// The element that it acts on.
     pub junction: String,
-    /// What it reads beside it, where there is a choice.
+    /// The signals that the effect reads, if there is a choice.
     pub reads: Vec<String>,
-    /// The parameter that says how strong it is.
+    /// The parameter that is the strength of the effect.
     pub parameter: String,
-    /// Its unit.
+    /// Unit of the strength.
     pub unit: String,
-    /// Its value from which on the effect would have been seen; nothing where none in its range would.
+    /// The smallest strength that would be detected. None if no strength in its range would be.
     pub value: Option<f64>,
-    /// The same as a share of the way from no effect to the end of the range: what limits are compared by.
-    pub share: f64,
-    /// What other parameters were taken to be there.
-    pub beside: ParameterValues,
+    /// The same as a fraction of the way from no effect to the end of the range. It is infinite without a `value`.
+    pub range_fraction: f64,
+    /// Values of the effect's other parameters at the limit. Empty without a `value`.
+    pub other_parameters: ParameterValues,
 }
 
-/// What data could show beside a patch, before anything is sought in them.
+/// What data can show of the effects of a library, before any search.
 #[derive(Debug, Clone)]
-pub struct Visible {
-    /// What the patch as fitted leaves, rms over the noise.
-    pub leaves: f64,
-    /// The weakest effects that would show if it left but noise, those that show best first.
-    pub limits: Vec<Limit>,
-    /// What cannot be tried.
-    pub left_out: Vec<LeftOut>,
+pub struct Detectability {
+    /// Rms residual of the fitted patch in training, over the noise.
+    pub residual_rms: f64,
+    /// The detection limits if the residual were only noise, the most detectable effect first.
+    pub limits: Vec<DetectionLimit>,
+    /// Effects that cannot be tried at a place, with the reason.
+    pub skipped: Vec<SkippedTrial>,
 }
 
-impl Limit {
-    /// Whether both are of the same effect, place and parameter.
-    pub(crate) fn is_of(&self, other: &Limit) -> bool {
-        let is_there = self.junction == other.junction && self.reads == other.reads;
-        is_there && self.effect == other.effect && self.parameter == other.parameter
+impl DetectionLimit {
+    /// Whether both limits are for the same effect, place and parameter. Their forms may differ.
+    pub(crate) fn is_same_case(&self, other: &DetectionLimit) -> bool {
+        let is_same_place = self.junction == other.junction && self.reads == other.reads;
+        is_same_place && self.effect == other.effect && self.parameter == other.parameter
     }
 
-    /// The effect and where it acts.
-    pub fn named(&self) -> String {
+    /// The effect and its place, for example "leak at I2".
+    pub fn label(&self) -> String {
         format!("{} at {}", self.effect, self.junction)
     }
 
-    /// Whether the data could show the effect at all.
-    pub fn is_seen(&self) -> bool {
+    /// Whether some strength of the effect would be detected.
+    pub fn is_detectable(&self) -> bool {
         self.value.is_some()
     }
 }
 
-/// The best place of every effect, those that show best first.
-pub fn best_places(limits: &[Limit]) -> Vec<&Limit> {
-    let mut best: Vec<&Limit> = Vec::new();
+/// The first limit of every effect, in the order of `limits`. If these are sorted, it is the place where the effect
+/// is most detectable.
+pub fn best_places(limits: &[DetectionLimit]) -> Vec<&DetectionLimit> {
+    let mut best: Vec<&DetectionLimit> = Vec::new();
     for limit in limits {
-        if best.iter().all(|own| own.effect != limit.effect) {
+        if best.iter().all(|other| other.effect != limit.effect) {
             best.push(limit);
         }
     }

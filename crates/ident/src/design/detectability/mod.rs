@@ -1,113 +1,139 @@
-//! The weakest effects that data would have shown.
+//! The smallest effects that would be detected in given data.
 //!
-//! An effect of some strength is run beside the patch as it was fitted. What it changes in the outputs, less all that parameters,
-//! initial voltages and offsets follow when they are fitted again (to first order), is what the search has to find it by: as
-//! much as its score asks for in training, and as its confirmation asks for in the data that are held back. What would show so is
-//! fitted in full: parameters may follow further than to first order.
+//! 1. The effect is simulated with some strength in the fitted patch. The change of the outputs is its signal.
+//! 2. The part of the signal that parameters, initial voltages and offsets can follow is removed, to first order.
+//! 3. The rest is compared with what a search needs: the required `delta_bic` in training, and a confirmation in
+//!    validation.
+//! 4. If the effect would be detected, the patch is fitted completely to the changed outputs, since parameters may
+//!    follow further than to first order. Then the comparison is repeated.
 
-pub(crate) mod cleared;
 pub(crate) mod detection_limit;
-pub(crate) mod ground;
-pub(crate) mod half;
-pub(crate) mod tried;
+pub(crate) mod detection_test;
+pub(crate) mod fit_directions;
+pub(crate) mod record_group;
+pub(crate) mod strength_scan;
 
-use crate::design::detectability::ground::Ground;
+use crate::design::detectability::detection_test::DetectionTest;
 use crate::effects::Library;
-use crate::effects::attach::Attached;
+use crate::effects::attach::EffectPlacement;
 use crate::effects::candidate::Candidate;
 use crate::fit::base_fit::fit_base;
 use crate::fit::extended_model::attach_effect;
-use crate::fit::extended_model::sites_of;
-use crate::fit::extended_model::{LeftOut, Untried};
-use crate::fit::fitted_model::{Stage, Version};
+use crate::fit::extended_model::find_sites;
+use crate::fit::extended_model::{SkipReason, SkippedTrial};
+use crate::fit::fitted_model::{FittedModel, ModelVariant};
 use crate::fit::model::ModelError;
-use crate::fit::peaks::peaks_of;
 use crate::fit::problem::Problem;
-use crate::statistics::acceptance::Bar;
-use patchcord_analysis::{pool, spare};
+use crate::fit::signal_extents::signal_extents;
+use crate::statistics::acceptance::AcceptanceCriterion;
+use patchcord_analysis::parallel;
 use patchcord_core::patch::Patch;
 
-pub use detection_limit::{Limit, Visible, best_places};
+pub use detection_limit::{Detectability, DetectionLimit, best_places};
 
-/// What the data could show of the effects of a library beside a patch, once it is fitted; nothing where it can be run from none
-/// of the points tried.
+/// Fits a patch and computes the detection limits of all effects of a library. Returns None if the patch can be run
+/// from none of the starts.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records at all.
-pub fn visible_effects(
+/// If the patch cannot be simulated with the drives of the records.
+///
+/// # Examples
+///
+/// ```no_run
+/// use patchcord_ident::Experiment;
+/// use patchcord_ident::design::detectability::detectable_effects;
+/// use patchcord_ident::effects::Library;
+/// use patchcord_ident::fit::problem::Problem;
+///
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let problem = Problem::of(&experiment)?;
+/// let (patch, fit) = (&experiment.patch, &experiment.fit);
+/// let found = detectable_effects(&problem, patch, fit, &Library::shipped(), 2, 1)?;
+/// for limit in &found.ok_or("the patch cannot be run from any start")?.limits {
+///     println!("{}: {} = {:?} {}", limit.label(), limit.parameter, limit.value, limit.unit);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn detectable_effects(
     problem: &Problem,
     patch: &Patch,
     fit: &[String],
     library: &Library,
     threads: usize,
     seed: u64,
-) -> Result<Option<Visible>, ModelError> {
-    spare::with_threads(threads, || {
+) -> Result<Option<Detectability>, ModelError> {
+    parallel::with_threads(threads, || {
         let Some(base) = fit_base(problem, patch, fit, seed)? else { return Ok(None) };
-        visible_beside(problem, &base, library, threads).map(Some)
+        detectability_of(problem, &base, library).map(Some)
     })
 }
 
-fn visible_beside(
+/// The detection limits of all effects in a fitted patch, as if its residual were white noise.
+fn detectability_of(
     problem: &Problem,
-    base: &Stage,
+    base: &FittedModel,
     library: &Library,
-    threads: usize,
-) -> Result<Visible, ModelError> {
-    let (sites, peaks) = (sites_of(problem, base)?, peaks_of(problem, base)?);
-    let (mut wired, mut left_out) = (Vec::new(), Vec::new());
-    for attached in library.iter().flat_map(|effect| Attached::all(effect, &sites)) {
-        match attach_effect(base, &attached, &peaks).and_then(|own| if_runs(problem, own)) {
-            Ok(own) => wired.push(own),
-            Err(why) => left_out.push(LeftOut::of(&attached, &why)),
+) -> Result<Detectability, ModelError> {
+    let (sites, peaks) = (find_sites(problem, base)?, signal_extents(problem, base)?);
+    let (mut variants, mut skipped) = (Vec::new(), Vec::new());
+    for attached in library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites)) {
+        match attach_effect(base, &attached, &peaks).and_then(|variant| check_runs(problem, variant)) {
+            Ok(variant) => variants.push(variant),
+            Err(why) => skipped.push(SkippedTrial::new(&attached, &why)),
         }
     }
-    let wired: Vec<_> = wired.iter().map(|(candidate, version)| (candidate, version)).collect();
-    let limits = detection_limits(problem, base, Bar::of_noise(wired.len()), &wired, threads)?;
-    Ok(Visible { leaves: base.train.over_noise(), limits, left_out })
+    let variants: Vec<_> = variants.iter().map(|(candidate, version)| (candidate, version)).collect();
+    let limits =
+        detection_limits(problem, base, AcceptanceCriterion::white_noise(variants.len()), &variants)?;
+    Ok(Detectability { residual_rms: base.train.normalised_rms(), limits, skipped })
 }
 
-/// What is wired, if it can be run beside the records.
-fn if_runs(problem: &Problem, own: (Candidate, Version)) -> Result<(Candidate, Version), Untried> {
-    problem.model(&own.1, &problem.train, &problem.outputs)?;
-    Ok(own)
+/// Returns the variant if it can be simulated with the training records.
+fn check_runs(
+    problem: &Problem,
+    variant: (Candidate, ModelVariant),
+) -> Result<(Candidate, ModelVariant), SkipReason> {
+    problem.model(&variant.1, &problem.train, &problem.outputs)?;
+    Ok(variant)
 }
 
-/// The weakest effects that would have been seen of all that were tried beside a stage, those that show best first, worked out
-/// on so many threads.
+/// The detection limits of effects in the fitted patch `before`. There is one entry per effect,
+/// place and parameter: that of the most detectable form. The entries are sorted by `range_fraction`.
 ///
 /// # Errors
-/// When the patch cannot be run beside the records.
+/// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn detection_limits(
     problem: &Problem,
-    before: &Stage,
-    bar: Bar,
-    tried: &[(&Candidate, &Version)],
-    threads: usize,
-) -> Result<Vec<Limit>, ModelError> {
-    let mut grounds: Vec<(u32, Ground<'_>)> = Vec::new();
-    for (_, version) in tried {
+    before: &FittedModel,
+    bar: AcceptanceCriterion,
+    variants: &[(&Candidate, &ModelVariant)],
+) -> Result<Vec<DetectionLimit>, ModelError> {
+    // Variants with the same number of solver steps share a test.
+    let mut tests: Vec<(u32, DetectionTest<'_>)> = Vec::new();
+    for (_, version) in variants {
         let steps = version.steps;
-        if grounds.iter().all(|own| own.0 != steps) {
-            grounds.extend(Ground::of(problem, before, bar, steps)?.map(|ground| (steps, ground)));
+        if tests.iter().all(|test| test.0 != steps) {
+            tests.extend(DetectionTest::new(problem, before, bar, steps)?.map(|test| (steps, test)));
         }
     }
-    let of = |(candidate, version): &(&Candidate, &Version)| {
-        let ground = grounds.iter().find(|own| own.0 == version.steps);
-        ground.map(|(_, ground)| ground.limit(candidate, version)).transpose()
+    let limit_of = |(candidate, version): &(&Candidate, &ModelVariant)| {
+        let test = tests.iter().find(|test| test.0 == version.steps);
+        test.map(|(_, test)| test.limit(candidate, version)).transpose()
     };
-    let found = pool::each(tried, threads, of, |_| ());
-    let found: Vec<Option<Limit>> = found.into_iter().collect::<Result<_, _>>()?;
-    let mut limits: Vec<Limit> = Vec::new();
-    for limit in found.into_iter().flatten() {
-        match limits.iter_mut().find(|own| own.is_of(&limit)) {
-            Some(own) if limit.share < own.share => *own = limit,
+    let results = parallel::map(variants, limit_of, |_| ());
+    let results: Vec<Option<DetectionLimit>> = results.into_iter().collect::<Result<_, _>>()?;
+    let mut limits: Vec<DetectionLimit> = Vec::new();
+    for limit in results.into_iter().flatten() {
+        match limits.iter_mut().find(|other| other.is_same_case(&limit)) {
+            Some(other) if limit.range_fraction < other.range_fraction => *other = limit,
             Some(_) => (),
             None => limits.push(limit),
         }
     }
     limits.sort_by(|a, b| {
-        a.share.total_cmp(&b.share).then_with(|| (&a.effect, &a.junction).cmp(&(&b.effect, &b.junction)))
+        a.range_fraction
+            .total_cmp(&b.range_fraction)
+            .then_with(|| (&a.effect, &a.junction).cmp(&(&b.effect, &b.junction)))
     });
     Ok(limits)
 }

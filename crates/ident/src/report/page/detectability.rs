@@ -1,20 +1,31 @@
-//! The weakest effects that the data would have shown.
+//! The section on detection limits.
+//!
+//! The section answers which effects the data exclude: an effect with a limit would have been found above it. An effect
+//! without a limit needs other data, which the table names.
 
-use crate::design::detectability::detection_limit::Limit;
+use crate::design::detectability::detection_limit::DetectionLimit;
 use crate::effects::Library;
 use crate::report::detection_limits::{limit_text, needs_text};
-use crate::report::page::sheet::{escaped_text, table};
+use crate::report::page::html_parts::table;
 use crate::report::values::parameter_values_text;
+use maud::{Markup, html};
 
-pub(super) fn section(limits: &[Limit], library: &Library) -> String {
+/// The table of detection limits, one row per effect and place.
+pub(super) fn section(limits: &[DetectionLimit], library: &Library) -> Markup {
     let rows = limits.iter().map(|limit| {
-        let from = limit_text(limit).unwrap_or_else(|| format!("not at all{}", needs_text(limit, library)));
-        let (reads, with) = (limit.reads.join(", "), parameter_values_text(&limit.beside));
-        let cells = [&limit.effect, &limit.junction, &reads, &limit.parameter, &from, &with];
-        (false, cells.map(escaped_text).to_vec())
+        let value =
+            limit_text(limit).unwrap_or_else(|| format!("not detectable{}", needs_text(limit, library)));
+        let (reads, with) = (limit.reads.join(", "), parameter_values_text(&limit.other_parameters));
+        let cells = [&limit.effect, &limit.junction, &reads, &limit.parameter, &value, &with];
+        (false, cells.map(String::clone).to_vec())
     });
-    format!(
-        "<section>\n<h2>What these data would have shown</h2>\n<p>The weakest of every effect that the first round would have found.</p>\n{}</section>\n",
-        table(&["effect", "at", "reads", "parameter", "weakest that would have shown", "with"], rows)
-    )
+    html! {
+        section {
+            h2 { "Detection limits" }
+            p { "The smallest strength of each effect that the first round would have detected." }
+            "\n"
+            (table(&["effect", "at", "reads", "parameter", "smallest detectable", "with"], rows))
+        }
+        "\n"
+    }
 }

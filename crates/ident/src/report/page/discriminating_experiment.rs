@@ -1,17 +1,26 @@
-//! The experiment that would tell two effects apart.
+//! The section on the experiment that distinguishes two effects.
+//!
+//! The page describes the drive and the expected difference. The samples of drive and predictions are in the file
+//! `separate.csv`, next to the page.
 
 use crate::report::discriminating_experiment::experiment_sentence;
 use crate::search::outcome::Outcome;
-use patchcord_draw::html::escaped;
+use maud::{Markup, html};
 
-pub(super) fn section(outcome: &Outcome) -> String {
-    let Some(found) = &outcome.separating else { return String::new() };
-    let [one, other] = &found.from;
-    format!(
-        "<section>\n<h2>What would tell them apart</h2>\n<p>{} or {}: {}. Both patches stand at rest at first; what counts is what is left when \
-         one of them is fitted to what the other predicts. <a href=\"separate.csv\">separate.csv</a> has the drive and both predictions.</p>\n</section>\n",
-        escaped(one),
-        escaped(other),
-        escaped(&experiment_sentence(found))
-    )
+/// The experiment as text, with a link to its table. Empty if there is none.
+pub(super) fn section(outcome: &Outcome) -> Markup {
+    let Some(experiment) = &outcome.discriminating_experiment else { return Markup::default() };
+    let [one, other] = &experiment.effects;
+    html! {
+        section {
+            h2 { "An experiment to distinguish them" }
+            p {
+                (one) " or " (other) ": " (experiment_sentence(experiment)) ". Both patches start at rest. \
+                The difference is what remains when one of them is fitted to the prediction of the other. "
+                a href="separate.csv" { "separate.csv" } " has the drive and both predictions."
+            }
+            "\n"
+        }
+        "\n"
+    }
 }

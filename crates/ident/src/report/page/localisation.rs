@@ -1,208 +1,271 @@
-//! Where and when something is missing: junctions beside each other, and the force at the best of them.
+//! The section on the missing force: all junctions, and the force at the most likely one.
+//!
+//! Pictures show the force over time with its 95 % interval, and as a curve over each quantity that may explain it.
+//! If the verdict is an unknown effect, the section links to the patch with the force as a function generator or
+//! table.
 
-use crate::localise::force::{Curve, Force, Whereabouts};
+use crate::localise::localisation::{EstimatedInput, InputCurve, Localisation};
 use crate::report::localisation::localisation_sentence;
-use crate::report::page::sheet::{bar, pictures, table};
+use crate::report::page::html_parts::{bar, pictures, table};
 use crate::search::outcome::Outcome;
-use crate::statistics::descriptive::{NORMAL_95, ends};
-use patchcord_analysis::instruments::{Display, number};
-use patchcord_draw::html::escaped;
+use crate::statistics::descriptive::{NORMAL_95, extremes};
+use maud::{Markup, Render, html};
+use patchcord_analysis::instruments::{QuantityFormat, number};
 use patchcord_draw::plot::{Axis, Channel, Picture, PlotError};
 
-/// The section; nothing where nothing is missing.
-pub(super) fn section(outcome: &Outcome) -> Result<String, PlotError> {
-    let found = &outcome.whereabouts;
-    let Some((best, sentence)) = found.first().zip(localisation_sentence(found)) else {
-        return Ok(String::new());
+/// Tables and pictures of the missing force. Empty if no force was estimated.
+pub(super) fn section(outcome: &Outcome) -> Result<Markup, PlotError> {
+    let localisations = &outcome.localisations;
+    let Some((best, sentence)) = localisations.first().zip(localisation_sentence(localisations)) else {
+        return Ok(Markup::default());
     };
-    let drawn = over_time(best).chain(ranked(best).map(|curve| over_quantity(best, curve)));
-    Ok(format!(
-        "<section>\n<h2>Where and when something is missing</h2>\n<p class=\"reading\">{}.</p>\n\
-         <p>At each junction a force was looked for that closes the gap of the patch as it is, beside everything that is fitted. Junctions are ranked by \
-         <i>evidence</i>: the logarithm of how much likelier the force makes the data. Two within 10 of each other cannot be told apart.</p>\n\
-         {}{}{}{}{}</section>\n",
-        escaped(&capitalised(&sentence)),
-        junctions(found),
-        curves(best),
-        pictures(drawn)?,
-        setting(best),
-        wired(outcome, best)
-    ))
+    let drawn = time_pictures(best).chain(ranked_curves(best).map(|curve| curve_picture(best, curve)));
+    Ok(html! {
+        section {
+            h2 { "Where and when a force is missing" }
+            p.reading { (capitalised(&sentence)) "." }
+            "\n"
+            (explanation())
+            (junction_table(localisations))
+            (curve_table(best))
+            (pictures(drawn)?)
+            (point_table(best))
+            (recovered_text(outcome, best))
+        }
+        "\n"
+    })
 }
 
+/// How the force was estimated, and what evidence is.
+fn explanation() -> Markup {
+    html! {
+        p {
+            "At each junction, a force over time was estimated together with all fitted parameters so that it \
+            explains the gap of the original patch. Junctions are ranked by " i { "evidence" } ": the logarithm \
+            of the factor by which the force makes the data more likely. The data cannot distinguish two \
+            junctions whose evidence differs by less than 10."
+        }
+        "\n"
+    }
+}
+
+/// The text with its first letter in upper case.
 fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(char::to_uppercase);
     first.into_iter().flatten().chain(letters).collect()
 }
 
+/// A share of the gap as text, with four significant digits: 0.5 becomes "50 %". Negative shares occur in the
+/// validation data.
 fn percent(share: f64) -> String {
     format!("{} %", number(100.0 * share))
 }
 
-/// The junctions, the most likely first.
-fn junctions(found: &[Whereabouts]) -> String {
-    let rows = found.iter().enumerate().map(|(rank, own)| {
+/// The table of all junctions, the most likely first.
+fn junction_table(localisations: &[Localisation]) -> Markup {
+    let rows = localisations.iter().enumerate().map(|(rank, localisation)| {
         let cells = vec![
-            escaped(&own.junction),
-            escaped(&own.unit),
-            bar(own.explains),
-            percent(own.explains),
-            number(own.evidence),
-            number(own.effective),
-            escaped(own.best_against()),
+            localisation.junction.render(),
+            localisation.unit.render(),
+            bar(localisation.explained_fraction),
+            percent(localisation.explained_fraction).render(),
+            number(localisation.evidence).render(),
+            number(localisation.effective_parameters).render(),
+            localisation.best_regressor().render(),
         ];
         (rank == 0, cells)
     });
-    table(&["at", "unit", "closes of the gap", "", "evidence", "numbers it comes to", "goes with"], rows)
+    table(&["at", "unit", "explains of the gap", "", "evidence", "effective parameters", "depends on"], rows)
 }
 
-/// The curves of a junction, that which the force goes with first.
-fn ranked(found: &Whereabouts) -> impl Iterator<Item = &Curve> {
-    let is_best = |place: &usize| found.best == Some(*place);
-    let others = (0..found.curves.len()).filter(move |place| !is_best(place));
-    found.best.into_iter().chain(others).map(|place| &found.curves[place])
+/// The curves of a junction. The one on which the force depends is first.
+fn ranked_curves(localisation: &Localisation) -> impl Iterator<Item = &InputCurve> {
+    let is_best = |index: &usize| localisation.best_curve == Some(*index);
+    let others = (0..localisation.curves.len()).filter(move |index| !is_best(index));
+    localisation.best_curve.into_iter().chain(others).map(|index| &localisation.curves[index])
 }
 
-fn curves(found: &Whereabouts) -> String {
-    let rows = ranked(found).map(|curve| {
+/// The table of all quantities over which the force was tried as a curve.
+fn curve_table(localisation: &Localisation) -> Markup {
+    let rows = ranked_curves(localisation).map(|curve| {
         let cells = vec![
-            escaped(&curve.against),
-            escaped(&curve.unit),
-            percent(curve.explains),
+            curve.regressor.clone(),
+            curve.unit.clone(),
+            percent(curve.explained_fraction),
             curve.held_out.map_or_else(String::new, percent),
             number(curve.evidence),
-            if curve.by_direction.is_some() { "its direction, too".to_owned() } else { String::new() },
+            if curve.by_direction.is_some() { "direction as well".to_owned() } else { String::new() },
         ];
-        (curve.against == found.best_against(), cells)
+        (curve.regressor == localisation.best_regressor(), cells)
     });
-    let headings =
-        ["the same force over", "unit", "closes of the gap", "of that held back", "evidence", "goes with"];
+    let headings = [
+        "force as a curve over",
+        "unit",
+        "explains of the gap",
+        "in the validation data",
+        "evidence",
+        "depends on",
+    ];
     table(&headings, rows)
 }
 
-/// The force as the setting of a function generator, where it goes with something.
-fn setting(found: &Whereabouts) -> String {
-    let Some(curve) = found.best.map(|best| &found.curves[best]) else { return String::new() };
+/// The points of the best curve, for a function generator. Empty if the force depends on time only.
+fn point_table(localisation: &Localisation) -> Markup {
+    let Some(curve) = localisation.best_curve.map(|best| &localisation.curves[best]) else {
+        return Markup::default();
+    };
     let rows = curve.points.iter().map(|point| (false, point.map(number).to_vec()));
-    let units = [&curve.unit, &found.unit, &found.unit].map(|unit| escaped(unit));
-    let named = [curve.against.as_str(), "force", "standard error"].into_iter().zip(&units);
-    let headings: Vec<String> = named.map(|(name, unit)| format!("{}, {unit}", escaped(name))).collect();
-    format!(
-        "<details><summary>The curve in numbers</summary>\n{}</details>\n",
-        table(&headings.iter().map(String::as_str).collect::<Vec<_>>(), rows)
-    )
+    let units = [&curve.unit, &localisation.unit, &localisation.unit];
+    let columns = [curve.regressor.as_str(), "force", "standard error"].into_iter().zip(units);
+    let headings: Vec<String> = columns.map(|(name, unit)| format!("{name}, {unit}")).collect();
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    html! {
+        details {
+            summary { "Points of the curve" }
+            (table(&headings, rows))
+        }
+        "\n"
+    }
 }
 
-/// Where the force stands in a patch.
-fn wired(outcome: &Outcome, best: &Whereabouts) -> String {
-    if outcome.unnamed().is_none() {
-        return String::new();
-    }
-    let how = match best.wired() {
+/// A link to the patch with the force. Empty unless the verdict is an unknown effect.
+fn recovered_text(outcome: &Outcome, best: &Localisation) -> Markup {
+    let form = match best.wired_curve() {
         Some(_) => "as a function generator",
         None => "as a table over time",
     };
-    format!("<p>The patch with this force, {how}, is <a href=\"recovered.json\">recovered.json</a>.</p>\n")
+    html! {
+        @if outcome.unknown_force().is_some() {
+            p { "The patch with this force, " (form) ", is " a href="recovered.json" { "recovered.json" } "." }
+            "\n"
+        }
+    }
 }
 
-/// The force over time, a picture for every file.
-fn over_time(found: &Whereabouts) -> impl Iterator<Item = Picture> {
-    found.forces.chunk_by(|one, next| one.data == next.data).map(|forces| {
-        let reading = |[time, force, error, _]: [f64; 4]| [time, force, error];
-        // The pen is lifted between records.
-        let between = [f64::NAN; 3];
-        let own =
-            |force: &Force| force.points.iter().copied().map(reading).chain([between]).collect::<Vec<_>>();
-        let points: Vec<[f64; 3]> = forces.iter().flat_map(own).collect();
-        let graph = Graph::new(["t", "s"], found, &points);
+/// The force over time, one picture per file.
+///
+/// Records of the same file share a picture. Spans mark the times at which the force acts.
+fn time_pictures(localisation: &Localisation) -> impl Iterator<Item = Picture> {
+    localisation.inputs.chunk_by(|one, next| one.data == next.data).map(|forces| {
+        let with_error = |[time, force, error, _]: [f64; 4]| [time, force, error];
+        // A point that is not a number lifts the pen between records.
+        let gap = [f64::NAN; 3];
+        let record_points = |force: &EstimatedInput| {
+            force.points.iter().copied().map(with_error).chain([gap]).collect::<Vec<_>>()
+        };
+        let points: Vec<[f64; 3]> = forces.iter().flat_map(record_points).collect();
+        let graph = ForceGraph::new(["t", "s"], localisation, &points);
         let force = Channel { errors: graph.errors(&points), ..graph.line("force", &points) };
-        let spans =
-            forces.iter().flat_map(|force| &force.windows).map(|span| span.map(|at| graph.across.value(at)));
+        let spans = forces
+            .iter()
+            .flat_map(|force| &force.windows)
+            .map(|window| window.map(|time| graph.across.value(time)));
         Picture {
             spans: spans.collect(),
             channels: vec![force],
-            note: Some("band: where it lies in 95 of 100 cases; darker: when it acts".to_owned()),
-            ..graph.picture(format!("force at {} over time, {}", found.junction, forces[0].data))
+            note: Some("band: 95 % interval; darker: times at which the force acts".to_owned()),
+            ..graph.picture(format!("force at {} over time, {}", localisation.junction, forces[0].data))
         }
     })
 }
 
-/// The force over a quantity.
-fn over_quantity(found: &Whereabouts, curve: &Curve) -> Picture {
+/// The force as a curve over a quantity, with the force over time as faint dots.
+///
+/// The curve for both directions is drawn if the directions do not differ, or if it was wired in for the validation
+/// data.
+fn curve_picture(localisation: &Localisation, curve: &InputCurve) -> Picture {
     let mut branches: Vec<(&str, &[[f64; 3]])> = match &curve.by_direction {
         Some([rising, falling]) => vec![("rising", rising), ("falling", falling)],
         None => Vec::new(),
     };
-    // What was wired in does not know directions.
+    // The curve that was wired in for the validation data is the same in both directions.
     if branches.is_empty() || curve.held_out.is_some() {
         branches.push(("curve", &curve.points));
     }
     let all: Vec<[f64; 3]> = branches.iter().flat_map(|(_, points)| points.iter().copied()).collect();
     let scatter: Vec<[f64; 3]> = curve.scatter.iter().map(|[value, force]| [*value, *force, 0.0]).collect();
-    let graph = Graph::new([&curve.against, &curve.unit], found, &[all, scatter.clone()].concat());
+    let graph =
+        ForceGraph::new([&curve.regressor, &curve.unit], localisation, &[all, scatter.clone()].concat());
     let drawn = branches.into_iter().map(|(name, points)| Channel {
         errors: graph.errors(points),
         ..Channel { dots: true, ..graph.line(name, points) }
     });
-    let behind = Channel { dots: true, faint: true, ..graph.line("force over time", &scatter) };
-    let goes = if curve.against == found.best_against() { "the force goes with it: " } else { "" };
-    let held = match curve.held_out {
+    let background = Channel { dots: true, faint: true, ..graph.line("force over time", &scatter) };
+    let dependence =
+        if curve.regressor == localisation.best_regressor() { "the force depends on it: " } else { "" };
+    let test = match curve.held_out {
         None => String::new(),
-        Some(share) if share < 0.0 => ", and widens that held back".to_owned(),
-        Some(share) => format!(", and {} of that held back", percent(share)),
+        Some(share) if share < 0.0 => ", and increases it in the validation data".to_owned(),
+        Some(share) => format!(", and {} in the validation data", percent(share)),
     };
     Picture {
-        channels: drawn.chain([behind]).collect(),
-        note: Some(format!("{goes}the curve closes {} of the gap{held}", percent(curve.explains))),
-        ..graph.picture(format!("force at {} over {}", found.junction, curve.against))
+        channels: drawn.chain([background]).collect(),
+        note: Some(format!(
+            "{dependence}the curve explains {} of the gap{test}",
+            percent(curve.explained_fraction)
+        )),
+        ..graph.picture(format!("force at {} over {}", localisation.junction, curve.regressor))
     }
 }
 
-/// The axes of a force, and how numbers are shown on them.
-struct Graph {
+/// The axes of a picture of a force, and the formats of their numbers.
+struct ForceGraph {
+    /// The axis of the quantity or of time.
     horizontal: Axis,
+    /// The axis of the force.
     vertical: Axis,
-    across: Display,
-    up: Display,
+    /// Format and unit prefix of the horizontal axis.
+    across: QuantityFormat,
+    /// Format and unit prefix of the vertical axis.
+    up: QuantityFormat,
 }
 
-/// Errors further from the forces than this share of what these range over leave the picture.
-const ROOM: f64 = 0.5;
+/// Margin of the vertical axis for error bands, as a fraction of the range of the forces. Larger errors leave the
+/// picture.
+const ERROR_MARGIN: f64 = 0.5;
 
-impl Graph {
-    /// Of values of a quantity, forces and their standard errors.
-    fn new([name, unit]: [&str; 2], found: &Whereabouts, points: &[[f64; 3]]) -> Graph {
+impl ForceGraph {
+    /// Axes for points with a value of the quantity, a force and its standard error.
+    fn new([name, unit]: [&str; 2], localisation: &Localisation, points: &[[f64; 3]]) -> ForceGraph {
         let largest = |column: usize| {
-            let there = points.iter().map(|point| point[column].abs()).filter(|value| value.is_finite());
-            there.fold(0.0, f64::max)
+            let finite = points.iter().map(|point| point[column].abs()).filter(|value| value.is_finite());
+            finite.fold(0.0, f64::max)
         };
-        let (across, up) = (Display::new(unit, largest(0)), Display::new(&found.unit, largest(1)));
-        let [low, high] = ends(points.iter().map(|point| point[1]));
-        let room = ROOM * (high - low);
-        let reached = points.iter().flat_map(|[_, force, error]| {
+        let (across, up) =
+            (QuantityFormat::new(unit, largest(0)), QuantityFormat::new(&localisation.unit, largest(1)));
+        let [low, high] = extremes(points.iter().map(|point| point[1]));
+        let margin = ERROR_MARGIN * (high - low);
+        let extent = points.iter().flat_map(|[_, force, error]| {
             let error = NORMAL_95 * error;
-            [(force - error).max(low - room), (force + error).min(high + room)]
+            [(force - error).max(low - margin), (force + error).min(high + margin)]
         });
         let horizontal = points.iter().map(|point| across.value(point[0]));
-        Graph {
-            horizontal: Axis::snug(name, &across.unit, horizontal, Axis::ACROSS),
-            vertical: Axis::fit("force", &up.unit, reached.map(|force| up.value(force)), Axis::UP),
+        ForceGraph {
+            horizontal: Axis::fit_tight(name, &across.unit, horizontal, Axis::HORIZONTAL_DIVISIONS),
+            vertical: Axis::fit(
+                "force",
+                &up.unit,
+                extent.map(|force| up.value(force)),
+                Axis::VERTICAL_DIVISIONS,
+            ),
             across,
             up,
         }
     }
 
+    /// A channel through the points, in the units of the axes.
     fn line(&self, name: &str, points: &[[f64; 3]]) -> Channel {
-        let place = |[value, force, _]: &[f64; 3]| (self.across.value(*value), self.up.value(*force));
-        Channel::line(name, points.iter().map(place).collect())
+        let scaled = |[value, force, _]: &[f64; 3]| (self.across.value(*value), self.up.value(*force));
+        Channel::line(name, points.iter().map(scaled).collect())
     }
 
-    /// How far forces are off in 95 of 100 cases.
+    /// Half the width of the 95 % interval of every point, in the unit of the vertical axis.
     fn errors(&self, points: &[[f64; 3]]) -> Vec<f64> {
         points.iter().map(|[_, _, error]| self.up.value(NORMAL_95 * error)).collect()
     }
 
+    /// An empty picture with these axes and a title.
     fn picture(&self, title: String) -> Picture {
         Picture::new(title, self.horizontal.clone(), self.vertical.clone())
     }

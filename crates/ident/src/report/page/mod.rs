@@ -1,27 +1,29 @@
-//! What a search did, step by step, with pictures: one HTML file that needs no other.
+//! The HTML page of a report. It shows the search step by step with pictures, in one file that needs no other.
+//!
+//! The sections follow the order of the search: data, fit of the original patch, missing force, rounds, comparison.
+//! Pictures are embedded as SVG. [`html!`] escapes all other texts that are inserted.
 
-mod base;
-mod courses;
+mod comparison;
+mod data_section;
 mod detectability;
 mod discriminating_experiment;
-mod end;
+mod html_parts;
 mod localisation;
-mod measured;
+mod original_fit;
 mod round;
 mod search_log;
-mod sheet;
+mod trajectories;
 
 use crate::effects::Library;
-use crate::fit::fitted_model::Stage;
+use crate::fit::fitted_model::FittedModel;
 use crate::report::Report;
-use crate::report::page::sheet::over_noise;
+use crate::report::page::html_parts::over_noise;
 use crate::search::outcome::Outcome;
 use crate::search::verdict::Verdict;
-use patchcord_draw::html;
-use patchcord_draw::html::escaped;
+use maud::{Markup, html};
 use patchcord_draw::plot::PlotError;
 
-/// The page of a report; `library` has the effects that were tried.
+/// The page of a report. `library` has the effects that were tried.
 ///
 /// # Errors
 /// If a picture cannot be drawn.
@@ -30,49 +32,71 @@ pub(super) fn page(report: &Report<'_>, library: &Library) -> Result<String, Plo
         "" => &report.experiment.file,
         title => title,
     };
-    let mut body = format!(
-        "<header>\n<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n<p>{}</p>\n</header>\n<main>\n",
-        escaped(title),
-        escaped(&report.sentence()),
-        escaped(&in_short(report))
-    );
-    body += &measured::section(report);
-    body += &base::section(report)?;
-    body += &localisation::section(report.outcome)?;
-    body += &search_log::section(report.outcome);
-    for (place, round) in report.outcome.rounds.iter().enumerate() {
-        body += &round::section(report, library, place + 1, round)?;
-    }
-    body += &end::section(report)?;
-    body += &discriminating_experiment::section(report.outcome);
-    if !report.outcome.limits.is_empty() {
-        body += &detectability::section(&report.outcome.limits, library);
-    }
-    body += "</main>\n";
-    Ok(html::page(title, &body))
+    let body = html! {
+        (header(report, title))
+        main { (sections(report, library)?) }
+        "\n"
+    };
+    Ok(patchcord_draw::html::page(title, body))
 }
 
-fn in_short(report: &Report<'_>) -> String {
+/// The title, the verdict and the summary.
+fn header(report: &Report<'_>, title: &str) -> Markup {
+    html! {
+        header {
+            h1 { (title) }
+            p.verdict { (report.sentence()) }
+            "\n"
+            p { (summary(report)) }
+            "\n"
+        }
+        "\n"
+    }
+}
+
+/// All sections, in the order of the search.
+fn sections(report: &Report<'_>, library: &Library) -> Result<Markup, PlotError> {
+    let outcome = report.outcome;
+    Ok(html! {
+        (data_section::section(report))
+        (original_fit::section(report)?)
+        (localisation::section(outcome)?)
+        (search_log::section(outcome))
+        @for (index, round) in outcome.rounds.iter().enumerate() {
+            (round::section(report, library, index + 1, round)?)
+        }
+        (comparison::section(report)?)
+        (discriminating_experiment::section(outcome))
+        @if !outcome.detection_limits.is_empty() {
+            (detectability::section(&outcome.detection_limits, library))
+        }
+    })
+}
+
+/// The residuals before and after the search, in a sentence or two.
+///
+/// Residuals are rms values over the noise, in training and in validation.
+fn summary(report: &Report<'_>) -> String {
     let Outcome { base, .. } = report.outcome;
-    let after = report.outcome.told();
-    let gap = |stage: &Stage| {
+    let reported = report.outcome.reported_model();
+    let residual = |model: &FittedModel| {
         format!(
-            "{} times the noise in training, {} on data held back",
-            over_noise(&stage.train),
-            over_noise(&stage.test)
+            "{} times the noise in the training data, {} times in the validation data",
+            over_noise(&model.train),
+            over_noise(&model.test)
         )
     };
     match report.outcome.verdict {
         Verdict::Named | Verdict::Ambiguous => {
             format!(
-                "The patch as it was leaves {}. With what is missing it leaves {}.",
-                gap(base),
-                gap(after)
+                "The residual of the original patch is {}. With the missing effects it is {}.",
+                residual(base),
+                residual(reported)
             )
         }
-        Verdict::NothingMissing | Verdict::CannotJudge if !base.leaves_structure() => {
-            format!("What the patch leaves looks like noise: {}.", gap(base))
+        Verdict::NothingMissing | Verdict::CannotJudge if !base.residuals_are_coloured() => {
+            format!("The residual of the patch looks like noise: {}.", residual(base))
         }
-        _ => format!("The patch leaves {}, and that does not look like noise.", gap(base)),
+        _ => format!("The residual of the patch is {}. It does not look like noise.", residual(base)),
     }
 }

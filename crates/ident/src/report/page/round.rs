@@ -1,89 +1,107 @@
-//! A round of the search: what was tried, and why the best was taken or not.
+//! The section on a round of the search: all trials, and why the best one was taken or not.
+//!
+//! The section has the round sentence, the law of the best effect, pictures without and with it, and a table of all
+//! trials. The last column of the table says why a trial was taken or not.
 
 use crate::effects::Library;
 use crate::report::Report;
-use crate::report::page::courses::pictures;
-use crate::report::page::sheet::{bar, escaped_text, over_noise, table};
+use crate::report::page::html_parts::{bar, over_noise, table};
+use crate::report::page::trajectories::pictures;
 use crate::report::places::nowhere_sentence;
 use crate::report::rounds::{round_sentence, skipped_trial_sentence, trial_count_text};
 use crate::search::round::{Round, Trial};
+use crate::statistics::block_comparison::Advantage;
+use maud::{Markup, Render, html};
 use patchcord_analysis::instruments::number;
-use patchcord_draw::html::escaped;
 use patchcord_draw::plot::PlotError;
 
-/// The section of the round at a place, counted from 1.
+/// The section of a round. Its number counts from 1. Empty if the round has no trials.
 pub(super) fn section(
     report: &Report<'_>,
     library: &Library,
-    place: usize,
+    round_number: usize,
     round: &Round,
-) -> Result<String, PlotError> {
-    let Some(best) = round.trials.first() else { return Ok(String::new()) };
-    let nowhere = nowhere_sentence(&report.outcome.places).filter(|_| place == 1);
-    let nowhere = nowhere.map(|own| format!("<p>{}</p>\n", escaped(&own))).unwrap_or_default();
-    Ok(format!(
-        "<section>\n<h2>Round {place}: {}</h2>\n<p class=\"reading\">{}</p>\n{}{}\
-         <details open><summary>All of them; a score of {} is needed</summary>\n{}{}{nowhere}</details>\n</section>\n",
-        trial_count_text(round),
-        escaped(&round_sentence(report.outcome, round)),
-        effect(library, best),
-        pictures(report, &[("before", &round.before), (&best.named(), &best.stage)])?,
-        number(round.needed),
-        trials(round),
-        left_out(round)
-    ))
+) -> Result<Markup, PlotError> {
+    let Some(best) = round.trials.first() else { return Ok(Markup::default()) };
+    let nowhere = nowhere_sentence(&report.outcome.places).filter(|_| round_number == 1);
+    Ok(html! {
+        section {
+            h2 { "Round " (round_number) ": " (trial_count_text(round)) }
+            p.reading { (round_sentence(report.outcome, round)) }
+            "\n"
+            (law_of(library, best))
+            (pictures(report, &[("before", &round.before), (&best.label(), &best.model)])?)
+            details open {
+                summary { "All trials; a score of " (number(round.required_delta_bic)) " is required" }
+                (trial_table(round))
+                (skipped_trials(round))
+                @if let Some(sentence) = nowhere { p { (sentence) } "\n" }
+            }
+        }
+        "\n"
+    })
 }
 
-/// The physics of the best.
-fn effect(library: &Library, best: &Trial) -> String {
-    let Some(effect) = library.get(&best.candidate.effect) else { return String::new() };
-    let [title, physics, law] = [&effect.title, &effect.physics, &effect.law].map(escaped_text);
-    format!("<p><b>{title}</b>. {physics} <code>{law}</code></p>\n")
+/// Title, physics and law of the best effect. Empty if the library does not have it.
+fn law_of(library: &Library, best: &Trial) -> Markup {
+    html! {
+        @if let Some(effect) = library.get(&best.candidate.effect) {
+            p { b { (effect.title) } ". " (effect.physics) " " code { (effect.law) } }
+            "\n"
+        }
+    }
 }
 
-/// Every trial, the best first.
-fn trials(round: &Round) -> String {
-    let most = round.before.train.chi2;
+/// The table of all trials, the best first. The bar shows the rms residual over that without the effect.
+fn trial_table(round: &Round) -> Markup {
+    let without = round.before.train.chi2;
     let rows = round.trials.iter().enumerate().map(|(rank, trial)| {
         let cells = vec![
-            escaped(&trial.candidate.effect),
-            escaped(&trial.candidate.junction),
-            escaped(&trial.candidate.reads.join(", ")),
-            escaped(&trial.candidate.note),
-            number(trial.score),
-            bar((trial.stage.train.chi2 / most).sqrt()),
-            over_noise(&trial.stage.train),
-            over_noise(&trial.stage.test),
-            escaped(&remark(round, rank, trial)),
+            trial.candidate.effect.render(),
+            trial.candidate.junction.render(),
+            trial.candidate.reads.join(", ").render(),
+            trial.candidate.note.render(),
+            number(trial.delta_bic).render(),
+            bar((trial.model.train.chi2 / without).sqrt()),
+            over_noise(&trial.model.train).render(),
+            over_noise(&trial.model.test).render(),
+            remark(round, rank, trial).render(),
         ];
         (rank == 0, cells)
     });
-    let headings =
-        ["effect", "at", "reads", "form", "score", "gap that is left", "training", "held back", "why not"];
+    let headings = ["effect", "at", "reads", "form", "score", "residual", "training", "validation", "remark"];
     table(&headings, rows)
 }
 
-/// What was not tried, and why; nothing where everything was.
-fn left_out(round: &Round) -> String {
-    round.left_out.iter().map(|own| format!("<p>{}</p>\n", escaped(&skipped_trial_sentence(own)))).collect()
+/// The effects that could not be tried, with the reason. Empty if all were tried.
+fn skipped_trials(round: &Round) -> Markup {
+    html! {
+        @for sentence in round.skipped.iter().map(skipped_trial_sentence) { p { (sentence) } "\n" }
+    }
 }
 
-/// Why a trial is not the one.
+/// Why a trial was taken or not. `rank` is 0 for the best trial.
+///
+/// Reasons are tested in a fixed order: too low a score, too little explained, not confirmed, tied, and finally how far
+/// it is behind.
 fn remark(round: &Round, rank: usize, trial: &Trial) -> String {
     match rank {
         0 if round.taken => "taken".to_owned(),
-        _ if trial.score <= round.needed && !trial.stage.gone_through => {
-            "explains too little, by a quick look".to_owned()
+        _ if trial.delta_bic <= round.required_delta_bic && !trial.model.is_thorough => {
+            "explains too little in a quick fit".to_owned()
         }
-        _ if trial.score <= round.needed => "explains too little".to_owned(),
-        0 if !round.closes_enough() => "leaves too much".to_owned(),
-        0 => "the data held back do not bear it out".to_owned(),
-        _ if round.is_tied(trial) => "the data cannot tell it from the first".to_owned(),
-        _ => match round.lower_in_score(trial) {
-            Some(lower) => {
-                format!("lower in score by {}, not told apart by the data held back", number(lower))
+        _ if trial.delta_bic <= round.required_delta_bic => "explains too little".to_owned(),
+        0 if !round.has_sufficient_effect() => "leaves too much".to_owned(),
+        0 => "not confirmed by the validation data".to_owned(),
+        _ if round.is_tied(trial) => "the data cannot distinguish it from the first".to_owned(),
+        _ => match round.delta_bic_deficit(trial) {
+            Some(deficit) => {
+                format!("lower score by {}; the residuals do not distinguish it", number(deficit))
             }
-            None => format!("behind by {} ± {}", number(trial.behind.sum), number(trial.behind.error)),
+            None => {
+                let Advantage { sum, standard_error, .. } = trial.best_advantage;
+                format!("chi-squared higher by {} ± {}", number(sum), number(standard_error))
+            }
         },
     }
 }

@@ -1,26 +1,35 @@
-//! The way of the search, change by change.
+//! The section with the log of the search.
+//!
+//! It is shown only if the log has more than the fit of the patch and one change, for example if effects were replaced
+//! or dropped. Otherwise the sections of the rounds have the same information.
 
-use crate::report::page::sheet::table;
+use crate::report::page::html_parts::table;
 use crate::report::search_log::action_text;
 use crate::search::outcome::Outcome;
+use maud::{Markup, html};
 use patchcord_analysis::instruments::number;
-use patchcord_draw::html::escaped;
 
-/// Nothing where there is no more to it than one effect.
-pub(super) fn section(outcome: &Outcome) -> String {
-    if !outcome.has_a_way() {
-        return String::new();
+/// The table of all actions. Empty if the rounds alone describe the search.
+pub(super) fn section(outcome: &Outcome) -> Markup {
+    if !outcome.has_detailed_log() {
+        return Markup::default();
     }
-    let last = outcome.way.len() - 1;
-    let rows = outcome.way.iter().enumerate().map(|(place, change)| {
-        let [train, test] = change.left.map(number);
-        let stands = escaped(&change.effects.join(", "));
-        (place == last, vec![escaped(&action_text(&change.did)), stands, train, test])
+    let last = outcome.search_log.len() - 1;
+    let rows = outcome.search_log.iter().enumerate().map(|(index, entry)| {
+        let [train, test] = entry.residual_rms.map(number);
+        (index == last, vec![action_text(&entry.action), entry.effects.join(", "), train, test])
     });
-    let headings = ["what was done", "what stands beside the patch then", "training", "held back"];
-    format!(
-        "<section>\n<h2>The way</h2>\n<p>What was taken, looked at again beside the others, replaced or dropped, and the gap that each left, in noise. \
-         The rounds below are those of what stands in the end.</p>\n{}</section>\n",
-        table(&headings, rows)
-    )
+    let headings = ["action", "effects in the patch", "training", "validation"];
+    html! {
+        section {
+            h2 { "Steps of the search" }
+            p {
+                "Every change of the effects in the patch, and the residual after it, as a multiple of the noise. \
+                The rounds below are those of the final effects."
+            }
+            "\n"
+            (table(&headings, rows))
+        }
+        "\n"
+    }
 }

@@ -1,11 +1,16 @@
-//! Describing functions and limit cycles (9.4 (ii)).
+//! Claims on describing functions and limit cycles (9.4 (ii)).
+//!
+//! Forces are in units of the viscous friction a = f v0 at the steady velocity v0. `E` is the amplitude of the drive's
+//! force, E/a; `n` is that of solid friction, n/a, a quarter of a period later. The force that accelerates the mass is
+//! E sin - n cos, cut off at -1, because the drive does not push back. N is the describing function of this cut-off and
+//! G the frequency response of the table, K / (jw (jw M + f)). A limit cycle is a solution of 1 + N G = 0.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
-use super::super::finding::{Finding, Printed};
-use super::super::given::{Given, GivenError};
+use super::super::check_arguments::{ArgumentError, CheckArguments};
+use super::super::finding::{Finding, PrintedNumber};
 use super::stability::table;
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
@@ -16,6 +21,7 @@ use crate::slideway::falling::FallingFriction;
 use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::{MM, MM_PER_S, N_S_PER_MM};
 
+/// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "describing-reciprocal", run: reciprocal },
     Check { name: "describing-angle", run: angle },
@@ -35,7 +41,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "limit-cycle", run: limit_cycle },
     Check { name: "slope-by-frequency", run: slope_by_frequency },
     Check { name: "product-of-digits", run: product_of_digits },
-    Check { name: "limit-cycle-sticks", run: sticks },
+    Check { name: "limit-cycle-sticks", run: limit_cycle_sticks },
     Check { name: "ends-with-a-swing", run: ends_with_a_swing },
     Check { name: "slower-is-larger", run: slower_is_larger },
     Check { name: "softer-is-larger", run: softer_is_larger },
@@ -44,37 +50,50 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "limit-cycle-without-memory", run: without_memory },
 ];
 
-fn swing(given: &Given) -> Result<Swing, CheckError> {
+/// The amplitudes E/a and n/a; n is 0 by default.
+fn swing(given: &CheckArguments) -> Result<Swing, CheckError> {
     Ok(Swing { force: given.number("E")?, friction: given.number_or("n", 0.0)? })
 }
 
 /// 1/|N| at E/a and n/a.
-fn reciprocal(given: &Given) -> Result<Finding, CheckError> {
+///
+/// Tables T9-3 and T9-4: claims 9-084 ... 9-088 and every second one of 9-097 ... 9-149.
+fn reciprocal(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(swing(given)?.reciprocal()?))
 }
 
 /// The angle of N at E/a and n/a, in degrees.
-fn angle(given: &Given) -> Result<Finding, CheckError> {
+///
+/// The output lags by atan(n / E) (eq 71-9). Table T9-4: claims 9-098 ... 9-150.
+fn angle(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(swing(given)?.angle()?.to_degrees()))
 }
 
-/// That the angle of N is that of n/E, whatever E/a.
-fn angle_is_ratio(given: &Given) -> Result<Finding, CheckError> {
-    let (ratio, mut told, mut holds) = (given.number("ratio")?, Vec::new(), true);
+/// Checks that the angle of N depends only on n/E, for several E/a.
+///
+/// Arguments: `ratio` n/E, and `E` as a list. The tangent must be the ratio to 1e-9. Claim 9-095.
+fn angle_is_ratio(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let (ratio, mut tangents, mut holds) = (given.number("ratio")?, Vec::new(), true);
     for force in given.numbers("E")? {
         let angle = Swing { force, friction: ratio * force }.angle()?;
         holds &= (angle.tan().abs() / ratio - 1.0).abs() < 1e-9;
-        told.push(format!("{:.3}", angle.tan()));
+        tangents.push(format!("{:.3}", angle.tan()));
     }
-    Ok(Finding::truth(holds, format!("tangents {} for n/E = {ratio}", told.join(", "))))
+    Ok(Finding::truth(holds, format!("tangents {} for n/E = {ratio}", tangents.join(", "))))
 }
 
-/// The share of a sine of E/a that passes (eq 56-9).
-fn gain(given: &Given) -> Result<Finding, CheckError> {
+/// The gain of the cut-off for a sine of amplitude E/a (eq 56-9).
+///
+/// The limits are 1 up to E = a and 1/2 for a large E. Claims 9-083.a and b.
+fn gain(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(cut_off_gain(given.number("E")?)))
 }
 
-/// Fundamental of a periodic output, by the integrals of eq 46-9 and 47-9 (with the cosine that it needs), as g + j b.
+/// Fundamental of a periodic output as g + j b, by the integrals of eq 46-9 and 47-9. Eq 47-9 needs a cosine, which
+/// is used here.
+///
+/// g = (1/pi) integral of output sin, b = (1/pi) integral of output cos, both over one period and not yet divided by E.
+/// The integrals are sums at 100 000 midpoints. The printed eq 47-9 has a sine, which is a misprint (claim 9-073).
 fn fundamental(output: impl Fn(f64) -> f64) -> Complex<f64> {
     const POINTS: usize = 100_000;
     let step = TAU / POINTS as f64;
@@ -85,13 +104,13 @@ fn fundamental(output: impl Fn(f64) -> f64) -> Complex<f64> {
     parts.sum::<Complex<f64>>() * step / PI
 }
 
-/// What is left of E sin - n cos, cut off at -1.
+/// E sin - n cos, cut off at -1. All in units of a (eq 53-9).
 fn cut_off(force: f64, friction: f64) -> impl Fn(f64) -> f64 {
     move |angle| (force * angle.sin() - friction * angle.cos()).max(-1.0)
 }
 
-/// The in-phase part as the text has it: eq 67-9, 69-9, 70-9 for n < a, eq 75-9, 77-9, 78-9 for n > a, in units of a. With n = 0
-/// both are eq 56-9.
+/// The in-phase part by the formulas of the text, in units of a: eq 67-9, 69-9, 70-9 for n < a, eq 75-9, 77-9, 78-9
+/// for n > a. With n = 0 both are eq 56-9.
 fn in_branch(force: f64, friction: f64) -> f64 {
     let squared = force.powi(2) + friction.powi(2);
     let root = (squared - 1.0).max(0.0).sqrt();
@@ -101,8 +120,11 @@ fn in_branch(force: f64, friction: f64) -> f64 {
     0.5 * (1.0 + turn / PI) + root / (PI * squared)
 }
 
-/// That the text's branch is the integral that it is said to be.
-fn integral(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the branch of the text equals its integral.
+///
+/// Arguments: `E` and `n`. Three values must agree to 1e-6: the formula of the text, the integral, and the function
+/// that the rest of the crate uses. Claims 9-081, 9-093, 9-094 and 9-096.b.
+fn integral(given: &CheckArguments) -> Result<Finding, CheckError> {
     let swing = swing(given)?;
     let summed = fundamental(cut_off(swing.force, swing.friction)) / swing.force;
     let (branch, ours) = (in_branch(swing.force, swing.friction), swing.describing_function()?);
@@ -111,89 +133,122 @@ fn integral(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth(holds, found))
 }
 
-/// That both branches give the same where n = a.
-fn branches_meet(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that both branches agree at n = a.
+///
+/// The friction is 1e-9 below and above a; the values must agree to 1e-4. Claim 9-096.
+fn branches_meet(given: &CheckArguments) -> Result<Finding, CheckError> {
     let force = given.number("E")?;
     let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|friction| in_branch(force, friction));
     let found = format!("{below:.6} with n just below a, {above:.6} just above");
     Ok(Finding::truth((below - above).abs() < 1e-4, found))
 }
 
-/// That the gain of a plain dead zone rises towards one with the amplitude.
-fn dead_zone_rises(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the gain of a plain dead zone rises towards 1 with the amplitude.
+///
+/// Argument `E`: amplitudes in units of F, ascending. Fig 9.10, claim 9-076.
+fn dead_zone_rises(given: &CheckArguments) -> Result<Finding, CheckError> {
     let sizes = given.numbers("E")?;
     let gains: Vec<f64> = sizes.iter().map(|size| dead_zone_gain(*size)).collect();
     let rises = gains.windows(2).all(|pair| pair[0] < pair[1]) && gains.iter().all(|gain| *gain < 1.0);
     Ok(Finding::shape(rises, format!("{gains:.3?} at amplitudes of {sizes:?} F")))
 }
 
-/// That a swing smaller than a passes whole.
-fn small_swing_passes(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the gain is 1 for an amplitude below a.
+///
+/// Claim 9-078. The gain must be exactly 1.
+fn small_swing_passes(given: &CheckArguments) -> Result<Finding, CheckError> {
     let gain = cut_off_gain(given.number("E")?);
     Ok(Finding::truth(gain == 1.0, format!("gain {gain}")))
 }
 
-/// That beyond a less than all passes, and the limit cycle is slower than wn.
-fn large_swing_slows(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the gain is below 1 for an amplitude above a, and the limit cycle is slower than wn.
+///
+/// Claim 9-079. The frequency is wn sqrt(g) without lag.
+fn large_swing_slows(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (table, natural) = (table(given)?, table(given)?.natural_frequency()?);
     let cycle = table.limit_cycle(given.number("E")?)?;
     let found = format!("gain {:.3}, {:.1} rad/s for wn = {natural:.1}", cycle.gain, cycle.frequency);
     Ok(Finding::shape(cycle.gain < 1.0 && cycle.frequency < natural, found))
 }
 
-/// That G never comes to the negative real axis, on which 1/N of a single-valued function lies.
-fn no_intersection(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that G never reaches the negative real axis, on which -1/N of a single-valued function is.
+///
+/// The angle of G above the negative real axis is atan(f / (M w)), which is positive at every frequency. Fig 9.13,
+/// claim 9-090.
+fn no_intersection(given: &CheckArguments) -> Result<Finding, CheckError> {
     let table = table(given)?;
-    let short = |frequency: f64| Ok(table.open_loop_angle(frequency)?.to_degrees());
-    let angles = given.numbers("w")?.into_iter().map(short).collect::<Result<Vec<_>, SlidewayError>>()?;
-    let found = format!("{angles:.3?} degrees short of it");
+    let degrees = |frequency: f64| Ok(table.open_loop_angle(frequency)?.to_degrees());
+    let angles = given.numbers("w")?.into_iter().map(degrees).collect::<Result<Vec<_>, SlidewayError>>()?;
+    let found = format!("{angles:.3?} degrees from the negative real axis");
     Ok(Finding::truth(angles.iter().all(|angle| *angle > 0.0), found))
 }
 
-/// That b is 0 for a single-valued function if it is weighted as said: eq 47-9 prints a sine.
-fn quadrature_weight(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that b is 0 for a single-valued function with the weight that `weight` selects; eq 47-9 prints a sine.
+///
+/// With the sine the result is g, which is not 0. Claims 9-073 and 9-073.b.
+fn quadrature_weight(given: &CheckArguments) -> Result<Finding, CheckError> {
     let part = fundamental(cut_off(given.number("E")?, 0.0));
-    let weighted = given.word("weight", &[("sine", part.re), ("cosine", part.im)])?;
+    let weighted = given.choice("weight", &[("sine", part.re), ("cosine", part.im)])?;
     Ok(Finding::truth(weighted.abs() < 1e-6, format!("b = {:.4} a", weighted)))
 }
 
-/// That what eq 41-9 calls xi/xo is xi/xo, which has to grow beyond one far above wn.
-fn closed_loop_ratio(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the ratio that eq 41-9 calls xi/xo is xi/xo, which must exceed 1 far above wn.
+///
+/// The check takes N = 1. Claim 9-071: N G / (1 + N G) is output by input, which is small above wn.
+fn closed_loop_ratio(given: &CheckArguments) -> Result<Finding, CheckError> {
     let open = table(given)?.open_loop(given.number("w")?)?;
     let ratio = (open / (open + 1.0)).norm();
-    Ok(Finding::truth(ratio > 1.0, format!("N G / (1 + N G) = {ratio:.4} there")))
+    Ok(Finding::truth(ratio > 1.0, format!("N G / (1 + N G) = {ratio:.4} at this frequency")))
 }
 
-/// |G(jw)|.
-fn open_loop_modulus(given: &Given) -> Result<Finding, CheckError> {
+/// The modulus of G(jw).
+///
+/// Argument `w` in rad/s. Table T9-5: claims 9-151 ... 9-167.
+fn open_loop_modulus(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(table(given)?.open_loop(given.number("w")?)?.norm()))
 }
 
-/// The angle of G(jw) short of half a turn, in degrees.
-fn open_loop_angle(given: &Given) -> Result<Finding, CheckError> {
+/// The angle between G(jw) and the negative real axis, in degrees.
+///
+/// Argument `w` in rad/s; the angle is atan(f / (M w)) (eq 59-9). Table T9-5: claims 9-152 ... 9-168.
+fn open_loop_angle(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(table(given)?.open_loop_angle(given.number("w")?)?.to_degrees()))
 }
 
-/// What the text makes of an angle that it reads off, in degrees: frequency in rad/s (eq 59-9), or n/E (eq 71-9).
-fn at_angle(given: &Given) -> Result<Finding, CheckError> {
+/// The frequency in rad/s (eq 59-9) or n/E (eq 71-9) that the text calculates from an angle in degrees.
+///
+/// Arguments: `angle` in degrees and `part`. The frequency is f / (M tan), n/E is the tangent. Claims 9-183.own and
+/// 9-188.own show that the text read its angles from a plot.
+fn at_angle(given: &CheckArguments) -> Result<Finding, CheckError> {
     let angle = given.number("angle")?.to_radians();
     let parts = [("frequency", table(given)?.frequency_at_angle(angle)?), ("n/E", angle.tan())];
-    Ok(Finding::Number(given.word("part", &parts)?))
+    Ok(Finding::Number(given.choice("part", &parts)?))
 }
 
-/// The limit cycle with E/a, and its oscillation on the friction of the simulation, VcL as given or 40 mm/s.
-fn cycle(given: &Given, table: &DrivenTable, force: f64) -> Result<(LimitCycle, Oscillation), CheckError> {
+/// The limit cycle with E/a, and its oscillation with the friction of the claim.
+///
+/// `force` is E/a. The slope Cn of the cycle determines the steady velocity on the curve of friction (eq 64-9).
+fn cycle(
+    given: &CheckArguments,
+    table: &DrivenTable,
+    force: f64,
+) -> Result<(LimitCycle, Oscillation), CheckError> {
     let cycle = table.limit_cycle(force)?;
     Ok((cycle, cycle.oscillation(table, &friction(given)?)?))
 }
 
-/// The friction that Table T9-6 was read with.
-fn friction(given: &Given) -> Result<FallingFriction, CheckError> {
+/// The friction of the simulation. VcL is 40 mm/s by default, as for Table T9-6. Static friction is 771 N.
+fn friction(given: &CheckArguments) -> Result<FallingFriction, CheckError> {
     Ok(FallingFriction::simulated(given.number_or("VcL", 0.04)?))
 }
 
-/// A part of the limit cycle with E/a: angle in degrees, frequency in rad/s, n/E, n/a, Cn in N s/mm, v0 and v in mm/s, e in mm.
-fn limit_cycle(given: &Given) -> Result<Finding, CheckError> {
+/// A quantity of the limit cycle with E/a: angle in degrees, frequency in rad/s, n/E, n/a, Cn in N s/mm, v0 and v in
+/// mm/s, e in mm.
+///
+/// Argument `part`, with the equation: `angle` (59-9), `frequency`, `n/E` (85-9), `n/a`, slope `Cn` of friction (85-9),
+/// steady velocity `v0` (64-9), amplitude `e` of position (86-9), amplitude `v` of velocity (84-9). The table before eq
+/// 84-9 and Table T9-6: claims 9-170 ... 9-233.
+fn limit_cycle(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (cycle, motion) = cycle(given, &table(given)?, given.number("E")?)?;
     let parts = [
         ("angle", cycle.angle.to_degrees()),
@@ -205,31 +260,39 @@ fn limit_cycle(given: &Given) -> Result<Finding, CheckError> {
         ("e", motion.error / MM),
         ("v", motion.swing / MM_PER_S),
     ];
-    Ok(Finding::Number(given.word("part", &parts)?))
+    Ok(Finding::Number(given.choice("part", &parts)?))
 }
 
-/// That without memory the slope at every intersection is f (wn / w)^2, whatever the stiffness.
-fn slope_by_frequency(given: &Given) -> Result<Finding, CheckError> {
-    let (table, mut told, mut holds) = (table(given)?, Vec::new(), true);
+/// Checks that without lag the slope at every intersection is f (wn / w)^2, independent of the stiffness.
+///
+/// The condition is Cn = f / g with g = (w / wn)^2, to 1e-9. Claim 9-200 (eq 85-9, 90-9).
+fn slope_by_frequency(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let (table, mut texts, mut holds) = (table(given)?, Vec::new(), true);
     for force in given.numbers("E")? {
         let cycle = table.limit_cycle(force)?;
         let by_frequency = table.damping * (table.natural_frequency()? / cycle.frequency).powi(2);
         holds &= (cycle.slope / by_frequency - 1.0).abs() < 1e-9;
-        told.push(format!("{:.2} by {:.2}", cycle.slope / N_S_PER_MM, by_frequency / N_S_PER_MM));
+        texts.push(format!("{:.2} (formula {:.2})", cycle.slope / N_S_PER_MM, by_frequency / N_S_PER_MM));
     }
-    Ok(Finding::truth(holds, format!("{} N s/mm", told.join(", "))))
+    Ok(Finding::truth(holds, format!("{} N s/mm", texts.join(", "))))
 }
 
-/// Whether velocity comes to rest in the limit cycle with E/a.
-fn sticks(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether velocity reaches rest in the limit cycle with E/a.
+///
+/// The table reaches rest if the amplitude of velocity is at least the steady velocity. Claims 9-235.45, 9-235.22.5 and
+/// 9-236.
+fn limit_cycle_sticks(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (_, motion) = cycle(given, &table(given)?, given.number("E")?)?;
-    let wanted = given.word("is", &[("stick-slip", true), ("quasi-harmonic", false)])?;
+    let wanted = given.choice("is", &[("stick-slip", true), ("quasi-harmonic", false)])?;
     let found = format!("swing {:.2} about {:.2} mm/s", motion.swing / MM_PER_S, motion.velocity / MM_PER_S);
-    Ok(Finding::shape(motion.sticks() == wanted, found))
+    Ok(Finding::shape(motion.is_stick_slip() == wanted, found))
 }
 
-/// Whether velocity still swings at E/a = 1, beyond which a command a thousandth faster has no limit cycle: friction falls too little.
-fn ends_with_a_swing(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether velocity still swings at E/a = 1, and a command faster by a thousandth has no limit cycle, because
+/// the slope of friction is too small.
+///
+/// Fig 9.17, claim 9-239. At E/a = 1 the cut-off hardly acts, so the slope is nearly the critical slope.
+fn ends_with_a_swing(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (table, friction) = (table(given)?, friction(given)?);
     let (_, motion) = cycle(given, &table, 1.0)?;
     let faster = 1.001 * motion.velocity;
@@ -238,13 +301,19 @@ fn ends_with_a_swing(given: &Given) -> Result<Finding, CheckError> {
         Err(SlidewayError::NoSolution { sought: "limit cycle", .. })
     );
     let is_last = has_none && friction.slope(faster)? < table.critical_slope()?;
-    let found =
-        format!("swings by {:.2} mm/s up to {:.2} mm/s", motion.swing / MM_PER_S, motion.velocity / MM_PER_S);
+    let found = format!(
+        "amplitude {:.2} mm/s, up to a command of {:.2} mm/s",
+        motion.swing / MM_PER_S,
+        motion.velocity / MM_PER_S
+    );
     Ok(Finding::shape(is_last && motion.swing > 0.0, found))
 }
 
-/// That what is asked for grows, or falls, as the command is slower: E/a of 1, 5 and 20.
-fn slower_is_larger(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that a quantity grows, or the frequency falls, as the command gets slower: E/a = 1, 5 and 20.
+///
+/// Argument `part`: `n/a`, `e`, `v` or `frequency`. The check also requires that a larger E/a belongs to a slower
+/// command. Claims 9-196 and 9-234.
+fn slower_is_larger(given: &CheckArguments) -> Result<Finding, CheckError> {
     let table = table(given)?;
     let motions = [1.0, 5.0, 20.0].map(|force| cycle(given, &table, force));
     let [(slow, one), (slower, two), (slowest, three)] = {
@@ -253,30 +322,32 @@ fn slower_is_larger(given: &Given) -> Result<Finding, CheckError> {
     };
     let is_slower = one.velocity > two.velocity && two.velocity > three.velocity;
     let cycles = [(slow, one), (slower, two), (slowest, three)];
-    type Part = fn(&(LimitCycle, Oscillation)) -> f64;
-    let parts: [(&str, (Part, f64)); 4] = [
+    type CycleQuantity = fn(&(LimitCycle, Oscillation)) -> f64;
+    let parts: [(&str, (CycleQuantity, f64)); 4] = [
         ("n/a", (|(cycle, _)| cycle.friction_by_spare(), 1.0)),
         ("e", (|(_, motion)| motion.error / MM, 1.0)),
         ("v", (|(_, motion)| motion.swing / MM_PER_S, 1.0)),
         ("frequency", (|(_, motion)| motion.frequency, -1.0)),
     ];
-    let (part, sign) = given.word("part", &parts)?;
+    let (part, sign) = given.choice("part", &parts)?;
     let values = cycles.each_ref().map(part);
     let follows = values.windows(2).all(|pair| sign * (pair[1] - pair[0]) > 0.0);
     let velocities = cycles.each_ref().map(|(_, motion)| motion.velocity / MM_PER_S);
     Ok(Finding::shape(is_slower && follows, format!("{values:.4?} at {velocities:.2?} mm/s")))
 }
 
-/// Both stiffnesses of the text, at one E/a.
-fn both(given: &Given) -> Result<[(LimitCycle, Oscillation); 2], CheckError> {
+/// The limit cycles with both stiffnesses of the text, at one E/a; the stiffer drive first.
+fn both_stiffnesses(given: &CheckArguments) -> Result<[(LimitCycle, Oscillation); 2], CheckError> {
     let (table, force) = (table(given)?, given.number("E")?);
     let softer = DrivenTable { stiffness: 0.5 * table.stiffness, ..table };
     Ok([cycle(given, &table, force)?, cycle(given, &softer, force)?])
 }
 
-/// That half the stiffness makes n/a and the amplitude of velocity larger and the frequency lower.
-fn softer_is_larger(given: &Given) -> Result<Finding, CheckError> {
-    let [(hard, hard_motion), (soft, soft_motion)] = both(given)?;
+/// Checks that with half the stiffness n/a and the amplitude of velocity are larger and the frequency is lower.
+///
+/// The finding states the three ratios. Claim 9-197.
+fn softer_is_larger(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let [(hard, hard_motion), (soft, soft_motion)] = both_stiffnesses(given)?;
     let ratios = [
         soft.friction_by_spare() / hard.friction_by_spare(),
         soft_motion.swing / hard_motion.swing,
@@ -288,50 +359,63 @@ fn softer_is_larger(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(holds, found))
 }
 
-/// By how many percent half the stiffness makes the amplitude of velocity larger.
-fn softer_swings_more(given: &Given) -> Result<Finding, CheckError> {
-    let [(_, hard), (_, soft)] = both(given)?;
+/// The increase of the amplitude of velocity with half the stiffness, in percent.
+///
+/// Amplitudes are proportional to 1 / sqrt(K), so the result is 41 %. The text says about 50 %. Claims 9-237.1, 9-237.5
+/// and 9-237.20.
+fn softer_swings_more(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let [(_, hard), (_, soft)] = both_stiffnesses(given)?;
     Ok(Finding::Number(100.0 * (soft.swing / hard.swing - 1.0)))
 }
 
-/// That half the stiffness makes the velocity of the limit cycle higher.
-fn softer_ends_later(given: &Given) -> Result<Finding, CheckError> {
-    let [(_, hard), (_, soft)] = both(given)?;
+/// Checks that the steady velocity of the limit cycle is higher with half the stiffness.
+///
+/// Without Tc the slope Cn = f / g hardly depends on K, so the velocities agree to the printed digits. Claims 9-198.a
+/// and b.
+fn softer_ends_later(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let [(_, hard), (_, soft)] = both_stiffnesses(given)?;
     let [hard, soft] = [hard, soft].map(|motion| motion.velocity / MM_PER_S);
-    // The digits that the text itself prints.
+    // The tolerance is half a unit of the last digit that the text prints.
     Ok(Finding::shape(soft > hard + 0.005, format!("{hard:.3} mm/s, with half the stiffness {soft:.3}")))
 }
 
-/// That the critical velocity read off the limit cycles, which leave Tc out, is the one with Tc.
-fn without_memory(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the critical velocity of the limit cycles without Tc agrees with the critical velocity with Tc.
+///
+/// "Agrees" means to 2 %. If no critical velocity with Tc exists, the statement does not hold, and the finding states
+/// the reason. Claim 9-238.
+fn without_memory(given: &CheckArguments) -> Result<Finding, CheckError> {
     let table = table(given)?;
     let plain = DrivenTable { memory: 0.0, ..table };
     let (_, motion) = cycle(given, &plain, 1.0)?;
     let friction = FallingFriction::simulated(given.number_or("VcL", 0.04)?);
-    let read = motion.velocity / MM_PER_S;
+    let plain = motion.velocity / MM_PER_S;
     match table.critical_velocity(&friction) {
         Ok(velocity) => {
             let velocity = velocity / MM_PER_S;
-            let found = format!("{read:.2} mm/s without Tc, {velocity:.2} with it");
-            Ok(Finding::truth((read / velocity - 1.0).abs() < 0.02, found))
+            let found = format!("{plain:.2} mm/s without Tc, {velocity:.2} mm/s with Tc");
+            Ok(Finding::truth((plain / velocity - 1.0).abs() < 0.02, found))
         }
-        Err(reason) => Ok(Finding::truth(false, format!("{read:.2} mm/s without Tc; with it {reason}"))),
+        Err(reason) => Ok(Finding::truth(false, format!("{plain:.2} mm/s without Tc; with Tc {reason}"))),
     }
 }
 
-/// Whether a printed number is the product of two others, as far as their last digits tell: each may be off by half of one.
-fn product_of_digits(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether a printed number is the product of two others, if each may be off by half a unit of its last digit.
+///
+/// Arguments: `a`, `b` and `is`, as printed. The slack is |b| da + |a| db + dp with half a unit of the last digit for
+/// each. Table T9-6 (eq 84-9): claims 9-205.own ... 9-230.own and 9-210.b.
+fn product_of_digits(given: &CheckArguments) -> Result<Finding, CheckError> {
     let [first, second, product] = ["a", "b", "is"].map(|name| printed(given, name));
     let (first, second, product) = (first?, second?, product?);
-    let half = |number: &Printed| 0.5 * number.last_digit();
+    let half = |number: &PrintedNumber| 0.5 * number.last_digit();
     let slack = half(&first) * second.number.abs() + half(&second) * first.number.abs() + half(&product);
     let got = first.number * second.number;
     let found = format!("{} x {} = {:.5}", first.text, second.text, got);
     Ok(Finding::truth((got - product.number).abs() <= slack, found))
 }
 
-fn printed(given: &Given, name: &str) -> Result<Printed, GivenError> {
-    let text = given.need(name)?;
-    Printed::parse(text)
-        .ok_or_else(|| GivenError::NotANumber { name: name.to_owned(), text: text.to_owned() })
+/// A printed number among the arguments. Its text is kept, because the number of digits counts.
+fn printed(given: &CheckArguments, name: &str) -> Result<PrintedNumber, ArgumentError> {
+    let text = given.require(name)?;
+    PrintedNumber::parse(text)
+        .ok_or_else(|| ArgumentError::NotANumber { name: name.to_owned(), text: text.to_owned() })
 }

@@ -1,7 +1,10 @@
-//! What others had derived before the study (chapter 2).
+//! Claims on theories before the study (chapter 2).
+//!
+//! Examples use the study's cast iron and table, because most of the cited papers give no numbers. The equations of
+//! chapter 2 are numbered with a point: eq 18.2.
 
+use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
-use super::super::given::Given;
 use super::{Check, CheckError};
 use crate::slideway::history::{GrowthAtRest, KatoLubricant, NakashimaFriction, Slip};
 use crate::slideway::material::{Material, YIELD_TO_HARDNESS};
@@ -9,6 +12,7 @@ use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::{CM, GRAVITY, KGF_PER_MM2, MM_PER_S};
 use crate::slideway::{SlidewayError, adhesion};
 
+/// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "tomlinson", run: tomlinson },
     Check { name: "bowden-tabor", run: bowden_tabor },
@@ -36,34 +40,44 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "nakashima", run: nakashima },
 ];
 
-/// Chapter 7's cast iron: shear strength and flow pressure of eq 61-7, in Pa.
+/// Shear strength of chapter 7's cast iron, in Pa (eq 61-7).
 const SHEAR: f64 = Material::GRADE_17_IRON.shear_strength;
+/// Flow pressure of chapter 7's cast iron, in Pa (eq 61-7).
 const FLOW: f64 = YIELD_TO_HARDNESS * Material::GRADE_17_IRON.hardness;
 
 /// Tomlinson's coefficient of cast iron, E in kgf/mm2, with Poisson's ratio nu and a sign in eq 2.2.
-fn tomlinson(given: &Given) -> Result<Finding, CheckError> {
+///
+/// G = E / (2 (1 + nu)), A = (3 E + sign 4 G) / (G (3 E + G)), and the coefficient is 1.07e4 (2 A)^(2/3) with A in
+/// in2/lbf (eq 1.2). Claims 2-001 and 2-002.
+fn tomlinson(given: &CheckArguments) -> Result<Finding, CheckError> {
     let young = given.number("E")? * KGF_PER_MM2;
     let shear = young / (2.0 * (1.0 + given.number("nu")?));
     let constant = adhesion::tomlinson_constant(young, shear, given.number("sign")?)?;
     Ok(Finding::Number(adhesion::tomlinson(constant, constant)?))
 }
 
-/// That A Ss + a p without ploughing makes a coefficient Ss / Pm that no load changes.
-fn bowden_tabor(given: &Given) -> Result<Finding, CheckError> {
-    let told = adhesion::shear_by_flow(SHEAR, FLOW)?;
+/// Checks that A Ss + a p without ploughing gives a coefficient Ss / Pm that does not depend on the load.
+///
+/// Argument `W`: loads in N. The area is W / Pm. Eq 4.2 ... 7.2, claim 2-005.
+fn bowden_tabor(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let predicted = adhesion::shear_by_flow(SHEAR, FLOW)?;
     let coefficient = |load: f64| Ok(adhesion::sheared_and_ploughed(load / FLOW, SHEAR, 0.0, FLOW)? / load);
     let coefficients =
         given.numbers("W")?.into_iter().map(coefficient).collect::<Result<Vec<f64>, SlidewayError>>()?;
-    let holds = coefficients.iter().all(|coefficient| (coefficient / told - 1.0).abs() < 1e-12);
-    Ok(Finding::truth(holds, format!("{told:.4} for chapter 7's cast iron, at every load")))
+    let holds = coefficients.iter().all(|coefficient| (coefficient / predicted - 1.0).abs() < 1e-12);
+    Ok(Finding::truth(holds, format!("{predicted:.4} for chapter 7's cast iron, at every load")))
 }
 
-/// That the mean shear strength goes from that of the film to that of the metal.
-fn mean_shear(_: &Given) -> Result<Finding, CheckError> {
+/// Checks that the mean shear strength rises from that of the film to that of the metal with the metallic share.
+///
+/// Ss = alpha Ss1 + (1 - alpha) Ss2. The film has a tenth of the strength of the metal. Eq 8.2, claim 2-006.
+fn mean_shear(_: &CheckArguments) -> Result<Finding, CheckError> {
     let [film, half, metal] = [0.0, 0.5, 1.0]
         .map(|share| Ok::<_, SlidewayError>(adhesion::mean_shear(share, SHEAR, 0.1 * SHEAR)? / SHEAR));
     let (film, half, metal) = (film?, half?, metal?);
-    let found = format!("{film:.2}, {half:.2}, {metal:.2} of the metal's at none, half and all metallic");
+    let found = format!(
+        "{film:.2}, {half:.2}, {metal:.2} times that of the metal at a metallic share of 0, 1/2 and 1"
+    );
     Ok(Finding::truth(
         (film - 0.1).abs() < 1e-12 && film < half && half < metal && (metal - 1.0).abs() < 1e-12,
         found,
@@ -71,18 +85,23 @@ fn mean_shear(_: &Given) -> Result<Finding, CheckError> {
 }
 
 /// Ss / Pm + tan(theta) for chapter 7's cast iron.
-fn ernst_merchant(given: &Given) -> Result<Finding, CheckError> {
+///
+/// Argument `tan`. Eq 11.2, claim 2-008.
+fn ernst_merchant(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(adhesion::ernst_merchant(SHEAR, FLOW, given.number("tan")?.atan())?))
 }
 
-/// Friction that grows at rest, as an example.
-fn growth(given: &Given) -> Result<GrowthAtRest, CheckError> {
+/// An example of friction that grows at rest: mu_k = 0.2, gamma = 0.05, beta = 0.3 unless given. mu_s = mu_k + gamma
+/// t^beta (eq 20.2).
+fn growth(given: &CheckArguments) -> Result<GrowthAtRest, CheckError> {
     let (factor, exponent) = (given.number_or("gamma", 0.05)?, given.number_or("beta", 0.3)?);
     Ok(GrowthAtRest { kinetic: 0.2, factor, exponent })
 }
 
-/// That the rule of the critical distance makes kinetic friction fall with velocity.
-fn rabinowicz_rule(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that by the rule of the critical distance kinetic friction falls with velocity. The distance is in m.
+///
+/// mu_k at a velocity is mu_s after the time distance / velocity. Claim 2-009.
+fn rabinowicz_rule(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (growth, distance) = (growth(given)?, given.number("distance")?);
     let at = |velocity: f64| growth.coefficient_at(velocity * MM_PER_S, distance);
     let coefficients = [at(0.01)?, at(0.1)?, at(1.0)?];
@@ -90,11 +109,14 @@ fn rabinowicz_rule(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(falls, format!("{coefficients:.3?} at 0.01, 0.1 and 1 mm/s")))
 }
 
-/// That each slip gets shorter with velocity, or with a stiffer drive, or that stick-slip ends sooner on a stiffer drive, under 10 N and
-/// with a critical distance of 10 um.
-fn stick_slip_falls(given: &Given) -> Result<Finding, CheckError> {
-    type Row = fn(&GrowthAtRest) -> Result<[f64; 3], SlidewayError>;
-    let row = given.word::<Row>(
+/// Checks that each slip is shorter at a higher velocity or with a stiffer drive, or that stick-slip ends at a lower
+/// velocity with a stiffer drive. The weight is 10 N and the critical distance 10 um.
+///
+/// Argument `with`: `velocity`, `stiffness` or `end`. A slip is (2 W gamma / (K V^beta))^(1 / (1 - beta)). Claims
+/// 2-009.b ... d (Fig 2.2).
+fn stick_slip_falls(given: &CheckArguments) -> Result<Finding, CheckError> {
+    type SlipValues = fn(&GrowthAtRest) -> Result<[f64; 3], SlidewayError>;
+    let row = given.choice::<SlipValues>(
         "with",
         &[
             ("velocity", |growth| {
@@ -124,43 +146,55 @@ fn stick_slip_falls(given: &Given) -> Result<Finding, CheckError> {
 }
 
 /// Rabinowicz's least diameter in cm, for J/m2 and kgf/mm2.
-fn wear_particle(given: &Given) -> Result<Finding, CheckError> {
+///
+/// 60 000 W / p, with `W` in J/m2 and `p` in kgf/mm2. Claim 2-010.
+fn wear_particle(given: &CheckArguments) -> Result<Finding, CheckError> {
     let hardness = given.number("p")? * KGF_PER_MM2;
     Ok(Finding::Number(adhesion::wear_particle(given.number("W")?, hardness)? / CM))
 }
 
-/// That eq 14.2 follows from 12.2 and 13.2, whose numerator is then the load.
-fn kraghelskii(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that eq 14.2 follows from eq 12.2 and 13.2 if the numerator of eq 13.2 is the load.
+///
+/// alpha / (nu sigma_s) + beta, at loads `W` in N with example constants. Claim 2-011.
+fn kraghelskii(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (alpha, beta, nu, stress) = (0.2 * FLOW, 0.05, 3.0, FLOW / 3.0);
-    let told = adhesion::kraghelskii(alpha, nu, stress, beta)?;
+    let predicted = adhesion::kraghelskii(alpha, nu, stress, beta)?;
     let by_parts = |load: f64| (alpha * load / (nu * stress) + beta * load) / load;
-    let holds = given.numbers("W")?.into_iter().all(|load| (by_parts(load) / told - 1.0).abs() < 1e-12);
-    Ok(Finding::truth(holds, format!("{told:.3} at every load, with W over nu sigma_s")))
+    let holds = given.numbers("W")?.into_iter().all(|load| (by_parts(load) / predicted - 1.0).abs() < 1e-12);
+    Ok(Finding::truth(holds, format!("{predicted:.3} at every load, with W / (nu sigma_s)")))
 }
 
 /// Tsukizoe and Hisakado's coefficient of shearing.
-fn junctions_grow(given: &Given) -> Result<Finding, CheckError> {
+///
+/// (Ss/Pm) / sqrt(1 - alpha (Ss/Pm)^2). The scan lost the root. Eq 21.2, claim 2-022.
+fn junctions_grow(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(adhesion::tsukizoe_hisakado(SHEAR, FLOW, given.number("alpha")?)?))
 }
 
-/// Their coefficient of a cone.
-fn cone_on_plane(given: &Given) -> Result<Finding, CheckError> {
+/// Tsukizoe and Hisakado's coefficient of a cone.
+///
+/// Arguments: `mu` and `tan`. Eq 22.2, claim 2-023.
+fn cone_on_plane(given: &CheckArguments) -> Result<Finding, CheckError> {
     let slope = given.number("tan")?.atan();
     Ok(Finding::Number(adhesion::cone_on_plane(given.number("mu")?, slope)?))
 }
 
-/// Gupta and Cook's coefficient where S = Y.
-fn gupta_cook(_: &Given) -> Result<Finding, CheckError> {
+/// Gupta and Cook's coefficient for S = Y.
+///
+/// 0.93 S / Y (eq 26.2). Claim 2-025.a.
+fn gupta_cook(_: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(adhesion::gupta_cook(FLOW, FLOW)?))
 }
 
-/// Their factor of W (2 / Y) in the contact area.
-fn gupta_cook_area(_: &Given) -> Result<Finding, CheckError> {
+/// The factor of W (2 / Y) in Gupta and Cook's contact area.
+///
+/// Y is 2 Pa and the load 1 N, so that the factor remains. Eq 25.2, claim 2-025.b.
+fn gupta_cook_area(_: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(adhesion::gupta_cook_area(1.0, 2.0)?))
 }
 
-/// A slip on the study's table with a damping ratio: dF in N, M in kg, K in N/m.
-fn slip(given: &Given) -> Result<Slip, CheckError> {
+/// A slip on the study's table: dF in N (100 N by default), M in kg, K in N/m, damping ratio zeta.
+fn slip(given: &CheckArguments) -> Result<Slip, CheckError> {
     let study = DrivenTable::simulated(0.0);
     Ok(Slip {
         drop: given.number_or("dF", 100.0)?,
@@ -170,32 +204,40 @@ fn slip(given: &Given) -> Result<Slip, CheckError> {
     })
 }
 
-/// That phi is a number without unit: it stays where forces are ten times and masses, stiffness with them.
-fn drop_ratio(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that phi is dimensionless: it does not change if forces, masses and stiffness are ten times as large.
+///
+/// phi = dF / (V sqrt(K M)) (eq 17.2). Argument `V` in m/s. Claim 2-014.
+fn drop_ratio(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (slip, drive) = (slip(given)?, given.number("V")?);
     let larger =
         Slip { drop: 10.0 * slip.drop, mass: 10.0 * slip.mass, stiffness: 10.0 * slip.stiffness, ..slip };
     let (one, other) = (slip.drop_ratio(drive)?, larger.drop_ratio(drive)?);
-    Ok(Finding::truth((one / other - 1.0).abs() < 1e-12, format!("phi = {one:.4} both times")))
+    Ok(Finding::truth((one / other - 1.0).abs() < 1e-12, format!("phi = {one:.4} in both cases")))
 }
 
-/// That eq 18.2 solves eq 15.2, within a ten-thousandth of K V over half a period, with v = 0 and v' = dF/M at the start.
-fn slip_equation(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that eq 18.2 solves eq 15.2, within a ten-thousandth of K V over half a period, with v = 0 and v' = dF/M at
+/// the start.
+///
+/// Arguments: `V` in m/s and `zeta`. 29 times are checked, 0.1 to 2.9 times sqrt(M / K). Claim 2-015.
+fn slip_equation(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (slip, drive) = (slip(given)?, given.number("V")?);
     let radian = (slip.mass / slip.stiffness).sqrt();
     let mut solves = true;
     for step in 1..30 {
-        solves &= missed(&slip, drive, 0.1 * f64::from(step) * radian)?.abs() < 1e-4;
+        solves &= residual(&slip, drive, 0.1 * f64::from(step) * radian)?.abs() < 1e-4;
     }
     let soon = 1e-7 * radian;
     let start = slip.velocity(drive, soon)? / soon / (slip.drop / slip.mass);
     let holds = solves && slip.velocity(drive, 0.0)? == 0.0 && (start - 1.0).abs() < 1e-5;
-    let found = if solves { "solved" } else { "not solved" };
-    Ok(Finding::truth(holds, format!("{found}; v' at the start is {start:.4} dF/M")))
+    let equation = if solves { "solved" } else { "not solved" };
+    Ok(Finding::truth(holds, format!("{equation}; v' at the start is {start:.4} dF/M")))
 }
 
-/// What eq 18.2 leaves of eq 15.2 once differentiated, M v'' + (f - n) v' + K (v - V), in units of K V, by differences.
-fn missed(slip: &Slip, drive: f64, time: f64) -> Result<f64, SlidewayError> {
+/// The residual of the derivative of eq 15.2 for the velocity of eq 18.2, M v'' + (f - n) v' + K (v - V), in units of
+/// K V. The derivatives are central differences.
+///
+/// `drive` is V in m/s, `time` the time since the start of the slip in s.
+fn residual(slip: &Slip, drive: f64, time: f64) -> Result<f64, SlidewayError> {
     let radian = (slip.mass / slip.stiffness).sqrt();
     let step = 1e-3 * radian;
     let (before, now) = (slip.velocity(drive, time - step)?, slip.velocity(drive, time)?);
@@ -204,16 +246,20 @@ fn missed(slip: &Slip, drive: f64, time: f64) -> Result<f64, SlidewayError> {
     Ok((radian.powi(2) * bend + 2.0 * slip.damping * radian * rate + now - drive) / drive)
 }
 
-/// That an undamped slip lasts pi / wn, as nearly as a drive in m/s lets it: within the machine's 2 %.
-fn slip_half_period(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that an undamped slip lasts pi / wn to the machine's accuracy of 2 %, for a drive velocity V in m/s.
+///
+/// Bowden and Tabor; it holds for a slow drive only. Claim 2-007.
+fn slip_half_period(given: &CheckArguments) -> Result<Finding, CheckError> {
     let slip = slip(given)?;
     let share =
         slip.duration(given.number("V")?)? * (slip.stiffness / slip.mass).sqrt() / std::f64::consts::PI;
-    Ok(Finding::truth((share - 1.0).abs() < 0.02, format!("{share:.4} of it")))
+    Ok(Finding::truth((share - 1.0).abs() < 0.02, format!("{share:.4} of pi / wn")))
 }
 
-/// That the velocity of slip falls, by the drive's, as the drive gets faster.
-fn slip_falls_with_drive(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the peak velocity of slip relative to the drive velocity falls as the drive gets faster.
+///
+/// Argument `V`: drive velocities in m/s, ascending. Claim 2-007.b.
+fn slip_falls_with_drive(given: &CheckArguments) -> Result<Finding, CheckError> {
     let slip = slip(given)?;
     let most = |drive: f64| -> Result<f64, SlidewayError> {
         let (parts, end) = (200, slip.duration(drive)?);
@@ -225,32 +271,38 @@ fn slip_falls_with_drive(given: &Given) -> Result<Finding, CheckError> {
     };
     let peaks = given.numbers("V")?.into_iter().map(most).collect::<Result<Vec<f64>, SlidewayError>>()?;
     let falls = peaks.windows(2).all(|pair| pair[1] < pair[0]);
-    Ok(Finding::shape(falls, format!("peaks of {peaks:.2?} times the drive's")))
+    Ok(Finding::shape(falls, format!("peaks of {peaks:.2?} times the drive velocity")))
 }
 
-/// That eq 19.2 is the tangency of eq 18.2 for small damping ratios: within the machine's 2 %.
-fn slip_critical(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that eq 19.2 agrees with the tangency of eq 18.2 to the machine's accuracy of 2 %.
+///
+/// dF / sqrt(4 pi zeta M K). Claim 2-016.a, at zeta = 0.001.
+fn slip_critical(given: &CheckArguments) -> Result<Finding, CheckError> {
     let slip = slip(given)?;
     let ratio = slip.approximate_critical_velocity()? / slip.critical_velocity()?;
     let found = format!("{:+.1} % from tangency", 100.0 * (ratio - 1.0));
     Ok(Finding::truth((ratio - 1.0).abs() < 0.02, found))
 }
 
-/// That eq 19.2 comes nearer to tangency as the damping ratio falls.
-fn slip_critical_tends(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that eq 19.2 approaches the tangency of eq 18.2 as the damping ratio falls.
+///
+/// Argument `over`: damping ratios, descending. Claim 2-016.b.
+fn slip_critical_tends(given: &CheckArguments) -> Result<Finding, CheckError> {
     let slip = slip(given)?;
-    let miss = |damping: f64| -> Result<f64, SlidewayError> {
+    let error = |damping: f64| -> Result<f64, SlidewayError> {
         let slip = Slip { damping, ..slip };
         Ok(100.0 * (slip.approximate_critical_velocity()? / slip.critical_velocity()? - 1.0))
     };
     let ratios = given.numbers("over")?;
-    let misses = ratios.iter().map(|damping| miss(*damping)).collect::<Result<Vec<f64>, SlidewayError>>()?;
-    let holds = misses.windows(2).all(|pair| pair[1].abs() < pair[0].abs());
-    Ok(Finding::shape(holds, format!("{misses:.1?} % at {ratios:?}")))
+    let errors = ratios.iter().map(|damping| error(*damping)).collect::<Result<Vec<f64>, SlidewayError>>()?;
+    let holds = errors.windows(2).all(|pair| pair[1].abs() < pair[0].abs());
+    Ok(Finding::shape(holds, format!("{errors:.1?} % at {ratios:?}")))
 }
 
-/// That slip ends just below the critical velocity, and not just above.
-fn slip_ends(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that a slip ends just below the critical velocity, and does not end just above it.
+///
+/// At 0.999 and 1.001 times the critical velocity. Claim 2-016.c.
+fn slip_ends(given: &CheckArguments) -> Result<Finding, CheckError> {
     let slip = slip(given)?;
     let critical = slip.critical_velocity()?;
     let ends = |share: f64| slip.duration(share * critical).is_ok();
@@ -258,12 +310,14 @@ fn slip_ends(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth(ends(0.999) && !ends(1.001), found))
 }
 
-/// That the critical velocity falls as the damping ratio, or stiffness, rises, or as the drop falls.
-fn slip_critical_falls(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the critical velocity falls as the damping ratio, or stiffness, rises, or as the drop falls.
+///
+/// Argument `with`: `zeta`, `K` or `drop`, changed by factors of 1.5 and 2. Claims 2-017 and 2-019.
+fn slip_critical_falls(given: &CheckArguments) -> Result<Finding, CheckError> {
     type Change = fn(&Slip, f64) -> Slip;
     let changes: [(&str, Change); 3] = [
         ("zeta", |slip, factor| Slip { damping: slip.damping * factor, ..*slip }),
-        // The viscous coefficient stays, and zeta goes with 1 / sqrt(K).
+        // The viscous coefficient stays the same, so zeta is proportional to 1 / sqrt(K).
         ("K", |slip, factor| Slip {
             stiffness: slip.stiffness * factor,
             damping: slip.damping / factor.sqrt(),
@@ -271,7 +325,7 @@ fn slip_critical_falls(given: &Given) -> Result<Finding, CheckError> {
         }),
         ("drop", |slip, factor| Slip { drop: slip.drop / factor, ..*slip }),
     ];
-    let (slip, change) = (slip(given)?, given.word("with", &changes)?);
+    let (slip, change) = (slip(given)?, given.choice("with", &changes)?);
     let velocity =
         |factor: f64| Ok::<_, SlidewayError>(change(&slip, factor).critical_velocity()? / MM_PER_S);
     let velocities = [velocity(1.0)?, velocity(1.5)?, velocity(2.0)?];
@@ -279,25 +333,31 @@ fn slip_critical_falls(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(falls, format!("{velocities:.2?} mm/s at 1, 1.5 and 2 times the change")))
 }
 
-/// That mu_s is mu_k at no time of rest, and that the logarithms of the difference lie on a line over those of time.
-fn growth_at_rest(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that mu_s equals mu_k for no time at rest, and that their difference is a straight line on logarithmic paper.
+///
+/// The slope on logarithmic paper must be beta between 0.01 and 0.1 s, and between 1 and 10 s. Eq 20.2, claim 2-018.
+fn growth_at_rest(given: &CheckArguments) -> Result<Finding, CheckError> {
     let growth = growth(given)?;
     let grown = |time: f64| Ok::<_, SlidewayError>(growth.static_coefficient(time)? - growth.kinetic);
     let rises = [(grown(0.1)? / grown(0.01)?).log10(), (grown(10.0)? / grown(1.0)?).log10()];
     let holds = grown(0.0)? == 0.0 && rises.iter().all(|rise| (rise - growth.exponent).abs() < 1e-9);
-    Ok(Finding::truth(holds, format!("0 at rest, slopes {rises:.3?} in logarithms")))
+    Ok(Finding::truth(holds, format!("0 for no time at rest, logarithmic slopes {rises:.3?}")))
 }
 
-/// That static friction after `t` s at rest is smaller with a smaller beta.
-fn growth_by_beta(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that static friction after `t` s at rest is smaller with a smaller beta.
+///
+/// Claims 2-019.d and e: this holds above 1 s, the unit of gamma, and not below it.
+fn growth_by_beta(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (growth, time) = (growth(given)?, given.number("t")?);
     let with = |exponent: f64| GrowthAtRest { exponent, ..growth }.static_coefficient(time);
     let (small, large) = (with(0.5 * growth.exponent)?, with(growth.exponent)?);
-    Ok(Finding::shape(small < large, format!("{small:.4} with half the beta, {large:.4} with all of it")))
+    Ok(Finding::shape(small < large, format!("{small:.4} with half of beta, {large:.4} with beta")))
 }
 
-/// That Kato's critical velocity falls as the natural frequency rises.
-fn kato_falls(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that Kato's critical velocity falls as the natural frequency rises.
+///
+/// Argument `M` in kg. The constants of the lubricant are examples. Eq 36.2, claim 2-031.
+fn kato_falls(given: &CheckArguments) -> Result<Finding, CheckError> {
     let oil = KatoLubricant { drop: 0.1, a: 20.0, m: 0.8, b: 20.0, n: 0.8 };
     let mass = given.number("M")?;
     let at = |stiffness: f64| oil.critical_velocity(mass * GRAVITY, mass, stiffness);
@@ -306,8 +366,12 @@ fn kato_falls(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(falls, format!("{velocities:.3?} mm/s at 11, 27.6 and 45 MN/m")))
 }
 
-/// That Nakashima's friction lets a table oscillate with a below 0 only, and is eq 26-9 with Cn = -W a, Tc = 1 / b0, f = T0.
-fn nakashima(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that a table with Nakashima's friction can oscillate only if a is negative. The friction is that of eq 26-9
+/// with Cn = -W a, Tc = 1 / b0, f = T0.
+///
+/// Argument `Tc` in s. The check tests a positive slope, and slopes 1 % below and above the boundary of Routh-Hurwitz.
+/// Claim 2-033 (eq 38.2).
+fn nakashima(given: &CheckArguments) -> Result<Finding, CheckError> {
     let study = DrivenTable::simulated(given.number("Tc")?);
     let friction = |slope: f64| NakashimaFriction {
         weight: study.mass * GRAVITY,

@@ -1,4 +1,15 @@
-//! The checks that decide claims, by name. Those of a subject stand in a file, one row each in its table.
+//! The checks that decide claims, by name.
+//!
+//! Every file holds the checks of one subject and a table with one row for each of them. A check receives the
+//! arguments of a claim and returns a [`Finding`]: a number, or whether a statement or a shape is as the study says.
+//! The doc of a check names its arguments and their units.
+//!
+//! A row of the ledger names its check in the column `check` and its arguments in the column `given`. The row
+//! `range-of-ridges,of=contacts N=3` runs `range_of_ridges` of `surfaces`. Names of arguments are those of the study:
+//! M, K, f, Fs, VcL, Tc, Pw. The words `of`, `by`, `with`, `part`, `way` and `it` select a quantity or a direction.
+//!
+//! A check states a number only in the unit of its claim. The comparison with the printed number and its tolerance is
+//! not its work: see [`Claim`](super::claim::Claim).
 
 mod describing;
 mod design;
@@ -6,31 +17,33 @@ mod drive;
 mod falling;
 mod formula;
 mod history;
-mod limits;
-mod others;
+mod other_circuits;
 mod profiles;
 mod recordings;
+mod rest;
 mod scaling;
 mod shipped;
 mod sliding;
+mod slope_laws;
 mod stability;
-mod standing;
 mod surfaces;
 mod swings;
 mod wear;
 
+use super::check_arguments::{ArgumentError, CheckArguments};
 use super::finding::Finding;
-use super::given::{Given, GivenError};
-use super::recipe::Problem;
+use super::recipe::BoxError;
 use crate::slideway::SlidewayError;
 
-/// A check: what it is called in the ledger, and how it finds what it finds.
+/// A check: its name in the ledger and its function.
 struct Check {
+    /// The name in the ledger, such as "ridge-radius". Unique over all tables.
     name: &'static str,
-    run: fn(&Given) -> Result<Finding, CheckError>,
+    /// Computes the finding. It must read every argument of the row, because [`run`] refuses unread ones.
+    run: fn(&CheckArguments) -> Result<Finding, CheckError>,
 }
 
-/// The tables of all subjects.
+/// The tables of all files.
 const TABLES: &[&[Check]] = &[
     describing::CHECKS,
     design::CHECKS,
@@ -38,57 +51,62 @@ const TABLES: &[&[Check]] = &[
     falling::CHECKS,
     formula::CHECKS,
     history::CHECKS,
-    limits::CHECKS,
-    others::CHECKS,
+    other_circuits::CHECKS,
     profiles::CHECKS,
     recordings::CHECKS,
+    rest::CHECKS,
     scaling::CHECKS,
     shipped::CHECKS,
     sliding::CHECKS,
+    slope_laws::CHECKS,
     stability::CHECKS,
-    standing::CHECKS,
     surfaces::CHECKS,
     swings::CHECKS,
     wear::CHECKS,
 ];
 
-/// Why a check finds nothing.
+/// The reason why a check has no finding.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CheckError {
-    /// A name that no check has.
+    /// No check has this name.
     #[error("there is no check {0}")]
     Unknown(String),
-    /// Arguments that are wrong.
+    /// An argument is missing, unknown or wrong.
     #[error(transparent)]
-    Given(#[from] GivenError),
-    /// A formula of a row that cannot be worked out.
+    Given(#[from] ArgumentError),
+    /// A formula among the arguments cannot be evaluated.
     #[error("{text}: {error}")]
     Formula {
         /// The formula.
         text: String,
-        /// What is wrong with it.
+        /// The error in the formula.
         error: String,
     },
-    /// A law that does not hold for what it is given.
+    /// A law does not hold for the arguments.
     #[error(transparent)]
     Slideway(#[from] SlidewayError),
-    /// A run that cannot be made, or shows nothing.
+    /// A run fails, or its recording does not contain what the check needs.
     #[error("{0}")]
     Run(String),
 }
 
-impl From<Problem> for CheckError {
-    fn from(problem: Problem) -> Self {
+/// Errors of runs become texts, so that a check can use `?` on them. The kind of the error is lost; no caller needs it.
+impl From<BoxError> for CheckError {
+    fn from(problem: BoxError) -> Self {
         CheckError::Run(problem.to_string())
     }
 }
 
-/// Runs a check by name. It has to ask for every argument: one that it does not know would say something that is not so.
-pub(super) fn run(name: &str, given: &Given) -> Result<Finding, CheckError> {
+/// Runs a check by name.
+///
+/// # Errors
+/// If no check has the name, the check fails, or it did not read every argument. An argument that is not read would
+/// suggest a condition that does not apply.
+pub(super) fn run(name: &str, given: &CheckArguments) -> Result<Finding, CheckError> {
     let mut all = TABLES.iter().copied().flatten();
     let check = all.find(|check| check.name == name).ok_or_else(|| CheckError::Unknown(name.to_owned()))?;
     let finding = (check.run)(given)?;
-    given.all_asked()?;
+    given.reject_unused()?;
     Ok(finding)
 }
 
@@ -100,22 +118,22 @@ mod tests {
     use crate::replay::ledger;
 
     #[test]
-    fn every_check_has_a_name_of_its_own() {
+    fn check_names_are_unique() {
         let mut seen = HashSet::new();
         assert!(TABLES.iter().copied().flatten().all(|check| seen.insert(check.name)));
     }
 
     #[test]
-    fn every_check_decides_a_claim() {
-        let asked: HashSet<String> = ledger().unwrap().into_iter().filter_map(|claim| claim.check).collect();
+    fn every_check_is_used_by_a_claim() {
+        let used: HashSet<String> = ledger().unwrap().into_iter().filter_map(|claim| claim.check).collect();
         let checks = TABLES.iter().copied().flatten().map(|check| check.name);
-        let unused: Vec<_> = checks.filter(|name| !asked.contains(*name)).collect();
+        let unused: Vec<_> = checks.filter(|name| !used.contains(*name)).collect();
         assert!(unused.is_empty(), "{unused:?}");
     }
 
     #[test]
-    fn arguments_that_a_check_does_not_take_are_refused() {
-        let given = Given::parse("B=50e-6 X=1").unwrap();
+    fn unknown_arguments_and_names_are_refused() {
+        let given = CheckArguments::parse("B=50e-6 X=1").unwrap();
         assert_eq!(run("ridge-radius", &given).unwrap_err().to_string(), "the check takes no X");
         assert_eq!(run("no-such", &given).unwrap_err().to_string(), "there is no check no-such");
     }

@@ -1,19 +1,23 @@
-//! What velocity profiles of the circuits decide: runs in which the command rises and comes back.
+//! Claims that are decided by velocity profiles of the circuits: runs in which the command rises and falls again.
 //!
-//! Critical velocities are those at which swings above 0.25 mm/s within 0.04 s end, or begin. Arguments are the circuit
-//! (fig-8-16 where none is named), its parameters in their units, and `rate`, that of the command in m/s2.
+//! The critical velocities are the commands at which swings above 0.25 mm/s within 0.04 s end or begin. The arguments
+//! are the circuit (fig-8-16 by default), its parameters in their units, and `rate`, the rate of the command in m/s2.
+//!
+//! Another common argument is `to`, the maximum of the command in m/s. A VcL above full scale, 25.4 mm/s, doubles the
+//! scales of the circuit; the motion in physical units does not change.
 
-use super::super::boundary::{RATE, undisturbed};
+use super::super::boundary::{RATE, disturbance_boundary};
+use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
-use super::super::given::Given;
 use super::super::recipe::Recipe;
-use super::super::reversal::{self, Tally};
+use super::super::reversal::{self, ReversalTally};
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::MM_PER_S;
 use patchcord_analysis::instruments::{CriticalVelocity, NoCriticalVelocity};
 
+/// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "critical-velocity", run: critical_velocity },
     Check { name: "ends-while-friction-falls", run: ends_while_friction_falls },
@@ -26,91 +30,116 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "both-directions", run: both_directions },
 ];
 
-/// The command goes up to 40 V (8.2), in m/s.
+/// Maximum of the command, in m/s: 40 V (8.2).
 pub(super) const HIGHEST: f64 = 10.16e-3;
 
-/// The velocity of 100 V, in m/s.
-const END_OF_SCALES: f64 = 25.4e-3;
+/// The velocity that 100 V represents, in m/s.
+const FULL_SCALE: f64 = 25.4e-3;
 
-/// The circuits that may be named.
+/// The permitted circuits.
+///
+/// Figs 8.11 and 8.14 have no lag; `fig-8-16-lag-last` has the lag behind the multiplier.
 const CIRCUITS: [(&str, &str); 4] = [
     ("fig-8-11", "fig-8-11"),
     ("fig-8-14", "fig-8-14"),
     ("fig-8-16", "fig-8-16"),
     ("fig-8-16-lag-last", "fig-8-16-lag-last"),
 ];
-/// The parameters that may be set.
+/// The permitted parameters.
+///
+/// Units: kg, N/m, N s/m, N, m/s and s, in this order.
 const PARAMETERS: [&str; 6] = ["M", "K", "f", "Fs", "VcL", "Tc"];
 
-/// A circuit with the parameters that are given.
-pub(super) fn recipe(given: &Given) -> Result<Recipe, CheckError> {
+/// The circuit of a claim with its parameters.
+pub(super) fn recipe(given: &CheckArguments) -> Result<Recipe, CheckError> {
     let circuit =
-        if given.text("circuit").is_some() { given.word("circuit", &CIRCUITS)? } else { "fig-8-16" };
-    let mut recipe = Recipe::of(circuit);
+        if given.text("circuit").is_some() { given.choice("circuit", &CIRCUITS)? } else { "fig-8-16" };
+    let mut recipe = Recipe::new(circuit);
     for name in PARAMETERS {
         if given.text(name).is_some() {
             recipe = recipe.set(name, given.number(name)?);
         }
     }
-    // At VcL the table would stand at the end of the study's scales.
-    let is_beyond = given.number_or("VcL", 0.0)? > END_OF_SCALES;
-    Ok(if is_beyond { recipe.scaled(2.0) } else { recipe })
+    // VcL would be outside the study's scales.
+    let is_beyond = given.number_or("VcL", 0.0)? > FULL_SCALE;
+    Ok(if is_beyond { recipe.scale_by(2.0) } else { recipe })
 }
 
-/// A profile up to a command and back.
+/// The critical velocities of a profile up to a command in m/s and back, at a rate in m/s2.
+///
+/// # Errors
+/// If the run fails or an amplifier was overloaded. A profile without a critical velocity is not an error here.
 fn profile(recipe: Recipe, rate: f64, highest: f64) -> Result<CriticalVelocity, CheckError> {
-    let run = recipe.there_and_back(highest, rate).recording(&["v_i", "v_o"]);
-    Ok(run.run("profile", "")?.critical()?)
+    let run = recipe.triangle_command(highest, rate).record(&["v_i", "v_o"]);
+    Ok(run.run("profile", "")?.record.critical_velocity()?)
 }
 
-fn given_profile(given: &Given) -> Result<CriticalVelocity, CheckError> {
+/// The profile with the rate and the maximum of the claim.
+fn given_profile(given: &CheckArguments) -> Result<CriticalVelocity, CheckError> {
     profile(recipe(given)?, given.number_or("rate", RATE)?, given.number_or("to", HIGHEST)?)
 }
 
 /// Reads one of the two critical velocities.
-type Which = fn(&CriticalVelocity) -> Result<f64, NoCriticalVelocity>;
+type CriticalSide = fn(&CriticalVelocity) -> Result<f64, NoCriticalVelocity>;
 
-fn which(given: &Given) -> Result<Which, CheckError> {
-    let known: [(&str, Which); 2] =
+/// The critical velocity that `of` selects.
+///
+/// `rising` is the command at which oscillation ends, `falling` the one at which it begins again.
+fn critical_side(given: &CheckArguments) -> Result<CriticalSide, CheckError> {
+    let known: [(&str, CriticalSide); 2] =
         [("rising", |critical| critical.rising), ("falling", |critical| critical.falling)];
-    Ok(given.word("of", &known)?)
+    Ok(given.choice("of", &known)?)
 }
 
-/// In mm/s.
+/// A critical velocity in mm/s.
+///
+/// # Errors
+/// If there is none.
 fn read(velocity: Result<f64, NoCriticalVelocity>) -> Result<f64, CheckError> {
     velocity.map(|velocity| velocity / MM_PER_S).map_err(|none| CheckError::Run(none.to_string()))
 }
 
-/// A critical velocity, in mm/s.
-fn critical_velocity(given: &Given) -> Result<Finding, CheckError> {
-    let of = which(given)?;
+/// The critical velocity of the profile, in mm/s.
+///
+/// Claims 8-079.a, 8-079.b and 8-127.a ... c, on the circuits without lag.
+fn critical_velocity(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let of = critical_side(given)?;
     Ok(Finding::Number(read(of(&given_profile(given)?))?))
 }
 
-/// Whether oscillation ends, while the command rises, at a velocity at which all friction still falls.
-fn ends_while_friction_falls(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether oscillation ends at a rising command at which total friction still falls.
+///
+/// Arguments: `VcL` in m/s and `f` in N s/m. Friction is least at VcL (1 - f VcL / (2 Fs)) (eq 48-8). Claims 4-022 and
+/// 8-122.a ... c.
+fn ends_while_friction_falls(given: &CheckArguments) -> Result<Finding, CheckError> {
     let friction = FallingFriction::simulated(given.number("VcL")?);
     let least = friction.velocity_of_least(given.number_or("f", SIMULATED_DAMPING)?)? / MM_PER_S;
     let ends = read(given_profile(given)?.rising)?;
     Ok(Finding::truth(ends < least, format!("ends at {ends:.2} mm/s; friction is least at {least:.2} mm/s")))
 }
 
-/// Whether oscillation ends at a higher command than it begins at again.
-fn rising_above_falling(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the command at which oscillation ends is higher than that at which it begins again.
+///
+/// Fig 8.27: claims 4-027 and 8-124.
+fn rising_above_falling(given: &CheckArguments) -> Result<Finding, CheckError> {
     let critical = given_profile(given)?;
     let (rising, falling) = (read(critical.rising)?, read(critical.falling)?);
     Ok(Finding::truth(rising > falling, format!("{rising:.2} mm/s rising, {falling:.2} mm/s falling")))
 }
 
-/// Whether no settings out of many make the falling critical velocity the higher one, with noise of so many m/s on the command.
-fn never_reversed(given: &Given) -> Result<Finding, CheckError> {
-    let tally = reversal::tally(given.number("settings")? as u64, given.number("noise")?)?;
-    let Tally { settings, comparable, reversed, clearest, not_ended, quiet } = tally;
+/// Checks whether the falling critical velocity is never the higher one, for `settings` settings and noise of `noise`
+/// m/s rms on the command.
+///
+/// Claims 8-125, 8-125.b and 8-125.c. The finding states the counts and the clearest contradiction. The statement also
+/// fails if no setting oscillates again as the command falls.
+fn never_reversed(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let tally = reversal::count_reversals(given.number("settings")? as u64, given.number("noise")?)?;
+    let ReversalTally { settings, comparable, reversed, clearest, not_ended, quiet } = tally;
     let clearest = clearest.map(|(setting, rising, falling)| {
         let [stiffness, damping, memory, friction, mass, limit] = setting[..] else { return String::new() };
         format!(
-            "; the clearest, K {:.1} kN/mm, f {:.1} N s/mm, Tc {:.1} ms, Fs {friction:.0} N, M {mass:.0} kg, VcL {:.2} mm/s, ends at {:.2} and \
-             begins at {:.2} mm/s",
+            "; the clearest case, K {:.1} kN/mm, f {:.1} N s/mm, Tc {:.1} ms, Fs {friction:.0} N, M {mass:.0} kg, \
+             VcL {:.2} mm/s, ends at {:.2} and begins at {:.2} mm/s",
             stiffness / 1e6,
             damping / 1e3,
             memory * 1e3,
@@ -120,19 +149,22 @@ fn never_reversed(given: &Given) -> Result<Finding, CheckError> {
         )
     });
     let found = format!(
-        "{reversed} of {comparable} that oscillate again as the command falls; {not_ended} still oscillate where it turns, {quiet} not \
-         again, of {settings} settings{}",
+        "{reversed} of {comparable} settings that oscillate again as the command falls; of all {settings} settings \
+         {not_ended} still oscillate at the turn and {quiet} do not oscillate again{}",
         clearest.unwrap_or_default()
     );
     Ok(Finding::truth(reversed == 0 && comparable > 0, found))
 }
 
-/// Whether a critical velocity moves as stated when one setting goes from one value to another: `vary` names it, `rate` among
-/// them.
-fn critical_velocity_moves(given: &Given) -> Result<Finding, CheckError> {
-    let of = which(given)?;
-    let rises = given.word("it", &[("rises", true), ("falls", false)])?;
-    let varied = given.need("vary")?;
+/// Checks whether a critical velocity rises or falls, as `it` states, when one setting changes. `vary` names the
+/// setting, which may be `rate`.
+///
+/// Arguments: `of`, `it`, `vary`, and the values `from` and `till`. Claims 4-026, 8-126.a ... c, 8-129, 8-130 and
+/// 8-159.
+fn critical_velocity_moves(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let of = critical_side(given)?;
+    let rises = given.choice("it", &[("rises", true), ("falls", false)])?;
+    let varied = given.require("vary")?;
     let to = given.number_or("to", HIGHEST)?;
     let at = |value: f64| {
         let (recipe, rate) = (recipe(given)?, given.number_or("rate", RATE)?);
@@ -142,16 +174,18 @@ fn critical_velocity_moves(given: &Given) -> Result<Finding, CheckError> {
         };
         read(of(&critical))
     };
-    let (first, then) = (at(given.number("from")?)?, at(given.number("till")?)?);
-    let holds = if rises { then > first } else { then < first };
-    Ok(Finding::shape(holds, format!("from {first:.2} to {then:.2} mm/s")))
+    let (first, second) = (at(given.number("from")?)?, at(given.number("till")?)?);
+    let holds = if rises { second > first } else { second < first };
+    Ok(Finding::shape(holds, format!("from {first:.2} to {second:.2} mm/s")))
 }
 
-/// Whether a ramp ends oscillation beyond the velocity above which small disturbances die away.
-fn overruns(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether oscillation in a ramp ends above the velocity from which small disturbances decay.
+///
+/// Arguments: `VcL` in m/s and `Tc` in s. Claim 8-128.
+fn overruns(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (limit, memory) = (given.number("VcL")?, given.number("Tc")?);
     let ramp = read(given_profile(given)?.rising)?;
-    let quiet = undisturbed(&[("VcL", limit), ("Tc", memory)], limit)?;
+    let quiet = disturbance_boundary(&[("VcL", limit), ("Tc", memory)], limit)?;
     let quiet = quiet.ok_or_else(|| CheckError::Run("no disturbance grows".to_owned()))? / MM_PER_S;
     Ok(Finding::truth(
         ramp > quiet,
@@ -159,36 +193,45 @@ fn overruns(given: &Given) -> Result<Finding, CheckError> {
     ))
 }
 
-/// How far a critical velocity is moved by putting the lag behind the multiplier, in percent.
-fn lag_moved(given: &Given) -> Result<Finding, CheckError> {
-    let (of, memory, limit) = (which(given)?, given.number("Tc")?, given.number("VcL")?);
+/// The change of a critical velocity in percent if the lag is behind the multiplier.
+///
+/// Arguments: `of`, `Tc` in s and `VcL` in m/s. The reference is the final circuit, whose lag is before the multiplier.
+/// Claims 8-105.a ... d.
+fn lag_moved(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let (of, memory, limit) = (critical_side(given)?, given.number("Tc")?, given.number("VcL")?);
     let at = |circuit| {
-        let recipe = Recipe::of(circuit).set("Tc", memory).set("VcL", limit);
+        let recipe = Recipe::new(circuit).set("Tc", memory).set("VcL", limit);
         read(of(&profile(recipe, RATE, HIGHEST)?))
     };
     Ok(Finding::Number(100.0 * (at("fig-8-16-lag-last")? / at("fig-8-16")? - 1.0)))
 }
 
-/// Whether the jump of velocity as motion begins grows with static friction.
-fn first_jump(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the jump of velocity at the start of motion grows with static friction.
+///
+/// Argument `forces`: values of Fs in N, ascending. The jump is the largest velocity in the first second. Fig 4.8,
+/// claim 4-023.
+fn first_jump(given: &CheckArguments) -> Result<Finding, CheckError> {
     let jump = |friction: f64| -> Result<f64, CheckError> {
-        let recipe = recipe(given)?.set("Fs", friction).set("v_rate", RATE).lasting(1.0).recording(&["v_o"]);
-        Ok(recipe.run("jump", "")?.measure("most:v_o")? / MM_PER_S)
+        let recipe = recipe(given)?.set("Fs", friction).set("v_rate", RATE).run_time(1.0).record(&["v_o"]);
+        Ok(recipe.run("jump", "")?.record.measure("most:v_o")? / MM_PER_S)
     };
     let forces = given.numbers("forces")?;
     let jumps = forces.iter().map(|force| jump(*force)).collect::<Result<Vec<_>, _>>()?;
-    let told: Vec<_> = jumps.iter().map(|jump| format!("{jump:.2}")).collect();
+    let texts: Vec<_> = jumps.iter().map(|jump| format!("{jump:.2}")).collect();
     let holds = jumps.len() > 1 && jumps.windows(2).all(|pair| pair[1] > pair[0]);
-    Ok(Finding::shape(holds, format!("{} mm/s", told.join(", "))))
+    Ok(Finding::shape(holds, format!("{} mm/s", texts.join(", "))))
 }
 
-/// Whether a command in the other direction gives the same motion in the other direction.
-fn both_directions(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether a command in the opposite direction gives the mirrored motion.
+///
+/// Both runs last 4 s. The sum of both velocities must be below 1e-9 mm/s at every sample. Claim 8-106.
+fn both_directions(given: &CheckArguments) -> Result<Finding, CheckError> {
     let velocities = |rate: f64| -> Result<Vec<f64>, CheckError> {
-        let recipe = recipe(given)?.set("v_rate", rate).lasting(4.0).recording(&["v_o"]);
-        Ok(recipe.run("direction", "")?.values("v_o")?)
+        let recipe = recipe(given)?.set("v_rate", rate).run_time(4.0).record(&["v_o"]);
+        Ok(recipe.run("direction", "")?.record.values("v_o")?)
     };
     let (one, other) = (velocities(RATE)?, velocities(-RATE)?);
-    let apart = one.iter().zip(&other).map(|(one, other)| (one + other).abs()).fold(0.0, f64::max) / MM_PER_S;
-    Ok(Finding::truth(apart < 1e-9, format!("mirrored to {apart:.1e} mm/s")))
+    let distance =
+        one.iter().zip(&other).map(|(one, other)| (one + other).abs()).fold(0.0, f64::max) / MM_PER_S;
+    Ok(Finding::truth(distance < 1e-9, format!("mirrored to {distance:.1e} mm/s")))
 }

@@ -1,12 +1,14 @@
-//! What recordings of the circuits at a steady command decide.
+//! Claims that are decided by recordings of the circuits at a steady command.
 //!
-//! Arguments are those of the profiles, and `at`, the command in m/s.
+//! The arguments are those of the profiles, and `at`, the command in m/s.
+//!
+//! A run lasts four seconds. The first three let the oscillation become periodic; only the last one is read.
 
 use super::super::boundary::RATE;
+use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
 use super::super::frequency;
-use super::super::given::Given;
-use super::super::recipe::{Recipe, Replayed, apart};
+use super::super::recipe::{Recipe, ReplayedRun, max_difference};
 use super::profiles::recipe;
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
@@ -14,6 +16,7 @@ use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::MM_PER_S;
 use patchcord_analysis::instruments::Criterion;
 
+/// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "steady-curve", run: steady_curve },
     Check { name: "oscillation-frequency", run: oscillation_frequency },
@@ -28,18 +31,26 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "blocks-move-alike", run: blocks_move_alike },
 ];
 
-/// A swing of velocity above this, peak to peak in mm/s, is oscillation.
+/// A larger peak-to-peak swing of velocity, in mm/s, counts as oscillation.
+///
+/// It is 0.25 mm/s, the threshold of the usual criterion.
 pub(super) const OSCILLATES: f64 = 1e3 * Criterion::USUAL.threshold;
 
-/// A run at a steady command, four seconds long.
-pub(super) fn steady(recipe: Recipe, command: f64) -> Result<Replayed, CheckError> {
-    let recipe = recipe.steady(command).lasting(4.0).every(2e-4);
-    Ok(recipe.recording(&["v_o", "spring_force"]).run("steady", "")?.within_range()?)
+/// A run of four seconds at a steady command in m/s.
+///
+/// Samples are 0.2 ms apart. `v_o`, the velocity in m/s, and `spring_force` in N are recorded.
+///
+/// # Errors
+/// If the recipe is wrong, the run fails, or an amplifier was overloaded.
+pub(super) fn steady(recipe: Recipe, command: f64) -> Result<ReplayedRun, CheckError> {
+    let recipe = recipe.steady_command(command).run_time(4.0).sample_interval(2e-4);
+    Ok(recipe.record(&["v_o", "spring_force"]).run("steady", "")?.without_overload()?)
 }
 
-/// Least and largest velocity of its last second, in mm/s.
-pub(super) fn range(run: &Replayed) -> Result<(f64, f64), CheckError> {
-    let velocity = run.values("v_o")?;
+/// The minimum and the maximum velocity of the last second of a run, in mm/s. Their difference is the peak-to-peak
+/// swing.
+pub(super) fn range(run: &ReplayedRun) -> Result<(f64, f64), CheckError> {
+    let velocity = run.record.values("v_o")?;
     let settled = &velocity[3 * velocity.len() / 4..];
     let (least, most) = settled.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
         (f64::min(least, *value), f64::max(most, *value))
@@ -47,69 +58,89 @@ pub(super) fn range(run: &Replayed) -> Result<(f64, f64), CheckError> {
     Ok((least / MM_PER_S, most / MM_PER_S))
 }
 
-pub(super) fn hertz(run: &Replayed) -> Result<f64, CheckError> {
-    Ok(run.measure("frequency:spring_force,last=1")?)
+/// The frequency of the spring force in the last second of a run, in Hz.
+pub(super) fn hertz(run: &ReplayedRun) -> Result<f64, CheckError> {
+    Ok(run.record.measure("frequency:spring_force,last=1")?)
 }
 
-/// How far the spring force of a minute's way to VcL lies from the steady curve at most, in percent of Fs: after five time
-/// constants, when the lag has forgotten that the table stood.
-fn steady_curve(given: &Given) -> Result<Finding, CheckError> {
+/// The largest distance of the spring force from the steady curve, in percent of Fs, for a ramp of one minute to VcL.
+/// The first five time constants are omitted, because the lag still contains the state of rest.
+///
+/// Arguments: `VcL` in m/s, `Tc` in s and those of the circuit. The curve is Fs (1 - v / VcL)^2 + f v with 771 N and
+/// 10.7 N s/mm. Fig 8.18: claims 8-120 and 8-120.b with Tc = 0.5 s. Claim 9-002.b: a softer drive does not change the
+/// curve.
+fn steady_curve(given: &CheckArguments) -> Result<Finding, CheckError> {
     let limit = given.number("VcL")?;
-    let run = recipe(given)?.set("v_rate", limit / 60.0).lasting(60.0).every(2e-3);
-    let run = run.recording(&["v_o", "spring_force"]).run("steady", "")?;
+    let run = recipe(given)?.set("v_rate", limit / 60.0).run_time(60.0).sample_interval(2e-3);
+    let run = run.record(&["v_o", "spring_force"]).run("steady", "")?;
     let friction = FallingFriction::simulated(limit);
-    let (mut furthest, settled) = (0.0_f64, 5.0 * given.number("Tc")?);
+    let (mut largest, settled) = (0.0_f64, 5.0 * given.number("Tc")?);
     for (time, (velocity, force)) in
-        run.trace.time.iter().zip(run.points(("v_o", 1.0), ("spring_force", 1.0))?)
+        run.record.trace.time.iter().zip(run.record.points(("v_o", 1.0), ("spring_force", 1.0))?)
     {
         if *time > settled {
-            furthest = furthest.max((force - friction.total(velocity, SIMULATED_DAMPING)?).abs());
+            largest = largest.max((force - friction.total(velocity, SIMULATED_DAMPING)?).abs());
         }
     }
-    Ok(Finding::Number(100.0 * furthest / friction.static_friction))
+    Ok(Finding::Number(100.0 * largest / friction.static_friction))
 }
 
-/// Cycles a second of the spring force, in Hz.
-fn oscillation_frequency(given: &Given) -> Result<Finding, CheckError> {
+/// The frequency of the spring force, in Hz.
+///
+/// Fig 8.34: claims 8-152.a ... d.
+fn oscillation_frequency(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(hertz(&steady(recipe(given)?, given.number("at")?)?)?))
 }
 
-/// Whether the frequency rises from each command to the next.
-fn frequency_rises(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the frequency rises from each command to the next.
+///
+/// Argument `at`: commands in m/s, ascending. Fig 8.26, claim 8-123.
+fn frequency_rises(given: &CheckArguments) -> Result<Finding, CheckError> {
     let at = |command: &f64| hertz(&steady(recipe(given)?, *command)?);
     let frequencies = given.numbers("at")?.iter().map(at).collect::<Result<Vec<_>, _>>()?;
-    let told: Vec<_> = frequencies.iter().map(|frequency| format!("{frequency:.1}")).collect();
+    let texts: Vec<_> = frequencies.iter().map(|frequency| format!("{frequency:.1}")).collect();
     let holds = frequencies.len() > 1 && frequencies.windows(2).all(|pair| pair[1] > pair[0]);
-    Ok(Finding::shape(holds, format!("{} Hz", told.join(", "))))
+    Ok(Finding::shape(holds, format!("{} Hz", texts.join(", "))))
 }
 
-/// Whether it still oscillates, by more than 0.25 mm/s, in the fourth second.
-fn keeps_oscillating(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the table still oscillates in the fourth second, by more than 0.25 mm/s.
+///
+/// Claims 4-126 and 8-078.a.
+fn keeps_oscillating(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (least, most) = range(&steady(recipe(given)?, given.number("at")?)?)?;
     Ok(Finding::truth(most - least > OSCILLATES, format!("{least:.2} ... {most:.2} mm/s")))
 }
 
-/// Whether it oscillates and comes to rest in every cycle, to 1 % of the command, or never does, as stated.
-fn comes_to_rest(given: &Given) -> Result<Finding, CheckError> {
-    let (rests, command) = (given.word("it", &[("rests", true), ("slides", false)])?, given.number("at")?);
+/// Checks whether the table oscillates and reaches rest (1 % of the command) in every cycle, or never reaches it, as
+/// `it` states.
+///
+/// `it` is `rests` or `slides`. Claims 8-148.a, 8-148.b, 8-157.a, 8-162, 9-235.a and 9-235.b.
+fn comes_to_rest(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let (rests, command) = (given.choice("it", &[("rests", true), ("slides", false)])?, given.number("at")?);
     let (least, most) = range(&steady(recipe(given)?, command)?)?;
-    let comes_to_rest = least <= 0.01 * command / MM_PER_S;
+    let reaches_rest = least <= 0.01 * command / MM_PER_S;
     Ok(Finding::truth(
-        most - least > OSCILLATES && comes_to_rest == rests,
+        most - least > OSCILLATES && reaches_rest == rests,
         format!("{least:.2} ... {most:.2} mm/s"),
     ))
 }
 
-/// Whether it never moves against the command, by 1 % of it.
-fn never_turns_back(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the velocity never reverses by more than 1 % of the command.
+///
+/// Fig 8.12, claim 8-078.b: the table sticks, so its velocity is never negative for long.
+fn never_turns_back(given: &CheckArguments) -> Result<Finding, CheckError> {
     let command = given.number("at")?;
     let (least, most) = range(&steady(recipe(given)?, command)?)?;
     Ok(Finding::truth(least > -0.01 * command / MM_PER_S, format!("{least:.2} ... {most:.2} mm/s")))
 }
 
-/// Whether velocity oscillates, and swings as far above the command as below it, to 5 % of the swing, as stated.
-fn even_halves(given: &Given) -> Result<Finding, CheckError> {
-    let (even, command) = (given.word("halves", &[("even", true), ("uneven", false)])?, given.number("at")?);
+/// Checks whether velocity oscillates, and whether its swings above and below the command are equal to 5 % of the
+/// total swing, as `halves` states.
+///
+/// `halves` is `even` or `uneven`. Claims 4-025, 8-151 and 8-151.b.
+fn even_halves(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let (even, command) =
+        (given.choice("halves", &[("even", true), ("uneven", false)])?, given.number("at")?);
     let (least, most) = range(&steady(recipe(given)?, command)?)?;
     let (below, above) = (command / MM_PER_S - least, most - command / MM_PER_S);
     let is_even = (above - below).abs() <= 0.05 * (above + below);
@@ -119,49 +150,58 @@ fn even_halves(given: &Given) -> Result<Finding, CheckError> {
     ))
 }
 
-/// Whether the loop of force against velocity is the smaller at the higher command, and the force of steady sliding lies within both.
-fn loops_shrink(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the loop of force against velocity is smaller at the higher command, and both loops contain the
+/// force of steady sliding.
+///
+/// Arguments: `VcL` and `at`, a list of commands in m/s. "Smaller" means a smaller range of velocity and a smaller
+/// range of force. Figs 8.22 and 8.23, claim 8-121.
+fn loops_shrink(given: &CheckArguments) -> Result<Finding, CheckError> {
     let friction = FallingFriction::simulated(given.number("VcL")?);
     let mut swings = Vec::new();
-    let mut surrounds = true;
+    let mut contains_steady = true;
     for command in given.numbers("at")? {
         let run = steady(recipe(given)?, command)?;
-        let force = run.values("spring_force")?;
+        let force = run.record.values("spring_force")?;
         let settled = &force[3 * force.len() / 4..];
         let least = settled.iter().copied().fold(f64::INFINITY, f64::min);
         let most = settled.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = range(&run)?;
-        surrounds &= (least..most).contains(&friction.total(command, SIMULATED_DAMPING)?);
+        contains_steady &= (least..most).contains(&friction.total(command, SIMULATED_DAMPING)?);
         swings.push((high - low, most - least));
     }
-    let told: Vec<_> = swings.iter().map(|(v, force)| format!("{v:.2} mm/s by {force:.0} N")).collect();
+    let texts: Vec<_> = swings.iter().map(|(v, force)| format!("{v:.2} mm/s by {force:.0} N")).collect();
     let shrinks =
         swings.len() > 1 && swings.windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 < pair[0].1);
-    Ok(Finding::shape(shrinks && surrounds, told.join(", then ")))
+    Ok(Finding::shape(shrinks && contains_steady, texts.join(", then ")))
 }
 
-/// Whether the block form makes the motion of the final circuit, to what rounding leaves: a millionth of a mm/s.
-fn blocks_move_alike(_: &Given) -> Result<Finding, CheckError> {
-    let apart = apart(["fig-8-17", "fig-8-16"].map(Recipe::of), "v_o")? / MM_PER_S;
-    Ok(Finding::truth(apart < 1e-6, format!("never further apart than {apart:.1e} mm/s")))
+/// Checks whether the block form gives the motion of the final circuit to rounding, a millionth of a mm/s.
+///
+/// Fig 8.17, claim 8-161.
+fn blocks_move_alike(_: &CheckArguments) -> Result<Finding, CheckError> {
+    let distance = max_difference(["fig-8-17", "fig-8-16"].map(Recipe::new), "v_o")? / MM_PER_S;
+    Ok(Finding::truth(distance < 1e-6, format!("at most {distance:.1e} mm/s apart")))
 }
 
-/// The largest VcL, in mm/s, at which the table swings so many times a second at a command.
-fn limit_of_frequency(given: &Given) -> Result<Finding, CheckError> {
+/// The largest VcL, in mm/s, at which the table oscillates with a frequency of `Hz` at a command.
+///
+/// Arguments: `at` in m/s and `Hz`. VcL is interpolated between runs 0.5 mm/s apart. Fig 8.34.
+fn limit_of_frequency(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (command, hertz) = (given.number("at")?, given.number("Hz")?);
-    let limits = frequency::limits_at(command, &frequency::by_limit(command)?, hertz)?;
-    let largest =
-        limits.last().ok_or_else(|| CheckError::Run("that frequency does not come out".to_owned()))?;
+    let limits = frequency::limits_at_frequency(command, &frequency::swings_by_limit(command)?, hertz)?;
+    let largest = limits.last().ok_or_else(|| CheckError::Run("no VcL gives this frequency".to_owned()))?;
     Ok(Finding::Number(largest.0 / MM_PER_S))
 }
 
-/// How far velocity lies from the command of a table without solid friction, once its first swings are over, in percent of the
-/// command.
-fn follows_linearly(_: &Given) -> Result<Finding, CheckError> {
-    let recipe = Recipe::of("fig-8-04").set("x_step", 0.0).set("v_rate", RATE).lasting(8.0);
-    let run = recipe.every(1e-3).recording(&["v_i", "v_o"]).run("linear", "")?;
-    let points = run.points(("v_i", 1.0), ("v_o", 1.0))?;
+/// The largest distance between velocity and command of a table without solid friction, in percent of the command.
+/// The first eighth of the run, with the transient at the start, is omitted.
+///
+/// The command rises for 8 s at 1.2 mm/s2. Figs 4.6 and 4.7, claim 4-021.
+fn follows_linearly(_: &CheckArguments) -> Result<Finding, CheckError> {
+    let recipe = Recipe::new("fig-8-04").set("x_step", 0.0).set("v_rate", RATE).run_time(8.0);
+    let run = recipe.sample_interval(1e-3).record(&["v_i", "v_o"]).run("linear", "")?;
+    let points = run.record.points(("v_i", 1.0), ("v_o", 1.0))?;
     let settled = points.iter().skip(points.len() / 8);
-    let furthest = settled.map(|(command, velocity)| (velocity / command - 1.0).abs()).fold(0.0, f64::max);
-    Ok(Finding::Number(100.0 * furthest))
+    let largest = settled.map(|(command, velocity)| (velocity / command - 1.0).abs()).fold(0.0, f64::max);
+    Ok(Finding::Number(100.0 * largest))
 }

@@ -1,9 +1,12 @@
-//! Small motions of the slideway: natural frequencies, Routh-Hurwitz (8.2, 8.5, 9.4 (i)).
+//! Claims on small motions of the slideway: natural frequencies and Routh-Hurwitz (8.2, 8.5, 9.4 (i)).
+//!
+//! The characteristic equation is M s^2 + f s - Cn s / (1 + Tc s) + K = 0. Its solutions decay as long as (M + f Tc)(K
+//! Tc + f - Cn) is larger than M K Tc (eq 27-9). Cn is positive while friction falls.
 
 use nalgebra::Matrix3;
 
+use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
-use super::super::given::Given;
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
 use crate::slideway::falling::{FallingFriction, worst_limit};
@@ -12,6 +15,7 @@ use crate::slideway::simulated::SLOPE_BY_MEMORY;
 use crate::slideway::stability::{DrivenTable, Groups, PRINTED_BY_MEMORY};
 use crate::slideway::units::{MM_PER_S, N_S_PER_MM};
 
+/// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "natural-frequency", run: natural_frequency },
     Check { name: "natural-hertz", run: natural_hertz },
@@ -29,8 +33,11 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "highest-velocity-trend", run: highest_velocity_trend },
 ];
 
-/// The study's final setting (8.4), with what is given instead: M, K, f, Tc.
-pub(super) fn table(given: &Given) -> Result<DrivenTable, CheckError> {
+/// The table of the study's final setting (8.4) without lag. M, K, f and Tc in SI units replace its values.
+///
+/// Defaults are M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm and Tc = 0. The study analyses with f = 10.71 N s/mm, so
+/// those rows give `f`.
+pub(super) fn table(given: &CheckArguments) -> Result<DrivenTable, CheckError> {
     let study = DrivenTable::simulated(0.0);
     Ok(DrivenTable {
         mass: given.number_or("M", study.mass)?,
@@ -40,49 +47,68 @@ pub(super) fn table(given: &Given) -> Result<DrivenTable, CheckError> {
     })
 }
 
-/// wn in rad/s.
-fn natural_frequency(given: &Given) -> Result<Finding, CheckError> {
+/// Natural frequency wn in rad/s.
+///
+/// wn = sqrt(K / M) (eq 11-8). Claims 8-026, 9-169.a and b.
+fn natural_frequency(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(table(given)?.natural_frequency()?))
 }
 
-/// wn in Hz.
-fn natural_hertz(given: &Given) -> Result<Finding, CheckError> {
+/// Natural frequency wn in Hz.
+///
+/// Claims 4-004.a, 4-004.b and 8-153: 51.3 Hz for the final circuit, where the caption of Fig 8.34 has 51.9.
+fn natural_hertz(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(table(given)?.natural_frequency()? / std::f64::consts::TAU))
 }
 
-/// zeta of the table without solid friction.
-fn damping_ratio(given: &Given) -> Result<Finding, CheckError> {
+/// Damping ratio zeta of the table without solid friction.
+///
+/// zeta = f / (2 sqrt(M K)) (eq 12-8). Claim 8-027.
+fn damping_ratio(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(table(given)?.damping_ratio()?))
 }
 
 /// Cn of eq 32-9 in N s/mm.
-fn critical_slope(given: &Given) -> Result<Finding, CheckError> {
+///
+/// Cn = f + f K Tc^2 / (M + f Tc). Without lag it is f. Claims 8-146, 9-008, 9-064.c and 9-066.c.
+fn critical_slope(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(table(given)?.critical_slope()? / N_S_PER_MM))
 }
 
 /// The frequency of eq 40-9 in rad/s.
-fn boundary_frequency(given: &Given) -> Result<Finding, CheckError> {
+///
+/// w = sqrt(K / (M + f Tc)): f Tc adds to the mass, so it is below the natural frequency. Claims 4-110, 9-069.a and b.
+fn boundary_frequency(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(table(given)?.boundary_frequency()?))
 }
 
-/// Factor or exponent of the power law through eq 32-9, over time constants in s or stiffnesses in N/m.
-fn slope_fit(given: &Given) -> Result<Finding, CheckError> {
+/// Factor or exponent of the power law fitted to eq 32-9, over time constants in s or stiffnesses in N/m.
+///
+/// Arguments: `by` (`Tc` or `K`), `over`, `part`. Slopes are in N s/mm, time constants in s, stiffnesses in N/mm. The
+/// study drew 12.95e4 Tc^1.55 (eq 37-9) and 0.0385 K^0.685 (eq 38-9) and does not print its points. Claims 9-064.a,
+/// 9-064.b, 9-064.d, 9-066.a and 9-066.b.
+fn slope_fit(given: &CheckArguments) -> Result<Finding, CheckError> {
     type Fit = fn(&DrivenTable, &[f64]) -> Result<PowerLaw, SlidewayError>;
     let fits: [(&str, Fit); 2] =
         [("Tc", DrivenTable::slope_by_memory), ("K", DrivenTable::slope_by_stiffness)];
-    let fit = given.word("by", &fits)?;
+    let fit = given.choice("by", &fits)?;
     let law = fit(&table(given)?, &given.numbers("over")?)?;
     part_of(given, &law)
 }
 
-/// The part of a power law that is asked for: factor or exponent.
-pub(super) fn part_of(given: &Given, law: &PowerLaw) -> Result<Finding, CheckError> {
+/// Factor or exponent of a power law, as `part` selects.
+///
+/// Argument `part`: `factor` or `exponent` of y = factor x^exponent. Other files use this function too.
+pub(super) fn part_of(given: &CheckArguments, law: &PowerLaw) -> Result<Finding, CheckError> {
     let parts = [("factor", law.factor), ("exponent", law.exponent)];
-    Ok(Finding::Number(given.word("part", &parts)?))
+    Ok(Finding::Number(given.choice("part", &parts)?))
 }
 
-/// That eq 27-9 turns where the roots of the denominator of eq 26-9 pass the imaginary axis.
-fn routh_and_roots(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that the boundary of eq 27-9 is where the roots of the denominator of eq 26-9 cross the imaginary axis.
+///
+/// The largest real part of the roots must be negative 1 % below the critical slope and positive 1 % above it. Claim
+/// 9-055.
+fn routh_and_roots(given: &CheckArguments) -> Result<Finding, CheckError> {
     let table = table(given)?;
     let critical = table.critical_slope()?;
     let [below, above] = [0.99, 1.01].map(|share| growth(&table, share * critical));
@@ -93,6 +119,9 @@ fn routh_and_roots(given: &Given) -> Result<Finding, CheckError> {
 }
 
 /// The largest real part of the roots, in 1/s.
+///
+/// The roots of the cubic M Tc s^3 + (M + f Tc) s^2 + (K Tc + f - Cn) s + K are the eigenvalues of its companion
+/// matrix. `slope` is Cn in N s/m. A positive result means that small motions grow.
 fn growth(table: &DrivenTable, slope: f64) -> Result<f64, SlidewayError> {
     let [cube, square, line, constant] = table.characteristic(slope)?;
     // In units of the natural frequency, so that the companion matrix is balanced.
@@ -103,8 +132,11 @@ fn growth(table: &DrivenTable, slope: f64) -> Result<f64, SlidewayError> {
     Ok(unit * roots.iter().map(|root| root.re).fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// That eq 36-9 is eq 32-9 in the numbers of eq 33-9 ... 35-9.
-fn routh_in_groups(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that eq 36-9 is eq 32-9 in the dimensionless groups of eq 33-9 ... 35-9.
+///
+/// A = K Tc^2 / M, B = Cn Tc / M, C = f Tc / M, and on the boundary B = C + A C / (1 + C). The study has the opposite
+/// sign of B. Claim 9-060.
+fn routh_in_groups(given: &CheckArguments) -> Result<Finding, CheckError> {
     let table = table(given)?;
     let groups = table.groups(table.critical_slope()?)?;
     let boundary = Groups::boundary(groups.stiffness, groups.damping);
@@ -112,8 +144,10 @@ fn routh_in_groups(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth((boundary / groups.slope - 1.0).abs() < 1e-9, found))
 }
 
-/// That sliding is stable at velocities at which all friction still falls.
-fn stable_while_falling(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that sliding is stable at velocities at which total friction still falls.
+///
+/// Claims 2-034, 4-024 and 9-061. The critical velocity must be below the velocity of least friction.
+fn stable_while_falling(given: &CheckArguments) -> Result<Finding, CheckError> {
     let table = table(given)?;
     let friction = FallingFriction::simulated(given.number("VcL")?);
     let critical = table.critical_velocity(&friction)?;
@@ -122,85 +156,104 @@ fn stable_while_falling(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(critical < least, found))
 }
 
-/// A setting of the table.
-type Setting = fn(&mut DrivenTable) -> &mut f64;
+/// Selects a parameter of the table.
+type TableParameter = fn(&mut DrivenTable) -> &mut f64;
 
-/// The setting that a trend is by.
-fn turned(given: &Given) -> Result<Setting, CheckError> {
-    let parts: [(&str, Setting); 4] = [
+/// The parameter of the table that `by` selects.
+///
+/// `M`, `K`, `f` or `Tc`. The returned function gives write access to this field of a table.
+fn varied(given: &CheckArguments) -> Result<TableParameter, CheckError> {
+    let parts: [(&str, TableParameter); 4] = [
         ("M", |table| &mut table.mass),
         ("K", |table| &mut table.stiffness),
         ("f", |table| &mut table.damping),
         ("Tc", |table| &mut table.memory),
     ];
-    Ok(given.word("by", &parts)?)
+    Ok(given.choice("by", &parts)?)
 }
 
-/// Values of a quantity at half, once and twice a setting.
-fn over_settings(
-    given: &Given,
+/// Values of a quantity at 0.5, 1 and 2 times a parameter.
+///
+/// The other parameters keep the values of the claim.
+fn over_parameter(
+    given: &CheckArguments,
     value: impl Fn(&DrivenTable) -> Result<f64, SlidewayError>,
 ) -> Result<[f64; 3], CheckError> {
-    let (table, turned) = (table(given)?, turned(given)?);
+    let (table, varied) = (table(given)?, varied(given)?);
     let at = |factor: f64| {
         let mut changed = table;
-        *turned(&mut changed) *= factor;
+        *varied(&mut changed) *= factor;
         value(&changed)
     };
     Ok([at(0.5)?, at(1.0)?, at(2.0)?])
 }
 
-/// Whether values rise or fall, as `way` says, told in a unit.
-fn trend(given: &Given, values: [f64; 3], unit: &str) -> Result<Finding, CheckError> {
-    let sign = given.word("way", &[("rises", 1.0), ("falls", -1.0)])?;
+/// Checks whether values rise or fall, as `way` states.
+///
+/// `way` is `rises` or `falls`. Both steps, from half to once and from once to twice, must have that sign.
+fn trend(given: &CheckArguments, values: [f64; 3], unit: &str) -> Result<Finding, CheckError> {
+    let sign = given.choice("way", &[("rises", 1.0), ("falls", -1.0)])?;
     let holds = values.windows(2).all(|pair| sign * (pair[1] - pair[0]) > 0.0);
     let [half, once, twice] = values;
     Ok(Finding::shape(
         holds,
-        format!("{half:.3}, {once:.3}, {twice:.3} {unit} at half, once and twice of it"),
+        format!("{half:.3}, {once:.3}, {twice:.3} {unit} at 0.5, 1 and 2 times the value"),
     ))
 }
 
-/// Whether the critical slope rises or falls with M, K, f or Tc.
-fn slope_trend(given: &Given) -> Result<Finding, CheckError> {
-    let values = over_settings(given, |table| Ok(table.critical_slope()? / N_S_PER_MM))?;
+/// Checks whether the critical slope rises or falls with M, K, f or Tc.
+///
+/// Eq 32-9. Claims 8-137.b, 9-062, 9-063.a, 9-063.b and 9-070.
+fn slope_trend(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let values = over_parameter(given, |table| Ok(table.critical_slope()? / N_S_PER_MM))?;
     trend(given, values, "N s/mm")
 }
 
-/// Whether the critical velocity rises or falls with M, K, f or Tc, at one VcL.
-fn critical_velocity_trend(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the critical velocity rises or falls with M, K, f or Tc, at one VcL.
+///
+/// The critical velocity is VcL - Cn VcL^2 / (2 Fs) with Cn of eq 32-9. Claims 8-155.b, 9-068, 9-198.c and 10-006.
+fn critical_velocity_trend(given: &CheckArguments) -> Result<Finding, CheckError> {
     let friction = FallingFriction::simulated(given.number("VcL")?);
-    let values = over_settings(given, |table| Ok(table.critical_velocity(&friction)? / MM_PER_S))?;
+    let values = over_parameter(given, |table| Ok(table.critical_velocity(&friction)? / MM_PER_S))?;
     trend(given, values, "mm/s")
 }
 
-/// Whether the highest critical velocity that any VcL gives rises or falls with M, K, f or Tc.
-fn highest_velocity_trend(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the highest critical velocity over all VcL rises or falls with M, K, f or Tc.
+///
+/// The highest critical velocity is Fs / (2 Cn), at VcL = Fs / Cn (eq 44-8, 45-8). The static friction is that of the
+/// simulation. Claim 8-142.
+fn highest_velocity_trend(given: &CheckArguments) -> Result<Finding, CheckError> {
     let static_friction = FallingFriction::simulated(1.0).static_friction;
-    let values = over_settings(given, |table| {
+    let values = over_parameter(given, |table| {
         let limit = worst_limit(static_friction, table.critical_slope()?)?;
         Ok(table.critical_velocity(&FallingFriction { static_friction, limit })? / MM_PER_S)
     })?;
     trend(given, values, "mm/s")
 }
 
-/// That the critical slope follows Tc more closely than any other setting.
-fn memory_leads(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that Tc has a larger relative influence on the critical slope than K and M.
+///
+/// Influence is the relative change of Cn by the relative change of a parameter, from a step of 0.01 %. Claim 9-063.c.
+fn memory_leads(given: &CheckArguments) -> Result<Finding, CheckError> {
     let study = table(given)?;
-    let percent = |turn: fn(&mut DrivenTable, f64)| -> Result<f64, SlidewayError> {
+    let percent = |change: fn(&mut DrivenTable, f64)| -> Result<f64, SlidewayError> {
         let mut changed = study;
-        turn(&mut changed, 1.0001);
+        change(&mut changed, 1.0001);
         Ok((changed.critical_slope()? / study.critical_slope()?).ln() / 1.0001f64.ln())
     };
     let memory = percent(|table, factor| table.memory *= factor)?;
     let stiffness = percent(|table, factor| table.stiffness *= factor)?;
     let mass = percent(|table, factor| table.mass *= factor)?;
-    let found = format!("1 % of Tc makes {memory:+.2} %, of K {stiffness:+.2} %, of M {mass:+.2} %");
+    let found = format!(
+        "1 % of Tc changes it by {memory:+.2} %, 1 % of K by {stiffness:+.2} %, 1 % of M by {mass:+.2} %"
+    );
     Ok(Finding::shape(memory > stiffness.abs().max(mass.abs()), found))
 }
 
-/// That eq 37-9 lies above eq 1-9 at all time constants given.
-fn theory_above_simulation(given: &Given) -> Result<Finding, CheckError> {
+/// Checks that eq 37-9 gives steeper slopes than eq 1-9 at all time constants.
+///
+/// Eq 37-9 is the study's fit to Routh-Hurwitz, eq 1-9 its fit to the simulation. Claim 9-065.
+fn theory_above_simulation(given: &CheckArguments) -> Result<Finding, CheckError> {
     let ratio = |memory: &f64| PRINTED_BY_MEMORY.at(*memory) / SLOPE_BY_MEMORY.at(*memory);
     let ratios: Vec<f64> = given.numbers("Tc")?.iter().map(ratio).collect();
     let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);

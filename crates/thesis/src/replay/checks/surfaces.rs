@@ -1,13 +1,16 @@
-//! Ridges, ranges of them, and the joint at rest (7.2).
+//! Claims on ridges, ranges of ridges and the joint at rest (7.2).
+//!
+//! Sums over the contacts of a range of ridges replace the printed power laws where a claim says "from geometry and
+//! metal alone". Loads are in kgf, lengths in um and pressures in kgf/mm2 or kgf/cm2, as in the text.
 
 use std::f64::consts::PI;
 
+use super::super::check_arguments::{ArgumentError, CheckArguments};
 use super::super::finding::Finding;
-use super::super::given::{Given, GivenError};
 use super::stability::part_of;
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
-use crate::slideway::asperities::{AsperityRange, ContactLaws, Levels, Pressed};
+use crate::slideway::asperities::{AsperityRange, ContactLaws, Levels, RangeContact};
 use crate::slideway::boundary_film::{BoundaryFilm, film_shear_strength};
 use crate::slideway::crossing::Crossing;
 use crate::slideway::joint::Joint;
@@ -16,6 +19,7 @@ use crate::slideway::power_law::PowerLaw;
 use crate::slideway::ridge::Ridge;
 use crate::slideway::units::{CM2, KGF, KGF_PER_CM2, KGF_PER_MM2, MM, MM2, UM, UM2};
 
+/// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "ridge-radius", run: ridge_radius },
     Check { name: "ridge-size", run: ridge_size },
@@ -38,21 +42,28 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "film-for-friction", run: film_for_friction },
 ];
 
-/// Loads over which friction is fitted, as many points evenly on logarithmic paper.
+/// Number of loads for a fit of friction, evenly spaced on a logarithmic scale.
 const POINTS: u32 = 21;
 
-/// Radius of the arc that stands in for a ridge, in mm.
-fn ridge_radius(given: &Given) -> Result<Finding, CheckError> {
+/// Radius of the arc that approximates a ridge, in mm.
+///
+/// R = (4 Z^2 + B^2) / (8 Z) (eq 9-7). Claim 7-004: 0.12625 mm for 50 um by 2.5 um.
+fn ridge_radius(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(ridge(given)?.radius()? / MM))
 }
 
-fn ridge(given: &Given) -> Result<Ridge, GivenError> {
+/// The study's ridge. B and Z in m replace its width and height. Defaults are 50 um and 2.5 um.
+fn ridge(given: &CheckArguments) -> Result<Ridge, ArgumentError> {
     let Ridge { width, height } = Ridge::GROUND;
     Ok(Ridge { width: given.number_or("B", width)?, height: given.number_or("Z", height)? })
 }
 
-/// What the study's ridge measures, in `by` um, and the tangent of the slope that is climbed. A triangle lies a quarter of its height off its mean line, on average.
-fn ridge_size(given: &Given) -> Result<Finding, CheckError> {
+/// A size of the study's ridge in units of `by` um, or the tangent of the slope that friction climbs. The mean
+/// distance of a triangle from its mean line is a quarter of its height, which is the roughness.
+///
+/// Argument `of`: `width`, `height`, `roughness` or `tangent` Z / B. With `by=1000` lengths are in mm. Claims 5-017,
+/// 5-021.a, 5-021.b and 6-017.a compare the ridge of chapter 7 with what other chapters state about the same surface.
+fn ridge_size(given: &CheckArguments) -> Result<Finding, CheckError> {
     let Ridge { width, height } = Ridge::GROUND;
     let sizes = [
         ("width", width / UM),
@@ -60,39 +71,49 @@ fn ridge_size(given: &Given) -> Result<Finding, CheckError> {
         ("roughness", height / 4.0 / UM),
         ("tangent", height / width),
     ];
-    Ok(Finding::Number(given.word("of", &sizes)? / given.number_or("by", 1.0)?))
+    Ok(Finding::Number(given.choice("of", &sizes)? / given.number_or("by", 1.0)?))
 }
 
 /// Brinell hardness of the study's cast iron, in kgf/mm2.
-fn iron_hardness(_: &Given) -> Result<Finding, CheckError> {
+///
+/// 220 kgf/mm2. Claim 4-030 compares it with the 200 of chapter 4.
+fn iron_hardness(_: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::Number(Material::GRADE_17_IRON.hardness / KGF_PER_MM2))
 }
 
-/// Area in um2 in which two wedges meet that overlap by h um: by counting small squares of the plane on which the lower wedge, and
-/// so the upper one, is higher than the overlap leaves room for. It knows nothing of eq 5-7.
-fn wedge_overlap(given: &Given) -> Result<Finding, CheckError> {
+/// Area in um2 that two wedges with an overlap of h um share, independent of eq 5-7. It counts the small squares of
+/// the plane on which the wedges intersect.
+///
+/// Arguments: `h` in um, `beta` in degrees (90). The wedges share the points at which the sum of their distances below
+/// both crests is less than the overlap. The plane is divided into 2000 x 2000 squares, accurate to 0.2 %. Claim
+/// 7-002: 282.8 um2 at 45 degrees.
+fn wedge_overlap(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (overlap, angle) = (given.number("h")?, given.number_or("beta", 90.0)?.to_radians());
     let flank = 2.0 * Ridge::GROUND.height / Ridge::GROUND.width;
     let (half, steps) = (overlap / flank / angle.sin() * 1.5, 2000);
     let side = 2.0 * half / f64::from(steps);
-    let place = |index: i32| -half + (f64::from(index) + 0.5) * side;
+    let position = |index: i32| -half + (f64::from(index) + 0.5) * side;
     let is_inside = |x: f64, y: f64| {
         let across = (y * angle.cos() - x * angle.sin()).abs();
         flank * (y.abs() + across) < overlap
     };
-    let column = |i: i32| (0..steps).filter(|j| is_inside(place(i), place(*j))).count();
+    let column = |i: i32| (0..steps).filter(|j| is_inside(position(i), position(*j))).count();
     let count: usize = (0..steps).map(column).sum();
     Ok(Finding::Number(count as f64 * side.powi(2)))
 }
 
-/// Mean pressure of a table of W kgf on A cm2, in kgf/cm2.
-fn table_pressure(given: &Given) -> Result<Finding, CheckError> {
+/// Mean pressure under a table of W kgf on A cm2, in kgf/cm2.
+///
+/// Pw = W / A. Claims 7-064, 9-019 and 9-020: both pressures of chapter 9 belong to other weights than stated.
+fn table_pressure(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (weight, area) = (given.number("W")? * KGF, given.number("A")? * CM2);
     Ok(Finding::Number(weight / area / KGF_PER_CM2))
 }
 
-/// The study's ridges, crossed at beta degrees.
-fn crossing(given: &Given) -> Result<Crossing, CheckError> {
+/// The study's ridges at a cross angle of beta degrees. nu and HB in kgf/mm2 replace the properties of the iron.
+///
+/// The study does not print nu. Every value from 0.257 to 0.279 gives its semi-axis (claim 7-013).
+fn crossing(given: &CheckArguments) -> Result<Crossing, CheckError> {
     let angle = given.number_or("beta", 90.0)?.to_radians();
     let iron = Material::GRADE_17_IRON;
     let material = Material {
@@ -103,10 +124,15 @@ fn crossing(given: &Given) -> Result<Crossing, CheckError> {
     Ok(Crossing::new(&Ridge::GROUND, &material, angle)?)
 }
 
-/// Two crossed ridges under 1 kgf, or where they yield, in the units of Fig 7.4.
-fn crossed_ridges(given: &Given) -> Result<Finding, CheckError> {
-    type Reading = fn(&Crossing) -> Result<f64, SlidewayError>;
-    let known: [(&str, Reading); 7] = [
+/// A quantity of two crossed ridges under 1 kgf, or their yield overlap, in the units of Fig 7.4.
+///
+/// Argument `of`: semi-axes `major` and `minor` in mm (eq 24-7), `area` in mm2 (eq 25-7), `overlap` in mm (eq 26-7),
+/// `peak` and `mean` pressure in kgf/mm2 (eq 30-7, 31-7), `yield` overlap in um (eq 42-7). The contact is elastic under
+/// 1 kgf, also where the peak pressure exceeds the yield pressure of 132 kgf/mm2, as in the text. Claims 7-015 ...
+/// 7-030.
+fn crossed_ridges(given: &CheckArguments) -> Result<Finding, CheckError> {
+    type CrossingQuantity = fn(&Crossing) -> Result<f64, SlidewayError>;
+    let known: [(&str, CrossingQuantity); 7] = [
         ("major", |pair| Ok(pair.semi_axes(KGF)?.0 / MM)),
         ("minor", |pair| Ok(pair.semi_axes(KGF)?.1 / MM)),
         ("area", |pair| Ok(pair.area(KGF)? / MM2)),
@@ -115,28 +141,36 @@ fn crossed_ridges(given: &Given) -> Result<Finding, CheckError> {
         ("mean", |pair| Ok(pair.mean_pressure(KGF)? / KGF_PER_MM2)),
         ("yield", |pair| Ok(pair.yield_overlap() / UM)),
     ];
-    let reading = given.word("of", &known)?;
-    Ok(Finding::Number(reading(&crossing(given)?)?))
+    let quantity = given.choice("of", &known)?;
+    Ok(Finding::Number(quantity(&crossing(given)?)?))
 }
 
-/// The study's range; `step` between levels in um, `beta` in degrees.
-fn range(given: &Given) -> Result<AsperityRange, CheckError> {
+/// The study's range, with the `step` between levels in um and the cross angle `beta` in degrees.
+///
+/// The default step is 0.06 um, twice the fall hT from ridge to ridge. The geometry of the text would give hT itself,
+/// 0.03 um (claim 7-032.a); its sums need 0.06 um (claim 7-032.b).
+fn range(given: &CheckArguments) -> Result<AsperityRange, CheckError> {
     Ok(AsperityRange { crossing: crossing(given)?, step: given.number_or("step", 0.06)? * UM })
 }
 
-/// What is pressed may be read off: overlap in um, area in um2, load in kgf, contacts.
-type Reading = fn(&Pressed) -> f64;
+/// Reads a quantity of two ranges in contact.
+type ContactQuantity = fn(&RangeContact) -> f64;
 
-const PRESSED: [(&str, Reading); 4] = [
+/// The quantities of two ranges in contact: overlap in um, area in um2, load in kgf, number of contacts.
+const CONTACT_QUANTITIES: [(&str, ContactQuantity); 4] = [
     ("overlap", |pressed| pressed.overlap / UM),
     ("area", |pressed| pressed.area / UM2),
     ("load", |pressed| pressed.load / KGF),
     ("contacts", |pressed| pressed.contacts),
 ];
 
-/// A range at N levels, at an overlap of hd um, or under a load of W kgf.
-fn range_of_ridges(given: &Given) -> Result<Finding, CheckError> {
-    let (range, reading) = (range(given)?, given.word("of", &PRESSED)?);
+/// A quantity of a range at N levels, at an overlap of hd um, or under a load of W kgf.
+///
+/// One of `W`, `hd` and `N` specifies the state; the first that is given counts. An overlap of N levels is N steps. It
+/// has 1 + 2 N (N - 1) contacts: 5, 13 and 421 for N = 2, 3 and 15 (claims 7-031). Claims 7-033 ... 7-036, 7-043 ...
+/// 7-045 and 7-051.b compare areas, loads and numbers.
+fn range_of_ridges(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let (range, quantity) = (range(given)?, given.choice("of", &CONTACT_QUANTITIES)?);
     let pressed = if given.text("W").is_some() {
         range.under(given.number("W")? * KGF)?
     } else if given.text("hd").is_some() {
@@ -144,19 +178,27 @@ fn range_of_ridges(given: &Given) -> Result<Finding, CheckError> {
     } else {
         range.at_level(given.number("N")? as u32)?
     };
-    Ok(Finding::Number(reading(&pressed)))
+    Ok(Finding::Number(quantity(&pressed)))
 }
 
-/// Factor or exponent of a law of Table T7.1, fitted to the sums over levels from ... to.
-fn range_law(given: &Given) -> Result<Finding, CheckError> {
-    let law = laws(given)?;
+/// Factor or exponent of a law of Table T7.1, fitted to the sums over the levels `from` ... `to`.
+///
+/// Arguments: `law`, `from`, `to`, `part`. A level is one point of the fit. The printed laws need different levels: 2
+/// ... 25 for the overlap, 2 ... 8 for the area, 1 ... 10 for the number of contacts. Claims 7-038 ... 7-042 and 7-050.
+fn range_law(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let law = selected_law(given)?;
     part_of(given, &fitted(given, law)?)
 }
 
+/// Reads one of the laws of a range.
 type Law = fn(&ContactLaws) -> PowerLaw;
 
-fn laws(given: &Given) -> Result<Law, GivenError> {
-    given.word::<Law>(
+/// The law that `law` selects.
+///
+/// `overlap`, `area` and `contacts` are laws of the load in kgf; `overlap-of-area` is that of the area in um2 (Table
+/// T7.1).
+fn selected_law(given: &CheckArguments) -> Result<Law, ArgumentError> {
+    given.choice::<Law>(
         "law",
         &[
             ("overlap", |laws| laws.overlap),
@@ -167,41 +209,57 @@ fn laws(given: &Given) -> Result<Law, GivenError> {
     )
 }
 
-fn fitted(given: &Given, law: Law) -> Result<PowerLaw, CheckError> {
+/// Fits a law to the sums over the levels `from` ... `to`. All four laws are fitted over these levels, and `law`
+/// selects one of them.
+fn fitted(given: &CheckArguments, law: Law) -> Result<PowerLaw, CheckError> {
     let levels: Levels = (given.number("from")? as u32, given.number("to")? as u32);
     Ok(law(&ContactLaws::fitted(&range(given)?, [levels; 4])?))
 }
 
-/// Power with which area or contacts grow with load between two overlaps in um.
-fn slope_of_sums(given: &Given) -> Result<Finding, CheckError> {
-    let (range, reading) = (range(given)?, given.word("of", &PRESSED)?);
+/// Exponent with which a quantity grows with load between two overlaps in um.
+///
+/// The exponent is ln(q2 / q1) / ln(W2 / W1). Claims 7-046 ... 7-048 compare it with Archard's 0.88 for the area and
+/// 0.66 for the number of contacts (eq 37-7 ... 40-7).
+fn slope_of_sums(given: &CheckArguments) -> Result<Finding, CheckError> {
+    let (range, quantity) = (range(given)?, given.choice("of", &CONTACT_QUANTITIES)?);
     let (low, high) = (given.number("from")? * UM, given.number("to")? * UM);
     let (low, high) = (range.pressed(low)?, range.pressed(high)?);
-    Ok(Finding::Number((reading(&high) / reading(&low)).ln() / (high.load / low.load).ln()))
+    Ok(Finding::Number((quantity(&high) / quantity(&low)).ln() / (high.load / low.load).ln()))
 }
 
-/// A range whose levels below `first` were flattened, loaded again by so many levels.
-fn reloaded_range(given: &Given) -> Result<Finding, CheckError> {
+/// A quantity of a range that is loaded again by N levels after the levels below `first` were flattened.
+///
+/// Arguments: `of`, `first`, `N`, `step`. A load of 1 kgf flattens the seven levels below 0.46 um, so `first` is 7 in
+/// the claims. The 28 contacts of this level then touch at the same time. Claims 7-053 ... 7-056.
+fn reloaded_range(given: &CheckArguments) -> Result<Finding, CheckError> {
     let pressed = reloaded(given, given.number("N")? as u32)?;
-    Ok(Finding::Number(given.word("of", &PRESSED)?(&pressed)))
+    Ok(Finding::Number(given.choice("of", &CONTACT_QUANTITIES)?(&pressed)))
 }
 
-fn reloaded(given: &Given, level: u32) -> Result<Pressed, CheckError> {
+/// The state of the range that is loaded again by `level` steps, after the levels below `first` were flattened.
+fn reloaded(given: &CheckArguments, level: u32) -> Result<RangeContact, CheckError> {
     let range = range(given)?;
     Ok(range.reloaded(given.number("first")? as u32, f64::from(level) * range.step)?)
 }
 
-/// Factor or exponent of overlap or area by load when loaded again, fitted over levels from ... to.
-fn reload_law(given: &Given) -> Result<Finding, CheckError> {
+/// Factor or exponent of a quantity against load when the range is loaded again, fitted over the levels `from` ...
+/// `to`.
+///
+/// The text has hd = 0.53 W^0.22 (eq 43-7), a line drawn parallel to the first loading, and Ac = 10500 W^0.74 (eq
+/// 44-7). Claims 7-057 and 7-058.
+fn reload_law(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (from, to) = (given.number("from")? as u32, given.number("to")? as u32);
-    let reading = given.word("of", &PRESSED)?;
-    let point = |level| reloaded(given, level).map(|pressed| (pressed.load / KGF, reading(&pressed)));
+    let quantity = given.choice("of", &CONTACT_QUANTITIES)?;
+    let point = |level| reloaded(given, level).map(|pressed| (pressed.load / KGF, quantity(&pressed)));
     let points = (from..=to).map(point).collect::<Result<Vec<_>, _>>()?;
     part_of(given, &PowerLaw::fit(&points)?)
 }
 
-/// Whether a range that was overloaded touches over more area at the same load, over its first levels.
-fn reloading_widens(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether a range that was overloaded has a larger area at the same load, for its first levels.
+///
+/// For each level 1 ... `to` of the second loading, the area is compared with that of the first loading under the same
+/// load. The finding lists the ratios. Claim 7-059.
+fn reloading_widens(given: &CheckArguments) -> Result<Finding, CheckError> {
     let range = range(given)?;
     let (mut holds, mut found) = (true, Vec::new());
     for level in 1..=given.number("to")? as u32 {
@@ -213,52 +271,67 @@ fn reloading_widens(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(holds, format!("{} times", found.join(", "))))
 }
 
-/// Where the constants of a joint come from.
+/// The origin of the constants of a joint.
 #[derive(Debug, Clone, Copy)]
-enum Source {
-    /// The study, down to 9707.
-    Printed,
-    /// The printed Table T7.1, and its own arithmetic from there.
+enum JointSource {
+    /// The printed constants, including 9707.
+    PrintedNumber,
+    /// The printed Table T7.1, and the arithmetic of the text from there on.
     Table,
     /// Geometry and metal alone.
     Sums,
 }
 
-/// The joint, by default with the constants as printed and grade 17 iron; `shear=tabor` gives it the shear strength of eq 70-7.
-pub(super) fn joint(given: &Given) -> Result<Joint, CheckError> {
-    let known = [("printed", Source::Printed), ("table", Source::Table), ("sums", Source::Sums)];
-    let source = given.text("joint").map_or(Ok(Source::Printed), |_| given.word("joint", &known))?;
+/// The joint. The default is grade 17 iron with the printed constants; `shear=tabor` selects the shear strength of eq
+/// 70-7. The argument `joint` selects the source of the constants.
+pub(super) fn joint(given: &CheckArguments) -> Result<Joint, CheckError> {
+    let known =
+        [("printed", JointSource::PrintedNumber), ("table", JointSource::Table), ("sums", JointSource::Sums)];
+    let source =
+        given.text("joint").map_or(Ok(JointSource::PrintedNumber), |_| given.choice("joint", &known))?;
     let iron = Material::GRADE_17_IRON;
     let joint = match source {
-        Source::Printed => Joint::PRINTED,
-        Source::Table => Joint::new(Ridge::GROUND, iron, &ContactLaws::PRINTED),
-        Source::Sums => Joint::of_surfaces(Ridge::GROUND, iron, 0.06 * UM)?,
+        JointSource::PrintedNumber => Joint::PRINTED,
+        JointSource::Table => Joint::new(Ridge::GROUND, iron, &ContactLaws::PRINTED),
+        JointSource::Sums => Joint::of_surfaces(Ridge::GROUND, iron, 0.06 * UM)?,
     };
     let material = given
         .text("shear")
-        .map_or(Ok(iron), |_| given.word("shear", &[("tabor", iron.with_tabor_shear())]))?;
+        .map_or(Ok(iron), |_| given.choice("shear", &[("tabor", iron.with_tabor_shear())]))?;
     Ok(Joint { material, ..joint })
 }
 
-/// A film: none, one of the study's oils, or one with Ko in kgf/mm2.
-pub(super) fn film(given: &Given) -> Result<BoundaryFilm, GivenError> {
+/// The film: none, that of one of the study's oils, or one with Ko in kgf/mm2.
+///
+/// The argument `film` is `dry`, `plain` (Ko = 70) or `polar` (Ko = 120); `Ko` takes precedence. Without an argument
+/// the joint is dry. Films other than `dry` have the shear strength 2.9 kgf/mm2.
+pub(super) fn film(given: &CheckArguments) -> Result<BoundaryFilm, ArgumentError> {
     if given.text("Ko").is_some() {
         return Ok(BoundaryFilm::of_study(given.number("Ko")?));
     }
     let known =
         [("dry", BoundaryFilm::DRY), ("plain", BoundaryFilm::NON_POLAR), ("polar", BoundaryFilm::POLAR)];
-    given.text("film").map_or(Ok(BoundaryFilm::DRY), |_| given.word("film", &known))
+    given.text("film").map_or(Ok(BoundaryFilm::DRY), |_| given.choice("film", &known))
 }
 
-/// Mean pressure in Pa from Pw in kgf/cm2, that of the study's table where none is given.
-pub(super) fn pressure(given: &Given) -> Result<f64, GivenError> {
+/// Mean pressure in Pa from Pw in kgf/cm2. The default is that of the study's table.
+pub(super) fn pressure(given: &CheckArguments) -> Result<f64, ArgumentError> {
     Ok(given.number_or("Pw", 0.65)? * KGF_PER_CM2)
 }
 
-/// The joint at rest under Pw kgf/cm2, in the units of the study.
-fn joint_at_rest(given: &Given) -> Result<Finding, CheckError> {
-    type Reading = fn(&Joint, f64, &BoundaryFilm) -> Result<f64, SlidewayError>;
-    let known: [(&str, Reading); 9] = [
+/// A quantity of the joint at rest under Pw kgf/cm2, in the units of the study.
+///
+/// Argument `of`, for one square centimetre:
+///
+/// * `penetration` hd and `displacement` xm at slip, in um (eq 94-7, 66-7)
+/// * `area` Ac and `leading-area` AcL, in um2 (eq 46-7, 56-7); `leading-pressure` Pw / AcL in kgf/mm2 (eq 74-7)
+/// * `stiffness` Ka in kgf/um (eq 49-7), `shear-force` AcL KLP in kgf (eq 58-7)
+/// * `friction` mu_s with the film (eq 59-7, 85-7), `initial-friction` mu_so of the first pull (eq 67-7)
+///
+/// Claims 7-065 ... 7-103, 6-017.b, 9-022.a and b.
+fn joint_at_rest(given: &CheckArguments) -> Result<Finding, CheckError> {
+    type JointQuantity = fn(&Joint, f64, &BoundaryFilm) -> Result<f64, SlidewayError>;
+    let known: [(&str, JointQuantity); 9] = [
         ("penetration", |joint, pressure, _| Ok(joint.penetration(pressure)? / UM)),
         ("area", |joint, pressure, _| Ok(joint.area_share(pressure)? * CM2 / UM2)),
         ("leading-area", |joint, pressure, _| Ok(joint.leading_share(pressure)? * CM2 / UM2)),
@@ -272,34 +345,43 @@ fn joint_at_rest(given: &Given) -> Result<Finding, CheckError> {
             Ok(joint.leading_share(pressure)? * strength * CM2 / KGF)
         }),
     ];
-    let reading = given.word("of", &known)?;
-    Ok(Finding::Number(reading(&joint(given)?, pressure(given)?, &film(given)?)?))
+    let quantity = given.choice("of", &known)?;
+    Ok(Finding::Number(quantity(&joint(given)?, pressure(given)?, &film(given)?)?))
 }
 
-/// Whether friction at slip is above that of the first pull.
-fn pull_raises_friction(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether friction at slip exceeds that of the first pull.
+///
+/// Fig 7.12, claim 7-090.a: the leading area grows until the joint slips, so friction grows too.
+fn pull_raises_friction(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (joint, pressure) = (joint(given)?, pressure(given)?);
     let first = joint.initial_friction(pressure)?;
     let slip = joint.static_friction(pressure, &BoundaryFilm::DRY)?;
     Ok(Finding::shape(first < slip, format!("{first:.3} and {slip:.3}")))
 }
 
-/// Whether the static friction coefficient falls from 0.1 to 1 kgf/cm2, or stays, for a power of the area by the load.
-fn friction_and_load(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the static friction coefficient falls from 0.1 to 1 kgf/cm2, or stays the same. `power` replaces
+/// the exponent of area against load.
+///
+/// Arguments: `way`, `power`, and those of the joint and the film. With `way=stays` the coefficients must agree to
+/// 1e-9. That is the case for `power=1`, an area proportional to the load (eq 69-7, claim 7-091). Claims 7-090.b and
+/// 7-108 use `way=falls`.
+fn friction_and_load(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (mut joint, film) = (joint(given)?, film(given)?);
     joint.leading_area.exponent = given.number_or("power", joint.leading_area.exponent)?;
     let at = |load: f64| joint.static_friction(load * KGF_PER_CM2, &film);
     let (light, heavy) = (at(0.1)?, at(1.0)?);
     let is_same = (heavy / light - 1.0).abs() < 1e-9;
     let found = format!("{light:.3} and {heavy:.3}");
-    Ok(match given.word("way", &[("stays", true), ("falls", false)])? {
+    Ok(match given.choice("way", &[("stays", true), ("falls", false)])? {
         true => Finding::truth(is_same, found),
         false => Finding::shape(heavy < light && !is_same, found),
     })
 }
 
-/// Whether the displacement at slip is 3 ... 5 times the mean radius of a contact.
-fn slip_within_radii(given: &Given) -> Result<Finding, CheckError> {
+/// Checks whether the displacement at slip is 3 ... 5 times the mean radius of the contacts.
+///
+/// The mean radius is sqrt(Ac / (pi Nc)), from the sums of the range. Claim 7-088.b (2.3).
+fn slip_within_radii(given: &CheckArguments) -> Result<Finding, CheckError> {
     let pressure = pressure(given)?;
     let pressed = range(given)?.under(pressure * CM2)?;
     let radius = (pressed.area / pressed.contacts / PI).sqrt();
@@ -307,10 +389,14 @@ fn slip_within_radii(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth((3.0..=5.0).contains(&ratio), format!("{ratio:.2} times {:.2} um", radius / UM)))
 }
 
-/// Factor or exponent of a friction coefficient by load in kgf, fitted from ... to.
-fn static_friction_law(given: &Given) -> Result<Finding, CheckError> {
+/// Factor or exponent of a friction coefficient against load in kgf, fitted over `from` ... `to`.
+///
+/// Argument `of`: `initial` is mu_so of the first pull, `static` mu_s at slip. The text has 0.160 / W^0.181 (eq 64-7),
+/// 0.35 / W^0.165 (eq 65-7), and 0.79 / W^0.165 with the shear strength Pm / sqrt(3) (eq 70-7). Claims 7-085, 7-086 and
+/// 7-093.
+fn static_friction_law(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (joint, film) = (joint(given)?, film(given)?);
-    let is_initial = given.word("of", &[("initial", true), ("static", false)])?;
+    let is_initial = given.choice("of", &[("initial", true), ("static", false)])?;
     let (from, to) = (given.number("from")?, given.number("to")?);
     let point = |index: u32| -> Result<(f64, f64), CheckError> {
         let load = from * (to / from).powf(f64::from(index) / f64::from(POINTS - 1));
@@ -326,20 +412,31 @@ fn static_friction_law(given: &Given) -> Result<Finding, CheckError> {
     part_of(given, &PowerLaw::fit(&points)?)
 }
 
-/// A film on grade 17 iron, in kgf/mm2: its strength KLP, its yield pressure at ho um, its shear strength under Pa kgf/mm2.
-fn boundary_film(given: &Given) -> Result<Finding, CheckError> {
-    type Reading = fn(&Given) -> Result<f64, CheckError>;
-    let known: [(&str, Reading); 4] = [
+/// A quantity of a film on grade 17 iron: strength KLP, yield pressure at ho um or shear strength under Pa kgf/mm2,
+/// in kgf/mm2, or the covered share.
+///
+/// Argument `of`: `strength` KLP (eq 84-7), `covered` share ((Ko + 0.06) / Pm)^2 (eq 82-7), `yield` pressure Ko exp(-10
+/// ho) + 0.06 (eq 71-7), `shear` strength exp(0.014 Pa) - 1 (eq 72-7). Claims 7-095, 7-098, 7-100, 7-167, 7-168 and
+/// 9-259.
+fn boundary_film(given: &CheckArguments) -> Result<Finding, CheckError> {
+    type FilmQuantity = fn(&CheckArguments) -> Result<f64, CheckError>;
+    let known: [(&str, FilmQuantity); 4] = [
         ("strength", |given| Ok(film(given)?.joint_strength(&Material::GRADE_17_IRON)? / KGF_PER_MM2)),
         ("covered", |given| Ok(film(given)?.covered_share(&Material::GRADE_17_IRON)?)),
         ("yield", |given| Ok(film(given)?.yield_pressure(given.number("ho")? * UM)? / KGF_PER_MM2)),
         ("shear", |given| Ok(film_shear_strength(given.number("Pa")? * KGF_PER_MM2)? / KGF_PER_MM2)),
     ];
-    given.word("of", &known)?(given).map(Finding::Number)
+    given.choice("of", &known)?(given).map(Finding::Number)
 }
 
-/// Ko in kgf/mm2 of the film that gives a static friction coefficient, to 0.01.
-fn film_for_friction(given: &Given) -> Result<Finding, CheckError> {
+/// Ko in kgf/mm2 of the film that gives the static friction coefficient mu, to 0.01.
+///
+/// Ko rises from 0 in steps of 0.01 up to the yield pressure of the iron, 132 kgf/mm2. Friction falls with Ko, so the
+/// first value that reaches mu is the result. Claims 7-104 and 7-105.
+///
+/// # Errors
+/// If friction exceeds mu for every film.
+fn film_for_friction(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (joint, pressure, wanted) = (joint(given)?, pressure(given)?, given.number("mu")?);
     let hundredths = (0..13200).map(|index| f64::from(index) / 100.0);
     for rupture in hundredths {
@@ -347,8 +444,8 @@ fn film_for_friction(given: &Given) -> Result<Finding, CheckError> {
             return Ok(Finding::Number(rupture));
         }
     }
-    let because = format!("no film brings friction down to {wanted}");
-    Err(SlidewayError::NoSolution { sought: "film", because }.into())
+    let reason = format!("no film reduces friction to {wanted}");
+    Err(SlidewayError::NoSolution { sought: "film", reason }.into())
 }
 
 #[cfg(test)]
@@ -358,12 +455,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn squares_counted_are_the_area_of_eq_5_7() {
+    fn counted_squares_agree_with_eq_5_7() {
         for degrees in [90.0f64, 45.0] {
-            let counted = wedge_overlap(&Given::parse(&format!("h=1 beta={degrees}")).unwrap());
+            let counted = wedge_overlap(&CheckArguments::parse(&format!("h=1 beta={degrees}")).unwrap());
             let Ok(Finding::Number(counted)) = counted else { panic!() };
             let area = Ridge::GROUND.overlap_area(UM, degrees.to_radians().min(FRAC_PI_2)).unwrap() / UM2;
-            assert!((counted / area - 1.0).abs() < 2e-3, "{counted} is not {area}");
+            assert!((counted / area - 1.0).abs() < 2e-3, "counted {counted}, expected {area}");
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Chapter 2: what others had found.
+//! Chapter 2: results of earlier authors.
 
-use super::graph::{by_ratio, curve};
-use super::{Drawn, Figure, Graph};
-use crate::replay::recipe::Problem;
+use super::graph::{geomspace, sample_curve};
+use super::{DrawnFigure, Figure, Graph};
+use crate::replay::recipe::BoxError;
 use crate::slideway::history::GrowthAtRest;
 use crate::slideway::units::{MM_PER_S, UM};
 
@@ -15,35 +15,45 @@ pub(super) const FIGURES: &[Figure] = &[Figure {
     draw: stick_slip,
 }];
 
-/// Friction that grows at rest, as an example: the curves of the paper are lost.
+/// An example of static friction that grows with the time at rest. The curves of the cited paper are lost, so its
+/// numbers are chosen.
 const EXAMPLE: GrowthAtRest = GrowthAtRest { kinetic: 0.2, factor: 0.05, exponent: 0.3 };
+/// Weight of the example, in N; chosen.
 const WEIGHT: f64 = 10.0;
+/// The slip distance at which stick-slip ends, in m; chosen.
 const CRITICAL_DISTANCE: f64 = 10.0 * UM;
 
-/// Stiffnesses of the drive, in N/mm.
+/// Stiffnesses of the drive in the example, in N/mm.
 const DRIVES: [f64; 3] = [10.0, 20.0, 50.0];
 
-fn stick_slip(figure: &Figure) -> Result<Drawn, Problem> {
-    let mut graph = Graph::new(&figure.heading(), ("sliding velocity", "mm/s"), ("way of a slip", "µm"))
+/// Fig 2.2: the length of a slip against the sliding velocity, for three drives, by the theory of static friction
+/// that grows at rest.
+///
+/// A slip is x = (2 W gamma / (K V^beta))^(1 / (1 - beta)) (eq 20.2). Each curve ends at the velocity at which x equals
+/// the critical distance.
+fn stick_slip(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+    let mut graph = Graph::new(&figure.heading(), ("sliding velocity", "mm/s"), ("length of a slip", "µm"))
         .logarithmic(true, true)
-        .across(1e-3, 100.0)
-        .up(5.0, 1000.0);
-    let (mut ends, mut told) = (Vec::new(), Vec::new());
+        .x_range(1e-3, 100.0)
+        .y_range(5.0, 1000.0);
+    let (mut ends, mut texts) = (Vec::new(), Vec::new());
     for drive in DRIVES {
         let stiffness = drive * 1e3;
         let end = EXAMPLE.end_of_stick_slip(WEIGHT, stiffness, CRITICAL_DISTANCE)? / MM_PER_S;
         let slip = |velocity: f64| Ok(EXAMPLE.slip(WEIGHT, stiffness, velocity * MM_PER_S)? / UM);
-        graph = graph.line(format!("{drive} N/mm"), curve(by_ratio(1e-3, end, 41), slip)?);
+        graph = graph.line(format!("{drive} N/mm"), sample_curve(geomspace(1e-3, end, 41), slip)?);
         ends.push((end, CRITICAL_DISTANCE / UM));
-        told.push(format!("{end:.2}"));
+        texts.push(format!("{end:.2}"));
     }
     let graph = graph.dots("ends at the critical distance", ends);
     let reading = format!(
-        "with 10, 20 and 50 N/mm it ends at {} mm/s: a stiffer drive makes it smaller and ends it sooner, as the text says",
-        told.join(", ")
+        "with 10, 20 and 50 N/mm stick-slip ends at {} mm/s: with a stiffer drive slips are shorter and end at a \
+         lower velocity, as the text says",
+        texts.join(", ")
     );
-    let settings = "an example: µs - µk = 0.05 t^0.3, W = 10 N, critical distance 10 µm; the curves of the paper are lost";
-    Ok(Drawn::of_theory(vec![graph.picture()], settings, reading))
+    let settings = "an example: µs - µk = 0.05 t^0.3, W = 10 N, critical distance 10 µm; the curves of the paper are \
+         lost";
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], settings, reading))
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
-//! Chapter 4: friction that falls, a table that tilts, and the model that is simulated.
+//! Chapter 4: friction that falls with velocity, a table that tilts, and the model that is simulated.
 
-use super::graph::{curve, evenly};
-use super::sketch::{Place, Sketch};
-use super::{Drawn, Figure, Graph};
-use crate::replay::recipe::Problem;
+use super::graph::{linspace, sample_curve};
+use super::sketch::{PixelPoint, Sketch};
+use super::{DrawnFigure, Figure, Graph};
+use crate::replay::recipe::BoxError;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
-use crate::slideway::tilt::{EVEN_INTERFACE, Tilt};
+use crate::slideway::tilt::{Tilt, UNIFORM_INTERFACE};
 use crate::slideway::units::{MM_PER_S, N_S_PER_MM, UM};
 use patchcord_draw::plot::Ink;
 
@@ -49,28 +49,34 @@ pub(super) const FIGURES: &[Figure] = &[
     },
 ];
 
-/// The largest limit velocity of the simulation, in m/s.
+/// The largest limit velocity VcL of the simulation, in m/s.
 const LIMIT: f64 = 25.4 * MM_PER_S;
 
-/// Velocities that are shown, in mm/s.
+/// The plotted velocities, in mm/s.
 fn velocities() -> impl Iterator<Item = f64> + Clone {
-    evenly(0.0, 40.0, 201)
+    linspace(0.0, 40.0, 201)
 }
 
+/// Viscous friction of the simulation in N, by velocity in mm/s.
 fn viscous() -> Vec<(f64, f64)> {
     velocities().map(|velocity| (velocity, SIMULATED_DAMPING * velocity * MM_PER_S)).collect()
 }
 
-fn whole() -> Result<Vec<(f64, f64)>, Problem> {
+/// Solid and viscous friction together in N, by velocity in mm/s, for the largest VcL.
+fn whole() -> Result<Vec<(f64, f64)>, BoxError> {
     let friction = FallingFriction::simulated(LIMIT);
-    curve(velocities(), |velocity| friction.total(velocity * MM_PER_S, SIMULATED_DAMPING))
+    sample_curve(velocities(), |velocity| friction.total(velocity * MM_PER_S, SIMULATED_DAMPING))
 }
 
+/// Makes a graph against sliding velocity.
 fn against_velocity(title: &str, up: (&str, &str)) -> Graph {
     Graph::new(title, ("sliding velocity", "mm/s"), up)
 }
 
-fn slopes(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 4.2: linear and falling friction, and the slope of both.
+///
+/// The slope is f - 2 Fs (VcL - v) / VcL^2. Claim 4-124.a.
+fn slopes(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let friction = FallingFriction::simulated(LIMIT);
     let force = against_velocity(&figure.heading(), ("friction force F", "N"))
         .line("(a) linear", viscous())
@@ -78,42 +84,46 @@ fn slopes(figure: &Figure) -> Result<Drawn, Problem> {
     let slope = |velocity: f64| Ok((SIMULATED_DAMPING - friction.slope(velocity * MM_PER_S)?) / N_S_PER_MM);
     let derivative = against_velocity("(c) slope of both", ("dF/dv", "N s/mm"))
         .line("(a)", velocities().map(|velocity| (velocity, SIMULATED_DAMPING / N_S_PER_MM)).collect())
-        .line("(b)", curve(velocities(), slope)?);
+        .line("(b)", sample_curve(velocities(), slope)?);
     let reading = format!(
-        "F is never below 0, its slope is: from {:.1} N s/mm at rest up to 0 at {:.1} mm/s, and {:.1} in the end",
+        "F is never negative, but its slope is: it rises from {:.1} N s/mm at rest to 0 at {:.1} mm/s and ends at \
+         {:.1}",
         slope(0.0)?,
         friction.velocity_of_least(SIMULATED_DAMPING)? / MM_PER_S,
         SIMULATED_DAMPING / N_S_PER_MM
     );
     let settings = "Fs = 771 N, VcL = 25.4 mm/s, f = 10.7 N s/mm";
-    Ok(Drawn::of_theory(vec![force.picture(), derivative.picture()], settings, reading))
+    Ok(DrawnFigure::from_theory(vec![force.picture(), derivative.picture()], settings, reading))
 }
 
-fn tilt(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 4.5: the table from the side and from above, and the pitch and yaw by equations 2-4 ... 5-4.
+///
+/// The factor is 9 in the text and 12 for the uniform interface that the text assumes (claim 4-008).
+fn tilt(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut sketch = Sketch::new(&figure.heading(), 700.0);
     sketch.text("(a) from the side, pulled above the friction plane", (16.0, 76.0));
     side_view(&mut sketch, 0.0, 190.0);
     sketch.text("(b) it pitches: the leading edge sinks by ΔZ", (16.0, 290.0));
     side_view(&mut sketch, 0.05, 400.0);
-    sketch.text(
-        "(c) from above, pulled beside the middle: it yaws by ΔY within the clearance Yc",
-        (16.0, 500.0),
-    );
+    sketch.text("(c) from above, pulled off centre: it yaws by ΔY within the clearance Yc", (16.0, 500.0));
     top_view(&mut sketch);
-    let even = Tilt { factor: EVEN_INTERFACE, ..Tilt::EXAMPLE };
+    let even = Tilt { factor: UNIFORM_INTERFACE, ..Tilt::EXAMPLE };
     let reading = format!(
-        "the edge sinks by {:.2} µm as the text has it, by {:.2} µm on the even interface that it assumes; θp is {:.1} µrad",
+        "the edge sinks by {:.2} µm with the factor of the text, by {:.2} µm on the uniform interface that the text \
+         assumes; θp is {:.1} µrad",
         Tilt::EXAMPLE.pitch()? / UM,
         even.pitch()? / UM,
         Tilt::EXAMPLE.pitch_angle()? * 1e6
     );
-    Ok(sketch.drawn("La = 150 mm, LT = 450 mm, FA = 50 kgf, Ks = 1e5 kgf/mm", reading))
+    Ok(sketch.finish("La = 150 mm, LT = 450 mm, FA = 50 kgf, Ks = 1e5 kgf/mm", reading))
 }
 
-/// A table on its interface, turned by a slope, its friction plane at a height.
+/// Draws the table on its interface from the side. `slope` is its pitch, as a tangent. `plane` is the height of the
+/// friction plane in pixels.
 fn side_view(sketch: &mut Sketch, slope: f64, plane: f64) {
     let (middle, half, high) = (400.0, 240.0, 70.0);
-    let at = |along: f64, up: f64| -> Place { (middle + along - slope * up, plane + slope * along - up) };
+    let at =
+        |along: f64, up: f64| -> PixelPoint { (middle + along - slope * up, plane + slope * along - up) };
     sketch.ground((middle - 330.0, plane + 20.0), (middle + 330.0, plane + 20.0));
     for index in -6..=6 {
         let along = f64::from(index) * 38.0;
@@ -127,7 +137,7 @@ fn side_view(sketch: &mut Sketch, slope: f64, plane: f64) {
         sketch.arrow(&[at(half, 46.0), at(half + 120.0, 46.0)], Ink::Voltage);
         sketch.coloured("FA", at(half + 126.0, 41.0), Ink::Voltage);
         sketch.span(at(half + 60.0, 0.0), at(half + 60.0, 46.0), "La");
-        sketch.middle("table", at(0.0, high / 2.0));
+        sketch.centred_on("table", at(0.0, high / 2.0));
     } else {
         sketch.dashed((middle - half - 40.0, plane), (middle + half + 110.0, plane));
         sketch.span((middle + half + 20.0, plane), (middle + half + 20.0, plane + slope * half), "");
@@ -136,38 +146,43 @@ fn side_view(sketch: &mut Sketch, slope: f64, plane: f64) {
     }
 }
 
-/// A table between its guides, from above.
+/// Draws the table between its guides from above.
 fn top_view(sketch: &mut Sketch) {
     let (middle, half, wide, slope) = ((400.0, 600.0), 220.0, 40.0, 0.05);
-    let at =
-        |along: f64, up: f64| -> Place { (middle.0 + along - slope * up, middle.1 + slope * along - up) };
+    let at = |along: f64, up: f64| -> PixelPoint {
+        (middle.0 + along - slope * up, middle.1 + slope * along - up)
+    };
     sketch.ground((720.0, middle.1 - wide - 14.0), (80.0, middle.1 - wide - 14.0));
     sketch.ground((80.0, middle.1 + wide + 14.0), (720.0, middle.1 + wide + 14.0));
     sketch.body(&[at(-half, -wide), at(half, -wide), at(half, wide), at(-half, wide)]);
     sketch.dashed((80.0, middle.1), (740.0, middle.1));
-    let (edge, beside) = (middle.0 + half, middle.1 - 24.0);
-    sketch.arrow(&[(edge, beside), (edge + 110.0, beside)], Ink::Voltage);
-    sketch.coloured("FA", (edge + 116.0, beside + 5.0), Ink::Voltage);
-    sketch.span((edge + 60.0, middle.1), (edge + 60.0, beside), "LF");
+    let (edge, off_centre) = (middle.0 + half, middle.1 - 24.0);
+    sketch.arrow(&[(edge, off_centre), (edge + 110.0, off_centre)], Ink::Voltage);
+    sketch.coloured("FA", (edge + 116.0, off_centre + 5.0), Ink::Voltage);
+    sketch.span((edge + 60.0, middle.1), (edge + 60.0, off_centre), "LF");
     sketch.text("ΔY = 9 LF FA / (2 Ks LT) + Yc", (16.0, 530.0));
 }
 
-/// The friction of `patches/thesis/fig-4-07.json`, which makes the profiles of Fig 4.7 of it: (b) falls up to VcL in m/s; (c) drops to
-/// a share of static friction, and keeps it.
+/// VcL of curve (b) in `patches/thesis/fig-4-07.json`, in m/s: friction falls up to it. That patch makes the profiles
+/// of Fig 4.7.
 const FALLS_UP_TO: f64 = 2.54 * MM_PER_S;
+/// Velocity up to which friction of curve (c) of the same patch drops, in m/s.
 const DROPS_UP_TO: f64 = 0.508 * MM_PER_S;
+/// Share of static friction that curve (c) keeps after the drop.
 const KEPT: f64 = 0.6;
 
-fn characteristics(figure: &Figure) -> Result<Drawn, Problem> {
-    let velocities = || evenly(0.0, 10.0, 501);
+/// Fig 4.6: linear friction, friction that falls up to VcL, and friction that drops to a constant.
+///
+/// Curve (c) is 0.6 Fs plus a square law that ends at 0.508 mm/s, as in the patch of Fig 4.7.
+fn characteristics(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+    let velocities = || linspace(0.0, 10.0, 501);
     let falling = FallingFriction::simulated(FALLS_UP_TO);
     let kept = KEPT * falling.static_friction;
     let dropping = FallingFriction { static_friction: falling.static_friction - kept, limit: DROPS_UP_TO };
     let whole = |friction: FallingFriction, kept: f64| {
-        curve(
-            velocities(),
-            move |velocity| Ok(kept + friction.total(velocity * MM_PER_S, SIMULATED_DAMPING)?),
-        )
+        sample_curve(velocities(), move |velocity| {
+            Ok(kept + friction.total(velocity * MM_PER_S, SIMULATED_DAMPING)?)
+        })
     };
     let linear = velocities().map(|velocity| (velocity, SIMULATED_DAMPING * velocity * MM_PER_S)).collect();
     let graph = against_velocity(&figure.heading(), ("friction force", "N"))
@@ -175,15 +190,17 @@ fn characteristics(figure: &Figure) -> Result<Drawn, Problem> {
         .line("(b) falls up to 2.54 mm/s", whole(falling, 0.0)?)
         .line("(c) drops to a constant", whole(dropping, kept)?);
     let reading = format!(
-        "(b) and (c) begin at {:.0} N; (b) is least at {:.2} mm/s, (c) keeps {kept:.0} N: the text tells only that both begin above 0 and fall somewhere",
+        "(b) and (c) begin at {:.0} N; (b) has its minimum at {:.2} mm/s, (c) keeps {kept:.0} N; the text says only \
+         that both begin above 0 and fall over some range",
         falling.static_friction,
         falling.velocity_of_least(SIMULATED_DAMPING)? / MM_PER_S
     );
     let settings = "Fs = 771 N, f = 10.7 N s/mm, as in patches/thesis/fig-4-07.json";
-    Ok(Drawn::of_theory(vec![graph.picture()], settings, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], settings, reading))
 }
 
-fn model(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 4.9: the model of mass, spring and friction, with its equations.
+fn model(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut sketch = Sketch::new(&figure.heading(), 330.0);
     let (line, floor) = (170.0, 220.0);
     sketch.block((110.0, line), (90.0, 70.0), "drive");
@@ -202,17 +219,20 @@ fn model(figure: &Figure) -> Result<Drawn, Problem> {
     sketch.text("M xo'' + sign(xo') F + K xo = K xi, friction of any kind", (16.0, 306.0));
     let table = DrivenTable::simulated(0.0);
     let reading = format!(
-        "as simulated it swings with {:.1} rad/s, {:.1} Hz, with a damping ratio of {:.3}",
+        "with the values of the simulation its natural frequency is {:.1} rad/s, {:.1} Hz, and its damping ratio {:.3}",
         table.natural_frequency()?,
         table.natural_frequency()? / std::f64::consts::TAU,
         table.damping_ratio()?
     );
-    Ok(sketch.drawn("M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm", reading))
+    Ok(sketch.finish("M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm", reading))
 }
 
-fn decomposed(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 4.10: the friction curve of the simulation as the sum of solid and viscous friction.
+///
+/// Solid friction is Fs (1 - v / VcL)^2, a quarter of Fs at half of VcL (claims 4-116 ... 4-118).
+fn decomposed(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let friction = FallingFriction::simulated(LIMIT);
-    let solid = curve(velocities(), |velocity| friction.solid(velocity * MM_PER_S))?;
+    let solid = sample_curve(velocities(), |velocity| friction.solid(velocity * MM_PER_S))?;
     let graph = against_velocity(&figure.heading(), ("friction force", "N"))
         .line("(A) solid, N (VcL - v)²", solid)
         .line("(B) viscous, f v", viscous())
@@ -221,11 +241,16 @@ fn decomposed(figure: &Figure) -> Result<Drawn, Problem> {
     let half = friction.solid(LIMIT / 2.0)?;
     let least = friction.velocity_of_least(SIMULATED_DAMPING)?;
     let reading = format!(
-        "(A) is 771 N at rest, a quarter of it ({half:.0} N) at half of VcL and none beyond; both together are least at {:.1} mm/s, {:.0} N",
+        "(A) is 771 N at rest, a quarter of it ({half:.0} N) at half of VcL and 0 above VcL; the sum has its minimum \
+         at {:.1} mm/s, {:.0} N",
         least / MM_PER_S,
         friction.total(least, SIMULATED_DAMPING)?
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], "Fs = 771 N, VcL = 25.4 mm/s, f = 10.7 N s/mm", reading))
+    Ok(DrawnFigure::from_theory(
+        vec![graph.picture()],
+        "Fs = 771 N, VcL = 25.4 mm/s, f = 10.7 N s/mm",
+        reading,
+    ))
 }
 
 #[cfg(test)]
@@ -233,7 +258,7 @@ mod tests {
     use super::super::reading;
 
     #[test]
-    fn what_is_read_off_is_what_the_text_reads() {
+    fn readings_agree_with_the_text() {
         assert!(reading("fig-4-05").contains("0.75 µm") && reading("fig-4-05").contains("1.00 µm"));
         assert!(reading("fig-4-09").contains("322.4 rad/s, 51.3 Hz"), "{}", reading("fig-4-09"));
         assert!(reading("fig-4-10").contains("(193 N)"), "{}", reading("fig-4-10"));

@@ -1,9 +1,12 @@
-//! Chapter 7: dry iron that slides, and stiffens with the speed at which asperities are deformed (7.3.i).
+//! Chapter 7: dry iron that slides (7.3.i).
+//!
+//! Faster sliding deforms the asperities at a higher frequency, and the metal stiffens with that frequency. The
+//! figures follow from one model of the joint, by velocity, by frequency and by load.
 
-use super::graph::{by_ratio, curve, evenly};
+use super::graph::{geomspace, linspace, sample_curve};
 use super::sketch::Sketch;
-use super::{Drawn, Figure, Graph};
-use crate::replay::recipe::Problem;
+use super::{DrawnFigure, Figure, Graph};
+use crate::replay::recipe::BoxError;
 use crate::slideway::SlidewayError;
 use crate::slideway::dry_friction::{DryFriction, DrySliding};
 use crate::slideway::joint::{Joint, STUDY_PRESSURE};
@@ -65,14 +68,14 @@ pub(super) const FIGURES: &[Figure] = &[
     Figure {
         id: "fig-7-22",
         place: "7.3.i",
-        title: "stiffness beside the real part of alpha",
+        title: "stiffness and the real part of alpha",
         claims: &[],
         draw: stiffness_and_alpha,
     },
     Figure {
         id: "fig-7-23",
         place: "7.3.i",
-        title: "damping beside the imaginary part of alpha",
+        title: "damping and the imaginary part of alpha",
         claims: &["7-133.a", "7-133.b"],
         draw: damping_and_alpha,
     },
@@ -92,49 +95,57 @@ pub(super) const FIGURES: &[Figure] = &[
     },
 ];
 
+/// The settings of all figures of this file, except that by load.
 const SETTINGS: &str =
     "Pw = 0.65 kgf/cm², alpha up to 2.9, Um = 800 kgf s/mm² (T = 0.0318 s), dry grade 17 iron";
 
-/// What is read off a joint that slides, in the units of the study.
-type Reading = fn(&DrySliding) -> f64;
+/// A quantity of a sliding joint, in the units of the study.
+type JointQuantity = fn(&DrySliding) -> f64;
 
-const FRICTION: Reading = |at| at.friction;
-const PENETRATION: Reading = |at| at.penetration / UM;
-/// Of a square centimetre, in kgf/cm.
-const STIFFNESS: Reading = |at| at.stiffness * CM2 * CM / KGF;
-/// Of a square centimetre, in kgf s/cm; at rest there is none.
-const DAMPING: Reading = |at| at.damping.map_or(f64::NAN, |damping| damping * CM2 * CM / KGF);
-/// In kgf s/cm2; at rest there is none.
-const VISCOSITY: Reading = |at| at.asperity_viscosity().map_or(f64::NAN, |viscosity| viscosity / KGF_PER_CM2);
+/// Friction coefficient.
+const FRICTION: JointQuantity = |at| at.friction;
+/// Penetration, in um.
+const PENETRATION: JointQuantity = |at| at.penetration / UM;
+/// Normal stiffness of a square centimetre, in kgf/cm.
+const STIFFNESS: JointQuantity = |at| at.stiffness * CM2 * CM / KGF;
+/// Normal damping of a square centimetre, in kgf s/cm; NaN at rest, where it is not defined.
+const DAMPING: JointQuantity = |at| at.damping.map_or(f64::NAN, |damping| damping * CM2 * CM / KGF);
+/// Viscosity of the asperities, in kgf s/cm2; NaN at rest, where it is not defined.
+const VISCOSITY: JointQuantity =
+    |at| at.asperity_viscosity().map_or(f64::NAN, |viscosity| viscosity / KGF_PER_CM2);
 
+/// The dry joint of the study with the printed contact laws.
 fn dry() -> DryFriction {
     DryFriction::of_study(Joint::PRINTED, STUDY_PRESSURE)
 }
 
-/// The fastest velocity shown, in mm/s.
+/// The largest velocity that is plotted, in mm/s.
 const FASTEST: f64 = 20.0;
 
-/// A curve by velocity in mm/s.
-fn by_velocity(joint: &DryFriction, reading: Reading) -> Result<Vec<(f64, f64)>, Problem> {
-    curve(evenly(0.0, FASTEST, 201), |velocity| joint.at_velocity(velocity * MM_PER_S).map(|at| reading(&at)))
+/// Returns the curve of a quantity by velocity in mm/s.
+fn by_velocity(joint: &DryFriction, quantity: JointQuantity) -> Result<Vec<(f64, f64)>, BoxError> {
+    sample_curve(linspace(0.0, FASTEST, 201), |velocity| {
+        joint.at_velocity(velocity * MM_PER_S).map(|at| quantity(&at))
+    })
 }
 
-/// Frequencies shown, in rad/s.
+/// The plotted frequencies, in rad/s.
 fn frequencies() -> impl Iterator<Item = f64> + Clone {
-    by_ratio(1.0, 1000.0, 121)
+    geomspace(1.0, 1000.0, 121)
 }
 
-/// A curve by frequency in rad/s.
-fn by_frequency(reading: Reading) -> Result<Vec<(f64, f64)>, Problem> {
+/// Returns the curve of a quantity by frequency in rad/s.
+fn by_frequency(quantity: JointQuantity) -> Result<Vec<(f64, f64)>, BoxError> {
     let joint = dry();
-    curve(frequencies(), |frequency| joint.at_frequency(frequency).map(|at| reading(&at)))
+    sample_curve(frequencies(), |frequency| joint.at_frequency(frequency).map(|at| quantity(&at)))
 }
 
+/// Makes a graph against sliding velocity.
 fn against_velocity(figure: &Figure, up: (&str, &str)) -> Graph {
     Graph::new(&figure.heading(), ("sliding velocity V", "mm/s"), up)
 }
 
-/// With a mark at the corner, 1/T.
+/// Makes a graph against frequency, with a marker at the corner frequency 1 / T.
 fn against_frequency(figure: &Figure, up: (&str, &str)) -> Result<Graph, SlidewayError> {
     let corner = 1.0 / dry().time_constant()?;
     Ok(Graph::new(&figure.heading(), ("frequency of deformation ω", "rad/s"), up)
@@ -142,7 +153,8 @@ fn against_frequency(figure: &Figure, up: (&str, &str)) -> Result<Graph, Slidewa
         .mark(corner, format!("1 / T = {corner:.1} rad/s")))
 }
 
-fn voigt_model(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.15: the asperities as a spring and a damper in parallel, with their laws.
+fn voigt_model(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut sketch = Sketch::new(&figure.heading(), 430.0);
     let (top, bottom) = (150.0, 340.0);
     sketch.block((300.0, top - 25.0), (380.0, 50.0), "table");
@@ -167,138 +179,158 @@ fn voigt_model(figure: &Figure) -> Result<Drawn, Problem> {
     }
     let at_rest = dry().at_frequency(0.0)?;
     let reading = format!(
-        "at rest hd is {:.3} µm and KE {:.0} kgf/cm on a square centimetre; CE is none there, and counts as soon as it slides",
+        "at rest hd is {:.3} µm and KE {:.0} kgf/cm on a square centimetre; CE does not act at rest; it acts as soon \
+         as the table slides",
         PENETRATION(&at_rest),
         STIFFNESS(&at_rest)
     );
-    Ok(sketch.drawn(SETTINGS, reading))
+    Ok(sketch.finish(SETTINGS, reading))
 }
 
-fn stiffening(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.16: the modulus of the metal by frequency, relative to that at rest.
+///
+/// alpha = sqrt((1 + (2.9 T w)^2) / (1 + (T w)^2)) (eq 119-7).
+fn stiffening(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let graph = against_frequency(figure, ("alpha, modulus by that at rest", ""))?
         .line("alpha", by_frequency(|at| at.stiffening)?)
-        .up(0.0, 3.0);
+        .y_range(0.0, 3.0);
     let corner = dry().at_frequency(1.0 / dry().time_constant()?)?;
-    let reading = format!("alpha goes from 1 to 2.9; at 1 / T it is {:.2}", corner.stiffening);
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    let reading = format!("alpha rises from 1 to 2.9; at 1 / T it is {:.2}", corner.stiffening);
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-fn leading_area(figure: &Figure) -> Result<Drawn, Problem> {
-    let area: Reading = |at| at.leading_share * CM2 / UM2;
+/// Fig 7.17: the leading area of contact by frequency.
+///
+/// AcLV = AcL / alpha^0.82 (eq 92-7). The text also computes it from a pressure of 220 kgf/mm2 (claim 7-120).
+fn leading_area(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+    let area: JointQuantity = |at| at.leading_share * CM2 / UM2;
     let graph = against_frequency(figure, ("leading area AcLV of 1 cm²", "µm²"))?
         .line("AcLV", by_frequency(area)?)
-        .up(0.0, 8000.0);
+        .y_range(0.0, 8000.0);
     let (slow, fast) = (dry().at_frequency(0.0)?, dry().at_frequency(1e6)?);
     let reading = format!(
-        "from {:.0} µm² at rest to {:.0} µm²; eq 114-7, with 220 kgf/mm² on it, has 2950",
+        "the area shrinks from {:.0} µm² at rest to {:.0} µm²; eq 114-7, with 220 kgf/mm² on it, gives 2950",
         area(&slow),
         area(&fast)
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-fn frequency(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.18: the frequency of deformation by velocity.
+fn frequency(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
-    let points = evenly(0.0, 375.0, 201)
+    let points = linspace(0.0, 375.0, 201)
         .map(|frequency| joint.at_frequency(frequency).map(|at| (at.velocity / MM_PER_S, frequency)));
     let points = points.collect::<Result<Vec<_>, _>>()?;
     let graph = against_velocity(figure, ("frequency of deformation ω", "rad/s"))
-        .across(0.0, FASTEST)
+        .x_range(0.0, FASTEST)
         .line("ω", points);
-    let length = |frequency: f64| Ok::<_, Problem>(joint.at_frequency(frequency)?.velocity / frequency / UM);
+    let length = |frequency: f64| Ok::<_, BoxError>(joint.at_frequency(frequency)?.velocity / frequency / UM);
     let reading = format!(
         "ω = V / L; the length L of the leading area shrinks from {:.1} to {:.1} µm",
         length(1e-3)?,
         length(1e6)?
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-fn friction(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.19: friction coefficient and penetration by velocity.
+///
+/// mu_k = AcLV Ss / W + tan(theta) (eq 116-7). VcL by eq 132-7 is above the 11 mm/s at which the curve looks flat
+/// (claim 7-131.a).
+fn friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
     let graph = against_velocity(figure, ("friction coefficient µk", ""))
-        .right(("penetration hdv", "µm"))
+        .right_axis(("penetration hdv", "µm"))
         .line("µk", by_velocity(&joint, FRICTION)?)
         .right_line("hdv", by_velocity(&joint, PENETRATION)?)
-        .up(0.0, 0.4)
-        .right_ends(0.0, 1.0)
+        .y_range(0.0, 0.4)
+        .right_range(0.0, 1.0)
         .mark(11.0, "VcL as read, 11 mm/s")
         .note("the measurements by others are lost with the figure");
     let (rest, flat) = (joint.at_velocity(0.0)?, joint.at_velocity(11.0 * MM_PER_S)?);
     let reading = format!(
-        "friction falls from {:.3} to {:.3} at 11 mm/s, from where the text calls it flat; eq 132-7 makes VcL {:.1} mm/s",
+        "friction falls from {:.3} to {:.3} at 11 mm/s, above which the text calls it flat; by eq 132-7 VcL is {:.1} \
+         mm/s",
         rest.friction,
         flat.friction,
         joint.limit_velocity()? / MM_PER_S
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-fn stiffness_and_rise(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.20: normal stiffness and rise of the table by velocity.
+///
+/// The rise is the penetration at rest minus that at a velocity (eq 123-7). The table rises as the asperities stiffen.
+fn stiffness_and_rise(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
     let at_rest = PENETRATION(&joint.at_velocity(0.0)?);
     let rise = by_velocity(&joint, PENETRATION)?.into_iter().map(|(x, depth)| (x, at_rest - depth)).collect();
     let graph = against_velocity(figure, ("normal stiffness KE of 1 cm²", "kgf/cm"))
-        .right(("rise of the table hs", "µm"))
+        .right_axis(("rise of the table hs", "µm"))
         .line("KE", by_velocity(&joint, STIFFNESS)?)
         .right_line("hs", rise)
-        .up(0.0, 8000.0)
-        .right_ends(0.0, 0.2);
+        .y_range(0.0, 8000.0)
+        .right_range(0.0, 0.2);
     let fast = joint.at_velocity(FASTEST * MM_PER_S)?;
     let reading = format!(
-        "from rest to {FASTEST} mm/s stiffness falls from {:.0} to {:.0} kgf/cm, and the table rises by {:.3} µm",
+        "from rest to {FASTEST} mm/s the stiffness falls from {:.0} to {:.0} kgf/cm, and the table rises by {:.3} µm",
         STIFFNESS(&joint.at_velocity(0.0)?),
         STIFFNESS(&fast),
         at_rest - PENETRATION(&fast)
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-fn damping_and_viscosity(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.21: normal damping and viscosity of the asperities by velocity.
+fn damping_and_viscosity(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
     let damping = by_velocity(&joint, DAMPING)?;
     let viscosity = by_velocity(&joint, VISCOSITY)?;
     let (at, most) = highest(&viscosity);
     let reading = format!(
-        "damping is {:.1} kgf s/cm at most, at {:.2} mm/s, viscosity {most:.1} kgf s/cm² at {at:.2} mm/s: both fall with velocity from there on",
+        "damping has its maximum of {:.1} kgf s/cm at {:.2} mm/s, viscosity {most:.1} kgf s/cm² at {at:.2} mm/s; \
+         both fall with velocity above that",
         highest(&damping).1,
         highest(&damping).0
     );
     let graph = against_velocity(figure, ("normal damping CE of 1 cm²", "kgf s/cm"))
-        .right(("viscosity of the asperities UA", "kgf s/cm²"))
+        .right_axis(("viscosity of the asperities UA", "kgf s/cm²"))
         .line("CE", damping)
         .right_line("UA", viscosity);
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-/// The point of a curve that lies highest.
+/// Returns the highest point of a curve. NaN is ignored.
 fn highest(points: &[(f64, f64)]) -> (f64, f64) {
     let of_two = |one: (f64, f64), other: &(f64, f64)| if other.1 > one.1 { *other } else { one };
     points.iter().fold((0.0, 0.0), of_two)
 }
 
-fn stiffness_and_alpha(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.22: normal stiffness, and the reciprocal of the real part of alpha, by frequency.
+fn stiffness_and_alpha(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
-    let inverse = curve(frequencies(), |frequency| Ok(1.0 / joint.response(frequency)?.0))?;
+    let inverse = sample_curve(frequencies(), |frequency| Ok(1.0 / joint.response(frequency)?.0))?;
     let graph = against_frequency(figure, ("normal stiffness KE of 1 cm²", "kgf/cm"))?
-        .right(("1 / real part of alpha", ""))
+        .right_axis(("1 / real part of alpha", ""))
         .line("KE", by_frequency(STIFFNESS)?)
         .right_line("1 / α'", inverse)
-        .up(0.0, 8000.0)
-        .right_ends(0.0, 1.0);
+        .y_range(0.0, 8000.0)
+        .right_range(0.0, 1.0);
     let (slow, fast) = (joint.at_frequency(0.0)?, joint.at_frequency(1e6)?);
     let reading = format!(
-        "stiffness falls to {:.3} of what it is at rest, 1 / α' to {:.3}",
+        "the stiffness falls to {:.3} of its value at rest, 1 / α' to {:.3}",
         fast.stiffness / slow.stiffness,
         1.0 / joint.response(1e6)?.0
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-fn damping_and_alpha(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.23: normal damping and the imaginary part of alpha, by frequency.
+fn damping_and_alpha(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
     let damping = by_frequency(DAMPING)?;
-    let imaginary = curve(frequencies(), |frequency| Ok(joint.response(frequency)?.1))?;
+    let imaginary = sample_curve(frequencies(), |frequency| Ok(joint.response(frequency)?.1))?;
     let reading = format!(
         "α'' is largest at {:.1} rad/s, CE at {:.1}, which is (1 / T)^{:.2}",
         highest(&imaginary).0,
@@ -306,54 +338,63 @@ fn damping_and_alpha(figure: &Figure) -> Result<Drawn, Problem> {
         highest(&damping).0.ln() / (1.0 / joint.time_constant()?).ln()
     );
     let graph = against_frequency(figure, ("normal damping CE of 1 cm²", "kgf s/cm"))?
-        .right(("imaginary part of alpha", ""))
+        .right_axis(("imaginary part of alpha", ""))
         .line("CE", damping)
         .right_line("α''", imaginary);
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-fn friction_by_stiffening(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.24: friction coefficient against 1 / alpha, with the printed power law.
+fn friction_by_stiffening(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
-    let points = by_ratio(0.1, 3000.0, 121)
+    let points = geomspace(0.1, 3000.0, 121)
         .map(|frequency| joint.at_frequency(frequency).map(|at| (1.0 / at.stiffening, at.friction)))
         .collect::<Result<Vec<_>, _>>()?;
     let at_rest = joint.at_frequency(0.0)?.friction;
     let printed = PowerLaw::new(at_rest, 0.67);
-    let dots = evenly(0.35, 1.0, 8).map(|inverse| (inverse, printed.at(inverse))).collect();
+    let dots = linspace(0.35, 1.0, 8).map(|inverse| (inverse, printed.at(inverse))).collect();
     let fitted = PowerLaw::fit(&points)?;
     let graph = Graph::new(&figure.heading(), ("1 / alpha", ""), ("friction coefficient µk", ""))
         .logarithmic(true, true)
-        .across(0.3, 1.0)
-        .up(0.1, 0.5)
+        .x_range(0.3, 1.0)
+        .y_range(0.1, 0.5)
         .line("model", points)
         .dots("µs alpha^-0.67 (125-7)", dots);
-    let reading = format!("friction goes with alpha^-{:.2}; the text has -0.67", fitted.exponent);
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    let reading =
+        format!("friction is proportional to alpha^-{:.2}; the text has the exponent -0.67", fitted.exponent);
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-/// Loads of the curves in kgf/cm2; those of the text are lost but for 0.65.
+/// Loads of the curves in kgf/cm2. Only 0.65 survives in the text; the others are chosen.
 const LOADS: [f64; 4] = [0.2, 0.65, 2.0, 5.0];
 
-/// Pressure on the leading area from VcL on, that of the metal's hardness (eq 114-7), in kgf/mm2.
-const BORNE: f64 = 220.0;
+/// Pressure on the leading area above VcL, equal to the hardness of the metal (eq 114-7), in kgf/mm2.
+const LEADING_PRESSURE: f64 = 220.0;
 
-fn friction_by_load(figure: &Figure) -> Result<Drawn, Problem> {
-    let mut graph = against_velocity(figure, ("friction coefficient µk", "")).across(0.0, 10.0).up(0.1, 0.5);
-    let mut told = Vec::new();
+/// Fig 7.25: friction coefficient by velocity under several loads.
+///
+/// Each load has its own alpha, from eq 128-7 for 220 kgf/mm2. Friction at VcL depends on the load far less than static
+/// friction (claim 7-144).
+fn friction_by_load(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+    let mut graph =
+        against_velocity(figure, ("friction coefficient µk", "")).x_range(0.0, 10.0).y_range(0.1, 0.5);
+    let mut ends = Vec::new();
     for load in LOADS {
         let pressure = load * KGF_PER_CM2;
-        let stiffening = DryFriction::stiffening_at(&Joint::PRINTED, pressure, BORNE * KGF_PER_MM2)?;
+        let stiffening =
+            DryFriction::stiffening_at(&Joint::PRINTED, pressure, LEADING_PRESSURE * KGF_PER_MM2)?;
         let joint = DryFriction { stiffening, ..DryFriction::of_study(Joint::PRINTED, pressure) };
         graph = graph.line(format!("{load} kgf/cm²"), by_velocity(&joint, FRICTION)?);
-        told.push((joint.at_velocity(0.0)?.friction, joint.at_velocity(10.0 * MM_PER_S)?.friction));
+        ends.push((joint.at_velocity(0.0)?.friction, joint.at_velocity(10.0 * MM_PER_S)?.friction));
     }
     let reading = format!(
-        "from {} to {} kgf/cm² static friction falls from {:.3} to {:.3}, that at 10 mm/s changes from {:.3} to {:.3} only",
-        LOADS[0], LOADS[3], told[0].0, told[3].0, told[0].1, told[3].1
+        "from {} to {} kgf/cm² static friction falls from {:.3} to {:.3}, and friction at 10 mm/s changes only from \
+         {:.3} to {:.3}",
+        LOADS[0], LOADS[3], ends[0].0, ends[3].0, ends[0].1, ends[3].1
     );
     let settings =
         "alpha at VcL such that the leading area bears 220 kgf/mm², Um = 800 kgf s/mm², dry grade 17 iron";
-    Ok(Drawn::of_theory(vec![graph.picture()], settings, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], settings, reading))
 }
 
 #[cfg(test)]
@@ -361,7 +402,7 @@ mod tests {
     use super::super::reading;
 
     #[test]
-    fn what_is_read_off_is_what_the_text_reads() {
+    fn readings_agree_with_the_text() {
         assert!(reading("fig-7-15").contains("0.837 µm"), "{}", reading("fig-7-15"));
         assert!(reading("fig-7-19").contains("0.374 to 0.186 at 11 mm/s"), "{}", reading("fig-7-19"));
         assert!(reading("fig-7-24").contains("alpha^-0.66;"), "{}", reading("fig-7-24"));

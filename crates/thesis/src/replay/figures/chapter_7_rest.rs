@@ -1,9 +1,9 @@
 //! Chapter 7: the joint that is pulled until it slips, dry and with a film of oil (7.2, 7.2.i).
 
-use super::graph::{by_ratio, curve, evenly};
-use super::sketch::{Place, Sketch};
-use super::{Drawn, Figure, Graph};
-use crate::replay::recipe::Problem;
+use super::graph::{geomspace, linspace, sample_curve};
+use super::sketch::{PixelPoint, Sketch};
+use super::{DrawnFigure, Figure, Graph};
+use crate::replay::recipe::BoxError;
 use crate::slideway::SlidewayError;
 use crate::slideway::boundary_film::BoundaryFilm;
 use crate::slideway::joint::{Joint, STUDY_PRESSURE};
@@ -16,7 +16,7 @@ pub(super) const FIGURES: &[Figure] = &[
     Figure {
         id: "fig-7-11",
         place: "7.2, eq 47-7 ... 56-7",
-        title: "the pair of ridges that stands for a range, sheared",
+        title: "the equivalent pair of ridges of a range, sheared",
         claims: &["7-069.a", "7-070", "7-077.a", "7-078.a"],
         draw: sheared_pair,
     },
@@ -43,7 +43,8 @@ pub(super) const FIGURES: &[Figure] = &[
     },
 ];
 
-fn sheared_pair(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.11: the equivalent pair of ridges at rest and pulled, and its flanks as springs.
+fn sheared_pair(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = Joint::PRINTED;
     let mut sketch = Sketch::new(&figure.heading(), 640.0);
     sketch.text("(a) at rest: both flanks carry half", (16.0, 72.0));
@@ -54,24 +55,26 @@ fn sheared_pair(figure: &Figure) -> Result<Drawn, Problem> {
     springs(&mut sketch);
     let (area, leading) = (joint.area_share(STUDY_PRESSURE)?, joint.leading_share(STUDY_PRESSURE)?);
     let reading = format!(
-        "under 0.65 kgf half of {:.0} µm² grows to a leading area of {:.0} µm² over {:.1} µm, and shears",
+        "under 0.65 kgf the leading area grows from half of {:.0} µm² to {:.0} µm² over a displacement of {:.1} µm, \
+         and then shears",
         area * CM2 / UM2,
         leading * CM2 / UM2,
         joint.slip_displacement(STUDY_PRESSURE)? / UM
     );
-    Ok(sketch.drawn(
+    Ok(sketch.finish(
         "one pair at right angles for a square centimetre, tan θ = Z / B = 0.05 (drawn far steeper)",
         reading,
     ))
 }
 
-/// A ridge pressed into the one above it, moved to the right in pixels.
-fn pair(sketch: &mut Sketch, (x, y): Place, moved: f64) {
+/// Draws a ridge pressed into the body above it, with the centre of the notch at (x, y). `moved` is its displacement
+/// to the right, in pixels.
+fn pair(sketch: &mut Sketch, (x, y): PixelPoint, moved: f64) {
     let slope = 0.55;
     let (half, sunk) = (170.0, 46.0);
     let lower = |at: f64| y + slope * (at - x - moved).abs();
     let upper_edge = y - 110.0;
-    // The upper body, with the notch that the ridge has made.
+    // The upper body, with the notch that the ridge has pressed into it.
     let notch = [
         (x - half, y + sunk),
         (x + moved - sunk / slope, y + sunk),
@@ -91,7 +94,7 @@ fn pair(sketch: &mut Sketch, (x, y): Place, moved: f64) {
     let flank = |side: f64| [(x + moved, y), (x + moved + side * sunk / slope, y + sunk)];
     sketch.line(&flank(1.0), Ink::Voltage);
     if moved > 0.0 {
-        // Material from the upper body, heaped up before the ridge.
+        // Material of the upper body piles up in front of the ridge.
         let (foot, rise) = (x + moved + sunk / slope, 20.0);
         sketch.area(
             &[(foot, y + sunk), (foot + rise / slope, y + sunk), (foot + rise / slope, y + sunk + rise)],
@@ -107,13 +110,13 @@ fn pair(sketch: &mut Sketch, (x, y): Place, moved: f64) {
         sketch.line(&flank(-1.0), Ink::Signal);
         sketch.coloured("AcT = Ac / 2", (x - 150.0, y + 14.0), Ink::Signal);
         sketch.coloured("AcL = Ac / 2", (x + 58.0, y + 14.0), Ink::Voltage);
-        sketch.middle("θ", (x - half + 40.0, y + 84.0));
+        sketch.centred_on("θ", (x - half + 40.0, y + 84.0));
     }
     sketch.arrow(&[(x, upper_edge - 34.0), (x, upper_edge - 2.0)], Ink::Line);
     sketch.text("WT", (x + 10.0, upper_edge - 16.0));
 }
 
-/// Both flanks as springs in parallel.
+/// Draws both flanks as springs in parallel, with their equations.
 fn springs(sketch: &mut Sketch) {
     let (left, right, top, bottom) = (170.0, 290.0, 470.0, 590.0);
     sketch.block((230.0, top - 14.0), (220.0, 28.0), "table");
@@ -125,46 +128,53 @@ fn springs(sketch: &mut Sketch) {
     sketch.text("AcL = Ac / 2 + Δh Kd / 2, Kd = dAc / dhd", (460.0, 560.0));
 }
 
-/// Loads of the curves in kgf on a square centimetre; those of the text are lost but for 0.65.
+/// Loads of the curves in kgf on a square centimetre. Only 0.65 survives in the text; the others are chosen.
 const PULLED: [f64; 4] = [0.1, 0.3, 0.65, 1.0];
 
-/// Displacement in um and friction coefficient where the pull begins and where it slips. Displacement and leading area both grow with
-/// the load that changes sides, so that a straight line joins them.
+/// Returns displacement in um and friction coefficient, where the pull begins and where the joint slips. Displacement
+/// and leading area are both proportional to the load that changes sides. A straight line therefore joins the two
+/// points.
 fn pull(joint: &Joint, pressure: f64) -> Result<[(f64, f64); 2], SlidewayError> {
     let first = joint.initial_friction(pressure)? + joint.ridge.climb()?;
     let slip = joint.static_friction(pressure, &BoundaryFilm::DRY)?;
     Ok([(0.0, first), (joint.slip_displacement(pressure)? / UM, slip)])
 }
 
-fn pulled(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.12: friction coefficient by displacement, for several loads.
+///
+/// Each line begins at mu_so + tan(theta) and ends at the slip. Claims 7-081.a and 7-088.
+fn pulled(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = Joint::PRINTED;
     let mut graph = Graph::new(&figure.heading(), ("displacement x", "µm"), ("friction coefficient", ""))
-        .up(0.0, 0.6)
-        .across(0.0, 5.0);
+        .y_range(0.0, 0.6)
+        .x_range(0.0, 5.0);
     for load in PULLED {
         let [first, slip] = pull(&joint, load * KGF_PER_CM2)?;
         graph = graph.line(format!("{load} kgf/cm²"), vec![first, slip]).label(1, "slips");
     }
     let [first, slip] = pull(&joint, STUDY_PRESSURE)?;
     let reading = format!(
-        "at 0.65 kgf/cm² it rises from {:.3} to {:.3} over {:.2} µm, and slips; more load slips later, and at less",
+        "at 0.65 kgf/cm² friction rises from {:.3} to {:.3} over {:.2} µm, where the joint slips; under more load it \
+         slips at a larger displacement and a lower coefficient",
         first.1, slip.1, slip.0
     );
-    Ok(Drawn::of_theory(
+    Ok(DrawnFigure::from_theory(
         vec![graph.picture()],
         "dry grade 17 iron, Ss = 30.87 kgf/mm², tan θ = 0.05",
         reading,
     ))
 }
 
-fn friction_by_load(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.13: static friction and displacement at slip by load, with the printed power laws.
+fn friction_by_load(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = Joint::PRINTED;
-    let loads = by_ratio(0.01, 1.0, 41);
-    let initial = curve(loads.clone(), |load| joint.initial_friction(load * KGF_PER_CM2))?;
-    let slip = curve(loads.clone(), |load| joint.static_friction(load * KGF_PER_CM2, &BoundaryFilm::DRY))?;
-    let way = curve(loads, |load| Ok(joint.slip_displacement(load * KGF_PER_CM2)? / UM))?;
+    let loads = geomspace(0.01, 1.0, 41);
+    let initial = sample_curve(loads.clone(), |load| joint.initial_friction(load * KGF_PER_CM2))?;
+    let slip =
+        sample_curve(loads.clone(), |load| joint.static_friction(load * KGF_PER_CM2, &BoundaryFilm::DRY))?;
+    let distance = sample_curve(loads, |load| Ok(joint.slip_displacement(load * KGF_PER_CM2)? / UM))?;
     let frame = |title: &str, up: (&str, &str)| {
-        Graph::new(title, ("load WT", "kgf"), up).logarithmic(true, true).across(0.01, 1.0)
+        Graph::new(title, ("load WT", "kgf"), up).logarithmic(true, true).x_range(0.01, 1.0)
     };
     let printed = |law: PowerLaw| [0.01, 0.03, 0.1, 0.3, 1.0].map(|load| (load, law.at(load))).to_vec();
     let friction = frame(&figure.heading(), ("friction coefficient", ""))
@@ -172,36 +182,42 @@ fn friction_by_load(figure: &Figure) -> Result<Drawn, Problem> {
         .line("at the first pull, µso", initial.clone())
         .dots("0.35 / WT^0.165 (65-7)", printed(PowerLaw::new(0.35, -0.165)))
         .dots("0.160 / WT^0.181 (64-7)", printed(PowerLaw::new(0.160, -0.181)))
-        .up(0.1, 1.0);
+        .y_range(0.1, 1.0);
     let displacement = frame("displacement at which it slips", ("displacement xm", "µm"))
-        .line("xm", way.clone())
+        .line("xm", distance.clone())
         .dots("4.00 WT^0.22 (66-7)", printed(PowerLaw::new(4.0, 0.22)))
-        .up(1.0, 10.0);
-    let (initial, slip, way) = (PowerLaw::fit(&initial)?, PowerLaw::fit(&slip)?, PowerLaw::fit(&way)?);
+        .y_range(1.0, 10.0);
+    let (initial, slip, distance) =
+        (PowerLaw::fit(&initial)?, PowerLaw::fit(&slip)?, PowerLaw::fit(&distance)?);
     let reading = format!(
         "fitted over 0.01 ... 1 kgf: {:.3} / WT^{:.3}, {:.2} / WT^{:.3}, {:.2} WT^{:.2} µm",
-        initial.factor, -initial.exponent, slip.factor, -slip.exponent, way.factor, way.exponent
+        initial.factor, -initial.exponent, slip.factor, -slip.exponent, distance.factor, distance.exponent
     );
-    let settings = "dry grade 17 iron; µso without climbing, as eq 67-7 has it";
-    Ok(Drawn::of_theory(vec![friction.picture(), displacement.picture()], settings, reading))
+    let settings = "dry grade 17 iron; µso without climbing, as in eq 67-7";
+    Ok(DrawnFigure::from_theory(vec![friction.picture(), displacement.picture()], settings, reading))
 }
 
-fn friction_by_film(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 7.14: static friction by the strength of the oil film.
+///
+/// mu_s = (AcL / W) KLP + tan(theta), with KLP between the strengths of metal and film by the covered share (eq 84-7,
+/// 85-7).
+fn friction_by_film(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = Joint::PRINTED;
     let friction = |rupture: f64| joint.static_friction(STUDY_PRESSURE, &BoundaryFilm::of_study(rupture));
     let [none, plain, polar, most] = [friction(0.0)?, friction(70.0)?, friction(120.0)?, friction(131.94)?];
     let graph = Graph::new(&figure.heading(), ("film constant Ko", "kgf/mm²"), ("static friction µs", ""))
-        .line("0.65 kgf/cm²", curve(evenly(0.0, 150.0, 151), friction)?)
+        .line("0.65 kgf/cm²", sample_curve(linspace(0.0, 150.0, 151), friction)?)
         .dots("oils of chapter 7", vec![(70.0, plain), (120.0, polar)])
         .label(0, "without polar additive")
         .label(1, "polar")
         .dots("printed ends", vec![(0.0, 0.373), (131.94, 0.0807)])
-        .up(0.0, 0.4);
+        .y_range(0.0, 0.4);
     let reading = format!(
-        "{none:.3} without a film, {plain:.3} at Ko = 70, {polar:.3} at 120, {most:.4} from Pm on: the text has 0.373, 0.288, 0.13, 0.0807"
+        "static friction is {none:.3} without a film, {plain:.3} at Ko = 70, {polar:.3} at 120 and {most:.4} from Pm \
+         on; the text has 0.373, 0.288, 0.13, 0.0807"
     );
     let settings = "Pw = 0.65 kgf/cm², Pm = 132, Ss = 30.87, SoL = 2.9 kgf/mm²";
-    Ok(Drawn::of_theory(vec![graph.picture()], settings, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], settings, reading))
 }
 
 #[cfg(test)]
@@ -209,7 +225,7 @@ mod tests {
     use super::super::reading;
 
     #[test]
-    fn what_is_read_off_is_what_the_text_reads() {
+    fn readings_agree_with_the_text() {
         assert!(reading("fig-7-12").contains("0.374 over 3.68 µm"), "{}", reading("fig-7-12"));
         assert!(reading("fig-7-13").contains("0.161 / WT^0.180"), "{}", reading("fig-7-13"));
         assert!(reading("fig-7-14").contains("0.0804 from Pm on"), "{}", reading("fig-7-14"));

@@ -1,11 +1,13 @@
-//! Chapter 8: oscillation without rest (8.5), by itself, near the critical velocity, and just after stick-slip.
+//! Chapter 8: quasi-harmonic motion, which is oscillation without periods of rest (8.5).
+//!
+//! The figures show it alone, near the critical velocity, and just after stick-slip.
 
 use super::chapter_8_recordings::rising;
 use super::graph::Graph;
-use super::{Drawn, Figure, Recipe, told};
+use super::{DrawnFigure, Figure, Recipe, format_value};
 use crate::replay::boundary::RATE;
-use crate::replay::frequency::{self, Swing};
-use crate::replay::recipe::{Problem, Replayed, velocity_told};
+use crate::replay::frequency::{self, VelocitySwing};
+use crate::replay::recipe::{BoxError, ReplayedRun, format_critical_velocity};
 use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::MM_PER_S;
 use patchcord_draw::plot::Picture;
@@ -35,41 +37,50 @@ pub(super) const FIGURES: &[Figure] = &[
     },
 ];
 
-/// VcL of the two profiles: of Fig 8.34's caption, and one at which only the first jump comes to rest, in m/s.
+/// VcL of the two profiles, in m/s. The first is that of the caption of Fig 8.34. At the second only the first slip
+/// ends at rest.
 const TWO: [f64; 2] = [2.54e-3, 10.16e-3];
 
-fn two_profiles(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 8.32: one profile with stick-slip followed by quasi-harmonic motion, and one with quasi-harmonic motion after
+/// the first slip.
+fn two_profiles(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let titles = ["(a) stick-slip, then quasi-harmonic", "(b) quasi-harmonic after the first jump"];
     let mut runs = Vec::new();
     for ((limit, title), which) in TWO.into_iter().zip(titles).zip(["a", "b"]) {
-        let recipe = Recipe::of("fig-8-16").set("VcL", limit).picture(title, "v_i", &["v_o"]);
+        let recipe = Recipe::new("fig-8-16").set("VcL", limit).add_picture(title, "v_i", &["v_o"]);
         runs.push(figure.run(&rising(recipe, RATE), which)?);
     }
     let pictures = runs[0].pictures()?.into_iter().chain(runs[1].pictures()?).collect();
     let reading = format!(
-        "they end at {} and {}",
-        velocity_told(runs[0].critical()?.rising),
-        velocity_told(runs[1].critical()?.rising)
+        "oscillation ends at {} and {}",
+        format_critical_velocity(runs[0].record.critical_velocity()?.rising),
+        format_critical_velocity(runs[1].record.critical_velocity()?.rising)
     );
     let settings = runs[0].settings();
-    Drawn::of_runs(&runs.iter().collect::<Vec<_>>(), pictures, settings, reading)
+    DrawnFigure::from_runs(&runs.iter().collect::<Vec<_>>(), pictures, settings, reading)
 }
 
-fn near_critical(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 8.33: velocity in time at constant commands slightly below the critical velocity.
+fn near_critical(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let commands = [4e-3, 6.8e-3];
     let (mut runs, mut readings) = (Vec::new(), Vec::new());
     for ((limit, command), which) in TWO.into_iter().zip(commands).zip(["a", "b"]) {
-        let title = format!("({which}) VcL = {}, at {}", told(limit, "m/s"), told(command, "m/s"));
-        let recipe = Recipe::of("fig-8-16").set("VcL", limit).steady(command).lasting(4.0).every(2e-4);
-        let run = figure.run(&recipe.picture(&title, "t", &["v_o"]), which)?;
-        let frequency = run.measure("frequency:v_o,last=1")?;
-        readings.push(format!("{frequency:.1} Hz at {}", told(command, "m/s")));
+        let title =
+            format!("({which}) VcL = {}, at {}", format_value(limit, "m/s"), format_value(command, "m/s"));
+        let recipe = Recipe::new("fig-8-16")
+            .set("VcL", limit)
+            .steady_command(command)
+            .run_time(4.0)
+            .sample_interval(2e-4);
+        let run = figure.run(&recipe.add_picture(&title, "t", &["v_o"]), which)?;
+        let frequency = run.record.measure("frequency:v_o,last=1")?;
+        readings.push(format!("{frequency:.1} Hz at {}", format_value(command, "m/s")));
         runs.push(run);
     }
     let natural = DrivenTable::simulated(0.0065).natural_frequency()? / std::f64::consts::TAU;
-    let shown = |run: &Replayed| -> Result<Vec<Picture>, Problem> {
-        // Long settled, a few cycles of it.
-        let points = run.points(("t", 1.0), ("v_o", MM_PER_S))?;
+    let shown = |run: &ReplayedRun| -> Result<Vec<Picture>, BoxError> {
+        // A few cycles from the end of the run, when the oscillation has settled.
+        let points = run.record.points(("t", 1.0), ("v_o", MM_PER_S))?;
         let graph = Graph::new(&run.patch().pictures[0].title, ("t", "s"), ("v_o", "mm/s"));
         let cycles = points.into_iter().filter(|(time, _)| *time >= 3.8).collect();
         Ok(vec![graph.line("v_o", cycles).note(run.settings()).picture()])
@@ -77,37 +88,39 @@ fn near_critical(figure: &Figure) -> Result<Drawn, Problem> {
     let pictures = shown(&runs[0])?.into_iter().chain(shown(&runs[1])?).collect();
     let reading = format!("{}; the natural frequency is {natural:.1} Hz", readings.join(", "));
     let settings = runs[0].settings();
-    Drawn::of_runs(&runs.iter().collect::<Vec<_>>(), pictures, settings, reading)
+    DrawnFigure::from_runs(&runs.iter().collect::<Vec<_>>(), pictures, settings, reading)
 }
 
-/// The command of Fig 8.34's caption, in m/s, and what it may mean as the scan drops decimal points. At ten times as much nothing
-/// oscillates.
+/// The command of the caption of Fig 8.34, in m/s, and another value that it may mean, because the scan drops decimal
+/// points. At ten times the first one nothing oscillates.
 const CAPTION_COMMANDS: [f64; 2] = [2.13e-3, 0.213e-3];
-/// The frequency of the caption.
+/// The frequency of that caption, in Hz.
 const CAPTION_HERTZ: f64 = 33.0;
-/// Values of VcL that the caption may mean, and one that gives the frequency, in m/s.
+/// Two values of VcL that the caption may mean, and one that gives its frequency, in m/s.
 const CAPTION_LIMITS: [f64; 3] = [2.54e-3, 25.4e-3, 23e-3];
 
-/// "VcL = 23.0 mm/s (1.66 ... 2.63 mm/s)".
-fn swing_told((limit, swing): &(f64, Swing)) -> String {
+/// Formats a VcL with the range of its velocity: "VcL = 23.0 mm/s (1.66 ... 2.63 mm/s)".
+fn format_swing((limit, swing): &(f64, VelocitySwing)) -> String {
     format!(
         "VcL = {} ({:.2} ... {:.2} mm/s)",
-        told(*limit, "m/s"),
+        format_value(*limit, "m/s"),
         swing.least / MM_PER_S,
         swing.most / MM_PER_S
     )
 }
 
-fn just_after(figure: &Figure) -> Result<Drawn, Problem> {
-    let recipe = |limit| frequency::at_command(CAPTION_COMMANDS[0]).set("VcL", limit);
+/// Fig 8.34: velocity in time with the values of the caption, and frequency by VcL for the commands that the caption
+/// may mean.
+fn just_after(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+    let recipe = |limit| frequency::steady_recipe(CAPTION_COMMANDS[0]).set("VcL", limit);
     let (mut runs, mut read) = (Vec::new(), Vec::new());
     let mut velocities = Graph::new("velocity", ("t", "s"), ("v_o", "mm/s"));
     for (limit, which) in CAPTION_LIMITS.into_iter().zip(["a", "b", "c"]) {
-        let run = figure.run(&recipe(limit).picture("", "t", &["v_o"]), which)?;
-        let points = run.points(("t", 1.0), ("v_o", MM_PER_S))?.into_iter();
+        let run = figure.run(&recipe(limit).add_picture("", "t", &["v_o"]), which)?;
+        let points = run.record.points(("t", 1.0), ("v_o", MM_PER_S))?.into_iter();
         let cycles = points.filter(|(time, _)| *time >= 3.85).collect();
-        velocities = velocities.line(format!("VcL = {}", told(limit, "m/s")), cycles);
-        let swing = frequency::swing(&run)?;
+        velocities = velocities.line(format!("VcL = {}", format_value(limit, "m/s")), cycles);
+        let swing = frequency::read_swing(&run.record)?;
         read.push(
             swing.frequency.map_or_else(|| "none".to_owned(), |frequency| format!("{frequency:.1} Hz")),
         );
@@ -115,26 +128,27 @@ fn just_after(figure: &Figure) -> Result<Drawn, Problem> {
     }
     let mut frequencies =
         Graph::new("frequency by what the caption may mean", ("VcL", "mm/s"), ("frequency", "Hz"))
-            .across(0.0, 30.0)
-            .up(0.0, 60.0);
+            .x_range(0.0, 30.0)
+            .y_range(0.0, 60.0);
     let mut solved = Vec::new();
     for command in CAPTION_COMMANDS {
-        let swings = frequency::by_limit(command)?;
+        let swings = frequency::swings_by_limit(command)?;
         let points = swings.iter().filter_map(|(limit, swing)| Some((limit / MM_PER_S, swing.frequency?)));
-        let command_told = told(command, "m/s");
-        frequencies = frequencies.line(format!("at {command_told}"), points.collect());
-        let found = frequency::limits_at(command, &swings, CAPTION_HERTZ)?;
-        let found = found.iter().map(swing_told).collect::<Vec<_>>().join(", ");
-        solved.push(format!("at {command_told} with {found}"));
+        let command_text = format_value(command, "m/s");
+        frequencies = frequencies.line(format!("at {command_text}"), points.collect());
+        let found = frequency::limits_at_frequency(command, &swings, CAPTION_HERTZ)?;
+        let found = found.iter().map(format_swing).collect::<Vec<_>>().join(", ");
+        solved.push(format!("at {command_text} with {found}"));
     }
     let frequencies = frequencies.line("caption: 33 Hz", vec![(0.0, CAPTION_HERTZ), (30.0, CAPTION_HERTZ)]);
     let reading = format!(
-        "the caption says 33 Hz at 2.13 mm/s with a VcL of 2.54 mm/s: we get {}, and with 25.4 mm/s {}; 33 Hz comes out {}",
+        "the caption says 33 Hz at 2.13 mm/s with a VcL of 2.54 mm/s; the run gives {}, and with 25.4 mm/s {}; the \
+         frequency is 33 Hz {}",
         read[0],
         read[1],
         solved.join(", ")
     );
     let runs: Vec<_> = runs.iter().collect();
     let settings = runs[0].settings();
-    Drawn::of_runs(&runs, vec![velocities.picture(), frequencies.picture()], settings, reading)
+    DrawnFigure::from_runs(&runs, vec![velocities.picture(), frequencies.picture()], settings, reading)
 }

@@ -1,11 +1,14 @@
 //! Chapter 9: describing functions of friction (9.4 (ii)).
+//!
+//! Constant friction acts as a dead zone, friction of the slideway as a cut-off. A describing function replaces the
+//! output by its fundamental. Forces are divided by the viscous friction a = f v, or by F.
 
 use std::f64::consts::PI;
 
-use super::graph::{by_ratio, curve, evenly};
-use super::sketch::{Grid, Place, Sketch};
-use super::{Drawn, Figure, Graph};
-use crate::replay::recipe::Problem;
+use super::graph::{geomspace, linspace, sample_curve};
+use super::sketch::{Grid, PixelPoint, Sketch};
+use super::{DrawnFigure, Figure, Graph};
+use crate::replay::recipe::BoxError;
 use crate::slideway::SlidewayError;
 use crate::slideway::describing::{Swing, cut_off, cut_off_gain, dead_zone, dead_zone_gain};
 use crate::slideway::falling::FallingFriction;
@@ -18,7 +21,7 @@ pub(super) const FIGURES: &[Figure] = &[
     Figure {
         id: "fig-9-09",
         place: "9.4 (ii), eq 41-9 ... 44-9",
-        title: "a linear and a non-linear part",
+        title: "linear and non-linear part",
         claims: &["9-071"],
         draw: parts,
     },
@@ -46,14 +49,14 @@ pub(super) const FIGURES: &[Figure] = &[
     Figure {
         id: "fig-9-13",
         place: "9.4 (ii), Table T9-3",
-        title: "Nyquist diagram without a swing of friction",
+        title: "Nyquist diagram with constant friction",
         claims: &["9-084", "9-085", "9-086", "9-087", "9-088"],
         draw: nyquist_without_friction,
     },
     Figure {
         id: "fig-9-14",
         place: "9.4 (ii), eq 60-9 ... 80-9",
-        title: "wave forms where friction swings",
+        title: "wave forms with oscillating friction",
         claims: &["9-093", "9-094", "9-096", "9-096.b"],
         draw: wave_forms,
     },
@@ -62,26 +65,28 @@ pub(super) const FIGURES: &[Figure] = &[
 /// Stiffnesses of Table T9-5, in MN/m.
 pub(super) const DRIVES: [f64; 2] = [45.0, 22.5];
 
-/// The table that Tables T9-5 and T9-6 are of, without a time constant, for a stiffness in MN/m.
+/// The slideway of Tables T9-5 and T9-6, with a stiffness in MN/m and without a time constant.
 pub(super) fn table(stiffness: f64) -> DrivenTable {
     DrivenTable { stiffness: stiffness * 1e6, damping: 10.71e3, ..DrivenTable::simulated(0.0) }
 }
 
+/// The settings of the Nyquist diagrams.
 pub(super) const SETTINGS: &str = "M = 433 kg, f = 10.71 N s/mm, without time constant";
 
-fn parts(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 9.9: the closed loop, with a linear and a non-linear part.
+fn parts(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut sketch = Sketch::new(&figure.heading(), 460.0);
-    sketch.text("(a) the system, in a linear and a non-linear part", (16.0, 76.0));
+    sketch.text("(a) the system, with a linear and a non-linear part", (16.0, 76.0));
     loop_of(&mut sketch, 150.0, "xi", ("solid friction", "mass, spring, viscous friction"));
-    sketch.text("(b) the same without an input, as control theory has it", (16.0, 270.0));
+    sketch.text("(b) the same without an input, in the form of control theory", (16.0, 270.0));
     loop_of(&mut sketch, 344.0, "0", ("NE", "G(s)"));
     sketch.text("G(jω) = −1 / NE", (560.0, 270.0));
-    let reading =
-        "it swings by itself where the curves of G(jω) and −1 / NE meet: frequency from G, size from NE";
-    Ok(sketch.drawn("G(s) = K / (s (M s + f))", reading))
+    let reading = "the loop oscillates by itself where the curves of G(jω) and −1 / NE meet; G gives the frequency, \
+         NE the amplitude";
+    Ok(sketch.finish("G(s) = K / (s (M s + f))", reading))
 }
 
-/// A loop with two blocks, at a height.
+/// Draws a loop with two blocks. `y` is the vertical position of its forward path, in pixels.
 fn loop_of(sketch: &mut Sketch, y: f64, input: &str, (first, second): (&str, &str)) {
     sketch.text(input, (64.0, y - 8.0));
     sketch.arrow(&[(60.0, y), (147.0, y)], Ink::Line);
@@ -99,64 +104,67 @@ fn loop_of(sketch: &mut Sketch, y: f64, input: &str, (first, second): (&str, &st
     sketch.arrow(&[(770.0, y), (770.0, y + 80.0), (160.0, y + 80.0), (160.0, y + 13.0)], Ink::Line);
 }
 
-/// A wave over a turn, by the angle in degrees.
+/// Returns the points of a wave over one period, by angle in degrees.
 fn wave(law: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
-    evenly(0.0, 360.0, 361).map(|degrees| (degrees, law(degrees.to_radians()))).collect()
+    linspace(0.0, 360.0, 361).map(|degrees| (degrees, law(degrees.to_radians()))).collect()
 }
 
+/// Makes a graph against angle, over one period.
 fn waves(title: &str, side: &str) -> Graph {
-    Graph::new(title, ("angle θ", "degrees"), (side, "")).divided(0.0, 360.0, 8)
+    Graph::new(title, ("angle θ", "degrees"), (side, "")).x_divisions(0.0, 360.0, 8)
 }
 
-/// Amplitudes of the force by F that are shown.
+/// Amplitudes of the force, divided by F, that are plotted.
 const BY_FRICTION: [f64; 3] = [1.5, 3.0, 10.0];
 
-fn constant_friction(figure: &Figure) -> Result<Drawn, Problem> {
-    let zone = evenly(-4.0, 4.0, 161).map(|force| (force, dead_zone(force))).collect();
-    let law = Graph::new(&figure.heading(), ("force of the drive K e, by F", ""), ("useful force, by F", ""))
-        .note("(a) friction is F at every velocity, (b) what is left of a force")
+/// Fig 9.10: constant friction as a dead zone, and its effect on sines of several amplitudes.
+fn constant_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+    let zone = linspace(-4.0, 4.0, 161).map(|force| (force, dead_zone(force))).collect();
+    let law = Graph::new(&figure.heading(), ("drive force K e / F", ""), ("useful force / F", ""))
+        .note("(a) friction is F at every velocity, (b) the useful part of a force")
         .line("useful force", zone)
-        .across(-4.0, 4.0)
+        .x_range(-4.0, 4.0)
         .picture();
-    let mut shown = waves("(c) a sine of several sizes, by its own size", "useful force, by E");
-    let mut told = Vec::new();
+    let mut shown = waves("(c) sines of several amplitudes, divided by their amplitude", "useful force / E");
+    let mut texts = Vec::new();
     for size in BY_FRICTION {
         shown = shown.line(format!("E = {size} F"), wave(|angle| dead_zone(size * angle.sin()) / size));
-        told.push(format!("{:.2} for E = {size} F", dead_zone_gain(size)));
+        texts.push(format!("{:.2} for E = {size} F", dead_zone_gain(size)));
     }
-    let reading = format!("NE is {}: it tends to 1 as the force swings more or F is less", told.join(", "));
-    Ok(Drawn::of_theory(vec![law, shown.picture()], "in units of F", reading))
+    let reading = format!("NE is {}; it tends to 1 for a larger amplitude or a smaller F", texts.join(", "));
+    Ok(DrawnFigure::from_theory(vec![law, shown.picture()], "in units of F", reading))
 }
 
-/// Where the study's example of a working point is put, as a share of VcL.
+/// The working point of the study's example, as a share of VcL.
 const WORKING_POINT: f64 = 0.4;
 
-fn slideway_friction(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 9.11: solid and viscous friction at a working point, and the cut-off that they make.
+fn slideway_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let (friction, damping) = (FallingFriction::simulated(40.0 * MM_PER_S), table(DRIVES[0]).damping);
-    let velocities = evenly(0.0, 50.0, 101);
-    let solid = curve(velocities.clone(), |velocity| friction.solid(velocity * MM_PER_S))?;
+    let velocities = linspace(0.0, 50.0, 101);
+    let solid = sample_curve(velocities.clone(), |velocity| friction.solid(velocity * MM_PER_S))?;
     let viscous = velocities.map(|velocity| (velocity, damping * velocity * MM_PER_S)).collect();
     let working = WORKING_POINT * friction.limit;
     let (left, spare) = (friction.solid(working)?, damping * working);
-    let title = format!("{}, (a) in two parts", figure.heading());
+    let title = format!("{}, (a) as two parts", figure.heading());
     let decomposed = Graph::new(&title, ("velocity", "mm/s"), ("friction force", "N"))
         .line("solid friction F", solid)
         .line("viscous friction a = f v", viscous)
         .dots("at 16 mm/s", vec![(working / MM_PER_S, left), (working / MM_PER_S, spare)])
         .picture();
-    let cut = evenly(-4.0, 4.0, 161).map(|force| (force, cut_off(force))).collect();
+    let cut = linspace(-4.0, 4.0, 161).map(|force| (force, cut_off(force))).collect();
     let law = Graph::new(
         "(b) the drive does not push back",
-        ("K e - F - a, by a", ""),
-        ("what accelerates, by a", ""),
+        ("(K e - F - a) / a", ""),
+        ("accelerating force / a", ""),
     )
-    .across(-4.0, 4.0)
-    .up(-2.0, 4.0)
+    .x_range(-4.0, 4.0)
+    .y_range(-2.0, 4.0)
     .line("output", cut)
     .picture();
     let (small, large) = (0.8, 3.0);
-    let shown = waves("(c) a small sine passes, a large one is cut", "what accelerates, by a")
-        .up(-2.0, 4.0)
+    let shown = waves("(c) a small sine passes, a large one is cut", "accelerating force / a")
+        .y_range(-2.0, 4.0)
         .line("E1 = 0.8 a", wave(|angle| cut_off(small * angle.sin())))
         .line("E2 = 3 a", wave(|angle| cut_off(large * angle.sin())))
         .picture();
@@ -167,15 +175,16 @@ fn slideway_friction(figure: &Figure) -> Result<Drawn, Problem> {
         cut_off_gain(large)
     );
     let settings = "Fs = 771 N, VcL = 40 mm/s, f = 10.71 N s/mm";
-    Ok(Drawn::of_theory(vec![decomposed, law, shown], settings, reading))
+    Ok(DrawnFigure::from_theory(vec![decomposed, law, shown], settings, reading))
 }
 
-/// E/a of the example that is laid out.
+/// The ratio E/a of the example in Fig 9.12.
 const LAID_OUT: f64 = 3.0;
 
-fn layout(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 9.12: a sine, its cut-off and the fundamental of that, laid out around the characteristic.
+fn layout(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut sketch = Sketch::new(&figure.heading(), 640.0);
-    // In units of a; time goes down below the law, and to the right beside it.
+    // Coordinates are in units of a. Time runs down below the characteristic, and to the right next to it.
     let law = Grid { origin: (230.0, 220.0), scale: (38.0, 38.0) };
     let right = Grid { origin: (440.0, 220.0), scale: (380.0 / (2.0 * PI), 38.0) };
     let below = Grid { origin: (230.0, 370.0), scale: (38.0, -220.0 / (2.0 * PI)) };
@@ -184,14 +193,15 @@ fn layout(figure: &Figure) -> Result<Drawn, Problem> {
     sketch.text_before("output force", law.at(-0.2, 3.3));
     sketch.line(&law.all([(-4.0, -1.0), (-1.0, -1.0), (3.5, 3.5)]), Ink::Line);
     sketch.text_before("−a", law.at(-0.2, -1.4));
-    let angles = || evenly(0.0, 2.0 * PI, 181);
+    let angles = || linspace(0.0, 2.0 * PI, 181);
     sketch.line(&below.all(angles().map(|angle| (LAID_OUT * angle.sin(), angle))), Ink::Signal);
     axes(&mut sketch, below, (-4.0, 4.4), (0.0, 6.6));
     sketch.coloured("E sin θ", below.at(3.2, PI / 2.0 + 0.1), Ink::Signal);
     axes(&mut sketch, right, (0.0, 6.6), (-1.8, 3.6));
     sketch.line(&right.all(angles().map(|angle| (angle, cut_off(LAID_OUT * angle.sin())))), Ink::Voltage);
     let gain = cut_off_gain(LAID_OUT);
-    let fundamental: Vec<Place> = right.all(angles().map(|angle| (angle, gain * LAID_OUT * angle.sin())));
+    let fundamental: Vec<PixelPoint> =
+        right.all(angles().map(|angle| (angle, gain * LAID_OUT * angle.sin())));
     fundamental.chunks(4).step_by(2).for_each(|dash| sketch.fine(dash));
     let cut = (1.0 / LAID_OUT).asin();
     for angle in [PI + cut, 2.0 * PI - cut] {
@@ -199,42 +209,44 @@ fn layout(figure: &Figure) -> Result<Drawn, Problem> {
     }
     sketch.centred("π + θ1", right.at(PI + cut, 0.25));
     sketch.centred("2π − θ1", right.at(2.0 * PI - cut, 0.25));
-    sketch.text("dashed: the sine that counts, g(E) E sin θ", (440.0, 330.0));
+    sketch.text("dashed: the fundamental, g(E) E sin θ", (440.0, 330.0));
     sketch.text("θ1 = asin(a / E)", (460.0, 430.0));
     sketch.text("g(E) = 1/2 + θ1 / π + a / (π E) · (1 − (a / E)²)^0.5", (460.0, 460.0));
-    sketch.text("b(E) = 0: the output is not late", (460.0, 490.0));
+    sketch.text("b(E) = 0: the output has no phase lag", (460.0, 490.0));
     let reading = format!(
-        "for E = {LAID_OUT} a the angle θ1 = asin(a / E) is {:.1} degrees, and g(E) {gain:.3}, between 1 for E = a and 1/2 for a = 0",
+        "for E = {LAID_OUT} a the angle θ1 = asin(a / E) is {:.1} degrees, and g(E) {gain:.3}, between 1 for E = a \
+         and 1/2 for a = 0",
         cut.to_degrees()
     );
-    Ok(sketch.drawn("E = 3 a, no swing of friction", reading))
+    Ok(sketch.finish("E = 3 a, constant friction", reading))
 }
 
-/// Axes through the origin of a grid, from one end to the other.
+/// Draws axes through the origin of a grid, between given ends.
 fn axes(sketch: &mut Sketch, grid: Grid, across: (f64, f64), up: (f64, f64)) {
     sketch.fine(&[grid.at(across.0, 0.0), grid.at(across.1, 0.0)]);
     sketch.fine(&[grid.at(0.0, up.0), grid.at(0.0, up.1)]);
 }
 
-/// Points of the complex plane.
+/// Points of the complex plane: real and imaginary part.
 pub(super) type Curve = Vec<(f64, f64)>;
 
-/// G(jw) of a table from one frequency in rad/s to another.
-pub(super) fn locus(table: &DrivenTable, low: f64, high: f64) -> Result<Curve, Problem> {
-    Ok(by_ratio(low, high, 201).map(|frequency| at(table, frequency)).collect::<Result<_, _>>()?)
+/// Returns G(jw) of a table for frequencies from `low` to `high`, in rad/s.
+pub(super) fn locus(table: &DrivenTable, low: f64, high: f64) -> Result<Curve, BoxError> {
+    Ok(geomspace(low, high, 201).map(|frequency| at(table, frequency)).collect::<Result<_, _>>()?)
 }
 
-/// G(jw) of a table at a frequency in rad/s.
+/// Returns G(jw) of a table at a frequency in rad/s.
 pub(super) fn at(table: &DrivenTable, frequency: f64) -> Result<(f64, f64), SlidewayError> {
     table.open_loop(frequency).map(|response| (response.re, response.im))
 }
 
-/// -1 / N for a ratio E/a, with friction that swings by n/a.
+/// Returns -1 / N for a ratio E/a, with friction that oscillates with an amplitude n. `friction` is n/a.
 pub(super) fn inverse(force: f64, friction: f64) -> Result<(f64, f64), SlidewayError> {
     let function = Swing { force, friction }.describing_function()?;
     Ok((-function.re / function.norm_sqr(), function.im / function.norm_sqr()))
 }
 
+/// Makes a graph of the complex plane.
 pub(super) fn plane(figure: &Figure) -> Graph {
     Graph::new(&figure.heading(), ("real part", ""), ("imaginary part", ""))
 }
@@ -242,12 +254,13 @@ pub(super) fn plane(figure: &Figure) -> Graph {
 /// Ratios E/a of Table T9-3.
 const T9_3: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];
 
-fn nyquist_without_friction(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 9.13: the Nyquist diagram with a constant friction force.
+fn nyquist_without_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let dots = T9_3.map(|force| inverse(force, 0.0)).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let line = by_ratio(1.0, 1000.0, 61).map(|force| inverse(force, 0.0)).collect::<Result<_, _>>()?;
+    let line = geomspace(1.0, 1000.0, 61).map(|force| inverse(force, 0.0)).collect::<Result<_, _>>()?;
     let mut graph = plane(figure)
-        .across(-3.0, 0.5)
-        .up(-0.4, 0.1)
+        .x_range(-3.0, 0.5)
+        .y_range(-0.4, 0.1)
         .line("G(jω), 45 MN/m", locus(&table(DRIVES[0]), 150.0, 3000.0)?)
         .line("−1 / NE", line)
         .dots("E/a of Table T9-3", dots.clone());
@@ -256,22 +269,24 @@ fn nyquist_without_friction(figure: &Figure) -> Result<Drawn, Problem> {
     }
     let at = |index: usize| -dots[index].0;
     let reading = format!(
-        "−1 / NE runs along the axis from −{:.2} at E = a by −{:.2} at 5 a to −2; G never meets it, so nothing swings on",
+        "−1 / NE is on the real axis, from −{:.2} at E = a over −{:.2} at 5 a to −2; G never meets it, so there is \
+         no limit cycle",
         at(0),
         at(2)
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-/// One ratio E/a, and n/a on both sides of a, as in Table T9-4.
+/// The ratio E/a, and two ratios n/a below and above 1, as in Table T9-4.
 const WAVES: (f64, [f64; 2]) = (5.0, [0.6, 4.0]);
 
-fn wave_forms(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 9.14: wave forms with oscillating friction, for n < a and n > a.
+fn wave_forms(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let (force, frictions) = WAVES;
-    let one = |title: &str, friction: f64| -> Result<Picture, Problem> {
+    let one = |title: &str, friction: f64| -> Result<Picture, BoxError> {
         let function = Swing { force, friction }.describing_function()?;
         let fundamental = |angle: f64| force * (function.re * angle.sin() + function.im * angle.cos());
-        let graph = waves(title, "force, by a")
+        let graph = waves(title, "force / a")
             .line("E sin θ", wave(|angle| force * angle.sin()))
             .line("n cos θ", wave(|angle| friction * angle.cos()))
             .line("output", wave(|angle| cut_off(force * angle.sin() - friction * angle.cos())))
@@ -280,17 +295,17 @@ fn wave_forms(figure: &Figure) -> Result<Drawn, Problem> {
     };
     let title = format!("{}, (a) n < a", figure.heading());
     let pictures = vec![one(&title, frictions[0])?, one("(b) n > a", frictions[1])?];
-    let told = frictions.map(|friction| -> Result<String, SlidewayError> {
+    let texts = frictions.map(|friction| -> Result<String, SlidewayError> {
         let swing = Swing { force, friction };
         Ok(format!(
-            "n/a = {friction}: 1/|N| = {:.3}, {:.2} degrees late",
+            "n/a = {friction}: 1/|N| = {:.3}, phase lag {:.2} degrees",
             swing.reciprocal()?,
             swing.angle()?.to_degrees()
         ))
     });
-    let [first, second] = told;
+    let [first, second] = texts;
     let reading = format!("{}; {} (Table T9-4: 1.586, 6.84; 1.30, 38.66)", first?, second?);
-    Ok(Drawn::of_theory(pictures, "E = 5 a; n/a = 0.6 and 4", reading))
+    Ok(DrawnFigure::from_theory(pictures, "E = 5 a; n/a = 0.6 and 4", reading))
 }
 
 #[cfg(test)]
@@ -298,8 +313,12 @@ mod tests {
     use super::super::reading;
 
     #[test]
-    fn what_is_read_off_is_what_the_text_reads() {
+    fn readings_agree_with_the_text() {
         assert!(reading("fig-9-13").contains("−1.60 at 5 a"), "{}", reading("fig-9-13"));
-        assert!(reading("fig-9-14").contains("n/a = 0.6: 1/|N| = 1.587, 6.84"), "{}", reading("fig-9-14"));
+        assert!(
+            reading("fig-9-14").contains("n/a = 0.6: 1/|N| = 1.587, phase lag 6.84"),
+            "{}",
+            reading("fig-9-14")
+        );
     }
 }

@@ -1,9 +1,12 @@
-//! Chapter 9: limit cycles, where the curves of the table meet those of friction (9.4 (ii)).
+//! Chapter 9: limit cycles by describing functions (9.4 (ii)).
+//!
+//! The table oscillates by itself where its frequency response meets the negative reciprocal of the describing
+//! function of friction. The intersection gives the frequency and the amplitude.
 
 use super::chapter_9_describing::{Curve, DRIVES, SETTINGS, at, inverse, locus, plane, table};
-use super::graph::{by_ratio, curve, evenly};
-use super::{Drawn, Figure, Graph};
-use crate::replay::recipe::Problem;
+use super::graph::{geomspace, linspace, sample_curve};
+use super::{DrawnFigure, Figure, Graph};
+use crate::replay::recipe::BoxError;
 use crate::slideway::SlidewayError;
 use crate::slideway::describing::{LimitCycle, Oscillation, Swing, oscillation_at};
 use crate::slideway::falling::FallingFriction;
@@ -37,14 +40,17 @@ pub(super) const FIGURES: &[Figure] = &[
     },
 ];
 
-/// Ratios E/a of the study.
+/// Ratios E/a of the study: amplitude of the force by viscous friction.
 const FORCES: [f64; 3] = [1.0, 5.0, 20.0];
 
-/// Ratios n/a of Table T9-4.
+/// Ratios n/a of Table T9-4: amplitude of friction by viscous friction.
 const T9_4: [f64; 9] = [0.0, 0.1, 0.4, 0.6, 1.0, 2.0, 4.0, 5.0, 10.0];
 
-fn nyquist(figure: &Figure) -> Result<Drawn, Problem> {
-    let mut graph = plane(figure).across(-2.5, 0.0).up(-1.0, 0.2);
+/// Fig 9.15: the Nyquist diagram of both tables with the curves of friction.
+///
+/// The intersections are the solutions of 1 + N G = 0 (claims 9-170 ... 9-193).
+fn nyquist(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+    let mut graph = plane(figure).x_range(-2.5, 0.0).y_range(-1.0, 0.2);
     for drive in DRIVES {
         let low = 150.0 * (drive / DRIVES[0]).sqrt();
         graph = graph.line(format!("G(jω), {drive} MN/m"), locus(&table(drive), low, 3000.0)?);
@@ -52,7 +58,7 @@ fn nyquist(figure: &Figure) -> Result<Drawn, Problem> {
     let mut dots = Vec::new();
     for force in FORCES {
         let curve: Vec<_> =
-            evenly(0.0, 10.0, 201).map(|friction| inverse(force, friction)).collect::<Result<_, _>>()?;
+            linspace(0.0, 10.0, 201).map(|friction| inverse(force, friction)).collect::<Result<_, _>>()?;
         graph = graph.line(format!("−1 / NE, E/a = {force}"), curve);
         let printed = T9_4.iter().map(|friction| inverse(force, *friction));
         dots.extend(printed.collect::<Result<Vec<_>, _>>()?);
@@ -66,26 +72,27 @@ fn nyquist(figure: &Figure) -> Result<Drawn, Problem> {
         cycle.friction_by_spare(),
         cycle.frequency
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-/// Limit cycles of both tables with all ratios E/a, where the curves meet.
+/// Returns the limit cycles of both tables for all ratios E/a.
 fn limit_cycles() -> Result<Vec<(DrivenTable, LimitCycle)>, SlidewayError> {
     let all = DRIVES.iter().flat_map(|drive| FORCES.map(|force| (table(*drive), force)));
     all.map(|(table, force)| Ok((table, table.limit_cycle(force)?))).collect()
 }
 
-fn modulus_by_angle(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 9.16: modulus by phase angle of the table and of friction, and their intersections.
+fn modulus_by_angle(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut graph = Graph::new(&figure.heading(), ("phase angle φ, δ", "degrees"), ("|G(jω)|, 1 / |NE|", ""))
-        .across(0.0, 10.0)
-        .up(0.0, 2.5);
+        .x_range(0.0, 10.0)
+        .y_range(0.0, 2.5);
     for drive in DRIVES {
         let table = table(drive);
-        let points = by_ratio(90.0, 2000.0, 301).map(|frequency| by_angle(&table, frequency));
+        let points = geomspace(90.0, 2000.0, 301).map(|frequency| by_angle(&table, frequency));
         graph = graph.line(format!("|G|, {drive} MN/m"), points.collect::<Result<_, _>>()?);
     }
     for force in FORCES {
-        let points = curve(evenly(0.0, 10.0, 51), |degrees| {
+        let points = sample_curve(linspace(0.0, 10.0, 51), |degrees| {
             Swing { force, friction: force * degrees.to_radians().tan() }.reciprocal()
         })?;
         graph = graph.line(format!("1 / |NE|, E/a = {force}"), points);
@@ -93,30 +100,34 @@ fn modulus_by_angle(figure: &Figure) -> Result<Drawn, Problem> {
     let meeting = limit_cycles()?;
     let dots = meeting.iter().map(|(table, cycle)| by_angle(table, cycle.frequency));
     let dots = dots.collect::<Result<_, _>>()?;
-    let told: Vec<_> = meeting.iter().map(|(_, cycle)| format!("{:.0}", cycle.frequency)).collect();
+    let frequencies: Vec<_> = meeting.iter().map(|(_, cycle)| format!("{:.0}", cycle.frequency)).collect();
     let mut graph = graph.dots("they meet, at rad/s", dots);
-    for (index, frequency) in told.iter().enumerate() {
+    for (index, frequency) in frequencies.iter().enumerate() {
         graph = graph.label(index, frequency.clone());
     }
     let reading = format!(
-        "at E/a = 1, 5, 20 they meet at {} rad/s with 45 MN/m, {} with 22.5; printed 322.2, 255, 235, 227.7, 180, 166",
-        told[..3].join(", "),
-        told[3..].join(", ")
+        "at E/a = 1, 5, 20 the curves meet at {} rad/s with 45 MN/m, {} with 22.5; printed 322.2, 255, 235, 227.7, \
+         180, 166",
+        frequencies[..3].join(", "),
+        frequencies[3..].join(", ")
     );
-    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
-/// The angle in degrees by which G is short of half a turn, and its modulus, at a frequency in rad/s.
+/// Returns the phase of G above -180 degrees, and its modulus, at a frequency in rad/s. The angle is in degrees.
 fn by_angle(table: &DrivenTable, frequency: f64) -> Result<(f64, f64), SlidewayError> {
     Ok((table.open_loop_angle(frequency)?.to_degrees(), table.open_loop(frequency)?.norm()))
 }
 
-fn profile(figure: &Figure) -> Result<Drawn, Problem> {
+/// Fig 9.17: the profile by describing functions for both stiffnesses.
+///
+/// The amplitude is v = e w with e = (E/a) f v0 / K (eq 84-9, 86-9). Oscillation ends where E/a is 1.
+fn profile(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let friction = FallingFriction::simulated(40.0 * MM_PER_S);
     let heading = figure.heading();
     let mut graph = Graph::new(&heading, ("steady velocity v0", "mm/s"), ("output velocity", "mm/s"))
-        .across(15.0, 35.0)
-        .up(-15.0, 60.0)
+        .x_range(15.0, 35.0)
+        .y_range(-15.0, 60.0)
         .line("command", vec![(15.0, 15.0), (35.0, 35.0)]);
     let (mut dots, mut swings) = (Vec::new(), Vec::new());
     let (mut slowest, mut rests) = (0.0, true);
@@ -125,7 +136,7 @@ fn profile(figure: &Figure) -> Result<Drawn, Problem> {
         let motions = motions(&table, &friction)?;
         let (fastest, last) = (motions[0], motions[2]);
         let edges = edges(&table, &friction, last.velocity, fastest.velocity)?;
-        graph = graph.line(format!("it swings within, {drive} MN/m"), edges);
+        graph = graph.line(format!("range of oscillation, {drive} MN/m"), edges);
         for Oscillation { velocity, swing, .. } in motions {
             dots.extend([swing, -swing].map(|off| (velocity / MM_PER_S, (velocity + off) / MM_PER_S)));
         }
@@ -136,27 +147,28 @@ fn profile(figure: &Figure) -> Result<Drawn, Problem> {
     let graph = graph.dots("E/a = 1, 5, 20 of Table T9-6", dots);
     let table = table(DRIVES[0]);
     let reading = format!(
-        "at {:.1} mm/s it swings by {} mm/s ({}); it ends at {:.2} mm/s, where Cn is {:.2} N s/mm",
+        "at {:.1} mm/s the amplitude is {} mm/s ({}); oscillation ends at {:.2} mm/s, where Cn is {:.2} N s/mm",
         slowest / MM_PER_S,
         swings.join(" and "),
-        if rests { "it comes to rest: stick-slip" } else { "it does not always come to rest" },
+        if rests { "the table comes to rest: stick-slip" } else { "the table does not always come to rest" },
         motions(&table, &friction)?[0].velocity / MM_PER_S,
         table.limit_cycle(FORCES[0])?.slope / N_S_PER_MM
     );
     let settings = format!("Fs = 771 N, VcL = 40 mm/s, {SETTINGS}");
-    Ok(Drawn::of_theory(vec![graph.picture()], &settings, reading))
+    Ok(DrawnFigure::from_theory(vec![graph.picture()], &settings, reading))
 }
 
-/// How a table swings with the ratios of Table T9-6, the fastest command first.
+/// Returns the oscillations of a table for the ratios of Table T9-6, the fastest command first.
 fn motions(table: &DrivenTable, friction: &FallingFriction) -> Result<Vec<Oscillation>, SlidewayError> {
     FORCES.iter().map(|force| table.limit_cycle(*force)?.oscillation(table, friction)).collect()
 }
 
-/// Between which velocities in mm/s it swings, over commands in m/s: along the upper edge, and back along the lower.
-fn edges(table: &DrivenTable, friction: &FallingFriction, slow: f64, fast: f64) -> Result<Curve, Problem> {
-    // The last limit cycle is on the edge of there being none.
-    let commands = by_ratio(slow, fast * (1.0 - 1e-9), 101);
-    let swings = curve(commands, |velocity| Ok(oscillation_at(table, friction, velocity)?.swing))?;
+/// Returns the range of velocities of the oscillation in mm/s, by command in mm/s: along the upper edge, and back
+/// along the lower one. `slow` and `fast` are the first and last command, in m/s.
+fn edges(table: &DrivenTable, friction: &FallingFriction, slow: f64, fast: f64) -> Result<Curve, BoxError> {
+    // The last limit cycle is at the limit of existence, so the last command is slightly below it.
+    let commands = geomspace(slow, fast * (1.0 - 1e-9), 101);
+    let swings = sample_curve(commands, |velocity| Ok(oscillation_at(table, friction, velocity)?.swing))?;
     let edge = |sign: f64| {
         swings
             .iter()
@@ -170,7 +182,7 @@ mod tests {
     use super::super::reading;
 
     #[test]
-    fn what_is_read_off_is_what_the_text_reads() {
+    fn readings_agree_with_the_text() {
         assert!(reading("fig-9-15").contains("n/a = 2.10 at 235 rad/s"), "{}", reading("fig-9-15"));
         assert!(reading("fig-9-16").contains("322, 255, 235 rad/s"), "{}", reading("fig-9-16"));
         assert!(reading("fig-9-17").contains("28.89 mm/s"), "{}", reading("fig-9-17"));

@@ -1,11 +1,14 @@
-//! Chapter 9: the study's laws and measurements beside runs of the circuit.
+//! Chapter 9: laws and measurements of the study compared with runs of the circuit.
+//!
+//! Ramps at several rates, and small disturbances, give the slope of friction at which oscillation ends. The twelve
+//! cells of Table T9-2 are run one by one.
 
-use super::graph::by_ratio;
-use super::{Drawn, Figure, Graph, Sweep, listed};
-use crate::chain::{Compared, Settings, table_9_2};
-use crate::replay::boundary::{self, MEMORIES, RATE, Slopes, undisturbed};
-use crate::replay::recipe::Problem;
-use crate::replay::table::Table;
+use super::graph::geomspace;
+use super::{DrawnFigure, Figure, Graph, SweepCommand, comma_separated};
+use crate::chain::{MeasurementComparison, Settings, table_9_2};
+use crate::replay::boundary::{self, MEMORIES, RATE, Slopes, disturbance_boundary};
+use crate::replay::number_table::NumberTable;
+use crate::replay::recipe::BoxError;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
@@ -17,51 +20,60 @@ use patchcord_draw::plot::Picture;
 pub(super) const FIGURES: &[Figure] = &[Figure {
     id: "table-9-2",
     place: "9.3, table T9-2",
-    title: "twelve measured critical velocities beside equation and simulation",
+    title: "twelve measured critical velocities, with equation and simulation",
     claims: &[],
     draw: measured,
 }];
 
-const REASON: &str = "A ramp goes on while oscillation dies away, and so ends it beyond the boundary of small motions, at a lower slope; the longer the \
-                      time constant, the lower the critical velocity and the larger the share that is overrun. That lowers the exponent. The slower \
-                      the ramp and the larger the threshold, the sooner oscillation counts as ended, and the nearer to that boundary. A time constant at which a \
-                      threshold sees no oscillation is no point of its law.";
+/// The explanation of the table of slopes.
+const REASON: &str = "The command of a ramp continues to rise while oscillation decays. Oscillation therefore ends \
+     above the stability boundary of small motions, at a lower slope. This overrun is a larger share of the critical \
+     velocity for a longer time constant, because the critical velocity is lower. That lowers the exponent. With a \
+     slower ramp or a larger threshold, oscillation counts as ended nearer to that boundary. A time constant without \
+     oscillation above a threshold is not a point of the law for that threshold.";
 
-/// Rates in m/s2 and thresholds in m/s at which slopes are read.
+/// Rates of the command at which slopes are read, in m/s2.
 const RATES: [f64; 4] = [2.4e-3, RATE, 0.3e-3, 0.075e-3];
+/// Thresholds of the swing at which slopes are read, in m/s.
 const THRESHOLDS: [f64; 3] = [0.25e-3, 0.5e-3, 1e-3];
 
-/// Slopes at the tops by small disturbances of steady sliding.
-fn slopes_by_disturbance() -> Result<Vec<(f64, f64)>, Problem> {
+/// Returns the slopes in N s/mm at the tops of the curves, by time constant in s, from small disturbances of steady
+/// sliding.
+fn slopes_by_disturbance() -> Result<Vec<(f64, f64)>, BoxError> {
     let mut small = Vec::new();
     for &(memory, limit) in boundary::tops()? {
-        if let Some(velocity) = undisturbed(&[("Tc", memory), ("VcL", limit)], limit)? {
+        if let Some(velocity) = disturbance_boundary(&[("Tc", memory), ("VcL", limit)], limit)? {
             small.push((memory, FallingFriction::simulated(limit).slope(velocity)? / N_S_PER_MM));
         }
     }
     Ok(small)
 }
 
-/// Slopes at which oscillation of the circuit ends, by time constant, by ramps and by small disturbances, beside the study's law and
-/// Routh-Hurwitz; with the laws that fit them, by rate and threshold.
-pub(super) struct SlopesOfTheCircuit {
+/// The slopes at which oscillation of the circuit ends, by time constant. They come from ramps and from small
+/// disturbances, and are compared with the study's law and with Routh-Hurwitz.
+pub(super) struct CircuitSlopes {
+    /// Slopes by time constant, and exponents by rate.
     pub pictures: Vec<Picture>,
+    /// The fitted laws, in one line.
     pub reading: String,
-    pub table: Table,
-    pub sweep: Sweep,
+    /// The fitted laws, by rate and threshold.
+    pub table: NumberTable,
+    /// The sweep at the study's rate.
+    pub sweep: SweepCommand,
 }
 
-pub(super) fn slopes_of_the_circuit() -> Result<SlopesOfTheCircuit, Problem> {
+/// Runs the ramps and the disturbances and fits the laws. It takes more than a minute.
+pub(super) fn circuit_slopes() -> Result<CircuitSlopes, BoxError> {
     let ramps: Vec<Vec<Slopes>> =
         RATES.iter().map(|rate| boundary::slopes_at_rate(*rate, &THRESHOLDS)).collect::<Result<_, _>>()?;
     let small = slopes_by_disturbance()?;
-    let theory: Vec<_> = by_ratio(0.006, 0.025, 40)
+    let theory: Vec<_> = geomspace(0.006, 0.025, 40)
         .map(|memory| {
-            Ok::<_, Problem>((memory, DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM))
+            Ok::<_, BoxError>((memory, DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM))
         })
         .collect::<Result<_, _>>()?;
     let (theory_law, small_law) = (PowerLaw::fit(&theory)?, PowerLaw::fit(&small)?);
-    let mut table = Table::new(
+    let mut table = NumberTable::new(
         REASON,
         ["how", "threshold, mm/s", "factor, N s/mm", "exponent", "Cn at 6 ms, N s/mm", "at 25 ms", "points"],
     );
@@ -72,18 +84,18 @@ pub(super) fn slopes_of_the_circuit() -> Result<SlopesOfTheCircuit, Problem> {
     };
     for (rate, laws) in RATES.iter().zip(&ramps) {
         for (threshold, (points, law)) in THRESHOLDS.iter().zip(laws) {
-            row(ramp_told(*rate), (threshold / MM_PER_S).to_string(), law, points.len().to_string());
+            row(ramp_name(*rate), (threshold / MM_PER_S).to_string(), law, points.len().to_string());
         }
     }
     row("small disturbances".to_owned(), "none".to_owned(), &small_law, small.len().to_string());
     row("Routh-Hurwitz".to_owned(), "none".to_owned(), &theory_law, "law".to_owned());
-    row("the study, eq 1-9".to_owned(), "not told".to_owned(), &SLOPE_BY_MEMORY, "law".to_owned());
+    row("the study, eq 1-9".to_owned(), "not stated".to_owned(), &SLOPE_BY_MEMORY, "law".to_owned());
     let laws = ramps.iter().zip(RATES).map(|(laws, rate)| {
         format!("{:.2e} Tc^{:.2} by ramps of {} mm/s2", laws[0].1.factor, laws[0].1.exponent, rate / MM_PER_S)
     });
     let reading = format!(
-        "run, the circuit gives {}, and {:.2e} Tc^{:.2} by small disturbances, where Routh-Hurwitz has {:.2e} Tc^{:.2}: the slower the \
-         ramp, the nearer to the boundary it ends",
+        "runs of the circuit give {}, and {:.2e} Tc^{:.2} by small disturbances; Routh-Hurwitz gives {:.2e} \
+         Tc^{:.2}; with a slower ramp oscillation ends nearer to the stability boundary",
         laws.collect::<Vec<_>>().join(", "),
         small_law.factor,
         small_law.exponent,
@@ -91,38 +103,39 @@ pub(super) fn slopes_of_the_circuit() -> Result<SlopesOfTheCircuit, Problem> {
         theory_law.exponent
     );
     let pictures = vec![slopes(&ramps, small, theory), exponents(&ramps, theory_law.exponent)];
-    let vary = vec![("Tc", listed(&MEMORIES)), ("VcL", listed(&boundary::limits()))];
-    let sweep = Sweep { which: "", recipe: boundary::ramp(RATE), vary, measure: "critical_velocity" };
-    Ok(SlopesOfTheCircuit { pictures, reading, table, sweep })
+    let vary = vec![("Tc", comma_separated(&MEMORIES)), ("VcL", comma_separated(&boundary::limits()))];
+    let sweep = SweepCommand { which: "", recipe: boundary::ramp(RATE), vary, measure: "critical_velocity" };
+    Ok(CircuitSlopes { pictures, reading, table, sweep })
 }
 
-fn ramp_told(rate: f64) -> String {
+/// Formats the name of a ramp by its rate in m/s2.
+fn ramp_name(rate: f64) -> String {
     format!("ramp of {} mm/s2", rate / MM_PER_S)
 }
 
-/// Slopes by time constant, ramps at the usual threshold.
+/// Makes the picture of slopes by time constant, with ramps at the usual threshold.
 fn slopes(ramps: &[Vec<Slopes>], small: Vec<(f64, f64)>, theory: Vec<(f64, f64)>) -> Picture {
     let in_ms = |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x / MS, y)).collect::<Vec<_>>();
-    let study = by_ratio(0.006, 0.025, 40).map(|memory| (memory / MS, SLOPE_BY_MEMORY.at(memory)));
+    let study = geomspace(0.006, 0.025, 40).map(|memory| (memory / MS, SLOPE_BY_MEMORY.at(memory)));
     let mut graph = Graph::new("(b) the circuit, run", ("time constant Tc", "ms"), ("slope Cn", "N s/mm"))
         .logarithmic(true, true)
-        .across(5.0, 30.0)
-        .up(20.0, 500.0)
+        .x_range(5.0, 30.0)
+        .y_range(20.0, 500.0)
         .line("study's simulation: 7.5e4 Tc^1.54 (1-9)", study.collect())
         .line("Routh-Hurwitz (32-9)", in_ms(theory));
-    // The fastest is seen in (c): there are no more colours than the others take.
+    // The fastest ramp is only in picture (c), because there are not enough colours here.
     for (rate, laws) in RATES.iter().zip(ramps).skip(1) {
-        graph = graph.dots(ramp_told(*rate), in_ms(laws[0].0.clone()));
+        graph = graph.dots(ramp_name(*rate), in_ms(laws[0].0.clone()));
     }
     graph.dots("small disturbances at constant speed", in_ms(small)).picture()
 }
 
-/// Exponents by the rate of the command, for each threshold.
+/// Makes the picture of exponents by the rate of the command, for each threshold.
 fn exponents(ramps: &[Vec<Slopes>], theory: f64) -> Picture {
     let title = "(c) exponent of Cn against Tc";
     let mut graph = Graph::new(title, ("rate of the command", "mm/s2"), ("exponent", ""))
         .logarithmic(true, false)
-        .up(0.6, 1.8);
+        .y_range(0.6, 1.8);
     for (index, threshold) in THRESHOLDS.iter().enumerate() {
         let points = RATES.iter().zip(ramps).map(|(rate, laws)| (rate / MM_PER_S, laws[index].1.exponent));
         graph = graph.line(format!("swings above {} mm/s", threshold / MM_PER_S), points.collect());
@@ -131,46 +144,53 @@ fn exponents(ramps: &[Vec<Slopes>], theory: f64) -> Picture {
     graph.line("the study", ends(SLOPE_BY_MEMORY.exponent)).line("Routh-Hurwitz", ends(theory)).picture()
 }
 
-/// What stands beside a measured critical velocity in T9-2, in m/s.
-type Beside = (&'static str, fn(&Compared) -> Option<f64>);
+/// A velocity in m/s that is compared with a measured critical velocity of T9-2, with its name. The function returns
+/// `None` if there is no such velocity.
+type Comparison = (&'static str, fn(&MeasurementComparison) -> Option<f64>);
 
-const BESIDE: [Beside; 4] = [
+/// The velocities that are compared with each measurement.
+const COMPARISONS: [Comparison; 4] = [
     ("equation (18-9)", |row| row.equation.clone().ok()),
     ("Routh-Hurwitz", |row| row.stability.clone().ok().filter(|velocity| *velocity > 0.0)),
     ("run, command rising", |row| row.run.rising.ok()),
     ("run, command falling", |row| row.run.falling.ok()),
 ];
 
-fn measured(_: &Figure) -> Result<Drawn, Problem> {
-    // What is drawn at the same time has the other threads.
+/// Table T9-2: measured critical velocities, with equation, stability criterion and runs.
+fn measured(_: &Figure) -> Result<DrawnFigure, BoxError> {
+    // One thread, because other figures are drawn at the same time on the other threads.
     let compared = table_9_2(&Settings { threads: 1, ..Settings::default() })?;
-    let drives: Vec<&[Compared]> =
+    let drives: Vec<&[MeasurementComparison]> =
         compared.chunk_by(|one, next| one.cell.stiffness == next.cell.stiffness).collect();
-    let pictures = drives.iter().map(|cells| beside_measured(cells)).collect();
-    let told: Vec<_> = drives.iter().map(|cells| runs_told(cells)).collect();
-    let reading =
-        format!("run with a rising command, the circuit gives {} of what was measured", told.join(", "));
-    let settings = "what was measured is lost but for the Tc of T9-2, eq 15-9 run backwards; 450 kgf, Fs = 1249 N, f = 10.7 N s/mm, VcL and Tc by the oil (eqs 11-9, 17-9)";
-    let drawn = Drawn::of_theory(pictures, settings, reading);
+    let pictures = drives.iter().map(|cells| measured_picture(cells)).collect();
+    let shares: Vec<_> = drives.iter().map(|cells| format_run_shares(cells)).collect();
+    let reading = format!(
+        "with a rising command, runs of the circuit give {} of the measured value",
+        shares.join(", ")
+    );
+    let settings = "the measurements are lost except for the Tc of T9-2, from which eq 15-9 is inverted; 450 kgf, Fs \
+         = 1249 N, f = 10.7 N s/mm, VcL and Tc by the oil (eqs 11-9, 17-9)";
+    let drawn = DrawnFigure::from_theory(pictures, settings, reading);
     let command = "patchcord slideway --oil 0.34 --weight 450 --stiffness 27.6";
-    Ok(Drawn { commands: vec![format!("{command}, and the like: docs/slideway.md")], ..drawn })
+    Ok(DrawnFigure { commands: vec![format!("{command}, and similar commands: docs/slideway.md")], ..drawn })
 }
 
-fn in_kn_per_mm(cells: &[Compared]) -> f64 {
+/// Returns the stiffness of the drive in kN/mm. `cells` is not empty.
+fn in_kn_per_mm(cells: &[MeasurementComparison]) -> f64 {
     cells[0].cell.stiffness / N_PER_MM / 1e3
 }
 
-/// The cells of one drive, by viscosity.
-fn beside_measured(cells: &[Compared]) -> Picture {
-    let points = |value: fn(&Compared) -> Option<f64>| -> Vec<(f64, f64)> {
-        let point = |row: &Compared| Some((row.cell.viscosity / POISE, value(row)? / MM_PER_S));
+/// Makes the picture of the cells of one drive, by viscosity.
+fn measured_picture(cells: &[MeasurementComparison]) -> Picture {
+    let points = |value: fn(&MeasurementComparison) -> Option<f64>| -> Vec<(f64, f64)> {
+        let point = |row: &MeasurementComparison| Some((row.cell.viscosity / POISE, value(row)? / MM_PER_S));
         cells.iter().filter_map(point).collect()
     };
     let title = format!("{} kN/mm", in_kn_per_mm(cells));
     let mut graph = Graph::new(&title, ("viscosity", "P"), ("Vc", "mm/s"))
-        .across(0.0, 0.7)
-        .dots("behind T9-2 (eq 15-9 backwards)", points(|row| Some(row.measured)));
-    for (name, value) in BESIDE {
+        .x_range(0.0, 0.7)
+        .dots("measured, from T9-2 (eq 15-9 inverted)", points(|row| Some(row.measured)));
+    for (name, value) in COMPARISONS {
         let points = points(value);
         if !points.is_empty() {
             graph = graph.line(name, points);
@@ -179,8 +199,8 @@ fn beside_measured(cells: &[Compared]) -> Picture {
     graph.picture()
 }
 
-/// "0.84 ... 0.97 at 27.6 kN/mm".
-fn runs_told(cells: &[Compared]) -> String {
+/// Formats the range of run velocity divided by measured velocity: "0.84 ... 0.97 at 27.6 kN/mm".
+fn format_run_shares(cells: &[MeasurementComparison]) -> String {
     let shares = cells.iter().filter_map(|row| Some(row.run.rising.ok()? / row.measured));
     let (least, most) =
         shares.fold((f64::INFINITY, 0.0_f64), |(least, most), share| (least.min(share), most.max(share)));

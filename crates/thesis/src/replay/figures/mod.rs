@@ -1,8 +1,12 @@
-//! The figures of the study, drawn again: from patches that are run, and from theory.
+//! The figures of the study, drawn again from runs of patches and from theory.
 //!
-//! A [`Figure`] is a row of a table: number, place, title, the claims that it bears on, and the function that draws it.
-//! Those of a chapter stand in a file. What is [`Drawn`] is a sheet, the settings behind it, one line that reads it, and the
-//! patches that were run for it.
+//! A [`Figure`] is a row of a table: identifier, place in the text, title, claims, and the function that draws it.
+//! The figures of a chapter are in one or several files. The result is a [`DrawnFigure`]: a sheet, a line of
+//! settings, a line that states what can be read from the figure, and the patches that were run.
+//!
+//! A figure whose numbers come from runs names the patches and the commands that repeat them. A figure of theory has
+//! neither. The line that states what can be read is computed together with the figure, and tests compare some of these
+//! lines with the text of the study.
 
 mod chapter_2;
 mod chapter_4;
@@ -24,74 +28,92 @@ mod profiles;
 mod sketch;
 
 use super::claim::Claim;
-use super::recipe::{Problem, Recipe, Replayed};
-use super::table::Table;
+use super::number_table::NumberTable;
+use super::recipe::{BoxError, Recipe, ReplayedRun};
 use graph::Graph;
-use patchcord_analysis::instruments::Display;
+use patchcord_analysis::instruments::QuantityFormat;
 use patchcord_core::patch::Patch;
 use patchcord_draw::plot::{Drawing, Format, Picture, PlotError, Size, Theme, render, render_drawing};
 
-/// A figure of the study.
+/// A figure of the study, or a figure on a difference from it.
 #[derive(Debug)]
 pub struct Figure {
-    /// Its name, such as "fig-8-24".
+    /// Its identifier, such as "fig-8-24", "table-9-2" or "difference-1".
     pub id: &'static str,
-    /// Where the text tells of it.
+    /// The place in the text: sections, equations and tables.
     pub place: &'static str,
-    /// What it shows.
+    /// Its title.
     pub title: &'static str,
-    /// The claims that it bears on, beside those whose place names it.
+    /// Identifiers of claims that it illustrates. Claims whose place names the figure are added automatically.
     pub claims: &'static [&'static str],
-    draw: fn(&Figure) -> Result<Drawn, Problem>,
+    /// Makes the runs or computes the theory, and draws.
+    draw: fn(&Figure) -> Result<DrawnFigure, BoxError>,
 }
 
-/// A figure that was drawn.
+/// A drawn figure.
+///
+/// # Examples
+///
+/// A figure of theory has no patches and no commands:
+///
+/// ```
+/// use patchcord_thesis::replay::figures;
+///
+/// let figure = figures().find(|figure| figure.id == "fig-2-02").ok_or("a figure of the study")?;
+/// let drawn = figure.draw()?;
+/// assert!(drawn.reading.contains("21.54, 2.14, 0.10 mm/s"));
+/// assert!(drawn.patches.is_empty() && drawn.commands.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
-pub struct Drawn {
-    /// What is to be seen.
+pub struct DrawnFigure {
+    /// The pictures or the drawing.
     pub sheet: Sheet,
-    /// What it was made with, in a line.
+    /// The settings, in one line.
     pub settings: String,
-    /// What is read off it, in a line.
+    /// What can be read from it, in one line with numbers.
     pub reading: String,
-    /// The patches that were run, or drawn, for it: with its settings, under names that begin with its own.
+    /// The patches that were run or drawn for it. They contain its settings. Their names begin with the identifier of
+    /// the figure.
     pub patches: Vec<Patch>,
-    /// What a reader types to get the same, where patches lie beside; empty where it comes from theory.
+    /// The commands that repeat the runs in a folder with the patches. Empty if the figure comes from theory.
     pub commands: Vec<String>,
-    /// Numbers behind it that want a table.
-    pub table: Option<Table>,
+    /// A table of the numbers behind it, for the page of differences.
+    pub table: Option<NumberTable>,
 }
 
-/// A sweep that a figure is made of, as a reader makes it.
-struct Sweep {
-    /// Which of the figure's patches.
+/// The sweep behind a figure, from which the command line for a reader is made.
+struct SweepCommand {
+    /// The suffix of its patch; empty if the figure has only one patch.
     which: &'static str,
+    /// The circuit and its settings.
     recipe: Recipe,
-    /// Parameters and their values.
+    /// Parameters that are varied, with their values separated by commas.
     vary: Vec<(&'static str, String)>,
+    /// The measure that the sweep reads.
     measure: &'static str,
 }
 
-/// What is to be seen.
+/// The graphical content of a figure.
 #[derive(Debug)]
 pub enum Sheet {
-    /// Pictures, one below the other.
+    /// Pictures with axes, one below the other.
     Pictures(Vec<Picture>),
-    /// A drawing.
+    /// A drawing without axes: a circuit, a sketch or a table.
     Drawing(Box<Drawing>),
 }
 
-/// Why a figure cannot be drawn.
+/// The reason why a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("{id}: {problem}")]
 pub struct FigureError {
-    /// Which.
+    /// The identifier of the figure.
     pub id: &'static str,
-    /// Why.
-    pub problem: Problem,
+    /// The error.
+    pub problem: BoxError,
 }
 
-/// The tables of all chapters.
+/// The tables of figures of all chapters.
 const TABLES: &[&[Figure]] = &[
     profiles::FIGURES,
     chapter_2::FIGURES,
@@ -111,31 +133,42 @@ const TABLES: &[&[Figure]] = &[
     differences::FIGURES,
 ];
 
-/// The chapters that have figures.
+/// The chapters that have figures. A figure belongs to the chapter of the first number in its identifier.
 const CHAPTERS: [&str; 5] = ["Chapter 2", "Chapter 4", "Chapter 7", "Chapter 8", "Chapter 9"];
 
-/// All figures, in the order of the study.
+/// Returns all figures in the order of the study. The figures on differences are last.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::replay::figures;
+///
+/// let profile = figures().find(|figure| figure.id == "fig-8-24").ok_or("a figure of the study")?;
+/// assert_eq!((profile.number().as_str(), profile.chapter()), ("Fig 8.24", "Chapter 8"));
+/// assert_eq!(profile.heading(), "Fig 8.24: system velocity profile");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn figures() -> impl Iterator<Item = &'static Figure> {
     let mut figures: Vec<_> = TABLES.iter().copied().flatten().collect();
     figures.sort_by_key(|figure| (figure.chapter(), figure.id));
     figures.into_iter()
 }
 
-/// A number with its unit, in a prefix that keeps it short.
-fn told(value: f64, unit: &str) -> String {
-    Display::new(unit, value).text(value)
+/// Formats a number with its unit, with a prefix that keeps it short: "7.62 mm/s" for 0.00762 m/s.
+fn format_value(value: f64, unit: &str) -> String {
+    QuantityFormat::new(unit, value).text(value)
 }
 
-/// A picture with another title.
-fn titled(picture: Picture, title: &str) -> Picture {
+/// Replaces the title of a picture.
+fn with_title(picture: Picture, title: &str) -> Picture {
     Picture { title: title.to_owned(), ..picture }
 }
 
-/// Height of one of several pictures of a sheet, and of one alone.
-const SMALLER: Size = Size { width: 900, height: 440 };
+/// The size of each picture if a sheet has several.
+const STACKED_SIZE: Size = Size { width: 900, height: 440 };
 
 impl Figure {
-    /// Its number as the text prints it, "Fig 8.24" or "T9-2"; those that are not in the text are "D1", "D2".
+    /// Returns its number as the text prints it, "Fig 8.24" or "T9-2". Figures on differences are "D1", "D2".
     pub fn number(&self) -> String {
         let mut parts = self.id.split('-').map(|number| number.trim_start_matches('0'));
         let kind = parts.next();
@@ -147,7 +180,7 @@ impl Figure {
         }
     }
 
-    /// The chapter that it stands in; those that are not in the text stand behind the last.
+    /// Returns the title of its chapter. Figures on differences have their own title, which sorts after the chapters.
     pub fn chapter(&self) -> &'static str {
         match self.id.split_once('-') {
             Some(("difference", _)) => "What the differences depend on",
@@ -159,72 +192,81 @@ impl Figure {
         }
     }
 
-    /// Whether it bears on a claim: it names the claim, or the claim's place names it, or the table that it is drawn from.
-    pub fn bears_on(&self, claim: &Claim) -> bool {
+    /// Returns whether it illustrates a claim. It does if it names the claim, if the place of the claim names the
+    /// figure, or if both places name the same table of chapter 9.
+    pub fn is_related_to(&self, claim: &Claim) -> bool {
         let mut tables = self.place.split([' ', ',']).filter(|word| word.starts_with("T9-"));
-        names(&claim.place, &self.number())
-            || tables.any(|table| names(&claim.place, table))
+        mentions(&claim.place, &self.number())
+            || tables.any(|table| mentions(&claim.place, table))
             || self.claims.contains(&claim.id.as_str())
     }
 
-    /// "Fig 8.24: system velocity profile".
+    /// Returns its heading, such as "Fig 8.24: system velocity profile".
     pub fn heading(&self) -> String {
         format!("{}: {}", self.number(), self.title)
     }
 
-    /// Makes the runs, or works the theory out, and draws.
+    /// Makes the runs or computes the theory, and draws.
     ///
     /// # Errors
-    /// What a run or a law of theory refuses.
-    pub fn draw(&self) -> Result<Drawn, FigureError> {
+    /// If a run fails, or if a law of theory does not hold for its arguments.
+    pub fn draw(&self) -> Result<DrawnFigure, FigureError> {
         (self.draw)(self).map_err(|problem| FigureError { id: self.id, problem })
     }
 
-    /// A patch for it with a name of its own: that of the figure, or of one of several.
-    fn run(&self, recipe: &Recipe, which: &str) -> Result<Replayed, Problem> {
+    /// Runs a recipe under the name of the figure, with the suffix `which` if the figure has several patches.
+    fn run(&self, recipe: &Recipe, which: &str) -> Result<ReplayedRun, BoxError> {
         recipe.run(&self.file(which), &self.heading())
     }
 
+    /// Returns the name of a patch: the identifier of the figure, with a suffix if `which` is not empty.
     fn file(&self, which: &str) -> String {
         if which.is_empty() { self.id.to_owned() } else { format!("{}-{which}", self.id) }
     }
 }
 
-/// Whether a place names a figure or table, and not one whose number is longer.
-fn names(place: &str, number: &str) -> bool {
+/// Returns whether a place names a figure or table. "Fig 8.2" is not named by "Fig 8.24".
+fn mentions(place: &str, number: &str) -> bool {
     let mut found = place.match_indices(number);
     found.any(|(at, _)| !place[at + number.len()..].starts_with(|next: char| next.is_ascii_digit()))
 }
 
-impl Drawn {
-    /// What one run shows, in the pictures that its patch asks for.
-    fn of_run(run: &Replayed, reading: String) -> Result<Drawn, Problem> {
-        Drawn::of_runs(&[run], run.pictures()?, run.settings(), reading)
+impl DrawnFigure {
+    /// Makes a figure of one run, with the pictures that its patch specifies.
+    fn from_run(run: &ReplayedRun, reading: String) -> Result<DrawnFigure, BoxError> {
+        DrawnFigure::from_runs(&[run], run.pictures()?, run.settings(), reading)
     }
 
-    /// What several runs show.
-    fn of_runs(
-        runs: &[&Replayed],
+    /// Makes a figure of several runs. Overloads are appended to the reading.
+    fn from_runs(
+        runs: &[&ReplayedRun],
         pictures: Vec<Picture>,
         settings: String,
         mut reading: String,
-    ) -> Result<Drawn, Problem> {
-        for overload in runs.iter().filter_map(|run| run.overloads()) {
+    ) -> Result<DrawnFigure, BoxError> {
+        for overload in runs.iter().filter_map(|run| run.record.overload_text()) {
             reading += &format!("; {overload}");
         }
         let patches: Vec<_> = runs.iter().map(|run| run.patch().clone()).collect();
         let commands = patches.iter().map(|patch| format!("patchcord run {}", patch.file())).collect();
-        Ok(Drawn { sheet: Sheet::Pictures(pictures), settings, reading, patches, commands, table: None })
+        Ok(DrawnFigure {
+            sheet: Sheet::Pictures(pictures),
+            settings,
+            reading,
+            patches,
+            commands,
+            table: None,
+        })
     }
 
-    /// What sweeps show.
-    fn of_sweeps(
+    /// Makes a figure of sweeps. Settings are those of the last sweep.
+    fn from_sweeps(
         figure: &Figure,
-        sweeps: &[Sweep],
+        sweeps: &[SweepCommand],
         pictures: Vec<Picture>,
         reading: String,
-    ) -> Result<Drawn, Problem> {
-        let mut drawn = Drawn::of_theory(pictures, "", reading);
+    ) -> Result<DrawnFigure, BoxError> {
+        let mut drawn = DrawnFigure::from_theory(pictures, "", reading);
         for sweep in sweeps {
             let patch = sweep.recipe.patch(&figure.file(sweep.which), &figure.heading())?;
             let vary: Vec<_> =
@@ -242,9 +284,9 @@ impl Drawn {
         Ok(drawn)
     }
 
-    /// What theory says.
-    fn of_theory(pictures: Vec<Picture>, settings: &str, reading: String) -> Drawn {
-        Drawn {
+    /// Makes a figure of theory, without patches and commands.
+    fn from_theory(pictures: Vec<Picture>, settings: &str, reading: String) -> DrawnFigure {
+        DrawnFigure {
             sheet: Sheet::Pictures(pictures),
             settings: settings.to_owned(),
             reading,
@@ -254,14 +296,14 @@ impl Drawn {
         }
     }
 
-    /// The bytes of a file with the sheet.
+    /// Renders the sheet as the bytes of a file.
     ///
     /// # Errors
-    /// What drawing refuses.
+    /// If the pictures cannot be drawn in this format.
     pub fn render(&self, format: Format) -> Result<Vec<u8>, PlotError> {
         match &self.sheet {
             Sheet::Pictures(pictures) => {
-                let size = if pictures.len() > 1 { SMALLER } else { Size::default() };
+                let size = if pictures.len() > 1 { STACKED_SIZE } else { Size::default() };
                 render(pictures, format, size)
             }
             Sheet::Drawing(drawing) => render_drawing(drawing, format, Theme::Light),
@@ -269,27 +311,27 @@ impl Drawn {
     }
 }
 
-/// Numbers with commas between them, as sweeps take them.
-fn listed(values: &[f64]) -> String {
+/// Formats numbers with commas between them, as `patchcord sweep` reads them.
+fn comma_separated(values: &[f64]) -> String {
     values.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// A figure, drawn once for all tests.
+/// Returns a figure that is drawn once for all tests.
 #[cfg(test)]
-fn drawn(id: &'static str) -> std::sync::Arc<std::sync::OnceLock<Drawn>> {
+fn drawn_once(id: &'static str) -> std::sync::Arc<std::sync::OnceLock<DrawnFigure>> {
     use std::collections::BTreeMap;
     use std::sync::{Arc, Mutex, OnceLock};
 
-    static DRAWN: Mutex<BTreeMap<&str, Arc<OnceLock<Drawn>>>> = Mutex::new(BTreeMap::new());
+    static DRAWN: Mutex<BTreeMap<&str, Arc<OnceLock<DrawnFigure>>>> = Mutex::new(BTreeMap::new());
     let place = Arc::clone(DRAWN.lock().unwrap().entry(id).or_default());
     place.get_or_init(|| figures().find(|figure| figure.id == id).unwrap().draw().unwrap());
     place
 }
 
-/// What is read off a figure.
+/// Returns the reading of a figure.
 #[cfg(test)]
 fn reading(id: &'static str) -> String {
-    drawn(id).get().unwrap().reading.clone()
+    drawn_once(id).get().unwrap().reading.clone()
 }
 
 #[cfg(test)]
@@ -300,17 +342,17 @@ mod tests {
     use crate::replay::ledger;
 
     #[test]
-    fn figures_have_names_of_their_own_in_the_order_of_the_study() {
+    fn figures_have_unique_names_in_the_order_of_the_study() {
         let mut seen = HashSet::new();
         assert!(figures().all(|figure| seen.insert(figure.id)));
         assert!(figures().map(|figure| (figure.chapter(), figure.id)).is_sorted());
-        let told: Vec<_> =
+        let numbers: Vec<_> =
             figures().filter(|figure| figure.id.ends_with("9-02")).map(Figure::number).collect();
-        assert_eq!(told, ["Fig 9.2"]);
+        assert_eq!(numbers, ["Fig 9.2"]);
     }
 
     #[test]
-    fn figures_name_claims_that_there_are() {
+    fn figures_name_existing_claims() {
         let claims: HashSet<_> = ledger().unwrap().into_iter().map(|claim| claim.id).collect();
         let unknown: Vec<_> =
             figures().flat_map(|figure| figure.claims).filter(|id| !claims.contains(**id)).collect();

@@ -1,126 +1,140 @@
-//! Sketches: what the study draws without axes, and what needs axes in more than one direction.
+//! Sketches: figures without axes, and figures that need axes in more than one direction.
+//!
+//! A [`Sketch`] collects strokes and texts in pixels. It offers the symbols of the study: blocks, sums, arrows,
+//! springs, dampers, ground and dimension lines.
 
-use super::{Drawn, Sheet};
-use patchcord_draw::plot::{Align, Drawing, Ink, Label, Stroke, text_width};
+use super::{DrawnFigure, Sheet};
+use patchcord_draw::plot::{Align, Drawing, Ink, Label, Primitive, text_width};
 
-/// A place in pixels from the upper left corner.
-pub(super) type Place = (f64, f64);
+/// A point in pixels from the upper left corner: right, down.
+pub(super) type PixelPoint = (f64, f64);
 
-/// As wide as a picture.
+/// The width of a sketch in pixels, the same as that of a picture.
 pub(super) const WIDTH: f64 = 900.0;
 
-/// Left edge of what stands by itself.
+/// The left edge of texts and tables, in pixels.
 const MARGIN: f64 = 16.0;
 
-/// Em sizes of the heading, and of what is written beside lines.
+/// Text size of the heading, in pixels per em.
 const HEADING: f64 = 18.0;
+/// Text size of all other texts, in pixels per em.
 const TEXT: f64 = 14.0;
 
-/// Thicknesses of curves and edges, and of lines that only measure or lead.
+/// Line width of curves and edges, in pixels.
 const BOLD: f64 = 1.8;
+/// Line width of dimension lines and guides, in pixels.
 const FINE: f64 = 1.0;
 
-/// Lengths of dashes and of the gaps between them.
+/// Length of a dash, in pixels.
 const DASH: f64 = 6.0;
+/// Length of the gap between two dashes, in pixels.
 const GAP: f64 = 4.0;
 
-/// How much lower than a middle line the baseline of a text stands that it runs through, in ems.
+/// Distance from the middle of a line of text down to its baseline, in ems.
 const HALF_LETTER: f64 = 0.36;
 
-/// A sketch that is being drawn.
+/// A sketch under construction.
 pub(super) struct Sketch {
+    /// The strokes, areas and texts so far. Later ones cover earlier ones.
     drawing: Drawing,
 }
 
 impl Sketch {
-    /// An empty one of a height, under a heading.
+    /// Makes an empty sketch with a heading. `height` is in pixels.
     pub fn new(heading: &str, height: f64) -> Sketch {
-        let mut sketch = Sketch { drawing: Drawing { width: WIDTH, height, marks: Vec::new() } };
+        let mut sketch = Sketch { drawing: Drawing { width: WIDTH, height, primitives: Vec::new() } };
         sketch.write(heading, (MARGIN, 34.0), HEADING, Align::Start, Ink::Line);
         sketch
     }
 
-    /// A curve or an edge.
-    pub fn line(&mut self, points: &[Place], ink: Ink) {
+    /// Draws a curve or an edge.
+    pub fn line(&mut self, points: &[PixelPoint], ink: Ink) {
         self.push(points, BOLD, ink);
     }
 
-    /// A line that measures or leads.
-    pub fn fine(&mut self, points: &[Place]) {
+    /// Draws a dimension line or a guide.
+    pub fn fine(&mut self, points: &[PixelPoint]) {
         self.push(points, FINE, Ink::Soft);
     }
 
-    fn push(&mut self, points: &[Place], width: f64, ink: Ink) {
-        self.drawing.marks.push(Stroke::Line { points: points.to_vec(), width, ink });
+    /// Adds a polyline with a width in pixels.
+    fn push(&mut self, points: &[PixelPoint], width: f64, ink: Ink) {
+        self.drawing.primitives.push(Primitive::Line { points: points.to_vec(), width, ink });
     }
 
-    /// A line in dashes.
-    pub fn dashed(&mut self, from: Place, to: Place) {
+    /// Draws a dashed line.
+    pub fn dashed(&mut self, from: PixelPoint, to: PixelPoint) {
         let length = (to.0 - from.0).hypot(to.1 - from.1);
-        let at = |way: f64| {
-            let part = (way / length).min(1.0);
+        let at = |distance: f64| {
+            let part = (distance / length).min(1.0);
             (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1))
         };
-        let mut way = 0.0;
-        while way < length {
-            self.fine(&[at(way), at(way + DASH)]);
-            way += DASH + GAP;
+        let mut distance = 0.0;
+        while distance < length {
+            self.fine(&[at(distance), at(distance + DASH)]);
+            distance += DASH + GAP;
         }
     }
 
-    /// An area without an edge.
-    pub fn area(&mut self, corners: &[Place], ink: Ink) {
-        self.drawing.marks.push(Stroke::Area { corners: corners.to_vec(), ink });
+    /// Fills an area without an edge.
+    pub fn area(&mut self, corners: &[PixelPoint], ink: Ink) {
+        self.drawing.primitives.push(Primitive::Area { corners: corners.to_vec(), ink });
     }
 
-    /// An area in the colour of bodies, with an edge.
-    pub fn body(&mut self, corners: &[Place]) {
+    /// Fills an area in the colour of solid bodies and draws its edge.
+    pub fn body(&mut self, corners: &[PixelPoint]) {
         self.area(corners, Ink::Body);
         let closed: Vec<_> = corners.iter().chain(corners.first()).copied().collect();
         self.line(&closed, Ink::Line);
     }
 
-    /// A box about a middle, with its name.
-    pub fn block(&mut self, middle: Place, (width, height): (f64, f64), name: &str) {
+    /// Draws a box around its centre, with its name inside.
+    pub fn block(&mut self, middle: PixelPoint, (width, height): (f64, f64), name: &str) {
         let (x, y) = (width / 2.0, height / 2.0);
         let corner = |right: f64, down: f64| (middle.0 + right * x, middle.1 + down * y);
         self.body(&[corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
-        self.middle(name, middle);
+        self.centred_on(name, middle);
     }
 
-    /// A place where signals add up.
-    pub fn sum(&mut self, centre: Place) {
+    /// Draws a summing point.
+    pub fn sum(&mut self, centre: PixelPoint) {
         let radius = 13.0;
-        self.drawing.marks.push(Stroke::Disc { centre, radius, ink: Ink::Body });
-        self.drawing.marks.push(Stroke::Ring { centre, radius, width: BOLD, ink: Ink::Line });
-        self.middle("Σ", centre);
+        self.drawing.primitives.push(Primitive::Disc { centre, radius, ink: Ink::Body });
+        self.drawing.primitives.push(Primitive::Ring { centre, radius, width: BOLD, ink: Ink::Line });
+        self.centred_on("Σ", centre);
     }
 
-    /// A dot.
-    pub fn dot(&mut self, centre: Place, ink: Ink) {
-        self.drawing.marks.push(Stroke::Disc { centre, radius: 7.0, ink });
+    /// Draws a dot.
+    pub fn dot(&mut self, centre: PixelPoint, ink: Ink) {
+        self.drawing.primitives.push(Primitive::Disc { centre, radius: 7.0, ink });
     }
 
-    /// An arrow along points, its head at the last.
-    pub fn arrow(&mut self, points: &[Place], ink: Ink) {
+    /// Draws an arrow along points, with its head at the last one.
+    pub fn arrow(&mut self, points: &[PixelPoint], ink: Ink) {
         self.push(points, BOLD, ink);
         if let [.., from, tip] = points {
-            self.head(*from, *tip, ink);
+            self.arrow_head(*from, *tip, ink);
         }
     }
 
-    fn head(&mut self, from: Place, tip: Place, ink: Ink) {
+    /// Draws the head of an arrow.
+    fn arrow_head(&mut self, from: PixelPoint, tip: PixelPoint, ink: Ink) {
         let length = (tip.0 - from.0).hypot(tip.1 - from.1);
-        let way = ((tip.0 - from.0) / length, (tip.1 - from.1) / length);
-        let side = |across: f64| (tip.0 - 9.0 * way.0 - across * way.1, tip.1 - 9.0 * way.1 + across * way.0);
+        let direction = ((tip.0 - from.0) / length, (tip.1 - from.1) / length);
+        let side = |across: f64| {
+            (
+                tip.0 - 9.0 * direction.0 - across * direction.1,
+                tip.1 - 9.0 * direction.1 + across * direction.0,
+            )
+        };
         self.area(&[tip, side(-3.6), side(3.6)], ink);
     }
 
-    /// A length between two places, with its name beside the middle: above a level line, to the right of others.
-    pub fn span(&mut self, from: Place, to: Place, name: &str) {
+    /// Draws a dimension line between two points. Its name is above a level line, and to the right of any other.
+    pub fn span(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
         self.fine(&[from, to]);
-        self.head(from, to, Ink::Soft);
-        self.head(to, from, Ink::Soft);
+        self.arrow_head(from, to, Ink::Soft);
+        self.arrow_head(to, from, Ink::Soft);
         let middle = ((from.0 + to.0) / 2.0, (from.1 + to.1) / 2.0);
         let is_level = (to.1 - from.1).abs() < (to.0 - from.0).abs();
         match is_level {
@@ -129,8 +143,9 @@ impl Sketch {
         }
     }
 
-    /// A spring between two places of one height or one above the other, with its name beside it.
-    pub fn spring(&mut self, from: Place, to: Place, name: &str) {
+    /// Draws a spring between two points, level or upright, with its name next to it.
+    pub fn spring(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
+        /// Number of segments of the zigzag.
         const TURNS: usize = 12;
         let turn = |index: usize| match index {
             0 | 1 => 0.0,
@@ -138,72 +153,76 @@ impl Sketch {
             index if index % 2 == 0 => 9.0,
             _ => -9.0,
         };
-        let points: Vec<_> =
-            (0..=TURNS).map(|index| beside(from, to, index as f64 / TURNS as f64, turn(index))).collect();
+        let points: Vec<_> = (0..=TURNS)
+            .map(|index| offset_point(from, to, index as f64 / TURNS as f64, turn(index)))
+            .collect();
         self.line(&points, Ink::Line);
-        self.named(from, to, name);
+        self.name_symbol(from, to, name);
     }
 
-    /// A damper between two places, with its name beside it.
-    pub fn damper(&mut self, from: Place, to: Place, name: &str) {
-        let at = |along: f64, across: f64| beside(from, to, along, across);
+    /// Draws a damper between two points, level or upright, with its name next to it.
+    pub fn damper(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
+        let at = |along: f64, across: f64| offset_point(from, to, along, across);
         self.line(&[at(0.0, 0.0), at(0.35, 0.0)], Ink::Line);
         self.line(&[at(0.65, -11.0), at(0.35, -11.0), at(0.35, 11.0), at(0.65, 11.0)], Ink::Line);
         self.line(&[at(0.52, -8.0), at(0.52, 8.0)], Ink::Line);
         self.line(&[at(0.52, 0.0), at(1.0, 0.0)], Ink::Line);
-        self.named(from, to, name);
+        self.name_symbol(from, to, name);
     }
 
-    fn named(&mut self, from: Place, to: Place, name: &str) {
+    /// Writes a name next to the middle of a symbol: above a level one, to the right of an upright one.
+    fn name_symbol(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
         match (to.1 - from.1).abs() < (to.0 - from.0).abs() {
             true => self.centred(name, ((from.0 + to.0) / 2.0, from.1 - 18.0)),
             false => self.text(name, (from.0 + 18.0, (from.1 + to.1) / 2.0 + HALF_LETTER * TEXT)),
         }
     }
 
-    /// Firm ground along a line, hatched to the right of its way.
-    pub fn ground(&mut self, from: Place, to: Place) {
+    /// Draws fixed ground along a line. It is hatched on the right side, seen from `from` to `to`.
+    pub fn ground(&mut self, from: PixelPoint, to: PixelPoint) {
         self.line(&[from, to], Ink::Line);
         let length = (to.0 - from.0).hypot(to.1 - from.1);
         let count = (length / 12.0) as usize;
         for index in 0..count {
             let along = (index as f64 + 0.9) / count as f64;
             let back = (index as f64 + 0.2) / count as f64;
-            self.fine(&[beside(from, to, along, 0.0), beside(from, to, back, 10.0)]);
+            self.fine(&[offset_point(from, to, along, 0.0), offset_point(from, to, back, 10.0)]);
         }
     }
 
-    /// A text that begins at a place.
-    pub fn text(&mut self, text: &str, at: Place) {
+    /// Writes a text that begins at a point.
+    pub fn text(&mut self, text: &str, at: PixelPoint) {
         self.write(text, at, TEXT, Align::Start, Ink::Line);
     }
 
-    /// A text that ends at a place.
-    pub fn text_before(&mut self, text: &str, at: Place) {
+    /// Writes a text that ends at a point.
+    pub fn text_before(&mut self, text: &str, at: PixelPoint) {
         self.write(text, at, TEXT, Align::End, Ink::Line);
     }
 
-    /// A text with a place below its middle.
-    pub fn centred(&mut self, text: &str, at: Place) {
+    /// Writes a text that is centred horizontally on a point. The point is on its baseline.
+    pub fn centred(&mut self, text: &str, at: PixelPoint) {
         self.write(text, at, TEXT, Align::Middle, Ink::Line);
     }
 
-    /// A text about a place.
-    pub fn middle(&mut self, text: &str, at: Place) {
+    /// Writes a text that is centred on a point in both directions.
+    pub fn centred_on(&mut self, text: &str, at: PixelPoint) {
         self.centred(text, (at.0, at.1 + HALF_LETTER * TEXT));
     }
 
-    /// A text in a colour, that begins at a place.
-    pub fn coloured(&mut self, text: &str, at: Place, ink: Ink) {
+    /// Writes a text in a colour. It begins at a point.
+    pub fn coloured(&mut self, text: &str, at: PixelPoint, ink: Ink) {
         self.write(text, at, TEXT, Align::Start, ink);
     }
 
-    fn write(&mut self, text: &str, at: Place, size: f64, align: Align, ink: Ink) {
-        self.drawing.marks.push(Stroke::Text(Label { text: text.to_owned(), at, size, align, ink }));
+    /// Adds a text. `size` is in pixels per em, and `at` is on its baseline.
+    fn write(&mut self, text: &str, at: PixelPoint, size: f64, align: Align, ink: Ink) {
+        self.drawing.primitives.push(Primitive::Text(Label { text: text.to_owned(), at, size, align, ink }));
     }
 
-    /// Columns of text from a place down, each row over a rule but the first, which goes with the second.
-    pub fn table(&mut self, (left, top): Place, rows: &[Vec<String>]) {
+    /// Writes a table. `(left, top)` is the start of the baseline of its first row, and rows are 34 pixels apart.
+    /// There is a rule below each row except the first; the first two rows together are the heading.
+    pub fn table(&mut self, (left, top): PixelPoint, rows: &[Vec<String>]) {
         let columns = rows.first().map_or(0, Vec::len);
         let widest = |column: usize| {
             let cells = rows.iter().filter_map(|row| row.get(column));
@@ -219,9 +238,9 @@ impl Sketch {
         }
     }
 
-    /// What was drawn, with the settings behind it and what is read off it.
-    pub fn drawn(self, settings: impl Into<String>, reading: impl Into<String>) -> Drawn {
-        Drawn {
+    /// Returns the finished figure, with its settings and its reading.
+    pub fn finish(self, settings: impl Into<String>, reading: impl Into<String>) -> DrawnFigure {
+        DrawnFigure {
             sheet: Sheet::Drawing(Box::new(self.drawing)),
             settings: settings.into(),
             reading: reading.into(),
@@ -232,30 +251,31 @@ impl Sketch {
     }
 }
 
-/// A place so far along the way from one place to another (0 ... 1), and so many pixels to its right.
-fn beside(from: Place, to: Place, along: f64, across: f64) -> Place {
+/// Returns the point at a share `along` (0 ... 1) of the line from one point to another, moved by `across` pixels to
+/// its right.
+fn offset_point(from: PixelPoint, to: PixelPoint, along: f64, across: f64) -> PixelPoint {
     let (x, y) = (to.0 - from.0, to.1 - from.1);
     let length = x.hypot(y);
     (from.0 + along * x - across * y / length, from.1 + along * y + across * x / length)
 }
 
-/// Coordinates of its own within a sketch.
+/// A coordinate system within a sketch. Its vertical axis points up.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
-    /// Where 0, 0 lies.
-    pub origin: Place,
-    /// Pixels for a unit to the right, and for a unit up.
+    /// The pixel of the origin.
+    pub origin: PixelPoint,
+    /// Pixels per unit to the right, and per unit up.
     pub scale: (f64, f64),
 }
 
 impl Grid {
-    /// Where a point lies.
-    pub fn at(&self, x: f64, y: f64) -> Place {
+    /// Returns the pixel of a point.
+    pub fn at(&self, x: f64, y: f64) -> PixelPoint {
         (self.origin.0 + x * self.scale.0, self.origin.1 - y * self.scale.1)
     }
 
-    /// Where points lie.
-    pub fn all(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<Place> {
+    /// Returns the pixels of several points.
+    pub fn all(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<PixelPoint> {
         points.into_iter().map(|(x, y)| self.at(x, y)).collect()
     }
 }
@@ -265,10 +285,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_beside_a_way_is_to_its_right() {
-        // Down is positive: to the right of the way to the right is below it.
-        assert_eq!(beside((0.0, 0.0), (10.0, 0.0), 0.5, 3.0), (5.0, 3.0));
-        assert_eq!(beside((0.0, 0.0), (0.0, 10.0), 1.0, 3.0), (-3.0, 10.0));
+    fn an_offset_point_is_to_the_right_of_its_line() {
+        // The vertical axis points down, so right of a line to the right is below it.
+        assert_eq!(offset_point((0.0, 0.0), (10.0, 0.0), 0.5, 3.0), (5.0, 3.0));
+        assert_eq!(offset_point((0.0, 0.0), (0.0, 10.0), 1.0, 3.0), (-3.0, 10.0));
     }
 
     #[test]

@@ -1,0 +1,350 @@
+//! Parallel work on rayon, with results in the order of the work items.
+//!
+//! [`with_threads`] provides the threads. [`map`] and its relatives use them at any depth of calls, and run on the
+//! calling thread if there are none. [`run_in_order`] is for long work whose results are written while it continues.
+//! No result depends on the number of threads.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// If no result arrives for this long, `take` is called with None, so that it can report progress.
+const WAIT: Duration = Duration::from_secs(1);
+
+/// Bytes of stack per thread. A thread that waits for a nested [`map`] may begin other items on the same stack.
+const STACK_SIZE: usize = 16 << 20;
+
+/// A pool of at most `threads` threads, or as many as the system provides; None if it provides none.
+fn pool(threads: usize) -> Option<ThreadPool> {
+    let build =
+        |count: usize| ThreadPoolBuilder::new().num_threads(count).stack_size(STACK_SIZE).build().ok();
+    std::iter::successors(Some(threads.max(1)), |count| Some(count / 2))
+        .take_while(|count| *count > 0)
+        .find_map(build)
+}
+
+/// Runs `work` on a pool of `threads` threads. The functions of this module that `work` calls share these threads.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::parallel::{map_indices, with_threads};
+///
+/// let squares = with_threads(2, || map_indices(4, |index| index * index));
+/// assert_eq!(squares, [0, 1, 4, 9]);
+/// ```
+pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    match pool(threads) {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
+/// The results of `work` for all items, in order. `progress` receives the number of completed items after each one.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::parallel::{map, with_threads};
+///
+/// let mut completed = Vec::new();
+/// let doubled = with_threads(2, || map(&[1_u64, 2, 3], |number| number * 2, |count| completed.push(count)));
+/// assert_eq!((doubled, completed), (vec![2, 4, 6], vec![1, 2, 3]));
+/// ```
+pub fn map<I: Sync, T: Send>(
+    items: &[I],
+    work: impl Fn(&I) -> T + Sync,
+    progress: impl FnMut(u64) + Send,
+) -> Vec<T> {
+    let progress = Mutex::new((0, progress));
+    let counted = |item: &I| {
+        let result = work(item);
+        let (done, progress) = &mut *progress.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += 1;
+        progress(*done);
+        result
+    };
+    map_indices(items.len(), |index| counted(&items[index]))
+}
+
+/// The results of `work` for all indices below `count`, in order. The work begins in this order too, so long work should
+/// have the first indices: then no thread waits for it at the end.
+///
+/// # Examples
+///
+/// Without [`with_threads`] the work is done on the calling thread:
+///
+/// ```
+/// use patchcord_analysis::parallel::map_indices;
+///
+/// assert_eq!(map_indices(3, |index| 10 * index), [0, 10, 20]);
+/// ```
+pub fn map_indices<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    if rayon::current_thread_index().is_none() {
+        return (0..count).map(work).collect();
+    }
+    // A bridge hands out the indices one by one. A parallel range would be split in halves.
+    let numbered = (0..count).par_bridge().map(|index| (index, work(index)));
+    let mut results: Vec<(usize, T)> = numbered.collect();
+    results.sort_unstable_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Like [`map_indices`], in batches of `batch` indices. Passes the results of a batch to `take`, in order, before the
+/// next batch starts. This limits the memory for results.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::parallel::map_in_batches;
+///
+/// let mut taken = Vec::new();
+/// map_in_batches(5, 2, |index| 10 * index, |result| taken.push(result));
+/// assert_eq!(taken, [0, 10, 20, 30, 40]);
+/// ```
+pub fn map_in_batches<T: Send>(
+    count: usize,
+    batch: usize,
+    work: impl Fn(usize) -> T + Sync,
+    mut take: impl FnMut(T),
+) {
+    for first in (0..count).step_by(batch.max(1)) {
+        map_indices(batch.min(count - first), |offset| work(first + offset)).into_iter().for_each(&mut take);
+    }
+}
+
+/// Runs `work` for every index on `threads` threads and passes the results to `take` in index order on the calling
+/// thread.
+///
+/// A batch of indices is processed with one of the `workers`, which only one batch uses at a time. With more workers
+/// than threads, a thread need not wait until `take` has received its last batch. `share(&worker)` is the number of
+/// indices in its next batch. `take` receives None after every second without a result. At most `ahead` results per
+/// worker wait for a slower one, which limits memory.
+///
+/// # Errors
+/// The first error of `take`. Work in progress is then completed, and the rest is skipped.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::parallel::run_in_order;
+///
+/// let mut taken: Vec<u64> = Vec::new();
+/// let work = |_: &mut (), batch: std::ops::Range<u64>| batch.map(|index| 10 * index).collect();
+/// let take = |result: Option<u64>| {
+///     taken.extend(result);
+///     Ok::<(), String>(())
+/// };
+/// run_in_order(0..5, 64, 2, vec![(), ()], |_| 1, work, take)?;
+/// assert_eq!(taken, [0, 10, 20, 30, 40]);
+/// # Ok::<(), String>(())
+/// ```
+pub fn run_in_order<W: Send, T: Send, E>(
+    indices: Range<u64>,
+    ahead: u64,
+    threads: usize,
+    mut workers: Vec<W>,
+    share: impl Fn(&W) -> u64,
+    work: impl Fn(&mut W, Range<u64>) -> Vec<T> + Sync,
+    mut take: impl FnMut(Option<T>) -> Result<(), E>,
+) -> Result<(), E> {
+    let window = ahead * workers.len() as u64;
+    let Some(pool) = pool(threads) else { return run_alone(indices, workers, share, work, take) };
+    let (sender, receiver) = mpsc::channel();
+    let work = &work;
+    pool.in_place_scope(|scope| {
+        let (mut remaining, mut due, mut ready) = (indices.clone(), indices.start, BTreeMap::new());
+        while due < indices.end {
+            while !remaining.is_empty() {
+                let Some(mut worker) = workers.pop() else { break };
+                let count = share(&worker).clamp(1, window);
+                if remaining.end.min(remaining.start + count) > due + window {
+                    workers.push(worker);
+                    break;
+                }
+                let (batch, sender) = (split_front(&mut remaining, count), sender.clone());
+                scope.spawn(move |_| {
+                    let first = batch.start;
+                    let results = panic::catch_unwind(AssertUnwindSafe(|| work(&mut worker, batch)));
+                    // The receiver is gone only if `take` failed.
+                    let _ = sender.send((first, worker, results));
+                });
+            }
+            match receiver.recv_timeout(WAIT) {
+                Ok((first, worker, Ok(results))) => {
+                    workers.push(worker);
+                    ready.extend((first..).zip(results));
+                }
+                Ok((.., Err(panicked))) => panic::resume_unwind(panicked),
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => take(None)?,
+            }
+            while let Some(result) = ready.remove(&due) {
+                due += 1;
+                take(Some(result))?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Runs all work on the calling thread, with one of the workers.
+fn run_alone<W, T, E>(
+    mut remaining: Range<u64>,
+    workers: Vec<W>,
+    share: impl Fn(&W) -> u64,
+    work: impl Fn(&mut W, Range<u64>) -> Vec<T>,
+    mut take: impl FnMut(Option<T>) -> Result<(), E>,
+) -> Result<(), E> {
+    for mut worker in workers.into_iter().take(1) {
+        while !remaining.is_empty() {
+            let batch = split_front(&mut remaining, share(&worker));
+            work(&mut worker, batch).into_iter().try_for_each(|result| take(Some(result)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes the first `count` indices, at least one, from a range and returns them. Returns all if there are fewer.
+fn split_front(remaining: &mut Range<u64>, count: u64) -> Range<u64> {
+    let front = remaining.start..remaining.end.min(remaining.start.saturating_add(count.max(1)));
+    remaining.start = front.end;
+    front
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+    use std::sync::atomic::{AtomicU64, Ordering};
+    use std::sync::mpsc::Receiver;
+    use std::thread;
+
+    use super::*;
+
+    const AHEAD: u64 = 64;
+
+    /// The results of a thousand pieces of uneven work, and how far the fastest thread was ahead.
+    fn thousand(threads: usize, share: u64) -> (Vec<u64>, u64) {
+        let (taken, furthest) = (AtomicU64::new(0), AtomicU64::new(0));
+        let mut results = Vec::new();
+        let piece = |index: u64| {
+            furthest.fetch_max(index - taken.load(Ordering::SeqCst).min(index), Ordering::SeqCst);
+            (0..(index * 7919 % 97) * 100)
+                .fold(index, |sum, number| std::hint::black_box(sum ^ number ^ number))
+        };
+        let work = |(): &mut (), batch: Range<u64>| {
+            assert!(batch.end - batch.start == share || batch.end == 1000, "{batch:?}");
+            batch.map(piece).collect()
+        };
+        let take = |result| {
+            results.extend(result);
+            taken.store(results.len() as u64, Ordering::SeqCst);
+            Ok::<(), ()>(())
+        };
+        run_in_order(0..1000, AHEAD, threads, vec![(); threads], |()| share, work, take).unwrap();
+        (results, furthest.into_inner())
+    }
+
+    #[test]
+    fn results_are_in_order_and_the_window_is_kept() {
+        for (threads, share) in [(1, 1), (2, 1), (7, 1), (1, 16), (2, 7), (7, 64)] {
+            let (results, furthest) = thousand(threads, share);
+            assert!(results.iter().copied().eq(0..1000), "{threads} threads");
+            assert!(furthest <= AHEAD * threads as u64 + 1, "{furthest} with {threads} threads");
+        }
+    }
+
+    /// The first piece of work waits until `take` was called without a result.
+    #[test]
+    fn take_is_called_while_no_result_is_ready() {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        let work = |receiver: &mut Receiver<()>, batch: Range<u64>| {
+            if batch.start == 0 {
+                receiver.recv().unwrap();
+            }
+            batch.collect()
+        };
+        let mut taken = Vec::new();
+        let take = |index: Option<u64>| {
+            taken.push(index);
+            if index.is_none() { sender.send(()) } else { Ok(()) }
+        };
+        run_in_order(0..3, AHEAD, 1, vec![receiver], |_| 1, work, take).unwrap();
+        assert!(taken.starts_with(&[None]) && taken.into_iter().flatten().eq(0..3));
+    }
+
+    #[test]
+    fn an_error_of_take_ends_the_work() {
+        let done = AtomicU64::new(0);
+        let work = |(): &mut (), batch: Range<u64>| {
+            done.fetch_add(batch.end - batch.start, Ordering::SeqCst);
+            batch.collect()
+        };
+        let take = |index| if index == Some(10) { Err("full") } else { Ok(()) };
+        assert_eq!(run_in_order(0..1_000_000, AHEAD, 2, vec![(), ()], |()| 1, work, take), Err("full"));
+        assert!(done.load(Ordering::SeqCst) <= 11 + 2 * AHEAD + 2);
+        assert_eq!(run_in_order(5..5, AHEAD, 1, vec![()], |()| 1, work, |_| Err("none is due")), Ok(()));
+    }
+
+    #[test]
+    fn a_panic_ends_the_work() {
+        let broken = |at: u64| move |index: u64| assert!(index != at, "{index}");
+        let outcomes = [(10, u64::MAX), (u64::MAX, 10)].map(|(working, taking)| {
+            let work =
+                |(): &mut (), batch: Range<u64>| batch.inspect(|index| broken(working)(*index)).collect();
+            let take = |index: Option<u64>| {
+                index.into_iter().for_each(broken(taking));
+                Ok::<(), ()>(())
+            };
+            std::panic::catch_unwind(|| {
+                run_in_order(0..1_000_000, AHEAD, 2, vec![(), ()], |()| 1, work, take)
+            })
+        });
+        assert!(outcomes.iter().all(Result::is_err), "{outcomes:?}");
+    }
+
+    /// The number of threads that take part in twelve slow pieces of work.
+    fn threads_used() -> usize {
+        let piece = |number: usize| {
+            thread::sleep(Duration::from_millis(5));
+            (number, thread::current().id())
+        };
+        let done = map_indices(12, piece);
+        assert!(done.iter().map(|piece| piece.0).eq(0..12));
+        done.into_iter().map(|piece| piece.1).collect::<HashSet<_>>().len()
+    }
+
+    #[test]
+    fn only_with_threads_provides_threads() {
+        assert_eq!(threads_used(), 1);
+        assert_eq!(with_threads(3, || [threads_used(), threads_used()]), [3, 3]);
+        assert_eq!(with_threads(0, threads_used), 1);
+        assert!(
+            with_threads(2, || map_indices(4, |_| with_threads(1, threads_used)))
+                .iter()
+                .all(|used| *used == 1)
+        );
+    }
+
+    #[test]
+    fn idle_threads_help_with_nested_work() {
+        let piece = |number: &u64| {
+            thread::sleep(Duration::from_millis(100 * number));
+            threads_used()
+        };
+        assert_eq!(with_threads(2, || map(&[0, 1], piece, |_| ()))[1], 2);
+    }
+
+    #[test]
+    fn progress_counts_the_items() {
+        let mut seen = Vec::new();
+        let squares =
+            with_threads(4, || map(&[1, 2, 3, 4, 5], |number| number * number, |done| seen.push(done)));
+        assert_eq!((squares, seen), (vec![1, 4, 9, 16, 25], vec![1, 2, 3, 4, 5]));
+    }
+}

@@ -1,0 +1,147 @@
+//! Sorts the body into three sections.
+//!
+//! Operations that are constant within a step come first, then those on which rates depend, and last those that are
+//! needed only at the ends of steps. So a stage of the integration method evaluates only the middle section.
+
+use super::Program;
+use super::op::{Op, Register};
+
+/// Where the sections of a body begin. The first section begins at 0.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sections {
+    /// Start of the operations that vary within a step and affect a rate or a loop.
+    pub moving: usize,
+    /// Start of the operations that no rate and no loop depends on: guards, lamps and recorded signals.
+    pub watched: usize,
+}
+
+/// The section to which an operation belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Section {
+    /// Constant within a step.
+    Fixed,
+    /// Varies within a step and affects a rate or a loop.
+    Moving,
+    /// Varies within a step and affects neither.
+    Watched,
+}
+
+impl Program {
+    /// Sorts the body into sections. Returns the old index of every operation, in the new order.
+    pub(crate) fn arrange(&mut self) -> Vec<usize> {
+        let sections = self.sections();
+        let mut order: Vec<usize> = (0..self.lowered.body.len()).collect();
+        // The sort is stable. So operands stay in front of their users, and loops stay contiguous.
+        order.sort_by_key(|at| sections[*at]);
+        self.lowered_mut().sections = Sections {
+            moving: order.partition_point(|at| sections[*at] < Section::Moving),
+            watched: order.partition_point(|at| sections[*at] < Section::Watched),
+        };
+        let mut places = vec![Register(0); order.len()];
+        order.iter().enumerate().for_each(|(new, old)| places[*old] = Register(new as u32));
+        self.lowered_mut().body = order.iter().map(|at| self.lowered.body[*at]).collect();
+        self.renumber(|register| places[register.index()]);
+        order
+    }
+
+    /// The section of every operation.
+    fn sections(&self) -> Vec<Section> {
+        let moving = self.moving(|op| {
+            matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Sampled(_) | Op::Tear(_))
+        });
+        // Loops are solved in every stage: a loop without a solution stops the run there.
+        let rates = self.lowered.states.iter().map(|state| state.rate);
+        let needed = self.needed_for(rates.chain(self.lowered.loops.iter().map(|entry| entry.tear)));
+        let section = |(moves, needed)| match (moves, needed) {
+            (false, _) => Section::Fixed,
+            (true, true) => Section::Moving,
+            (true, false) => Section::Watched,
+        };
+        moving.into_iter().zip(needed).map(section).collect()
+    }
+
+    /// For every register, whether it depends on one of the sources.
+    pub(crate) fn moving(&self, is_source: impl Fn(Op) -> bool) -> Vec<bool> {
+        let mut moving: Vec<bool> = Vec::with_capacity(self.lowered.body.len());
+        for op in &self.lowered.body {
+            moving.push(is_source(*op) || op.operands().any(|operand| moving[operand.index()]));
+        }
+        moving
+    }
+
+    /// For every register, whether one of the given registers depends on it. If an operation of a loop is needed, the
+    /// whole loop is.
+    pub(crate) fn needed_for(&self, registers: impl Iterator<Item = Register>) -> Vec<bool> {
+        let mut needed = vec![false; self.lowered.body.len()];
+        let mut open: Vec<Register> = registers.collect();
+        while let Some(register) = open.pop() {
+            if std::mem::replace(&mut needed[register.index()], true) {
+                continue;
+            }
+            let op = self.lowered.body[register.index()];
+            open.extend(op.operands());
+            if let Op::Tear(index) = op {
+                let entry = &self.lowered.loops[index as usize];
+                open.extend((entry.tear.0..=entry.result.0).map(Register));
+            }
+        }
+        needed
+    }
+
+    /// Renumbers every register of the body, in all places that store one.
+    fn renumber(&mut self, to: impl Fn(Register) -> Register) {
+        let renumbered = |register: &mut Register| *register = to(*register);
+        self.lowered_mut().body.iter_mut().for_each(|op| *op = op.with_operands(&to));
+        self.lowered_mut().elements.iter_mut().for_each(|output| renumbered(&mut output.register));
+        self.lowered_mut().drives.iter_mut().for_each(renumbered);
+        for state in &mut self.lowered_mut().states {
+            [&mut state.rate, &mut state.demand].into_iter().chain(&mut state.limits).for_each(renumbered);
+        }
+        for transition in self.lowered_mut().modes.iter_mut().flat_map(|mode| &mut mode.transitions) {
+            renumbered(&mut transition.guard.register);
+            transition.reset.iter_mut().for_each(|reset| renumbered(&mut reset.to));
+        }
+        self.lowered_mut().delays.iter_mut().for_each(|delay| renumbered(&mut delay.input));
+        self.lowered_mut().kept.iter_mut().for_each(|kept| renumbered(&mut kept.next));
+        for entry in &mut self.lowered_mut().loops {
+            [&mut entry.tear, &mut entry.result].into_iter().for_each(renumbered);
+        }
+        for lamp in &mut self.lowered_mut().lamps {
+            [&mut lamp.demand, &mut lamp.output].into_iter().for_each(renumbered);
+        }
+        self.lowered_mut().signals.iter_mut().for_each(|signal| renumbered(&mut signal.register));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::circuit::Circuit;
+    use crate::patch::Patch;
+
+    fn program(file: &str) -> Program {
+        let patch = Patch::read(file).unwrap();
+        Program::new(&Circuit::new(&patch).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn every_operation_follows_its_operands_and_is_in_its_section() {
+        for file in
+            ["../../patches/thesis/fig-8-16.json", "tests/patches/loop-lag.json", "tests/patches/memory.json"]
+        {
+            let program = program(file);
+            let Sections { moving, watched } = program.lowered.sections;
+            assert!(
+                0 < moving && moving < watched && watched < program.lowered.body.len(),
+                "{file}: {:?}",
+                program.lowered.sections
+            );
+            for (at, op) in program.lowered.body.iter().enumerate() {
+                assert!(op.operands().all(|operand| operand.index() < at), "{file}: {op:?} at {at}");
+                let is_source = matches!(op, Op::State(_) | Op::Time | Op::Sampled(_) | Op::Tear(_));
+                assert!(!is_source || at >= moving, "{file}: {op:?} at {at}");
+            }
+            assert!(program.lowered.states.iter().all(|state| state.rate.index() < watched), "{file}");
+        }
+    }
+}

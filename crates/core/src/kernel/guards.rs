@@ -1,0 +1,94 @@
+//! Chooses the voltages that a quick step tests, and the interval of each.
+//!
+//! A quick step does not evaluate every watch. Several watches are linear functions of one voltage, so one interval of
+//! that voltage replaces them. Every state gets an interval as well, so that a state that is not a number is noticed.
+
+use std::collections::HashMap;
+
+use super::code::Slot;
+use super::form::{Atom, Factor, Form};
+use super::layout::Layouter;
+use super::node::{Node, Operand};
+use super::{IntervalWatch, RecordedVoltage, SafeInterval, WatchCondition};
+
+/// Safe intervals, with the atoms to which they belong. Intervals of watches come first, then those of states that no
+/// watch has used.
+#[derive(Default)]
+pub(super) struct SafeIntervals {
+    /// The intervals, each with its slot and its watches.
+    pub all: Vec<SafeInterval>,
+    /// The atom of every interval.
+    pub atoms: Vec<Atom>,
+    /// Number of intervals that are also tested in the middle of a step; the first ones of all.
+    pub in_middle: usize,
+    /// Index of the interval of each atom.
+    places: HashMap<Atom, usize>,
+}
+
+impl SafeIntervals {
+    /// The interval of an atom in a slot, created if there is none.
+    fn at(&mut self, atom: Atom, slot: Slot) -> &mut SafeInterval {
+        let at = *self.places.entry(atom).or_insert_with(|| {
+            self.all.push(SafeInterval { slot, watches: Vec::new() });
+            self.atoms.push(atom);
+            self.all.len() - 1
+        });
+        &mut self.all[at]
+    }
+}
+
+impl Layouter {
+    /// The safe intervals for these watches, of which the first `in_middle` are also tested in the middle of a step.
+    /// Every state gets one, too.
+    pub fn safe_intervals(&self, watched: &[(Atom, WatchCondition)], in_middle: usize) -> SafeIntervals {
+        let mut safe_intervals = SafeIntervals::default();
+        for (watch, (atom, _)) in watched.iter().enumerate() {
+            let (of, line) = self.straight(*atom, |_| true);
+            safe_intervals.at(of, self.slots[of as usize]).watches.push(IntervalWatch { watch, line });
+            if watch < in_middle {
+                safe_intervals.in_middle = safe_intervals.all.len();
+            }
+        }
+        for (atom, node) in self.specialised.nodes.iter().enumerate() {
+            if matches!(node, Node::State(_)) {
+                safe_intervals.at(atom as Atom, self.slots[atom]);
+            }
+        }
+        safe_intervals
+    }
+
+    /// A recorded voltage, with the tracked voltage on which it depends on every branch.
+    pub fn recorded(&self, operand: Operand, tracked: &mut Vec<Atom>) -> RecordedVoltage {
+        let slot = self.operand(operand);
+        let Operand::Atom(atom) = operand else { return RecordedVoltage { slot, tracks: None } };
+        let (of, line) = self.straight(atom, |factor| !self.depends_on_branch(factor));
+        if matches!(self.specialised.nodes[of as usize], Node::Time) {
+            return RecordedVoltage { slot, tracks: None };
+        }
+        let at = tracked.iter().position(|known| *known == of).unwrap_or_else(|| {
+            tracked.push(of);
+            tracked.len() - 1
+        });
+        RecordedVoltage { slot, tracks: Some((at, line)) }
+    }
+
+    /// An atom as constant + factor x another atom, if it has this form and both numbers are acceptable. Otherwise the
+    /// atom itself.
+    fn straight(&self, atom: Atom, will_do: impl Fn(Factor) -> bool) -> (Atom, Option<[Slot; 2]>) {
+        match &self.specialised.nodes[atom as usize] {
+            Node::Sum(Form { constant, terms }) if terms.len() == 1 => {
+                let (of, line) = (terms[0].0, [*constant, terms[0].1]);
+                if line.into_iter().all(will_do) {
+                    return (of, Some(line.map(|factor| self.factor(factor))));
+                }
+                (atom, None)
+            }
+            _ => (atom, None),
+        }
+    }
+
+    /// Whether a factor differs between the branches.
+    fn depends_on_branch(&self, factor: Factor) -> bool {
+        matches!(factor, Factor::Computed(register) if self.branch_dependent[register.index()])
+    }
+}

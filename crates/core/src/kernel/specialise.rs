@@ -1,0 +1,483 @@
+//! Specialises a program to a set of modes and amplifier states.
+//!
+//! The body is walked once. Every register becomes a linear form: a constant plus factors times atoms. Signs, gains,
+//! potentiometers and formulas become factors. An amplifier in range is replaced by its demand, an overloaded one by
+//! ±100 V. A comparison that affects a rate becomes a corner with a side, so the kernel stays valid on both sides.
+
+use std::collections::HashMap;
+
+use super::bounds::Bounds;
+use super::form::{Atom, Factor, Form, ParameterCode};
+use super::node::{Node, Operand};
+use super::{AmplifierState, Specialisation};
+use crate::ir::{Op, Program, Register};
+use crate::machines::REFERENCE;
+
+/// A specialised program, before slots are assigned.
+pub(super) struct Specialised {
+    /// Operations that compute the factors.
+    pub parameter_code: ParameterCode,
+    /// The atoms and how each is computed, in order of evaluation.
+    pub nodes: Vec<Node>,
+    /// The rates of the states, in volts per problem second, in the order of the states.
+    pub rates: Vec<Operand>,
+    /// What the sampled values become at the end of a step.
+    pub kept: Vec<Operand>,
+    /// The inputs of the delay lines.
+    pub delay_inputs: Vec<Operand>,
+    /// The recorded voltages, in the order of their registers.
+    pub recorded: Vec<Operand>,
+    /// The bounds within which the kernel is valid.
+    pub bounds: Bounds,
+    /// Corners in the rates and sampled values.
+    pub corners: Vec<Corner>,
+    /// The tables that are looked up at time.
+    pub scheduled: Vec<u32>,
+}
+
+/// A corner: a voltage at which the branch of the kernel changes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corner {
+    /// The voltage that has the corner, less the voltage with which it is compared.
+    pub of: Atom,
+    /// The values of the atom at which the branch changes.
+    pub at: At,
+}
+
+/// The voltages of a corner, and the branch values that depend on the side.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum At {
+    /// At 0 V. The branch value with index `side` is 1 if the voltage is 0 or above, otherwise 0.
+    Zero { side: u32 },
+    /// At the points of a table. The branch values from index `piece` on are slope, origin and ordinate of the segment,
+    /// in this order.
+    Points { table: u32, piece: u32 },
+}
+
+/// A sum with more terms than this is computed once if several operations read it.
+const MAX_SHARED_TERMS: usize = 2;
+/// A sum with more terms than this is not merged into others.
+const MAX_TERMS: usize = 16;
+/// A sum is not merged into a product with a larger factor than this: the rounding of 100 V becomes up to 1e-11 V.
+const MAX_GAIN: f64 = 1e3;
+
+/// Specialises a program. The result also computes the voltages of these registers.
+pub(super) fn specialise(
+    program: &Program,
+    specialisation: Specialisation<'_>,
+    recorded: &[Register],
+) -> Specialised {
+    let outputs = program
+        .lowered
+        .lamps
+        .iter()
+        .zip(specialisation.amplifiers)
+        .map(|(lamp, amplifiers)| (lamp.output, (lamp.demand, *amplifiers)));
+    let outputs = outputs.collect();
+    let mut specialiser = Specialiser {
+        program,
+        specialisation,
+        parameter_code: ParameterCode::default(),
+        nodes: Vec::new(),
+        known: HashMap::new(),
+        forms: Vec::with_capacity(program.lowered.body.len()),
+        uses: uses(program),
+        needed: needed(program, &outputs),
+        corners: Vec::new(),
+        sides: Vec::new(),
+        scheduled: Vec::new(),
+        outputs,
+    };
+    for at in 0..program.lowered.body.len() {
+        let form = specialiser.form(Register(at as u32));
+        let form = specialiser.cut(at, form);
+        specialiser.forms.push(form);
+    }
+    specialiser.finish(recorded)
+}
+
+/// The number of operations that read each register.
+fn uses(program: &Program) -> Vec<u32> {
+    let mut uses = vec![0; program.lowered.body.len()];
+    for operand in program.lowered.body.iter().flat_map(|op| op.operands()) {
+        uses[operand.index()] += 1;
+    }
+    uses
+}
+
+/// For every register, whether a rate, a sampled value or the input of a delay line depends on it. The demand of an
+/// overloaded amplifier counts as if the amplifier were in range.
+fn needed(program: &Program, outputs: &HashMap<Register, (Register, AmplifierState)>) -> Vec<bool> {
+    let mut needed = vec![false; program.lowered.body.len()];
+    let rates = program.lowered.states.iter().map(|state| state.rate);
+    let delayed = program.lowered.delays.iter().map(|delay| delay.input);
+    for register in rates.chain(program.lowered.kept.iter().map(|kept| kept.next)).chain(delayed) {
+        needed[register.index()] = true;
+    }
+    for at in (0..needed.len()).rev() {
+        if !needed[at] {
+            continue;
+        }
+        match outputs.get(&Register(at as u32)) {
+            Some((demand, _)) => needed[demand.index()] = true,
+            None => program.lowered.body[at].operands().for_each(|operand| needed[operand.index()] = true),
+        }
+    }
+    needed
+}
+
+/// The state of the specialisation. `forms` grows with the walk over the body; every form only refers to earlier atoms.
+pub(super) struct Specialiser<'a> {
+    /// The program, whose body is walked in order.
+    pub program: &'a Program,
+    /// The modes and amplifier states that count as fixed.
+    pub specialisation: Specialisation<'a>,
+    /// The operations for the factors so far.
+    pub parameter_code: ParameterCode,
+    /// The atoms so far and how each is computed.
+    pub nodes: Vec<Node>,
+    /// The atom of each node, so that equal nodes share one.
+    known: HashMap<Node, Atom>,
+    /// The form of every register of the body so far.
+    forms: Vec<Form>,
+    /// The number of operations that read each register.
+    uses: Vec<u32>,
+    /// For every register, whether a rate, a sampled value or the input of a delay line depends on it.
+    needed: Vec<bool>,
+    /// The corners so far, in the order in which the walk meets them.
+    pub corners: Vec<Corner>,
+    /// The side of each atom that is compared with 0.
+    sides: Vec<(Atom, Factor)>,
+    /// The tables that are looked up at time.
+    scheduled: Vec<u32>,
+    /// For the output register of every amplifier, its demand and its state.
+    outputs: HashMap<Register, (Register, AmplifierState)>,
+}
+
+impl Specialiser<'_> {
+    /// The form of a register that the walk has passed.
+    pub fn of(&self, register: Register) -> &Form {
+        &self.forms[register.index()]
+    }
+
+    /// The linear form of a register.
+    ///
+    /// Outputs of amplifiers come first: they are replaced by the demand or by ±100 V. Minima, maxima,
+    /// absolute values and tables on which a rate depends become branches. Elsewhere they stay operations, because no
+    /// step has to end at their corner.
+    fn form(&mut self, at: Register) -> Form {
+        match self.outputs.get(&at) {
+            Some((demand, AmplifierState::Within)) => return self.of(*demand).clone(),
+            Some((_, AmplifierState::Below)) => return Form::fixed(Factor::Number(-REFERENCE)),
+            Some((_, AmplifierState::Above)) => return Form::fixed(Factor::Number(REFERENCE)),
+            None => {}
+        }
+        match self.program.lowered.body[at.index()] {
+            Op::Constant(value) => Form::fixed(Factor::Number(value)),
+            Op::Coefficient(index) => Form::fixed(self.coefficient(index)),
+            Op::Mode(index) => Form::fixed(Factor::Number(self.specialisation.modes[index as usize])),
+            Op::State(index) => self.node(Node::State(index)),
+            Op::Time => self.node(Node::Time),
+            Op::Delayed(index) => self.node(Node::Delayed(index)),
+            Op::Sampled(index) => self.node(Node::Sampled(index)),
+            Op::Level(index) => self.node(Node::Level(index)),
+            Op::Add(a, b) => {
+                self.parameter_code.sum(&self.forms[a.index()], &self.forms[b.index()], Factor::ONE)
+            }
+            Op::Subtract(a, b) => {
+                self.parameter_code.sum(&self.forms[a.index()], &self.forms[b.index()], Factor::Number(-1.0))
+            }
+            Op::Multiply(a, b) => self.product(a, b),
+            Op::Divide(a, b) => self.quotient(a, b),
+            Op::Minimum(a, b) if self.bends(at, [a, b]) => self.select_by_branch([b, a], [a, b]),
+            Op::Maximum(a, b) if self.bends(at, [a, b]) => self.select_by_branch([a, b], [a, b]),
+            Op::Absolute(a) if self.bends(at, [a, a]) => self.size(a),
+            Op::Table(table, a) if self.program.lowered.body[a.index()] == Op::Time => self.scheduled(table),
+            Op::Table(table, a) if self.bends(at, [a, a]) => self.piece(table, a),
+            Op::Minimum(a, b) => self.lower_of(a, b),
+            Op::Maximum(a, b) => self.upper_of(a, b),
+            Op::Select { left, right, then, otherwise } => self.select([left, right], [then, otherwise]),
+            op => self.other(op),
+        }
+    }
+
+    /// Whether an operation has a corner that changes a rate. A comparison of fixed values has none.
+    fn bends(&self, at: Register, compared: [Register; 2]) -> bool {
+        let moves = compared.iter().any(|register| self.of(*register).as_fixed().is_none());
+        moves && self.needed[at.index()]
+    }
+
+    /// The first of two voltages if the first compared voltage is not below the second, otherwise the second.
+    ///
+    /// The form is second + side x (first - second), with the side as a factor.
+    fn select_by_branch(&mut self, [first, second]: [Register; 2], compared: [Register; 2]) -> Form {
+        let side = self.side(compared);
+        let [first, second] = [first, second].map(|register| self.of(register).clone());
+        let difference = self.parameter_code.sum(&first, &second, Factor::Number(-1.0));
+        self.parameter_code.sum(&second, &difference, side)
+    }
+
+    /// The absolute value of a voltage: (2 side - 1) x voltage.
+    fn size(&mut self, of: Register) -> Form {
+        let form = self.of(of).clone();
+        let side = self.side_of(form.clone());
+        let twice = self.parameter_code.multiply(side, Factor::Number(2.0));
+        let sign = self.parameter_code.add(twice, Factor::Number(-1.0));
+        self.parameter_code.scaled(&form, sign)
+    }
+
+    /// The value of a table on one segment: ordinate + slope x (voltage - origin).
+    fn piece(&mut self, table: u32, at: Register) -> Form {
+        let form = self.of(at).clone();
+        let of = self.atom(&form);
+        self.corners.push(Corner { of, at: At::Points { table, piece: self.parameter_code.branch_values } });
+        let [slope, origin, ordinate] = [(); 3].map(|()| self.parameter_code.branch_value());
+        // The difference is computed first: with slope x origin as a separate term, a steep segment would lose its
+        // digits.
+        let distance = self.parameter_code.sum(&form, &Form::fixed(origin), Factor::Number(-1.0));
+        let distance = Form::atom(self.atom(&distance));
+        self.parameter_code.sum(&Form::fixed(ordinate), &distance, slope)
+    }
+
+    /// The value of a table that is looked up at time. Steps end at its corners, so it needs no watch.
+    fn scheduled(&mut self, table: u32) -> Form {
+        let place = self.scheduled.iter().position(|known| *known == table);
+        let place = place.unwrap_or_else(|| {
+            self.scheduled.push(table);
+            self.scheduled.len() - 1
+        });
+        self.node(Node::Scheduled(place as u32))
+    }
+
+    /// A factor that is 1 if the first voltage is not below the second, and otherwise 0.
+    fn side(&mut self, [left, right]: [Register; 2]) -> Factor {
+        let difference = self.parameter_code.sum(
+            &self.forms[left.index()],
+            &self.forms[right.index()],
+            Factor::Number(-1.0),
+        );
+        self.side_of(difference)
+    }
+
+    /// The factor for the side of a difference: 1 if it is 0 V or above, and otherwise 0. Equal differences share one
+    /// corner. A fixed difference needs no corner.
+    fn side_of(&mut self, difference: Form) -> Factor {
+        if let Some(fixed) = difference.as_fixed() {
+            return self.parameter_code.is_reached(fixed);
+        }
+        let of = self.atom(&difference);
+        if let Some((_, side)) = self.sides.iter().find(|(known, _)| *known == of) {
+            return *side;
+        }
+        self.corners.push(Corner { of, at: At::Zero { side: self.parameter_code.branch_values } });
+        let side = self.parameter_code.side();
+        self.sides.push((of, side));
+        side
+    }
+
+    /// A coefficient without parameters is a fixed number.
+    fn coefficient(&mut self, index: u32) -> Factor {
+        let coefficient = &self.program.lowered.coefficients[index as usize];
+        match self.program.lowered.prologue[coefficient.register.index()] {
+            Op::Constant(value) => Factor::Number(value),
+            _ => self.parameter_code.coefficient(index, coefficient.range.0),
+        }
+    }
+
+    /// A product. If one operand is fixed, it becomes a factor; otherwise their factors are split off, and one node is
+    /// the product of the rest.
+    fn product(&mut self, a: Register, b: Register) -> Form {
+        let (left, right) = (self.of(a).clone(), self.of(b).clone());
+        if let Some(factor) = left.as_fixed() {
+            return self.scaled_sum(right, factor);
+        }
+        if let Some(factor) = right.as_fixed() {
+            return self.scaled_sum(left, factor);
+        }
+        let (left, by) = self.split(&left);
+        let (right, and) = self.split(&right);
+        let factor = self.parameter_code.multiply(by, and);
+        let product = self.node(Node::Multiply(left, right));
+        self.parameter_code.scaled(&product, factor)
+    }
+
+    /// A form times a factor. With a large factor, a sum is computed first: its terms can be much larger than the sum,
+    /// and so is their rounding.
+    fn scaled_sum(&mut self, form: Form, factor: Factor) -> Form {
+        let is_steep = matches!(factor, Factor::Number(value) if value.abs() > MAX_GAIN);
+        let form = if is_steep && form.as_fixed().is_none() { Form::atom(self.atom(&form)) } else { form };
+        self.parameter_code.scaled(&form, factor)
+    }
+
+    /// A quotient. The divisor is always fixed: no law of an element divides by a voltage.
+    fn quotient(&mut self, a: Register, b: Register) -> Form {
+        let (left, right) = (self.of(a).clone(), self.of(b).clone());
+        let divisor = right.as_fixed().expect("elements divide by constants only");
+        if let Some(factor) = left.as_fixed() {
+            return Form::fixed(self.parameter_code.divide(factor, divisor));
+        }
+        let share = self.parameter_code.divide(Factor::ONE, divisor);
+        self.parameter_code.scaled(&left, share)
+    }
+
+    /// A form as an operand times a factor. The factor is 1 unless the form is one term without a constant.
+    fn split(&mut self, form: &Form) -> (Operand, Factor) {
+        match form.as_scaled() {
+            Some((atom, factor)) => (Operand::Atom(atom), factor),
+            None => (self.operand(form), Factor::ONE),
+        }
+    }
+
+    /// The smaller of two voltages, without a corner. The smaller of x and -x is -|x|.
+    fn lower_of(&mut self, a: Register, b: Register) -> Form {
+        match self.size_of_opposites(a, b) {
+            Some(size) => self.parameter_code.scaled(&size, Factor::Number(-1.0)),
+            None => self.one_of(a, b, ParameterCode::lower_of, Node::Minimum),
+        }
+    }
+
+    /// The larger of two voltages, without a corner. The larger of x and -x is |x|.
+    fn upper_of(&mut self, a: Register, b: Register) -> Form {
+        match self.size_of_opposites(a, b) {
+            Some(size) => size,
+            None => self.one_of(a, b, ParameterCode::upper_of, Node::Maximum),
+        }
+    }
+
+    /// The minimum or maximum of two. If both are fixed, the parameter code computes it.
+    fn one_of(
+        &mut self,
+        a: Register,
+        b: Register,
+        fixed: fn(&mut ParameterCode, Factor, Factor) -> Factor,
+        moving: fn(Operand, Operand) -> Node,
+    ) -> Form {
+        if let [Some(a), Some(b)] = [a, b].map(|register| self.of(register).as_fixed()) {
+            return Form::fixed(fixed(&mut self.parameter_code, a, b));
+        }
+        if let Some((atom, factor)) = self.scaled_with_zero(a, b) {
+            let node = self.node(moving(Operand::Atom(atom), Operand::Factor(Factor::ZERO)));
+            return self.parameter_code.scaled(&node, factor);
+        }
+        let [a, b] = [a, b].map(|register| self.read(register));
+        self.node(moving(a, b))
+    }
+
+    /// The atom and the factor of the first operand if the factor is not negative and the second operand is 0. Then the
+    /// factor can be applied afterwards.
+    fn scaled_with_zero(&self, a: Register, b: Register) -> Option<(Atom, Factor)> {
+        let scaled = match [a, b].map(|register| self.of(register)) {
+            [form, other] if other.as_fixed().is_some_and(|fixed| fixed.is(0.0)) => form.as_scaled(),
+            _ => None,
+        };
+        scaled.filter(|(_, factor)| self.parameter_code.is_not_negative(*factor))
+    }
+
+    /// The absolute value of either operand if one is the negative of the other. `None` otherwise.
+    ///
+    /// One operand then moves, and their sum cancels to the fixed number 0.
+    fn size_of_opposites(&mut self, a: Register, b: Register) -> Option<Form> {
+        let sum = self.parameter_code.sum(&self.forms[a.index()], &self.forms[b.index()], Factor::ONE);
+        let cancels = sum.as_fixed().is_some_and(|sum| sum.is(0.0)) && self.of(a).as_fixed().is_none();
+        cancels.then(|| {
+            let operand = self.read(a);
+            self.node(Node::Absolute(operand))
+        })
+    }
+
+    /// A selection. It is decided here if modes are compared, and otherwise depends on the branch.
+    fn select(&mut self, compared: [Register; 2], choice: [Register; 2]) -> Form {
+        let sides = compared.map(|register| self.of(register).as_fixed());
+        match sides {
+            // Modes and the ends of an amplifier's range are fixed numbers.
+            [Some(Factor::Number(left)), Some(Factor::Number(right))] => {
+                self.of(choice[usize::from(left < right)]).clone()
+            }
+            _ => self.select_by_branch(choice, compared),
+        }
+    }
+
+    /// An operation that cannot be simplified. If all operands are fixed, the parameter code computes it.
+    fn other(&mut self, op: Op) -> Form {
+        let registers: Vec<Register> = op.operands().collect();
+        let fixed_values: Option<Vec<Factor>> =
+            registers.iter().map(|register| self.of(*register).as_fixed()).collect();
+        if let Some(fixed_values) = fixed_values {
+            if let (Op::Absolute(_), [Factor::Number(value)]) = (op, &fixed_values[..]) {
+                return Form::fixed(Factor::Number(value.abs()));
+            }
+            return Form::fixed(self.parameter_code.apply(|parameter_code| {
+                let places: Vec<Register> =
+                    fixed_values.iter().map(|factor| parameter_code.register(*factor)).collect();
+                let place = |old| registers.iter().position(|register| *register == old).unwrap_or_default();
+                op.with_operands(|old| places[place(old)])
+            }));
+        }
+        let node = match op {
+            Op::Absolute(a) => Node::Absolute(self.read(a)),
+            Op::Call(function, a, b) => Node::Call(function, self.read(a), self.read(b)),
+            Op::Table(table, at) => Node::Table(table, self.read(at)),
+            _ => unreachable!("a program with loops has no kernel"),
+        };
+        self.node(node)
+    }
+
+    /// Turns a long sum into an atom, which is then computed once. Short sums are merged into their readers, which
+    /// saves an operation and a rounding.
+    fn cut(&mut self, at: usize, form: Form) -> Form {
+        let length = form.terms.len();
+        if length > MAX_TERMS || (length > MAX_SHARED_TERMS && self.uses[at] > 1) {
+            return Form::atom(self.atom(&form));
+        }
+        form
+    }
+
+    /// The operand for a register.
+    fn read(&mut self, register: Register) -> Operand {
+        let form = self.of(register).clone();
+        self.operand(&form)
+    }
+
+    /// A form as the operand of an operation.
+    pub fn operand(&mut self, form: &Form) -> Operand {
+        match form.as_fixed() {
+            Some(factor) => Operand::Factor(factor),
+            None => Operand::Atom(self.atom(form)),
+        }
+    }
+
+    /// A form that is not fixed, as an atom.
+    pub fn atom(&mut self, form: &Form) -> Atom {
+        match form.as_scaled() {
+            Some((atom, factor)) if factor.is(1.0) => atom,
+            _ => self.once(Node::Sum(form.clone())),
+        }
+    }
+
+    /// The form that consists of the atom of a node.
+    fn node(&mut self, node: Node) -> Form {
+        Form::atom(self.once(node))
+    }
+
+    /// The atom of a node, shared with equal nodes.
+    fn once(&mut self, node: Node) -> Atom {
+        let next = self.nodes.len() as Atom;
+        let atom = *self.known.entry(node.clone()).or_insert(next);
+        if atom == next {
+            self.nodes.push(node);
+        }
+        atom
+    }
+
+    /// The specialised program, with the outputs as operands and the bounds. The walk over the body is complete.
+    fn finish(mut self, recorded: &[Register]) -> Specialised {
+        let program = self.program;
+        let rates: Vec<Operand> = program.lowered.states.iter().map(|state| self.read(state.rate)).collect();
+        let kept: Vec<Operand> = program.lowered.kept.iter().map(|kept| self.read(kept.next)).collect();
+        let delay_inputs = program.lowered.delays.iter().map(|delay| self.read(delay.input)).collect();
+        let recorded = recorded.iter().map(|register| self.read(*register)).collect();
+        let bounds = self.bounds();
+        let Specialiser { parameter_code, nodes, corners, scheduled, .. } = self;
+        Specialised { parameter_code, nodes, rates, kept, delay_inputs, recorded, bounds, corners, scheduled }
+    }
+}

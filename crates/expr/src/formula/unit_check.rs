@@ -1,0 +1,263 @@
+//! Checks the units of a formula and computes the dimension of its value.
+//!
+//! Dimensions are derived from the leaves to the root. Operands of a sum, and of `min`, `max` and
+//! `atan2`, must have the same dimension. Arguments of other functions and exponents must be pure
+//! numbers. A literal number counts as a pure number, except that a literal 0 fits every dimension.
+
+use std::ops::Range;
+
+use super::callee::Callee;
+use super::error::FormulaError;
+use super::evaluate;
+use super::expression::{Expression, Node, Operator};
+use super::scope::{NoNames, Scope, missing_property};
+use super::wording::{excerpt, format_number};
+use crate::function::Function;
+use crate::units::Dimension;
+
+/// The maximum exponent of a quantity that has a unit, as in the unit syntax (`m^12`).
+const MAX_EXPONENT: f64 = 12.0;
+
+/// The dimension of the value of a formula.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FormulaDimension {
+    /// The formula contains literal numbers only. The setting that uses it decides the unit.
+    Literal,
+    /// A quantity of this dimension, in SI units.
+    Of(Dimension),
+}
+
+impl FormulaDimension {
+    /// Returns the dimension; literal numbers count as pure numbers.
+    pub fn or_dimensionless(self) -> Dimension {
+        match self {
+            Self::Literal => Dimension::NONE,
+            Self::Of(dimension) => dimension,
+        }
+    }
+
+    /// Whether the value has no unit.
+    fn is_pure_number(self) -> bool {
+        self.or_dimensionless().is_none()
+    }
+
+    /// Returns the dimension changed by `change`. A literal stays a literal.
+    fn map(self, change: impl FnOnce(Dimension) -> Dimension) -> Self {
+        match self {
+            Self::Literal => Self::Literal,
+            Self::Of(dimension) => Self::Of(change(dimension)),
+        }
+    }
+
+    /// Returns the joint dimension of two operands. The result is a literal only if both are.
+    fn combined(self, other: Self, join: impl FnOnce(Dimension, Dimension) -> Dimension) -> Self {
+        match (self, other) {
+            (Self::Literal, Self::Literal) => Self::Literal,
+            _ => Self::Of(join(self.or_dimensionless(), other.or_dimensionless())),
+        }
+    }
+}
+
+/// Returns the dimension of a node.
+pub(super) fn dimension(text: &str, node: &Node, scope: &dyn Scope) -> DimensionResult {
+    UnitChecker { text, scope }.dimension(node)
+}
+
+/// Derives the dimensions of the nodes of one formula.
+struct UnitChecker<'m> {
+    /// The text of the formula, for excerpts in error messages.
+    text: &'m str,
+    /// The dimensions of the names, and the units in which they were declared.
+    scope: &'m dyn Scope,
+}
+
+/// The dimension of a node, or the error of the first node whose operands do not fit.
+type DimensionResult = Result<FormulaDimension, FormulaError>;
+
+impl UnitChecker<'_> {
+    /// Returns the dimension of a node. A sign does not change it.
+    fn dimension(&self, node: &Node) -> DimensionResult {
+        match &node.expression {
+            Expression::Number(_) => Ok(FormulaDimension::Literal),
+            Expression::Name(name) => self.named(name, &node.range),
+            Expression::Negate(inner) => self.dimension(inner),
+            Expression::Binary(operator, left, right) => self.binary(node, *operator, left, right),
+            Expression::Call(callee, arguments) => self.call(node, *callee, arguments),
+        }
+    }
+
+    /// Returns the dimension of a name from the scope.
+    fn named(&self, name: &str, range: &Range<usize>) -> DimensionResult {
+        match self.scope.dimension(name) {
+            Some(dimension) => Ok(FormulaDimension::Of(dimension)),
+            None => Err(missing_property(self.scope, name, "unit", range.clone())),
+        }
+    }
+
+    /// Returns the dimension of an operation. Products and quotients accept all dimensions.
+    fn binary(&self, node: &Node, operator: Operator, left: &Node, right: &Node) -> DimensionResult {
+        match operator {
+            Operator::Add | Operator::Subtract => self.agreeing(node, left, right),
+            Operator::Multiply => {
+                let (a, b) = (self.dimension(left)?, self.dimension(right)?);
+                Ok(a.combined(b, Dimension::times))
+            }
+            Operator::Divide => {
+                let (a, b) = (self.dimension(left)?, self.dimension(right)?);
+                Ok(a.combined(b, Dimension::over))
+            }
+            Operator::Power => self.power(left, right),
+        }
+    }
+
+    /// Returns the dimension of a call.
+    ///
+    /// `abs` keeps the dimension of its argument, and `min` and `max` that of their two arguments. `sqrt`
+    /// halves the exponents. `atan2` gives a pure number from two lengths, for example. All other
+    /// functions take pure numbers.
+    fn call(&self, node: &Node, callee: Callee, arguments: &[Node]) -> DimensionResult {
+        match (callee, arguments) {
+            (Callee::Absolute, [only]) => self.dimension(only),
+            (Callee::Minimum | Callee::Maximum, [a, b]) => self.agreeing(node, a, b),
+            (Callee::Function(Function::Sqrt), [only]) => {
+                Ok(self.dimension(only)?.map(|dimension| dimension.power(0.5)))
+            }
+            (Callee::Function(Function::Power), [base, exponent]) => self.power(base, exponent),
+            (Callee::Function(Function::Atan2), [a, b]) => {
+                Ok(self.agreeing(node, a, b)?.map(|_| Dimension::NONE))
+            }
+            (_, arguments) => self.pure_arguments(callee, arguments),
+        }
+    }
+
+    /// Returns the common dimension of two operands. A literal 0 adapts to the other operand.
+    fn agreeing(&self, node: &Node, left: &Node, right: &Node) -> DimensionResult {
+        let (a, b) = (self.dimension(left)?, self.dimension(right)?);
+        let agreed = match (a, b) {
+            (FormulaDimension::Literal, _) if is_literal_zero(left) => Some(b),
+            (_, FormulaDimension::Literal) if is_literal_zero(right) => Some(a),
+            _ if a.or_dimensionless() == b.or_dimensionless() => {
+                Some(a.combined(b, |dimension, _| dimension))
+            }
+            _ => None,
+        };
+        agreed.ok_or_else(|| self.disagreement(node, (left, a), (right, b)))
+    }
+
+    /// Returns the error for operands of different dimensions: `k is in N/m but 1 is a pure number`.
+    ///
+    /// If one of them is a pure number, the hint says how to give it the unit of the other.
+    fn disagreement(
+        &self,
+        node: &Node,
+        (left, a): (&Node, FormulaDimension),
+        (right, b): (&Node, FormulaDimension),
+    ) -> FormulaError {
+        let message = format!("{} but {}", self.describe(left, a), self.describe(right, b));
+        let hint = match (a.is_pure_number(), b.is_pure_number()) {
+            (true, false) => Some(self.quantity_hint(left, right, b)),
+            (false, true) => Some(self.quantity_hint(right, left, a)),
+            _ => None,
+        };
+        FormulaError::new(node.range.clone(), message).with_hint_if(hint)
+    }
+
+    /// Returns the dimension of a power. The exponent is always a pure number.
+    ///
+    /// If the base has a unit, the exponents of its dimension are multiplied by the value of the exponent.
+    fn power(&self, base: &Node, exponent: &Node) -> DimensionResult {
+        let (of_base, of_exponent) = (self.dimension(base)?, self.dimension(exponent)?);
+        if !of_exponent.is_pure_number() {
+            let message = format!("the exponent {}", self.describe(exponent, of_exponent));
+            return Err(
+                FormulaError::new(exponent.range.clone(), message).with_hint("an exponent is a pure number")
+            );
+        }
+        if of_base.is_pure_number() {
+            return Ok(of_base.combined(of_exponent, |_, _| Dimension::NONE));
+        }
+        let power = self.constant_exponent(base, of_base, exponent, of_exponent)?;
+        Ok(of_base.map(|dimension| dimension.power(power)))
+    }
+
+    /// Returns the exponent of a base with a unit. It must consist of literal numbers, and its magnitude is at
+    /// most [`MAX_EXPONENT`].
+    ///
+    /// If the exponent could change, the unit of the power would change with it.
+    fn constant_exponent(
+        &self,
+        base: &Node,
+        of_base: FormulaDimension,
+        exponent: &Node,
+        of_exponent: FormulaDimension,
+    ) -> Result<f64, FormulaError> {
+        let described = self.describe(base, of_base);
+        let refusal =
+            |reason: String| FormulaError::new(exponent.range.clone(), format!("{described}, {reason}"));
+        if of_exponent != FormulaDimension::Literal {
+            let written = excerpt(self.text, exponent);
+            let reason = format!("so its exponent must be a number, and {written} is not");
+            return Err(refusal(reason));
+        }
+        let power = evaluate::value(self.text, exponent, &NoNames)?;
+        if power.abs() > MAX_EXPONENT {
+            let power = format_number(power);
+            let reason = format!("so its exponent can be at most {MAX_EXPONENT}, not {power}");
+            return Err(refusal(reason));
+        }
+        Ok(power)
+    }
+
+    /// Checks a call whose arguments must be pure numbers. The value is a pure number, too.
+    fn pure_arguments(&self, callee: Callee, arguments: &[Node]) -> DimensionResult {
+        let mut result = FormulaDimension::Literal;
+        for argument in arguments {
+            let dimension = self.dimension(argument)?;
+            if !dimension.is_pure_number() {
+                return Err(self.impure(callee, argument, dimension));
+            }
+            result = result.combined(dimension, Dimension::times);
+        }
+        Ok(result)
+    }
+
+    /// Returns the error for an argument with a unit. The hint says to divide it by a scale.
+    fn impure(&self, callee: Callee, argument: &Node, dimension: FormulaDimension) -> FormulaError {
+        let described = self.describe(argument, dimension);
+        let message = format!("{} takes a pure number, but {described}", callee.name());
+        FormulaError::new(argument.range.clone(), message)
+            .with_hint(format!("divide it by a scale in {}", self.unit(argument, dimension)))
+    }
+
+    /// Returns the hint for a pure number that must have the dimension of `other`.
+    fn quantity_hint(&self, number: &Node, other: &Node, dimension: FormulaDimension) -> String {
+        let (number, unit) = (excerpt(self.text, number), self.unit(other, dimension));
+        format!("declare {number} as a parameter in {unit}, or write its volts times a scale in {unit}")
+    }
+
+    /// Describes the unit of a node for a message: `k is in N/m` or `2 * a is a pure number`.
+    fn describe(&self, node: &Node, dimension: FormulaDimension) -> String {
+        let written = excerpt(self.text, node);
+        if dimension.is_pure_number() {
+            format!("{written} is a pure number")
+        } else {
+            format!("{written} is in {}", self.unit(node, dimension))
+        }
+    }
+
+    /// Returns the unit of a node. For a name it is the unit of its declaration.
+    fn unit(&self, node: &Node, dimension: FormulaDimension) -> String {
+        let declared = match &node.expression {
+            Expression::Name(name) => self.scope.declared_unit(name).map(str::to_owned),
+            _ => None,
+        };
+        declared.unwrap_or_else(|| dimension.or_dimensionless().to_string())
+    }
+}
+
+/// Whether a node is the literal number 0.
+///
+/// A literal 0 has the same value in every unit.
+fn is_literal_zero(node: &Node) -> bool {
+    matches!(node.expression, Expression::Number(0.0))
+}

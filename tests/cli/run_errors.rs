@@ -1,0 +1,89 @@
+//! Errors before and during a run, with advice and the place in the patch.
+
+use std::fs;
+
+use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring_with};
+
+#[test]
+fn negative_times_return_a_clear_error() {
+    for option in ["--for", "--step", "--every"] {
+        let ran = patchcord(&["run", FIG_8_16, option, "-1e-3"]);
+        assert_eq!(code(&ran), 2);
+        let message = errors(&ran);
+        assert!(
+            message.contains("must be a positive time in seconds") && !message.contains("tip:"),
+            "{message}"
+        );
+    }
+    for times in ["-1", "0", "1.5"] {
+        let message = errors(&patchcord(&["run", FIG_8_16, "--repeat", times]));
+        assert!(message.contains("must be an integer from 1 to 4294967295"), "{message}");
+    }
+    let message = errors(&patchcord(&["run", FIG_8_16, "--for", "0.1", "--repeat", "1000000"]));
+    assert!(
+        message.contains("; at most 2e8 are allowed") && message.contains("fewer repetitions"),
+        "{message}"
+    );
+}
+
+#[test]
+fn too_many_steps_are_reported_with_their_duration() {
+    let message = errors(&patchcord(&["run", FIG_8_16, "--step", "1e-11"]));
+    let steps =
+        "the run would take 8.4667e11 steps, 10 days at a million steps a second; at most 1e10 are allowed";
+    assert!(
+        message.contains(steps)
+            && message.contains("give a longer --step, a shorter --for or fewer repetitions"),
+        "{message}"
+    );
+    let message = errors(&patchcord(&["run", FIG_8_16, "--step", "5e-10"]));
+    assert!(message.contains("1.69334e10 steps, 5 hours at"), "{message}");
+}
+
+#[test]
+fn check_reports_why_a_patch_cannot_be_run() {
+    let run = "{\"for\": 3.25, \"step\": 1e-3}";
+    let (_folder, file) = spring_with(run, "{\"step\": 1e-3}");
+    let message = out(&patchcord(&["check", &file]));
+    let wanted = "cannot be run: the patch's \"run\" does not give the length of the run (\"for\"); \
+                  with `patchcord run`, give --for\n";
+    assert!(message.contains(wanted), "{message}");
+    let document = json(&patchcord(&["check", &file, "--json"]));
+    assert_eq!((&document["ok"], &document["cannot_be_run"]["code"]), (&true.into(), &"missing-time".into()));
+    let (_folder, file) = spring_with(run, "{\"for\": 3.25, \"step\": 1e-12}");
+    let message = out(&patchcord(&["check", &file]));
+    assert!(message.contains("cannot be run: the run would take 3.25e12 steps, 38 days"), "{message}");
+    assert!(json(&patchcord(&["check", FIG_8_16, "--json"]))["cannot_be_run"].is_null());
+}
+
+/// A new random number every nanosecond for 100 s.
+const TOO_FINE: &str = r#"{"patchcord": 1, "title": "fine noise", "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+    "drives": {"u": {"kind": "noise", "scale": "volt", "rms": 1, "every": 1e-9, "seed": 1}},
+    "elements": {"L": {"kind": "inverter", "in": "u"}}, "run": {"for": 100, "step": 0.01}}"#;
+
+#[test]
+fn check_reports_errors_that_only_the_machine_detects() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "noise.json");
+    fs::write(&file, TOO_FINE).unwrap();
+    let document = json(&patchcord(&["check", &file, "--json"]));
+    assert_eq!(document["cannot_be_run"]["code"], "noise-too-fine");
+}
+
+/// -1000 V by a voltage that falls from 50 V through 0 within the run.
+const DIVISION: &str = r#"{"patchcord": 1, "title": "division", "machine": "unlimited", "elements": {
+    "D": {"kind": "integrator", "in": {"x1": ["+100"]}, "initial": 50},
+    "M": {"kind": "multiplier", "mode": "product", "a": "A5", "b": "D"},
+  "A5": {"kind": "open-amplifier", "in": {"x0.1": ["+100"], "x1": ["M"]}}
+}, "record": ["A5"], "run": {"for": 1, "step": 0.01}}"#;
+
+#[test]
+fn an_unsolvable_loop_during_a_run_is_reported_with_place_and_advice() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "division.json");
+    fs::write(&file, DIVISION).unwrap();
+    let message = errors(&patchcord(&["run", &file]));
+    assert!(message.contains("the loop M, A5 has no integrator and 3 solutions"), "{message}");
+    assert!(message.contains("; the feedback must rise with the output"), "{message}");
+    assert!(message.contains("division.json:4:3: A5\n"), "{message}");
+}
