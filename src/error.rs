@@ -5,8 +5,11 @@ use crate::draw::ScopeError;
 use crate::draw::plot::PlotError;
 use crate::ident::ExperimentError;
 use crate::ident::fit::model::ModelError;
+use crate::instruments::MeasureError;
+use crate::linear::LinearError;
 use crate::patch::EditError;
 use crate::solve::{RunError, StoppedRun};
+use crate::sweep::{PlanError, SweepError};
 
 /// Any error between a file and a picture. Every error of the crate that a program usually meets converts to it, so a
 /// program can use `?` with one type.
@@ -34,6 +37,18 @@ pub enum Error {
     /// A picture cannot be rendered.
     #[error(transparent)]
     Plot(#[from] PlotError),
+    /// A circuit cannot be linearised, or its linear model cannot be analysed.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// A measure is not valid for the signals of a program.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+    /// A sweep has no valid plan.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A sweep cannot be made.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
     /// An experiment cannot be read.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),

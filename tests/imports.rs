@@ -37,7 +37,7 @@ const MODULES: [(&str, &[&str]); 6] = [
             "run_settings",
         ],
     ),
-    ("analysis", &["parallel", "instruments", "linear", "sweep"]),
+    ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),
     (
         "draw",
         &["html", "plot", "family", "scope", "plane", "profile_picture", "sensitivity", "bode", "schematic"],

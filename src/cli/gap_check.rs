@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::failure::plural;
 use super::gap_report::weakest;
 use super::table::Table;
+use patchcord::format::{QuantityFormat, format_quantity, number};
 use patchcord::ident::design::detectability::{Detectability, DetectionLimit};
 use patchcord::ident::effects::Library;
 use patchcord::ident::effects::effect_sites::EffectSites;
@@ -17,7 +18,6 @@ use patchcord::ident::report::detection_limits::{DetectionLimitDocument, needs_t
 use patchcord::ident::report::places::{nameless_sentences, nowhere_sentence};
 use patchcord::ident::report::rounds::{SkippedTrialDocument, skipped_trial_sentence};
 use patchcord::ident::{Experiment, Noise, NoiseKind, POWER_FRACTIONS, Record, RecordColumn, record_columns};
-use patchcord::instruments::{QuantityFormat, format_quantity, number};
 
 /// All records, each with its purpose: "train" or "test".
 fn records(experiment: &Experiment) -> impl Iterator<Item = (&'static str, &Record)> {

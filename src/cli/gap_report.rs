@@ -4,6 +4,7 @@
 //! with tables. Residuals are rms values over the noise, in training and in test data.
 
 use super::table::Table;
+use patchcord::format::number;
 use patchcord::ident::design::detectability::{DetectionLimit, best_places};
 use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::localise::Localisation;
@@ -19,7 +20,6 @@ use patchcord::ident::report::values::{
 };
 use patchcord::ident::search::round::{Round, Trial};
 use patchcord::ident::search::{Outcome, Verdict};
-use patchcord::instruments::number;
 
 /// The number of trials that are listed per round.
 const MAX_TRIALS: usize = 8;

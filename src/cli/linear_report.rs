@@ -6,7 +6,7 @@
 use serde_json::{Value, json};
 
 use super::table::Table;
-use patchcord::instruments::QuantityFormat;
+use patchcord::format::QuantityFormat;
 use patchcord::ir::{Port, StateHold, StateSpace, StateTerm};
 use patchcord::linear::{FrequencyResponse, LinearError, ResponsePoint, Root, Stability, fastest_state};
 

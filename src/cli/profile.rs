@@ -21,9 +21,10 @@ use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
 use patchcord::draw::plot::{self, Format, Size};
 use patchcord::draw::{ProfileSignal, profile_picture};
+use patchcord::format::QuantityFormat;
 use patchcord::instruments::{
-    Criterion, NoCriticalVelocity, ProfileCriterion, ProfileError, QuantityFormat, RampDirection,
-    critical_range, parameter_line, velocity_profile,
+    Criterion, NoCriticalVelocity, ProfileCriterion, ProfileError, RampDirection, critical_range,
+    parameter_line, velocity_profile,
 };
 use patchcord::solve::RunSettings;
 use patchcord::trace::{Trace, Track};

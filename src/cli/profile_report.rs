@@ -6,9 +6,9 @@
 use serde_json::{Value, json};
 
 use super::table::Table;
+use patchcord::format::QuantityFormat;
 use patchcord::instruments::{
-    AbsenceReason, CriticalInterval, ProfileCriterion, ProfilePoint, ProfileSection, QuantityFormat,
-    VelocityProfile,
+    AbsenceReason, CriticalInterval, ProfileCriterion, ProfilePoint, ProfileSection, VelocityProfile,
 };
 
 /// A velocity profile with everything that the report needs.

@@ -8,7 +8,8 @@ use std::collections::HashMap;
 use serde_json::{Value, json};
 
 use super::table::Table;
-use patchcord::instruments::{QuantityFormat, Sensitivity, VoltmeterReading, readings, sensitivities};
+use patchcord::format::QuantityFormat;
+use patchcord::instruments::{Sensitivity, VoltmeterReading, readings, sensitivities};
 use patchcord::trace::Trace;
 
 /// The largest number of lines for several runs. At least one run is always printed.

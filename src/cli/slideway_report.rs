@@ -18,7 +18,8 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use super::times::times_json;
-use patchcord::instruments::{CriticalVelocity, NoCriticalVelocity, QuantityFormat, format_quantity};
+use patchcord::format::{QuantityFormat, format_quantity};
+use patchcord::instruments::{CriticalVelocity, NoCriticalVelocity};
 use patchcord::solve::RunSettings;
 use patchcord::thesis::chain::{Advice, AdviceOutcome, Chain, Origin, PotSetting, Prediction, Simulation};
 use patchcord::thesis::slideway::units::{KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, UM};

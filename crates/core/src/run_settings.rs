@@ -53,5 +53,5 @@ fn missing(plan: &RunPlan) -> RunError {
     RunError::MissingTimes(times.iter().filter(|(_, given)| !given).map(|(which, _)| *which).collect())
 }
 
-/// The first step that is tried if a plan has a tolerance but no step, as a share of the longest phase.
+/// The first step that is tried if a plan has a tolerance but no step, as a share of the longest sweep.
 const FIRST_STEP: f64 = 1e-3;

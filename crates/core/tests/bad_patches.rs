@@ -94,7 +94,7 @@ fn bytes_that_are_not_utf8_are_reported_with_their_position() {
     fs::write(&path, b"{\n  \"patchcord\": 1,\n  \"title\": \"\xe9tude\"\n}\n").unwrap();
     let Err(DocumentError::Text(report)) = Patch::read(&path) else { panic!("latin 1 is accepted") };
     let [finding] = report.findings.as_slice() else { panic!("one finding is expected:\n{report}") };
-    assert_eq!((finding.code, report.line_and_column(finding.span.unwrap().start)), (Code::Syntax, (3, 13)));
+    assert_eq!((finding.code, report.line_and_column(finding.span.unwrap().start)), (Code::SYNTAX, (3, 13)));
     assert!(finding.hint.as_ref().unwrap().contains("UTF-8"));
 }
 
@@ -117,7 +117,7 @@ fn changed_parameters_are_checked_like_the_patch() {
     assert!(findings_of_changes(&[("M", 600.0)]).is_empty());
     let findings = findings_of_changes(&[("M", f64::NAN), ("Vcl", 1e-3), ("K", 1e12), ("f", f64::INFINITY)]);
     let codes: Vec<_> = findings.iter().map(|(code, _)| *code).collect();
-    for code in [Code::NotFinite, Code::UnknownName, Code::OutsideRange] {
+    for code in [Code::NOT_FINITE, Code::UNKNOWN_NAME, Code::OUTSIDE_RANGE] {
         assert!(codes.contains(&code), "{findings:?}");
     }
     assert_eq!(findings.len(), 4, "{findings:?}");
@@ -127,7 +127,7 @@ fn changed_parameters_are_checked_like_the_patch() {
 fn a_changed_parameter_can_move_a_setting_out_of_its_range() {
     let text = fs::read_to_string(Path::new(FOLDER).join("setting-range.json")).unwrap();
     let report = check("setting-range.json", &text, &[("T".to_owned(), 0.05)]).unwrap_err();
-    let outside = report.findings.iter().filter(|finding| finding.code == Code::SettingOutside);
+    let outside = report.findings.iter().filter(|finding| finding.code == Code::SETTING_OUTSIDE);
     assert_eq!(outside.count(), 2, "{report}");
 }
 

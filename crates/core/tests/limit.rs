@@ -223,12 +223,12 @@ fn an_initial_condition_outside_its_limits_is_reported() {
         let patch = volts("outside").element("A1", integrator).record(["A1"]).build().unwrap();
         let circuit = patchcord_core::circuit::Circuit::new(&patch);
         let findings = circuit.map_or_else(|report| report.findings, |circuit| circuit.warnings().findings);
-        let found = findings.iter().map(|finding| finding.code).filter(|code| *code != Code::UnscaledSignal);
+        let found = findings.iter().map(|finding| finding.code).filter(|code| *code != Code::UNSCALED_SIGNAL);
         found.collect::<Vec<_>>()
     };
-    assert_eq!(codes(Some(31.0), json!({"upper": 30})), [Code::BadNumber]);
-    assert_eq!(codes(Some(-31.0), json!({"lower": -30, "upper": 30})), [Code::BadNumber]);
-    assert_eq!(codes(None, json!({"lower": 10})), [Code::BadNumber], "the default is 0 V");
+    assert_eq!(codes(Some(31.0), json!({"upper": 30})), [Code::BAD_NUMBER]);
+    assert_eq!(codes(Some(-31.0), json!({"lower": -30, "upper": 30})), [Code::BAD_NUMBER]);
+    assert_eq!(codes(None, json!({"lower": 10})), [Code::BAD_NUMBER], "the default is 0 V");
     assert_eq!(codes(Some(30.0), json!({"lower": -30, "upper": 30})), []);
 }
 

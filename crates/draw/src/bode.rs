@@ -1,7 +1,7 @@
 //! Bode plots: magnitude in decibels and phase in degrees against frequency.
 
 use crate::plot::{Axis, Channel, Marker, Picture};
-use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_analysis::format::QuantityFormat;
 use patchcord_analysis::linear::{FrequencyResponse, ResponsePoint, Root};
 
 /// Returns the magnitude and the phase of a response as two pictures, to be stacked in this order.

@@ -2,7 +2,7 @@
 
 use indexmap::IndexMap;
 
-use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_analysis::format::QuantityFormat;
 use patchcord_core::trace::{PhaseKind, Trace};
 
 /// The maximum number of labelled runs; labels of more runs would not be readable.

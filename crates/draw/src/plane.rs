@@ -1,14 +1,14 @@
 //! The axes of velocity profiles: velocity (vertical) against command (horizontal).
 
 use crate::plot::{Axis, Channel, Marker, Picture};
-use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_analysis::format::QuantityFormat;
 
 /// The axes of a velocity profile with the displays that scale values for them.
 ///
 /// # Examples
 ///
 /// ```
-/// use patchcord_analysis::instruments::QuantityFormat;
+/// use patchcord_analysis::format::QuantityFormat;
 /// use patchcord_draw::ProfilePlane;
 /// use patchcord_draw::plot::Axis;
 ///

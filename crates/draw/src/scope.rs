@@ -4,7 +4,8 @@ use std::collections::HashSet;
 
 use crate::family::labels;
 use crate::plot::{Axis, Channel, Marker, Picture};
-use patchcord_analysis::instruments::{QuantityFormat, phase_description};
+use patchcord_analysis::format::QuantityFormat;
+use patchcord_analysis::instruments::phase_description;
 use patchcord_core::patch::PictureSpec;
 use patchcord_core::trace::{PhaseKind, PhaseRecord, Trace, Track};
 

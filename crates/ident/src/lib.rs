@@ -38,6 +38,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![forbid(unsafe_code)]
+
 mod data;
 pub mod design;
 pub mod effects;
@@ -48,6 +50,7 @@ pub mod residuals;
 pub mod search;
 pub mod statistics;
 
+pub use data::codes;
 pub use data::columns::{RecordColumn, record_columns};
 pub use data::examine::{ColumnStatistics, Noise, NoiseKind, POWER_FRACTIONS, examine};
 pub use data::experiment::{Experiment, MeasuredDrive, MeasuredOutput};

@@ -13,6 +13,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Report};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
+use patchcord_ident::codes;
 
 /// Folder of the bad patches, relative to this package.
 const PATCHES: &str = "../core/tests/patches/bad";
@@ -40,12 +41,17 @@ fn every_code_has_a_bad_patch_or_experiment() {
     let of_patches = bad_patches().into_iter().flat_map(|path| report(&path).findings);
     let of_experiments = bad::experiments().into_iter().flat_map(|path| bad::report(&path).findings);
     let covered: HashSet<Code> = of_patches.chain(of_experiments).map(|finding| finding.code).collect();
-    let missing: Vec<_> = Code::ALL.iter().filter(|code| !covered.contains(code)).collect();
+    let missing: Vec<_> = all_codes().filter(|code| !covered.contains(code)).collect();
     assert!(
         missing.is_empty(),
         "no patch in {PATCHES} and no experiment in {} gets {missing:?}",
         bad::FOLDER
     );
+}
+
+/// The codes of patches, then those of experiments.
+fn all_codes() -> impl Iterator<Item = &'static Code> {
+    Code::ALL.iter().chain(codes::ALL)
 }
 
 /// The bad patch whose report is the example at the top of the page.
@@ -54,7 +60,7 @@ const EXAMPLE: &str = "unknown-name-cord";
 /// The text of docs/diagnostics.md.
 fn diagnostics_page() -> String {
     let example = report(&Path::new(PATCHES).join(format!("{EXAMPLE}.json")));
-    let rows: String = Code::ALL.iter().map(|code| table_row(*code)).collect();
+    let rows: String = all_codes().map(|code| table_row(*code)).collect();
     format!(
         "# Diagnostics\n\n\
          This page lists every diagnostic code of patches and of the experiments of [gap.md](gap.md). It is for \

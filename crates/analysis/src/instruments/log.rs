@@ -1,6 +1,6 @@
 //! The log book: describes each phase of a run, and how it ended, in a few words.
 
-use super::QuantityFormat;
+use crate::format::QuantityFormat;
 use patchcord_core::document::format_number;
 use patchcord_core::trace::{NewValue, PhaseEnd, PhaseKind, PhaseRecord};
 

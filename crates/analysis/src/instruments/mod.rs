@@ -2,7 +2,7 @@
 //!
 //! An instrument is a function of plain slices (time, values, settings) in a file of the same name. It returns a struct
 //! of numbers or an error that says why the samples do not show the quantity. `measure` gives the instruments short
-//! names for sweeps ("peak:v_o"). `quantity` and `log` format numbers and phases for people.
+//! names for sweeps ("peak:v_o"). `log` describes phases for people.
 
 mod critical_range;
 mod critical_velocity;
@@ -16,7 +16,6 @@ mod measure;
 mod oscillation;
 mod parameters;
 mod profile;
-mod quantity;
 mod ringing;
 mod sensitivity;
 mod steadiness;
@@ -40,8 +39,6 @@ pub use profile::{
     AbsenceReason, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
     VelocityProfile, velocity_profile,
 };
-pub use quantity::format_quantity;
-pub use quantity::{QuantityFormat, number};
 pub use ringing::{Ringing, RingingError, ringing};
 pub use sensitivity::{Sensitivity, sensitivities};
 pub use steady_friction::{SteadyFriction, SteadyFrictionError, steady_friction};

@@ -1,6 +1,6 @@
 //! Formats the parameters of a circuit as one line of text.
 
-use super::QuantityFormat;
+use crate::format::QuantityFormat;
 use patchcord_core::circuit::Circuit;
 
 /// The parameters as one line, "k 45 MN/m, m 400 kg". Omits parameters that are 0 both in the patch and as set.

@@ -76,7 +76,7 @@ fn too_few_parts(patch: &Patch, machine: &Machine, part: Part, count: usize, ava
     let message = format!("the patch uses {}, and the {} has {available}", part.counted(count), machine.name);
     let hint = Some("use fewer, or use the machine \"unlimited\"".to_owned());
     let span = first_without.map(|(name, entry)| macros::instance_span(patch, name).unwrap_or(entry.span));
-    Diagnostic { code: Code::Inventory, span, message, hint }
+    Diagnostic { code: Code::INVENTORY, span, message, hint }
 }
 
 /// Checks the lists of machine parts: their length, and that no part is listed twice.
@@ -93,7 +93,7 @@ fn check_part_lists(patch: &Patch, findings: &mut Vec<Diagnostic>) {
                         format!("{} is used by {owner} and by {name}", part.value)
                     };
                     let hint = "the machine has each part once";
-                    findings.push(Diagnostic::at(Code::PartTwice, part.span, message).hint(hint));
+                    findings.push(Diagnostic::at(Code::PART_TWICE, part.span, message).hint(hint));
                 }
             }
         }
@@ -115,6 +115,6 @@ fn check_list_length(
     if names.len() != expected {
         let message = format!("{name} consists of {} and lists {}", part.counted(expected), names.len());
         let hint = "list as many parts as the element consists of, or remove the list";
-        findings.push(Diagnostic::at(Code::PartCount, key.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::PART_COUNT, key.span, message).hint(hint));
     }
 }

@@ -104,7 +104,7 @@ fn nested_too_deeply(graph: &Graph, members: impl Iterator<Item = usize>) -> Dia
     );
     let span = members.iter().find_map(|member| element(member).span);
     let hint = Some("put an integrator or a lag into some of them".to_owned());
-    Diagnostic { code: Code::LoopTooTangled, span, message, hint }
+    Diagnostic { code: Code::LOOP_TOO_TANGLED, span, message, hint }
 }
 
 #[cfg(test)]

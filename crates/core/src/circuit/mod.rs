@@ -171,7 +171,7 @@ impl Circuit {
     /// let summer = ElementBuilder::new("summer").cords("x1", ["A9"]);
     /// let patch = PatchBuilder::new("wrong").element("A1", summer).build()?;
     /// let report = Circuit::new(&patch).unwrap_err();
-    /// assert_eq!(report.findings[0].code, Code::UnknownName);
+    /// assert_eq!(report.findings[0].code, Code::UNKNOWN_NAME);
     /// assert_eq!(report.findings[0].message, "A1 is driven by A9, which is not in the patch");
     /// # Ok(())
     /// # }

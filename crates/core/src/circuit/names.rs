@@ -24,7 +24,7 @@ pub(super) fn found_or_report<'k, T>(
     if found.is_none() && !patch.unread_names().may_include(&name.value) {
         let has_suggestion = findings.len() < MAX_SUGGESTIONS;
         let hint = has_suggestion.then(|| suggestion(&name.value, &known())).flatten();
-        findings.push(Diagnostic::at(Code::UnknownName, name.span, message()).maybe_hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_NAME, name.span, message()).maybe_hint(hint));
     }
     found
 }

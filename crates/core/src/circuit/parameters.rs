@@ -22,7 +22,7 @@ pub(super) fn parameters(
     for (name, _) in changes.iter().filter(|(name, _)| !patch.parameters.contains_key(name)) {
         let message = format!("there is no parameter {name} to set");
         let hint = suggestion(name, &known);
-        findings.push(Diagnostic::without_span(Code::UnknownName, message).maybe_hint(hint));
+        findings.push(Diagnostic::without_span(Code::UNKNOWN_NAME, message).maybe_hint(hint));
     }
     let quantities = patch.parameters.iter().map(|(name, parameter)| {
         let change = changes.iter().rev().find(|(changed, _)| changed == name).map(|(_, value)| *value);

@@ -56,13 +56,13 @@ impl PhaseChecker<'_> {
             let hint = suggestion(&relay.value, &self.relays()).unwrap_or_else(|| {
                 "add an element of kind \"relay\" that compares its voltage, and name the relay".to_owned()
             });
-            findings.push(Diagnostic::at(Code::NotARelay, relay.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::NOT_A_RELAY, relay.span, message).hint(hint));
         } else if let Some(becomes) = &condition.becomes
             && !positions.contains(&becomes.value.as_str())
         {
             let message = format!("{} has no position \"{}\"", relay.value, becomes.value);
             let hint = suggestion(&becomes.value, positions);
-            findings.push(Diagnostic::at(Code::UnknownName, becomes.span, message).maybe_hint(hint));
+            findings.push(Diagnostic::at(Code::UNKNOWN_NAME, becomes.span, message).maybe_hint(hint));
         }
     }
 
@@ -95,7 +95,7 @@ impl PhaseChecker<'_> {
             .find(|(_, formula)| depends(formula));
         if let Some((scale, _)) = scale {
             let message = format!("setting {} would change the scale {scale} within the record", name.value);
-            findings.push(Diagnostic::at(Code::ScaleInRun, name.span, message));
+            findings.push(Diagnostic::at(Code::SCALE_IN_RUN, name.span, message));
         }
     }
 
@@ -108,7 +108,7 @@ impl PhaseChecker<'_> {
         if let Some(name) = names.iter().find(|name| scope.is_ambiguous(name)) {
             let message = format!("{name} is both a signal and a parameter or scale");
             let hint = "rename the signal: the formula could mean either";
-            findings.push(Diagnostic::at(Code::DuplicateName, to.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::DUPLICATE_NAME, to.span, message).hint(hint));
             return;
         }
         if names.iter().any(|name| scope.has_unknown_scale(name)) {

@@ -74,7 +74,7 @@ fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
         let known: Vec<_> = machines::ALL.iter().map(|machine| machine.name).collect();
         let message = format!("there is no machine \"{}\"", name.value);
         findings.push(
-            Diagnostic::at(Code::UnknownMachine, name.span, message)
+            Diagnostic::at(Code::UNKNOWN_MACHINE, name.span, message)
                 .maybe_hint(suggestion(&name.value, &known)),
         );
         machines::DEFAULT_MACHINE
@@ -222,7 +222,7 @@ impl CordPlugger<'_> {
             None if jacks.is_empty() => "it has no inputs".to_owned(),
             None => format!("it has {}", jacks.join(", ")),
         };
-        Diagnostic::at(Code::UnknownInput, jack.span, message).hint(hint)
+        Diagnostic::at(Code::UNKNOWN_INPUT, jack.span, message).hint(hint)
     }
 
     /// Reports a gain that the machine does not have for this kind.
@@ -238,7 +238,7 @@ impl CordPlugger<'_> {
         let message =
             format!("{name} has an input gain x{gain}, but no {kind} of the {machine} has this gain");
         let hint = format!("the gains are {}: use one of them with a pot in front", known.join(", "));
-        findings.push(Diagnostic::at(Code::MissingGain, jack.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::MISSING_GAIN, jack.span, message).hint(hint));
     }
 
     /// The node that drives a cord. Reports an unknown name.
@@ -285,7 +285,7 @@ impl CordPlugger<'_> {
                 count => format!("{} of {} needs {least} cords and has {count}", jacks, self.name),
             };
             let hint = format!("{}; use \"ground\" for 0 V", row.description);
-            findings.push(Diagnostic::at(Code::NoDriver, span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::NO_DRIVER, span, message).hint(hint));
         }
     }
 
@@ -296,13 +296,13 @@ impl CordPlugger<'_> {
         let row = &self.entry.kind.inputs[input];
         if let Jacks::Exactly(count) = row.jacks {
             let message = format!("{} takes {count} cords and has {}", self.name, plugs.len());
-            return Diagnostic::at(Code::TooManyInputs, extra.from.span, message)
+            return Diagnostic::at(Code::TOO_MANY_INPUTS, extra.from.span, message)
                 .hint("use a second element for the others");
         }
         let (first, second) = (&plugs[0].from.value, &extra.from.value);
         let message =
             format!("the outputs of {first} and {second} are tied together at {} of {}", row.name, self.name);
-        Diagnostic::at(Code::OutputsTied, extra.from.span, message)
+        Diagnostic::at(Code::OUTPUTS_TIED, extra.from.span, message)
             .hint("add them in a summer, and plug in its output")
     }
 }
@@ -351,7 +351,7 @@ fn warn_of_unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) 
 
 /// The warning about an element or an instance that is not used.
 fn unused_output(name: &str, span: Span) -> Diagnostic {
-    Diagnostic::at(Code::UnusedElement, span, format!("nothing uses the output of {name}"))
+    Diagnostic::at(Code::UNUSED_ELEMENT, span, format!("nothing uses the output of {name}"))
         .hint("define a signal at it, plug it in, or remove it")
 }
 
@@ -383,8 +383,8 @@ mod tests {
     fn a_recorded_or_drawn_element_counts_as_used() {
         let drawn = r#""pictures": [{"x": "S", "y": ["D"]}]"#;
         assert_eq!(warnings_with(drawn), []);
-        assert_eq!(warnings_with(r#""record": ["D", "S"]"#), [Code::UnscaledSignal]);
-        assert_eq!(warnings_with(r#""record": ["D"]"#), [Code::UnusedElement]);
-        assert_eq!(warnings_with(r#""record": []"#), [Code::UnusedElement; 2]);
+        assert_eq!(warnings_with(r#""record": ["D", "S"]"#), [Code::UNSCALED_SIGNAL]);
+        assert_eq!(warnings_with(r#""record": ["D"]"#), [Code::UNUSED_ELEMENT]);
+        assert_eq!(warnings_with(r#""record": []"#), [Code::UNUSED_ELEMENT; 2]);
     }
 }

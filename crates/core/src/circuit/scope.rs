@@ -226,7 +226,7 @@ impl Quantities {
             names => format!("the scales {} depend on each other", names.join(", ")),
         };
         let span = first.formula.map_or(first.span, |placed| placed.span);
-        Diagnostic::at(Code::BadFormula, span, message)
+        Diagnostic::at(Code::BAD_FORMULA, span, message)
             .hint("define one of them by a number or by parameters only")
     }
 
@@ -241,7 +241,7 @@ impl Quantities {
         if value == 0.0 && self.is_literal(&placed.value) && index < self.scale_count {
             let message = "per_volt of a scale must not be 0";
             let hint = "per_volt is the value that one volt represents";
-            findings.push(Diagnostic::at(Code::BadNumber, placed.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::BAD_NUMBER, placed.span, message).hint(hint));
             return None;
         }
         Some(value)
@@ -275,7 +275,7 @@ impl Quantities {
     ) -> Option<f64> {
         self.check_unit(placed, self, fits, expected, findings)?;
         let value = placed.value.evaluate(self);
-        value.map_err(|error| findings.push(formula_diagnostic(Code::BadFormula, placed, error))).ok()
+        value.map_err(|error| findings.push(formula_diagnostic(Code::BAD_FORMULA, placed, error))).ok()
     }
 
     /// Checks the unit of a formula whose names are in `scope`. `None` if the unit is wrong, which is reported.
@@ -300,7 +300,7 @@ impl Quantities {
         {
             let message = format!("{} {}, but {expected} is expected here", formula.text(), describe(found));
             let hint = fits(Dimension::NONE).then(|| self.divisor(formula, found));
-            findings.push(Diagnostic::at(Code::UnitMismatch, placed.span, message).maybe_hint(hint));
+            findings.push(Diagnostic::at(Code::UNIT_MISMATCH, placed.span, message).maybe_hint(hint));
             return None;
         }
         Some(())
@@ -351,7 +351,7 @@ fn describe(dimension: Dimension) -> String {
 /// The diagnostic for a formula whose value overflows when it is converted to SI units or volts.
 pub(super) fn too_large(formula: &Formula, span: Span) -> Diagnostic {
     let message = format!("the value of {} is too large", formula.text());
-    Diagnostic::at(Code::NotFinite, span, message).hint("look for a wrong power of ten, here or in a scale")
+    Diagnostic::at(Code::NOT_FINITE, span, message).hint("look for a wrong power of ten, here or in a scale")
 }
 
 impl Scope for Quantities {

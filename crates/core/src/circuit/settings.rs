@@ -120,7 +120,7 @@ impl SettingChecker<'_> {
         let (name, span) =
             self.entry.scale.as_ref().map_or(("", self.entry.span), |scale| (&scale.value, scale.span));
         let message = format!("the scale {name} of the drive {} is 0 per volt", self.name);
-        Diagnostic::at(Code::BadNumber, span, message).hint("give the drive another scale")
+        Diagnostic::at(Code::BAD_NUMBER, span, message).hint("give the drive another scale")
     }
 
     /// The value of a setting. `None` if its unit or its value is wrong, which is reported.
@@ -151,7 +151,7 @@ impl SettingChecker<'_> {
                 self.name,
                 format_number(value)
             );
-            findings.push(Diagnostic::at(Code::BadNumber, placed.span, message));
+            findings.push(Diagnostic::at(Code::BAD_NUMBER, placed.span, message));
             return None;
         }
         if row.measure == Measure::Fraction {
@@ -218,7 +218,7 @@ impl SettingChecker<'_> {
     /// needs an inverter, a pot setting above 1 needs a larger gain, and a voltage above 100 V needs other scales.
     fn out_of_range(&self, row: &Setting, placed: &Placed<Formula>, value: f64) -> Diagnostic {
         let (low, high) = row.range;
-        let code = if row.measure == Measure::Fraction { Code::SettingOutside } else { Code::BadNumber };
+        let code = if row.measure == Measure::Fraction { Code::SETTING_OUTSIDE } else { Code::BAD_NUMBER };
         let unit = self.value_unit(row, &placed.value);
         let [value_text, low_text, high_text] = [value, low, high].map(format_number);
         let violation = match high {
@@ -227,8 +227,8 @@ impl SettingChecker<'_> {
         };
         let message = format!("\"{}\" of {} is {value_text}{unit}, {violation}", row.name, self.name);
         let hint = match code {
-            Code::SettingOutside if value < low => "a pot cannot invert: put a summer in front of it",
-            Code::SettingOutside => "divide it by 10 and use an input with 10 times the gain, or rescale",
+            Code::SETTING_OUTSIDE if value < low => "a pot cannot invert: put a summer in front of it",
+            Code::SETTING_OUTSIDE => "divide it by 10 and use an input with 10 times the gain, or rescale",
             _ if row.measure == Measure::Volts && value.abs() > REFERENCE => {
                 "rescale: the machine works between -100 and 100 V"
             }
@@ -274,7 +274,7 @@ impl SettingChecker<'_> {
         if let Some((predicate, values)) = violation {
             let message = format!("\"{}\" of {} {predicate} at {values}", row.name, self.name);
             let hint = "narrow the range of the parameter, or rescale";
-            findings.push(Diagnostic::at(Code::SettingRange, placed.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::SETTING_RANGE, placed.span, message).hint(hint));
         }
     }
 
@@ -320,7 +320,7 @@ impl SettingChecker<'_> {
                 let message =
                     format!("{lower} of {} is {low}, which is not below {upper} = {high}", self.name);
                 let hint = "exchange the two, or change one of them";
-                findings.push(Diagnostic::at(Code::BadNumber, self.position(lower), message).hint(hint));
+                findings.push(Diagnostic::at(Code::BAD_NUMBER, self.position(lower), message).hint(hint));
             }
         }
     }
@@ -340,7 +340,7 @@ impl SettingChecker<'_> {
                 let message = format!("{between} of {} is {inner}, {side} {bound} = {limit}", self.name);
                 let span = if self.is_set(between) { self.position(between) } else { self.position(bound) };
                 let hint = format!("set \"{between}\" inside the limits, or change the limit");
-                findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
+                findings.push(Diagnostic::at(Code::BAD_NUMBER, span, message).hint(hint));
             }
         }
     }
@@ -421,10 +421,10 @@ mod tests {
         };
         let lag = || ElementBuilder::new("lag").set("time", 1);
         assert_eq!(codes(lag(), "pot", "0.5"), []);
-        assert!(codes(lag(), "pot", "w").contains(&Code::UnitMismatch));
+        assert!(codes(lag(), "pot", "w").contains(&Code::UNIT_MISMATCH));
         let integrator = || ElementBuilder::new("integrator");
         assert_eq!(codes(integrator(), "pot", "w"), []);
-        assert!(codes(integrator(), "free-pot", "w").contains(&Code::UnitMismatch));
+        assert!(codes(integrator(), "free-pot", "w").contains(&Code::UNIT_MISMATCH));
     }
 
     /// The circuit of a chain of pots, each set to a rate, that drives an amplifier of this kind.

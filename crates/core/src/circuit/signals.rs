@@ -100,11 +100,11 @@ impl<'a> Recordable<'a> {
             let Some(point) = self.find(name, findings) else { continue };
             if !record.insert(point) {
                 let message = format!("{} is recorded twice", name.value);
-                findings.push(Diagnostic::at(Code::DuplicateName, name.span, message));
+                findings.push(Diagnostic::at(Code::DUPLICATE_NAME, name.span, message));
             } else if self.is_in_volts(point, &name.value) {
                 let message = format!("{} has no scale and is recorded in volts", name.value);
                 let hint = "define a signal at it, with a scale";
-                findings.push(Diagnostic::at(Code::UnscaledSignal, name.span, message).hint(hint));
+                findings.push(Diagnostic::at(Code::UNSCALED_SIGNAL, name.span, message).hint(hint));
             }
         }
         record.into_iter().collect()
@@ -129,7 +129,7 @@ impl<'a> Recordable<'a> {
                 let (count, list) = (units.len(), list.join(", "));
                 let message = format!("the picture has {count} units ({list}), but only two axes");
                 let hint = "draw a second picture";
-                findings.push(Diagnostic::at(Code::UnitMismatch, picture.y[0].span, message).hint(hint));
+                findings.push(Diagnostic::at(Code::UNIT_MISMATCH, picture.y[0].span, message).hint(hint));
             }
         }
     }

@@ -42,7 +42,7 @@ impl Span {
 }
 
 /// Whether a diagnostic prevents the patch from running.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Severity {
     /// The patch cannot run.
     Error,
@@ -68,7 +68,7 @@ impl Severity {
 /// use patchcord_core::document::{Code, Diagnostic, Span};
 ///
 /// let span = Span { start: 4, end: 9 };
-/// let finding = Diagnostic::at(Code::UnknownKey, span, "\"kin\" is not a key of the patch");
+/// let finding = Diagnostic::at(Code::UNKNOWN_KEY, span, "\"kin\" is not a key of the patch");
 /// assert_eq!(finding.advice(), "remove it, or move its text to a \"note\"");
 /// let finding = finding.hint("did you mean \"kind\"?");
 /// assert_eq!(finding.advice(), "did you mean \"kind\"?");
@@ -109,7 +109,7 @@ impl Diagnostic {
 
     /// Refers to the reference page of another kind of document if the code's advice refers to that of patches.
     pub fn set_reference_page(&mut self, page: &str) {
-        if matches!(self.code, Code::WrongType | Code::MissingKey) {
+        if matches!(self.code, Code::WRONG_TYPE | Code::MISSING_KEY) {
             self.hint.get_or_insert_with(|| format!("{page} describes every key"));
         }
     }
@@ -128,8 +128,8 @@ impl Diagnostic {
 /// ```
 /// use patchcord_core::document::{Code, Diagnostic, any_error};
 ///
-/// let warning = Diagnostic::without_span(Code::UnusedElement, "nothing uses the output of A1");
-/// let error = Diagnostic::without_span(Code::UnknownName, "there is no parameter K to set");
+/// let warning = Diagnostic::without_span(Code::UNUSED_ELEMENT, "nothing uses the output of A1");
+/// let error = Diagnostic::without_span(Code::UNKNOWN_NAME, "there is no parameter K to set");
 /// assert!(!any_error(&[warning.clone()]));
 /// assert!(any_error(&[warning, error]));
 /// ```

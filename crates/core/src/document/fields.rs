@@ -26,7 +26,7 @@ pub fn number(node: &Node, key: &str, findings: &mut Findings) -> Option<f64> {
     if value.is_none() {
         let message = format!("{text} is too large to hold");
         let hint = "every number must be finite";
-        findings.push(Diagnostic::at(Code::NotFinite, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::NOT_FINITE, node.span, message).hint(hint));
     }
     value
 }
@@ -75,7 +75,7 @@ fn number_if(
     let value = number(node, key, findings)?;
     if !is_allowed(value) {
         let message = format!("\"{key}\" must be {condition}, not {value}");
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, node.span, message));
         return None;
     }
     Some(Placed { value, span: node.span })
@@ -103,7 +103,7 @@ pub fn wrong_type(node: &Node, key: &str, expected: &str, got: &Content) -> Diag
     let message = format!("\"{key}\" must be {expected}, not {}", got.noun());
     let quoted_number = matches!(got, Content::Text(text) if text.parse::<f64>().is_ok_and(f64::is_finite));
     let hint = (quoted_number && expected == "a number").then(|| "remove the quotes".to_owned());
-    Diagnostic::at(Code::WrongType, node.span, message).maybe_hint(hint)
+    Diagnostic::at(Code::WRONG_TYPE, node.span, message).maybe_hint(hint)
 }
 
 /// The keys of an object while a decoder takes them. Keys that remain at the end are unknown.
@@ -144,7 +144,7 @@ impl<'a> Fields<'a> {
         let noun = noun.into();
         let Content::Object(entries) = &node.value else {
             let message = format!("{noun} must be an object, not {}", node.value.noun());
-            findings.push(Diagnostic::at(Code::WrongType, node.span, message));
+            findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message));
             return None;
         };
         report_duplicates(entries, findings);
@@ -225,7 +225,7 @@ impl<'a> Fields<'a> {
                 None => {
                     let opening = Span { start: self.span.start, end: self.span.start + 1 };
                     let message = format!("{} needs \"{key}\"", self.noun);
-                    Diagnostic::at(Code::MissingKey, opening, message).hint(meaning)
+                    Diagnostic::at(Code::MISSING_KEY, opening, message).hint(meaning)
                 }
             });
         }
@@ -242,7 +242,7 @@ impl<'a> Fields<'a> {
     /// The diagnostic for a key that the object must not have.
     fn unknown_key(&self, entry: &KeyValue) -> Diagnostic {
         let message = format!("\"{}\" is not a key of {}", entry.key, self.noun);
-        Diagnostic::at(Code::UnknownKey, entry.key_span, message)
+        Diagnostic::at(Code::UNKNOWN_KEY, entry.key_span, message)
     }
 }
 
@@ -252,6 +252,6 @@ fn report_duplicates(entries: &[KeyValue], findings: &mut Findings) {
     for entry in entries.iter().filter(|entry| !seen.insert(entry.key.as_str())) {
         let message = format!("the key \"{}\" occurs more than once", entry.key);
         let hint = "keep one of them: other JSON readers silently drop the others";
-        findings.push(Diagnostic::at(Code::DuplicateKey, entry.key_span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::DUPLICATE_KEY, entry.key_span, message).hint(hint));
     }
 }

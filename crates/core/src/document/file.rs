@@ -60,7 +60,7 @@ pub fn read_text(path: &Path) -> Result<String, DocumentError> {
         let valid = error.utf8_error().valid_up_to();
         let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
         let span = Span { start: valid, end: valid };
-        let finding = Diagnostic::at(Code::Syntax, span, "the file is not UTF-8 text")
+        let finding = Diagnostic::at(Code::SYNTAX, span, "the file is not UTF-8 text")
             .hint("save it with the encoding UTF-8");
         Box::new(Report::new(&file, &readable, vec![finding]))
     })?;
@@ -77,7 +77,7 @@ fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
 /// The report on a document above [`MAX_DOCUMENT_BYTES`].
 pub(crate) fn document_too_large(file: &str) -> Box<Report> {
     let message = format!("the document has more than {} MB", MAX_DOCUMENT_BYTES / 1_000_000);
-    let finding = Diagnostic::at(Code::Syntax, Span::default(), message)
+    let finding = Diagnostic::at(Code::SYNTAX, Span::default(), message)
         .hint("no document needs that much: is it the right file?");
     Box::new(Report::new(file, "", vec![finding]))
 }

@@ -13,10 +13,10 @@ pub fn unit_mismatch(scope: &dyn Scope, placed: &Placed<Formula>, error: Formula
     let faulty = placed.value.text().get(error.range.clone()).unwrap_or_default();
     let is_unknown_name = placed.value.names().contains(&faulty) && scope.dimension(faulty).is_none();
     if !is_unknown_name {
-        return formula_diagnostic(Code::UnitMismatch, placed, error);
+        return formula_diagnostic(Code::UNIT_MISMATCH, placed, error);
     }
     let hint = error.hint.clone().or_else(|| suggestion(faulty, &scope.names()));
-    formula_diagnostic(Code::UnknownName, placed, error).maybe_hint(hint)
+    formula_diagnostic(Code::UNKNOWN_NAME, placed, error).maybe_hint(hint)
 }
 
 /// The diagnostic for an error of a formula. Its position is the faulty part of the formula.

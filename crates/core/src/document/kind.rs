@@ -45,7 +45,7 @@ impl DocumentKind {
         let given = ALL.into_iter().find(|kind| kind.keys().iter().all(|key| find(key).is_some()))?;
         let message = format!("this is {}, where {} is needed", given.noun(), self.noun());
         let hint = if self == DocumentKind::Effect { FOLDER_HINT } else { given.hint() };
-        Some(Diagnostic::at(Code::UnknownKey, find(given.keys()[0])?.key_span, message).hint(hint))
+        Some(Diagnostic::at(Code::UNKNOWN_KEY, find(given.keys()[0])?.key_span, message).hint(hint))
     }
 
     /// The keys that identify the kind: a document with all of them is of this kind. The first key alone is

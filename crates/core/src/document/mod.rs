@@ -11,7 +11,7 @@
 //! use patchcord_core::patch::Patch;
 //!
 //! let report: Box<Report> = Patch::parse("p.json", "{\"patchcord\": 1,}").unwrap_err();
-//! assert_eq!(report.findings[0].code, Code::Syntax);
+//! assert_eq!(report.findings[0].code, Code::SYNTAX);
 //! assert_eq!(report.findings[0].hint.as_deref(), Some("remove the last comma"));
 //! ```
 
@@ -31,7 +31,7 @@ pub mod tree;
 mod values;
 mod wording;
 
-pub use code::Code;
+pub use code::{Code, CodeEntry};
 pub use derivative::{derivative_name, derivative_of, derivative_unit};
 pub use diagnostic::{Diagnostic, Severity, Span, any_error};
 pub use file::{DocumentError, read_text};

@@ -50,8 +50,8 @@ impl RangeViolation {
     /// The diagnostic for a report. `span` is the place of the value, or `None` if the value is not in the document.
     pub(crate) fn diagnostic(&self, span: Option<Span>) -> Diagnostic {
         let (code, hint) = match self.range {
-            Some(_) => (Code::OutsideRange, "widen the range in the patch if the circuit can take it"),
-            None => (Code::NotFinite, "every number of a patch must be finite"),
+            Some(_) => (Code::OUTSIDE_RANGE, "widen the range in the patch if the circuit can take it"),
+            None => (Code::NOT_FINITE, "every number of a patch must be finite"),
         };
         Diagnostic { code, span, message: self.to_string(), hint: Some(hint.to_owned()) }
     }
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(millimetres(5.0), Ok(5.0 * 1e-3));
         let violation = millimetres(6.0).unwrap_err();
         assert_eq!(violation.to_string(), "x = 6 mm is outside its range 1 ... 5 mm");
-        assert_eq!(violation.diagnostic(None).code, Code::OutsideRange);
+        assert_eq!(violation.diagnostic(None).code, Code::OUTSIDE_RANGE);
     }
 
     #[test]
@@ -111,7 +111,7 @@ mod tests {
         assert_eq!(kilometres(1e306, None).unwrap_err().range, None);
         let violation = kilometres(f64::NAN, Some((0.0, 1.0))).unwrap_err();
         assert_eq!(violation.to_string(), "x = NaN km is not a finite number in SI units");
-        assert_eq!(violation.diagnostic(None).code, Code::NotFinite);
+        assert_eq!(violation.diagnostic(None).code, Code::NOT_FINITE);
         assert_eq!(kilometres(-1e300, None), Ok(-1e300 * 1e3));
     }
 }

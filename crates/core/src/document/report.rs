@@ -22,7 +22,7 @@ const EXCERPT_BYTES: usize = 40;
 /// use patchcord_core::document::{Code, Diagnostic, Report, Span};
 ///
 /// let text = "{\n  \"kin\": 1\n}";
-/// let finding = Diagnostic::at(Code::UnknownKey, Span { start: 4, end: 9 }, "no such key");
+/// let finding = Diagnostic::at(Code::UNKNOWN_KEY, Span { start: 4, end: 9 }, "no such key");
 /// let report = Report::new("a.json", text, vec![finding]);
 /// assert_eq!((report.error_count(), report.warning_count()), (1, 0));
 /// assert_eq!(report.line_and_column(4), (2, 3));
@@ -172,7 +172,7 @@ mod tests {
     use crate::document::Code;
 
     fn report(text: &str, span: Span) -> Report {
-        let finding = Diagnostic::at(Code::UnknownKey, span, "no such key").hint("look it up");
+        let finding = Diagnostic::at(Code::UNKNOWN_KEY, span, "no such key").hint("look it up");
         Report::new("a.json", text, vec![finding])
     }
 
@@ -203,7 +203,7 @@ mod tests {
     /// A report with diagnostics at the first `count` words of a text of words with three letters.
     fn report_at_words(text: &str, count: usize) -> Report {
         let spans = (0..count).map(|at| Span { start: 4 * at, end: 4 * at + 3 });
-        let finding = |span| Diagnostic::at(Code::UnknownKey, span, "no such key");
+        let finding = |span| Diagnostic::at(Code::UNKNOWN_KEY, span, "no such key");
         Report::new("a.json", text, spans.map(finding).collect())
     }
 
@@ -221,7 +221,7 @@ mod tests {
     fn a_long_line_is_shown_only_around_the_diagnostic() {
         let text = "µbc ".repeat(3_000_000);
         let start = 5 * 1_000_000;
-        let finding = Diagnostic::at(Code::UnknownKey, Span { start, end: start + 4 }, "no such key");
+        let finding = Diagnostic::at(Code::UNKNOWN_KEY, Span { start, end: start + 4 }, "no such key");
         let report = Report::new("a.json", &text, vec![finding; 20_000]);
         let shown = report.to_string();
         assert!(shown.contains("a.json:1:4000001\n"), "{shown}");

@@ -158,19 +158,19 @@ impl Node {
 ///
 /// assert!(tree::parse("[1.5, true, null]").is_ok());
 /// let error = tree::parse("[.5]").unwrap_err();
-/// assert_eq!(error.code, Code::Syntax);
+/// assert_eq!(error.code, Code::SYNTAX);
 /// assert_eq!(error.hint.as_deref(), Some("write 0.5, not .5, and 5, not 5."));
 /// ```
 pub fn parse(text: &str) -> Result<Node, Diagnostic> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &strict()).map_err(|error| {
         let error_span = span(error.range());
         let rest = text.get(error_span.start..).unwrap_or_default();
-        Diagnostic::at(Code::Syntax, error_span, format!("not JSON: {}", error.kind()))
+        Diagnostic::at(Code::SYNTAX, error_span, format!("not JSON: {}", error.kind()))
             .maybe_hint(syntax_hint(error.kind(), rest).map(str::to_owned))
     })?;
     match parsed.value {
         Some(value) => Ok(node(value)),
-        None => Err(Diagnostic::at(Code::Syntax, Span::default(), "the document is empty")
+        None => Err(Diagnostic::at(Code::SYNTAX, Span::default(), "the document is empty")
             .hint("a patch begins with {\"patchcord\": 1, ...")),
     }
 }
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn text_that_is_not_strict_json_is_refused() {
         for text in ["", "{", "{a: 1}", "{\"a\": 1,}", "[NaN]", "[0x1]", "[+1]", "[.5]", "// c\n1", "['a']"] {
-            assert_eq!(parse(text).unwrap_err().code, Code::Syntax, "{text}");
+            assert_eq!(parse(text).unwrap_err().code, Code::SYNTAX, "{text}");
         }
     }
 
@@ -287,6 +287,6 @@ mod tests {
 
     #[test]
     fn deep_nesting_gives_an_error_instead_of_a_crash() {
-        assert_eq!(parse(&"[".repeat(100_000)).unwrap_err().code, Code::Syntax);
+        assert_eq!(parse(&"[".repeat(100_000)).unwrap_err().code, Code::SYNTAX);
     }
 }

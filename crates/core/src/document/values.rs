@@ -29,14 +29,14 @@ pub fn range(node: &Node, key: &str, findings: &mut Findings) -> Option<(f64, f6
     let bounds = list(node, key, findings)?;
     let [low, high] = bounds else {
         let message = format!("\"{key}\" must be a list of two numbers: the least and the largest value");
-        findings.push(Diagnostic::at(Code::WrongType, node.span, message));
+        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message));
         return None;
     };
     let (low, high) = (number(low, key, findings)?, number(high, key, findings)?);
     if low > high {
         let message = format!("the least value {low} is above the largest {high}");
         let hint = "a range begins with the least value";
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, node.span, message).hint(hint));
         return None;
     }
     Some((low, high))
@@ -60,7 +60,7 @@ pub fn parse_unit(node: &Node, findings: &mut Findings) -> Option<Unit> {
     Unit::parse(&text.value)
         .map_err(|error| {
             let span = inside_quotes(text.span, &error.range);
-            findings.push(Diagnostic::at(Code::UnknownUnit, span, error.message).maybe_hint(error.hint));
+            findings.push(Diagnostic::at(Code::UNKNOWN_UNIT, span, error.message).maybe_hint(error.hint));
         })
         .ok()
 }
@@ -90,7 +90,7 @@ pub fn formula(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed
         Content::Text(text) => Formula::parse(text)
             .map_err(|error| {
                 let span = inside_quotes(node.span, &error.range);
-                findings.push(Diagnostic::at(Code::BadFormula, span, error.message).maybe_hint(error.hint));
+                findings.push(Diagnostic::at(Code::BAD_FORMULA, span, error.message).maybe_hint(error.hint));
             })
             .ok()?,
         other => {

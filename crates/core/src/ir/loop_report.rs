@@ -8,22 +8,25 @@ use crate::document::{Code, format_number};
 pub(crate) fn remedy(entry: &Loop, solutions: Solutions) -> (Code, &'static str) {
     match solutions {
         Solutions::Counted { count: 0, .. } => (
-            Code::LoopWithoutSolution,
+            Code::LOOP_WITHOUT_SOLUTION,
             "put an integrator or a lag into the loop, or a relay with hysteresis",
         ),
         Solutions::NotANumber => {
-            (Code::LoopWithoutSolution, "look for a gain or a function in it that overflows")
+            (Code::LOOP_WITHOUT_SOLUTION, "look for a gain or a function in it that overflows")
         }
-        Solutions::TooManyPieces => (Code::LoopTooTangled, "put an integrator or a lag into the loop"),
-        Solutions::Range => {
-            (Code::LoopWithSolutions, "its gain is exactly 1: change it, or put an integrator into the loop")
-        }
+        Solutions::TooManyPieces => (Code::LOOP_TOO_TANGLED, "put an integrator or a lag into the loop"),
+        Solutions::Range => (
+            Code::LOOP_WITH_SOLUTIONS,
+            "its gain is exactly 1: change it, or put an integrator into the loop",
+        ),
         _ if entry.is_open => (
-            Code::LoopWithSolutions,
+            Code::LOOP_WITH_SOLUTIONS,
             "the feedback must rise with the output from -100 V to 100 V: square one sign only, divide by a positive \
              voltage",
         ),
-        _ => (Code::LoopWithSolutions, "the loop latches up: bring its gain under 1, or invert it once more"),
+        _ => {
+            (Code::LOOP_WITH_SOLUTIONS, "the loop latches up: bring its gain under 1, or invert it once more")
+        }
     }
 }
 

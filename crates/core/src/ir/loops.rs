@@ -17,8 +17,8 @@ use crate::machines::REFERENCE;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LoopFault {
     /// Index of the loop.
-    /// What was found instead.
     pub index: usize,
+    /// What was found instead.
     pub solutions: Solutions,
 }
 
@@ -39,8 +39,8 @@ pub(crate) enum Solutions {
 enum Obstacle {
     /// The loop contains a curved element. Or an inner loop does not have exactly one solution for every voltage of
     /// the outer tear.
-    /// The loop has no usable solution.
     Curve,
+    /// The loop has no usable solution.
     Fault(Solutions),
 }
 

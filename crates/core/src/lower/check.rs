@@ -30,7 +30,7 @@ pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> 
     {
         let message = format!("{} is {}, {}", coefficient.label, format_number(value), fault.describe(value));
         let hint = Some("look for a wrong power of ten, here or in a scale".to_owned());
-        return vec![Diagnostic { code: Code::NotFinite, span: coefficient.span, message, hint }];
+        return vec![Diagnostic { code: Code::NOT_FINITE, span: coefficient.span, message, hint }];
     }
     let initial = solve_initial_condition(program, &parameters, &coefficients);
     let loops = initial
@@ -116,7 +116,7 @@ fn unsettled(circuit: &Circuit, program: &Program, element: usize) -> Option<Dia
         program.name(element)
     );
     let hint = Some("put an integrator or a lag into the loop, or invert it once more".to_owned());
-    Some(Diagnostic { code: Code::LoopWithoutSolution, span: circuit.element(element).span, message, hint })
+    Some(Diagnostic { code: Code::LOOP_WITHOUT_SOLUTION, span: circuit.element(element).span, message, hint })
 }
 
 /// The members of the loop through an element in which everything acts in the same instant: without states and delay

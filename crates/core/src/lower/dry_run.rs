@@ -104,7 +104,7 @@ impl DryRun<'_> {
             Err(error) => {
                 let inside = error.range.start + 1..error.range.end + 1;
                 let finding =
-                    Diagnostic::at(Code::BadFormula, change.to.span.subspan(&inside), error.message);
+                    Diagnostic::at(Code::BAD_FORMULA, change.to.span.subspan(&inside), error.message);
                 self.report(finding.maybe_hint(error.hint));
                 Some((index, None))
             }
@@ -140,7 +140,7 @@ impl DryRun<'_> {
             let message =
                 format!("{} is {} here, {}", coefficient.label, format_number(value), fault.describe(value));
             let hint = "choose other parameter values, or rescale";
-            self.report(Diagnostic::at(Code::SettingOutside, span, message).hint(hint));
+            self.report(Diagnostic::at(Code::SETTING_OUTSIDE, span, message).hint(hint));
         }
     }
 

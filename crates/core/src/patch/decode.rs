@@ -76,7 +76,7 @@ fn empty_patch(root: &Node) -> Diagnostic {
     let opening = Span { start: root.span.start, end: root.span.start + 1 };
     let hint = "write \"elements\": {\"A1\": {\"kind\": \"summer\", \"in\": {\"x1\": [\"+100\"]}}}, or begin with \
                 `patchcord new`";
-    Diagnostic::at(Code::MissingKey, opening, "the patch has neither elements nor drives: nothing can run")
+    Diagnostic::at(Code::MISSING_KEY, opening, "the patch has neither elements nor drives: nothing can run")
         .hint(hint)
 }
 
@@ -115,7 +115,7 @@ fn version(fields: &mut Fields<'_>, findings: &mut Findings) {
     };
     if number(node, "patchcord", findings).is_some_and(|version| version != FORMAT_VERSION as f64) {
         findings.push(
-            Diagnostic::at(Code::UnknownVersion, node.span, "this version of the format is not known")
+            Diagnostic::at(Code::UNKNOWN_VERSION, node.span, "this version of the format is not known")
                 .hint(format!("this program reads version {FORMAT_VERSION}")),
         );
     }
@@ -177,7 +177,7 @@ fn signal(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Signal> {
 fn factor(node: &Node, findings: &mut Findings) -> Option<f64> {
     let factor = number(node, "factor", findings)?;
     if factor == 0.0 {
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, "\"factor\" must not be 0"));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, node.span, "\"factor\" must not be 0"));
     }
     Some(factor)
 }
@@ -211,7 +211,7 @@ fn picture_signals(node: &Node, findings: &mut Findings) -> Vec<Placed<String>> 
     if matches!(&node.value, Content::List(items) if items.is_empty()) {
         let message = "the picture shows no signal";
         let hint = "name the signals along the vertical axis, or remove the picture";
-        findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, node.span, message).hint(hint));
     }
     strings(node, "y", findings)
 }

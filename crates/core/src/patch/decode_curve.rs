@@ -66,7 +66,7 @@ fn checked_list(
 ) -> Option<Vec<[f64; 2]>> {
     let (items, points) = number_pairs(node, key, findings)?;
     let locate = |index: usize| (items[index].span, String::new());
-    let code = Code::BadNumber;
+    let code = Code::BAD_NUMBER;
     check(PointList { points, locate: &locate, span: node.span, code, order_hint: SORT_HINT }, findings)
 }
 
@@ -133,7 +133,7 @@ fn number_pairs<'a>(
 fn number_pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
     let items = list(node, key, findings)?;
     let [abscissa, ordinate] = items else {
-        findings.push(Diagnostic::at(Code::WrongType, node.span, "a point is a list of two numbers"));
+        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, "a point is a list of two numbers"));
         return None;
     };
     Some([number(abscissa, key, findings)?, number(ordinate, key, findings)?])

@@ -76,7 +76,7 @@ fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Opt
         let message = format!("there is no kind \"{}\" of {}", name.value, family_noun(family));
         let hint = wrong_section_hint(family, &name.value)
             .or_else(|| suggestion(&name.value, &elements::names(family)));
-        findings.push(Diagnostic::at(Code::UnknownKind, node.span, message).maybe_hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_KIND, node.span, message).maybe_hint(hint));
     }
     kind
 }
@@ -120,7 +120,7 @@ fn jacks(node: &Node, entry: &mut ElementEntry, findings: &mut Findings) {
     if !matches!(node.value, Content::Object(_)) {
         let message = "an amplifier's cords go to inputs with gains";
         let hint = "write \"in\": {\"x1\": [...], \"x10\": [...]}";
-        findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message).hint(hint));
         entry.is_incomplete = true;
         return;
     }
@@ -218,7 +218,7 @@ fn choice(node: &Node, key: &str, permitted: &[&str], findings: &mut Findings) -
     if index.is_none() {
         let message = format!("\"{}\" is not a value of \"{key}\"", chosen.value);
         let hint = suggestion(&chosen.value, permitted);
-        findings.push(Diagnostic::at(Code::UnknownName, node.span, message).maybe_hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_NAME, node.span, message).maybe_hint(hint));
     }
     index
 }
@@ -232,7 +232,7 @@ fn machine_parts(node: &Node, findings: &mut Findings) -> Vec<(Placed<String>, V
             let keys: Vec<_> = Part::ALL.iter().map(|part| part.key()).collect();
             let message = format!("no machine has \"{}\"", item.key);
             let hint = suggestion(&item.key, &keys);
-            findings.push(Diagnostic::at(Code::UnknownKey, item.key_span, message).maybe_hint(hint));
+            findings.push(Diagnostic::at(Code::UNKNOWN_KEY, item.key_span, message).maybe_hint(hint));
             continue;
         }
         let names = strings(&item.value, &item.key, findings);

@@ -61,7 +61,7 @@ fn tolerance(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<
     if tolerance.value < MIN_TOLERANCE {
         let message = format!("\"tolerance\" must be {MIN_TOLERANCE:e} or more, not {:e}", tolerance.value);
         let hint = "rounding errors are as large as that";
-        findings.push(Diagnostic::at(Code::BadNumber, tolerance.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, tolerance.span, message).hint(hint));
         return None;
     }
     Some(tolerance)
@@ -76,14 +76,14 @@ fn check_length_keys(plan: &RunPlan, findings: &mut Findings) {
     for (key, value, hint) in hints {
         if let Some(value) = value {
             let message = format!("\"{key}\" and \"phases\" both specify the length of the run");
-            findings.push(Diagnostic::at(Code::ExcludingKeys, value.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::EXCLUDING_KEYS, value.span, message).hint(hint));
         }
     }
 }
 
 /// The error for phases that neither operate nor hold: they record nothing.
 fn zero_length(span: Span) -> Diagnostic {
-    Diagnostic::at(Code::MissingKey, span, "no phase takes any time").hint("write {\"operate\": seconds}")
+    Diagnostic::at(Code::MISSING_KEY, span, "no phase takes any time").hint("write {\"operate\": seconds}")
 }
 
 /// Reports a step or a recording interval that is longer than the longest phase.
@@ -99,7 +99,7 @@ fn check_times_within_run(plan: &RunPlan, findings: &mut Findings) {
                 format_number(time.value),
                 format_number(longest)
             );
-            findings.push(Diagnostic::at(Code::BadNumber, time.span, message));
+            findings.push(Diagnostic::at(Code::BAD_NUMBER, time.span, message));
         }
     }
 }
@@ -114,7 +114,7 @@ fn whole_number(
     let count = positive(fields, key, findings)?;
     if count.value.fract() != 0.0 {
         let message = format!("\"{key}\" must be a whole number of {noun}");
-        findings.push(Diagnostic::at(Code::BadNumber, count.span, message));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, count.span, message));
         return None;
     }
     Some(count)
@@ -125,7 +125,7 @@ fn phases(key_span: Span, node: &Node, findings: &mut Findings) -> Vec<Phase> {
     let Some(items) = list(node, "phases", findings) else { return Vec::new() };
     if items.is_empty() {
         let hint = "write at least {\"operate\": seconds}, or remove the key";
-        findings.push(Diagnostic::at(Code::MissingKey, key_span, "the list of phases is empty").hint(hint));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, key_span, "the list of phases is empty").hint(hint));
     }
     items.iter().filter_map(|item| phase(item, findings)).collect()
 }
@@ -158,15 +158,15 @@ fn action_key(node: &Node, findings: &mut Findings) -> Option<&'static str> {
     let Content::Object(entries) = &node.value else {
         let message = format!("a phase must be an object, not {}", node.value.noun());
         let hint = "write {\"operate\": seconds}, {\"hold\": seconds}, {\"set\": {...}} and so on";
-        findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message).hint(hint));
         return None;
     };
     let known_action = |key: &str| ACTION_KEYS.into_iter().find(|action| *action == key);
     let mut actions = entries.iter().filter_map(|entry| Some((known_action(&entry.key)?, entry.key_span)));
     let Some((action, _)) = actions.next() else {
         let (code, span, hint) = match entries.iter().find(|entry| entry.key != "note") {
-            Some(entry) => (Code::UnknownKey, entry.key_span, suggestion(&entry.key, &ACTION_KEYS)),
-            None => (Code::MissingKey, node.span, Some(format!("write one of {}", ACTION_KEYS.join(", ")))),
+            Some(entry) => (Code::UNKNOWN_KEY, entry.key_span, suggestion(&entry.key, &ACTION_KEYS)),
+            None => (Code::MISSING_KEY, node.span, Some(format!("write one of {}", ACTION_KEYS.join(", ")))),
         };
         let message = "the phase has no action";
         findings.push(Diagnostic::at(code, span, message).maybe_hint(hint));
@@ -175,7 +175,7 @@ fn action_key(node: &Node, findings: &mut Findings) -> Option<&'static str> {
     if let Some((other, span)) = actions.find(|(other, _)| *other != action) {
         let message = format!("a phase cannot both \"{action}\" and \"{other}\"");
         let hint = "write two phases, one after the other";
-        findings.push(Diagnostic::at(Code::ExcludingKeys, span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::EXCLUDING_KEYS, span, message).hint(hint));
         return None;
     }
     Some(action)
@@ -186,7 +186,7 @@ fn initial_condition(fields: &mut Fields<'_>, findings: &mut Findings) -> Option
     let node = fields.take("initial_condition")?;
     if !flag(node, "initial_condition", findings)? {
         let message = "\"initial_condition\" must be true or absent";
-        findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint("remove the phase"));
+        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message).hint("remove the phase"));
     }
     Some(Phase::InitialCondition)
 }
@@ -236,7 +236,7 @@ fn set(node: &Node, findings: &mut Findings) -> Option<Phase> {
     if entries.is_empty() {
         let message = "the phase sets no parameter";
         let hint = "write {\"set\": {\"name of a parameter\": value}}";
-        findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, node.span, message).hint(hint));
     }
     let changes = entries.into_iter().map(|entry| {
         let parameter = Placed { value: entry.key.clone(), span: entry.key_span };

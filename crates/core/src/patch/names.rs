@@ -72,7 +72,7 @@ pub(crate) fn is_reference(name: &str) -> bool {
 /// The diagnostic for an invalid name.
 fn invalid_name(name: &str, span: Span, noun: &str, hint: &str) -> Diagnostic {
     let message = format!("\"{name}\" cannot name {}", with_article(noun));
-    Diagnostic::at(Code::BadName, span, message).hint(hint)
+    Diagnostic::at(Code::BAD_NAME, span, message).hint(hint)
 }
 
 /// The diagnostic for two objects with the same name. `noun` is the kind of object at `span`, and `first_noun` is the
@@ -89,7 +89,7 @@ fn invalid_name(name: &str, span: Span, noun: &str, hint: &str) -> Diagnostic {
 /// ```
 pub fn duplicate_name(name: &str, span: Span, noun: &str, first_noun: &str) -> Diagnostic {
     let message = format!("the {noun} {name} has the name of {}", with_article(first_noun));
-    Diagnostic::at(Code::DuplicateName, span, message).hint("rename one of them")
+    Diagnostic::at(Code::DUPLICATE_NAME, span, message).hint("rename one of them")
 }
 
 /// A noun with "a" or "an" in front.

@@ -116,7 +116,7 @@ impl TableReader<'_> {
             let message =
                 format!("the tables of the patch have more than {MAX_TABLE_POINTS} points in total");
             let hint = "record less often, or use one table in fewer places";
-            findings.push(Diagnostic::at(Code::BadTable, table_file.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::BAD_TABLE, table_file.span, message).hint(hint));
             return None;
         }
         Some(points.clone())
@@ -154,7 +154,7 @@ impl TableFile {
     fn diagnostic(&self, fault: CsvFault) -> Diagnostic {
         let named = fault.column.and_then(|axis| self.columns[axis].as_ref());
         let span = named.map_or(self.file.span, |name| name.span);
-        Diagnostic::at(Code::BadTable, span, fault.message).hint(fault.hint)
+        Diagnostic::at(Code::BAD_TABLE, span, fault.message).hint(fault.hint)
     }
 
     /// Converts columns to the required unit if a comment line of the file gives another one. Columns without a unit
@@ -206,7 +206,7 @@ impl TableFile {
             points: rows.columns[0].iter().zip(&rows.columns[1]).map(|(x, y)| [*x, *y]).collect(),
             locate: &locate,
             span: self.file.span,
-            code: Code::BadTable,
+            code: Code::BAD_TABLE,
             order_hint,
         };
         match self.purpose {

@@ -43,7 +43,7 @@ fn is_too_large(element_of_macro: ElementBuilder, instances: usize) -> bool {
     let Err(report) = Circuit::new(&chain(element_of_macro, instances).build().unwrap()) else {
         return false;
     };
-    report.findings.iter().any(|finding| finding.code == Code::MacroTooLarge)
+    report.findings.iter().any(|finding| finding.code == Code::MACRO_TOO_LARGE)
 }
 
 #[test]
@@ -81,6 +81,6 @@ fn a_table_path_inside_a_macro_is_relative_to_the_patch_file() {
 fn too_many_uses_of_a_table_give_one_finding() {
     let patch = with_table_file(chain(generator(json!({"csv": "tables/half.csv"})), 1002), 10_000);
     let [finding] = &refusal(&patch).findings[..] else { panic!("{}", refusal(&patch)) };
-    assert_eq!(finding.code, Code::BadTable);
+    assert_eq!(finding.code, Code::BAD_TABLE);
     assert!(finding.message.contains("more than 10000000 points"), "{}", finding.message);
 }

@@ -66,7 +66,7 @@ fn clearance(channel: &Channel) -> f64 {
     if channel.dots { OFFSET + DOT_RADIUS } else { OFFSET }
 }
 
-/// Returns the indices of the points at which the label of the line that ends at `end` is candidate_points.
+/// Returns the indices of the points at which the label of the line that ends at `end` may be placed.
 ///
 /// They are in order from `end` backward and do not leave the line. For a dot it is `end` only.
 fn candidate_points(channel: &Channel, end: usize) -> impl Iterator<Item = usize> {

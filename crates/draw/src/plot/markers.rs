@@ -17,7 +17,7 @@ const LABEL_GAP: f64 = 6.0;
 
 /// The length of a dash.
 const DASH: f64 = 5.0;
-/// The gap between draw_dashes.
+/// The gap between dashes.
 const DASH_GAP: f64 = 4.0;
 
 /// Half the thickness of a line.

@@ -1,7 +1,7 @@
-//! Projects the points of a channel projection the screen and draws its trace.
+//! Projects the points of a channel onto the screen and draws its trace.
 //!
 //! The points are split at breaks and gaps, projected, thinned to the resolution of the picture, and
-//! clip to the screen. All lengths are in picture units; an ordinary picture is 900 units wide.
+//! clipped at the screen. All lengths are in picture units; an ordinary picture is 900 units wide.
 
 use super::clip::{Area, clip};
 use super::surface::Surface;

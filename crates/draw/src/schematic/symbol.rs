@@ -1,6 +1,6 @@
 //! The symbols of a drawing before layout, with their jacks and settings, and the format of numbers.
 
-use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_analysis::format::QuantityFormat;
 
 /// The symbol of an element, a drive, a macro instance or a port.
 ///

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::data::codes;
 use crate::data::experiment_document::ColumnBinding;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::fields::Findings;
@@ -39,7 +40,7 @@ impl CheckedPatch {
         findings: &mut Findings,
     ) -> Result<CheckedPatch, Option<Box<Report>>> {
         let path = folder.join(&named.value);
-        let bad_patch = |message: String| Diagnostic::at(Code::BadPatch, named.span, message);
+        let bad_patch = |message: String| Diagnostic::at(codes::BAD_PATCH, named.span, message);
         Patch::read(&path).and_then(|patch| Ok(compiled(&patch)?)).map_err(|error| match error {
             DocumentError::Text(report) => {
                 findings.push(bad_patch(format!("the patch {} has errors", path.display())));
@@ -102,7 +103,7 @@ impl CheckedPatch {
     fn unknown_name(&self, name: &Placed<String>, noun: &str, known: &[&str]) -> Diagnostic {
         let message = format!("the patch {} has no {noun} {}", self.patch().file(), name.value);
         let no_candidates = format!("the patch has no {noun}s");
-        Diagnostic::at(Code::UnknownName, name.span, message)
+        Diagnostic::at(Code::UNKNOWN_NAME, name.span, message)
             .hint(suggestion(&name.value, known).unwrap_or(no_candidates))
     }
 }

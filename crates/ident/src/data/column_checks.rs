@@ -4,6 +4,7 @@
 //! full scale or use almost nothing of it, often because of a wrong unit. They also report implausible noise, and
 //! single samples far from their neighbours.
 
+use crate::data::codes;
 use crate::data::examine::{estimate_noise, wild_samples};
 use crate::data::experiment::Experiment;
 use crate::data::experiment_document::{ColumnBinding, ExperimentDocument};
@@ -121,7 +122,7 @@ fn wild_sample_warnings(experiment: &Experiment, document: &ExperimentDocument) 
         let message = || {
             format!("samples of the column {} are far from their neighbours: at {times}{more}", column.value)
         };
-        (!all.is_empty()).then(|| Diagnostic::at(Code::WildSample, column.span, message()))
+        (!all.is_empty()).then(|| Diagnostic::at(codes::WILD_SAMPLE, column.span, message()))
     });
     warnings.collect()
 }
@@ -147,7 +148,7 @@ fn implausible_sigma(experiment: &Experiment, document: &ExperimentDocument) -> 
         };
         let hint = "specify the standard deviation of the noise, or omit \"sigma\" to have it estimated";
         (sigma < MIN_SIGMA_RATIO * magnitude)
-            .then(|| Diagnostic::at(Code::BadNumber, column.span, message()).hint(hint))
+            .then(|| Diagnostic::at(Code::BAD_NUMBER, column.span, message()).hint(hint))
     });
     faults.collect()
 }
@@ -164,7 +165,7 @@ fn unknown_noise(experiment: &Experiment, document: &ExperimentDocument) -> Vec<
         let column = &output.binding.column;
         let message = format!("{} has too few consecutive samples to estimate its noise", column.value);
         let hint = "specify the noise: {\"column\": ..., \"sigma\": ...}";
-        Diagnostic::at(Code::TooFewSamples, column.span, message).hint(hint)
+        Diagnostic::at(codes::TOO_FEW_SAMPLES, column.span, message).hint(hint)
     });
     faults.collect()
 }
@@ -174,14 +175,14 @@ impl ScaledColumn<'_> {
     /// test data.
     fn constant_fault(&self) -> Option<Diagnostic> {
         let is_drive = self.noun == "drive";
-        let warning = |message| Some(Diagnostic::at(Code::StillPart, self.binding.column.span, message));
+        let warning = |message| Some(Diagnostic::at(codes::STILL_PART, self.binding.column.span, message));
         match [self.train.is_moving(), self.test.is_moving()] {
             _ if !self.train.union(self.test).is_moving() => Some(self.constant_everywhere()),
             [false, _] if is_drive => warning(self.constant_message(self.train, "train on")),
             [false, _] => {
                 let constant = self.constant_message(self.train, "train on");
                 let message = format!("{constant}: nothing can be fitted to it");
-                let finding = Diagnostic::at(Code::ConstantColumn, self.binding.column.span, message);
+                let finding = Diagnostic::at(codes::CONSTANT_COLUMN, self.binding.column.span, message);
                 Some(finding.hint("train on a range in which it changes, or remove it"))
             }
             [true, false] if !is_drive => warning(self.constant_message(self.test, "test on")),
@@ -213,7 +214,7 @@ impl ScaledColumn<'_> {
             _ => "name the column that was meant, or remove it: a constant output determines nothing"
                 .to_owned(),
         };
-        Diagnostic::at(Code::ConstantColumn, column.span, message).hint(hint)
+        Diagnostic::at(codes::CONSTANT_COLUMN, column.span, message).hint(hint)
     }
 
     /// Reports a column that exceeds full scale, or that uses so little of it that its unit is probably wrong.
@@ -224,10 +225,10 @@ impl ScaledColumn<'_> {
         let is_off_scale =
             self.off_scale_fraction > MAX_OFF_SCALE_FRACTION || magnitude > ABSURD_RATIO * full_scale;
         let (code, verb) = match magnitude {
-            magnitude if magnitude < MIN_SCALE_RATIO * full_scale => (Code::BelowScale, "reaches only"),
+            magnitude if magnitude < MIN_SCALE_RATIO * full_scale => (codes::BELOW_SCALE, "reaches only"),
             magnitude if magnitude <= full_scale => return None,
-            _ if is_off_scale => (Code::OffScale, "reaches"),
-            _ => (Code::BeyondScale, "reaches"),
+            _ if is_off_scale => (codes::OFF_SCALE, "reaches"),
+            _ => (codes::BEYOND_SCALE, "reaches"),
         };
         let unit = unit_suffix(self.unit.text());
         let message = format!(

@@ -10,6 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::data::checked_patch::{BindingTarget, CheckedPatch};
+use crate::data::codes;
 use crate::data::column_checks::check_columns;
 use crate::data::drive_timing::{DriveTiming, RECORD_START, drive_timings, restarting_drives};
 use crate::data::experiment::{Experiment, MeasuredDrive, MeasuredOutput};
@@ -145,14 +146,14 @@ impl<'a> ExperimentBuilder<'a> {
             let first = earlier.find(|earlier| earlier.column.value == binding.column.value)?;
             let (column, first, name) = (&binding.column, &first.name.value, &binding.name.value);
             let message = format!("the column {} is used for both {first} and {name}", column.value);
-            Some(Diagnostic::at(Code::SharedColumn, column.span, message))
+            Some(Diagnostic::at(codes::SHARED_COLUMN, column.span, message))
         });
         self.findings.extend(shared);
         let is_fed = |output: &&OutputBinding| document.is_fed(&output.binding.name.value);
         let fed_outputs = document.outputs.iter().filter(is_fed).map(|output| {
             let Placed { value: name, span } = &output.binding.name;
             let message = format!("{name} is fed from the data, so as an output it does not test the patch");
-            Diagnostic::at(Code::DuplicateName, *span, message).hint("remove it from \"outputs\"")
+            Diagnostic::at(Code::DUPLICATE_NAME, *span, message).hint("remove it from \"outputs\"")
         });
         self.findings.extend(fed_outputs);
     }
@@ -197,7 +198,7 @@ impl<'a> ExperimentBuilder<'a> {
                 "the unit of \"pieces\" is ambiguous: times are in {first_unit} s in {} and {other_unit} s in {}",
                 first.measured.name, other.measured.name
             );
-            let finding = Diagnostic::at(Code::UnitMismatch, duration.span, message);
+            let finding = Diagnostic::at(Code::UNIT_MISMATCH, duration.span, message);
             self.findings.push(finding.hint("use the same unit of time in all files"));
             return None;
         }
@@ -234,13 +235,13 @@ impl<'a> ExperimentBuilder<'a> {
                 format_number(longest)
             );
             self.findings
-                .push(Diagnostic::at(Code::BeyondData, entry.span, message).hint("remove \"pieces\""));
+                .push(Diagnostic::at(codes::BEYOND_DATA, entry.span, message).hint("remove \"pieces\""));
         }
         let min_duration = |record: &Record| record.interval * MIN_RECORD_SAMPLES as f64;
         if let Some(record) = train.iter().chain(test).find(|record| seconds < min_duration(record)) {
             let message = format!("a piece of {} has fewer than {MIN_RECORD_SAMPLES} samples", record.name);
             let hint = format!("its samples are {} s apart", format_number(record.interval));
-            self.findings.push(Diagnostic::at(Code::TooFewSamples, entry.span, message).hint(hint));
+            self.findings.push(Diagnostic::at(codes::TOO_FEW_SAMPLES, entry.span, message).hint(hint));
         }
     }
 
@@ -265,9 +266,9 @@ impl<'a> ExperimentBuilder<'a> {
         let (code, consequence) = match out_of_phase {
             Some(record) => {
                 let consequence = format!("and every record restarts it, which is wrong for {record}");
-                (Code::DriveBeginsAnew, consequence)
+                (codes::DRIVE_BEGINS_ANEW, consequence)
             }
-            None => (Code::UnfedDrives, "beginning at the start of each record".to_owned()),
+            None => (codes::UNFED_DRIVES, "beginning at the start of each record".to_owned()),
         };
         let message =
             format!("no column feeds {names} of the patch: the patch generates the motion, {consequence}");
@@ -280,7 +281,7 @@ impl<'a> ExperimentBuilder<'a> {
         let Some((named, start)) = self.document.patch.as_ref().zip(start) else { return };
         let message =
             format!("the unit of {RECORD_START} must be s, but the patch specifies {}", start.unit.text());
-        let finding = Diagnostic::at(Code::UnitMismatch, named.span, message);
+        let finding = Diagnostic::at(Code::UNIT_MISMATCH, named.span, message);
         self.findings.push(finding.hint("give it the unit \"s\" in the patch"));
     }
 
@@ -295,14 +296,14 @@ impl<'a> ExperimentBuilder<'a> {
             "no column feeds a drive, and all drives of the patch are constant: {}",
             drives.join(", ")
         );
-        self.findings.push(Diagnostic::at(Code::UnfedDrives, named.span, message));
+        self.findings.push(Diagnostic::at(codes::UNFED_DRIVES, named.span, message));
     }
 
     /// Reports that nothing is fitted, unless the experiment specifies that.
     fn check_fit(&mut self, fit: &[String]) {
         let named = self.document.patch.as_ref().filter(|_| self.document.fit.is_none() && fit.is_empty());
         let message = "nothing is fitted: no parameter of the patch both has a range and is read";
-        self.findings.extend(named.map(|named| Diagnostic::at(Code::NothingToFit, named.span, message)));
+        self.findings.extend(named.map(|named| Diagnostic::at(codes::NOTHING_TO_FIT, named.span, message)));
     }
 
     /// Finds the drive of a column. None if the patch has errors or does not have the drive.
@@ -367,7 +368,7 @@ impl<'a> ExperimentBuilder<'a> {
         {
             let message = format!("the experiment reads no column {in_experiment}");
             let hint = suggestion(in_experiment, &known);
-            self.findings.push(Diagnostic::at(Code::UnknownName, in_file.span, message).maybe_hint(hint));
+            self.findings.push(Diagnostic::at(Code::UNKNOWN_NAME, in_file.span, message).maybe_hint(hint));
         }
     }
 
@@ -415,7 +416,7 @@ impl<'a> ExperimentBuilder<'a> {
                         "{shared} samples of {} are used both to train and to test",
                         file.measured.name
                     );
-                    self.findings.push(Diagnostic::at(Code::SharedSamples, test.range.span, message));
+                    self.findings.push(Diagnostic::at(codes::SHARED_SAMPLES, test.range.span, message));
                 }
             }
         }
@@ -433,7 +434,7 @@ impl<'a> ExperimentBuilder<'a> {
             // Two ranges that meet share one sample. That is not a duplicate.
             if shared > 1 {
                 let message = format!("{shared} samples of {} are listed twice", file.measured.name);
-                let finding = Diagnostic::at(Code::SharedSamples, file.record_split().span, message);
+                let finding = Diagnostic::at(codes::SHARED_SAMPLES, file.record_split().span, message);
                 self.findings.push(finding.hint("list them once: duplicates count as additional data"));
             }
         }
@@ -461,7 +462,7 @@ impl<'a> ExperimentBuilder<'a> {
             "the file has {}, at times from {from} to {to}{more}",
             plural(measured.sample_indices.len(), "sample")
         );
-        Diagnostic::at(Code::TooFewSamples, range.span, message).hint(hint)
+        Diagnostic::at(codes::TOO_FEW_SAMPLES, range.span, message).hint(hint)
     }
 }
 
@@ -489,7 +490,7 @@ fn beyond_data(range: &Placed<(f64, f64)>, files: &[RecordFile<'_>]) -> Option<D
         format!("the range is from {from} to {to}, but the data of {name} are from {begin} to {end}")
     };
     (!has_no_data && !files.iter().any(covers_range))
-        .then(|| Diagnostic::at(Code::BeyondData, range.span, message()))
+        .then(|| Diagnostic::at(codes::BEYOND_DATA, range.span, message()))
 }
 
 /// Returns the columns to read: drives, then outputs. `targets` has the unit of the patch for each of them.

@@ -209,7 +209,7 @@ pub(crate) fn read_document(root: &Node, findings: &mut Findings) -> Option<Expe
     {
         let message = "the experiment has no outputs";
         let hint = "name a signal of the patch and the column that measures it: {\"x\": \"column\"}";
-        findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, node.span, message).hint(hint));
     }
     let outputs = named_entries(outputs, "outputs", findings, output);
     let fit = fields.take("fit").map(|node| strings(node, "fit", findings));
@@ -236,7 +236,7 @@ fn sources(node: &Node, key: &str, findings: &mut Findings) -> Vec<RecordSource>
     match &node.value {
         Content::List(items) if items.is_empty() => {
             let message = format!("\"{key}\" is an empty list");
-            findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint("name a CSV file"));
+            findings.push(Diagnostic::at(Code::MISSING_KEY, node.span, message).hint("name a CSV file"));
             Vec::new()
         }
         Content::List(items) => items.iter().filter_map(|item| source(item, key, findings)).collect(),
@@ -276,7 +276,7 @@ fn time_range(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<
     if from == to {
         let message = format!("\"{key}\" is empty: its two times are equal");
         findings.push(
-            Diagnostic::at(Code::BadNumber, node.span, message)
+            Diagnostic::at(Code::BAD_NUMBER, node.span, message)
                 .hint("specify two different times, the earlier one first"),
         );
         return None;
@@ -327,7 +327,7 @@ fn fixed_interval(
     let interval = positive(&mut fields, "interval", findings);
     if let Some((span, _)) = fields.take_with_key("column") {
         let message = "\"column\" and \"interval\" both specify the sample times";
-        findings.push(Diagnostic::at(Code::ExcludingKeys, span, message));
+        findings.push(Diagnostic::at(Code::EXCLUDING_KEYS, span, message));
     }
     fields.finish(findings);
     let (interval, unit) = (interval?, unit?);
@@ -335,7 +335,7 @@ fn fixed_interval(
     let seconds = interval.value * unit;
     if !seconds.is_normal() {
         let message = format!("the interval between samples is too small or too large: {seconds:e} s");
-        findings.push(Diagnostic::at(Code::BadNumber, interval.span, message));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, interval.span, message));
         return None;
     }
     Some(SampleTimes::Interval { seconds, unit })
@@ -348,7 +348,7 @@ fn time_unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Option<
     if unit.value.dimension() != Dimension::TIME {
         let message = format!("{} is not a unit of time", unit.value);
         findings.push(
-            Diagnostic::at(Code::UnitMismatch, unit.span, message)
+            Diagnostic::at(Code::UNIT_MISMATCH, unit.span, message)
                 .hint("write \"s\", \"ms\", \"min\" or \"h\""),
         );
         return None;
@@ -421,7 +421,7 @@ fn hold(node: &Node, findings: &mut Findings) -> Option<Hold> {
         let known = Hold::ALL.map(|(keyword, _)| keyword);
         let message = format!("\"{}\" is not a value of \"hold\"", chosen.value);
         findings.push(
-            Diagnostic::at(Code::UnknownName, chosen.span, message)
+            Diagnostic::at(Code::UNKNOWN_NAME, chosen.span, message)
                 .maybe_hint(suggestion(&chosen.value, &known)),
         );
     }

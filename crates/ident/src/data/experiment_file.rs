@@ -118,7 +118,7 @@ const DATA_FILE_HINT: &str = "name the data file as \"data\" in an experiment, a
 fn document_of(text: &str, findings: &mut Findings) -> Option<ExperimentDocument> {
     if text.trim().is_empty() {
         let hint = "an experiment begins with {\"patch\": \"base.json\", \"data\": \"train.csv\", ...";
-        findings.push(Diagnostic::at(Code::Syntax, Span::default(), "the document is empty").hint(hint));
+        findings.push(Diagnostic::at(Code::SYNTAX, Span::default(), "the document is empty").hint(hint));
         return None;
     }
     let is_probably_data = !text.trim_start().starts_with(['{', '[']);

@@ -5,6 +5,7 @@
 
 use std::collections::HashSet;
 
+use crate::data::codes;
 use crate::data::drive_timing::RECORD_START;
 use patchcord_core::document::fields::Findings;
 use patchcord_core::document::{Code, Diagnostic, Placed, suggestion};
@@ -34,10 +35,10 @@ pub(crate) fn parameters_to_fit(
         let finding = match patch.parameters.get(&name.value) {
             None => Some(unknown_parameter(name, patch, &fittable())),
             Some(parameter) => obstacle(&name.value, parameter)
-                .map(|(message, hint)| Diagnostic::at(Code::NotFittable, name.span, message).hint(hint)),
+                .map(|(message, hint)| Diagnostic::at(codes::NOT_FITTABLE, name.span, message).hint(hint)),
         };
         let duplicate = || {
-            Diagnostic::at(Code::DuplicateName, name.span, format!("\"fit\" lists {} twice", name.value))
+            Diagnostic::at(Code::DUPLICATE_NAME, name.span, format!("\"fit\" lists {} twice", name.value))
                 .hint("name it once")
         };
         findings.extend(finding.or_else(|| (!seen_names.insert(&name.value)).then(duplicate)));
@@ -49,7 +50,7 @@ pub(crate) fn parameters_to_fit(
 fn unknown_parameter(name: &Placed<String>, patch: &Patch, fittable: &[&str]) -> Diagnostic {
     let message = format!("the patch {} has no parameter {}", patch.file(), name.value);
     let no_candidates = "no parameter of the patch has a range".to_owned();
-    Diagnostic::at(Code::UnknownName, name.span, message)
+    Diagnostic::at(Code::UNKNOWN_NAME, name.span, message)
         .hint(suggestion(&name.value, fittable).unwrap_or(no_candidates))
 }
 

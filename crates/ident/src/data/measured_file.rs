@@ -7,6 +7,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use crate::data::codes;
 use crate::data::experiment_document::{RecordSource, SampleTimes};
 use crate::statistics::descriptive::median;
 use patchcord_core::document::csv_table::{ColumnSelector, CsvFault, CsvTable};
@@ -116,7 +117,7 @@ impl FileReader<'_> {
             Ok(rows) => rows,
             Err(faults) => {
                 self.check_times(findings);
-                findings.extend(faults.into_iter().map(|fault| self.diagnostic(Code::BadData, fault)));
+                findings.extend(faults.into_iter().map(|fault| self.diagnostic(codes::BAD_DATA, fault)));
                 return None;
             }
         };
@@ -126,7 +127,7 @@ impl FileReader<'_> {
                 self.path.display(),
                 plural(rows.lines.len(), "row")
             );
-            findings.push(Diagnostic::at(Code::TooFewSamples, self.source.file.span, message));
+            findings.push(Diagnostic::at(codes::TOO_FEW_SAMPLES, self.source.file.span, message));
             return None;
         }
         let unit_seconds = self.unit_seconds(&rows, findings);
@@ -209,7 +210,7 @@ impl FileReader<'_> {
         let unit = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
         if unit.is_none() {
             let fault = unreadable_unit(&rows.names[column], comment, self.path, column);
-            findings.push(self.diagnostic(Code::UnknownUnit, fault));
+            findings.push(self.diagnostic(Code::UNKNOWN_UNIT, fault));
         }
         unit.map(Some)
     }
@@ -235,7 +236,7 @@ impl FileReader<'_> {
                 in_experiment.value
             );
             let hint = "correct the wrong unit, or remove it";
-            findings.push(Diagnostic::at(Code::UnitMismatch, in_experiment.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::UNIT_MISMATCH, in_experiment.span, message).hint(hint));
             return None;
         }
         Some(in_comment)
@@ -261,7 +262,7 @@ impl FileReader<'_> {
                         self.path.display()
                     );
                     let hint = "name the column of the times with \"time\"";
-                    findings.push(Diagnostic::at(Code::UnitMismatch, self.span(0), message).hint(hint));
+                    findings.push(Diagnostic::at(Code::UNIT_MISMATCH, self.span(0), message).hint(hint));
                 }
                 is_time.then(|| unit.factor())
             }
@@ -299,7 +300,7 @@ impl FileReader<'_> {
             self.path.display(),
             rows.names[column]
         );
-        Some(Diagnostic::at(Code::NotFinite, self.span(column), message))
+        Some(Diagnostic::at(Code::NOT_FINITE, self.span(column), message))
     }
 
     /// Reports a column whose unit cannot be converted to the unit of the patch.
@@ -320,7 +321,7 @@ impl FileReader<'_> {
         );
         let span = requested.unit.map_or_else(|| self.span(column), |unit| unit.span);
         let hint = format!("name another column or another {}", requested.noun);
-        Diagnostic::at(Code::UnitMismatch, span, message).hint(hint)
+        Diagnostic::at(Code::UNIT_MISMATCH, span, message).hint(hint)
     }
 
     /// Reports a "sigma" of unknown unit: the file and the patch use different units, and the experiment does not
@@ -332,7 +333,7 @@ impl FileReader<'_> {
             self.path.display()
         );
         let hint = format!("add \"unit\": \"{unit}\" to the entry, and specify \"sigma\" in {unit}");
-        Diagnostic::at(Code::UnitMismatch, requested.column.span, message).hint(hint)
+        Diagnostic::at(Code::UNIT_MISMATCH, requested.column.span, message).hint(hint)
     }
 
     /// Returns the even times of the rows.
@@ -370,7 +371,7 @@ impl FileReader<'_> {
         );
         let sort = "sort the rows by time, and keep only one row for each time";
         let hint = time_order_hint(rows).unwrap_or(sort);
-        Err(Diagnostic::at(Code::BadData, self.source.file.span, message).hint(hint))
+        Err(Diagnostic::at(codes::BAD_DATA, self.source.file.span, message).hint(hint))
     }
 
     /// Reports uneven times, with the shortest, the longest and the median interval in seconds.
@@ -387,7 +388,7 @@ impl FileReader<'_> {
             self.path.display(),
             format_number(median(&intervals))
         );
-        Diagnostic::at(Code::UnevenSampling, self.source.file.span, message)
+        Diagnostic::at(codes::UNEVEN_SAMPLING, self.source.file.span, message)
     }
 
     /// Reports missing rows within the range of the record. None if no row is missing there.
@@ -414,7 +415,7 @@ impl FileReader<'_> {
                 lines[longest]
             )
         };
-        let finding = Diagnostic::at(Code::SamplingGap, self.source.file.span, message());
+        let finding = Diagnostic::at(codes::SAMPLING_GAP, self.source.file.span, message());
         Some(if gap_before(&longest) < LONG_GAP_ROWS { finding } else { finding.hint(LONG_GAP_HINT) })
     }
 }

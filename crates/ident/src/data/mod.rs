@@ -10,6 +10,7 @@
 //! drives do between records and between samples.
 
 pub(crate) mod checked_patch;
+pub mod codes;
 pub(crate) mod column_checks;
 pub(crate) mod columns;
 pub(crate) mod drive_timing;

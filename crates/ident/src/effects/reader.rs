@@ -68,7 +68,7 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
         && number(version, "effect", findings).is_some_and(|version| version != FORMAT_VERSION)
     {
         let message = "this program reads version 1 of the format of effects";
-        findings.push(Diagnostic::at(Code::UnknownVersion, version.span, message));
+        findings.push(Diagnostic::at(Code::UNKNOWN_VERSION, version.span, message));
     }
     let [title, law, physics, source, excitation] = [
         ("title", "the common name of the effect"),
@@ -91,7 +91,7 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
         }
         if declared.len() == MAX_PARAMETERS + 1 {
             let message = format!("an effect may have at most {MAX_PARAMETERS} parameters");
-            findings.push(Diagnostic::at(Code::BadNumber, entry.value.span, message));
+            findings.push(Diagnostic::at(Code::BAD_NUMBER, entry.value.span, message));
         }
         let parameter = parameter(&entry.value, &entry.key, findings);
         parameters.extend(parameter.map(|parameter| (entry.key.clone(), parameter)));
@@ -100,7 +100,7 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
     let nodes = forms.and_then(|node| list(node, "forms", findings)).unwrap_or_default();
     if let Some(empty) = forms.filter(|_| nodes.is_empty()) {
         let message = "an effect without forms cannot be wired";
-        findings.push(Diagnostic::at(Code::MissingKey, empty.span, message));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, empty.span, message));
     }
     let forms = nodes.iter().filter_map(|node| form(node, &parameters, &declared, findings)).collect();
     let parameters = parameters.into_iter().map(|(name, parameter)| (name, parameter.value)).collect();
@@ -113,7 +113,7 @@ fn required_text(node: Option<&Node>, key: &str, meaning: &str, findings: &mut F
     let Some(text) = node.and_then(|node| string(node, key, findings)) else { return String::new() };
     if text.value.trim().is_empty() {
         let message = format!("\"{key}\" is empty: it needs {meaning}");
-        findings.push(Diagnostic::at(Code::MissingKey, text.span, message));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, text.span, message));
     }
     text.value
 }
@@ -144,12 +144,12 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<
             "\"highest\" and \"lowest\" need a reach that is a single name, but the reach is {}",
             reach.text()
         );
-        findings.push(Diagnostic::at(Code::BadNumber, span, message).hint("write the reach as that name"));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, span, message).hint("write the reach as that name"));
     }
     let is_time = |name: &&str| ["sample", "record"].contains(name);
     if start == Some(StartRule::Spectrum) && reach.names().iter().any(|name| !is_time(name)) {
         let message = format!("\"spectrum\" gives frequencies, but the reach is {}", reach.text());
-        let finding = Diagnostic::at(Code::UnitMismatch, span, message);
+        let finding = Diagnostic::at(Code::UNIT_MISMATCH, span, message);
         findings.push(finding.hint("write the reach as \"1 / record\""));
     }
     let value = EffectParameter { reach, range: range?, start: start?, null_value, description };
@@ -173,7 +173,7 @@ fn check_reach_size(reach: &Formula, span: Span, findings: &mut Findings) {
         ),
         Some(_) => return,
     };
-    findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
+    findings.push(Diagnostic::at(Code::BAD_NUMBER, span, message).hint(hint));
 }
 
 /// The range of a parameter, in reaches: two increasing numbers.
@@ -190,7 +190,7 @@ fn range_of(node: &Node, findings: &mut Findings) -> Option<[f64; 2]> {
         [None, _] | [_, None] => return None,
         _ => "\"range\" takes two numbers, the second above the first".to_owned(),
     };
-    findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+    findings.push(Diagnostic::at(Code::BAD_NUMBER, node.span, message));
     None
 }
 
@@ -212,7 +212,7 @@ fn start_rule_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) 
             let words = StartRule::KEYWORDS.map(|(word, _)| word);
             let message = format!("\"{text}\" is not one of {}, and not a list of values", words.join(", "));
             let hint = suggestion(text, &words);
-            findings.push(Diagnostic::at(Code::UnknownName, node.span, message).maybe_hint(hint));
+            findings.push(Diagnostic::at(Code::UNKNOWN_NAME, node.span, message).maybe_hint(hint));
         }
         return rule;
     }
@@ -223,7 +223,7 @@ fn start_rule_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) 
             format!("\"start\" lists {} values; at most {MAX_START_VALUES} are allowed", values.len());
         let none = "\"start\" lists no value: give one or more".to_owned();
         let message = if values.is_empty() { none } else { too_many };
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, node.span, message));
     }
     for (value, node) in values.iter().zip(nodes) {
         check_within(*value, range, node.span, "start", findings);
@@ -235,7 +235,7 @@ fn start_rule_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) 
 fn check_within(value: f64, range: Option<[f64; 2]>, span: Span, key: &str, findings: &mut Findings) {
     let Some([low, high]) = range.filter(|[low, high]| !(*low..=*high).contains(&value)) else { return };
     let message = format!("\"{key}\" has the value {value}, outside the range {low} ... {high}");
-    findings.push(Diagnostic::at(Code::BadNumber, span, message));
+    findings.push(Diagnostic::at(Code::BAD_NUMBER, span, message));
 }
 
 /// A form. `declared` are the names of the effect's parameters; `parameters` those that could be read.
@@ -322,7 +322,7 @@ fn output_gain_of(node: &Node, findings: &mut Findings) -> Option<f64> {
     let value = number(node, "times", findings)?;
     if !(1.0..=MAX_OUTPUT_GAIN).contains(&value) {
         let message = format!("\"times\" must be within 1 ... {MAX_OUTPUT_GAIN}, got {value}");
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+        findings.push(Diagnostic::at(Code::BAD_NUMBER, node.span, message));
     }
     Some(value)
 }
@@ -354,11 +354,11 @@ fn check_not_empty(
 ) {
     if parameters.is_empty() {
         let message = "a form needs at least one parameter: its strength, which comes first";
-        findings.push(Diagnostic::at(Code::MissingKey, opening(node), message));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, opening(node), message));
     }
     if gives.is_empty() || elements.is_empty() {
         let message = "a form needs \"elements\", and \"gives\" with the destinations of their outputs";
-        findings.push(Diagnostic::at(Code::MissingKey, opening(node), message));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, opening(node), message));
     }
 }
 
@@ -376,7 +376,7 @@ fn check_parameters_used(form: &Form, node: &Node, findings: &mut Findings) {
     for unused in form.parameters.iter().filter(|name| !entries().any(|entry| mentions_name(entry, name))) {
         let message = format!("no formula of this form's elements and drives contains {unused}");
         let hint = "remove it from the form's \"parameters\", or use it";
-        findings.push(Diagnostic::at(Code::UnknownName, opening(node), message).hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_NAME, opening(node), message).hint(hint));
     }
 }
 
@@ -419,7 +419,7 @@ fn check_names(
 ) {
     for missing in formula.names().into_iter().filter(|name| !known.contains(name)) {
         let hint = format!("the names here are {}", known.join(", "));
-        findings.push(Diagnostic::at(Code::UnknownName, span, message(missing)).hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_NAME, span, message(missing)).hint(hint));
     }
 }
 
@@ -430,7 +430,7 @@ fn is_element(name: &Placed<String>, elements: &Map<String, Value>, findings: &m
         let known: Vec<&str> = elements.keys().map(String::as_str).collect();
         let message = format!("the form has no element {}", name.value);
         let hint = suggestion(&name.value, &known);
-        findings.push(Diagnostic::at(Code::UnknownName, name.span, message).maybe_hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_NAME, name.span, message).maybe_hint(hint));
     }
     is_known
 }
@@ -440,12 +440,12 @@ fn checked_parameters(names: Vec<Placed<String>>, declared: &[&str], findings: &
     for name in names.iter().filter(|name| !declared.contains(&name.value.as_str())) {
         let message = format!("the effect has no parameter {}", name.value);
         let hint = suggestion(&name.value, declared);
-        findings.push(Diagnostic::at(Code::UnknownName, name.span, message).maybe_hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_NAME, name.span, message).maybe_hint(hint));
     }
     for (index, name) in names.iter().enumerate() {
         if names[..index].iter().any(|earlier| earlier.value == name.value) {
             let message = format!("this form has the parameter {} twice", name.value);
-            let finding = Diagnostic::at(Code::DuplicateName, name.span, message);
+            let finding = Diagnostic::at(Code::DUPLICATE_NAME, name.span, message);
             findings.push(finding.hint("name it once"));
         }
     }
@@ -464,7 +464,7 @@ fn one_of<T: Copy>(
         let words: Vec<_> = all.iter().map(|choice| word(*choice)).collect();
         let message = format!("\"{}\" is not one of {}", text.value, words.join(", "));
         let hint = suggestion(&text.value, &words);
-        findings.push(Diagnostic::at(Code::UnknownName, text.span, message).maybe_hint(hint));
+        findings.push(Diagnostic::at(Code::UNKNOWN_NAME, text.span, message).maybe_hint(hint));
     }
     chosen
 }

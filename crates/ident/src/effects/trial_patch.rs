@@ -7,6 +7,7 @@
 use std::fmt::Display;
 use std::sync::LazyLock;
 
+use crate::data::codes;
 use crate::effects::Effect;
 use crate::effects::attach::{EffectPlacement, FormulaQuantity};
 use crate::effects::candidate::Candidate;
@@ -76,10 +77,10 @@ fn wire(placement: &EffectPlacement<'_>, patch: &Patch) -> Result<(), EditError>
 fn finding(error: &EditError, elements: &Node) -> Diagnostic {
     let message = |cause: &dyn Display| format!("this form cannot be wired: {cause}");
     let EditError::InvalidDocument(report) = error else {
-        return Diagnostic::at(Code::BadPatch, elements.span, message(error));
+        return Diagnostic::at(codes::BAD_PATCH, elements.span, message(error));
     };
     let first = report.findings.iter().find(|finding| finding.code.severity() == Severity::Error);
-    let Some(first) = first else { return Diagnostic::at(Code::BadPatch, elements.span, message(report)) };
+    let Some(first) = first else { return Diagnostic::at(codes::BAD_PATCH, elements.span, message(report)) };
     let span = first.span.map_or(elements.span, |span| span_in_effect(report, span, elements));
     let hint =
         first.hint.clone().map(|hint| if hint.contains(NAME_PREFIX) { NAMES_HINT.to_owned() } else { hint });
@@ -100,7 +101,7 @@ fn span_in_effect(report: &Report, span: Span, elements: &Node) -> Span {
 fn is_about_settings(error: &EditError) -> bool {
     let EditError::InvalidDocument(report) = error else { return false };
     let mut errors = report.findings.iter().filter(|finding| finding.code.severity() == Severity::Error);
-    errors.all(|finding| finding.code == Code::SettingOutside)
+    errors.all(|finding| finding.code == Code::SETTING_OUTSIDE)
 }
 
 /// The "elements" of every form of an effect's document; the form itself if it has none.

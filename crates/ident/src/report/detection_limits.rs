@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::design::detectability::detection_limit::DetectionLimit;
 use crate::effects::Library;
 use crate::report::values::{ValueDocument, value_documents};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_core::document::unit_suffix;
 
 /// A detection limit as a JSON document.

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::data::experiment::MeasuredOutput;
 use crate::design::discriminating_experiment::{DiscriminatingExperiment, Shape};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 
 /// An experiment that distinguishes two effects, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]

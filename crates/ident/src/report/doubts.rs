@@ -18,7 +18,7 @@ use crate::search::outcome::Outcome;
 use crate::search::range_extension::RangeExtension;
 use crate::search::refinement::can_be_zero;
 use crate::search::verdict::Verdict;
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_core::document::unit_suffix;
 
 /// Residual rms over the specified noise below which that noise is too large. So low a value does not occur by

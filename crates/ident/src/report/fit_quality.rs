@@ -10,7 +10,7 @@ use crate::fit::overload::RecordOverload;
 use crate::fit::starts::StartAgreement;
 use crate::fit::step_size::StepRefinement;
 use crate::report::values::{ValueDocument, parameter_values_text, value_documents};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 
 /// Fits from other starts as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]

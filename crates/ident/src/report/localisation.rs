@@ -10,7 +10,7 @@
 use serde::Serialize;
 
 use crate::localise::localisation::{EstimatedInput, InputCurve, Localisation, indistinguishable_junctions};
-use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_analysis::format::QuantityFormat;
 
 /// The force that closes the gap at a junction, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -17,7 +17,7 @@ use crate::localise::localisation::Localisation;
 use crate::report::values::{interval_text, number_text};
 use crate::search::outcome::Outcome;
 use crate::search::round::Round;
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_core::document::unit_suffix;
 use patchcord_core::patch::Patch;
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::report::values::assignment_text;
 use crate::search::range_extension::RangeExtension;
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 
 /// A patch fitted with wider ranges, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -10,7 +10,7 @@ use crate::residuals::misspecification::{Misspecification, Respecification};
 use crate::residuals::residual_analysis::{DRIVE_NOISE_RATIO, SlowNoise};
 use crate::search::inconclusive::Inconclusive;
 use crate::search::range_extension::RangeExtension;
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 
 /// Advice for a fit that diverges.
 const DIVERGENCE_ADVICE: &str = "check the signs in the loops of the patch, or write \"pieces\" in the experiment if the real system is unstable";

@@ -11,7 +11,7 @@ use crate::data::measured_file::plural;
 use crate::fit::extended_model::SkippedTrial;
 use crate::search::outcome::Outcome;
 use crate::search::round::Round;
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 
 /// An effect that was not tried at a place, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -14,7 +14,7 @@ use crate::report::reasons::inconclusive_sentence;
 use crate::search::outcome::{Outcome, taken_rounds};
 use crate::search::round::{Round, Trial};
 use crate::search::verdict::Verdict;
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 
 /// The verdict as a sentence without a full stop, for example "saturation at u is missing".
 pub fn verdict_sentence(outcome: &Outcome) -> String {

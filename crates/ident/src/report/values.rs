@@ -11,7 +11,7 @@ use crate::fit::fitted_model::FittedModel;
 use crate::fit::parameter_values::ParameterValues;
 use crate::fit::uncertainty::Uncertainty;
 use crate::search::outcome::Outcome;
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_core::document::unit_suffix;
 
 /// A value with its unit, as a JSON document.

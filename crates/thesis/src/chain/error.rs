@@ -2,7 +2,8 @@
 
 use super::inputs::Input;
 use crate::slideway::SlidewayError;
-use patchcord_analysis::instruments::{NoCriticalVelocity, QuantityFormat, format_quantity};
+use patchcord_analysis::format::{QuantityFormat, format_quantity};
+use patchcord_analysis::instruments::NoCriticalVelocity;
 use patchcord_core::document::{Report, format_number};
 use patchcord_core::patch::EditError;
 use patchcord_core::solve::RunError;

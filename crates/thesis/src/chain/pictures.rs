@@ -3,7 +3,8 @@
 use super::Chain;
 use super::predictions::Prediction;
 use super::simulation::{COMMAND, Simulation, VELOCITY};
-use patchcord_analysis::instruments::{NoCriticalVelocity, QuantityFormat};
+use patchcord_analysis::format::QuantityFormat;
+use patchcord_analysis::instruments::NoCriticalVelocity;
 use patchcord_draw::ProfilePlane;
 use patchcord_draw::plot::{Axis, Picture};
 

@@ -10,9 +10,10 @@ use super::error::ChainError;
 use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
+use patchcord_analysis::format::format_quantity;
 use patchcord_analysis::instruments::{
     AbsenceReason, Criterion, CriticalVelocity, NoCriticalVelocity, ProfileCriterion, RampDirection,
-    critical_velocity, format_quantity, velocity_profile,
+    critical_velocity, velocity_profile,
 };
 use patchcord_core::circuit::{Circuit, Element};
 use patchcord_core::ir::Program;

@@ -13,9 +13,9 @@ use std::sync::LazyLock;
 use serde_json::{Value, json};
 
 use crate::slideway::scaling::Scales;
+use patchcord_analysis::format::QuantityFormat;
 use patchcord_analysis::instruments::{
-    Criterion, CriticalVelocity, Measure, MeasureValue, NoCriticalVelocity, QuantityFormat,
-    critical_velocity, parameter_line,
+    Criterion, CriticalVelocity, Measure, MeasureValue, NoCriticalVelocity, critical_velocity, parameter_line,
 };
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, SignalInfo};

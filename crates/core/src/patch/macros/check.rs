@@ -134,7 +134,7 @@ fn check_port_name(name: &str, span: Span) -> Option<Diagnostic> {
     let dot_fault = || {
         let message = format!("\"{name}\" cannot name a port");
         let hint = "cords name the port of an instance as \"instance.port\": remove the dot";
-        name.contains('.').then(|| Diagnostic::at(Code::BadName, span, message).hint(hint))
+        name.contains('.').then(|| Diagnostic::at(Code::BAD_NAME, span, message).hint(hint))
     };
     check_output_name(name, span, "port").or_else(dot_fault)
 }
@@ -149,7 +149,7 @@ fn check_defaults(definition: &mut Macro, findings: &mut Findings) {
         if let Some(used) = names.into_iter().find(|used| setting_names.contains(*used)) {
             let message = format!("the default of {name} names {used}, a setting of the same macro");
             let hint = "a default may contain only parameters and scales";
-            findings.push(Diagnostic::at(Code::UnknownName, default.span, message).hint(hint));
+            findings.push(Diagnostic::at(Code::UNKNOWN_NAME, default.span, message).hint(hint));
             (setting.unit, setting.default) = (None, None);
         }
     }
@@ -290,7 +290,7 @@ impl CordChecker<'_> {
                         "the output {port} is {}, which is not an element of the macro",
                         element.value
                     );
-                    let finding = Diagnostic::at(Code::UnknownName, element.span, message);
+                    let finding = Diagnostic::at(Code::UNKNOWN_NAME, element.span, message);
                     findings.push(finding.maybe_hint(suggestion(&element.value, &candidates)));
                 }
             }
@@ -313,7 +313,7 @@ pub(super) fn warn_unused(
     for (name, definition) in &macros.defined {
         if !used_macros.contains(name.as_str()) {
             let message = format!("no element is an instance of the macro {name}");
-            findings.push(Diagnostic::at(Code::UnusedMacro, definition.span, message));
+            findings.push(Diagnostic::at(Code::UNUSED_MACRO, definition.span, message));
         }
         warn_unread_ports(name, definition, findings);
     }
@@ -334,7 +334,7 @@ fn warn_unread_ports(name: &str, definition: &Macro, findings: &mut Findings) {
     let settings = settings.map(|(name, setting)| ("setting", name, setting.span));
     for (noun, unread, span) in inputs.chain(settings) {
         let message = format!("nothing in the macro {name} reads its {noun} {unread}");
-        findings.push(Diagnostic::at(Code::UnusedPort, span, message));
+        findings.push(Diagnostic::at(Code::UNUSED_PORT, span, message));
     }
 }
 

@@ -104,7 +104,7 @@ fn outputs(fields: &mut Fields<'_>, header: &mut Macro, findings: &mut Findings)
     }
     if header.outputs.is_empty() {
         let message = "a macro needs at least one output";
-        findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint(OUTPUTS_HINT));
+        findings.push(Diagnostic::at(Code::MISSING_KEY, node.span, message).hint(OUTPUTS_HINT));
     }
 }
 
@@ -188,7 +188,8 @@ impl Macros {
         let mut candidates: Vec<&str> = self.defined.keys().map(String::as_str).collect();
         candidates.extend(elements::names(Family::Computing));
         let message = format!("there is no kind \"{}\" of element, nor a macro of that name", kind.value);
-        Diagnostic::at(Code::UnknownKind, kind.span, message).maybe_hint(suggestion(&kind.value, &candidates))
+        Diagnostic::at(Code::UNKNOWN_KIND, kind.span, message)
+            .maybe_hint(suggestion(&kind.value, &candidates))
     }
 
     /// Decodes an instance of a macro, whose keys are the ports and settings of the macro.
@@ -239,7 +240,7 @@ fn unknown_key(definition: &Macro, noun: &str, entry: &tree::KeyValue) -> Diagno
         None => "the macro has neither inputs nor settings".to_owned(),
     };
     let message = format!("\"{}\" is neither an input nor a setting of {noun}", entry.key);
-    Diagnostic::at(Code::UnknownKey, entry.key_span, message).hint(hint)
+    Diagnostic::at(Code::UNKNOWN_KEY, entry.key_span, message).hint(hint)
 }
 
 /// The text under the key "kind" of an entry. `None` if there is no such text; nothing is reported.

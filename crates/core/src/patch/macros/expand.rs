@@ -278,7 +278,7 @@ impl<'p> Expansion<'p> {
                     "the elements of all macro instances together are larger than {} MB",
                     MAX_DOCUMENT_BYTES / 1_000_000
                 );
-                findings.push(Diagnostic::at(Code::MacroTooLarge, span, message));
+                findings.push(Diagnostic::at(Code::MACRO_TOO_LARGE, span, message));
                 self.is_full = true;
             }
         }

@@ -256,7 +256,7 @@ fn undriven_input(instance: &str, port: &str, description: &str, span: Span) -> 
         "" => "use \"ground\" for 0 V".to_owned(),
         description => format!("{description}; use \"ground\" for 0 V"),
     };
-    Diagnostic::at(Code::NoDriver, span, message).hint(hint)
+    Diagnostic::at(Code::NO_DRIVER, span, message).hint(hint)
 }
 
 /// The diagnostic for an input port with several cords, which would connect two outputs with each other.
@@ -265,7 +265,7 @@ fn tied_outputs(instance: &str, port: &str, first: &Placed<String>, second: &Pla
         "the outputs of {} and {} are tied together at {port} of {instance}",
         first.value, second.value
     );
-    Diagnostic::at(Code::OutputsTied, second.span, message)
+    Diagnostic::at(Code::OUTPUTS_TIED, second.span, message)
         .hint("add them in a summer, and plug in its output")
 }
 
@@ -281,5 +281,5 @@ fn missing_setting(
         "" => "specify it in the instance, or add a \"default\" in the macro",
         description => description,
     };
-    Diagnostic::at(Code::MissingKey, span, message).hint(hint)
+    Diagnostic::at(Code::MISSING_KEY, span, message).hint(hint)
 }

@@ -73,7 +73,7 @@ impl MissingOutput<'_> {
             true => Some(format!("{port} is inside the macro: add it to the outputs of the macro")),
             false => suggestion(port, &outputs),
         };
-        Diagnostic::at(Code::UnknownName, cord.span, message).maybe_hint(hint)
+        Diagnostic::at(Code::UNKNOWN_NAME, cord.span, message).maybe_hint(hint)
     }
 }
 
@@ -177,7 +177,7 @@ impl<'m> SectionScope<'m> {
         let is_suggesting = finding_count < MAX_FINDINGS_WITH_SUGGESTION;
         let message = format!("{reader} is driven by {}, which is not in {searched}", cord.value);
         let hint = is_suggesting.then(|| suggestion(&cord.value, &self.source_names())).flatten();
-        Diagnostic::at(Code::UnknownName, cord.span, message).maybe_hint(hint)
+        Diagnostic::at(Code::UNKNOWN_NAME, cord.span, message).maybe_hint(hint)
     }
 
     /// The names that cords in this section can use, without ports of instances and references.
@@ -255,7 +255,7 @@ impl Macros {
             [only] => format!("the macro {only} contains itself"),
             names => format!("the macros {} contain each other", names.join(", ")),
         };
-        Diagnostic::at(Code::MacroRing, self.defined[members[0].index()].span, message)
+        Diagnostic::at(Code::MACRO_RING, self.defined[members[0].index()].span, message)
             .hint("remove an instance from one of them")
     }
 
@@ -263,7 +263,7 @@ impl Macros {
     fn too_deep(&self, index: NodeIndex) -> Diagnostic {
         let message =
             format!("the macro {} contains macros more than {MAX_NESTING_DEPTH} deep", self.name(index));
-        Diagnostic::at(Code::MacroTooLarge, self.defined[index.index()].span, message)
+        Diagnostic::at(Code::MACRO_TOO_LARGE, self.defined[index.index()].span, message)
             .hint("replace some of the instances by their elements")
     }
 }

@@ -10,7 +10,7 @@ use crate::report::page::html_parts::{over_noise, parameter_table, table};
 use crate::report::page::trajectories::pictures;
 use crate::search::outcome::taken_rounds;
 use maud::{Markup, html};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_draw::plot::PlotError;
 
 /// Residuals before and after, doubts, and the fitted patch with the named effects.

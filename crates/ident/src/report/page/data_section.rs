@@ -8,7 +8,7 @@ use crate::data::experiment::Experiment;
 use crate::report::Report;
 use crate::report::page::html_parts::table;
 use maud::{Markup, html};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_expr::Unit;
 
 /// Tables of the columns with their noise, of the records, and of the columns' properties.

@@ -7,7 +7,7 @@ use crate::fit::fitted_model::FittedModel;
 use crate::report::values::{error_text, estimate_text, interval_text, owner, undetermined_sentence};
 use crate::search::outcome::Outcome;
 use maud::{Markup, PreEscaped, Render, html};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_draw::plot;
 use patchcord_draw::plot::{Format, Picture, PlotError, Size};
 

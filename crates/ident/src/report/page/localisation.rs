@@ -10,7 +10,7 @@ use crate::report::page::html_parts::{bar, pictures, table};
 use crate::search::outcome::Outcome;
 use crate::statistics::descriptive::{NORMAL_95, extremes};
 use maud::{Markup, Render, html};
-use patchcord_analysis::instruments::{QuantityFormat, number};
+use patchcord_analysis::format::{QuantityFormat, number};
 use patchcord_draw::plot::{Axis, Channel, Picture, PlotError};
 
 /// Tables and pictures of the missing force. Empty if no force was estimated.

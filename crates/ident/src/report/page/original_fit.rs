@@ -9,7 +9,7 @@ use crate::report::page::html_parts::{over_noise, parameter_table, table};
 use crate::report::page::trajectories::pictures;
 use crate::residuals::correlation::{Correlation, LaggedCorrelation};
 use maud::{Markup, html};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_draw::plot::PlotError;
 
 /// The fitted parameters, pictures of the fit and of its residual, and the correlations of the residual.

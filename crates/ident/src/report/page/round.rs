@@ -12,7 +12,7 @@ use crate::report::rounds::{round_sentence, skipped_trial_sentence, trial_count_
 use crate::search::round::{Round, Trial};
 use crate::statistics::block_comparison::Advantage;
 use maud::{Markup, Render, html};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 use patchcord_draw::plot::PlotError;
 
 /// The section of a round. Its number counts from 1. Empty if the round has no trials.

@@ -7,7 +7,7 @@ use crate::report::page::html_parts::table;
 use crate::report::search_log::action_text;
 use crate::search::outcome::Outcome;
 use maud::{Markup, html};
-use patchcord_analysis::instruments::number;
+use patchcord_analysis::format::number;
 
 /// The table of all actions. Empty if the rounds alone describe the search.
 pub(super) fn section(outcome: &Outcome) -> Markup {

@@ -106,7 +106,7 @@ fn part_is_free(given: &CheckArguments) -> Result<Finding, CheckError> {
     match Circuit::new(&recipe.patch("part", "")?) {
         Ok(_) => Ok(Finding::truth(true, format!("{part} is free"))),
         Err(report) => {
-            let duplicate = report.findings.iter().find(|finding| finding.code == Code::PartTwice);
+            let duplicate = report.findings.iter().find(|finding| finding.code == Code::PART_TWICE);
             let duplicate = duplicate.ok_or_else(|| CheckError::Run(report.to_string()))?;
             Ok(Finding::truth(false, duplicate.message.clone()))
         }

@@ -31,7 +31,7 @@ use super::claim::Claim;
 use super::number_table::NumberTable;
 use super::recipe::{BoxError, Recipe, ReplayedRun};
 use graph::Graph;
-use patchcord_analysis::instruments::QuantityFormat;
+use patchcord_analysis::format::QuantityFormat;
 use patchcord_core::patch::Patch;
 use patchcord_draw::plot::{Drawing, Format, Picture, PlotError, Size, Theme, render, render_drawing};
 

@@ -11,7 +11,7 @@ use patchcord_expr::{Unit, engineering};
 /// The largest value selects the prefix for all values:
 ///
 /// ```
-/// use patchcord_analysis::instruments::QuantityFormat;
+/// use patchcord_analysis::format::QuantityFormat;
 ///
 /// let format = QuantityFormat::new("m/s", 0.025);
 /// assert_eq!(format.unit, "mm/s");
@@ -69,7 +69,7 @@ impl QuantityFormat {
 /// # Examples
 ///
 /// ```
-/// use patchcord_analysis::instruments::format_quantity;
+/// use patchcord_analysis::format::format_quantity;
 ///
 /// assert_eq!(format_quantity(0.00254, "m/s"), "2.54 mm/s");
 /// assert_eq!(format_quantity(45e6, "N/m"), "45 MN/m");
@@ -98,7 +98,7 @@ fn digits(value: f64) -> String {
 /// # Examples
 ///
 /// ```
-/// use patchcord_analysis::instruments::number;
+/// use patchcord_analysis::format::number;
 ///
 /// assert_eq!(number(1.0 / 3.0), "0.3333");
 /// assert_eq!(number(2e7), "2.000e7");
