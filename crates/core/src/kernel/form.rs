@@ -9,7 +9,7 @@ use std::hash::{Hash, Hasher};
 use crate::ir::{Op, Register};
 
 /// The amount by which the lower end of a fraction's range may be below 0.
-const ROUNDING: f64 = 1e-12;
+const FACTOR_ROUNDING: f64 = 1e-12;
 
 /// A number that depends on parameters and on the branch only. It is constant within a step.
 #[derive(Debug, Clone, Copy)]
@@ -133,7 +133,7 @@ impl ParameterCode {
     /// A coefficient. `least` is its smallest permitted value.
     pub fn coefficient(&mut self, index: u32, least: f64) -> Factor {
         let factor = self.once(Value::Coefficient(index));
-        if let (Factor::Computed(register), true) = (factor, least >= -ROUNDING) {
+        if let (Factor::Computed(register), true) = (factor, least >= -FACTOR_ROUNDING) {
             self.not_negative.insert(register);
         }
         factor

@@ -36,7 +36,7 @@ codes! {
     OFF_SCALE "off-scale" Error "More than 1 % of the samples exceed 100 V in their scale, or a sample exceeds 100 kV: \
         the machine would cut them off."
         "increase per_volt of the scale, correct the \"unit\" of the column, or remove rows with recording errors";
-    DRIVE_BEGINS_ANEW "drive-begins-anew" Error "A drive without a column starts at time 0, but its record starts later."
+    DRIVE_RESTARTS "drive-begins-anew" Error "A drive without a column starts at time 0, but its record starts later."
         "feed the drive from a column; or use records for training and test that start with the drive; or let its \
         formulas use a parameter record_start in s, which is set to the start of the record";
     SAMPLING_GAP "sampling-gap" Warning "Rows are missing between other rows."

@@ -266,7 +266,7 @@ impl<'a> ExperimentBuilder<'a> {
         let (code, consequence) = match out_of_phase {
             Some(record) => {
                 let consequence = format!("and every record restarts it, which is wrong for {record}");
-                (codes::DRIVE_BEGINS_ANEW, consequence)
+                (codes::DRIVE_RESTARTS, consequence)
             }
             None => (codes::UNFED_DRIVES, "beginning at the start of each record".to_owned()),
         };
