@@ -17,9 +17,9 @@ use patchcord::elements::reference_page;
 use patchcord::ident::effects::{Attachment, InputRole, Library, OutputRole};
 use patchcord::ir::Program;
 use patchcord::patch::{Patch, json_schema};
-use patchcord::solve::{Backend, RunSettings};
+use patchcord::solve::Backend;
 
-pub fn documents() -> Vec<PathBuf> {
+pub(crate) fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
     let examples = fs::read_dir("examples").unwrap().map(|entry| entry.unwrap().path());
     for folder in examples.chain(["docs".into()]) {
@@ -54,12 +54,43 @@ fn every_named_path_exists() {
     }
 }
 
+/// Constants of a table with their file: "`NAME`, `crates/core/src/solve/events.rs`".
+fn constants_named(text: &str) -> Vec<(&str, &str)> {
+    let words: Vec<&str> = text.split('`').collect();
+    let pairs = words.windows(3).filter(|words| words[1] == ", " && words[2].ends_with(".rs"));
+    let is_constant = |name: &str| {
+        name.len() > 1 && name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+    };
+    pairs.map(|words| (words[0], words[2])).filter(|(name, _)| is_constant(name)).collect()
+}
+
+#[test]
+fn every_named_constant_is_in_the_named_file() {
+    let mut count = 0;
+    for document in documents() {
+        let text = fs::read_to_string(&document).unwrap();
+        for (name, path) in constants_named(&text) {
+            let paths = [path.to_owned(), format!("crates/ident/src/{path}")];
+            let source = paths.iter().find_map(|path| fs::read_to_string(path).ok()).unwrap_or_default();
+            let is_defined = source.contains(&format!("const {name}: "));
+            assert!(is_defined, "{}: {path} does not define {name}", document.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 40, "only {count} constants are found: has the form of the tables changed?");
+}
+
 /// The Rust sources below a folder.
-pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+pub(crate) fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    files_with_endings(folder, &["rs"], found);
+}
+
+/// The files below a folder whose names have one of these endings.
+pub(crate) fn files_with_endings(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
     for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if path.is_dir() {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            files_with_endings(&path, endings, found);
+        } else if path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known)) {
             found.push(path);
         }
     }
@@ -72,35 +103,36 @@ fn module(package: &Path, source: &Path) -> String {
     parts.collect::<Vec<_>>().join("::")
 }
 
+/// Whether a name in the table of CONTRIBUTING.md selects the tests of a module.
+fn is_selected(name: &str, module: &str) -> bool {
+    module.contains(name.trim_end_matches("::"))
+}
+
 #[test]
 fn every_slow_test_is_listed() {
     let page = fs::read_to_string("CONTRIBUTING.md").unwrap();
-    let listed: Vec<(&str, &str)> = page
-        .lines()
-        .filter_map(|line| {
-            line.strip_prefix("| `cargo test -p ")?.split('`').next()?.split_once(" -- --ignored ")
-        })
-        .collect();
+    let (_, table) = page.split_once("| name | subject of the tests |").unwrap();
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with("| `"));
+    let listed: Vec<&str> = rows.map(|row| row.split('`').nth(1).unwrap()).collect();
     let crates = fs::read_dir("crates").unwrap().map(|entry| entry.unwrap().path());
-    let mut slow = 0;
+    let mut slow = Vec::new();
     for package in crates.chain([PathBuf::from("")]) {
-        let name = package
-            .file_name()
-            .map_or("patchcord".to_owned(), |stem| format!("patchcord-{}", stem.to_str().unwrap()));
         let mut found = Vec::new();
         let folders = ["src", "tests"].map(|folder| package.join(folder));
         folders.iter().filter(|folder| folder.is_dir()).for_each(|folder| sources(folder, &mut found));
         let ignored = |path: &&PathBuf| fs::read_to_string(path).unwrap().contains(concat!("#[", "ignore"));
         for source in found.iter().filter(ignored) {
             let module = module(&package, source);
-            let is_listed = listed
-                .iter()
-                .any(|(of, filter)| *of == name && module.contains(filter.trim_end_matches("::")));
-            assert!(is_listed, "CONTRIBUTING.md does not list the slow tests of {name} {module}");
-            slow += 1;
+            let is_listed = listed.iter().any(|name| is_selected(name, &module));
+            assert!(is_listed, "CONTRIBUTING.md does not list the slow tests of {}", source.display());
+            slow.push(module);
         }
     }
-    assert!(slow > 20, "{slow}");
+    assert!(slow.len() > 20, "{}", slow.len());
+    for name in &listed {
+        let has_tests = slow.iter().any(|module| is_selected(name, module));
+        assert!(has_tests, "CONTRIBUTING.md lists {name}, which selects no slow test");
+    }
 }
 
 /// The fenced JSON blocks of a document.
@@ -125,8 +157,8 @@ fn the_effect_of_the_page_is_valid() {
     assert!(effect.forms[0].reach_names().iter().all(|name| listed.contains(name)));
     assert!(listed.iter().all(|name| text.contains(&format!("`{name}`"))));
     let words =
-        Attachment::ALL.iter().map(|own| own.word()).chain(InputRole::ALL.iter().map(|own| own.word()));
-    for word in words.chain(OutputRole::ALL.iter().map(|own| own.word())) {
+        Attachment::ALL.iter().map(|kind| kind.word()).chain(InputRole::ALL.iter().map(|role| role.word()));
+    for word in words.chain(OutputRole::ALL.iter().map(|role| role.word())) {
         assert!(text.contains(&format!("`{word}`")), "{word}");
     }
 }
@@ -176,14 +208,14 @@ fn rows(page: &str) -> BTreeMap<String, String> {
 
 #[test]
 fn the_comparison_quotes_the_measured_numbers() {
-    let own = rows("docs/hidden-effects.md");
+    let measured = rows("docs/hidden-effects.md");
     let text = fs::read_to_string("docs/side-by-side.md").unwrap();
     let (_, table) = text.split_once("| measure | pysindy | patchcord |\n|---|---|---|\n").unwrap();
     let compared = table.lines().take_while(|line| line.starts_with("| "));
     let mut count = 0;
     for line in compared {
         let cells: Vec<_> = line.trim_matches(['|', ' ']).split(" | ").collect();
-        assert_eq!(own.get(cells[0]).map(String::as_str), Some(cells[2]), "{}", cells[0]);
+        assert_eq!(measured.get(cells[0]).map(String::as_str), Some(cells[2]), "{}", cells[0]);
         count += 1;
     }
     assert!(count >= 10);
@@ -219,10 +251,10 @@ fn the_counts_of_the_page_match_the_list_of_cases() {
     let page = rows("docs/hidden-effects.md");
     let counts = |what: &str, those: &dyn Fn(&&Value) -> bool, is: &dyn Fn(&&Value) -> bool| {
         let all: Vec<&Value> = cases.iter().filter(those).collect();
-        let (all, own) = (all.len(), all.into_iter().filter(is).count());
+        let (all, count) = (all.len(), all.into_iter().filter(is).count());
         assert!(
-            page[what].contains(&format!("({own} of {all})")),
-            "{what}: {}, not {own} of {all}",
+            page[what].contains(&format!("({count} of {all})")),
+            "{what}: {}, not {count} of {all}",
             page[what]
         );
     };
@@ -287,8 +319,8 @@ fn sweeps_are_measured_with_every_number_of_threads() {
 /// Trial steps per located crossing and their share of all evaluations in percent, for the first 2 s of Fig 8.16.
 fn tried(tolerance: f64) -> [f64; 2] {
     let circuit = runs::circuit("thesis/fig-8-16", &[]);
-    let settings = RunSettings { tolerance: Some(tolerance), ..runs::settings(&circuit).with_duration(2.0) };
-    let work = runs::run_circuit(&circuit, &settings).sweeps[0].work;
+    let settings = runs::settings(&circuit).with_duration(2.0).with_tolerance(tolerance);
+    let work = runs::run_circuit(&circuit, &settings).repetitions[0].work;
     let [all, steps, crossings] =
         [work.evaluations, work.steps + work.rejections, work.crossings + work.changes].map(|n| n as f64);
     let tried = all - 6.0 * steps;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
@@ -16,7 +16,7 @@ const INDEPENDENT: [&str; 2] = ["ident", "thesis"];
 
 /// The top-level modules of each crate in order. Each may import earlier ones.
 const MODULES: [(&str, &[&str]); 6] = [
-    ("expr", &["function", "units", "formula"]),
+    ("expr", &["number_text", "function", "units", "formula"]),
     (
         "core",
         &[
@@ -46,7 +46,7 @@ const MODULES: [(&str, &[&str]); 6] = [
         "ident",
         &["statistics", "data", "effects", "fit", "residuals", "localise", "design", "search", "report"],
     ),
-    ("thesis", &["slideway", "chain", "replay"]),
+    ("thesis", &["picture_entry", "slideway", "chain", "replay"]),
 ];
 
 /// The top-level module and the code of every source file of a crate.
@@ -54,49 +54,137 @@ fn modules(folder: &Path) -> Vec<(String, String)> {
     let mut found = Vec::new();
     sources(folder, &mut found);
     found.retain(|path| path.file_stem().is_some_and(|stem| stem != "tests"));
-    let module = |path: &Path| {
-        let top = path.strip_prefix(folder).unwrap().iter().next().unwrap();
-        Path::new(top).file_stem().unwrap().to_str().unwrap().to_owned()
+    let read = |path: &PathBuf| {
+        let inside = path.strip_prefix(folder).unwrap();
+        let source = code(&fs::read_to_string(path).unwrap());
+        (top_module(inside), from_root(&source, depth(inside)))
     };
-    found.iter().map(|path| (module(path), code(&fs::read_to_string(path).unwrap()))).collect()
+    found.iter().map(read).collect()
 }
 
-/// The source without comments and unit tests.
+/// The top-level module of a source file. The path is relative to the folder `src`.
+fn top_module(path: &Path) -> String {
+    let top = path.iter().next().unwrap();
+    Path::new(top).file_stem().unwrap().to_str().unwrap().to_owned()
+}
+
+/// The number of modules in the path of a source file's module: 1 for `grid.rs` and `fit/mod.rs`, 2 for `fit/model.rs`.
+fn depth(path: &Path) -> usize {
+    path.iter().count() - usize::from(path.ends_with("mod.rs"))
+}
+
+/// The source of a module at this depth in which a path through the root of the crate begins with `crate::`. With depth
+/// 2, `super::super::` leads to the root.
+fn from_root(source: &str, depth: usize) -> String {
+    source.replace(&"super::".repeat(depth), "crate::")
+}
+
+/// The source without comments and unit tests. If the unit tests have their own file, the code after their declaration
+/// belongs to the module.
 fn code(text: &str) -> String {
-    let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     text.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + "\n").collect()
 }
 
-/// The modules of the same crate that a source imports.
+/// The paths in the text after `crate::`: the whole text, or the members of a group such as `{a::b, c::{D, E}};`.
+fn paths(rest: &str) -> Vec<&str> {
+    let Some(group) = rest.strip_prefix('{') else { return vec![rest] };
+    let (mut depth, mut start, mut members) = (1, 0, Vec::new());
+    for (index, letter) in group.char_indices() {
+        depth += match letter {
+            '{' => 1,
+            '}' => -1,
+            _ => 0,
+        };
+        if depth == 0 || (depth == 1 && letter == ',') {
+            members.push(group[start..index].trim());
+            start = index + 1;
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    members.retain(|member| !member.is_empty());
+    members
+}
+
+/// The names in a path, in order.
+fn names(path: &str) -> impl Iterator<Item = &str> {
+    path.split(|letter: char| !letter.is_alphanumeric() && letter != '_')
+}
+
+/// What a source imports from its own crate: the first name of every path that begins with `crate::`.
 fn imported(source: &str) -> BTreeSet<&str> {
-    let is_word = |letter: char| letter.is_alphanumeric() || letter == '_';
-    let rest = source.split("crate::").skip(1);
-    rest.map(|rest| rest.split(|letter| !is_word(letter)).next().unwrap_or_default()).collect()
+    let rests = source.split("crate::").skip(1);
+    rests.flat_map(paths).filter_map(|path| names(path).next()).collect()
+}
+
+/// Checks that a module imports only earlier ones. `order` lists the modules. A name in the root of a crate belongs to
+/// an unknown module, so it must not be imported from there.
+fn check_imports(order: &[&str], module: &str, source: &str) -> Result<(), String> {
+    let position = |name: &str| order.iter().position(|known| *known == name);
+    let own_position = position(module).ok_or_else(|| format!("MODULES does not list {module}"))?;
+    for other in imported(source).into_iter().filter(|other| *other != module) {
+        let imported = position(other)
+            .ok_or_else(|| format!("{module} must import {other} from its module, not from the root"))?;
+        if imported > own_position {
+            return Err(format!("{module} must not import {other}"));
+        }
+    }
+    Ok(())
 }
 
 #[test]
 fn modules_import_only_earlier_ones() {
     for (name, order) in MODULES {
         let found = modules(Path::new(&format!("crates/{name}/src")));
-        let place = |module: &str| order.iter().position(|known| *known == module);
         for (module, source) in found.iter().filter(|(module, _)| module != "lib") {
-            let own = place(module).unwrap_or_else(|| panic!("{name}: MODULES does not list {module}"));
-            for other in imported(source).into_iter().filter(|other| other != module) {
-                let Some(theirs) = place(other) else { continue };
-                assert!(theirs < own, "{name}: {module} must not import {other}");
-            }
+            check_imports(order, module, source).unwrap_or_else(|fault| panic!("{name}: {fault}"));
         }
     }
 }
 
+#[test]
+fn imports_in_groups_and_from_the_root_are_checked() {
+    let check = |source: &str| check_imports(&["data", "fit", "search"], "fit", source);
+    assert_eq!(check("use crate::data::{Record, Noise};\nuse crate::fit::model::Model;"), Ok(()));
+    assert_eq!(check("use crate::{data::Record, fit::{Model, Problem}};"), Ok(()));
+    let upward = Err("fit must not import search".to_owned());
+    assert_eq!(check("let outcome = crate::search::search();"), upward);
+    assert_eq!(check("use crate::{\n    data::{Record, Noise},\n    search::Outcome,\n};"), upward);
+    let from_root = Err("fit must import Outcome from its module, not from the root".to_owned());
+    assert_eq!(check("use crate::Outcome;"), from_root);
+    assert_eq!(check("use crate::{data::Record, Outcome};"), from_root);
+    assert!(check("use crate::*;").is_err());
+}
+
+#[test]
+fn imports_through_super_are_checked() {
+    let check = |path: &str, source: &str| {
+        let path = Path::new(path);
+        check_imports(&["data", "fit", "search"], &top_module(path), &from_root(source, depth(path)))
+    };
+    let upward = Err("fit must not import search".to_owned());
+    assert_eq!(check("fit/mod.rs", "use super::search::Outcome;"), upward);
+    assert_eq!(check("fit/model.rs", "use super::super::search::Outcome;"), upward);
+    assert_eq!(check("fit/model.rs", "use super::search::Outcome;"), Ok(()));
+    assert_eq!(check("fit/mod.rs", "use super::data::Record;"), Ok(()));
+}
+
+#[test]
+fn code_after_the_declaration_of_tests_is_checked() {
+    let declared = "#[cfg(test)]\nmod tests;\nuse crate::search::Outcome; // a comment\n";
+    assert_eq!(code(declared), "#[cfg(test)]\nmod tests;\nuse crate::search::Outcome; \n");
+    assert_eq!(code("use crate::data;\n#[cfg(test)]\nmod tests {\n}\n"), "use crate::data;\n");
+}
+
 /// The types that a source imports from modules of its own crate, each with the module at the top that has it.
 fn imported_types(source: &str) -> BTreeMap<&str, &str> {
-    let is_apart = |letter: char| !letter.is_alphanumeric() && letter != '_';
-    let paths = source.split("use crate::").skip(1).filter_map(|rest| rest.split(';').next());
-    let types = paths.flat_map(|path| {
-        let mut words = path.split(is_apart);
-        let module = words.next().unwrap_or_default();
-        words.filter(|word| word.starts_with(char::is_uppercase)).map(move |word| (word, module))
+    let imports = source.split("use crate::").skip(1).filter_map(|rest| rest.split(';').next());
+    let types = imports.flat_map(paths).flat_map(|path| {
+        let mut names = names(path);
+        let module = names.next().unwrap_or_default();
+        names.filter(|name| name.starts_with(char::is_uppercase)).map(move |name| (name, module))
     });
     types.collect()
 }
@@ -104,11 +192,12 @@ fn imported_types(source: &str) -> BTreeMap<&str, &str> {
 /// The type that a line begins an implementation for, by its name.
 fn implemented(line: &str) -> Option<&str> {
     let rest = line.strip_prefix("impl")?;
-    let own = rest.split_once(" for ").map_or_else(|| after_generics(rest), |(_, own)| own);
-    own.trim_start().split(|letter: char| !letter.is_alphanumeric() && letter != '_').next()
+    let implementor =
+        rest.split_once(" for ").map_or_else(|| after_generics(rest), |(_, implementor)| implementor);
+    names(implementor.trim_start()).next()
 }
 
-/// What comes after the parameters in angle brackets with which a text may begin.
+/// The text after the parameters in angle brackets with which a text may begin.
 fn after_generics(text: &str) -> &str {
     let mut depth = 0;
     let end = text.char_indices().find(|(_, letter)| {
@@ -131,12 +220,13 @@ fn methods_belong_to_the_module_of_their_type() {
     for (name, _) in MODULES {
         for (module, source) in modules(Path::new(&format!("crates/{name}/src"))) {
             let types = imported_types(&source);
-            for own in source.lines().filter_map(implemented) {
-                let of = types.get(own).copied().unwrap_or(module.as_str());
-                let is_known = CONSTRUCTED_ABOVE.contains(&(module.as_str(), own));
+            for implementor in source.lines().filter_map(implemented) {
+                assert!(implementor != "crate", "{name}: {module} must import a type to add methods to it");
+                let home = types.get(implementor).copied().unwrap_or(module.as_str());
+                let is_known = CONSTRUCTED_ABOVE.contains(&(module.as_str(), implementor));
                 assert!(
-                    of == module || is_known,
-                    "{name}: {module} must not add methods to {own}, a type of {of}"
+                    home == module || is_known,
+                    "{name}: {module} must not add methods to {implementor}, a type of {home}"
                 );
             }
         }
@@ -146,11 +236,13 @@ fn methods_belong_to_the_module_of_their_type() {
 #[test]
 fn implementations_are_recognised() {
     assert_eq!(implemented("impl Outcome {"), Some("Outcome"));
-    assert_eq!(implemented("impl<'a> Task<'a> {"), Some("Task"));
+    assert_eq!(implemented("impl<'a> FitProblem<'a> {"), Some("FitProblem"));
     assert_eq!(implemented("impl<T: Into<f64>> From<T> for Value {"), Some("Value"));
     assert_eq!(implemented("    impl Outcome {"), None);
-    let source = "use crate::fit::model::{Knob, begun};\nuse crate::search::Outcome;\n";
-    assert_eq!(imported_types(source), BTreeMap::from([("Knob", "fit"), ("Outcome", "search")]));
+    let source = "use crate::fit::model::{FitParameter, start};\nuse crate::search::Outcome;\n";
+    let types = BTreeMap::from([("FitParameter", "fit"), ("Outcome", "search")]);
+    assert_eq!(imported_types(source), types);
+    assert_eq!(imported_types("use crate::{fit::model::FitParameter, search::{Outcome}};"), types);
 }
 
 #[test]
@@ -160,16 +252,21 @@ fn crates_depend_only_on_earlier_ones() {
         .output()
         .unwrap();
     let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
-    for (own, name) in CRATES.iter().enumerate() {
-        let packages = metadata["packages"].as_array().unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    for package in packages {
+        let name = package["name"].as_str().unwrap();
+        let is_listed = CRATES.iter().any(|known| name.strip_prefix("patchcord-") == Some(*known));
+        assert!(is_listed || name == "patchcord", "CRATES does not list {name}");
+    }
+    for (position, name) in CRATES.iter().enumerate() {
         let package = packages.iter().find(|package| package["name"] == format!("patchcord-{name}")).unwrap();
         for dependency in package["dependencies"].as_array().unwrap() {
-            let Some(other) = dependency["name"].as_str().unwrap().strip_prefix("patchcord-") else {
-                continue;
-            };
-            let theirs = CRATES.iter().position(|known| *known == other).unwrap();
+            let dependency = dependency["name"].as_str().unwrap();
+            assert!(dependency != "patchcord", "{name} must not depend on the facade");
+            let Some(other) = dependency.strip_prefix("patchcord-") else { continue };
+            let other_position = CRATES.iter().position(|known| *known == other).unwrap();
             let are_independent = INDEPENDENT.contains(name) && INDEPENDENT.contains(&other);
-            assert!(theirs < own && !are_independent, "{name} must not depend on {other}");
+            assert!(other_position < position && !are_independent, "{name} must not depend on {other}");
         }
     }
 }

@@ -39,7 +39,7 @@ fn check_run(patch: &Patch) {
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     let trace = solve::run(&program, &RunSettings::of(&circuit).unwrap());
     let trace = trace.unwrap_or_else(|error| panic!("{}: {error}", patch.file()));
-    assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.sweeps);
+    assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.repetitions);
 }
 
 /// The smallest fraction of a drawing that a schematic must use. Empty space hides the structure of a circuit.

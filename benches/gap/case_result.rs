@@ -8,15 +8,12 @@ use serde_json::Value;
 use crate::Outcome;
 use crate::hidden_cases::{HiddenCases, HiddenEffect, Truth, in_si};
 use patchcord::expr::Unit;
-use patchcord::ident::Experiment;
-use patchcord::ident::effects::Library;
-use patchcord::ident::fit::problem::Problem;
-use patchcord::ident::report::Report;
-use patchcord::ident::search::{Outcome as SearchOutcome, SearchSettings, Verdict};
+use patchcord::ident::{Report, Verdict};
+use patchcord::{Experiment, Library, Outcome as SearchOutcome, Problem, SearchSettings};
 
 /// The judgement of a verdict by the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Judgement {
+pub(crate) enum Judgement {
     /// All hidden effects are named and no other; or nothing is hidden, and the verdict says so.
     Right,
     /// One of two hidden effects is named, and no other.
@@ -35,7 +32,7 @@ pub enum Judgement {
 
 impl Judgement {
     /// All judgements, in the order of the page's columns.
-    pub const ALL: [Judgement; 7] = [
+    pub(crate) const ALL: [Judgement; 7] = [
         Judgement::Right,
         Judgement::Half,
         Judgement::Among,
@@ -46,7 +43,7 @@ impl Judgement {
     ];
 
     /// The heading of its column. The journal contains the same text.
-    pub fn as_str(self) -> &'static str {
+    pub(crate) fn as_str(self) -> &'static str {
         match self {
             Judgement::Right => "right",
             Judgement::Half => "one of two",
@@ -60,19 +57,19 @@ impl Judgement {
 }
 
 /// The result of the search in a case.
-pub struct CaseResult {
+pub(crate) struct CaseResult {
     /// Number of the case, from 1.
     pub number: usize,
     pub truth: Truth,
     /// The verdict as a word, such as "named".
     pub verdict: String,
-    /// Name and junction of every named effect.
+    /// Name and site of every named effect.
     pub named: Vec<(String, String)>,
     pub judgement: Judgement,
     /// Parameters of rightly named effects whose true values are known.
     pub parameters: Vec<ParameterEstimate>,
-    /// The rms residual of the reported model in the test data, over the noise.
-    pub test_residual: f64,
+    /// The rms residual of the reported model in the validation data, over the noise.
+    pub validation_residual: f64,
     /// Duration of the search in s.
     pub seconds: f64,
     /// The trials of the search as text for `-v`. Empty if the result is from a journal.
@@ -80,7 +77,7 @@ pub struct CaseResult {
 }
 
 /// A fitted parameter and its true value, in SI units.
-pub struct ParameterEstimate {
+pub(crate) struct ParameterEstimate {
     /// Name of the effect.
     pub effect: String,
     /// Name of the parameter.
@@ -97,7 +94,7 @@ impl CaseResult {
     /// # Errors
     ///
     /// If the experiment cannot be read or its patch cannot be run.
-    pub fn search(
+    pub(crate) fn search(
         number: usize,
         cases: &HiddenCases,
         library: &Library,
@@ -107,14 +104,8 @@ impl CaseResult {
         let began = Instant::now();
         let experiment = Experiment::read(cases.experiment(number)).map_err(|error| error.to_string())?;
         let problem = Problem::of(&experiment)?;
-        let settings = SearchSettings { library, threads, seed: 1 };
-        let outcome = patchcord::ident::search::search(
-            &problem,
-            &experiment.patch,
-            &experiment.fit,
-            &settings,
-            |_| (),
-        )?;
+        let settings = SearchSettings::new(library).with_threads(threads);
+        let outcome = patchcord::search(&experiment, &problem, &settings, |_| ())?;
         let seconds = began.elapsed().as_secs_f64();
         let Some(outcome) = outcome else { return Err(format!("case {number} cannot be run").into()) };
         let report = Report::new(&experiment, &problem, &outcome);
@@ -130,7 +121,7 @@ impl CaseResult {
             verdict: outcome.verdict.as_str().to_owned(),
             judgement,
             parameters: parameter_estimates(&truth, &effects),
-            test_residual: outcome.reported_model().test.normalised_rms(),
+            validation_residual: outcome.reported_model().validation.normalised_rms(),
             search_log: search_log(&problem, &outcome),
             number,
             truth,
@@ -140,27 +131,27 @@ impl CaseResult {
     }
 
     /// Whether all rightly named effects are named at their true places. `None` if no effect is rightly named.
-    pub fn is_in_place(&self) -> Option<bool> {
-        let in_place = self.named.iter().filter_map(|(name, junction)| {
+    pub(crate) fn is_in_place(&self) -> Option<bool> {
+        let in_place = self.named.iter().filter_map(|(name, site)| {
             let hidden = self.truth.effects.iter().find(|hidden| hidden.name == *name)?;
-            Some(hidden.junction == *junction)
+            Some(hidden.site == *site)
         });
         in_place.reduce(|all, next| all && next)
     }
 
     /// The result in one line of text.
-    pub fn line(&self) -> String {
-        let named: Vec<_> = self.named.iter().map(|(name, junction)| format!("{name}@{junction}")).collect();
+    pub(crate) fn line(&self) -> String {
+        let named: Vec<_> = self.named.iter().map(|(name, site)| format!("{name}@{site}")).collect();
         let max_error = self.parameters.iter().map(ParameterEstimate::relative_error).fold(0.0, f64::max);
         format!(
-            "{:04} {:<44} {:7.2}  {:<15} {:<44} {:?} test {:.3} error {:.3} {:.1} s",
+            "{:04} {:<44} {:7.2}  {:<15} {:<44} {:?} validation {:.3} error {:.3} {:.1} s",
             self.number,
             self.truth.what,
             self.truth.egnr,
             self.verdict,
             named.join("+"),
             self.judgement,
-            self.test_residual,
+            self.validation_residual,
             max_error,
             self.seconds
         )
@@ -194,12 +185,12 @@ impl ParameterEstimate {
     }
 
     /// The error of the fitted value as a share of the true value.
-    pub fn relative_error(&self) -> f64 {
+    pub(crate) fn relative_error(&self) -> f64 {
         (self.fitted - self.truth).abs() / self.truth.abs()
     }
 
     /// Whether the interval contains the true value.
-    pub fn is_covered(&self) -> bool {
+    pub(crate) fn is_covered(&self) -> bool {
         (self.interval[0]..=self.interval[1]).contains(&self.truth)
     }
 }
@@ -245,7 +236,7 @@ fn search_log(problem: &Problem, outcome: &SearchOutcome) -> String {
     for round in &outcome.rounds {
         let _ = writeln!(
             text,
-            "     required {:.1}, validation {:.1} +- {:.1}, tied {}, taken {}",
+            "     required {:.1}, advantage in validation {:.1} +- {:.1}, tied {}, taken {}",
             round.required_delta_bic,
             round.validation_advantage.sum,
             round.validation_advantage.standard_error,
@@ -254,16 +245,16 @@ fn search_log(problem: &Problem, outcome: &SearchOutcome) -> String {
         );
         let base_count = round.before.train.estimate.parameters.len();
         for trial in round.trials.iter().take(LISTED_TRIALS) {
-            let (train, test) = (&trial.model.train, &trial.model.test);
+            let (train, validation) = (&trial.model.train, &trial.model.validation);
             let _ = writeln!(
                 text,
-                "       {:<26} {:<5} delta BIC {:>9.1} train {:.3} test {:.3} Ljung-Box z {:.1} autocorrelation time {:.1} \
-                 advantage of best {:.1} +- {:.1} {:?}",
+                "       {:<26} {:<5} delta BIC {:>9.1} train {:.3} validation {:.3} Ljung-Box z {:.1} \
+                 autocorrelation time {:.1} advantage of best {:.1} +- {:.1} {:?}",
                 trial.candidate.effect,
-                trial.candidate.junction,
+                trial.candidate.site,
                 trial.delta_bic,
                 train.reduced_chi2(),
-                test.reduced_chi2(),
+                validation.reduced_chi2(),
                 trial.model.ljung_box_z,
                 trial.model.autocorrelation_time,
                 trial.best_advantage.sum,
@@ -274,7 +265,10 @@ fn search_log(problem: &Problem, outcome: &SearchOutcome) -> String {
     }
     for localisation in &outcome.localisations {
         let curves = localisation.curves.iter().map(|curve| {
-            format!("{} {:.3} held out {:.3?}", curve.regressor, curve.explained_fraction, curve.held_out)
+            format!(
+                "{} {:.3} validation {:.3?}",
+                curve.regressor, curve.explained_fraction, curve.validation_fraction
+            )
         });
         let _ = writeln!(
             text,

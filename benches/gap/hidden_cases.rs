@@ -12,28 +12,28 @@ use crate::Outcome;
 use patchcord::expr::Unit;
 
 /// A temporary folder with the cases. It is deleted when the value is dropped.
-pub struct HiddenCases {
+pub(crate) struct HiddenCases {
     folder: tempfile::TempDir,
 }
 
 /// The effects that are hidden in a case, and the size of their traces in the data.
-pub struct Truth {
+pub(crate) struct Truth {
     /// "none", the name of an effect, "unknown:kind", or two names joined by "+".
     pub what: String,
     /// The hidden effects. Empty if nothing is hidden.
     pub effects: Vec<HiddenEffect>,
     /// Effect-to-noise ratio: the rms residual of the best refitted base over the standard deviation of the noise.
     pub egnr: f64,
-    /// The rms residual of the true laws in the test data, over the noise.
-    pub true_test_residual: f64,
+    /// The rms residual of the true laws in the validation data, over the noise.
+    pub true_validation_residual: f64,
 }
 
 /// A hidden effect with its true parameters.
-pub struct HiddenEffect {
+pub(crate) struct HiddenEffect {
     /// Name of the effect in the library.
     pub name: String,
     /// The integrator at whose input it acts, or the drive.
-    pub junction: String,
+    pub site: String,
     /// The shape of its law. Empty if the law has only one.
     shape: String,
     /// Its parameters by name, in SI units.
@@ -46,7 +46,7 @@ const SHAPES_NOT_IN_LIBRARY: [&str; 6] =
 
 impl Truth {
     /// Whether the case hides this effect in a shape that the library's law has.
-    pub fn has_library_law(&self, effect: &str) -> bool {
+    pub(crate) fn has_library_law(&self, effect: &str) -> bool {
         let hidden = self.effects.iter().find(|hidden| hidden.name == effect);
         hidden.is_some_and(|hidden| !SHAPES_NOT_IN_LIBRARY.contains(&hidden.shape.as_str()))
     }
@@ -58,7 +58,7 @@ impl HiddenCases {
     /// # Errors
     ///
     /// If there is no C compiler, or if the program or its self-test fails.
-    pub fn make(seed: u64, count: usize) -> Outcome<HiddenCases> {
+    pub(crate) fn make(seed: u64, count: usize) -> Outcome<HiddenCases> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
         let folder = tempfile::tempdir()?;
         let program = folder.path().join("hidden");
@@ -77,7 +77,7 @@ impl HiddenCases {
     }
 
     /// The path of the experiment of a case.
-    pub fn experiment(&self, number: usize) -> PathBuf {
+    pub(crate) fn experiment(&self, number: usize) -> PathBuf {
         self.folder.path().join(format!("{number:04}/experiment.json"))
     }
 
@@ -86,7 +86,7 @@ impl HiddenCases {
     /// # Errors
     ///
     /// If its file cannot be read or is incomplete.
-    pub fn truth(&self, number: usize) -> Outcome<Truth> {
+    pub(crate) fn truth(&self, number: usize) -> Outcome<Truth> {
         let text = std::fs::read_to_string(self.folder.path().join(format!("truth/{number:04}.json")))?;
         let document: Value = serde_json::from_str(&text)?;
         let effects = document["effects"].as_array().into_iter().flatten();
@@ -95,7 +95,7 @@ impl HiddenCases {
             what: string(&document["truth"]),
             effects: effects.map(hidden_effect).collect(),
             egnr: document["egnr"].as_f64().unwrap_or_default(),
-            true_test_residual: residual.ok_or("a truth has no \"true_laws_leave_of_test\"")?,
+            true_validation_residual: residual.ok_or("a truth has no \"true_laws_leave_of_test\"")?,
         })
     }
 }
@@ -110,14 +110,14 @@ fn hidden_effect(effect: &Value) -> HiddenEffect {
     let parameters = effect["parameters"].as_object().into_iter().flatten();
     HiddenEffect {
         name: string(&effect["name"]),
-        junction: string(&effect["junction"]),
+        site: string(&effect["junction"]),
         shape: string(&effect["shape"]),
         parameters: parameters.filter_map(|(name, value)| Some((name.clone(), in_si(value)?))).collect(),
     }
 }
 
 /// The value of `{"value": ..., "unit": ...}` in SI units. `None` if either is missing or the unit is unknown.
-pub fn in_si(quantity: &Value) -> Option<f64> {
+pub(crate) fn in_si(quantity: &Value) -> Option<f64> {
     Some(Unit::parse(quantity["unit"].as_str()?).ok()?.to_si(quantity["value"].as_f64()?))
 }
 

@@ -11,7 +11,7 @@ use crate::case_result::{CaseResult, Judgement, ParameterEstimate};
 use crate::hidden_cases::HiddenCases;
 
 /// The results of searched cases, and the file to which further results are appended.
-pub struct Journal {
+pub(crate) struct Journal {
     /// In the order of the file, until the caller sorts them.
     pub results: Vec<CaseResult>,
     /// `None` if the results are not kept.
@@ -24,7 +24,7 @@ impl Journal {
     /// # Errors
     ///
     /// If the file cannot be read or appended to, if a line is invalid, or if it belongs to cases of another seed.
-    pub fn read(path: Option<&Path>, cases: &HiddenCases) -> Outcome<Journal> {
+    pub(crate) fn read(path: Option<&Path>, cases: &HiddenCases) -> Outcome<Journal> {
         let Some(path) = path else { return Ok(Journal { results: Vec::new(), file: None }) };
         let text = if path.exists() { std::fs::read_to_string(path)? } else { String::new() };
         let results = text.lines().map(|line| result_of(&serde_json::from_str(line)?, cases));
@@ -34,7 +34,7 @@ impl Journal {
     }
 
     /// Appends a result.
-    pub fn add(&mut self, result: CaseResult) -> Outcome<()> {
+    pub(crate) fn add(&mut self, result: CaseResult) -> Outcome<()> {
         if let Some(file) = &mut self.file {
             // One write per line, so that an interruption leaves no incomplete line.
             file.write_all(format!("{}\n", line_of(&result)).as_bytes())?;
@@ -44,13 +44,13 @@ impl Journal {
     }
 
     /// Discards all results, in the file too.
-    pub fn clear(&mut self) -> Outcome<()> {
+    pub(crate) fn clear(&mut self) -> Outcome<()> {
         self.results.clear();
         Ok(self.file.iter().try_for_each(|file| file.set_len(0))?)
     }
 
     /// The text of the file, with the results in their present order.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         self.results.iter().map(|result| format!("{}\n", line_of(result))).collect()
     }
 }
@@ -68,7 +68,7 @@ fn line_of(result: &CaseResult) -> Value {
         "named": result.named,
         "judgement": result.judgement.as_str(),
         "parameters": parameters.collect::<Vec<_>>(),
-        "held_out": result.test_residual,
+        "held_out": result.validation_residual,
         "seconds": result.seconds,
     })
 }
@@ -102,7 +102,7 @@ fn result_of(line: &Value, cases: &HiddenCases) -> Outcome<CaseResult> {
                 ],
             })
             .collect(),
-        test_residual: line["held_out"].as_f64().unwrap_or(f64::INFINITY),
+        validation_residual: line["held_out"].as_f64().unwrap_or(f64::INFINITY),
         seconds: line["seconds"].as_f64().unwrap_or_default(),
         search_log: String::new(),
     })

@@ -26,8 +26,7 @@ use std::thread;
 use case_result::CaseResult;
 use hidden_cases::HiddenCases;
 use journal::Journal;
-use patchcord::ident::effects::Library;
-use patchcord::output;
+use patchcord::{Library, output};
 
 /// Any error ends the benchmark. Errors cross threads, so they are Send and Sync.
 type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::case_result::{CaseResult, Judgement, ParameterEstimate};
-use patchcord::ident::effects::Library;
+use patchcord::Library;
 
 /// Bands of gap over noise: label, lower limit, upper limit.
 const BANDS: [(&str, f64, f64); 3] =
@@ -15,7 +15,7 @@ const BANDS: [(&str, f64, f64); 3] =
 const LARGE_GAP: f64 = 3.0;
 
 /// The page. `cases` is the number of all cases, of which `results` may be a part; `threads` is the number per case.
-pub fn page(results: &[CaseResult], cases: usize, threads: usize) -> String {
+pub(crate) fn page(results: &[CaseResult], cases: usize, threads: usize) -> String {
     let effects = Library::shipped().iter().count();
     let hours = results.iter().map(|result| result.seconds).sum::<f64>() / 3600.0;
     let searched = match results.len() {
@@ -29,13 +29,13 @@ pub fn page(results: &[CaseResult], cases: usize, threads: usize) -> String {
          with closed solutions, and it uses other shapes of the same laws. The search cannot read the truth. `cargo bench\n\
          --bench gap` makes the experiments and writes this page.\n\n\
          [hidden-effects.jsonl](hidden-effects.jsonl) lists every case: the hidden effects, the verdict, the parameters with\n\
-         their true values and intervals, and the residual on the test data.\n\n\
+         their true values and intervals, and the residual on the validation data.\n\n\
          *Gap over noise* is the rms residual of the best refitted base, over the standard deviation of the noise. *Among\n\
          two*: the verdict is ambiguous, and at every step a hidden effect is among the named ones. *An alias*: the named\n\
          effect is another one, but some data cannot distinguish it from the hidden one ([effects.md](effects.md) says\n\
-         which). *Wrong name*: any other effect is named. *The residual of the true laws* on the test data is that of the\n\
-         true laws with their true values, that is the noise in these data. Every case has 2400 training samples, and the\n\
-         search tries {effects} effects. All cases together take {hours:.0} hours on one core. A run may be interrupted and\n\
+         which). *Wrong name*: any other effect is named. *The residual of the true laws* on the validation data is that of\n\
+         the true laws with their true values, that is the noise in these data. Every case has 2400 training samples, and\n\
+         the search tries {effects} effects. All cases together take {hours:.0} hours on one core. A run may be interrupted and\n\
          continued. Then results from before and after a change of the program are on the same page.\n\n"
     );
     text += &measure_table(results, threads);
@@ -97,12 +97,14 @@ fn measure_table(results: &[CaseResult], threads: usize) -> String {
     let mut rows = name_rows(results);
     let is_right = |result: &&CaseResult| result.judgement == Judgement::Right && !result.named.is_empty();
     let named = results.iter().filter(is_right);
-    let place = share(results.iter().filter_map(CaseResult::is_in_place), |in_place| *in_place);
-    rows.push(("named at the right place".to_owned(), place));
+    let rate = share(results.iter().filter_map(CaseResult::is_in_place), |in_place| *in_place);
+    rows.push(("named at the right place".to_owned(), rate));
     rows.extend(parameter_rows(named.clone().filter(|result| result.truth.egnr > LARGE_GAP)));
     for (within, factor) in [("10 %", 1.1), ("5 %", 1.05)] {
         let what = format!("data held back, after naming: within {within} of what the true laws leave");
-        let is_near = |result: &&CaseResult| result.test_residual <= factor * result.truth.true_test_residual;
+        let is_near = |result: &&CaseResult| {
+            result.validation_residual <= factor * result.truth.true_validation_residual
+        };
         rows.push((what, share(named.clone(), is_near)));
     }
     let on = if threads == 1 { "one core".to_owned() } else { format!("{threads} threads") };

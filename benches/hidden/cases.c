@@ -2,9 +2,9 @@
 #include "hidden.h"
 
 enum { TRAIN = 2400, DRAWS = 4, TRIES = 12, SHRINKS = 8 };
-static const double HIGHEST = 0.75;                /* no signal may exceed this share of full scale */
-static const double LEAST_SIGMA = 1e-6, MOST_SIGMA = 0.03, LEAST_MISFIT = 1e-4;    /* shares of an output's range */
-static const double LEAST_PART = 0.15;             /* share of the gap that must remain without one of two effects */
+static const double MAX_SHARE = 0.75;                /* no signal may exceed this share of full scale */
+static const double MIN_SIGMA = 1e-6, MAX_SIGMA = 0.03, MIN_MISFIT = 1e-4;    /* shares of an output's range */
+static const double MIN_PART = 0.15;             /* share of the gap that must remain without one of two effects */
 
 /* With only the lower level measured, the tank of a constant or periodic inflow cannot be determined. */
 static int flows_into_a_tank(const struct hidden_case *c) {
@@ -164,20 +164,20 @@ static void resize(const struct hidden_case *c, struct attempt *a, double by) {
  * a signal exceeds the limit, if the gap is too small, if one of two effects or the detail of a friction is masked by the rest, or,
  * in the first tries, if the gap is too large for the target EGNR. */
 static int is_acceptable(const struct hidden_case *c, struct attempt *a, double share, int try) {
-    if (!(share <= HIGHEST)) return a->gain *= 0.8, resize(c, a, 0.8), 0;
+    if (!(share <= MAX_SHARE)) return a->gain *= 0.8, resize(c, a, 0.8), 0;
     if (!c->plan.count) return 1;
-    if (a->misfit < LEAST_MISFIT) return resize(c, a, 1.6), 0;
-    if (c->plan.count == 1 && a->rival[0] > 0 && a->rival[0] < LEAST_PART * a->misfit)
+    if (a->misfit < MIN_MISFIT) return resize(c, a, 1.6), 0;
+    if (c->plan.count == 1 && a->rival[0] > 0 && a->rival[0] < MIN_PART * a->misfit)
         return a->sizes[1] *= 1.5, a->sizes[0] *= needs_rests(c) ? 1.3 : 1, 0;
     for (int i = 0; c->plan.count == 2 && i < 2; i++)
-        if (a->rival[i] < LEAST_PART * a->misfit) return a->sizes[i] *= 1.5, a->sizes[1 - i] *= 0.8, 0;
-    if (a->misfit / c->target > MOST_SIGMA && try < SHRINKS && a->misfit > 4 * LEAST_MISFIT) return resize(c, a, 0.6), 0;
+        if (a->rival[i] < MIN_PART * a->misfit) return a->sizes[i] *= 1.5, a->sizes[1 - i] *= 0.8, 0;
+    if (a->misfit / c->target > MAX_SIGMA && try < SHRINKS && a->misfit > 4 * MIN_MISFIT) return resize(c, a, 0.6), 0;
     return 1;
 }
 
 static void draw_noise(struct hidden_case *c, struct rng *rng, const struct attempt *a) {
     double plain = log_uniform(rng, 1e-4, 1e-2);
-    double sigma = c->plan.count ? fmax(LEAST_SIGMA, fmin(MOST_SIGMA, a->misfit / c->target)) : plain;
+    double sigma = c->plan.count ? fmax(MIN_SIGMA, fmin(MAX_SIGMA, a->misfit / c->target)) : plain;
     int quantised = bernoulli(rng, 0.25);
     c->egnr = c->plan.count ? a->misfit / sigma : 0;
     for (int i = 0; i < c->plan.count; i++) c->rival[i] = a->rival[i] / sigma;
@@ -200,12 +200,12 @@ struct hidden_case make_case(uint64_t seed, int number) {
     c.target = log_uniform(&aside, 0.3, 30);
     c.train = new_record(TRAIN), c.test = new_record(800 + 100 * random_below(&aside, 5));
     double share = 0;
-    for (int draw = 0, good = 0; (draw < DRAWS || !(share <= HIGHEST)) && !good; draw++) {
+    for (int draw = 0, good = 0; (draw < DRAWS || !(share <= MAX_SHARE)) && !good; draw++) {
         a.gain = a.sizes[0] = a.sizes[1] = 1;
         for (int k = 0; k < TRIES && !good; k++) {
             struct rng rng = rng_of(seed, (uint64_t)draw << 32 | (uint64_t)number);
             share = attempt_case(&c, &a, &rng);
-            if (share <= HIGHEST && c.plan.count) examine(&c, &a);
+            if (share <= MAX_SHARE && c.plan.count) examine(&c, &a);
             good = is_acceptable(&c, &a, share, k);
         }
     }

@@ -7,18 +7,15 @@ mod velocity;
 
 use std::error::Error;
 use std::fmt::Write as _;
+use std::fs;
 use std::path::Path;
 use std::time::Instant;
-use std::{fs, thread};
 
-use patchcord::ident::Experiment;
-use patchcord::ident::effects::Library;
-use patchcord::ident::fit::fitted_model::FittedModel;
-use patchcord::ident::fit::problem::Problem;
+use patchcord::ident::FittedModel;
+use patchcord::ident::report::labels::candidate_label;
 use patchcord::ident::report::sentence::verdict_sentence;
 use patchcord::ident::report::values::assignment_text;
-use patchcord::ident::search::{Outcome, SearchSettings};
-use patchcord::output;
+use patchcord::{Experiment, Library, Outcome, Problem, SearchSettings, output, search};
 
 /// Folder of the experiments.
 const FOLDER: &str = "patches/measured";
@@ -29,7 +26,7 @@ const HEADING: &str = "## Results of the search\n";
 /// The text between the heading and the rows of the table.
 const INTRO: &str = "
 `cargo bench --bench measured` writes this table. *Before* and *after* are the residuals of the base and of the reported
-model, each on the training data and on the test data. For a slide the residual is the error in velocity, for the tanks
+model, each on the training data and on the validation data. For a slide the residual is the error in velocity, for the tanks
 the rms residual. *Rejected* are effects that others have proposed for these systems, with the residual of each in place
 of the first named effect.
 
@@ -62,12 +59,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn search_row(name: &str, path: &Path) -> Result<String, Box<dyn Error>> {
     let experiment = Experiment::read(path).map_err(|error| error.to_string())?;
     let library = Library::shipped();
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    let settings = SearchSettings { library: &library, threads, seed: 1 };
+    let settings = SearchSettings::new(&library);
     let began = Instant::now();
     let problem = Problem::of(&experiment)?;
-    let outcome =
-        patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())?;
+    let outcome = search(&experiment, &problem, &settings, |_| ())?;
     let outcome = outcome.ok_or(format!("{name} cannot be run"))?;
     let seconds = began.elapsed().as_secs_f64();
     let residuals = |model: &FittedModel| residuals_text(&experiment, &problem, model);
@@ -86,7 +81,7 @@ fn rejected_text(outcome: &Outcome, residuals: impl Fn(&FittedModel) -> String) 
     let rejected = |name: &&str| {
         let trial = first?.trials.iter().find(|trial| trial.candidate.effect == *name)?;
         let is_named = outcome.effects.iter().any(|effect| effect.effect == *name);
-        (!is_named).then(|| format!("{}: {}", trial.label(), residuals(&trial.model)))
+        (!is_named).then(|| format!("{}: {}", candidate_label(&trial.candidate), residuals(&trial.model)))
     };
     PROPOSED.iter().filter_map(rejected).collect::<Vec<_>>().join("; ")
 }
@@ -98,14 +93,14 @@ fn values_text(outcome: &Outcome) -> String {
     values.collect::<Vec<_>>().join(", ")
 }
 
-/// The residuals of a model on the training and the test data, such as "1.49 % / 4.88 %".
+/// The residuals of a model on the training and the validation data, such as "1.49 % / 4.88 %".
 ///
 /// A patch with a signal v is a slide: its residual is the error in velocity. That of another patch is the rms residual in
 /// the unit of the output.
 fn residuals_text(experiment: &Experiment, problem: &Problem, model: &FittedModel) -> String {
     let mut text = String::new();
     let parameters = (model.variant.fit.as_slice(), model.train.estimate.parameters.as_slice());
-    let parts = [(&experiment.train, &model.train), (&experiment.test, &model.test)];
+    let parts = [(&experiment.train, &model.train), (&experiment.validation, &model.validation)];
     for (index, (records, fitted)) in parts.into_iter().enumerate() {
         let residual = match model.variant.patch().signals.contains_key("v") {
             true => velocity::error(experiment, model.variant.patch(), parameters, &records[0])

@@ -18,7 +18,7 @@ const PADDING: usize = 500;
 ///
 /// `fit` has the names of parameters of the patch, `values` their values in the units of the patch. The patch must have the
 /// signal v, and the record's first output must be the position.
-pub fn error(
+pub(crate) fn error(
     experiment: &Experiment,
     patch: &Patch,
     (fit, values): (&[String], &[f64]),

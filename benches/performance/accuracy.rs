@@ -40,7 +40,7 @@ fn tolerances() -> Vec<f64> {
 }
 
 /// The table.
-pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
+pub(crate) fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
     let reference = fig.reference()?;
     let mut rows = Vec::new();
     for entry in c_entries(peers).into_iter().chain(patchcord_entries(fig)).chain(library_entries(peers)) {

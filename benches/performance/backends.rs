@@ -9,17 +9,17 @@ use patchcord::solve::{self, RunSettings};
 use patchcord::trace::Trace;
 
 /// A backend: its name in the tables, and the function that selects it in the settings of a run.
-pub type BackendChoice = (&'static str, fn(RunSettings) -> RunSettings);
+pub(crate) type BackendChoice = (&'static str, fn(RunSettings) -> RunSettings);
 
 /// The backends of single runs. CONTRIBUTING.md says to add a new backend here.
-pub const BACKENDS: [BackendChoice; 3] = [
+pub(crate) const BACKENDS: [BackendChoice; 3] = [
     ("reference", |settings| with(settings, solve::Backend::Reference)),
     ("interpreter", |settings| with(settings, solve::Backend::Interpreter)),
     ("native", |settings| with(settings, solve::Backend::Native)),
 ];
 
 /// The backends of sweeps.
-pub const BACKENDS_OF_SWEEPS: [BackendChoice; 5] = [
+pub(crate) const BACKENDS_OF_SWEEPS: [BackendChoice; 5] = [
     BACKENDS[0],
     BACKENDS[1],
     BACKENDS[2],
@@ -29,12 +29,12 @@ pub const BACKENDS_OF_SWEEPS: [BackendChoice; 5] = [
 
 /// The settings with another backend.
 fn with(settings: RunSettings, backend: solve::Backend) -> RunSettings {
-    RunSettings { backend, ..settings }
+    settings.with_backend(backend)
 }
 
 /// The choice of the step.
 #[derive(Debug, Clone, Copy)]
-pub enum Steps {
+pub(crate) enum Steps {
     /// Equal steps of this length in s.
     Equal(f64),
     /// Variable steps with this tolerance in machine units.
@@ -42,53 +42,53 @@ pub enum Steps {
 }
 
 /// The circuit of Fig 8.16 and its program. The program stores its kernels, so runs after the first need not make them.
-pub struct Fig816 {
+pub(crate) struct Fig816 {
     pub circuit: Circuit,
     pub program: Program,
     settings: RunSettings,
 }
 
 /// Duration in s over which results are compared: the first two seconds of the run.
-pub const COMPARED: f64 = 2.0;
+pub(crate) const COMPARED: f64 = 2.0;
 /// Compared samples, one every 1 ms. The sample at the end of the duration is excluded.
-pub const SAMPLES: usize = 2000;
+pub(crate) const SAMPLES: usize = 2000;
 /// Step of the reference in s. Its error is about 1e-10 of the peak.
-pub const REFERENCE_STEP: f64 = 2.5e-6;
+pub(crate) const REFERENCE_STEP: f64 = 2.5e-6;
 
 impl Fig816 {
     /// Reads the shipped patch.
-    pub fn read() -> Fig816 {
+    pub(crate) fn read() -> Fig816 {
         let circuit = runs::circuit("thesis/fig-8-16", &[]);
         let settings = runs::settings(&circuit);
         Fig816 { program: common::program_of(&circuit), circuit, settings }
     }
 
     /// The settings of the patch's whole run, with these steps.
-    pub fn settings(&self, steps: Steps) -> RunSettings {
+    pub(crate) fn settings(&self, steps: Steps) -> RunSettings {
         let settings = self.settings.clone();
         match steps {
-            Steps::Equal(step) => RunSettings { step, ..settings },
-            Steps::Tolerance(tolerance) => RunSettings { tolerance: Some(tolerance), ..settings },
+            Steps::Equal(step) => settings.with_step(step),
+            Steps::Tolerance(tolerance) => settings.with_tolerance(tolerance),
         }
     }
 
     /// Duration of a run in s, and its trace.
-    pub fn run(&self, settings: &RunSettings) -> Outcome<(f64, Trace)> {
+    pub(crate) fn run(&self, settings: &RunSettings) -> Outcome<(f64, Trace)> {
         run_timed(&self.program, settings)
     }
 
     /// Duration and trace of the first run of a new program. It includes specialising and compiling.
-    pub fn run_first(&self, settings: &RunSettings) -> Outcome<(f64, Trace)> {
+    pub(crate) fn run_first(&self, settings: &RunSettings) -> Outcome<(f64, Trace)> {
         run_timed(&Program::new(&self.circuit)?, settings)
     }
 
     /// The settings of a run over the compared duration that records only the output velocity.
-    pub fn compared_settings(&self, steps: Steps) -> RunSettings {
-        RunSettings { record: vec!["v_o".to_owned()], ..self.settings(steps).with_duration(COMPARED) }
+    pub(crate) fn compared_settings(&self, steps: Steps) -> RunSettings {
+        self.settings(steps).with_duration(COMPARED).with_signals(["v_o"])
     }
 
     /// The reference: the output velocity by the reference step, at the compared samples.
-    pub fn reference(&self) -> Outcome<Vec<f64>> {
+    pub(crate) fn reference(&self) -> Outcome<Vec<f64>> {
         let (_, trace) = self.run(&self.compared_settings(Steps::Equal(REFERENCE_STEP)))?;
         // Some libraries return no usable value at the last instant.
         Ok(velocity(&trace)[..SAMPLES].to_vec())
@@ -96,18 +96,18 @@ impl Fig816 {
 }
 
 /// Duration of a run of a program in s, and its trace.
-pub fn run_timed(program: &Program, settings: &RunSettings) -> Outcome<(f64, Trace)> {
+pub(crate) fn run_timed(program: &Program, settings: &RunSettings) -> Outcome<(f64, Trace)> {
     let (seconds, trace) = timed(|| solve::run(program, settings));
     Ok((seconds, trace?))
 }
 
 /// The output velocity of a trace. Empty if it is not recorded.
-pub fn velocity(trace: &Trace) -> Vec<f64> {
+pub(crate) fn velocity(trace: &Trace) -> Vec<f64> {
     trace.values("v_o").unwrap_or_default()
 }
 
 /// The tried equal steps as numbers of steps per millisecond: from 2 to 2000, each about 1.1 times the one before.
-pub fn steps_per_millisecond() -> impl Iterator<Item = u32> {
+pub(crate) fn steps_per_millisecond() -> impl Iterator<Item = u32> {
     std::iter::successors(Some(2u32), |count| Some((1.1 * f64::from(*count)).ceil() as u32))
         .take_while(|count| *count <= 2000)
 }
@@ -115,7 +115,7 @@ pub fn steps_per_millisecond() -> impl Iterator<Item = u32> {
 /// The largest difference between two sequences as a share of the reference's peak.
 ///
 /// Samples after the end of the reference are ignored. The error is infinite if samples are missing or are NaN.
-pub fn error(found: &[f64], reference: &[f64]) -> f64 {
+pub(crate) fn error(found: &[f64], reference: &[f64]) -> f64 {
     if found.len() < reference.len() {
         return f64::INFINITY;
     }

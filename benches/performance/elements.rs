@@ -18,7 +18,7 @@ const STEP: f64 = 1e-3;
 const ROUNDS: usize = 3;
 
 /// The table.
-pub fn table(quick: bool) -> Outcome<String> {
+pub(crate) fn table(quick: bool) -> Outcome<String> {
     let counts: &[usize] = if quick { &[100, 10_000] } else { &[12, 100, 1000, 10_000] };
     let rows = counts.iter().map(|count| row(*count)).collect::<Outcome<Vec<_>>>()?;
     let head = ["elements", "read", "resolve and check", "lower"].map(str::to_owned);
@@ -58,7 +58,7 @@ fn row(count: usize) -> Outcome<Vec<String>> {
     let (steps, defaults) = ((ELEMENT_STEPS / count as f64).round(), RunSettings::of(&circuit)?);
     let settings = |steps: f64, (_, chosen): BackendChoice| {
         let length = steps * STEP;
-        chosen(RunSettings { every: length, ..defaults.clone().with_duration(length) })
+        chosen(defaults.clone().with_duration(length).with_sample_interval(length))
     };
     let program = Program::new(&circuit)?;
     // The first step of a new program includes specialising and compiling.

@@ -16,7 +16,7 @@ const RUN_INTERVAL: usize = 5;
 const ROUNDS: usize = 3;
 
 /// The table. The quick measurement makes every twentieth run.
-pub fn table(fig: &Fig816, quick: bool) -> Outcome<String> {
+pub(crate) fn table(fig: &Fig816, quick: bool) -> Outcome<String> {
     let interval = if quick { 4 * RUN_INTERVAL } else { RUN_INTERVAL };
     let backends = [Backend::Lanes, Backend::Automatic];
     let sweeps = backends.map(|backend| throughput::sweep(fig, backend, STEP));

@@ -11,7 +11,7 @@ use patchcord::output;
 /// # Errors
 ///
 /// If the page has no such markers, or cannot be read or written.
-pub fn replace(name: &str, table: &str) -> Outcome<()> {
+pub(crate) fn replace(name: &str, table: &str) -> Outcome<()> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/performance.md");
     let text = fs::read_to_string(&path)?;
     let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->"));
@@ -22,7 +22,7 @@ pub fn replace(name: &str, table: &str) -> Outcome<()> {
 }
 
 /// A table in Markdown.
-pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let head: Vec<String> = head.iter().map(|cell| (*cell).to_owned()).collect();
     let rule = vec!["---".to_owned(); head.len()];

@@ -14,7 +14,7 @@ use crate::backends::COMPARED;
 use crate::timing::timed;
 
 /// The folder of the built peers, and which peers are available.
-pub struct Peers {
+pub(crate) struct Peers {
     /// Built programs and their output.
     folder: PathBuf,
     /// Whether the python3 of the path has SciPy.
@@ -27,7 +27,7 @@ pub struct Peers {
 }
 
 /// A solution over the compared duration.
-pub struct Solved {
+pub(crate) struct Solved {
     /// Duration of solving in s.
     pub seconds: f64,
     /// Output velocity in m/s every 1 ms.
@@ -35,7 +35,7 @@ pub struct Solved {
 }
 
 /// Runs of a sweep: 40 values of VcL by 25 of Tc.
-pub const RUNS: usize = 1000;
+pub(crate) const RUNS: usize = 1000;
 
 /// The path of a source file of a peer.
 fn source(name: &str) -> PathBuf {
@@ -72,7 +72,7 @@ impl Peers {
     /// # Errors
     ///
     /// If a C program cannot be built.
-    pub fn build() -> Outcome<Peers> {
+    pub(crate) fn build() -> Outcome<Peers> {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("performance");
         fs::create_dir_all(&folder)?;
         for stem in ["fig_8_16", "fig_8_16_located"] {
@@ -93,7 +93,7 @@ impl Peers {
     }
 
     /// Whether a peer can be used here.
-    pub fn has(&self, program: Program) -> bool {
+    pub(crate) fn has(&self, program: Program) -> bool {
         match program {
             Program::Crate => self.ode_solvers,
             Program::Scipy => self.scipy,
@@ -103,7 +103,7 @@ impl Peers {
     }
 
     /// The processor, the load and the versions of all programs, as a Markdown list.
-    pub fn versions(&self) -> String {
+    pub(crate) fn versions(&self) -> String {
         let first_line = |program: &str, words: &[&str]| {
             let text = output_of(Command::new(program).args(words)).unwrap_or_default();
             let line = text.lines().map(|line| line.trim_matches(['*', ' '])).find(|line| !line.is_empty());
@@ -136,13 +136,13 @@ impl Peers {
     }
 
     /// Duration in s of a run of a C program over `length` with a step, both in s.
-    pub fn c_seconds(&self, stem: &str, length: f64, step: f64) -> Outcome<f64> {
+    pub(crate) fn c_seconds(&self, stem: &str, length: f64, step: f64) -> Outcome<f64> {
         let report = self.run_c(stem, &[format!("step={step:e}"), format!("for={length}")])?;
         report["seconds"].as_f64().ok_or("no seconds".into())
     }
 
     /// The solution of a C program over the compared duration.
-    pub fn solve_in_c(&self, stem: &str, step: f64) -> Outcome<Solved> {
+    pub(crate) fn solve_in_c(&self, stem: &str, step: f64) -> Outcome<Solved> {
         let rows = self.folder.join("rows");
         let words = [format!("step={step:e}"), format!("for={COMPARED}")];
         let report = self.run_c(stem, &[&words[..], &[format!("rows={}", rows.display())]].concat())?;
@@ -152,7 +152,7 @@ impl Peers {
     }
 
     /// The solutions of a C program for all runs of the sweep, one after the other.
-    pub fn sweep_in_c(&self, stem: &str, step: f64) -> Outcome<Solved> {
+    pub(crate) fn sweep_in_c(&self, stem: &str, step: f64) -> Outcome<Solved> {
         let rows = self.folder.join("sweep");
         let words =
             [format!("step={step:e}"), format!("for={COMPARED}"), format!("sweep={}", rows.display())];
@@ -161,7 +161,7 @@ impl Peers {
     }
 
     /// The solution of a peer with a method and a setting: a tolerance or a step in s.
-    pub fn solve(&self, program: Program, method: &str, setting: f64) -> Outcome<Solved> {
+    pub(crate) fn solve(&self, program: Program, method: &str, setting: f64) -> Outcome<Solved> {
         if program == Program::Ngspice {
             return self.ngspice(method, setting);
         }
@@ -200,7 +200,7 @@ impl Peers {
 
 /// The peers that take a method and a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Program {
+pub(crate) enum Program {
     Crate,
     Scipy,
     Pathsim,

@@ -11,7 +11,7 @@ use patchcord::solve::RunSettings;
 const TOLERANCE: f64 = 1e-8;
 
 /// The table.
-pub fn table() -> Outcome<String> {
+pub(crate) fn table() -> Outcome<String> {
     let rows = known_problems::all().map(row).collect::<Outcome<Vec<_>>>()?;
     let equal = BACKENDS.map(|(name, _)| format!("time, {name}"));
     let head = ["", "over", "step", "error"].into_iter().chain(equal.iter().map(String::as_str));
@@ -24,7 +24,7 @@ fn row(problem: &Problem) -> Outcome<Vec<String>> {
     let prepared = problem.prepare();
     let equal = &prepared.settings;
     // With a tolerance, every backend uses the reference.
-    let adaptive = &RunSettings { tolerance: Some(TOLERANCE), ..equal.clone() };
+    let adaptive = &equal.clone().with_tolerance(TOLERANCE);
     let work = |settings: RunSettings| -> Work<'_> {
         let program = &prepared.program;
         Box::new(move || Ok(run_timed(program, &settings)?.0))

@@ -10,7 +10,7 @@ use crate::{Outcome, page};
 const STARTS: usize = 40;
 
 /// The table.
-pub fn table() -> Outcome<String> {
+pub(crate) fn table() -> Outcome<String> {
     let patch = Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json");
     let one_step = |command: &mut Command| -> Outcome<f64> {
         let (seconds, output) = timed(|| command.output());

@@ -28,7 +28,7 @@ const VCL: &str = "VcL=1.27e-3:25.4e-3:40";
 const ROUNDS: usize = 2;
 
 /// The table.
-pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
+pub(crate) fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
     let reference = peers.sweep_in_c("fig_8_16_located", REFERENCE_STEP)?.velocity;
     let thread_counts = threads::up_to(thread::available_parallelism()?.get());
     let (mut entries, mut works): (Vec<SweepEntry>, Vec<Work<'_>>) = (Vec::new(), Vec::new());
@@ -165,8 +165,8 @@ fn velocity(fig: &Fig816, backend: BackendChoice, step: f64, run: usize) -> Vec<
 }
 
 /// The whole sweep on a backend, with equal steps in s.
-pub fn sweep(fig: &Fig816, backend: solve::Backend, step: f64) -> Outcome<Sweep> {
-    sweep_of(fig, RunSettings { backend, ..fig.compared_settings(Steps::Equal(step)) }, VCL)
+pub(crate) fn sweep(fig: &Fig816, backend: solve::Backend, step: f64) -> Outcome<Sweep> {
+    sweep_of(fig, fig.compared_settings(Steps::Equal(step)).with_backend(backend), VCL)
 }
 
 /// The sweep with some settings and values of VcL.

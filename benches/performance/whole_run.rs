@@ -4,17 +4,16 @@ use crate::backends::{BACKENDS, BackendChoice, Fig816, Steps};
 use crate::peers::Peers;
 use crate::timing::{Work, format_digits, format_seconds, in_turns};
 use crate::{Outcome, page};
-use patchcord::solve::RunSettings;
 
 /// Step of the run in s, that of the patch.
-pub const STEP: f64 = 20e-6;
+pub(crate) const STEP: f64 = 20e-6;
 /// Measurements of each work, in turns.
-pub const ROUNDS: usize = 5;
+pub(crate) const ROUNDS: usize = 5;
 /// Label of the first run of a program, which includes specialising and compiling.
-pub const FIRST_RUN: &str = "first run";
+pub(crate) const FIRST_RUN: &str = "first run";
 
 /// The table of the whole run: C, and patchcord on every backend.
-pub fn table(peers: &Peers, fig: &Fig816) -> Outcome<String> {
+pub(crate) fn table(peers: &Peers, fig: &Fig816) -> Outcome<String> {
     let settings = fig.settings(Steps::Equal(STEP));
     let (length, steps) = (settings.duration(), settings.duration() / STEP);
     let c = |stem: &'static str| -> Work<'_> { Box::new(move || peers.c_seconds(stem, length, STEP)) };
@@ -39,12 +38,12 @@ pub fn table(peers: &Peers, fig: &Fig816) -> Outcome<String> {
 }
 
 /// The table of recording: seven signals over 2 s at decreasing intervals, and every 1 ms over increasing lengths.
-pub fn record_table(fig: &Fig816) -> Outcome<String> {
+pub(crate) fn record_table(fig: &Fig816) -> Outcome<String> {
     let finer = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5].map(|every| (2.0, every));
     let longer = [0.5, 1.0, 4.0, 8.0].map(|length| (length, 1e-3));
     let mut rows = Vec::new();
     for (length, every) in finer.into_iter().chain(longer) {
-        let settings = RunSettings { every, ..fig.settings(Steps::Equal(STEP)).with_duration(length) };
+        let settings = fig.settings(Steps::Equal(STEP)).with_duration(length).with_sample_interval(every);
         let work = |(_, chosen): BackendChoice| -> Work<'_> {
             let settings = chosen(settings.clone());
             Box::new(move || Ok(fig.run(&settings)?.0))

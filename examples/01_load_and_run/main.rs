@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let patch = Patch::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json"))?;
     let circuit = Circuit::with_parameters(&patch, [("VcL", 5.08e-3)])?;
     let program = Program::new(&circuit)?;
-    let settings = RunSettings { every: 2e-4, ..RunSettings::of(&circuit)?.with_duration(2.0) };
+    let settings = RunSettings::of(&circuit)?.with_duration(2.0).with_sample_interval(2e-4);
     let trace = solve::run(&program, &settings)?;
 
     for reading in instruments::readings(&trace) {
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     // The first picture of the patch that shows the output velocity.
-    let specs = circuit.picture_specs(["v_o"].into_iter());
+    let specs = circuit.picture_specs(["v_o"]);
     let picture = draw::picture(&trace, &specs[0], None)?;
     let file = std::env::temp_dir().join("velocity-profile.svg");
     write_atomic(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;

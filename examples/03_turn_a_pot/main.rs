@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("problem check: A1 {} V, M1 {:.3} V", machine.voltage("A1")?, machine.voltage("M1")?);
 
     for stiffness in [45e6, 30e6, 15e6] {
-        machine.set("K", stiffness)?;
+        machine.set_parameter("K", stiffness)?;
         let (mut least, mut most) = (f64::MAX, f64::MIN);
         for _ in 0..500 {
             machine.operate(1e-3)?;
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         machine.hold();
         println!("K = {:4.1} MN/m: velocity from {least:6.2} V to {most:6.2} V", stiffness / 1e6);
     }
-    match machine.set("K", 500e6) {
+    match machine.set_parameter("K", 500e6) {
         Err(error) => println!("rejected: {error}"),
         Ok(()) => println!("K = 500 MN/m was accepted"),
     }

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Phase::set_by("v0", "v0 * sqrt(target / x)")?,
     ];
     let phases = vec![Phase::Repeat { times: 8, phases: shot }];
-    let trace = solve::run(&program, &RunSettings { phases, ..RunSettings::of(&circuit)? })?;
+    let trace = solve::run(&program, &RunSettings::of(&circuit)?.with_phases(phases))?;
 
     let x = trace.values("x").ok_or("x is recorded")?;
     for record in &trace.phase_records {
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
         }
     }
-    let specs = circuit.picture_specs(["y"].into_iter());
+    let specs = circuit.picture_specs(["y"]);
     let picture = draw::picture(&trace, &specs[0], None)?;
     let file = std::env::temp_dir().join("shots.svg");
     write_atomic(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;

@@ -2,7 +2,6 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::thread;
 
 use patchcord::ident::Experiment;
 use patchcord::ident::effects::Library;
@@ -16,10 +15,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let experiment = Experiment::read(folder.join("spring.experiment.json"))?;
     let problem = Problem::of(&experiment)?;
     let library = Library::shipped();
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    let settings = SearchSettings { library: &library, threads, seed: 1 };
 
-    let outcome = search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())?;
+    let outcome = search(&experiment, &problem, &SearchSettings::new(&library), |_| ())?;
     let outcome = outcome.ok_or("the patch cannot be run from any start")?;
     println!("{}", Report::new(&experiment, &problem, &outcome).sentence());
     let model = outcome.reported_model();

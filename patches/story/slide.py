@@ -16,7 +16,7 @@ INTERVAL, STEPS = 1e-3, 200
 NOISE = (0.2e-6, 0.05e-3, 5.0)
 # Samples of a jog: at rest, up, steady, down, at rest again until the end. Before each the spring is let slack.
 REST, RAMP, STEADY, ALL = 5, 10, 30, 71
-# The position command goes on by so many um while the velocity command comes down.
+# The position command moves this much further, in um, while the velocity command returns to 0.
 NUDGE = 10.0
 TRAIN, TEST = [4.0, -7.0, 10.0, -5.0], [-6.0, 8.5, -3.0]
 

@@ -1,21 +1,21 @@
 //! `patchcord check`
 //!
-//! The check runs no time. It reads the patch, compiles it and computes the machine at initial condition, the "problem
-//! check" of the period. So overloads at the start, unsolvable loops and missing run settings appear before the first
-//! run.
+//! The check takes no problem time. It reads the patch, compiles it and computes the machine at initial condition, the
+//! "problem check" of the period. So overloads at the start, unsolvable loops and missing run settings appear before
+//! the first run.
 
 use clap::Args;
 use indexmap::IndexMap;
-use serde_json::{Value, json};
+use patchcord::document::{DiagnosticDocument, plural};
+use serde::Serialize;
 
-use super::failure::{Failure, plural};
-use super::load::{LoadedPatch, PatchArguments, parameters_json, problem_check};
-use super::overloads::{overload_json, overload_text};
+use super::failure::Failure;
+use super::load::{LoadedPatch, ParameterDocument, PatchArguments, problem_check};
+use super::overloads::{OverloadDocument, overload_text};
 use super::table::Table;
 use super::times::advice;
 use super::{print, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
-use patchcord::document::Report;
 use patchcord::ir::Program;
 use patchcord::patch::Instance;
 use patchcord::solve::{self, RunError, RunSettings};
@@ -37,10 +37,9 @@ pub(super) struct Arguments {
 /// command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
-    let problem = check_problem(&circuit, &program)
-        .map_err(|failure| failure.with_json_output(arguments.patch.json))?;
+    let problem = check_problem(&circuit, &program)?;
     if arguments.patch.json {
-        return print_json(&document(&circuit, &program, &problem));
+        return print_json(&Document::new(&circuit, &program, &problem));
     }
     print(&summary(&circuit, &program, &problem.overloads))?;
     if arguments.voltages {
@@ -63,6 +62,7 @@ struct ProblemCheck {
 }
 
 /// The voltage of an element at initial condition.
+#[derive(Serialize)]
 struct ElementVoltage {
     /// The name of the element.
     element: String,
@@ -150,7 +150,7 @@ fn instances(circuit: &Circuit) -> Vec<(&str, Vec<(&str, &Instance)>)> {
     of.into_iter().filter(|(_, instances)| !instances.is_empty()).collect()
 }
 
-/// Errors never reach this function: a patch with errors is not loaded.
+/// The verdict of the check. A patch with errors is not loaded, so there are only warnings.
 fn verdict(warnings: usize) -> String {
     match warnings {
         0 => "nothing wrong".to_owned(),
@@ -160,11 +160,12 @@ fn verdict(warnings: usize) -> String {
 
 /// The table of voltages, with positions if an element has one.
 fn voltage_table(voltages: &[ElementVoltage]) -> String {
-    let heading = if voltages.iter().any(|read| read.position.is_some()) { "position" } else { "" };
+    let heading = if voltages.iter().any(|entry| entry.position.is_some()) { "position" } else { "" };
     let mut table = Table::new(["element", "kind", "volts", heading]);
-    for read in voltages {
-        let position = read.position.unwrap_or_default().to_owned();
-        table.row([read.element.clone(), read.kind.to_owned(), format!("{:.4}", read.volts + 0.0), position]);
+    for entry in voltages {
+        let position = entry.position.unwrap_or_default().to_owned();
+        let volts = format!("{:.4}", entry.volts + 0.0);
+        table.row([entry.element.clone(), entry.kind.to_owned(), volts, position]);
     }
     table.text()
 }
@@ -195,7 +196,7 @@ fn scaling_table(rows: &[ScalingRow]) -> String {
             format!("{:.6e}", row.block_gain),
             row.unit.clone(),
             row.block.clone().unwrap_or_default(),
-            row.expected_gain.map(|wanted| format!("{wanted:.6}")).unwrap_or_default(),
+            row.expected_gain.map(|gain| format!("{gain:.6}")).unwrap_or_default(),
             row.relative_error()
                 .map(|difference| format!("{:.2} %", 100.0 * difference + 0.0))
                 .unwrap_or_default(),
@@ -204,64 +205,141 @@ fn scaling_table(rows: &[ScalingRow]) -> String {
     table.text()
 }
 
-/// The result as JSON.
-///
-/// Keys: `ok`, `patch`, `title`, `machine`, `diagnostics`, `parameters`, `parts` (`part`, `used`, `owned`), `macros`,
-/// `loops` (lists of names), `cannot_be_run` (`code` and `error`, or null), `overloads`, `voltages`, `scaling`. It has
-/// all tables, whatever the options.
-fn document(circuit: &Circuit, program: &Program, problem: &ProblemCheck) -> Value {
-    let warnings: Report = circuit.warnings();
-    json!({
-        "ok": true,
-        "patch": circuit.patch().file(),
-        "title": circuit.patch().title,
-        "machine": circuit.machine().name,
-        "diagnostics": warnings.to_json(),
-        "parameters": parameters_json(circuit),
-        "parts": circuit.parts().iter().map(|(part, used)| json!({
-            "part": part.key(), "used": used, "owned": circuit.machine().count(*part),
-        })).collect::<Value>(),
-        "macros": instances(circuit).iter().map(|(name, instances)| json!({
-            "macro": name,
-            "instances": instances.iter().map(|(name, instance)| instance_json(name, instance)).collect::<Value>(),
-        })).collect::<Value>(),
-        "loops": program.loops().iter().map(|entry| json!(entry.members)).collect::<Value>(),
-        "cannot_be_run": run_error(circuit, program)
-            .map(|error| json!({"code": error.code(), "error": run_error_text(&error)})),
-        "overloads": problem.overloads.iter().map(overload_json).collect::<Value>(),
-        "voltages": problem.voltages.iter().map(|read| json!({
-            "element": read.element, "kind": read.kind, "volts": read.volts, "position": read.position,
-        })).collect::<Value>(),
-        "scaling": circuit.scaling().iter().map(row_json).collect::<Value>(),
-    })
+/// The result as JSON. It has all tables, whatever the options.
+#[derive(Serialize)]
+struct Document<'a> {
+    ok: bool,
+    patch: &'a str,
+    title: &'a str,
+    machine: &'static str,
+    diagnostics: Vec<DiagnosticDocument>,
+    parameters: Vec<ParameterDocument<'a>>,
+    parts: Vec<PartDocument>,
+    macros: Vec<MacroDocument<'a>>,
+    /// The names of the members of each loop without an integrator.
+    loops: Vec<&'a [String]>,
+    /// Why a run without options is impossible; None if it is possible.
+    cannot_be_run: Option<RunErrorDocument>,
+    overloads: Vec<OverloadDocument<'a>>,
+    voltages: &'a [ElementVoltage],
+    scaling: Vec<ScalingDocument>,
 }
 
-/// `inputs` maps ports to driving outputs, null for an open port. `outputs` maps ports to elements. `elements` are the
-/// names of its members.
-fn instance_json(name: &str, instance: &Instance) -> Value {
-    let inputs = instance.inputs.iter().map(|(port, inlet)| (port.clone(), json!(inlet.driver)));
-    let outputs = instance.outputs.iter().map(|(port, element)| (port.clone(), json!(element)));
-    json!({
-        "name": name,
-        "inputs": Value::Object(inputs.collect()),
-        "outputs": Value::Object(outputs.collect()),
-        "elements": instance.members,
-    })
+/// A kind of part of the machine: how many the patch uses, and how many the machine has. `owned` is null without a
+/// limit.
+#[derive(Serialize)]
+struct PartDocument {
+    part: &'static str,
+    used: usize,
+    owned: Option<usize>,
 }
 
-/// Scales are physical units per volt. `difference` is relative; it is null without a wanted gain.
-fn row_json(row: &ScalingRow) -> Value {
-    json!({
-        "element": row.element,
-        "input": row.input,
-        "output": row.output,
-        "computer_gain": row.computer_gain,
-        "input_scale": row.input_scale,
-        "output_scale": row.output_scale,
-        "block_gain": row.block_gain,
-        "unit": row.unit,
-        "block": row.block,
-        "wanted_computer_gain": row.expected_gain,
-        "difference": row.relative_error(),
-    })
+/// A macro with its instances.
+#[derive(Serialize)]
+struct MacroDocument<'a> {
+    #[serde(rename = "macro")]
+    name: &'a str,
+    instances: Vec<InstanceDocument<'a>>,
+}
+
+/// An instance of a macro. `inputs` maps ports to driving outputs, null for an open port. `outputs` maps ports to
+/// elements.
+#[derive(Serialize)]
+struct InstanceDocument<'a> {
+    name: &'a str,
+    inputs: IndexMap<&'a str, Option<&'a str>>,
+    outputs: IndexMap<&'a str, &'a str>,
+    elements: &'a [String],
+}
+
+/// The code and the message of a run error.
+#[derive(Serialize)]
+struct RunErrorDocument {
+    code: &'static str,
+    error: String,
+}
+
+/// A row of the audit of amplitude scaling. Scales are physical units per volt. `difference` is relative; it is null
+/// without a required gain.
+#[derive(Serialize)]
+struct ScalingDocument {
+    element: String,
+    input: String,
+    output: String,
+    computer_gain: f64,
+    input_scale: f64,
+    output_scale: f64,
+    block_gain: f64,
+    unit: String,
+    block: Option<String>,
+    #[serde(rename = "wanted_computer_gain")]
+    expected_gain: Option<f64>,
+    difference: Option<f64>,
+}
+
+impl<'a> Document<'a> {
+    /// The document of a patch and its problem check.
+    fn new(circuit: &'a Circuit, program: &'a Program, problem: &'a ProblemCheck) -> Self {
+        let (patch, machine) = (circuit.patch(), circuit.machine());
+        let parts = circuit.parts().iter().map(|(part, used)| PartDocument {
+            part: part.key(),
+            used: *used,
+            owned: machine.count(*part),
+        });
+        let cannot_be_run = run_error(circuit, program)
+            .map(|error| RunErrorDocument { code: error.code(), error: run_error_text(&error) });
+        Document {
+            ok: true,
+            patch: patch.file(),
+            title: &patch.title,
+            machine: machine.name,
+            diagnostics: circuit.warnings().documents(),
+            parameters: ParameterDocument::all(circuit),
+            parts: parts.collect(),
+            macros: instances(circuit).into_iter().map(MacroDocument::of).collect(),
+            loops: program.loops().iter().map(|entry| entry.members.as_slice()).collect(),
+            cannot_be_run,
+            overloads: OverloadDocument::all(&problem.overloads),
+            voltages: &problem.voltages,
+            scaling: circuit.scaling().into_iter().map(ScalingDocument::of).collect(),
+        }
+    }
+}
+
+impl<'a> MacroDocument<'a> {
+    fn of((name, instances): (&'a str, Vec<(&'a str, &'a Instance)>)) -> Self {
+        MacroDocument { name, instances: instances.into_iter().map(InstanceDocument::of).collect() }
+    }
+}
+
+impl<'a> InstanceDocument<'a> {
+    fn of((name, instance): (&'a str, &'a Instance)) -> Self {
+        let inputs = instance.inputs.iter();
+        let outputs = instance.outputs.iter();
+        InstanceDocument {
+            name,
+            inputs: inputs.map(|(port, input)| (port.as_str(), input.driver.as_deref())).collect(),
+            outputs: outputs.map(|(port, element)| (port.as_str(), element.as_str())).collect(),
+            elements: &instance.members,
+        }
+    }
+}
+
+impl ScalingDocument {
+    fn of(row: ScalingRow) -> Self {
+        let difference = row.relative_error();
+        ScalingDocument {
+            element: row.element,
+            input: row.input,
+            output: row.output,
+            computer_gain: row.computer_gain,
+            input_scale: row.input_scale,
+            output_scale: row.output_scale,
+            block_gain: row.block_gain,
+            unit: row.unit,
+            block: row.block,
+            expected_gain: row.expected_gain,
+            difference,
+        }
+    }
 }

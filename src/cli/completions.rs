@@ -6,7 +6,17 @@ use clap_complete::{Shell, generate};
 use super::failure::Failure;
 use super::{definition, write_out};
 
+/// Where each shell looks for the script.
+const PLACES: &str = "\
+Where to write the script:
+  bash        ~/.local/share/bash-completion/completions/patchcord
+  zsh         a file _patchcord in a folder of $fpath
+  fish        ~/.config/fish/completions/patchcord.fish
+  elvish      append it to ~/.config/elvish/rc.elv
+  powershell  append it to the file $PROFILE";
+
 #[derive(Args)]
+#[command(after_help = PLACES)]
 pub(super) struct Arguments {
     /// The shell
     shell: Shell,

@@ -1,12 +1,12 @@
 //! Options that help if no critical velocity can be read.
 
-use patchcord::instruments::{CyclesError, NoCriticalVelocity, WindowError};
+use patchcord::instruments::{CriticalVelocityError, CyclesError, WindowError};
 
 /// The options that change the criterion or the command. `slower` describes a slower command.
-pub(super) fn advice_on(error: &NoCriticalVelocity, slower: &str) -> Option<String> {
+pub(super) fn advice_on(error: &CriticalVelocityError, slower: &str) -> Option<String> {
     match error {
-        NoCriticalVelocity::Window(error) => advice_on_window(*error),
-        NoCriticalVelocity::CommandTooFast(_) => {
+        CriticalVelocityError::Window(error) => advice_on_window(*error),
+        CriticalVelocityError::CommandTooFast(_) => {
             Some(format!("give a higher --threshold, or {slower} with --set"))
         }
         _ => None,
@@ -27,6 +27,6 @@ fn advice_on_window(error: WindowError) -> Option<String> {
     match error {
         WindowError::TooCoarse(_) => Some("give a shorter --every or a longer --window".to_owned()),
         WindowError::TooLong { .. } => Some("give a shorter --window".to_owned()),
-        WindowError::BadCriterion => None,
+        _ => None,
     }
 }

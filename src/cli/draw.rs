@@ -3,12 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::{check_distinct_from_patch, name_with_suffix, prepare_outputs, write_file, written_text};
+use super::files::{
+    check_distinct_from_patch, name_with_suffix, path_texts, picture_format, prepare_outputs, write_file,
+    written_text,
+};
 use super::instant::{InstantOption, instant};
-use super::load::{LoadedPatch, PatchArguments, document};
+use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::{print, print_json};
 use patchcord::draw::plot::{Drawing, Format, Theme, render_drawing};
 use patchcord::draw::schematic::{Board, ElementState, Schematic};
@@ -42,16 +46,27 @@ pub(super) struct Arguments {
 /// The option that selects the time of the voltages.
 const VALUES: InstantOption = InstantOption("--values");
 
-/// The JSON form of a failure is selected here.
-pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
+/// The keys of the document in addition to those of every command on a patch.
+#[derive(Serialize)]
+struct Document {
+    #[serde(flatten)]
+    content: DrawingContent,
+    files: Vec<String>,
+}
+
+/// The positions of everything that is drawn. The key is `schematic` or `board`.
+#[derive(Serialize)]
+#[serde(rename_all = "lowercase")]
+enum DrawingContent {
+    Schematic(Value),
+    Board(Value),
 }
 
 /// The drawing is made before files are checked; it is the same for all files.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
     let files = arguments.files()?;
     let loaded = arguments.patch.load()?;
-    let (drawing, data) = arguments.drawing(&loaded)?;
+    let (drawing, content) = arguments.drawing(&loaded)?;
     prepare_outputs(arguments.out.as_deref(), files.iter().map(|(path, _)| path))?;
     let theme = if arguments.dark { Theme::Dark } else { Theme::Light };
     for (path, format) in &files {
@@ -59,7 +74,8 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
         write_file(path, &bytes.map_err(|error| arguments.failure(&error))?)?;
     }
     if arguments.patch.json {
-        return print_json(&drawing_document(&loaded, data, &files));
+        let document = Document { content, files: path_texts(files.iter().map(|(path, _)| path)) };
+        return print_json(&PatchDocument::new(&loaded.circuit, document));
     }
     print(&written_text(files.iter().map(|(path, _)| path)))
 }
@@ -74,21 +90,20 @@ impl Arguments {
         if files.is_empty() && !self.patch.json {
             return Err(Failure::usage("no output file: give --plot FILE.svg, --plot FILE.png or --out DIR"));
         }
-        let formats: Result<Vec<_>, _> = files.iter().map(|path| Format::from_path(path)).collect();
-        let formats = formats.map_err(|error| Failure::usage(error.to_string()))?;
+        let formats = files.iter().map(|path| picture_format(path)).collect::<Result<Vec<_>, _>>()?;
         check_distinct_from_patch(patch, files.iter())?;
         Ok(files.into_iter().zip(formats).collect())
     }
 
-    /// The drawing, and its JSON key and data.
-    fn drawing(&self, loaded: &LoadedPatch) -> Result<(Drawing, (&'static str, Value)), Failure> {
+    /// The drawing, and its content for `--json`.
+    fn drawing(&self, loaded: &LoadedPatch) -> Result<(Drawing, DrawingContent), Failure> {
         if self.board {
             let board = Board::new(&loaded.circuit, &parameter_line(&loaded.circuit));
             let board = board.map_err(|error| self.failure(&error))?;
-            return Ok((board.drawing(), ("board", board.to_json())));
+            return Ok((board.drawing(), DrawingContent::Board(board.to_json())));
         }
         let schematic = self.schematic(loaded)?;
-        Ok((schematic.drawing(), ("schematic", schematic.to_json())))
+        Ok((schematic.drawing(), DrawingContent::Schematic(schematic.to_json())))
     }
 
     /// The schematic, with voltages if requested.
@@ -96,13 +111,13 @@ impl Arguments {
         let point = self.values.map(|seconds| VALUES.machine(loaded, seconds)).transpose()?;
         let (machine, instant) =
             point.map(|point| (point.machine, format!("voltages {}", point.description))).unzip();
-        let standing = |name: &str| {
+        let state = |name: &str| {
             let machine: &Machine<'_> = machine.as_ref()?;
             Some(ElementState { volts: machine.voltage(name).ok()?, position: machine.position(name) })
         };
         let schematic = if self.open { Schematic::expanded } else { Schematic::new };
         let (note, instant) = (parameter_line(&loaded.circuit), instant.unwrap_or_default());
-        schematic(&loaded.circuit, &note, &instant, &standing).map_err(|error| self.failure(&error))
+        schematic(&loaded.circuit, &note, &instant, &state).map_err(|error| self.failure(&error))
     }
 
     /// The failure for a drawing that is too large, with advice.
@@ -114,10 +129,4 @@ impl Arguments {
         };
         Failure::data(format!("{error}; {advice}"))
     }
-}
-
-/// The key is `schematic` or `board`, with the positions of everything that is drawn, and `files`.
-fn drawing_document(loaded: &LoadedPatch, (name, data): (&str, Value), files: &[(PathBuf, Format)]) -> Value {
-    let paths: Value = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    document(&loaded.circuit, json!({ name: data, "files": paths }))
 }

@@ -6,13 +6,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::{Map, Value, json};
+use indexmap::IndexMap;
+use serde::Serialize;
 
 use super::failure::Failure;
 use super::table::Table;
 use super::{eprint, print, print_json};
 use patchcord::document::suggestion;
-use patchcord::ident::effects::{Effect, Library};
+use patchcord::ident::effects::{Effect, EffectParameter, Form, Library};
 use patchcord::ident::report::effect_page::{EffectPage, library_markdown};
 
 #[derive(Args)]
@@ -32,19 +33,17 @@ pub(super) struct Arguments {
 
 /// Notes on replaced effects go to standard error.
 pub(super) fn effects(arguments: &Arguments) -> Result<(), Failure> {
-    let library = effect_library(arguments.effects.as_deref())
-        .map_err(|failure| failure.with_json_output(arguments.json))?;
+    let library = effect_library(arguments.effects.as_deref())?;
     if arguments.markdown {
         return print(&library_markdown(&library));
     }
     let found = match &arguments.name {
         None => library.iter().collect(),
-        Some(name) => {
-            vec![find(&library, name).map_err(|failure| failure.with_json_output(arguments.json))?]
-        }
+        Some(name) => vec![find(&library, name)?],
     };
     if arguments.json {
-        return print_json(&found.iter().map(|effect| document(effect)).collect());
+        let documents: Vec<_> = found.iter().map(|effect| EffectDocument::of(effect)).collect();
+        return print_json(&documents);
     }
     match (&arguments.name, found.as_slice()) {
         (Some(_), [effect]) => print(&text(&EffectPage::of(effect))),
@@ -79,9 +78,9 @@ fn find<'l>(library: &'l Library, name: &str) -> Result<&'l Effect, Failure> {
 fn catalogue(effects: &[&Effect]) -> String {
     let mut table = Table::new(["effect", "at", "law"]);
     for effect in effects {
-        let mut places: Vec<_> = effect.forms.iter().map(|form| form.attachment.word()).collect();
-        places.dedup();
-        table.row([effect.name.clone(), places.join(", "), effect.law.clone()]);
+        let mut attachments: Vec<_> = effect.forms.iter().map(|form| form.attachment.word()).collect();
+        attachments.dedup();
+        table.row([effect.name.clone(), attachments.join(", "), effect.law.clone()]);
     }
     format!("{}\n`patchcord effects NAME` describes one of them.\n", table.text())
 }
@@ -103,27 +102,81 @@ fn text(page: &EffectPage) -> String {
     text
 }
 
-/// The page of an effect as JSON.
-///
-/// Keys: `name`, `title`, `law`, `physics`, `source`, `excitation`, `aliases` (name to condition), `parameters`
-/// (`name`, `reach`, `range`, `none`, `description`) and `forms` (`at`, `reads`, `gives`, `parameters`, `note`). `none`
-/// is the value without effect, in reaches.
-fn document(effect: &Effect) -> Value {
-    let page = EffectPage::of(effect);
-    let parameters = effect.parameters.iter().map(|(name, own)| {
-        json!({
-            "name": name, "reach": own.reach.text(), "range": own.range, "none": own.null_value, "description": own.description,
-        })
-    });
-    let forms = effect.forms.iter().map(|form| {
-        let reads: Vec<_> = form.reads.iter().map(|reads| reads.word()).collect();
-        let gives: Vec<_> = form.gives.iter().map(|(gives, _)| gives.word()).collect();
-        json!({"at": form.attachment.word(), "reads": reads, "gives": gives, "parameters": form.parameters, "note": form.note})
-    });
-    let aliases = effect.aliases.iter().map(|(name, when)| (name.clone(), json!(when)));
-    json!({
-        "name": page.name, "title": page.title, "law": effect.law, "physics": page.physics, "source": effect.source,
-        "excitation": effect.excitation, "aliases": aliases.collect::<Map<_, _>>(),
-        "parameters": parameters.collect::<Vec<_>>(), "forms": forms.collect::<Vec<_>>(),
-    })
+/// An effect for `--json`. `aliases` maps the names of effects to conditions.
+#[derive(Serialize)]
+struct EffectDocument<'a> {
+    name: &'a str,
+    title: &'a str,
+    law: &'a str,
+    physics: &'a str,
+    source: &'a str,
+    excitation: &'a str,
+    aliases: IndexMap<&'a str, &'a str>,
+    parameters: Vec<ParameterDocument<'a>>,
+    forms: Vec<FormDocument<'a>>,
+}
+
+/// A parameter of an effect. The range is in reaches. `none` is the value without effect, in reaches.
+#[derive(Serialize)]
+struct ParameterDocument<'a> {
+    name: &'a str,
+    reach: &'a str,
+    range: [f64; 2],
+    #[serde(rename = "none")]
+    null_value: Option<f64>,
+    description: &'a str,
+}
+
+/// A form of an effect.
+#[derive(Serialize)]
+struct FormDocument<'a> {
+    #[serde(rename = "at")]
+    attachment: &'static str,
+    reads: Vec<&'static str>,
+    gives: Vec<&'static str>,
+    parameters: &'a [String],
+    note: &'a str,
+}
+
+impl<'a> EffectDocument<'a> {
+    /// The document of an effect.
+    fn of(effect: &'a Effect) -> Self {
+        let aliases = effect.aliases.iter();
+        let parameters = effect.parameters.iter();
+        EffectDocument {
+            name: &effect.name,
+            title: &effect.title,
+            law: &effect.law,
+            physics: &effect.physics,
+            source: &effect.source,
+            excitation: &effect.excitation,
+            aliases: aliases.map(|(name, condition)| (name.as_str(), condition.as_str())).collect(),
+            parameters: parameters.map(ParameterDocument::of).collect(),
+            forms: effect.forms.iter().map(FormDocument::of).collect(),
+        }
+    }
+}
+
+impl<'a> ParameterDocument<'a> {
+    fn of((name, parameter): (&'a String, &'a EffectParameter)) -> Self {
+        ParameterDocument {
+            name,
+            reach: parameter.reach.text(),
+            range: parameter.range,
+            null_value: parameter.null_value,
+            description: &parameter.description,
+        }
+    }
+}
+
+impl<'a> FormDocument<'a> {
+    fn of(form: &'a Form) -> Self {
+        FormDocument {
+            attachment: form.attachment.word(),
+            reads: form.reads.iter().map(|role| role.word()).collect(),
+            gives: form.gives.iter().map(|(role, _)| role.word()).collect(),
+            parameters: &form.parameters,
+            note: &form.note,
+        }
+    }
 }

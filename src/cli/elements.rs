@@ -4,13 +4,13 @@
 //! document, the schema and the Markdown reference.
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::failure::Failure;
 use super::table::Table;
 use super::{print, print_json};
 use patchcord::document::suggestion;
-use patchcord::elements::{Kind, KindPage, REGISTRY, reference_page};
+use patchcord::elements::{Input, Kind, KindPage, REGISTRY, Setting, reference_page};
 use patchcord::patch::json_schema;
 
 #[derive(Args)]
@@ -38,10 +38,11 @@ pub(super) fn elements(arguments: &Arguments) -> Result<(), Failure> {
     }
     let kinds = match &arguments.name {
         None => REGISTRY.to_vec(),
-        Some(name) => vec![find(name).map_err(|failure| failure.with_json_output(arguments.json))?],
+        Some(name) => vec![find(name)?],
     };
     if arguments.json {
-        return print_json(&kinds.iter().map(|kind| kind_json(kind)).collect());
+        let documents: Vec<_> = kinds.iter().map(|kind| KindDocument::of(kind)).collect();
+        return print_json(&documents);
     }
     match (&arguments.name, kinds.as_slice()) {
         (Some(_), [kind]) => print(&text(&KindPage::of(kind))),
@@ -86,34 +87,87 @@ fn text(page: &KindPage) -> String {
     text
 }
 
-/// Keys: `name`, `section` of patches, `summary`, `law`, `overload`, `modes`, `source`, `symbol`, `parts` of the
-/// machine, `inputs` and `settings`. Ranges and defaults are texts, because a default can be a formula. The output
-/// without a name is a list of such objects.
-fn kind_json(kind: &Kind) -> Value {
-    json!({
-        "name": kind.name,
-        "section": kind.family.section(),
-        "summary": kind.summary,
-        "law": kind.law,
-        "overload": kind.overload,
-        "modes": kind.modes,
-        "source": kind.source,
-        "symbol": kind.symbol,
-        "parts": kind.parts.iter().map(|takes| json!({
-            "part": takes.part.key(), "count": takes.count, "with": takes.with,
-        })).collect::<Value>(),
-        "inputs": kind.inputs.iter().map(|input| json!({
-            "name": input.name,
-            "cords": input.cords_text(),
-            "required": input.required,
-            "description": input.description,
-        })).collect::<Value>(),
-        "settings": kind.settings.iter().map(|setting| json!({
-            "name": setting.name,
-            "unit": setting.unit(),
-            "default": setting.default_text(),
-            "range": setting.range_text(),
-            "description": setting.description,
-        })).collect::<Value>(),
-    })
+/// An element or drive for `--json`. `section` is that of patches. Without a name, the command prints a list of such
+/// objects.
+#[derive(Serialize)]
+struct KindDocument {
+    name: &'static str,
+    section: &'static str,
+    summary: &'static str,
+    law: &'static str,
+    overload: &'static str,
+    modes: &'static str,
+    source: &'static str,
+    symbol: &'static str,
+    parts: Vec<PartDocument>,
+    inputs: Vec<InputDocument>,
+    settings: Vec<SettingDocument>,
+}
+
+/// A part of a machine that an element uses. `with` names the input or setting that needs it; it may be empty.
+#[derive(Serialize)]
+struct PartDocument {
+    part: &'static str,
+    count: usize,
+    with: &'static str,
+}
+
+/// An input of an element.
+#[derive(Serialize)]
+struct InputDocument {
+    name: &'static str,
+    cords: String,
+    required: bool,
+    description: &'static str,
+}
+
+/// A setting of an element. Range and default are texts, because a default can be a formula.
+#[derive(Serialize)]
+struct SettingDocument {
+    name: &'static str,
+    unit: &'static str,
+    default: String,
+    range: String,
+    description: &'static str,
+}
+
+impl KindDocument {
+    /// The document of an element or drive.
+    fn of(kind: &Kind) -> Self {
+        let parts = kind.parts.iter();
+        KindDocument {
+            name: kind.name,
+            section: kind.family.section(),
+            summary: kind.summary,
+            law: kind.law,
+            overload: kind.overload,
+            modes: kind.modes,
+            source: kind.source,
+            symbol: kind.symbol,
+            parts: parts
+                .map(|part| PartDocument { part: part.part.key(), count: part.count, with: part.with })
+                .collect(),
+            inputs: kind.inputs.iter().map(InputDocument::of).collect(),
+            settings: kind.settings.iter().map(SettingDocument::of).collect(),
+        }
+    }
+}
+
+impl InputDocument {
+    fn of(input: &Input) -> Self {
+        let Input { name, required, description, .. } = *input;
+        InputDocument { name, cords: input.cords_text(), required, description }
+    }
+}
+
+impl SettingDocument {
+    fn of(setting: &Setting) -> Self {
+        SettingDocument {
+            name: setting.name,
+            unit: setting.unit(),
+            default: setting.default_text(),
+            range: setting.range_text(),
+            description: setting.description,
+        }
+    }
 }

@@ -3,13 +3,16 @@
 //! Exit code 2 means that the command line must be changed, 1 that the patch or the data must be changed. Text goes to
 //! standard error. With `--json`, a document follows on standard output: `ok` is false, and `error` has the message or
 //! `diagnostics` the list of findings. Further keys depend on the command, such as `code` of a run error.
+//!
+//! The dispatcher in `mod.rs` decides whether a failure is also printed as JSON. Commands only return it.
 
 use std::process::ExitCode;
 
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Map, Value};
 
 use super::{eprint, eprint_coloured, errors_in_colour, print_json};
-use patchcord::document::{DocumentError, Report, Severity};
+use patchcord::document::{DiagnosticDocument, DocumentError, Report, Severity, plural};
 use patchcord::ident::ExperimentError;
 use patchcord::ident::effects::EffectError;
 use patchcord::ident::fit::model::ModelError;
@@ -33,10 +36,32 @@ enum Cause {
     AlreadyPrinted(String),
     /// The patch or the data are wrong.
     Data(String),
-    /// The patch is wrong. The report has the places.
-    Report(Box<Report>),
-    /// Several documents are wrong. The first field is the JSON key for the file of the first report.
-    Several(&'static str, Vec<Report>),
+    /// The patch is wrong. The report has the positions.
+    Patch(Box<Report>),
+    /// An experiment is wrong, or its patch. The first report is that of the first wrong document.
+    Experiment(Vec<Report>),
+    /// Effects are wrong.
+    Effects(Vec<Report>),
+}
+
+/// The JSON document of a failure. It has either `error` or `diagnostics`.
+#[derive(Serialize)]
+struct FailureDocument<'a> {
+    ok: bool,
+    #[serde(flatten)]
+    cause: CauseDocument<'a>,
+    #[serde(flatten)]
+    details: &'a Map<String, Value>,
+}
+
+/// What failed: a message, or the file of the first report and the findings of all reports.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum CauseDocument<'a> {
+    Message { error: &'a str },
+    Patch { patch: &'a str, diagnostics: Vec<DiagnosticDocument> },
+    Experiment { experiment: Option<&'a str>, diagnostics: Vec<DiagnosticDocument> },
+    Effects { effect: Option<&'a str>, diagnostics: Vec<DiagnosticDocument> },
 }
 
 impl Failure {
@@ -46,37 +71,37 @@ impl Failure {
     }
 
     /// An error in the command line, with exit code 2.
-    pub fn usage(message: impl Into<String>) -> Self {
+    pub(super) fn usage(message: impl Into<String>) -> Self {
         Failure::new(Cause::Usage(message.into()))
     }
 
     /// An error in the command line whose message was already printed. The JSON document is still printed.
-    pub fn already_printed(message: impl Into<String>) -> Self {
+    pub(super) fn already_printed(message: impl Into<String>) -> Self {
         Failure::new(Cause::AlreadyPrinted(message.into())).with_json_output(true)
     }
 
     /// An error in the patch or the data, with exit code 1.
-    pub fn data(message: impl Into<String>) -> Self {
+    pub(super) fn data(message: impl Into<String>) -> Self {
         Failure::new(Cause::Data(message.into()))
     }
 
     /// Sets whether the failure is also printed as a JSON document.
-    pub fn with_json_output(self, json: bool) -> Self {
+    pub(super) fn with_json_output(self, json: bool) -> Self {
         Failure { json, ..self }
     }
 
     /// Adds a key to the JSON document.
-    pub fn with_detail(mut self, key: &str, value: Value) -> Self {
+    pub(super) fn with_detail(mut self, key: &str, value: Value) -> Self {
         self.details.insert(key.to_owned(), value);
         self
     }
 
     /// Prints the failure and returns the exit code.
-    pub fn report(self) -> ExitCode {
+    pub(super) fn report(self) -> ExitCode {
         match &self.cause {
             Cause::Usage(message) | Cause::Data(message) => eprint(&format!("error: {message}")),
-            Cause::Report(report) => eprint_report(report),
-            Cause::Several(_, reports) => reports.iter().for_each(eprint_report),
+            Cause::Patch(report) => eprint_report(report),
+            Cause::Experiment(reports) | Cause::Effects(reports) => reports.iter().for_each(eprint_report),
             Cause::AlreadyPrinted(_) => (),
         }
         if self.json {
@@ -90,37 +115,43 @@ impl Failure {
     fn code(&self) -> u8 {
         match &self.cause {
             Cause::Usage(_) | Cause::AlreadyPrinted(_) => 2,
-            Cause::Data(_) | Cause::Several(..) => 1,
-            Cause::Report(report) if concerns_command_line(report) => 2,
-            Cause::Report(_) => 1,
+            Cause::Data(_) | Cause::Experiment(_) | Cause::Effects(_) => 1,
+            Cause::Patch(report) if concerns_command_line(report) => 2,
+            Cause::Patch(_) => 1,
         }
     }
 
     /// The JSON document.
-    fn document(&self) -> Value {
-        let mut document = match &self.cause {
-            Cause::Usage(message) | Cause::AlreadyPrinted(message) | Cause::Data(message) => {
-                json!({"ok": false, "error": message})
+    fn document(&self) -> FailureDocument<'_> {
+        let cause = match &self.cause {
+            Cause::Usage(error) | Cause::AlreadyPrinted(error) | Cause::Data(error) => {
+                CauseDocument::Message { error }
             }
-            Cause::Report(report) => {
-                json!({"ok": false, "patch": report.file, "diagnostics": report.to_json()})
+            Cause::Patch(report) => {
+                CauseDocument::Patch { patch: &report.file, diagnostics: report.documents() }
             }
-            Cause::Several(first, reports) => {
-                let findings = reports.iter().map(Report::to_json);
-                let findings: Value =
-                    findings.flat_map(|list| list.as_array().cloned().unwrap_or_default()).collect();
-                let file = reports.first().map(|report| report.file.as_str());
-                json!({"ok": false, *first: file, "diagnostics": findings})
+            Cause::Experiment(reports) => {
+                CauseDocument::Experiment { experiment: first_file(reports), diagnostics: findings(reports) }
+            }
+            Cause::Effects(reports) => {
+                CauseDocument::Effects { effect: first_file(reports), diagnostics: findings(reports) }
             }
         };
-        if let Value::Object(entries) = &mut document {
-            entries.extend(self.details.clone());
-        }
-        document
+        FailureDocument { ok: false, cause, details: &self.details }
     }
 }
 
-/// Whether all errors of a report concern the command line. These have no place in the file.
+/// The file of the first report; None if there is none.
+fn first_file(reports: &[Report]) -> Option<&str> {
+    reports.first().map(|report| report.file.as_str())
+}
+
+/// The findings of all reports, as JSON objects.
+fn findings(reports: &[Report]) -> Vec<DiagnosticDocument> {
+    reports.iter().flat_map(Report::documents).collect()
+}
+
+/// Whether all errors of a report concern the command line. These have no position in the file.
 fn concerns_command_line(report: &Report) -> bool {
     let mut errors = report.findings.iter().filter(|finding| finding.code.severity() == Severity::Error);
     errors.all(|finding| finding.span.is_none())
@@ -143,14 +174,9 @@ fn counts_text(report: &Report) -> String {
     texts.collect::<Vec<_>>().join(", ")
 }
 
-/// A number with its noun: "1 step", "2 steps".
-pub(super) fn plural(number: u64, noun: &str) -> String {
-    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
-}
-
 impl From<Box<Report>> for Failure {
     fn from(report: Box<Report>) -> Self {
-        Failure::new(Cause::Report(report))
+        Failure::new(Cause::Patch(report))
     }
 }
 
@@ -169,8 +195,9 @@ impl From<ExperimentError> for Failure {
             ExperimentError::File(error) => error.into(),
             ExperimentError::Invalid { experiment, patch } => {
                 let reports = [Some(experiment), patch].into_iter().flatten().map(|report| *report);
-                Failure::new(Cause::Several("experiment", reports.collect()))
+                Failure::new(Cause::Experiment(reports.collect()))
             }
+            error => Failure::data(error.to_string()),
         }
     }
 }
@@ -178,7 +205,7 @@ impl From<ExperimentError> for Failure {
 impl From<EffectError> for Failure {
     fn from(error: EffectError) -> Self {
         match error {
-            EffectError::Invalid(reports) => Failure::new(Cause::Several("effect", reports)),
+            EffectError::Invalid(reports) => Failure::new(Cause::Effects(reports)),
             error => Failure::data(error.to_string()),
         }
     }

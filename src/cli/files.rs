@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use clap::Args;
-use serde_json::Value;
 
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
@@ -34,21 +33,22 @@ pub(super) struct FileArguments {
 
 impl FileArguments {
     /// Whether pictures are drawn.
-    pub fn draw(&self) -> bool {
+    pub(super) fn draw(&self) -> bool {
         self.plot.is_some() || self.out.is_some()
     }
 
-    /// The files to write. An error if two are the same or one is the patch.
+    /// The files to write.
     ///
     /// `--out` adds NAME.csv and NAME.svg in the folder.
-    pub fn files(&self, patch: &Path) -> Result<Files, Failure> {
+    ///
+    /// # Errors
+    /// If two files are the same, if one is the patch, or if the name of a picture has an unknown ending.
+    pub(super) fn files(&self, patch: &Path) -> Result<Files, Failure> {
         let in_folder = |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(patch, ending)));
         let tables = self.csv.clone().into_iter().chain(in_folder(".csv")).collect();
         let sheets = self.plot.clone().into_iter().chain(in_folder(".svg"));
-        let sheets: Result<Vec<_>, _> =
-            sheets.map(|path| Format::from_path(&path).map(|format| (path, format))).collect();
-        let sheets = sheets.map_err(|error| Failure::usage(error.to_string()))?;
-        let files = Files { folder: self.out.clone(), tables, sheets };
+        let sheets = sheets.map(|path| picture_format(&path).map(|format| (path, format)));
+        let files = Files { folder: self.out.clone(), tables, sheets: sheets.collect::<Result<_, _>>()? };
         check_distinct_from_patch(patch, files.paths())?;
         Ok(files)
     }
@@ -73,17 +73,23 @@ pub(super) struct Files {
 
 impl Files {
     /// The paths of all files.
-    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+    pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
     }
 
     /// Creates the folder, and checks before the run that all files can be written.
-    pub fn prepare(&self) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// If the folder cannot be created, or if a file cannot be written.
+    pub(super) fn prepare(&self) -> Result<(), Failure> {
         prepare_outputs(self.folder.as_deref(), self.paths())
     }
 
     /// Writes tables and pictures.
-    pub fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// If a picture cannot be drawn, or if a file cannot be written.
+    pub(super) fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
         for path in &self.tables {
             let mut bytes = Vec::new();
             trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
@@ -94,25 +100,32 @@ impl Files {
         }
         let pictures = pictures(circuit, trace)?;
         for (path, format) in &self.sheets {
-            let bytes = plot::render(&pictures, *format, Size::default());
-            write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+            write_pictures(path, &pictures, *format, Size::default())?;
         }
         Ok(())
     }
-
-    /// The paths as JSON.
-    pub fn json(&self) -> Value {
-        self.paths().map(|path| path.display().to_string()).collect()
-    }
-
-    /// The list of written files after an empty line; empty if there are none.
-    pub fn text(&self) -> String {
-        let text = written_text(self.paths());
-        if text.is_empty() { text } else { format!("\n{text}") }
-    }
 }
 
-/// "wrote FILE" for each file, on a line of its own.
+/// The picture format that the name of a file selects.
+///
+/// # Errors
+/// A usage error if the name has no known ending.
+pub(super) fn picture_format(path: &Path) -> Result<Format, Failure> {
+    Format::from_path(path).map_err(|error| Failure::usage(error.to_string()))
+}
+
+/// The paths as texts for `--json`.
+pub(super) fn path_texts<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Vec<String> {
+    paths.into_iter().map(|path| path.display().to_string()).collect()
+}
+
+/// The list of written files after an empty line; empty if there are none.
+pub(super) fn written_paragraph<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
+    let text = written_text(paths);
+    if text.is_empty() { text } else { format!("\n{text}") }
+}
+
+/// "wrote FILE" for each file, one per line.
 pub(super) fn written_text<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
     paths.map(|path| format!("wrote {}\n", path.display())).collect()
 }
@@ -133,8 +146,8 @@ pub(super) fn check_distinct_from<'a>(
     read: &Path,
     paths: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), Failure> {
-    let own = resolved_destination(read)?;
-    match distinct_destinations(paths)?.iter().find(|(_, place)| *place == own) {
+    let input = resolved_destination(read)?;
+    match distinct_destinations(paths)?.iter().find(|(_, output)| *output == input) {
         Some((path, _)) => {
             let path = path.display();
             Err(Failure::usage(format!("{path} is {what} itself: give another name or folder to write to")))
@@ -149,11 +162,11 @@ pub(super) fn distinct_destinations<'a>(
 ) -> Result<Vec<(&'a PathBuf, PathBuf)>, Failure> {
     let mut taken: Vec<(&PathBuf, PathBuf)> = Vec::new();
     for path in paths.filter(|path| !is_stream(path)) {
-        let place = resolved_destination(path)?;
-        if taken.iter().any(|(_, other)| *other == place) {
+        let destination = resolved_destination(path)?;
+        if taken.iter().any(|(_, other)| *other == destination) {
             return Err(Failure::usage(format!("{} would be written twice", path.display())));
         }
-        taken.push((path, place));
+        taken.push((path, destination));
     }
     Ok(taken)
 }
@@ -213,6 +226,17 @@ pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_atomic(path, bytes).map_err(|error| write_failure(path, &error))
 }
 
+/// Draws pictures on one sheet and writes the file.
+pub(super) fn write_pictures(
+    path: &Path,
+    pictures: &[Picture],
+    format: Format,
+    size: Size,
+) -> Result<(), Failure> {
+    let bytes = plot::render(pictures, format, size).map_err(|error| Failure::data(error.to_string()))?;
+    write_file(path, &bytes)
+}
+
 /// The failure for a file that cannot be written.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
     Failure::data(format!("cannot write {}: {}", path.display(), io_reason(error)))
@@ -225,7 +249,7 @@ fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
     let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
     let specs = circuit.picture_specs(signals.map(|track| track.name.as_str()));
     let note = parameter_line(circuit);
-    let drawn = specs.iter().map(|spec| draw::picture(trace, spec, Some(note.clone())));
+    let drawn = specs.iter().map(|spec| draw::picture(trace, spec, Some(&note)));
     let drawn = drawn.collect::<Result<Vec<_>, _>>().and_then(|mut pictures| {
         pictures.extend(draw::sensitivity_pictures(trace, Some(&note))?);
         Ok(pictures)

@@ -4,10 +4,8 @@
 //! without it the JSON document contains the patches themselves.
 
 use std::path::PathBuf;
-use std::thread;
 
 use clap::Args;
-use serde_json::json;
 
 use super::failure::{Failure, eprint_report};
 use super::files::check_distinct_from;
@@ -16,20 +14,20 @@ use super::numbers::{seed, threads};
 use super::progress::ProgressBar;
 use super::{effects, gap_check, gap_report, print, print_json};
 use patchcord::ident::Experiment;
-use patchcord::ident::design::detectability::Detectability;
+use patchcord::ident::design::detectability::{Detectability, detectable_effects};
 use patchcord::ident::effects::Library;
 use patchcord::ident::effects::effect_sites::EffectSites;
 use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::report::Report;
-use patchcord::ident::report::document::ExperimentDocument;
+use patchcord::ident::report::check_document::CheckDocument;
 use patchcord::ident::search::progress::{Progress, SearchPhase};
-use patchcord::ident::search::{Outcome, SearchSettings};
+use patchcord::ident::search::{Outcome, SearchSettings, search};
 
 #[derive(Args)]
 pub(super) struct Arguments {
     /// Experiment file (JSON): the patch, the measured data, the parameters to fit; docs/gap.md shows an example
     experiment: PathBuf,
-    /// Only check the data (sampling, missing samples, noise, resolution, bandwidth), list the places for effects, and
+    /// Only check the data (sampling, missing samples, noise, resolution, bandwidth), list the sites of effects, and
     /// compute the weakest detectable effects
     #[arg(long, conflicts_with = "out")]
     check: bool,
@@ -52,13 +50,8 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// The JSON form of a failure is selected here.
-pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.json))
-}
-
 /// Warnings about the data are printed before the search, because it may take minutes.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
     let experiment = Experiment::read(&arguments.experiment)?;
     eprint_report(&experiment.warnings);
     if let (Some(effects), Some(out)) = (&arguments.effects, &arguments.out) {
@@ -72,8 +65,6 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (problem, outcome) = run_search(arguments, &experiment, &library)?;
     let report = Report::new(&experiment, &problem, &outcome);
     let mut document = report.json();
-    document["doubts"] = report.doubts().into();
-    document["experiment"] = json!(ExperimentDocument::of(&experiment, &problem, arguments.seed));
     let files = match folder {
         Some(folder) => folder.write(&report, &library, &mut document).map(|files| format!("\n{files}")),
         None => embed(&report, &mut document).map(|()| String::new()),
@@ -87,35 +78,36 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&files?)
 }
 
-/// The current part of a search in words.
-fn part_text(at: Progress) -> String {
-    match at.phase {
+/// The current phase of a search in words.
+fn phase_text(progress: Progress) -> String {
+    match progress.phase {
         SearchPhase::Base => "fitting the patch".to_owned(),
-        SearchPhase::Quick => format!("effects tried quickly, round {}", at.round),
-        SearchPhase::Full => format!("best effects fitted, round {}", at.round),
-        SearchPhase::Growing => format!("best effects fitted step by step, round {}", at.round),
+        SearchPhase::Quick => format!("effects tried quickly, round {}", progress.round),
+        SearchPhase::Full => format!("best effects fitted, round {}", progress.round),
+        SearchPhase::Growing => format!("best effects fitted step by step, round {}", progress.round),
         SearchPhase::Localisation => "locating the missing effect".to_owned(),
+        _ => "searching".to_owned(),
     }
 }
 
 /// Shows the progress of a search.
 ///
 /// Work that cannot be counted is shown as text.
-fn show(bar: &mut ProgressBar, at: Progress) {
-    let words = part_text(at);
-    match at.total {
-        0 => bar.busy(&words),
-        all => {
-            bar.switch_to(&words);
-            bar.done(at.done, all);
+fn show(bar: &mut ProgressBar, progress: Progress) {
+    let text = phase_text(progress);
+    match progress.total {
+        0 => bar.busy(&text),
+        total => {
+            bar.switch_to(&text);
+            bar.done(progress.done, total);
         }
     }
 }
 
-/// Library, threads and seed of a search.
-fn means<'a>(arguments: &Arguments, library: &'a Library) -> SearchSettings<'a> {
-    let cores = thread::available_parallelism().map_or(1, usize::from);
-    SearchSettings { library, threads: arguments.threads.unwrap_or(cores), seed: arguments.seed }
+/// The settings of a search, with a thread for each core unless the arguments specify their number.
+fn search_settings<'a>(arguments: &Arguments, library: &'a Library) -> SearchSettings<'a> {
+    let settings = SearchSettings::new(library).with_seed(arguments.seed);
+    arguments.threads.map_or(settings, |threads| settings.with_threads(threads))
 }
 
 /// The failure if no starting point gives a run.
@@ -129,20 +121,21 @@ fn no_run_failure(experiment: &Experiment) -> Failure {
 
 /// Reports on the data before the slow fit, and then on the weakest detectable effects.
 fn check_data(arguments: &Arguments, experiment: &Experiment, library: &Library) -> Result<(), Failure> {
-    let places = EffectSites::of(&experiment.patch, &experiment.drives, library)?;
+    let sites = EffectSites::of(&experiment.patch, &experiment.drives, library)?;
     if arguments.json {
-        let visible = visible(arguments, experiment, library)?;
-        return print_json(&gap_check::document(experiment, &places, &visible));
+        let detectability = detectability(arguments, experiment, library)?;
+        return print_json(&CheckDocument::of(experiment, &sites, &detectability).json());
     }
-    print(&gap_check::text(experiment, &places))?;
-    print(&gap_check::limits_text(&visible(arguments, experiment, library)?, experiment, library))
+    print(&gap_check::text(experiment, &sites))?;
+    let detectability = detectability(arguments, experiment, library)?;
+    print(&gap_check::limits_text(experiment, &sites, &detectability, library))
 }
 
 /// Computes the weakest detectable effects.
 ///
 /// # Errors
 /// If the patch cannot be run with the data from any start.
-fn visible(
+fn detectability(
     arguments: &Arguments,
     experiment: &Experiment,
     library: &Library,
@@ -150,16 +143,9 @@ fn visible(
     let problem = Problem::of(experiment)?;
     let mut bar = ProgressBar::new("effects");
     bar.busy("fitting the patch to compute the weakest detectable effects");
-    let SearchSettings { library, threads, seed } = means(arguments, library);
-    let found = patchcord::ident::design::detectability::detectable_effects(
-        &problem,
-        &experiment.patch,
-        &experiment.fit,
-        library,
-        threads,
-        seed,
-    );
-    found?.ok_or_else(|| no_run_failure(experiment))
+    let SearchSettings { library, threads, seed, .. } = search_settings(arguments, library);
+    let found = detectable_effects(experiment, &problem, library, threads, seed)?;
+    found.ok_or_else(|| no_run_failure(experiment))
 }
 
 /// Runs the search with a progress bar.
@@ -168,12 +154,10 @@ fn run_search(
     experiment: &Experiment,
     library: &Library,
 ) -> Result<(Problem, Outcome), Failure> {
-    let with = means(arguments, library);
+    let settings = search_settings(arguments, library);
     let problem = Problem::of(experiment)?;
     let mut bar = ProgressBar::new("effects");
-    let progress = |at: Progress| show(&mut bar, at);
-    let found =
-        patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, progress)?;
+    let found = search(experiment, &problem, &settings, |progress| show(&mut bar, progress))?;
     let outcome = found.ok_or_else(|| no_run_failure(experiment))?;
     Ok((problem, outcome))
 }

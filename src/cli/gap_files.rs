@@ -38,8 +38,11 @@ pub(super) struct Folder<'f> {
 }
 
 impl<'f> Folder<'f> {
-    /// Creates the folder. An error before the search if a file cannot be written or would overwrite an input.
-    pub fn prepare(folder: &'f Path, experiment: &Experiment) -> Result<Self, Failure> {
+    /// Creates the folder, and checks before the search that all files can be written.
+    ///
+    /// # Errors
+    /// If a file would overwrite an input or a file that no search wrote, or if the folder or a file cannot be written.
+    pub(super) fn prepare(folder: &'f Path, experiment: &Experiment) -> Result<Self, Failure> {
         let paths = FILES.map(|file| folder.join(file));
         check_distinct_from("the experiment", Path::new(&experiment.file), paths.iter())?;
         check_distinct_from("the patch", Path::new(experiment.patch.file()), paths.iter())?;
@@ -55,7 +58,7 @@ impl<'f> Folder<'f> {
     /// An error if a file would be overwritten that was not written by a search.
     fn check_foreign(&self) -> Result<(), Failure> {
         let earlier = self.earlier();
-        let foreign = FILES.into_iter().filter(|file| !earlier.iter().any(|own| own == file));
+        let foreign = FILES.into_iter().filter(|file| !earlier.iter().any(|written| written == file));
         match foreign.map(|file| self.folder.join(file)).find(|path| path.exists()) {
             Some(path) => Err(Failure::usage(format!(
                 "{} exists and was not written by a search: give another folder, or remove it",
@@ -80,7 +83,10 @@ impl<'f> Folder<'f> {
 
     /// Writes all files and enters their paths in the document. Removes files of an earlier search that this one does
     /// not write, because they would be mistaken for its results. Returns one line per file.
-    pub fn write(
+    ///
+    /// # Errors
+    /// If the page cannot be made, or if a file cannot be written or removed.
+    pub(super) fn write(
         &self,
         report: &Report<'_>,
         library: &Library,
@@ -110,22 +116,23 @@ impl<'f> Folder<'f> {
 
 /// Enters the patches themselves in the document of a search without an output folder.
 pub(super) fn embed(report: &Report<'_>, document: &mut Value) -> Result<(), Failure> {
-    let itself = |patch: Option<&Patch>| patch.map_or(Value::Null, |patch| patch.value().clone());
-    put_patches(report, document, str::to_owned, |_, patch| Ok(itself(patch)))
+    let document_of = |patch: Option<&Patch>| patch.map_or(Value::Null, |patch| patch.value().clone());
+    put_patches(report, document, str::to_owned, |_, patch| Ok(document_of(patch)))
 }
 
-/// Enters a value for each patch of a search in the document. `name` maps a file name to the name of the patch.
+/// Enters a value for each patch of a search in the document. `name` maps a file name to the name of the patch, and
+/// `value_of` makes the value from the file name and the patch, if there is one.
 ///
 /// Keys: `patch` is the patch with the named effects, or the fitted one; `fitted`; `recovered`, which may be null.
 fn put_patches(
     report: &Report<'_>,
     document: &mut Value,
     name: impl Fn(&str) -> String,
-    mut what: impl FnMut(&str, Option<&Patch>) -> Result<Value, Failure>,
+    mut value_of: impl FnMut(&str, Option<&Patch>) -> Result<Value, Failure>,
 ) -> Result<(), Failure> {
-    let augmented = what(AUGMENTED, report.augmented(&name(AUGMENTED))?.as_ref())?;
-    let fitted = what(FITTED, Some(&report.fitted(&name(FITTED))?))?;
-    let recovered = what(RECOVERED, report.recovered(&name(RECOVERED))?.as_ref())?;
+    let augmented = value_of(AUGMENTED, report.augmented(&name(AUGMENTED))?.as_ref())?;
+    let fitted = value_of(FITTED, Some(&report.fitted(&name(FITTED))?))?;
+    let recovered = value_of(RECOVERED, report.recovered(&name(RECOVERED))?.as_ref())?;
     document["patch"] = if augmented.is_null() { fitted.clone() } else { augmented };
     document["fitted"] = fitted;
     document["recovered"] = recovered;

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::load::{LoadedPatch, problem_check};
+use super::numbers::number_in;
 use super::progress::RunProgress;
 use patchcord::circuit::Circuit;
 use patchcord::document::{Placed, Span};
@@ -23,17 +24,20 @@ const TIME_TOLERANCE: f64 = 1e-9;
 
 /// Parses a time that is not negative.
 pub(super) fn instant(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number of seconds"))?;
-    if seconds >= 0.0 && seconds.is_finite() {
-        Ok(seconds)
-    } else {
-        Err("must be a time of at least 0 s".to_owned())
-    }
+    let seconds = number_in("s", text)?;
+    if seconds >= 0.0 { Ok(seconds) } else { Err("must be a time of at least 0 s".to_owned()) }
 }
 
 impl InstantOption {
     /// The machine at initial condition, or after this many seconds of the run.
-    pub fn machine<'l>(&self, loaded: &'l LoadedPatch, seconds: f64) -> Result<OperatingPoint<'l>, Failure> {
+    ///
+    /// # Errors
+    /// If the initial condition has no solution, if a time of the phases is wrong, or if the run stops before.
+    pub(super) fn machine<'l>(
+        &self,
+        loaded: &'l LoadedPatch,
+        seconds: f64,
+    ) -> Result<OperatingPoint<'l>, Failure> {
         let LoadedPatch { circuit, program } = loaded;
         if seconds == 0.0 {
             let machine = problem_check(circuit, program)?;
@@ -54,9 +58,10 @@ impl InstantOption {
         let is_plain = plan.phases.is_empty();
         let plan = if is_plain { RunPlan { duration, ..plan.clone() } } else { plan.clone() };
         let settings = RunSettings::new(&plan, circuit).map_err(|error| self.failure(&error))?;
-        let settings = if is_plain { settings.with_duration(seconds) } else { settings };
-        let (every, record, sensitivities) = (settings.duration(), vec![], vec![]);
-        let settings = RunSettings { every, record, sensitivities, ..settings };
+        let mut settings = if is_plain { settings.with_duration(seconds) } else { settings };
+        settings.every = settings.duration();
+        settings.record.clear();
+        settings.sensitivities.clear();
         settings.check().map_err(|error| self.failure(&error))?;
         Ok(settings)
     }

@@ -1,14 +1,12 @@
-//! Formats a linear analysis as text and as JSON.
+//! Formats a linear analysis as text.
 //!
 //! The text lists states, signals, matrix, roots and response at one operating point. Rates are in volts per second,
-//! so entries of the state matrix are in 1/s. The JSON document is not shortened.
-
-use serde_json::{Value, json};
+//! so entries of the state matrix are in 1/s. Long tables are shortened; the JSON document (`linear_document`) is not.
 
 use super::table::Table;
 use patchcord::format::QuantityFormat;
 use patchcord::ir::{Port, StateHold, StateSpace, StateTerm};
-use patchcord::linear::{FrequencyResponse, LinearError, ResponsePoint, Root, Stability, fastest_state};
+use patchcord::linear::{FrequencyResponse, LinearError, Root, Stability, fastest_state};
 
 /// The results of a linear analysis.
 pub(super) struct Analysis<'m> {
@@ -152,10 +150,10 @@ fn roots_text(roots: &Result<Vec<Root>, LinearError>) -> String {
             number(root.hertz()),
             optional(root.damping()),
             optional(root.time_constant()),
-            word(root.stability()).to_owned(),
+            stability_text(root.stability()).to_owned(),
         ]);
     }
-    format!("\n{}{}{}", table.text(), omitted_text(roots.len()), verdict(roots))
+    format!("\n{}{}{}", table.text(), omitted_text(roots.len()), unstable_text(roots))
 }
 
 /// "-0.5 ± 31.4 j".
@@ -166,8 +164,8 @@ fn root_text(root: &Root) -> String {
     }
 }
 
-/// The word for tables and for the JSON key `stability`.
-fn word(stability: Stability) -> &'static str {
+/// The stability for tables and for the JSON key `stability`.
+pub(super) fn stability_text(stability: Stability) -> &'static str {
     match stability {
         Stability::Stable => "stable",
         Stability::Neutral => "neutral",
@@ -176,7 +174,7 @@ fn word(stability: Stability) -> &'static str {
 }
 
 /// The unstable roots; empty if there are none.
-fn verdict(roots: &[Root]) -> String {
+fn unstable_text(roots: &[Root]) -> String {
     let growing: Vec<_> =
         roots.iter().filter(|root| root.stability() == Stability::Unstable).map(root_text).collect();
     if growing.is_empty() { String::new() } else { format!("unstable: {}\n", growing.join("; ")) }
@@ -184,7 +182,7 @@ fn verdict(roots: &[Root]) -> String {
 
 /// The table of the response: a few frequencies per decade, both limits of the band, and the natural frequencies in it.
 ///
-/// The natural frequencies are rows of their own, so that the resonances are in the table.
+/// Each natural frequency has a row, so that the resonances are in the table.
 fn response_text(response: &FrequencyResponse, analysis: &Analysis<'_>) -> String {
     let unit = if response.unit.is_empty() { "ratio".to_owned() } else { response.unit.clone() };
     let mut table = Table::with(["Hz", &unit, "dB", "degrees"].map(str::to_owned));
@@ -208,74 +206,8 @@ fn response_text(response: &FrequencyResponse, analysis: &Analysis<'_>) -> Strin
     format!("\n{}\n{}\n", response.title(), table.text())
 }
 
-/// A number to four digits, without a prefix.
+/// A number to four digits, without a prefix. Small numbers are not rounded to 0, because an entry of the matrix may be
+/// small only in its unit.
 fn number(value: f64) -> String {
     QuantityFormat::new("", 0.0).number(value)
-}
-
-/// The report as JSON, without the parts that all commands share.
-///
-/// Keys: `operating_point`, `state_matrix` (rows of numbers in 1/s), `roots` or `no_roots` with the reason, `response`
-/// or null. The operating point has `equilibrium`, `states`, `signals`, and lists of names: `overloaded`, `kinks`,
-/// `moving`.
-pub(super) fn json(analysis: &Analysis<'_>) -> Value {
-    let model = analysis.model;
-    let roots = analysis.roots.as_ref().map(|roots| roots.iter().map(root_json).collect::<Value>());
-    json!({
-        "operating_point": {
-            "told": analysis.instant,
-            "equilibrium": fastest_state(model).is_none() && model.moving.is_empty(),
-            "states": model.states.iter().map(state_json).collect::<Value>(),
-            "signals": model.outputs.iter().filter(|port| port.is_named).map(signal_json).collect::<Value>(),
-            "overloaded": model.overloaded,
-            "kinks": model.kinks,
-            "moving": model.moving,
-        },
-        "state_matrix": model.state_matrix(),
-        "roots": roots.as_ref().ok(),
-        "no_roots": roots.as_ref().err().map(ToString::to_string),
-        "response": analysis.response.as_ref().map(response_json),
-    })
-}
-
-/// `volts`, `rate` in V/s, and `held`: null, "limit" or "brake".
-fn state_json(state: &StateTerm) -> Value {
-    let held = state.hold.map(|hold| match hold {
-        StateHold::Limit => "limit",
-        StateHold::Brake => "brake",
-    });
-    json!({"name": state.name, "volts": state.volts, "rate": state.rate, "held": held})
-}
-
-/// The value is in the unit of the signal.
-fn signal_json(port: &Port) -> Value {
-    json!({"name": port.name, "value": port.volts * port.per_volt, "unit": port.unit})
-}
-
-/// `real` and `imaginary` in 1/s, `times` the multiplicity, `natural_frequency` in rad/s. `damping` and `time_constant`
-/// may be null.
-fn root_json(root: &Root) -> Value {
-    json!({
-        "real": root.real,
-        "imaginary": root.imaginary,
-        "times": root.multiplicity,
-        "natural_frequency": root.natural_frequency(),
-        "hertz": root.hertz(),
-        "damping": root.damping(),
-        "time_constant": root.time_constant(),
-        "stability": word(root.stability()),
-    })
-}
-
-/// A point is a list in the order of `columns`. `by` is the drive that moves both signals, if one was used.
-fn response_json(response: &FrequencyResponse) -> Value {
-    let point = |point: &ResponsePoint| json!([point.frequency, point.ratio, point.phase]);
-    json!({
-        "from": response.input,
-        "to": response.output,
-        "by": response.by,
-        "unit": response.unit,
-        "columns": ["frequency in Hz", "ratio", "phase in rad"],
-        "points": response.points.iter().map(point).collect::<Value>(),
-    })
 }

@@ -3,17 +3,22 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::Value;
+use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{check_distinct_from_patch, prepare_outputs, write_file, written_text};
+use super::files::{
+    check_distinct_from_patch, path_texts, picture_format, prepare_outputs, write_file, write_pictures,
+    written_text,
+};
 use super::instant::{InstantOption, OperatingPoint, instant};
+use super::linear_document::LinearDocument;
 use super::linear_report::{self, Analysis};
-use super::load::{PatchArguments, document};
+use super::load::{PatchArguments, PatchDocument};
+use super::numbers::number_in;
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::draw::bode;
-use patchcord::draw::plot::{self, Format, Size};
+use patchcord::draw::plot::{Format, Size};
 use patchcord::instruments::parameter_line;
 use patchcord::ir::StateSpace;
 use patchcord::linear::{FrequencyBand, FrequencyResponse, LinearError, Root, TransferFunction, roots};
@@ -49,8 +54,7 @@ pub(super) struct Arguments {
 /// Parses LOW:HIGH.
 fn band(text: &str) -> Result<FrequencyBand, String> {
     let (low, high) = text.split_once(':').ok_or("write LOW:HIGH, such as 0.1:100")?;
-    let number = |text: &str| text.trim().parse().map_err(|_| format!("\"{text}\" is not a number of Hz"));
-    let band = FrequencyBand { low: number(low)?, high: number(high)? };
+    let band = FrequencyBand { low: number_in("Hz", low)?, high: number_in("Hz", high)? };
     band.check().map_err(|error| error.to_string())?;
     Ok(band)
 }
@@ -61,15 +65,18 @@ const AT: InstantOption = InstantOption("--at");
 /// Size of each of the two pictures of a Bode plot, in pixels.
 const PANEL: Size = Size { width: 900, height: 400 };
 
-/// The JSON form of a failure is selected here.
-pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
+/// The keys of the document in addition to those of every command on a patch.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    analysis: LinearDocument<'a>,
+    files: Vec<String>,
 }
 
 /// The machine is run up to the operating point first, which can take time. Files are checked after that, before they
 /// are written.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let format = arguments.format()?;
+pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
+    let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     check_distinct_from_patch(&arguments.patch.patch, arguments.files())?;
     let loaded = arguments.patch.load()?;
     let OperatingPoint { machine, description } = AT.machine(&loaded, arguments.at)?;
@@ -80,9 +87,9 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
         arguments.write(response, &analysis, &loaded.circuit, format)?;
     }
     if arguments.patch.json {
-        let mut more = linear_report::json(&analysis);
-        more["files"] = arguments.files().map(|path| path.display().to_string()).collect::<Value>();
-        return print_json(&document(&loaded.circuit, more));
+        let analysis = LinearDocument::of(&analysis);
+        let document = Document { analysis, files: path_texts(arguments.files()) };
+        return print_json(&PatchDocument::new(&loaded.circuit, document));
     }
     let title = &loaded.circuit.patch().title;
     print(&format!("{title}\n{}\n\n{}", parameter_line(&loaded.circuit), linear_report::text(&analysis)))?;
@@ -93,12 +100,6 @@ impl Arguments {
     /// The files to write.
     fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.csv.iter().chain(&self.plot)
-    }
-
-    /// The picture format of the plot.
-    fn format(&self) -> Result<Option<Format>, Failure> {
-        let format = self.plot.as_ref().map(|path| Format::from_path(path)).transpose();
-        format.map_err(|error| Failure::usage(error.to_string()))
     }
 
     /// Roots and frequency response. A delay in a loop is no error: only the roots are missing.
@@ -144,9 +145,8 @@ impl Arguments {
             let line = parameter_line(circuit);
             let instant = &analysis.instant;
             let note = if line.is_empty() { instant.clone() } else { format!("{line}; {instant}") };
-            let pictures = bode(response, analysis.roots.as_deref().unwrap_or_default(), Some(note));
-            let bytes = plot::render(&pictures, format, PANEL);
-            write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+            let pictures = bode(response, analysis.roots.as_deref().unwrap_or_default(), Some(&note));
+            write_pictures(path, &pictures, format, PANEL)?;
         }
         Ok(())
     }

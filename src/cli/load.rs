@@ -3,12 +3,14 @@
 //! Every command on a patch prints documents with the same first keys: `ok`, `patch`, `title`, `diagnostics` and
 //! `parameters`.
 
+use patchcord::document::DiagnosticDocument;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::failure::{Failure, eprint_report};
+use super::numbers::setting;
 use patchcord::circuit::Circuit;
 use patchcord::ir::Program;
 use patchcord::patch::Patch;
@@ -27,16 +29,6 @@ pub(super) struct PatchArguments {
     pub json: bool,
 }
 
-/// Parses NAME=VALUE.
-pub(super) fn setting(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, such as VcL=2.54e-3")?;
-    let number: f64 = value.trim().parse().map_err(|_| format!("\"{value}\" is not a number"))?;
-    if !number.is_finite() {
-        return Err(format!("{value} is not a finite number"));
-    }
-    Ok((name.trim().to_owned(), number))
-}
-
 /// A patch that is ready to run.
 pub(super) struct LoadedPatch {
     /// The wired patch with the parameters of `--set`.
@@ -47,8 +39,11 @@ pub(super) struct LoadedPatch {
 
 impl PatchArguments {
     /// Reads and compiles the patch, and prints warnings to standard error.
-    pub fn load(&self) -> Result<LoadedPatch, Failure> {
-        let loaded = self.read().map_err(|failure| failure.with_json_output(self.json))?;
+    ///
+    /// # Errors
+    /// If the patch cannot be read, has a fault, or has no such parameter.
+    pub(super) fn load(&self) -> Result<LoadedPatch, Failure> {
+        let loaded = self.read()?;
         eprint_report(&loaded.circuit.warnings());
         Ok(loaded)
     }
@@ -62,27 +57,52 @@ impl PatchArguments {
     }
 }
 
-/// The parameters for `--json`.
-pub(super) fn parameters_json(circuit: &Circuit) -> Value {
-    let parameters = circuit.parameters().map(|(name, parameter, value)| {
-        json!({"name": name, "value": value, "unit": parameter.unit.text(), "description": parameter.description})
-    });
-    parameters.collect()
+/// A parameter for `--json`, with its value in the declared unit.
+#[derive(Serialize)]
+pub(super) struct ParameterDocument<'c> {
+    name: &'c str,
+    value: f64,
+    unit: &'c str,
+    description: &'c str,
 }
 
-/// The `--json` document of a command on a patch: keys about the patch, then those of `more`.
-pub(super) fn document(circuit: &Circuit, more: Value) -> Value {
-    let mut document = json!({
-        "ok": true,
-        "patch": circuit.patch().file(),
-        "title": circuit.patch().title,
-        "diagnostics": circuit.warnings().to_json(),
-        "parameters": parameters_json(circuit),
-    });
-    if let (Value::Object(document), Value::Object(more)) = (&mut document, more) {
-        document.extend(more);
+impl<'c> ParameterDocument<'c> {
+    /// All parameters of a circuit.
+    pub(super) fn all(circuit: &'c Circuit) -> Vec<Self> {
+        let parameters = circuit.parameters().map(|(name, parameter, value)| ParameterDocument {
+            name,
+            value,
+            unit: parameter.unit.text(),
+            description: &parameter.description,
+        });
+        parameters.collect()
     }
-    document
+}
+
+/// The `--json` document of a command on a patch: keys about the patch, then those of the command.
+#[derive(Serialize)]
+pub(super) struct PatchDocument<'c, T> {
+    ok: bool,
+    patch: &'c str,
+    title: &'c str,
+    diagnostics: Vec<DiagnosticDocument>,
+    parameters: Vec<ParameterDocument<'c>>,
+    #[serde(flatten)]
+    more: T,
+}
+
+impl<'c, T: Serialize> PatchDocument<'c, T> {
+    /// The document of a successful command. `more` has the keys of the command.
+    pub(super) fn new(circuit: &'c Circuit, more: T) -> Self {
+        PatchDocument {
+            ok: true,
+            patch: circuit.patch().file(),
+            title: &circuit.patch().title,
+            diagnostics: circuit.warnings().documents(),
+            parameters: ParameterDocument::all(circuit),
+            more,
+        }
+    }
 }
 
 /// The step for the problem check of a patch without one. It does not affect the result, but delay lines and lags

@@ -1,11 +1,12 @@
 //! `patchcord machines`
 
 use clap::Args;
-use serde_json::{Map, Value, json};
+use indexmap::IndexMap;
+use serde::Serialize;
 
 use super::failure::Failure;
 use super::{print, print_json};
-use patchcord::machines::{ALL, Machine, Part, REFERENCE};
+use patchcord::machines::{ALL, MachineModel, Part, REFERENCE};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -16,14 +17,15 @@ pub(super) struct Arguments {
 
 pub(super) fn machines(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
-        return print_json(&ALL.iter().map(|machine| machine_json(machine)).collect());
+        let documents: Vec<_> = ALL.iter().map(|machine| MachineDocument::of(machine)).collect();
+        return print_json(&documents);
     }
     let pages: Vec<_> = ALL.iter().map(|machine| page(machine)).collect();
     print(&pages.join("\n"))
 }
 
 /// The description of a machine.
-fn page(machine: &Machine) -> String {
+fn page(machine: &MachineModel) -> String {
     let parts = match machine.inventory {
         None => "any number".to_owned(),
         Some(parts) => {
@@ -49,16 +51,30 @@ fn gains(gains: &[f64]) -> String {
     gains.iter().map(|gain| format!("x{gain}")).collect::<Vec<_>>().join(", ")
 }
 
-fn machine_json(machine: &Machine) -> Value {
-    let parts: Map<_, _> =
-        Part::ALL.iter().map(|part| (part.key().to_owned(), json!(machine.count(*part)))).collect();
-    json!({
-        "name": machine.name,
-        "title": machine.title,
-        "source": machine.source,
-        "reference": REFERENCE,
-        "parts": parts,
-        "summer_gains": machine.summer_gains,
-        "integrator_gains": machine.integrator_gains,
-    })
+/// A machine for `--json`. `parts` maps the keys of parts to their numbers, null without a limit. `reference` is in
+/// volts.
+#[derive(Serialize)]
+struct MachineDocument {
+    name: &'static str,
+    title: &'static str,
+    source: &'static str,
+    reference: f64,
+    parts: IndexMap<&'static str, Option<usize>>,
+    summer_gains: &'static [f64],
+    integrator_gains: &'static [f64],
+}
+
+impl MachineDocument {
+    /// The document of a machine.
+    fn of(machine: &MachineModel) -> Self {
+        MachineDocument {
+            name: machine.name,
+            title: machine.title,
+            source: machine.source,
+            reference: REFERENCE,
+            parts: Part::ALL.iter().map(|part| (part.key(), machine.count(*part))).collect(),
+            summer_gains: machine.summer_gains,
+            integrator_gains: machine.integrator_gains,
+        }
+    }
 }

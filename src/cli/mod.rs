@@ -1,8 +1,8 @@
 //! The command line: parses options, calls the library and prints the results.
 //!
-//! Each command has a file of its own with its options and its function. `load`, `times` and `files` hold options that
-//! several commands share. Files named `*_report` format results as text and as JSON. `failure` maps errors to messages
-//! and exit codes.
+//! Each command has its own file with its options and its function. `load`, `times` and `files` hold options that
+//! several commands share. Files named `*_report` format results as text and as JSON; long reports have their JSON in a
+//! file named `*_document`. `failure` maps errors to messages and exit codes.
 //!
 //! Every command follows the same order: parse and check the options, read the input, check that the output files can
 //! be written, do the work, write the files, print. A wrong option or an unwritable file is so reported before a long
@@ -28,6 +28,7 @@ mod gap_check;
 mod gap_files;
 mod gap_report;
 mod instant;
+mod linear_document;
 mod linear_report;
 mod linearise;
 mod load;
@@ -44,6 +45,7 @@ mod readings;
 mod replay;
 mod run;
 mod slideway;
+mod slideway_document;
 mod slideway_report;
 mod sweep;
 mod table;
@@ -52,8 +54,8 @@ mod times;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
-use serde_json::Value;
+use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use serde::Serialize;
 
 use failure::Failure;
 use patchcord::output::io_reason;
@@ -78,7 +80,7 @@ enum Command {
     Run(run::Arguments),
     /// Run a patch for many parameter values and write one row of measures per run
     Sweep(sweep::Arguments),
-    /// Reproduce the figures of the study and check its claims
+    /// Reproduce the figures of the thesis and check its claims
     Replay(replay::Arguments),
     /// Predict the critical velocity of a slideway from oil, load, stiffness and surface, and test advice to lower it
     Slideway(slideway::Arguments),
@@ -109,15 +111,29 @@ fn definition() -> clap::Command {
 
 /// Runs the command line of this process and returns the exit code: 0 success, 1 error in the patch or the data, 2
 /// error in the command line.
-pub fn main() -> ExitCode {
-    let outcome = match Arguments::try_parse() {
-        Ok(arguments) => run_command(&arguments.command),
+pub(crate) fn main() -> ExitCode {
+    let outcome = match parse() {
+        Ok((command, json)) => run_command(&command).map_err(|failure| failure.with_json_output(json)),
         Err(error) => report_usage(&error),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }
+}
+
+/// Parses the command line of this process. Returns the command, and whether it was given `--json`.
+fn parse() -> Result<(Command, bool), clap::Error> {
+    let mut matches = definition().try_get_matches()?;
+    let json = matches.subcommand().is_some_and(|(_, options)| has_json(options));
+    let arguments = Arguments::from_arg_matches_mut(&mut matches);
+    let arguments = arguments.map_err(|error| error.format(&mut definition()))?;
+    Ok((arguments.command, json))
+}
+
+/// Whether `--json` was given. Some commands do not have this option.
+fn has_json(options: &ArgMatches) -> bool {
+    options.try_get_one::<bool>("json").is_ok_and(|json| json == Some(&true))
 }
 
 /// Runs one command.
@@ -163,8 +179,9 @@ fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// Prints a JSON document. Control characters in texts are escaped, so that they are preserved.
-fn print_json(value: &Value) -> Result<(), Failure> {
-    let text = format!("{value:#}\n");
+fn print_json(document: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(document).map_err(|error| Failure::data(error.to_string()))?;
+    let text = text + "\n";
     let escaped = text.chars().map(|letter| match letter {
         '\n' => "\n".to_owned(),
         letter if letter.is_control() => format!("\\u{:04x}", u32::from(letter)),

@@ -4,10 +4,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::write_failure;
+use super::files::{path_texts, write_failure};
 use super::{print, print_json};
 use patchcord::output::write_new;
 
@@ -23,11 +24,19 @@ pub(super) struct Arguments {
 /// The patch that is written: a mass on a spring. "TITLE" is replaced by the title.
 const FIRST_PATCH: &str = include_str!("first_patch.json");
 
+/// The result as JSON.
+#[derive(Serialize)]
+struct Document {
+    ok: bool,
+    files: Vec<String>,
+}
+
+/// Prints the commands to try next with the new patch.
 pub(super) fn new(arguments: &Arguments) -> Result<(), Failure> {
     let file = &arguments.file;
-    write(file).map_err(|failure| failure.with_json_output(arguments.json))?;
+    write(file)?;
     if arguments.json {
-        return print_json(&json!({"ok": true, "files": [file.display().to_string()]}));
+        return print_json(&Document { ok: true, files: path_texts([file]) });
     }
     let [patch, drawing, picture] =
         [file.clone(), file.with_extension("schematic.svg"), file.with_extension("svg")]

@@ -1,6 +1,6 @@
 //! Formats overloads as text and as JSON.
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use patchcord::trace::Overload;
 
@@ -15,12 +15,25 @@ pub(super) fn overload_text(order: usize, overload: &Overload) -> String {
     format!("overload: {element} at t = {time:.6} s, needs {peak:.1} V ({cause})")
 }
 
-/// An overload for `--json`.
-pub(super) fn overload_json(overload: &Overload) -> Value {
-    json!({
-        "element": overload.element,
-        "t": overload.time,
-        "peak": overload.peak,
-        "caused_by": overload.caused_by,
-    })
+/// An overload for `--json`: time in seconds, peak in volts.
+#[derive(Serialize)]
+pub(super) struct OverloadDocument<'a> {
+    element: &'a str,
+    #[serde(rename = "t")]
+    time: f64,
+    peak: f64,
+    caused_by: Option<&'a str>,
+}
+
+impl<'a> OverloadDocument<'a> {
+    /// The documents of several overloads, in the same order.
+    pub(super) fn all(overloads: &'a [Overload]) -> Vec<Self> {
+        let document = |overload: &'a Overload| OverloadDocument {
+            element: &overload.element,
+            time: overload.time,
+            peak: overload.peak,
+            caused_by: overload.caused_by.as_deref(),
+        };
+        overloads.iter().map(document).collect()
+    }
 }

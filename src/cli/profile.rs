@@ -7,23 +7,26 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::criteria::{advice_on, advice_on_cycles};
 use super::failure::Failure;
-use super::files::{check_distinct_from_patch, prepare_outputs, write_file, written_text};
-use super::load::{LoadedPatch, PatchArguments, document};
-use super::numbers::positive;
-use super::profile_report::{self, ProfileReading};
+use super::files::{
+    check_distinct_from_patch, path_texts, picture_format, prepare_outputs, write_pictures, written_paragraph,
+};
+use super::load::{LoadedPatch, PatchArguments, PatchDocument};
+use super::numbers::{positive, positive_in};
+use super::profile_report::{self, ProfileDocument, ProfileReading};
 use super::run::run_with_progress;
 use super::times::{TimeArguments, run_failure};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
-use patchcord::draw::plot::{self, Format, Size};
+use patchcord::draw::plot::{Picture, Size};
 use patchcord::draw::{ProfileSignal, profile_picture};
-use patchcord::format::QuantityFormat;
+use patchcord::format::{QuantityFormat, format_pure_number};
 use patchcord::instruments::{
-    Criterion, NoCriticalVelocity, ProfileCriterion, ProfileError, RampDirection, critical_range,
+    Criterion, CriticalVelocityError, ProfileCriterion, ProfileError, RampDirection, critical_range,
     parameter_line, velocity_profile,
 };
 use patchcord::solve::RunSettings;
@@ -43,7 +46,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = positive)]
     threshold: Option<f64>,
     /// Length of the window (default: 0.04): at least half a period of the slowest oscillation
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive_in("s"))]
     window: Option<f64>,
     /// Largest velocity that counts as standstill, in the unit of the signals: 0.1e-3 for a patch in m/s (default: half
     /// the threshold)
@@ -64,15 +67,16 @@ fn pair(text: &str) -> Result<[String; 2], String> {
     two.ok_or_else(|| "must be two names, the commanded and the actual velocity, such as v_i,v_o".to_owned())
 }
 
-/// The JSON form of a failure is selected here.
-pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
+/// The keys of the document in addition to those of every command on a patch.
+#[derive(Serialize)]
+struct Document<'a> {
+    profile: ProfileDocument<'a>,
+    files: Vec<String>,
 }
 
 /// Only the two velocities are recorded. The profile is that of the last run, if the patch repeats it.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let format = arguments.plot.as_ref().map(|path| Format::from_path(path)).transpose();
-    let format = format.map_err(|error| Failure::usage(error.to_string()))?;
+pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
+    let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     let files = || arguments.plot.iter();
     check_distinct_from_patch(&arguments.patch.patch, files())?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
@@ -83,19 +87,15 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     let reading = arguments.read(&trace, &settings.record, &circuit)?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
-        let picture = picture(&reading, &circuit);
-        let bytes = plot::render(&[picture], format, Size::default());
-        write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+        write_pictures(path, &[picture(&reading, &circuit)], format, Size::default())?;
     }
     if arguments.patch.json {
-        let mut more = profile_report::json(&reading);
-        more["files"] = files().map(|path| path.display().to_string()).collect();
-        return print_json(&document(&circuit, more));
+        let document = Document { profile: ProfileDocument::of(&reading), files: path_texts(files()) };
+        return print_json(&PatchDocument::new(&circuit, document));
     }
     let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
     print(&(head + &profile_report::text(&reading)))?;
-    let files = written_text(files());
-    print(&if files.is_empty() { files } else { format!("\n{files}") })
+    print(&written_paragraph(files()))
 }
 
 impl Arguments {
@@ -126,7 +126,7 @@ impl Arguments {
         let both = track(0).zip(track(1)).ok_or_else(|| Failure::data("no sample was recorded"));
         let (command, velocity) = both?;
         let criterion = self.criterion(command, velocity)?;
-        let first = trace.sweeps.last().map_or(0, |sweep| sweep.first);
+        let first = trace.repetitions.last().map_or(0, |repetition| repetition.first);
         let time = &trace.time[first..];
         let [commands, velocities] =
             [command, velocity].map(|track| track.values().skip(first).collect::<Vec<_>>());
@@ -182,10 +182,10 @@ impl Arguments {
         &self,
         error: ProfileError,
         circuit: &Circuit,
-        other: Option<NoCriticalVelocity>,
+        other: Option<CriticalVelocityError>,
         unit: &str,
     ) -> Option<String> {
-        use NoCriticalVelocity::{Constant, NeverBack, NoFall, NoRise};
+        use CriticalVelocityError::{Constant, NeverBack, NoFall, NoRise};
         let has_turn = circuit.parameters().any(|(name, ..)| name == TURN);
         let has_other = !matches!(other, Some(Constant | NeverBack | NoFall | NoRise));
         let advice = match error {
@@ -195,10 +195,10 @@ impl Arguments {
                 "make it turn with --set v_turn=SECONDS, and run twice as long with --for"
             }
             ProfileError::Unreadable(NeverBack) => "give a longer --for, or remove --falling",
-            ProfileError::Unreadable(why) => return advice_on(&why, "a slower command"),
-            ProfileError::Cycles(why) => return advice_on_cycles(&why),
+            ProfileError::Unreadable(error) => return advice_on(&error, "a slower command"),
+            ProfileError::Cycles(error) => return advice_on_cycles(&error),
             ProfileError::Motionless { .. } => return Some(self.advice_on_standstill(unit)),
-            ProfileError::BadStandstill(_) => return None,
+            _ => return None,
         };
         Some(advice.to_owned())
     }
@@ -212,14 +212,13 @@ impl Arguments {
             Some(_) => ("--standstill", usual.map(|usual| usual.standstill)),
             None => ("--threshold", usual.map(|usual| usual.oscillation.threshold)),
         };
-        let example = usual.map_or_else(String::new, |usual| {
-            format!(", such as {option} {}", QuantityFormat::new("", 1.0).number(usual))
-        });
+        let example = usual
+            .map_or_else(String::new, |usual| format!(", such as {option} {}", format_pure_number(usual)));
         format!("give a lower value, in {unit}{example}")
     }
 }
 
-/// The parameter of the study's circuits that specifies when the command turns back.
+/// The parameter of the thesis's circuits that specifies when the command turns back.
 const TURN: &str = "v_turn";
 
 /// A note if the run ends before the command has returned to 0, with the length that the run needs. None otherwise.
@@ -233,14 +232,14 @@ fn early_end_note(time: &[f64], command: &[f64], standstill: f64, unit: &str) ->
     let remaining = end / (before - end) * (last - earlier);
     let format = QuantityFormat::new(unit, end);
     let note = format!("the run ends at {}, before the command is back at 0", format.text(end));
-    let advice = format!(": give --for {}", QuantityFormat::new("", 1.0).number(last + remaining - begin));
+    let advice = format!(": give --for {}", format_pure_number(last + remaining - begin));
     Some(if remaining.is_finite() && remaining > 0.0 { note + &advice } else { note })
 }
 
 /// The picture of the profile.
 ///
 /// The note has the parameters of the patch, so that the picture is complete by itself.
-fn picture(reading: &ProfileReading, circuit: &Circuit) -> plot::Picture {
+fn picture(reading: &ProfileReading, circuit: &Circuit) -> Picture {
     let drawn = |which: usize| ProfileSignal {
         name: &reading.names[which],
         unit: &reading.unit,
@@ -248,12 +247,12 @@ fn picture(reading: &ProfileReading, circuit: &Circuit) -> plot::Picture {
     };
     let what = reading.profile.direction.select(["velocity profile", "command falling"]);
     let title = format!("{}: {what}", circuit.patch().title);
-    profile_picture(title, drawn(0), drawn(1), &reading.profile, Some(parameter_line(circuit)))
+    profile_picture(title, drawn(0), drawn(1), &reading.profile, Some(&parameter_line(circuit)))
 }
 
 /// The failure for an unknown signal.
 fn unknown_signal(name: &str, circuit: &Circuit) -> Failure {
-    let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
+    let known: Vec<&str> = circuit.signals().iter().map(|signal| signal.name.as_str()).collect();
     let hint = suggestion(name, &known).unwrap_or_else(|| "it has none".to_owned());
     Failure::usage(format!("the patch has no signal {name}: give --signals COMMAND,VELOCITY; {hint}"))
 }

@@ -3,12 +3,12 @@
 //! Velocities have one unit prefix in the whole report. A point or section that does not exist keeps its row, with the
 //! reason.
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::table::Table;
-use patchcord::format::QuantityFormat;
+use patchcord::format::{QuantityFormat, format_pure_number};
 use patchcord::instruments::{
-    AbsenceReason, CriticalInterval, ProfileCriterion, ProfilePoint, ProfileSection, VelocityProfile,
+    CriticalInterval, MissingPointError, ProfileCriterion, ProfilePoint, ProfileSection, VelocityProfile,
 };
 
 /// A velocity profile with everything that the report needs.
@@ -66,14 +66,13 @@ pub(super) fn text(reading: &ProfileReading) -> String {
     let format = reading.format();
     let criterion = reading.criterion;
     let note = reading.note.as_ref().map_or_else(String::new, |note| format!("note: {note}\n"));
-    let seconds = QuantityFormat::new("", 1.0);
     format!(
         "{}\n{}\nOscillation: {} swings by more than {}, peak to peak, within {} s. Standstill: up to {}.\n{note}",
         points_text(reading, &format),
         sections_text(reading, &format),
         reading.names[1],
         format.text(criterion.oscillation.threshold),
-        seconds.number(criterion.oscillation.window),
+        format_pure_number(criterion.oscillation.window),
         format.text(criterion.standstill),
     )
 }
@@ -98,16 +97,15 @@ fn falling(reading: &ProfileReading) -> &'static str {
 
 /// The table of points.
 fn points_text(reading: &ProfileReading, format: &QuantityFormat) -> String {
-    let seconds = QuantityFormat::new("", 1.0);
     let headings = ["point", falling(reading), &format!("{}, {}", reading.names[0], format.unit), "at s", ""];
     let mut table = Table::with(headings.map(str::to_owned));
     let names = reading.profile.direction.point_names();
     for (index, point) in reading.profile.points.iter().enumerate() {
         let [command, time, remark] = match point {
             Ok(point) => {
-                [format.number(point.command), seconds.number(point.time), reading.remark(index, point)]
+                [format.number(point.command), format_pure_number(point.time), reading.remark(index, point)]
             }
-            Err(why) => [String::new(), String::new(), format!("none: {why}")],
+            Err(reason) => [String::new(), String::new(), format!("none: {reason}")],
         };
         table.row([(index + 1).to_string(), names[index].to_owned(), command, time, remark]);
     }
@@ -123,7 +121,7 @@ fn sections_text(reading: &ProfileReading, format: &QuantityFormat) -> String {
     for (index, section) in reading.profile.sections.iter().enumerate() {
         let [command, cycles, swing, frequency] =
             section.map_or_else(|_| Default::default(), |section| cells(&section, format));
-        let why = section.err().map_or(String::new(), |why| format!("none: {why}"));
+        let reason = section.err().map_or(String::new(), |reason| format!("none: {reason}"));
         table.row([
             VelocityProfile::SECTION_LETTERS[index].to_string(),
             names[index].to_owned(),
@@ -131,7 +129,7 @@ fn sections_text(reading: &ProfileReading, format: &QuantityFormat) -> String {
             cycles,
             swing,
             frequency,
-            why,
+            reason,
         ]);
     }
     table.text()
@@ -139,76 +137,159 @@ fn sections_text(reading: &ProfileReading, format: &QuantityFormat) -> String {
 
 /// Command, cycles, swing and frequency of a section.
 fn cells(section: &ProfileSection, format: &QuantityFormat) -> [String; 4] {
-    let between = |format: &QuantityFormat, ends: [f64; 2]| {
-        format!("{} to {}", format.number(ends[0]), format.number(ends[1]))
-    };
+    let between = |[first, last]: [String; 2]| format!("{first} to {last}");
     [
-        between(format, section.command),
+        between(section.command.map(|command| format.number(command))),
         section.cycles.to_string(),
         section.swing.map_or(String::new(), |swing| format.number(swing)),
-        section.frequency.map_or(String::new(), |both| between(&QuantityFormat::new("", 1.0), both)),
+        section.frequency.map_or(String::new(), |both| between(both.map(format_pure_number))),
     ]
 }
 
-/// The report as JSON, without the parts that all commands share.
-///
-/// The only key is `profile`, with `command` and `velocity` (names), `unit`, `threshold`, `window` in s, `standstill`,
-/// `way` ("rising" or "falling"), `jump`, `note`, `points`, `sections` and `critical_velocity`. All velocities are in
-/// `unit`.
-pub(super) fn json(reading: &ProfileReading) -> Value {
-    let ProfileCriterion { oscillation, standstill } = reading.criterion;
-    let VelocityProfile { direction, points, sections, jump } = &reading.profile;
-    let points = points.iter().zip(direction.point_names()).enumerate().map(point_json);
-    let sections = sections
-        .iter()
-        .zip(direction.section_names())
-        .zip(VelocityProfile::SECTION_LETTERS)
-        .map(section_json);
-    json!({ "profile": {
-        "command": reading.names[0],
-        "velocity": reading.names[1],
-        "unit": reading.unit,
-        "threshold": oscillation.threshold,
-        "window": oscillation.window,
-        "standstill": standstill,
-        "way": direction.select(["rising", "falling"]),
-        "jump": jump,
-        "note": reading.note,
-        "points": points.collect::<Value>(),
-        "sections": sections.collect::<Value>(),
-        "critical_velocity": reading.range.map(range_json),
-    }})
+/// A profile for `--json`. All velocities are in `unit`, the window is in s.
+#[derive(Serialize)]
+pub(super) struct ProfileDocument<'a> {
+    command: &'a str,
+    velocity: &'a str,
+    unit: &'a str,
+    threshold: f64,
+    window: f64,
+    standstill: f64,
+    /// "rising" or "falling".
+    #[serde(rename = "way")]
+    direction: &'static str,
+    jump: Option<f64>,
+    note: Option<&'a str>,
+    points: Vec<PointDocument>,
+    sections: Vec<SectionDocument>,
+    #[serde(rename = "critical_velocity")]
+    range: Option<RangeDocument>,
 }
 
-/// `there` is false if the point does not exist; then `why` replaces `command`, `t` and `coincides`.
-fn point_json((index, (point, what)): (usize, (&Result<ProfilePoint, AbsenceReason>, &str))) -> Value {
-    let number = index + 1;
-    match point {
-        Ok(point) => json!({
-            "point": number, "what": what, "there": true,
-            "command": point.command, "t": point.time, "coincides": point.coincides_with,
-        }),
-        Err(why) => json!({"point": number, "what": what, "there": false, "why": why.to_string()}),
+/// A point of the profile, numbered from 1.
+#[derive(Serialize)]
+struct PointDocument {
+    point: usize,
+    what: &'static str,
+    #[serde(rename = "there")]
+    exists: bool,
+    #[serde(flatten)]
+    reading: PointReading,
+}
+
+/// The command and the time of a point, or why the point does not exist.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PointReading {
+    Exists {
+        command: f64,
+        #[serde(rename = "t")]
+        time: f64,
+        #[serde(rename = "coincides")]
+        coincides_with: Option<usize>,
+    },
+    Absent {
+        #[serde(rename = "why")]
+        reason: String,
+    },
+}
+
+/// A section of the profile.
+#[derive(Serialize)]
+struct SectionDocument {
+    section: char,
+    what: &'static str,
+    #[serde(rename = "there")]
+    exists: bool,
+    #[serde(flatten)]
+    reading: SectionReading,
+}
+
+/// The first and the last value of command and time of a section, or why the section does not exist. `swing` is peak to
+/// peak, `frequency` a pair in Hz.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum SectionReading {
+    Exists {
+        command: [f64; 2],
+        #[serde(rename = "t")]
+        time: [f64; 2],
+        cycles: usize,
+        swing: Option<f64>,
+        frequency: Option<[f64; 2]>,
+    },
+    Absent {
+        #[serde(rename = "why")]
+        reason: String,
+    },
+}
+
+/// The upper critical velocity. `least` and `most` limit the value over other thresholds and windows. `unread` counts
+/// the criteria that gave none.
+#[derive(Serialize)]
+struct RangeDocument {
+    value: f64,
+    least: f64,
+    most: f64,
+    by_threshold: f64,
+    by_window: f64,
+    overrun: Option<f64>,
+    unread: usize,
+}
+
+impl<'a> ProfileDocument<'a> {
+    /// The document of a profile.
+    pub(super) fn of(reading: &'a ProfileReading) -> Self {
+        let ProfileCriterion { oscillation, standstill } = reading.criterion;
+        let VelocityProfile { direction, points, sections, jump } = &reading.profile;
+        let points = points.iter().zip(direction.point_names()).enumerate();
+        let sections = sections.iter().zip(direction.section_names()).zip(VelocityProfile::SECTION_LETTERS);
+        ProfileDocument {
+            command: &reading.names[0],
+            velocity: &reading.names[1],
+            unit: &reading.unit,
+            threshold: oscillation.threshold,
+            window: oscillation.window,
+            standstill,
+            direction: direction.select(["rising", "falling"]),
+            jump: *jump,
+            note: reading.note.as_deref(),
+            points: points.map(|(index, (point, what))| PointDocument::of(index + 1, what, point)).collect(),
+            sections: sections
+                .map(|((section, what), letter)| SectionDocument::of(letter, what, section))
+                .collect(),
+            range: reading.range.map(RangeDocument::of),
+        }
     }
 }
 
-/// `command` and `t` are pairs of first and last value. `swing` is peak to peak, `frequency` a pair in Hz.
-fn section_json(((section, what), letter): ((&Result<ProfileSection, AbsenceReason>, &str), char)) -> Value {
-    match section {
-        Ok(section) => json!({
-            "section": letter, "what": what, "there": true,
-            "command": section.command, "t": section.time,
-            "cycles": section.cycles, "swing": section.swing, "frequency": section.frequency,
-        }),
-        Err(why) => json!({"section": letter, "what": what, "there": false, "why": why.to_string()}),
+impl PointDocument {
+    fn of(number: usize, what: &'static str, point: &Result<ProfilePoint, MissingPointError>) -> Self {
+        let reading = match *point {
+            Ok(ProfilePoint { time, command, coincides_with }) => {
+                PointReading::Exists { command, time, coincides_with }
+            }
+            Err(reason) => PointReading::Absent { reason: reason.to_string() },
+        };
+        PointDocument { point: number, what, exists: point.is_ok(), reading }
     }
 }
 
-/// `least` and `most` limit the value over other thresholds and windows. `unread` counts the criteria that gave none.
-fn range_json(range: CriticalInterval) -> Value {
-    json!({
-        "value": range.value, "least": range.least, "most": range.most,
-        "by_threshold": range.by_threshold, "by_window": range.by_window, "overrun": range.overrun,
-        "unread": range.unread,
-    })
+impl SectionDocument {
+    fn of(letter: char, what: &'static str, section: &Result<ProfileSection, MissingPointError>) -> Self {
+        let reading = match *section {
+            Ok(ProfileSection { time, command, cycles, swing, frequency }) => {
+                SectionReading::Exists { command, time, cycles, swing, frequency }
+            }
+            Err(reason) => SectionReading::Absent { reason: reason.to_string() },
+        };
+        SectionDocument { section: letter, what, exists: section.is_ok(), reading }
+    }
+}
+
+impl RangeDocument {
+    fn of(range: CriticalInterval) -> Self {
+        let CriticalInterval { value, least, most, by_threshold, by_window, overrun, unread } = range;
+        RangeDocument { value, least, most, by_threshold, by_window, overrun, unread }
+    }
 }

@@ -44,14 +44,14 @@ pub(super) struct RunProgress {
 
 impl RunProgress {
     /// The progress of a run of `whole` problem seconds.
-    pub fn new(whole: f64) -> Self {
+    pub(super) fn new(whole: f64) -> Self {
         let line = hidden_line();
         set_template(&line, TEXT_TEMPLATE);
         RunProgress { line, show_from: Instant::now() + DELAY, is_shown: false, whole, steps: 0 }
     }
 
     /// Reports a solver step that ended at this problem time.
-    pub fn step(&mut self, time: f64) {
+    pub(super) fn step(&mut self, time: f64) {
         self.steps = self.steps.wrapping_add(1);
         if self.steps.is_multiple_of(STEPS_PER_CHECK) && Instant::now() >= self.show_from {
             if !self.is_shown {
@@ -71,14 +71,14 @@ pub(super) struct ProgressBar {
 
 impl ProgressBar {
     /// A bar that counts `what`, in the plural.
-    pub fn new(what: &str) -> Self {
+    pub(super) fn new(what: &str) -> Self {
         let line = hidden_line().with_message(what.to_owned());
         show(&line);
         ProgressBar { line, has_begun: false }
     }
 
     /// Starts to count something else.
-    pub fn switch_to(&mut self, what: &str) {
+    pub(super) fn switch_to(&mut self, what: &str) {
         if self.line.message() != what {
             self.line.set_message(what.to_owned());
             self.has_begun = false;
@@ -86,7 +86,7 @@ impl ProgressBar {
     }
 
     /// Shows a piece of work that is not counted.
-    pub fn busy(&mut self, what: &str) {
+    pub(super) fn busy(&mut self, what: &str) {
         set_template(&self.line, TEXT_TEMPLATE);
         self.line.set_message(what.to_owned());
         self.has_begun = false;
@@ -94,7 +94,7 @@ impl ProgressBar {
 
     /// Reports that `done` of `all` are complete. The first call reports what was complete before, so the remaining
     /// time is extrapolated from later work only.
-    pub fn done(&mut self, done: u64, all: u64) {
+    pub(super) fn done(&mut self, done: u64, all: u64) {
         self.line.set_position(done);
         if !self.has_begun {
             self.has_begun = true;

@@ -5,11 +5,11 @@
 
 use std::collections::HashMap;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::table::Table;
-use patchcord::format::QuantityFormat;
-use patchcord::instruments::{Sensitivity, VoltmeterReading, readings, sensitivities};
+use patchcord::format::{QuantityFormat, format_pure_number};
+use patchcord::instruments::{Extreme, Sensitivity, VoltmeterReading, readings, sensitivities};
 use patchcord::trace::Trace;
 
 /// The largest number of lines for several runs. At least one run is always printed.
@@ -24,7 +24,7 @@ pub(super) fn readings_text(trace: &Trace) -> String {
     let is_signal = |name: &str| trace.track(name).is_some_and(|track| track.derivative.is_none());
     readings.retain(|reading| is_signal(&reading.signal));
     let largest = largest(&readings);
-    let runs = trace.sweeps.len();
+    let runs = trace.repetitions.len();
     let shown = (MAX_ROWS / trace.tracks.len().max(1)).clamp(1, runs.max(1));
     let mut table = Table::new(["run", "signal", "unit", "start", "end", "least", "at s", "most", "at s"]);
     for reading in readings.iter().filter(|reading| reading.run < shown) {
@@ -43,17 +43,16 @@ fn sensitivities_text(trace: &Trace, runs: usize) -> String {
     let mut table = Table::new(["run", "derivative", "unit", "most", "at s", "% per %"]);
     for sensitivity in sensitivities(trace).iter().filter(|sensitivity| sensitivity.run < runs) {
         // A prefix before a quotient of units would be ambiguous.
-        let number = |value: f64| QuantityFormat::new("", 1.0).number(value);
         table.row([
             (sensitivity.run + 1).to_string(),
             sensitivity.name.clone(),
             sensitivity.unit.clone(),
-            number(sensitivity.most.value),
-            number(sensitivity.most.time),
-            sensitivity.relative.map_or(String::new(), number),
+            format_pure_number(sensitivity.most.value),
+            format_pure_number(sensitivity.most.time),
+            sensitivity.relative.map_or(String::new(), format_pure_number),
         ]);
     }
-    if trace.sweeps.len() < 2 {
+    if trace.repetitions.len() < 2 {
         table.drop_first();
     }
     let text = table.text();
@@ -75,7 +74,6 @@ fn largest(readings: &[VoltmeterReading]) -> HashMap<&str, f64> {
 /// The largest value of the signal over all runs selects the prefix of the unit.
 fn line(reading: &VoltmeterReading, largest: f64) -> [String; 9] {
     let format = QuantityFormat::new(&reading.unit, largest);
-    let seconds = QuantityFormat::new("", 1.0);
     [
         (reading.run + 1).to_string(),
         reading.signal.clone(),
@@ -83,45 +81,79 @@ fn line(reading: &VoltmeterReading, largest: f64) -> [String; 9] {
         format.number(reading.start),
         format.number(reading.end),
         format.number(reading.least.value),
-        seconds.number(reading.least.time),
+        format_pure_number(reading.least.time),
         format.number(reading.most.value),
-        seconds.number(reading.most.time),
+        format_pure_number(reading.most.time),
     ]
 }
 
-/// The readings as JSON.
-pub(super) fn readings_json(trace: &Trace) -> Value {
-    readings(trace).iter().map(reading_json).collect()
+/// A reading for `--json`. `run` counts from 1. Values are in `unit`, without a prefix.
+#[derive(Serialize)]
+pub(super) struct ReadingDocument {
+    run: usize,
+    signal: String,
+    unit: String,
+    start: f64,
+    end: f64,
+    least: ExtremeDocument,
+    most: ExtremeDocument,
 }
 
-/// `run` counts from 1. Values are in `unit`, without a prefix; `t` is the time in seconds.
-fn reading_json(reading: &VoltmeterReading) -> Value {
-    json!({
-        "run": reading.run + 1,
-        "signal": reading.signal,
-        "unit": reading.unit,
-        "start": reading.start,
-        "end": reading.end,
-        "least": {"value": reading.least.value, "t": reading.least.time},
-        "most": {"value": reading.most.value, "t": reading.most.time},
-    })
+/// The largest derivative of a signal for `--json`. `relative` is the percentage change per percent of the parameter,
+/// or null.
+#[derive(Serialize)]
+pub(super) struct SensitivityDocument {
+    run: usize,
+    name: String,
+    signal: String,
+    parameter: String,
+    unit: String,
+    most: ExtremeDocument,
+    relative: Option<f64>,
 }
 
-/// The largest derivatives as JSON.
-pub(super) fn sensitivities_json(trace: &Trace) -> Value {
-    sensitivities(trace).iter().map(sensitivity_json).collect()
+/// An extreme value with its time in seconds.
+#[derive(Serialize)]
+struct ExtremeDocument {
+    value: f64,
+    #[serde(rename = "t")]
+    time: f64,
 }
 
-/// `most` is the largest derivative with its time. `relative` is the percentage change per percent of the parameter, or
-/// null.
-fn sensitivity_json(sensitivity: &Sensitivity) -> Value {
-    json!({
-        "run": sensitivity.run + 1,
-        "name": sensitivity.name,
-        "signal": sensitivity.signal,
-        "parameter": sensitivity.parameter,
-        "unit": sensitivity.unit,
-        "most": {"value": sensitivity.most.value, "t": sensitivity.most.time},
-        "relative": sensitivity.relative,
-    })
+impl From<Extreme> for ExtremeDocument {
+    fn from(Extreme { value, time }: Extreme) -> Self {
+        ExtremeDocument { value, time }
+    }
+}
+
+impl ReadingDocument {
+    /// The readings of all signals in all runs.
+    pub(super) fn all(trace: &Trace) -> Vec<Self> {
+        let document = |reading: VoltmeterReading| ReadingDocument {
+            run: reading.run + 1,
+            signal: reading.signal,
+            unit: reading.unit,
+            start: reading.start,
+            end: reading.end,
+            least: reading.least.into(),
+            most: reading.most.into(),
+        };
+        readings(trace).into_iter().map(document).collect()
+    }
+}
+
+impl SensitivityDocument {
+    /// The largest derivatives of all runs.
+    pub(super) fn all(trace: &Trace) -> Vec<Self> {
+        let document = |sensitivity: Sensitivity| SensitivityDocument {
+            run: sensitivity.run + 1,
+            name: sensitivity.name,
+            signal: sensitivity.signal,
+            parameter: sensitivity.parameter,
+            unit: sensitivity.unit,
+            most: sensitivity.most.into(),
+            relative: sensitivity.relative,
+        };
+        sensitivities(trace).into_iter().map(document).collect()
+    }
 }

@@ -8,16 +8,21 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{distinct_destinations, prepare_outputs, write_file, written_text};
+use super::files::{
+    distinct_destinations, path_texts, picture_format, prepare_outputs, write_file, written_text,
+};
 use super::progress::ProgressBar;
 use super::table::Table;
 use super::{print, print_json};
 use patchcord::document::suggestion;
 use patchcord::draw::plot::Format;
-use patchcord::thesis::replay::{self, Claim, DrawnFigure, ExaminedClaim, Figure, GalleryFigure, figures};
+use patchcord::patch::Patch;
+use patchcord::thesis::replay::{
+    self, Claim, DrawnFigure, ExaminedClaim, Figure, GalleryFigure, NumberTable, figures,
+};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -35,14 +40,9 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// The JSON form of a failure is selected here.
-pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.json))
-}
-
 /// Runs come before any file is written, because the names of the patches are known only then. Folders are checked at
 /// the start.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
     let figures = arguments.figures()?;
     if figures.is_empty() {
         return arguments.list();
@@ -52,7 +52,7 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
     prepare_outputs(arguments.out.as_deref(), files.iter())?;
     let claims = arguments.claims(&figures)?;
     let (drawn, examined) = perform(&figures, &claims)?;
-    let exhibits: Vec<_> = figures
+    let entries: Vec<_> = figures
         .iter()
         .zip(&drawn)
         .map(|(figure, drawn)| GalleryFigure::new(figure, drawn, &examined))
@@ -62,21 +62,21 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .map(|(path, format)| Output { path, content: Content::Drawn(&drawn[0], format) })
         .collect();
     if let Some(folder) = &arguments.out {
-        outputs.extend(in_folder(folder, &exhibits, &examined));
+        outputs.extend(in_folder(folder, &entries, &examined));
     }
     let files: Vec<_> = outputs.iter().map(|output| output.path.clone()).collect();
     distinct_destinations(files.iter())?;
     prepare_outputs(None, files.iter())?;
     outputs.iter().try_for_each(Output::write)?;
     if arguments.json {
-        return print_json(&document(&exhibits, &examined, &files));
+        return print_json(&Document::new(&entries, &examined, &files));
     }
-    print(&text(&exhibits))?;
+    print(&text(&entries))?;
     print(&written_text(files.iter()))
 }
 
 impl Arguments {
-    /// The requested figures, each once, in the order of the study.
+    /// The requested figures, each once, in the order of the thesis.
     fn figures(&self) -> Result<Vec<&'static Figure>, Failure> {
         let known: Vec<&str> = figures().map(|figure| figure.id).chain(["all"]).collect();
         let is_known = |id: &&String| id.as_str() == "all" || figures().any(|figure| has_name(figure, id));
@@ -95,8 +95,7 @@ impl Arguments {
             let message = "--plot draws only one figure: give --out DIR for several";
             return Err(Failure::usage(message));
         }
-        let format = Format::from_path(path).map_err(|error| Failure::usage(error.to_string()))?;
-        Ok(Some((path.clone(), format)))
+        Ok(Some((path.clone(), picture_format(path)?)))
     }
 
     /// All claims for `all`, otherwise those that concern the requested figures.
@@ -115,9 +114,11 @@ impl Arguments {
             return Err(Failure::usage(message));
         }
         if self.json {
-            let item =
-                |figure: &Figure| json!({"id": figure.id, "where": figure.place, "title": figure.title});
-            return print_json(&json!({"ok": true, "figures": figures().map(item).collect::<Value>()}));
+            let listed = figures().map(|figure| {
+                let Figure { id, place, title, .. } = *figure;
+                ListedFigure { id, place, title }
+            });
+            return print_json(&ListDocument { ok: true, figures: listed.collect() });
         }
         let mut table = Table::new(["figure", "where", "what it shows"]);
         figures().for_each(|figure| table.row([figure.id, figure.place, figure.title].map(str::to_owned)));
@@ -176,24 +177,24 @@ impl Output<'_> {
 /// A figure gives one SVG picture and its patches. The page refers to them by name.
 fn in_folder<'a>(
     folder: &Path,
-    exhibits: &'a [GalleryFigure<'a>],
+    entries: &'a [GalleryFigure<'a>],
     examined: &[ExaminedClaim],
 ) -> Vec<Output<'a>> {
     let output = |name: &str, content| Output { path: folder.join(name), content };
-    let of_exhibit = |exhibit: &'a GalleryFigure<'a>| {
-        let picture = output(&exhibit.picture(), Content::Drawn(exhibit.drawn, Format::Svg));
-        let patches = exhibit.drawn.patches.iter();
+    let of_entry = |entry: &'a GalleryFigure<'a>| {
+        let picture = output(&entry.picture(), Content::Drawn(entry.drawn, Format::Svg));
+        let patches = entry.drawn.patches.iter();
         let patches = patches.map(|patch| output(patch.file(), Content::Text(patch.text().into())));
         [picture].into_iter().chain(patches).collect::<Vec<_>>()
     };
-    let page = output(&page_name(exhibits), Content::Text(replay::gallery(exhibits, examined).into()));
-    exhibits.iter().flat_map(of_exhibit).chain([page]).collect()
+    let page = output(&page_name(entries), Content::Text(replay::gallery(entries, examined).into()));
+    entries.iter().flat_map(of_entry).chain([page]).collect()
 }
 
 /// The name of the page. Only the page with all figures is index.html, so a page with some does not overwrite it.
-fn page_name(exhibits: &[GalleryFigure<'_>]) -> String {
-    match exhibits {
-        _ if exhibits.len() == figures().count() => "index.html".to_owned(),
+fn page_name(entries: &[GalleryFigure<'_>]) -> String {
+    match entries {
+        _ if entries.len() == figures().count() => "index.html".to_owned(),
         [one] => format!("{}.html", one.figure.id),
         _ => "figures.html".to_owned(),
     }
@@ -203,11 +204,11 @@ fn page_name(exhibits: &[GalleryFigure<'_>]) -> String {
 ///
 /// Heading, settings and reading of each figure, then one line per claim: identifier, statement, printed number,
 /// verdict and result.
-fn text(exhibits: &[GalleryFigure<'_>]) -> String {
-    let figure_text = |exhibit: &GalleryFigure<'_>| {
-        let DrawnFigure { settings, reading, .. } = exhibit.drawn;
-        let mut text = format!("{}\n  {settings}\n  {reading}\n", exhibit.figure.heading());
-        for row in &exhibit.claims {
+fn text(entries: &[GalleryFigure<'_>]) -> String {
+    let figure_text = |entry: &GalleryFigure<'_>| {
+        let DrawnFigure { settings, reading, .. } = entry.drawn;
+        let mut text = format!("{}\n  {settings}\n  {reading}\n", entry.figure.heading());
+        for row in &entry.claims {
             let (claim, printed) = (&row.claim, row.printed_text());
             let printed = if printed.is_empty() { printed } else { format!(": {printed}") };
             text += &format!("  {} {}{printed}; {}", claim.id, claim.statement, row.outcome.verdict);
@@ -222,35 +223,92 @@ fn text(exhibits: &[GalleryFigure<'_>]) -> String {
         }
         text + "\n"
     };
-    exhibits.iter().map(figure_text).collect()
+    entries.iter().map(figure_text).collect()
 }
 
-/// The result as JSON.
-///
-/// Keys: `ok`, `figures`, `claims` with the keys of [`ExaminedClaim::to_json`], `files`. A figure has `id`, `number`,
-/// `where`, `title`, `settings`, `reading`, `picture`, `commands`, `table` or null, and the names of its `patches` and
-/// `claims`.
-fn document(exhibits: &[GalleryFigure<'_>], examined: &[ExaminedClaim], files: &[PathBuf]) -> Value {
-    let figure = |exhibit: &GalleryFigure<'_>| {
-        let (figure, drawn) = (exhibit.figure, exhibit.drawn);
-        json!({
-            "id": figure.id,
-            "number": figure.number(),
-            "where": figure.place,
-            "title": figure.title,
-            "settings": drawn.settings,
-            "reading": drawn.reading,
-            "picture": exhibit.picture(),
-            "commands": drawn.commands,
-            "table": drawn.table.as_ref().map(|table| json!({"reason": table.reason, "head": table.head, "rows": table.rows})),
-            "patches": drawn.patches.iter().map(|patch| patch.file()).collect::<Value>(),
-            "claims": exhibit.claims.iter().map(|row| row.claim.id.as_str()).collect::<Value>(),
-        })
-    };
-    json!({
-        "ok": true,
-        "figures": exhibits.iter().map(figure).collect::<Value>(),
-        "claims": examined.iter().map(ExaminedClaim::to_json).collect::<Value>(),
-        "files": files.iter().map(|path| path.display().to_string()).collect::<Value>(),
-    })
+/// The list of figures for `--json`.
+#[derive(Serialize)]
+struct ListDocument {
+    ok: bool,
+    figures: Vec<ListedFigure>,
+}
+
+/// A figure in the list.
+#[derive(Serialize)]
+struct ListedFigure {
+    id: &'static str,
+    #[serde(rename = "where")]
+    place: &'static str,
+    title: &'static str,
+}
+
+/// The result as JSON: the drawn figures, the examined claims and the written files.
+#[derive(Serialize)]
+struct Document<'a> {
+    ok: bool,
+    figures: Vec<FigureDocument<'a>>,
+    claims: &'a [ExaminedClaim],
+    files: Vec<String>,
+}
+
+/// A drawn figure. `patches` are the names of files, `claims` those of claims.
+#[derive(Serialize)]
+struct FigureDocument<'a> {
+    id: &'static str,
+    number: String,
+    #[serde(rename = "where")]
+    place: &'static str,
+    title: &'static str,
+    settings: &'a str,
+    reading: &'a str,
+    picture: String,
+    commands: &'a [String],
+    table: Option<TableDocument<'a>>,
+    patches: Vec<&'a str>,
+    claims: Vec<&'a str>,
+}
+
+/// The numbers behind a figure.
+#[derive(Serialize)]
+struct TableDocument<'a> {
+    reason: &'static str,
+    head: &'a [String],
+    rows: &'a [Vec<String>],
+}
+
+impl<'a> Document<'a> {
+    /// The document of the drawn figures.
+    fn new(drawn: &'a [GalleryFigure<'a>], examined: &'a [ExaminedClaim], files: &[PathBuf]) -> Self {
+        Document {
+            ok: true,
+            figures: drawn.iter().map(FigureDocument::of).collect(),
+            claims: examined,
+            files: path_texts(files),
+        }
+    }
+}
+
+impl<'a> FigureDocument<'a> {
+    fn of(entry: &'a GalleryFigure<'a>) -> Self {
+        let (figure, drawn) = (entry.figure, entry.drawn);
+        FigureDocument {
+            id: figure.id,
+            number: figure.number(),
+            place: figure.place,
+            title: figure.title,
+            settings: &drawn.settings,
+            reading: &drawn.reading,
+            picture: entry.picture(),
+            commands: &drawn.commands,
+            table: drawn.table.as_ref().map(TableDocument::of),
+            patches: drawn.patches.iter().map(Patch::file).collect(),
+            claims: entry.claims.iter().map(|row| row.claim.id.as_str()).collect(),
+        }
+    }
+}
+
+impl<'a> TableDocument<'a> {
+    fn of(table: &'a NumberTable) -> Self {
+        TableDocument { reason: table.reason, head: &table.head, rows: &table.rows }
+    }
 }

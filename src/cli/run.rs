@@ -5,26 +5,26 @@
 //! still written to the files.
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::failure::{Failure, plural};
-use super::files::{FileArguments, Files};
-use super::load::{LoadedPatch, PatchArguments, document};
-use super::overloads::{overload_json, overload_text};
-use super::phases::{phase_prefix, phases_json, phases_text};
+use super::failure::Failure;
+use super::files::{FileArguments, Files, path_texts, written_paragraph};
+use super::load::{LoadedPatch, PatchArguments, PatchDocument};
+use super::overloads::{OverloadDocument, overload_text};
+use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::progress::RunProgress;
-use super::readings::{readings_json, readings_text, sensitivities_json};
+use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::times::{
-    TimeArguments, from_command_line, message_with_advice, place_text, run_failure, times_json,
+    TimeArguments, TimesDocument, from_command_line, message_with_advice, position_text, run_failure,
 };
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::suggestion;
+use patchcord::document::{plural, suggestion};
 use patchcord::instruments::parameter_line;
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
-use patchcord::solve::{self, RunError, RunSettings, StoppedRun};
-use patchcord::trace::{Trace, WorkCounters};
+use patchcord::solve::{self, RunError, RunSettings, StoppedRunError};
+use patchcord::trace::{Repetition, Trace, WorkCounters};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -60,13 +60,8 @@ fn name(text: &str) -> Result<String, String> {
     if name.is_empty() { Err("a name is missing".to_owned()) } else { Ok(name.to_owned()) }
 }
 
-/// The JSON form of a failure is selected here, so that `execute` need not care.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
-}
-
 /// Files are checked before the run and written after it. The JSON document is printed last.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let files = arguments.files.files(&arguments.patch.patch)?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let settings = arguments.settings(&circuit)?;
@@ -77,17 +72,20 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     files.write(&trace, &circuit)?;
     if arguments.patch.json {
-        return print_json(&run_document(&circuit, &settings, &trace, &files));
+        return print_json(&PatchDocument::new(&circuit, Document::new(&settings, &trace, &files)));
     }
     let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
     print(&(head + &readings_text(&trace)))?;
     print(&phases_text(&trace))?;
     print(&format!("\n{}{}", work_text(&trace), overloads_text(&trace)))?;
-    print(&files.text())
+    print(&written_paragraph(files.paths()))
 }
 
 /// Runs a program and shows the progress on a terminal.
-pub(super) fn run_with_progress(program: &Program, settings: &RunSettings) -> Result<Trace, Box<StoppedRun>> {
+pub(super) fn run_with_progress(
+    program: &Program,
+    settings: &RunSettings,
+) -> Result<Trace, Box<StoppedRunError>> {
     let mut progress = RunProgress::new(settings.total_duration());
     solve::run_with_progress(program, settings, &mut |time| progress.step(time)).map_err(Box::new)
 }
@@ -132,7 +130,7 @@ impl Arguments {
     ///
     /// If an option causes the error, the exit code is 2; if the patch does, it is 1.
     fn is_cause_of(&self, error: &RunError) -> bool {
-        let own = match error {
+        let is_cause = match error {
             RunError::TooManySteps { .. } => self.repeat.is_some(),
             RunError::TooManyNumbers { .. } => {
                 self.repeat.is_some() || !self.record.is_empty() || !self.sensitivity.is_empty()
@@ -140,17 +138,17 @@ impl Arguments {
             RunError::NoDerivative { .. } => true,
             _ => false,
         };
-        own || self.times.is_cause_of(error)
+        is_cause || self.times.is_cause_of(error)
     }
 
     /// Writes the samples before the error to the files and returns the failure.
     ///
     /// The failure has the keys `code`, and `recorded_until` in seconds and `files` if files were written.
-    fn stopped_failure(&self, stopped: StoppedRun, files: &Files, circuit: &Circuit) -> Failure {
+    fn stopped_failure(&self, stopped: StoppedRunError, files: &Files, circuit: &Circuit) -> Failure {
         let Some(last) = stopped.trace.time.last() else { return self.failure(&stopped.error, circuit) };
-        let (phase, place) = (phase_prefix(&stopped.trace), place_text(&stopped.error, circuit));
+        let (phase, position) = (phase_prefix(&stopped.trace), position_text(&stopped.error, circuit));
         let failure = |more: &str| {
-            let message = format!("{phase}{}{place}{more}", message_with_advice(&stopped.error));
+            let message = format!("{phase}{}{position}{more}", message_with_advice(&stopped.error));
             Failure::data(message).with_detail("code", stopped.error.code().into())
         };
         if files.paths().next().is_none() {
@@ -162,7 +160,7 @@ impl Arguments {
         }
         failure(&format!("\nthe files contain the run up to t = {last} s"))
             .with_detail("recorded_until", (*last).into())
-            .with_detail("files", files.json())
+            .with_detail("files", path_texts(files.paths()).into())
     }
 
     /// The signals of `--record`, and those of the pictures if they are drawn.
@@ -179,7 +177,7 @@ impl Arguments {
 
     /// The parameters of `--sensitivity`, and those of the pictures if they are drawn.
     ///
-    /// Sensitivities that the patch specifies are kept only if all signals of the patch are recorded or pictures are
+    /// Sensitivities that the patch specifies are added only if all signals of the patch are recorded or pictures are
     /// drawn.
     fn parameters(&self, circuit: &Circuit) -> Result<Vec<String>, Failure> {
         let known: Vec<&str> = circuit.parameters().map(|(name, ..)| name).collect();
@@ -193,7 +191,7 @@ impl Arguments {
                 Ok(unique(self.sensitivity.iter().cloned().chain(shown).collect()))
             }
             Some(name) => {
-                let hint = suggestion(name, &known).unwrap_or_else(|| "it has none at all".to_owned());
+                let hint = suggestion(name, &known).unwrap_or_else(|| "it has none".to_owned());
                 Err(Failure::usage(format!("the patch has no parameter {name}; {hint}")))
             }
         }
@@ -209,7 +207,7 @@ fn unique(mut names: Vec<String>) -> Vec<String> {
 
 /// The failure for an unknown signal.
 fn unknown_signal(name: &str, circuit: &Circuit) -> Failure {
-    let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
+    let known: Vec<&str> = circuit.signals().iter().map(|signal| signal.name.as_str()).collect();
     let hint = suggestion(name, &known).unwrap_or_else(|| "name a drive or an element".to_owned());
     Failure::usage(format!("the patch has no signal {name}; {hint}"))
 }
@@ -219,7 +217,7 @@ fn unknown_signal(name: &str, circuit: &Circuit) -> Failure {
 /// Sums over all runs of repetitive operation. Example: "3000 steps, 2 switchings, 1 kink, 12000 evaluations".
 fn work_text(trace: &Trace) -> String {
     let total =
-        |count: fn(&WorkCounters) -> u64| trace.sweeps.iter().map(|sweep| count(&sweep.work)).sum::<u64>();
+        |count: fn(&WorkCounters) -> u64| trace.repetitions.iter().map(|run| count(&run.work)).sum::<u64>();
     let rejected = match total(|work| work.rejections) {
         0 => String::new(),
         rejections => format!(" ({rejections} rejected)"),
@@ -238,44 +236,86 @@ fn work_text(trace: &Trace) -> String {
 /// The cause is named if an earlier overload explains it. A run that was switched to hold has a line with its time.
 fn overloads_text(trace: &Trace) -> String {
     let mut text = String::new();
-    for (number, sweep) in trace.sweeps.iter().enumerate() {
-        let which = if trace.sweeps.len() > 1 { format!("run {}: ", number + 1) } else { String::new() };
-        for (order, overload) in sweep.overloads.iter().enumerate() {
+    for (index, run) in trace.repetitions.iter().enumerate() {
+        let which = if trace.repetitions.len() > 1 { format!("run {}: ", index + 1) } else { String::new() };
+        for (order, overload) in run.overloads.iter().enumerate() {
             text += &format!("{which}{}\n", overload_text(order, overload));
         }
-        if sweep.held {
-            text += &format!("{which}held at t = {:.6} s\n", sweep.end);
+        if run.is_held {
+            text += &format!("{which}held at t = {:.6} s\n", run.end);
         }
     }
     if text.is_empty() { "no overload\n".to_owned() } else { text }
 }
 
-/// The result as JSON.
-///
-/// Keys in addition to those of every command on a patch: `run` (times, `repeat`, `hold_on_overload`), `samples`,
-/// `readings`, `sensitivities`, `sweeps`, `phases`, `files`. A sweep is one run of repetitive operation with `end`, the
-/// counts of work, `held` and `overloads`.
-fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Files) -> Value {
-    let mut run = times_json(settings);
-    run["repeat"] = trace.sweeps.len().into();
-    run["hold_on_overload"] = settings.hold_on_overload.into();
-    let more = json!({
-        "run": run,
-        "samples": trace.len(),
-        "readings": readings_json(trace),
-        "sensitivities": sensitivities_json(trace),
-        "sweeps": trace.sweeps.iter().map(|sweep| json!({
-            "end": sweep.end,
-            "steps": sweep.work.steps,
-            "switchings": sweep.work.changes,
-            "kinks": sweep.work.crossings,
-            "rejections": sweep.work.rejections,
-            "evaluations": sweep.work.evaluations,
-            "held": sweep.held,
-            "overloads": sweep.overloads.iter().map(overload_json).collect::<Value>(),
-        })).collect::<Value>(),
-        "phases": phases_json(trace),
-        "files": files.json(),
-    });
-    document(circuit, more)
+/// The keys of the document in addition to those of every command on a patch.
+#[derive(Serialize)]
+struct Document<'a> {
+    run: SettingsDocument,
+    samples: usize,
+    readings: Vec<ReadingDocument>,
+    sensitivities: Vec<SensitivityDocument>,
+    #[serde(rename = "sweeps")]
+    repetitions: Vec<RepetitionDocument<'a>>,
+    phases: Vec<PhaseDocument<'a>>,
+    files: Vec<String>,
+}
+
+/// The settings of the run. `repeat` is the number of runs from initial condition.
+#[derive(Serialize)]
+struct SettingsDocument {
+    #[serde(flatten)]
+    times: TimesDocument,
+    repeat: usize,
+    hold_on_overload: bool,
+}
+
+/// One run of repetitive operation: its end in seconds, the work of the solver, and its overloads.
+#[derive(Serialize)]
+struct RepetitionDocument<'a> {
+    end: f64,
+    steps: u64,
+    #[serde(rename = "switchings")]
+    changes: u64,
+    #[serde(rename = "kinks")]
+    crossings: u64,
+    rejections: u64,
+    evaluations: u64,
+    held: bool,
+    overloads: Vec<OverloadDocument<'a>>,
+}
+
+impl<'a> Document<'a> {
+    /// The document of a run.
+    fn new(settings: &RunSettings, trace: &'a Trace, files: &Files) -> Self {
+        Document {
+            run: SettingsDocument {
+                times: TimesDocument::of(settings),
+                repeat: trace.repetitions.len(),
+                hold_on_overload: settings.hold_on_overload,
+            },
+            samples: trace.len(),
+            readings: ReadingDocument::all(trace),
+            sensitivities: SensitivityDocument::all(trace),
+            repetitions: trace.repetitions.iter().map(RepetitionDocument::of).collect(),
+            phases: PhaseDocument::all(trace),
+            files: path_texts(files.paths()),
+        }
+    }
+}
+
+impl<'a> RepetitionDocument<'a> {
+    fn of(repetition: &'a Repetition) -> Self {
+        let WorkCounters { steps, changes, crossings, rejections, evaluations } = repetition.work;
+        RepetitionDocument {
+            end: repetition.end,
+            steps,
+            changes,
+            crossings,
+            rejections,
+            evaluations,
+            held: repetition.is_held,
+            overloads: OverloadDocument::all(&repetition.overloads),
+        }
+    }
 }

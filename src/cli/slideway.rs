@@ -1,6 +1,6 @@
 //! `patchcord slideway`
 //!
-//! The options are in the units of a workshop: poise, kgf, kN/mm, cm2, um. They are converted to SI units once, in
+//! The options are in the units of a workshop: poise, kgf, kN/mm, cm2, µm. They are converted to SI units once, in
 //! `inputs` and `settings`.
 
 use std::path::PathBuf;
@@ -9,14 +9,18 @@ use clap::Args;
 
 use super::criteria::advice_on;
 use super::failure::Failure;
-use super::files::{distinct_destinations, prepare_outputs, write_file, written_text};
-use super::load::setting;
-use super::numbers::positive;
+use super::files::{
+    distinct_destinations, path_texts, picture_format, prepare_outputs, write_file, write_pictures,
+    written_paragraph,
+};
+use super::numbers::{positive_in, setting};
 use super::progress::ProgressBar;
-use super::slideway_report::{self as report, criterion_text, number};
+use super::slideway_document::Document;
+use super::slideway_report::{self as report, criterion_text};
 use super::times::{StepArguments, message_with_advice};
 use super::{print, print_json};
-use patchcord::draw::plot::{self, Format, Size};
+use patchcord::draw::plot::{Format, Size};
+use patchcord::format::format_pure_number;
 use patchcord::instruments::parameter_line;
 use patchcord::solve::RunError;
 use patchcord::thesis::chain::{Chain, ChainError, Input, Inputs, Settings, pictures};
@@ -26,25 +30,25 @@ use patchcord::thesis::slideway::units::{CM2, KGF, MM_PER_S, N_PER_MM, POISE, UM
 #[derive(Args)]
 pub(super) struct Arguments {
     /// Viscosity of the oil, in poise (1 P = 0.1 Pa s)
-    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = positive)]
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = positive_in("P"))]
     oil: f64,
     /// The oil has a polar additive
     #[arg(long)]
     polar: bool,
     /// Weight of the table, in kgf (numerically its mass in kg)
-    #[arg(long, value_name = "KGF", allow_hyphen_values = true, value_parser = positive)]
+    #[arg(long, value_name = "KGF", allow_hyphen_values = true, value_parser = positive_in("kgf"))]
     weight: f64,
     /// Stiffness of the drive, in kN/mm (= MN/m)
-    #[arg(long, value_name = "KN/MM", allow_hyphen_values = true, value_parser = positive)]
+    #[arg(long, value_name = "KN/MM", allow_hyphen_values = true, value_parser = positive_in("kN/mm"))]
     stiffness: f64,
     /// Apparent area of the slides, in cm2
-    #[arg(long, value_name = "CM2", default_value = "697", allow_hyphen_values = true, value_parser = positive)]
+    #[arg(long, value_name = "CM2", default_value = "697", allow_hyphen_values = true, value_parser = positive_in("cm2"))]
     area: f64,
-    /// Width B of the ridges of the ground surfaces, in um
-    #[arg(long, value_name = "UM", default_value = "50", allow_hyphen_values = true, value_parser = positive)]
+    /// Width B of the ridges of the ground surfaces, in micrometres
+    #[arg(long, value_name = "MICROMETRES", default_value = "50", allow_hyphen_values = true, value_parser = positive_in("µm"))]
     ridge_width: f64,
-    /// Height Z of the ridges, in um
-    #[arg(long, value_name = "UM", default_value = "2.5", allow_hyphen_values = true, value_parser = positive)]
+    /// Height Z of the ridges, in micrometres
+    #[arg(long, value_name = "MICROMETRES", default_value = "2.5", allow_hyphen_values = true, value_parser = positive_in("µm"))]
     ridge_height: f64,
     /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units,
     /// instead of the computed value; may be given several times
@@ -54,10 +58,10 @@ pub(super) struct Arguments {
     #[arg(long = "by", value_name = "PERCENT", default_value = "10", allow_hyphen_values = true, value_parser = percent)]
     percent: f64,
     /// The velocity oscillates if it swings by more than this, peak to peak, within a window; in mm/s
-    #[arg(long, value_name = "MM/S", default_value = "0.25", allow_hyphen_values = true, value_parser = positive)]
+    #[arg(long, value_name = "MM/S", default_value = "0.25", allow_hyphen_values = true, value_parser = positive_in("mm/s"))]
     threshold: f64,
     /// Length of the window, in s (default: 0.04, or the period of the table on its drive if that is longer)
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive_in("s"))]
     window: Option<f64>,
     #[command(flatten)]
     steps: StepArguments,
@@ -74,34 +78,26 @@ pub(super) struct Arguments {
 
 /// Parses a percentage between 0 and 100.
 fn percent(text: &str) -> Result<f64, String> {
-    let percent = positive(text)?;
+    let percent = positive_in("%")(text)?;
     if percent < 100.0 { Ok(percent) } else { Err("must be less than 100 %".to_owned()) }
 }
 
 /// Size of each of the two pictures, in pixels.
 const PANEL: Size = Size { width: 900, height: 440 };
 
-/// The JSON form of a failure is selected here.
-pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.json))
-}
-
 /// The chain takes eight runs: the slideway as it is, and one for each piece of advice.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let format = arguments.plot.as_ref().map(|path| Format::from_path(path)).transpose();
-    let format = format.map_err(|error| Failure::usage(error.to_string()))?;
+pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
+    let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     distinct_destinations(arguments.files())?;
     let settings = arguments.settings();
     let chain = run_chain(&arguments.inputs(), &settings).map_err(|error| arguments.failure(error))?;
     prepare_outputs(None, arguments.files())?;
     arguments.write(&chain, format)?;
     if arguments.json {
-        let files = arguments.files().map(|path| path.display().to_string()).collect();
-        return print_json(&report::json(&chain, files));
+        return print_json(&Document::new(&chain, path_texts(arguments.files())));
     }
     print(&report::text(&chain))?;
-    let files = written_text(arguments.files());
-    print(&if files.is_empty() { files } else { format!("\n{files}") })
+    print(&written_paragraph(arguments.files()))
 }
 
 /// Runs the chain with a progress bar.
@@ -154,8 +150,7 @@ impl Arguments {
         if let Some((path, format)) = self.plot.as_ref().zip(format) {
             let line = parameter_line(&chain.simulation.circuit);
             let criterion = criterion_text(&chain.simulation);
-            let bytes = plot::render(&pictures(chain, [&line, &criterion]), format, PANEL);
-            write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+            write_pictures(path, &pictures(chain, [&line, &criterion]), format, PANEL)?;
         }
         Ok(())
     }
@@ -186,23 +181,20 @@ impl Arguments {
     fn advice(&self, error: &ChainError) -> Option<String> {
         let advice = match error {
             ChainError::Input { inputs, .. } => {
-                return Some(inputs.iter().map(|input| option(*input)).collect::<Vec<_>>().join(" and "));
+                let options: Vec<_> = inputs.iter().map(|input| option(*input)).collect();
+                format!("change {}", options.join(" or "))
             }
             ChainError::OutsideCircuitRange(violation) | ChainError::OutsideScaleRange { violation, .. } => {
                 if self.set.iter().any(|(name, _)| *name == violation.name) {
                     return Some(format!("it is set by --set {}", violation.name));
                 }
-                if violation.name == "K" {
-                    let bounds = violation.bounds.map(|bound| number(bound / (1e3 * N_PER_MM)));
-                    return Some(format!("--stiffness takes {} kN/mm", bounds.join(" ... ")));
-                }
-                origin(&violation.name)?
+                advice_on_parameter(&violation.name, violation.bounds)?
             }
-            ChainError::NoRise { .. } => "change it with --set",
+            ChainError::NoRise { .. } => "change it with --set".to_owned(),
             ChainError::Unread(error) => return advice_on(error, "a lower v_rate"),
             _ => return None,
         };
-        Some(advice.to_owned())
+        Some(advice)
     }
 }
 
@@ -218,15 +210,19 @@ fn option(input: Input) -> &'static str {
     }
 }
 
-/// The options on which a parameter of the circuit depends.
+/// The option for a parameter of the circuit that is outside its bounds. `bounds` are in SI units.
 ///
-/// None for a parameter that only `--set` changes.
-fn origin(parameter: &str) -> Option<&'static str> {
-    match parameter {
-        "M" => Some("it follows from --weight"),
-        "Fs" => Some("it follows from --weight, --area, --polar and the ridges"),
-        "VcL" => Some("it follows from --oil, --weight, --area and the ridges"),
-        "Tc" => Some("it follows from --oil and --weight"),
+/// If only one option determines the parameter, the advice has the range of the option. None for a parameter that only
+/// `--set` changes.
+fn advice_on_parameter(name: &str, bounds: [f64; 2]) -> Option<String> {
+    let range = |unit: f64| bounds.map(|bound| format_pure_number(bound / unit)).join(" ... ");
+    match name {
+        // The mass of a table in kg is its weight in kgf.
+        "M" => Some(format!("--weight takes {} kgf", range(1.0))),
+        "K" => Some(format!("--stiffness takes {} kN/mm", range(1e3 * N_PER_MM))),
+        "Fs" => Some("it follows from --weight, --area, --polar and the ridges".to_owned()),
+        "VcL" => Some("it follows from --oil, --weight, --area and the ridges".to_owned()),
+        "Tc" => Some("it follows from --oil and --weight".to_owned()),
         _ => None,
     }
 }

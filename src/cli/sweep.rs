@@ -3,18 +3,19 @@
 //! Rows go to standard output as CSV, or to a file. A file is also a journal: a sweep that was interrupted continues
 //! after the last complete row. All combinations of `--vary` are run, and the last one changes fastest.
 
+use patchcord::document::plural;
 use std::path::{Path, PathBuf};
 use std::{io, thread};
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::failure::{Failure, plural};
+use super::failure::Failure;
 use super::files::{check_distinct_from_patch, prepare_outputs, written_text};
-use super::load::{LoadedPatch, PatchArguments, document};
+use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
-use super::times::{TimeArguments, run_failure, times_json};
+use super::times::{TimeArguments, TimesDocument, run_failure};
 use super::{eprint, print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{Measure, MeasureColumn, measures};
@@ -54,13 +55,37 @@ fn measures_text() -> String {
     format!("Measures:\n{}", lines.collect::<String>())
 }
 
-/// The JSON form of a failure is selected here.
-pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
-    execute(arguments).map_err(|failure| failure.with_json_output(arguments.patch.json))
+/// The keys of the document in addition to those of every command on a patch.
+#[derive(Serialize)]
+struct Document {
+    run: TimesDocument,
+    sweep: SweepDocument,
+    files: Vec<String>,
+}
+
+/// A sweep: the varied values as texts, the columns of measures, and the counts of rows. `kept` counts the rows that
+/// the file already had.
+#[derive(Serialize)]
+struct SweepDocument {
+    vary: Vec<String>,
+    columns: Vec<ColumnDocument>,
+    runs: u64,
+    threads: usize,
+    kept: u64,
+    written: u64,
+    failed: u64,
+    noted: u64,
+}
+
+/// A column of the table.
+#[derive(Serialize)]
+struct ColumnDocument {
+    name: String,
+    unit: String,
 }
 
 /// A failed run is not an error of the command: its row has the reason, and the summary counts it.
-fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     arguments.check_files()?;
     let axes = arguments.vary.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(plan_failure)?;
@@ -74,9 +99,13 @@ fn execute(arguments: &Arguments) -> Result<(), Failure> {
     prepare_outputs(None, [out].into_iter())?;
     let summary = sweep.append_to(out, arguments.threads(), &mut progress).map_err(journal_failure)?;
     if arguments.patch.json {
-        return print_json(&arguments.document(&circuit, &sweep, summary, out));
+        return print_json(&PatchDocument::new(&circuit, arguments.document(&sweep, summary, out)));
     }
-    print(&format!("{}{}", summary_text(summary), written_text([out].into_iter())))
+    let result = match summary.written {
+        0 => format!("{} is complete: nothing to do\n", out.display()),
+        _ => written_text([out].into_iter()),
+    };
+    print(&(summary_text(summary) + &result))
 }
 
 impl Arguments {
@@ -102,7 +131,7 @@ impl Arguments {
     fn sweep(&self, axes: Vec<Axis>, circuit: &Circuit, program: Program) -> Result<Sweep, Failure> {
         let rows = self.rows.iter().map(|path| Axis::read(path, &program)).collect::<Result<Vec<_>, _>>();
         // The axis of the file is the first, so it changes slowest.
-        let axes = rows.map_err(plan_failure)?.into_iter().chain(axes).collect();
+        let axes = rows.map_err(plan_failure)?.into_iter().chain(axes);
         let plan = Plan::new(axes, &program).map_err(plan_failure)?;
         if let Some((name, _)) = self.patch.set.iter().find(|(set, _)| plan.names().any(|name| name == set)) {
             return Err(Failure::usage(format!("{name} is set and varied: remove --set {name}=...")));
@@ -127,30 +156,28 @@ impl Arguments {
             SweepError::Phases(_) => Failure::usage(format!(
                 "{error}: use voltmeter, peak, least or most, or give --for to run without phases"
             )),
-            SweepError::SameColumn(_) => Failure::usage(error.to_string()),
+            error => Failure::usage(error.to_string()),
         }
     }
 
-    /// Keys in addition to those of every command on a patch: `run`, `sweep` and `files`. `sweep` has `vary` (texts),
-    /// `columns` (`name`, `unit`), `runs`, `threads`, and the counts `kept` of earlier rows, `written`, `failed` and
-    /// `noted`.
-    fn document(&self, circuit: &Circuit, sweep: &Sweep, summary: SweepSummary, out: &Path) -> Value {
-        let column = |column: MeasureColumn| json!({"name": column.name, "unit": column.unit});
-        let more = json!({
-            "run": times_json(sweep.settings()),
-            "sweep": {
-                "vary": sweep.plan().texts(),
-                "columns": sweep.columns().into_iter().map(column).collect::<Value>(),
-                "runs": sweep.plan().runs(),
-                "threads": self.threads(),
-                "kept": summary.kept,
-                "written": summary.written,
-                "failed": summary.failed,
-                "noted": summary.noted,
+    /// The JSON document of the sweep.
+    fn document(&self, sweep: &Sweep, summary: SweepSummary, out: &Path) -> Document {
+        let column = |MeasureColumn { name, unit }| ColumnDocument { name, unit };
+        let SweepSummary { kept, written, failed, noted } = summary;
+        Document {
+            run: TimesDocument::of(sweep.settings()),
+            sweep: SweepDocument {
+                vary: sweep.plan().texts(),
+                columns: sweep.columns().into_iter().map(column).collect(),
+                runs: sweep.plan().runs(),
+                threads: self.threads(),
+                kept,
+                written,
+                failed,
+                noted,
             },
-            "files": [out.display().to_string()],
-        });
-        document(circuit, more)
+            files: vec![out.display().to_string()],
+        }
     }
 
     /// The number of threads: as given, or the number of cores.
@@ -162,8 +189,8 @@ impl Arguments {
 /// The failure for an error of the plan. A file of rows is data; everything else is part of the command line.
 fn plan_failure(error: PlanError) -> Failure {
     match error {
-        PlanError::Rows { .. } | PlanError::Unread { .. } => Failure::data(error.to_string()),
-        PlanError::Nothing => {
+        PlanError::Rows(_) | PlanError::Unread { .. } => Failure::data(error.to_string()),
+        PlanError::NoAxis => {
             Failure::usage("no parameter is varied: give --vary NAME=FIRST:LAST:COUNT or --rows FILE.csv")
         }
         error => Failure::usage(error.to_string()),

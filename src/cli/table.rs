@@ -8,34 +8,34 @@ pub(super) struct Table {
 
 impl Table {
     /// An empty table with constant headings.
-    pub fn new<const N: usize>(headings: [&str; N]) -> Self {
+    pub(super) fn new<const N: usize>(headings: [&str; N]) -> Self {
         Table::with(headings.map(str::to_owned))
     }
 
     /// An empty table with computed headings.
-    pub fn with(headings: impl Into<Vec<String>>) -> Self {
+    pub(super) fn with(headings: impl Into<Vec<String>>) -> Self {
         Table { rows: vec![headings.into()] }
     }
 
     /// The text of a table with these rows.
-    pub fn from_rows<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
+    pub(super) fn from_rows<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
         let mut table = Table::new(headings);
         rows.iter().for_each(|row| table.row(row.clone()));
         table.text()
     }
 
     /// Appends a row with one cell per heading.
-    pub fn row(&mut self, cells: impl Into<Vec<String>>) {
+    pub(super) fn row(&mut self, cells: impl Into<Vec<String>>) {
         self.rows.push(cells.into());
     }
 
     /// Removes the first column.
-    pub fn drop_first(&mut self) {
+    pub(super) fn drop_first(&mut self) {
         self.rows.iter_mut().for_each(|row| drop(row.remove(0)));
     }
 
     /// The table as text; empty if it has no rows.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         if self.rows.len() < 2 {
             return String::new();
         }

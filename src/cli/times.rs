@@ -2,9 +2,10 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::failure::Failure;
+use super::numbers::seconds;
 use patchcord::circuit::Circuit;
 use patchcord::document::{Placed, Span};
 use patchcord::patch::RunPlan;
@@ -43,16 +44,6 @@ fn backend() -> impl TypedValueParser<Value = Backend> {
         .map(move |name| named(name).unwrap_or_default())
 }
 
-/// Parses a positive time.
-fn seconds(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
-    if seconds > 0.0 && seconds.is_finite() {
-        Ok(seconds)
-    } else {
-        Err("must be a positive time in seconds".to_owned())
-    }
-}
-
 /// Parses a tolerance.
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
@@ -63,24 +54,32 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Length, step and recording interval for `--json`.
-pub(super) fn times_json(settings: &RunSettings) -> Value {
-    json!({
-        "for": settings.duration(),
-        "step": settings.step,
-        "tolerance": settings.tolerance,
-        "every": settings.every,
-    })
+/// Length, step, tolerance and recording interval for `--json`, in seconds and as a fraction of 100 V.
+#[derive(Serialize)]
+pub(super) struct TimesDocument {
+    #[serde(rename = "for")]
+    duration: f64,
+    step: f64,
+    tolerance: Option<f64>,
+    every: f64,
 }
 
-/// A value from the command line, which has no place in a file.
+impl TimesDocument {
+    /// The times of these settings.
+    pub(super) fn of(settings: &RunSettings) -> Self {
+        let RunSettings { step, tolerance, every, .. } = *settings;
+        TimesDocument { duration: settings.duration(), step, tolerance, every }
+    }
+}
+
+/// A value from the command line, which has no position in a file.
 pub(super) fn from_command_line(value: f64) -> Placed<f64> {
     Placed { value, span: Span::default() }
 }
 
 impl TimeArguments {
     /// The run plan of the patch with the changes by the options.
-    pub fn plan(&self, patch: &RunPlan) -> RunPlan {
+    pub(super) fn plan(&self, patch: &RunPlan) -> RunPlan {
         let mut plan = patch.clone();
         if self.duration.is_some() {
             plan.phases.clear();
@@ -101,12 +100,12 @@ impl TimeArguments {
     ///
     /// # Errors
     /// Those of [`RunSettings::new`].
-    pub fn settings(&self, plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
-        Ok(RunSettings { backend: self.steps.backend, ..RunSettings::new(plan, circuit)? })
+    pub(super) fn settings(&self, plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
+        Ok(RunSettings::new(plan, circuit)?.with_backend(self.steps.backend))
     }
 
     /// Whether these options, and not the patch, cause an error.
-    pub fn is_cause_of(&self, error: &RunError) -> bool {
+    pub(super) fn is_cause_of(&self, error: &RunError) -> bool {
         matches!(error, RunError::MissingTimes(_))
             || (self.duration.is_some() && concerns_times(error))
             || self.steps.is_cause_of(error)
@@ -115,7 +114,7 @@ impl TimeArguments {
 
 impl StepArguments {
     /// Whether these options cause an error.
-    pub fn is_cause_of(&self, error: &RunError) -> bool {
+    pub(super) fn is_cause_of(&self, error: &RunError) -> bool {
         match error {
             RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => self.step.is_some(),
             _ => concerns_times(error) && (self.step.is_some() || self.every.is_some()),
@@ -134,16 +133,16 @@ fn concerns_times(error: &RunError) -> bool {
     )
 }
 
-/// The failure for an error of a run, with the option that helps and the place in the patch. `is_usage`: options
+/// The failure for an error of a run, with the option that helps and the position in the patch. `is_usage`: options
 /// cause it.
 pub(super) fn run_failure(error: &RunError, circuit: &Circuit, is_usage: bool) -> Failure {
-    let message = message_with_advice(error) + &place_text(error, circuit);
+    let message = message_with_advice(error) + &position_text(error, circuit);
     let failure = if is_usage { Failure::usage(message) } else { Failure::data(message) };
     failure.with_detail("code", error.code().into())
 }
 
-/// The place in the patch of the element that an error concerns, on a new line. Empty if there is none.
-pub(super) fn place_text(error: &RunError, circuit: &Circuit) -> String {
+/// The position in the patch of the element that an error concerns, on a new line. Empty if there is none.
+pub(super) fn position_text(error: &RunError, circuit: &Circuit) -> String {
     let concerned = error.element().and_then(|element| Some((element, circuit.position_of(element)?)));
     let Some((element, (line, column))) = concerned else { return String::new() };
     format!("\n  --> {}:{line}:{column}: {element}", circuit.patch().file())
@@ -167,7 +166,7 @@ pub(super) fn advice(error: &RunError) -> Option<String> {
         RunError::MissingTimes(times) => {
             Some(format!("give {}", times.iter().map(option).collect::<Vec<_>>().join(" and ")))
         }
-        RunError::LongerThanRun { which, .. } => Some(format!("give a shorter one with {}", option(which))),
+        RunError::LongerThanRun { which, .. } => Some(format!("give a shorter --{}", which.key())),
         RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => {
             Some("give a step with --step, or a tolerance with --tol".to_owned())
         }

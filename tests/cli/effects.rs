@@ -134,7 +134,8 @@ fn unusable_folders_of_effects_return_errors() {
     assert!(file.contains("patches/effects/drift.json is a file: name the folder that it is in"), "{file}");
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy("crates/ident/tests/base.json", folder.path().join("base.json")).unwrap();
-    std::fs::copy("crates/ident/tests/slide.json", folder.path().join("slide.json")).unwrap();
+    let experiment = "examples/05_missing_effect/slide.experiment.json";
+    std::fs::copy(experiment, folder.path().join("slide.json")).unwrap();
     let both = output(folder.path().to_str().unwrap());
     for expected in
         ["this is a patch, where an effect is needed", "this is an experiment, where an effect is needed"]

@@ -8,7 +8,9 @@ use serde_json::Value;
 use super::{code, errors, json, out, patchcord};
 use crate::common::files::assert_up_to_date;
 
-const SLIDE: &str = "crates/ident/tests/slide.json";
+const SLIDE: &str = "examples/05_missing_effect/slide.experiment.json";
+/// The patch of [`SLIDE`].
+const SLIDE_PATCH: &str = "examples/05_missing_effect/slide.json";
 
 #[test]
 fn the_check_prints_a_table_per_record() {
@@ -16,7 +18,7 @@ fn the_check_prints_a_table_per_record() {
     assert_eq!((code(&output), errors(&output).as_str()), (0, ""));
     let text = out(&output);
     for part in [
-        "crates/ident/tests/slide.json: nothing wrong\nA table that a motor pushes\n",
+        "examples/05_missing_effect/slide.experiment.json: nothing wrong\nA table that a motor pushes\n",
         "to fit: M, f\n",
         "train: slide.csv, 0 ... 5 s, 251 samples every 20 ms\n",
         "test: slide.csv, 5.02 ... 8 s, 150 samples every 20 ms\n",
@@ -59,9 +61,9 @@ fn the_check_reports_undetectable_effects() {
     let folder = tempfile::tempdir().unwrap();
     let here = std::env::current_dir().unwrap().display().to_string();
     let [patch, data] =
-        ["base.json", "slide.csv"].map(|file| format!("\"{here}/crates/ident/tests/{file}\""));
+        ["slide.json", "slide.csv"].map(|file| format!("\"{here}/examples/05_missing_effect/{file}\""));
     let arguments = std::fs::read_to_string(SLIDE).unwrap();
-    let arguments = arguments.replace("\"base.json\"", &patch).replace("\"slide.csv\"", &data);
+    let arguments = arguments.replace("\"slide.json\"", &patch).replace("\"slide.csv\"", &data);
     let noisy = folder.path().join("noisy.json");
     std::fs::write(&noisy, arguments.replace("\"sigma\": 0.2,", "\"sigma\": 300,")).unwrap();
     let output = patchcord(&["gap", noisy.to_str().unwrap(), "--check"]);
@@ -93,6 +95,7 @@ fn effects_of_a_folder_are_checked_with_the_data() {
 }
 
 #[test]
+#[ignore = "takes several seconds: a whole search"]
 fn the_page_shows_the_output() {
     let page = std::fs::read_to_string("docs/gap.md").unwrap();
     let mut parts = page.split("```text\n");
@@ -383,31 +386,31 @@ fn only_files_of_an_earlier_search_are_overwritten() {
 fn files_of_the_experiment_are_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    for (from, to) in [("slide.csv", "slide.csv"), ("base.json", "augmented.json")] {
-        std::fs::copy(format!("crates/ident/tests/{from}"), at(to)).unwrap();
+    for (from, to) in [("slide.csv", "slide.csv"), ("slide.json", "augmented.json")] {
+        std::fs::copy(format!("examples/05_missing_effect/{from}"), at(to)).unwrap();
     }
-    let experiment = std::fs::read_to_string(SLIDE).unwrap().replace("base.json", "augmented.json");
+    let experiment = std::fs::read_to_string(SLIDE).unwrap().replace("slide.json", "augmented.json");
     std::fs::write(at("report.json"), &experiment).unwrap();
-    std::fs::write(at("slide.json"), &experiment).unwrap();
+    std::fs::write(at("slide.experiment.json"), &experiment).unwrap();
     let check = |file: &str, what: &str| {
         let output =
             patchcord(&["gap", at(file).to_str().unwrap(), "--out", folder.path().to_str().unwrap()]);
         assert!(code(&output) == 2 && errors(&output).contains(what), "{}", errors(&output));
     };
     check("report.json", "report.json is the experiment itself");
-    check("slide.json", "augmented.json is the patch itself");
+    check("slide.experiment.json", "augmented.json is the patch itself");
     assert_eq!(std::fs::read_to_string(at("report.json")).unwrap(), experiment);
     // A drive that an earlier search proposed may be the data of this one.
     let measured = std::fs::read(at("slide.csv")).unwrap();
     std::fs::write(at("separate.csv"), &measured).unwrap();
-    std::fs::copy("crates/ident/tests/base.json", at("base.json")).unwrap();
+    std::fs::copy(SLIDE_PATCH, at("base.json")).unwrap();
     let again = experiment.replace("augmented.json", "base.json").replace("slide.csv", "separate.csv");
     std::fs::write(at("again.json"), again).unwrap();
     check("again.json", "separate.csv is a record itself");
     assert_eq!(std::fs::read(at("separate.csv")).unwrap(), measured);
     let table = r#""points": {"csv": "separate.csv", "x": "t", "y": "force"}"#;
-    let patch = std::fs::read_to_string("crates/ident/tests/base.json").unwrap();
-    let drive = r#""kind": "step", "scale": "force", "height": "gear * F_step""#;
+    let patch = std::fs::read_to_string(SLIDE_PATCH).unwrap();
+    let drive = r#""kind": "step", "scale": "force", "height": "F_step""#;
     assert!(patch.contains(drive));
     std::fs::write(
         at("base.json"),
@@ -447,7 +450,7 @@ fn without_a_missing_effect_the_detection_limits_are_printed() {
 #[test]
 fn a_wrong_seed_returns_an_error() {
     for given in ["-1", "abc", "1.5", "18446744073709551616"] {
-        let output = patchcord(&["gap", "crates/ident/tests/slide.json", "--seed", given]);
+        let output = patchcord(&["gap", SLIDE, "--seed", given]);
         assert_eq!((code(&output), out(&output).as_str()), (2, ""));
         let expected = "must be an integer from 0 to 18446744073709551615";
         assert!(errors(&output).contains(expected), "{}", errors(&output));

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::{FIG_8_16, code, errors, json, out, patchcord, path};
 
-pub const FIG_8_04: &str = "patches/thesis/fig-8-04.json";
+pub(super) const FIG_8_04: &str = "patches/thesis/fig-8-04.json";
 
 #[test]
 fn the_page_shows_what_the_command_prints() {
@@ -136,11 +136,11 @@ fn wrong_options_give_exit_code_2() {
         (FIG_8_04, "--from v_i", "--to"),
         (FIG_8_04, "--plot bode.svg", "--from"),
         (FIG_8_04, "--at -1", "must be a time of at least 0 s"),
-        (FIG_8_04, "--at soon", "\"soon\" is not a number of seconds"),
+        (FIG_8_04, "--at soon", "\"soon\" is not a number: give the value in s"),
         (FIG_8_04, "--at 1e15", "give an earlier time with --at"),
         (FIG_8_04, "--at 1e-9", "give a later time with --at"),
         (FIG_8_04, "--from v_i --to v_o --hz 5", "write LOW:HIGH"),
-        (FIG_8_04, "--from v_i --to v_o --hz 5:x", "\"x\" is not a number of Hz"),
+        (FIG_8_04, "--from v_i --to v_o --hz 5:x", "\"x\" is not a number: give the value in Hz"),
         (FIG_8_04, "--from v_i --to v_o --hz 5:1", "got 5 to 1 Hz"),
         (
             FIG_8_04,

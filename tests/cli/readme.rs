@@ -23,7 +23,7 @@ fn readme_block(after: &str) -> Vec<String> {
 #[test]
 fn the_command_of_the_readme_prints_the_quoted_lines() {
     let folder = tempfile::tempdir().unwrap();
-    let command = readme_block("This runs the final circuit of the study:\n")[0].clone();
+    let command = readme_block("This runs the final circuit of the thesis:\n")[0].clone();
     let arguments: Vec<_> = command.strip_prefix("cargo run --release -- ").unwrap().split(' ').collect();
     let patch = fs::canonicalize(arguments[1]).unwrap();
     let arguments =

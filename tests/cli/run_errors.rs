@@ -27,6 +27,29 @@ fn negative_times_return_a_clear_error() {
 }
 
 #[test]
+fn numbers_with_units_return_the_number_to_write() {
+    let cases = [
+        (["--step", "1ms"], "\"1ms\" is not a number: leave out its unit and give the value in s: 0.001\n"),
+        (["--for", "soon"], "\"soon\" is not a number: give the value in s\n"),
+        (["--set", "M=433kg"], "\"433kg\" is not a number: write M=433 if the patch declares M in kg\n"),
+    ];
+    for (options, expected) in cases {
+        let ran = patchcord(&[&["run", FIG_8_16], &options[..]].concat());
+        assert_eq!(code(&ran), 2);
+        assert!(errors(&ran).contains(expected), "{}", errors(&ran));
+    }
+}
+
+#[test]
+fn a_step_longer_than_the_run_returns_the_option_to_change() {
+    let message = errors(&patchcord(&["run", FIG_8_16, "--for", "3", "--step", "50"]));
+    assert!(
+        message.contains("the step is 50 s, longer than the run of 3 s: give a shorter --step\n"),
+        "{message}"
+    );
+}
+
+#[test]
 fn too_many_steps_are_reported_with_their_duration() {
     let message = errors(&patchcord(&["run", FIG_8_16, "--step", "1e-11"]));
     let steps =

@@ -4,7 +4,7 @@ use std::fs;
 
 use super::{FIG_8_16, code, errors, json, out, patchcord, path};
 
-pub const BALL: &str = "patches/lessons/bouncing-ball.json";
+pub(super) const BALL: &str = "patches/lessons/bouncing-ball.json";
 
 #[test]
 fn the_page_shows_what_the_command_prints() {
@@ -61,7 +61,7 @@ fn missing_derivatives_return_errors() {
         (
             "patches/problems/bouncing-ball.json",
             "--sensitivity e",
-            "the patch has no parameter e; it has none at all",
+            "the patch has no parameter e; it has none",
             2,
         ),
         (FIG_8_16, "--sensitivity M,", "a name is missing", 2),

@@ -5,7 +5,7 @@ use std::fs;
 use super::{code, errors, json, out, patchcord, path};
 use crate::common::pages::assert_part_up_to_date;
 
-pub const SLIDEWAY: [&str; 7] = ["slideway", "--oil", "0.34", "--weight", "450", "--stiffness", "20"];
+pub(super) const SLIDEWAY: [&str; 7] = ["slideway", "--oil", "0.34", "--weight", "450", "--stiffness", "20"];
 
 fn slideway(more: &[&str]) -> std::process::Output {
     patchcord(&[&SLIDEWAY[..], more].concat())
@@ -74,29 +74,31 @@ fn the_written_patch_reproduces_the_simulation() {
 
 #[test]
 fn wrong_inputs_return_errors_with_the_option_that_helps() {
-    let cases: [(&[&str], &str); 17] = [
+    let cases: [(&[&str], &str); 19] = [
         (
             &["--set", "M=20"],
             "M = 20 kg is below the range of the circuit of Fig 8.16, 180 ... 4000 kg: it is set by --set M",
         ),
         (&["--set", "v_turn=4000"], "0 ... 3600 s: it is set by --set v_turn"),
-        (
-            &["--ridge-height", "1e-6"],
-            "height of a ridge must be within 0.001 ... 100000, got 0.000001 um: --ridge-height\n",
-        ),
-        (
-            &["--ridge-width", "1e9"],
-            "width of a ridge must be within 0.001 ... 100000, got 1000000000 um: --ridge-width\n",
-        ),
-        (&["--ridge-width", "50000"], ": --ridge-width and --ridge-height\n"),
+        (&["--ridge-height", "1e-6"], "height of a ridge must be within 0.001 ... 100000, got 0.000001 "),
+        (&["--ridge-height", "1e-6"], ": change --ridge-height\n"),
+        (&["--ridge-width", "1e9"], "width of a ridge must be within 0.001 ... 100000, got 1000000000 "),
+        (&["--ridge-width", "1e9"], ": change --ridge-width\n"),
+        (&["--ridge-width", "50000"], ": change --ridge-width or --ridge-height\n"),
         (&["--set", "q=1"], "the circuit of Fig 8.16 has no parameter q; known here: M, K, f, Fs, VcL, Tc"),
         (&["--set", "v_turn=-1"], "the velocity command must rise"),
         (&["--set", "v_rate=0.1"], "give a higher --threshold, or a lower v_rate with --set"),
         (&["--window", "100"], "exceeds the run of 32 s: give a shorter --window"),
         (&["--every", "0.02"], "give a shorter --every or a longer --window"),
-        (&["--area", "1"], "weight / area must be within 0.0001 ... 8, got 450 kgf/cm2: --weight and --area"),
+        (
+            &["--area", "1"],
+            "weight / area must be within 0.0001 ... 8, got 450 kgf/cm2: change --weight or --area",
+        ),
         (&["--by", "100"], "must be less than 100 %"),
-        (&["--area", "700cm2"], "\"700cm2\" is not a number: leave out its unit"),
+        (
+            &["--area", "700cm2"],
+            "\"700cm2\" is not a number: leave out its unit and give the value in cm2: 700",
+        ),
         (&["--ridge-height", "-1"], "must be a positive number"),
         (&["--step", "1e-9"], "at most 1e10 are allowed: give a longer --step\n"),
         (&["--step", "1e-5", "--tol", "1e-6"], "cannot be used with"),
@@ -113,10 +115,12 @@ fn wrong_inputs_return_errors_with_the_option_that_helps() {
         errors(&patchcord(&["slideway", "--oil", oil, "--weight", weight, "--stiffness", stiffness]))
     };
     assert!(
-        of("1e-5", "450", "20").contains("viscosity must be within 0.001 ... 1000, got 0.00001 P: --oil")
+        of("1e-5", "450", "20")
+            .contains("viscosity must be within 0.001 ... 1000, got 0.00001 P: change --oil")
     );
     assert!(
-        of("0.3", "20", "20").contains("M = 20 kg is below") && of("0.3", "20", "20").contains("--weight")
+        of("0.3", "20", "20").contains("M = 20 kg is below")
+            && of("0.3", "20", "20").contains(": --weight takes 180 ... 4000 kgf\n")
     );
     assert!(of("0.3", "450", "200").contains("5 ... 178 MN/m: --stiffness takes 5 ... 178 kN/mm\n"));
     assert!(of("0.3", "450", "20e6").contains("K = 2.000e7 MN/m is above the range"));

@@ -23,6 +23,13 @@ fn rows_are_written_to_standard_output_or_to_a_file() {
     let written = run_sweep(&["--out", &csv]);
     assert_eq!(out(&written), format!("2 runs: 0 failed, 0 with a note\nwrote {csv}\n"));
     assert_eq!(fs::read_to_string(&csv).unwrap(), lines);
+    let complete = out(&run_sweep(&["--out", &csv]));
+    assert_eq!(
+        complete,
+        format!(
+            "0 runs, 2 more in the file; in total 0 failed, 0 with a note\n{csv} is complete: nothing to do\n"
+        )
+    );
     let document = json(&run_sweep(&["--out", &path(&folder, "more.csv"), "--json"]));
     assert_eq!(document["sweep"]["threads"], std::thread::available_parallelism().unwrap().get());
     let again = json(&run_sweep(&["--out", &csv, "--json", "--threads", "1"]));
@@ -190,7 +197,8 @@ fn a_wrong_command_line_gives_exit_code_2_before_any_run() {
     fs::write(&rows, "K\nfast\n").unwrap();
     let unreadable = run_sweep(&["--rows", &rows]);
     assert!(
-        code(&unreadable) == 1 && errors(&unreadable).contains("line 2: \"fast\" is not a finite number")
+        code(&unreadable) == 1
+            && errors(&unreadable).contains("has \"fast\" instead of a number, in the column K")
     );
     let missing = run_sweep(&["--rows", "nofile.csv"]);
     let error = "error: cannot read nofile.csv: No such file or directory\n";

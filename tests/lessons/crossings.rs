@@ -4,7 +4,7 @@ use crate::common::root;
 use patchcord::solve::Machine;
 
 /// Runs the machine until a reading rises through 0, leaves it at that time, and returns the time.
-pub fn next_rise<'p>(machine: &mut Machine<'p>, reading: impl Fn(&Machine<'p>) -> f64) -> f64 {
+pub(super) fn next_rise<'p>(machine: &mut Machine<'p>, reading: impl Fn(&Machine<'p>) -> f64) -> f64 {
     let step = machine.step();
     for _ in 0..1_000_000 {
         let before = machine.clone();

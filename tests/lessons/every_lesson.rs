@@ -8,7 +8,6 @@ use serde_json::Value;
 
 use crate::common::shipped;
 use crate::known_problems::runs::{circuit, run_circuit, settings};
-use patchcord::solve::RunSettings;
 
 /// The names of all lessons, sorted.
 fn stems() -> Vec<String> {
@@ -48,9 +47,9 @@ fn every_lesson_runs_to_its_end_between_20_and_95_volts() {
         let circuit = circuit(&format!("lessons/{stem}"), &[]);
         let elements = circuit.elements();
         let integrators = elements.iter().filter(|element| element.kind.name == "integrator");
-        let record = integrators.map(|element| element.name.clone()).collect();
-        let trace = run_circuit(&circuit, &RunSettings { record, ..settings(&circuit) });
-        assert_eq!(trace.overloads().count(), 0, "{stem}: {:?}", trace.sweeps);
+        let record = integrators.map(|element| element.name.clone());
+        let trace = run_circuit(&circuit, &settings(&circuit).with_signals(record));
+        assert_eq!(trace.overloads().count(), 0, "{stem}: {:?}", trace.repetitions);
         for track in &trace.tracks {
             let swings = track.extremes.iter().map(|extremes| extremes.most.volts.max(-extremes.least.volts));
             let swing = swings.fold(0.0, f64::max);

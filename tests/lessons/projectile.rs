@@ -79,7 +79,7 @@ fn the_run_ends_each_throw_on_the_ground() {
     let circuit = circuit(STEM, &[]);
     let trace = run_circuit(&circuit, &settings(&circuit));
     let (x, y) = (values(&trace, "x"), values(&trace, "y"));
-    let ends = [trace.sweeps[1].first - 1, trace.len() - 1];
+    let ends = [trace.repetitions[1].first - 1, trace.len() - 1];
     // With air: result of the independent solver. Without air: v0^2 sin(2 angle) / g.
     let ranges = [112.298_851_802_9, 45.0 * 45.0 * 80f64.to_radians().sin() / G];
     for (end, range) in ends.into_iter().zip(ranges) {

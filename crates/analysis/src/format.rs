@@ -1,8 +1,11 @@
 //! Formats quantities for people: four significant digits, and a unit prefix that keeps the numbers short.
 //!
+//! [`format_quantity`] formats one value, [`format_pure_number`] one pure number, and [`QuantityFormat`] several values in
+//! the same unit. A function that formats a quantity takes the value first and then the unit.
+//!
 //! Example: 0.00254 in "m/s" becomes "2.54 mm/s", and 45e6 in "N/m" becomes "45 MN/m".
 
-use patchcord_expr::{Unit, engineering};
+use patchcord_expr::{Unit, engineering, format_decimals};
 
 /// The number format of one quantity. All values are printed in the same prefixed unit, so that they can be compared.
 ///
@@ -55,7 +58,7 @@ impl QuantityFormat {
     /// largest value is printed as 0.
     pub fn number(&self, value: f64) -> String {
         let is_rounding = value.abs() < NEGLIGIBLE * self.largest;
-        digits(if is_rounding { 0.0 } else { self.value(value) })
+        four_digits(if is_rounding { 0.0 } else { self.value(value) })
     }
 
     /// A value followed by its unit.
@@ -80,7 +83,10 @@ pub fn format_quantity(value: f64, unit: &str) -> String {
 }
 
 /// A number to four digits; in scientific notation below 1e-5 and from 1e7.
-fn digits(value: f64) -> String {
+///
+/// Trailing zeros are printed only in scientific notation, so this differs from
+/// [`format_significant`](patchcord_expr::format_significant).
+fn four_digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -88,23 +94,21 @@ fn digits(value: f64) -> String {
     if !(-5.0..7.0).contains(&magnitude) {
         return format!("{value:.3e}");
     }
-    let decimals = (3.0 - magnitude).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    format_decimals(value, (3.0 - magnitude).max(0.0) as usize)
 }
 
-/// A number without a unit, to four digits.
+/// A number without a unit, to four digits. A number below 1e-12 is printed as 0.
 ///
 /// # Examples
 ///
 /// ```
-/// use patchcord_analysis::format::number;
+/// use patchcord_analysis::format::format_pure_number;
 ///
-/// assert_eq!(number(1.0 / 3.0), "0.3333");
-/// assert_eq!(number(2e7), "2.000e7");
-/// assert_eq!(number(0.0), "0");
+/// assert_eq!(format_pure_number(1.0 / 3.0), "0.3333");
+/// assert_eq!(format_pure_number(2e7), "2.000e7");
+/// assert_eq!(format_pure_number(0.0), "0");
 /// ```
-pub fn number(value: f64) -> String {
+pub fn format_pure_number(value: f64) -> String {
     QuantityFormat::new("", 1.0).number(value)
 }
 

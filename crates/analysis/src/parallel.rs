@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -73,8 +73,8 @@ pub fn map<I: Sync, T: Send>(
     map_indices(items.len(), |index| counted(&items[index]))
 }
 
-/// The results of `work` for all indices below `count`, in order. The work begins in this order too, so long work should
-/// have the first indices: then no thread waits for it at the end.
+/// The results of `work` for all indices below `count`, in order. The work begins in this order too, so long work
+/// should have the first indices: then no thread waits for it at the end.
 ///
 /// # Examples
 ///
@@ -123,9 +123,9 @@ pub fn map_in_batches<T: Send>(
 /// thread.
 ///
 /// A batch of indices is processed with one of the `workers`, which only one batch uses at a time. With more workers
-/// than threads, a thread need not wait until `take` has received its last batch. `share(&worker)` is the number of
-/// indices in its next batch. `take` receives None after every second without a result. At most `ahead` results per
-/// worker wait for a slower one, which limits memory.
+/// than threads, a thread need not wait until `take` has received its last batch. `batch_size(&worker)` is the number
+/// of indices in its next batch. `take` receives None after every second without a result. At most `max_waiting`
+/// results per worker wait for a slower one, which limits memory.
 ///
 /// # Errors
 /// The first error of `take`. Work in progress is then completed, and the rest is skipped.
@@ -147,34 +147,29 @@ pub fn map_in_batches<T: Send>(
 /// ```
 pub fn run_in_order<W: Send, T: Send, E>(
     indices: Range<u64>,
-    ahead: u64,
+    max_waiting: u64,
     threads: usize,
     mut workers: Vec<W>,
-    share: impl Fn(&W) -> u64,
+    batch_size: impl Fn(&W) -> u64,
     work: impl Fn(&mut W, Range<u64>) -> Vec<T> + Sync,
     mut take: impl FnMut(Option<T>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let window = ahead * workers.len() as u64;
-    let Some(pool) = pool(threads) else { return run_alone(indices, workers, share, work, take) };
+    let window = max_waiting * workers.len() as u64;
+    let Some(pool) = pool(threads) else { return run_alone(indices, workers, batch_size, work, take) };
     let (sender, receiver) = mpsc::channel();
     let work = &work;
     pool.in_place_scope(|scope| {
-        let (mut remaining, mut due, mut ready) = (indices.clone(), indices.start, BTreeMap::new());
-        while due < indices.end {
+        let (mut remaining, mut next, mut ready) = (indices.clone(), indices.start, BTreeMap::new());
+        while next < indices.end {
             while !remaining.is_empty() {
-                let Some(mut worker) = workers.pop() else { break };
-                let count = share(&worker).clamp(1, window);
-                if remaining.end.min(remaining.start + count) > due + window {
+                let Some(worker) = workers.pop() else { break };
+                let count = batch_size(&worker).clamp(1, window);
+                if remaining.end.min(remaining.start + count) > next + window {
                     workers.push(worker);
                     break;
                 }
                 let (batch, sender) = (split_front(&mut remaining, count), sender.clone());
-                scope.spawn(move |_| {
-                    let first = batch.start;
-                    let results = panic::catch_unwind(AssertUnwindSafe(|| work(&mut worker, batch)));
-                    // The receiver is gone only if `take` failed.
-                    let _ = sender.send((first, worker, results));
-                });
+                scope.spawn(move |_| send_results(worker, batch, work, &sender));
             }
             match receiver.recv_timeout(WAIT) {
                 Ok((first, worker, Ok(results))) => {
@@ -184,8 +179,8 @@ pub fn run_in_order<W: Send, T: Send, E>(
                 Ok((.., Err(panicked))) => panic::resume_unwind(panicked),
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => take(None)?,
             }
-            while let Some(result) = ready.remove(&due) {
-                due += 1;
+            while let Some(result) = ready.remove(&next) {
+                next += 1;
                 take(Some(result))?;
             }
         }
@@ -193,17 +188,30 @@ pub fn run_in_order<W: Send, T: Send, E>(
     })
 }
 
+/// Runs a batch with a worker. Sends the first index, the worker, and the results or the panic.
+fn send_results<W, T>(
+    mut worker: W,
+    batch: Range<u64>,
+    work: impl Fn(&mut W, Range<u64>) -> Vec<T>,
+    sender: &Sender<(u64, W, std::thread::Result<Vec<T>>)>,
+) {
+    let first = batch.start;
+    let results = panic::catch_unwind(AssertUnwindSafe(|| work(&mut worker, batch)));
+    // The receiver is dropped only if `take` failed.
+    let _ = sender.send((first, worker, results));
+}
+
 /// Runs all work on the calling thread, with one of the workers.
 fn run_alone<W, T, E>(
     mut remaining: Range<u64>,
     workers: Vec<W>,
-    share: impl Fn(&W) -> u64,
+    batch_size: impl Fn(&W) -> u64,
     work: impl Fn(&mut W, Range<u64>) -> Vec<T>,
     mut take: impl FnMut(Option<T>) -> Result<(), E>,
 ) -> Result<(), E> {
     for mut worker in workers.into_iter().take(1) {
         while !remaining.is_empty() {
-            let batch = split_front(&mut remaining, share(&worker));
+            let batch = split_front(&mut remaining, batch_size(&worker));
             work(&mut worker, batch).into_iter().try_for_each(|result| take(Some(result)))?;
         }
     }
@@ -218,133 +226,4 @@ fn split_front(remaining: &mut Range<u64>, count: u64) -> Range<u64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::HashSet;
-    use std::sync::atomic::{AtomicU64, Ordering};
-    use std::sync::mpsc::Receiver;
-    use std::thread;
-
-    use super::*;
-
-    const AHEAD: u64 = 64;
-
-    /// The results of a thousand pieces of uneven work, and how far the fastest thread was ahead.
-    fn thousand(threads: usize, share: u64) -> (Vec<u64>, u64) {
-        let (taken, furthest) = (AtomicU64::new(0), AtomicU64::new(0));
-        let mut results = Vec::new();
-        let piece = |index: u64| {
-            furthest.fetch_max(index - taken.load(Ordering::SeqCst).min(index), Ordering::SeqCst);
-            (0..(index * 7919 % 97) * 100)
-                .fold(index, |sum, number| std::hint::black_box(sum ^ number ^ number))
-        };
-        let work = |(): &mut (), batch: Range<u64>| {
-            assert!(batch.end - batch.start == share || batch.end == 1000, "{batch:?}");
-            batch.map(piece).collect()
-        };
-        let take = |result| {
-            results.extend(result);
-            taken.store(results.len() as u64, Ordering::SeqCst);
-            Ok::<(), ()>(())
-        };
-        run_in_order(0..1000, AHEAD, threads, vec![(); threads], |()| share, work, take).unwrap();
-        (results, furthest.into_inner())
-    }
-
-    #[test]
-    fn results_are_in_order_and_the_window_is_kept() {
-        for (threads, share) in [(1, 1), (2, 1), (7, 1), (1, 16), (2, 7), (7, 64)] {
-            let (results, furthest) = thousand(threads, share);
-            assert!(results.iter().copied().eq(0..1000), "{threads} threads");
-            assert!(furthest <= AHEAD * threads as u64 + 1, "{furthest} with {threads} threads");
-        }
-    }
-
-    /// The first piece of work waits until `take` was called without a result.
-    #[test]
-    fn take_is_called_while_no_result_is_ready() {
-        let (sender, receiver) = std::sync::mpsc::channel();
-        let work = |receiver: &mut Receiver<()>, batch: Range<u64>| {
-            if batch.start == 0 {
-                receiver.recv().unwrap();
-            }
-            batch.collect()
-        };
-        let mut taken = Vec::new();
-        let take = |index: Option<u64>| {
-            taken.push(index);
-            if index.is_none() { sender.send(()) } else { Ok(()) }
-        };
-        run_in_order(0..3, AHEAD, 1, vec![receiver], |_| 1, work, take).unwrap();
-        assert!(taken.starts_with(&[None]) && taken.into_iter().flatten().eq(0..3));
-    }
-
-    #[test]
-    fn an_error_of_take_ends_the_work() {
-        let done = AtomicU64::new(0);
-        let work = |(): &mut (), batch: Range<u64>| {
-            done.fetch_add(batch.end - batch.start, Ordering::SeqCst);
-            batch.collect()
-        };
-        let take = |index| if index == Some(10) { Err("full") } else { Ok(()) };
-        assert_eq!(run_in_order(0..1_000_000, AHEAD, 2, vec![(), ()], |()| 1, work, take), Err("full"));
-        assert!(done.load(Ordering::SeqCst) <= 11 + 2 * AHEAD + 2);
-        assert_eq!(run_in_order(5..5, AHEAD, 1, vec![()], |()| 1, work, |_| Err("none is due")), Ok(()));
-    }
-
-    #[test]
-    fn a_panic_ends_the_work() {
-        let broken = |at: u64| move |index: u64| assert!(index != at, "{index}");
-        let outcomes = [(10, u64::MAX), (u64::MAX, 10)].map(|(working, taking)| {
-            let work =
-                |(): &mut (), batch: Range<u64>| batch.inspect(|index| broken(working)(*index)).collect();
-            let take = |index: Option<u64>| {
-                index.into_iter().for_each(broken(taking));
-                Ok::<(), ()>(())
-            };
-            std::panic::catch_unwind(|| {
-                run_in_order(0..1_000_000, AHEAD, 2, vec![(), ()], |()| 1, work, take)
-            })
-        });
-        assert!(outcomes.iter().all(Result::is_err), "{outcomes:?}");
-    }
-
-    /// The number of threads that take part in twelve slow pieces of work.
-    fn threads_used() -> usize {
-        let piece = |number: usize| {
-            thread::sleep(Duration::from_millis(5));
-            (number, thread::current().id())
-        };
-        let done = map_indices(12, piece);
-        assert!(done.iter().map(|piece| piece.0).eq(0..12));
-        done.into_iter().map(|piece| piece.1).collect::<HashSet<_>>().len()
-    }
-
-    #[test]
-    fn only_with_threads_provides_threads() {
-        assert_eq!(threads_used(), 1);
-        assert_eq!(with_threads(3, || [threads_used(), threads_used()]), [3, 3]);
-        assert_eq!(with_threads(0, threads_used), 1);
-        assert!(
-            with_threads(2, || map_indices(4, |_| with_threads(1, threads_used)))
-                .iter()
-                .all(|used| *used == 1)
-        );
-    }
-
-    #[test]
-    fn idle_threads_help_with_nested_work() {
-        let piece = |number: &u64| {
-            thread::sleep(Duration::from_millis(100 * number));
-            threads_used()
-        };
-        assert_eq!(with_threads(2, || map(&[0, 1], piece, |_| ()))[1], 2);
-    }
-
-    #[test]
-    fn progress_counts_the_items() {
-        let mut seen = Vec::new();
-        let squares =
-            with_threads(4, || map(&[1, 2, 3, 4, 5], |number| number * number, |done| seen.push(done)));
-        assert_eq!((squares, seen), (vec![1, 4, 9, 16, 25], vec![1, 2, 3, 4, 5]));
-    }
-}
+mod tests;

@@ -17,7 +17,7 @@ pub(crate) struct Grid {
 
 impl Grid {
     /// The grid of a step length in seconds.
-    pub fn new(step: f64) -> Self {
+    pub(crate) fn new(step: f64) -> Self {
         let rate = 1.0 / step;
         let whole = rate.round();
         let exact = (1.0..1e15).contains(&whole) && (rate - whole).abs() <= 1e-9 * whole;
@@ -25,7 +25,7 @@ impl Grid {
     }
 
     /// The time of the instant with this index, in seconds.
-    pub fn time(&self, index: u64) -> f64 {
+    pub(crate) fn time(&self, index: u64) -> f64 {
         match self.per_second {
             Some(rate) => index as f64 / rate,
             None => index as f64 * self.step,
@@ -33,13 +33,13 @@ impl Grid {
     }
 
     /// Index of the instant nearest to a time; 0 for negative times.
-    pub fn nearest(&self, time: f64) -> u64 {
+    pub(crate) fn nearest(&self, time: f64) -> u64 {
         (time / self.step).round() as u64
     }
 
     /// The pair (a, b) for which `time(k)` is k x a / b. Native code computes times from it.
     #[cfg(feature = "native")]
-    pub fn factors(&self) -> (f64, f64) {
+    pub(crate) fn factors(&self) -> (f64, f64) {
         match self.per_second {
             Some(rate) => (1.0, rate),
             None => (self.step, 1.0),
@@ -48,7 +48,7 @@ impl Grid {
 
     /// How many whole steps fit into a length of time in seconds. A length that rounding leaves just short of a whole
     /// number of steps counts as that number.
-    pub fn steps_in(&self, length: f64) -> u64 {
+    pub(crate) fn steps_in(&self, length: f64) -> u64 {
         ((length / self.step) * (1.0 + SAME_INSTANT) + 1e-9) as u64
     }
 }
@@ -61,7 +61,7 @@ mod tests {
     fn decimal_steps_give_decimal_times() {
         let grid = Grid::new(0.001);
         assert_eq!(
-            (0..4000).filter(|k| grid.time(*k) != format!("{}e-3", k).parse::<f64>().unwrap()).count(),
+            (0..4000).filter(|k| grid.time(*k) != format!("{k}e-3").parse::<f64>().unwrap()).count(),
             0
         );
     }

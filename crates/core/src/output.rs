@@ -80,14 +80,13 @@ pub fn write_new(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
 /// # Examples
 ///
 /// ```
-/// use std::path::Path;
-///
 /// use patchcord_core::output::check_writable;
 ///
-/// let error = check_writable(Path::new("no/such/folder/trace.csv")).unwrap_err();
+/// let error = check_writable("no/such/folder/trace.csv").unwrap_err();
 /// assert_eq!(error.to_string(), "no such folder");
 /// ```
-pub fn check_writable(path: &Path) -> Result<()> {
+pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
+    let path = path.as_ref();
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
         // Renaming does not check the permissions of the file that it replaces.
@@ -102,8 +101,8 @@ pub fn check_writable(path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// If the system reports an error.
-pub fn check_folder_writable(folder: &Path) -> Result<()> {
-    create_temporary(folder).map(drop).map_err(|error| Error::from(error.kind()))
+pub fn check_folder_writable(folder: impl AsRef<Path>) -> Result<()> {
+    create_temporary(folder.as_ref()).map(drop).map_err(|error| Error::from(error.kind()))
 }
 
 /// The system's description of an error, without the error number.
@@ -138,13 +137,14 @@ fn check_folder(target: &Path) -> Result<()> {
 /// use patchcord_core::output::destination;
 ///
 /// let folder = tempfile::tempdir()?;
-/// let [plain, dotted] = ["new.csv", "./new.csv"].map(|name| destination(&folder.path().join(name)));
+/// let [plain, dotted] = ["new.csv", "./new.csv"].map(|name| destination(folder.path().join(name)));
 /// assert_eq!(plain?, dotted?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn destination(path: &Path) -> Result<PathBuf> {
-    if let Ok(metadata) = fs::canonicalize(path) {
-        return Ok(metadata);
+pub fn destination(path: impl AsRef<Path>) -> Result<PathBuf> {
+    let path = path.as_ref();
+    if let Ok(existing) = fs::canonicalize(path) {
+        return Ok(existing);
     }
     let target = follow_links(path)?;
     let Some(name) = target.file_name() else { return std::path::absolute(target) };

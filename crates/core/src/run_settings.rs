@@ -27,7 +27,7 @@ impl RunSettings {
         let tolerance = plan.tolerance.as_ref().map(|placed| placed.value);
         let step = match (&plan.step, tolerance) {
             (Some(step), _) => step.value,
-            (None, Some(_)) => FIRST_STEP * RunExtent::of(&phases).longest_sweep,
+            (None, Some(_)) => FIRST_STEP * RunExtent::of(&phases).longest_repetition,
             (None, None) => return Err(missing(plan)),
         };
         Ok(RunSettings {
@@ -36,7 +36,7 @@ impl RunSettings {
             tolerance,
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
-            lamps: true,
+            has_lamps: true,
             record: circuit.recorded_signals(),
             sensitivities: circuit.sensitivity_parameters(),
             backend: Backend::default(),
@@ -53,5 +53,5 @@ fn missing(plan: &RunPlan) -> RunError {
     RunError::MissingTimes(times.iter().filter(|(_, given)| !given).map(|(which, _)| *which).collect())
 }
 
-/// The first step that is tried if a plan has a tolerance but no step, as a share of the longest sweep.
+/// The first step that is tried if a plan has a tolerance but no step, as a share of the longest repetition.
 const FIRST_STEP: f64 = 1e-3;

@@ -106,9 +106,10 @@ fn the_sampling_interval_does_not_change_the_run() {
     let program = Program::new(&circuit).unwrap();
     let own = RunSettings::of(&circuit).unwrap().with_duration(0.5);
     let [coarse, fine] = [0.1, 1e-4]
-        .map(|every| run(&program, &RunSettings { tolerance: Some(1e-6), every, ..own.clone() }).unwrap());
-    let work =
-        |trace: &patchcord_core::trace::Trace| (trace.sweeps[0].work.steps, trace.sweeps[0].work.crossings);
+        .map(|every| run(&program, &own.clone().with_tolerance(1e-6).with_sample_interval(every)).unwrap());
+    let work = |trace: &patchcord_core::trace::Trace| {
+        (trace.repetitions[0].work.steps, trace.repetitions[0].work.crossings)
+    };
     assert_eq!(work(&coarse), work(&fine));
     for (coarse, fine) in coarse.tracks.iter().zip(&fine.tracks) {
         for (tenth, volts) in coarse.volts.iter().enumerate() {
@@ -122,10 +123,10 @@ fn the_sampling_interval_does_not_change_the_run() {
 fn samples_within_steps_keep_twice_the_tolerance() {
     let patch = swinging(50.0).build().unwrap();
     let circuit = crate::common::circuit(&patch, &[]);
-    let own = RunSettings { every: 0.01, ..RunSettings::of(&circuit).unwrap().with_duration(LENGTH) };
+    let own = RunSettings::of(&circuit).unwrap().with_duration(LENGTH).with_sample_interval(0.01);
     let program = Program::new(&circuit).unwrap();
     for tolerance in TOLERANCES {
-        let trace = run(&program, &RunSettings { tolerance: Some(tolerance), ..own.clone() }).unwrap();
+        let trace = run(&program, &own.clone().with_tolerance(tolerance)).unwrap();
         for (time, volts) in trace.time.iter().zip(trace.values("x").unwrap()) {
             let error = (volts - 50.0 * (2.0 * time).cos()).abs() / 100.0;
             assert!(error < 2.0 * tolerance, "{error:e} at {time} s, at {tolerance:e}");
@@ -161,10 +162,10 @@ fn the_minimum_and_maximum_keep_the_tolerance() {
     let rectifier = element("absolute").cord("in", "A2");
     let patch = swinging(30.0).element("AB", rectifier).signal("size", "AB", "volt", 1.0).build().unwrap();
     let circuit = crate::common::circuit(&patch, &[]);
-    let own = RunSettings { every: 1.0, ..RunSettings::of(&circuit).unwrap().with_duration(LENGTH) };
+    let own = RunSettings::of(&circuit).unwrap().with_duration(LENGTH).with_sample_interval(1.0);
     let program = Program::new(&circuit).unwrap();
     for tolerance in WIDE_TOLERANCES {
-        let trace = run(&program, &RunSettings { tolerance: Some(tolerance), ..own.clone() }).unwrap();
+        let trace = run(&program, &own.clone().with_tolerance(tolerance)).unwrap();
         let [x, size] = [0, 1].map(|track| trace.tracks[track].extremes[0]);
         let bound = 100.0 * tolerance;
         assert!(

@@ -86,15 +86,15 @@ fn allocations_of(mut machine: Machine<'_>, length: f64, program: &Program, para
 #[test]
 fn steps_allocate_nothing() {
     let cases = [
-        ("fig-8-16", program(&slideway(), &[]), 2e-5, 10_000),
-        ("loop-lag", program(&patch("loop-lag"), &[]), 1e-3, 10_000),
-        ("delay-line", program(&patch("delay-line"), &[]), 1e-3, 10_000),
-        ("bouncing-ball", program(&patch("bouncing-ball"), &[]), 1e-3, 10_000),
-        ("stick-slip-brake", program(&patch("stick-slip-brake"), &[]), 1e-3, 10_000),
-        ("relay-oscillator", program(&patch("relay-oscillator"), &[]), 1e-2, 10_000),
-        ("integrator-limit", program(&patch("integrator-limit"), &[]), 1e-2, 10_000),
-        ("memory", program(&patch("memory"), &[]), 1e-3, 10_000),
-        ("lag and function generator", lag_and_generator(), 1e-3, 10_000),
+        ("fig-8-16", program(&slideway(), &[]), 2e-5, 4_000),
+        ("loop-lag", program(&patch("loop-lag"), &[]), 1e-3, 4_000),
+        ("delay-line", program(&patch("delay-line"), &[]), 1e-3, 4_000),
+        ("bouncing-ball", program(&patch("bouncing-ball"), &[]), 1e-3, 4_000),
+        ("stick-slip-brake", program(&patch("stick-slip-brake"), &[]), 1e-3, 4_000),
+        ("relay-oscillator", program(&patch("relay-oscillator"), &[]), 1e-2, 4_000),
+        ("integrator-limit", program(&patch("integrator-limit"), &[]), 1e-2, 4_000),
+        ("memory", program(&patch("memory"), &[]), 1e-3, 4_000),
+        ("lag and function generator", lag_and_generator(), 1e-3, 4_000),
         ("square-root-and-division", program(&lesson("square-root-and-division"), &[]), 1e-3, 500),
     ];
     for (name, program, step, longest) in &cases {
@@ -116,7 +116,7 @@ fn steps_allocate_nothing() {
 /// The number of allocations of a batch of runs of `steps` steps, which records only the first and the last sample.
 fn allocations_of_batch(programs: &[Program], settings: &RunSettings, steps: u32) -> usize {
     let length = settings.step * f64::from(steps);
-    let settings = RunSettings { every: length, ..settings.clone() }.with_duration(length);
+    let settings = settings.clone().with_sample_interval(length).with_duration(length);
     let before = ALLOCATIONS.get();
     let runs = solve::run_batch(programs, &settings);
     let count = ALLOCATIONS.get() - before;
@@ -128,22 +128,22 @@ fn allocations_of_batch(programs: &[Program], settings: &RunSettings, steps: u32
 #[test]
 fn steps_of_a_batch_allocate_nothing() {
     let cases = [
-        ("fig-8-16", slideway(), ("VcL", 2e-3, 1e-4)),
-        ("relay-oscillator", patch("relay-oscillator"), ("slope", 80.0, 2.0)),
-        ("mass-and-spring", lesson("mass-and-spring"), ("k", 10.0, 5.0)),
-        ("delay-line", patch("delay-line"), ("T", 0.8, 0.05)),
+        ("fig-8-16", slideway(), ("VcL", 2e-3, 1e-4), 80_000),
+        ("relay-oscillator", patch("relay-oscillator"), ("slope", 80.0, 2.0), 8_000),
+        ("mass-and-spring", lesson("mass-and-spring"), ("k", 10.0, 5.0), 8_000),
+        ("delay-line", patch("delay-line"), ("T", 0.8, 0.05), 8_000),
     ];
-    for (name, patch, (parameter, first, increment)) in &cases {
+    for (name, patch, (parameter, first, increment), steps) in &cases {
         let mut programs = vec![program(patch, &[]); 16];
         for (run, program) in programs.iter_mut().enumerate() {
             program.set_parameters([(*parameter, first + increment * run as f64)]).unwrap();
         }
         for backend in [Backend::Lanes, Backend::Automatic] {
-            let settings = RunSettings { backend, ..RunSettings::of(&circuit(patch, &[])).unwrap() };
+            let settings = RunSettings::of(&circuit(patch, &[])).unwrap().with_backend(backend);
             // The first run builds the native code and everything that is built once for each set of modes.
-            allocations_of_batch(&programs, &settings, 80_000);
+            allocations_of_batch(&programs, &settings, *steps);
             let [short, long] =
-                [40_000, 80_000].map(|steps| allocations_of_batch(&programs, &settings, steps));
+                [steps / 2, *steps].map(|steps| allocations_of_batch(&programs, &settings, steps));
             assert_eq!(short, long, "{name}, {backend}");
         }
     }

@@ -5,6 +5,7 @@
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use crate::common::mutated::{Xorshift, mutated};
 use patchcord_core::circuit::Circuit;
@@ -14,19 +15,19 @@ use patchcord_core::patch::Patch;
 
 const FOLDER: &str = "tests/patches/bad";
 
-/// The name and the text of every bad patch.
-fn bad_patches() -> Vec<(String, String)> {
+/// The name of every bad patch with the report of the first phase that refuses it, or its warnings if none does.
+static REPORTS: LazyLock<Vec<(String, Report)>> = LazyLock::new(|| {
     let paths = fs::read_dir(FOLDER).unwrap().map(|entry| entry.unwrap().path());
     let mut patches: Vec<PathBuf> = paths.filter(|path| path.extension().unwrap() == "json").collect();
     patches.sort();
-    let name = |path: &Path| path.file_stem().unwrap().to_str().unwrap().to_owned();
-    patches.iter().map(|path| (name(path), fs::read_to_string(path).unwrap())).collect()
-}
-
-/// The report of the first phase that refuses the patch, or the warnings if none does.
-fn report(name: &str, text: &str) -> Report {
-    check(&format!("{name}.json"), text, &[]).unwrap_or_else(|report| *report)
-}
+    let report = |path: PathBuf| {
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let text = fs::read_to_string(&path).unwrap();
+        let report = check(&format!("{name}.json"), &text, &[]).unwrap_or_else(|report| *report);
+        (name, report)
+    };
+    patches.into_iter().map(report).collect()
+});
 
 /// Checks a patch text through all phases and returns its warnings.
 ///
@@ -53,11 +54,11 @@ fn difference(path: &Path, found: &str) -> Option<String> {
 
 #[test]
 fn every_bad_patch_gets_its_report() {
-    let differences: Vec<String> = bad_patches()
+    let differences: Vec<String> = REPORTS
         .iter()
-        .filter_map(|(name, text)| {
+        .filter_map(|(name, report)| {
             let path = Path::new(FOLDER).join(format!("{name}.txt"));
-            difference(&path, &format!("{}\n", report(name, text)))
+            difference(&path, &format!("{report}\n"))
         })
         .collect();
     assert!(differences.is_empty(), "PATCHCORD_BLESS=1 accepts these\n{}", differences.join("\n"));
@@ -65,10 +66,8 @@ fn every_bad_patch_gets_its_report() {
 
 #[test]
 fn every_report_has_findings_with_a_position() {
-    let patches = bad_patches();
-    assert!(patches.len() >= 45, "only {} bad patches", patches.len());
-    for (name, text) in patches {
-        let report = report(&name, &text);
+    assert!(REPORTS.len() >= 45, "only {} bad patches", REPORTS.len());
+    for (name, report) in REPORTS.iter() {
         assert!(!report.findings.is_empty(), "{name} is accepted");
         assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{name}:\n{report}");
     }
@@ -76,8 +75,7 @@ fn every_report_has_findings_with_a_position() {
 
 #[test]
 fn the_name_of_a_bad_patch_begins_with_the_code_of_its_report() {
-    for (name, text) in bad_patches().iter().filter(|(name, _)| !name.starts_with("many-")) {
-        let report = report(name, text);
+    for (name, report) in REPORTS.iter().filter(|(name, _)| !name.starts_with("many-")) {
         let codes: HashSet<_> = report.findings.iter().map(|finding| finding.code.as_str()).collect();
         assert_eq!(codes.len(), 1, "the report of {name} must have one code:\n{report}");
         assert!(
@@ -140,9 +138,7 @@ fn check_refusal(report: &Report, text: &str) {
     assert!(report.has_errors(), "refused without an error:\n{report}\n{text}");
     assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{report}\n{text}");
     let lines = report.text.lines().count() + 1;
-    for finding in report.to_json().as_array().unwrap() {
-        assert!(finding["line"].as_u64().unwrap() as usize <= lines);
-    }
+    assert!(report.documents().iter().all(|finding| finding.line.unwrap() <= lines));
 }
 
 /// Checks random mutations of a valid patch. At least half of them are refused.

@@ -206,7 +206,7 @@ fn a_stuck_mass_stays_stuck_in_hold_and_slips_afterwards() {
     let program = built(builder.element("A1", mass));
     let mut machine = run_for(&program, 1e-2, 1.0);
     machine.hold();
-    machine.set("force", 20.0).unwrap();
+    machine.set_parameter("force", 20.0).unwrap();
     assert_eq!((machine.mode(), voltage(&machine, "A1")), (MachineMode::Hold, 0.0));
     machine.operate(0.5).unwrap();
     assert!((voltage(&machine, "A1") - 6.5).abs() < 1e-12, "{}", voltage(&machine, "A1"));

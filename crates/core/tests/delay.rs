@@ -87,7 +87,7 @@ fn a_delay_can_be_decreased_and_increased_during_a_run() {
     let program = built(builder.element("B1", element("summer").cords("x1", ["A3"])));
     let mut machine = run_for(&program, 1e-3, 0.5);
     for delay in [0.3, 1.5, 0.2] {
-        machine.set("T", delay).unwrap();
+        machine.set_parameter("T", delay).unwrap();
         machine.operate(0.4).unwrap();
     }
     let expected = 50.0 * (10.0 * machine.time()).cos();

@@ -9,7 +9,7 @@ use crate::common::{
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, SettingError};
 use patchcord_core::patch::{Patch, PatchBuilder};
-use patchcord_core::solve::{self, Machine, MachineMode, RunError, RunSettings, StoppedRun};
+use patchcord_core::solve::{self, Machine, MachineMode, RunError, RunSettings, StoppedRunError};
 use patchcord_core::trace::Trace;
 
 /// A linear damped oscillator driven by a sine. Arguments are in volts.
@@ -133,8 +133,13 @@ fn repeated_runs_give_the_same_bytes() {
 #[test]
 fn recording_does_not_change_the_steps() {
     for stem in PATCHES {
-        let coarse = trace(&patch(stem), |settings| RunSettings { every: 10.0 * settings.step, ..settings });
-        let fine = trace(&patch(stem), |settings| RunSettings { every: settings.step, ..settings });
+        let recorded_every = |steps: f64| {
+            trace(&patch(stem), |settings| {
+                let every = steps * settings.step;
+                settings.with_sample_interval(every)
+            })
+        };
+        let [coarse, fine] = [10.0, 1.0].map(recorded_every);
         for (wide, close) in coarse.tracks.iter().zip(&fine.tracks) {
             let shared: Vec<f64> = close.volts.iter().copied().step_by(10).collect();
             assert_eq!(wide.volts, shared, "{stem} {}", wide.name);
@@ -154,10 +159,8 @@ fn samples_between_steps_have_the_order_of_the_cubic() {
         .build()
         .unwrap();
     let errors = steps.map(|step| {
-        let trace = trace(&oscillator, |settings| RunSettings {
-            step,
-            every: 0.37 * step,
-            ..settings.with_duration(6.4)
+        let trace = trace(&oscillator, |settings| {
+            settings.with_duration(6.4).with_step(step).with_sample_interval(0.37 * step)
         });
         let samples = trace.time.iter().zip(&trace.tracks[0].volts);
         samples.map(|(time, volts)| (volts - 50.0 * time.cos()).abs()).fold(0.0, f64::max)
@@ -171,18 +174,18 @@ fn samples_between_steps_have_the_order_of_the_cubic() {
 }
 
 #[test]
-fn repetitive_operation_gives_identical_sweeps() {
+fn repetitive_operation_gives_identical_repetitions() {
     for stem in PATCHES {
         let trace = trace(&patch(stem), |settings| settings.repeated(3));
-        assert_eq!(trace.sweeps.len(), 3);
+        assert_eq!(trace.repetitions.len(), 3);
         let length = trace.len() / 3;
         assert!(trace.tracks.iter().all(|track| {
-            let mut sweeps = track.volts.chunks(length);
-            let first = sweeps.next();
-            sweeps.all(|sweep| Some(sweep) == first)
+            let mut repetitions = track.volts.chunks(length);
+            let first = repetitions.next();
+            repetitions.all(|repetition| Some(repetition) == first)
         }));
-        assert_eq!(trace.sweeps[0].overloads, trace.sweeps[2].overloads);
-        assert_eq!(trace.sweeps[1].first, length);
+        assert_eq!(trace.repetitions[0].overloads, trace.repetitions[2].overloads);
+        assert_eq!(trace.repetitions[1].first, length);
     }
 }
 
@@ -193,9 +196,9 @@ fn hold_keeps_states_and_time() {
     held.hold();
     assert_eq!(held.mode(), MachineMode::Hold);
     let states = held.states().to_vec();
-    held.set("g", 3.0).unwrap();
+    held.set_parameter("g", 3.0).unwrap();
     assert_eq!((held.states(), held.time()), (&states[..], 0.7));
-    held.set("g", 9.81).unwrap();
+    held.set_parameter("g", 9.81).unwrap();
     held.operate(0.4).unwrap();
     straight.operate(0.4).unwrap();
     assert_eq!(held.states(), straight.states());
@@ -215,7 +218,7 @@ fn consecutive_short_runs_equal_one_long_run() {
 fn a_pot_that_is_changed_during_a_run_acts_from_that_time_on() {
     let program = program(&patch("loop-lag"), &[("back", 0.0)]);
     let mut machine = run_for(&program, 1e-2, 1.0);
-    machine.set("back", 1.0).unwrap();
+    machine.set_parameter("back", 1.0).unwrap();
     machine.operate(1.0).unwrap();
     assert!((voltage(&machine, "A1") - 80.0 * (-1.5f64).exp()).abs() < 1e-8);
 }
@@ -226,15 +229,15 @@ fn a_refused_change_changes_nothing() {
     let mut machine = run_for(&program, 1e-2, 1.5);
     let before = (machine.states().to_vec(), machine.rates().to_vec());
     assert!(
-        matches!(machine.set("T", 5.0), Err(RunError::Setting(SettingError::OutsideRange(_)))),
+        matches!(machine.set_parameter("T", 5.0), Err(RunError::Setting(SettingError::OutsideRange(_)))),
         "outside its range"
     );
     assert!(
-        matches!(machine.set("T", f64::NAN), Err(RunError::Setting(SettingError::OutsideRange(_)))),
+        matches!(machine.set_parameter("T", f64::NAN), Err(RunError::Setting(SettingError::OutsideRange(_)))),
         "not a number"
     );
     assert!(matches!(
-        machine.set("nothing", 1.0),
+        machine.set_parameter("nothing", 1.0),
         Err(RunError::Setting(SettingError::UnknownParameter { .. }))
     ));
     assert!(matches!(machine.set_state("A1", 101.0), Err(RunError::StateOutsideRange { .. })));
@@ -246,7 +249,7 @@ fn a_refused_change_changes_nothing() {
 fn a_delay_below_the_step_is_refused_without_effect_on_the_run() {
     let program = program(&patch("delay-line"), &[]);
     let (mut refused, mut unchanged) = (run_for(&program, 0.2, 1.0), run_for(&program, 0.2, 1.0));
-    assert!(matches!(refused.set("T", 0.15), Err(RunError::DelayTooShort { .. })));
+    assert!(matches!(refused.set_parameter("T", 0.15), Err(RunError::DelayTooShort { .. })));
     refused.operate(3.0).unwrap();
     unchanged.operate(3.0).unwrap();
     assert_eq!(refused.states(), unchanged.states());
@@ -308,18 +311,15 @@ fn a_jump_lights_its_lamp_at_the_time_of_the_jump() {
 #[test]
 fn hold_on_overload_stops_in_the_step_that_lights_the_lamp() {
     let patch = chain().build().unwrap();
-    let trace = trace(&patch, |settings| RunSettings {
-        step: 0.1,
-        every: 0.1,
-        hold_on_overload: true,
-        ..settings.with_duration(20.0)
+    let trace = trace(&patch, |settings| {
+        settings.with_duration(20.0).with_step(0.1).with_sample_interval(0.1).with_hold_on_overload()
     });
-    let sweep = &trace.sweeps[0];
-    assert!(sweep.held);
+    let repetition = &trace.repetitions[0];
+    assert!(repetition.is_held);
     assert!(
-        (sweep.end - 4.7).abs() < 1e-12,
+        (repetition.end - 4.7).abs() < 1e-12,
         "expected the end of the step in which S2 exceeds 100 V, got {}",
-        sweep.end
+        repetition.end
     );
     assert_eq!(trace.len(), 48);
 }
@@ -327,12 +327,8 @@ fn hold_on_overload_stops_in_the_step_that_lights_the_lamp() {
 #[test]
 fn hold_on_overload_runs_to_the_end_without_an_overload() {
     let patch = chain().build().unwrap();
-    let trace = trace(&patch, |settings| RunSettings {
-        step: 0.1,
-        hold_on_overload: true,
-        ..settings.with_duration(1.05)
-    });
-    assert_eq!((trace.sweeps[0].held, trace.sweeps[0].end), (false, 1.05));
+    let trace = trace(&patch, |settings| settings.with_duration(1.05).with_step(0.1).with_hold_on_overload());
+    assert_eq!((trace.repetitions[0].is_held, trace.repetitions[0].end), (false, 1.05));
 }
 
 #[test]
@@ -344,8 +340,8 @@ fn a_voltage_that_is_not_a_number_stops_the_run_and_is_named() {
     let circuit = Circuit::new(&builder.build().unwrap()).unwrap();
     let program = Program::new(&circuit).unwrap();
     let settings = RunSettings::of(&circuit).unwrap().with_duration(2.0);
-    let settings = RunSettings { step: 0.1, every: 0.1, ..settings };
-    let Err(StoppedRun { error: RunError::NotANumber { element, time }, trace }) =
+    let settings = settings.with_step(0.1).with_sample_interval(0.1);
+    let Err(StoppedRunError { error: RunError::NotANumber { element, time }, trace }) =
         solve::run(&program, &settings)
     else {
         panic!("a sine of 1e308 Hz has no value")

@@ -146,7 +146,7 @@ fn an_integrator_leaves_a_diode_limit_immediately() {
     let program = driven(-10.0);
     for step in [1e-2, 0.3] {
         let mut machine = run_for(&program, step, 4.321);
-        machine.set("u", 7.0).unwrap();
+        machine.set_parameter("u", 7.0).unwrap();
         machine.operate(1.0).unwrap();
         assert!((voltage(&machine, "A1") - 23.5).abs() < 1e-11, "{step}");
     }
@@ -157,7 +157,7 @@ fn an_integrator_leaves_a_diode_limit_after_a_hold() {
     let program = driven(-10.0);
     let mut machine = run_for(&program, 1e-2, 5.0);
     machine.hold();
-    machine.set("u", 7.0).unwrap();
+    machine.set_parameter("u", 7.0).unwrap();
     assert_eq!((machine.mode(), voltage(&machine, "A1")), (MachineMode::Hold, 30.5));
     machine.operate(0.5).unwrap();
     assert!((voltage(&machine, "A1") - 27.0).abs() < 1e-11, "{}", voltage(&machine, "A1"));
@@ -182,12 +182,12 @@ fn a_smooth_input_drives_an_integrator_to_a_diode_limit_and_back() {
 fn a_changed_limit_moves_or_releases_the_voltage() {
     let program = driven(-10.0);
     let mut machine = run_for(&program, 1e-2, 5.0);
-    machine.set("top", 12.0).unwrap();
+    machine.set_parameter("top", 12.0).unwrap();
     assert_eq!(voltage(&machine, "A1"), 12.5, "moved with the limit");
-    machine.set("top", 20.0).unwrap();
+    machine.set_parameter("top", 20.0).unwrap();
     machine.operate(0.5).unwrap();
     assert!((voltage(&machine, "A1") - 17.5).abs() < 1e-11, "released: {}", voltage(&machine, "A1"));
-    machine.set("top", 10.0).unwrap();
+    machine.set_parameter("top", 10.0).unwrap();
     assert_eq!(voltage(&machine, "A1"), 10.5, "moved to a limit below the voltage");
 }
 
@@ -248,12 +248,13 @@ fn a_parameter_that_reverses_the_order_of_settings_is_refused() {
             ),
     );
     let mut machine = run_for(&program, 1e-2, 0.0);
-    let mut refusal = |changes: &[(&str, f64)]| machine.set_parameters(changes).unwrap_err().to_string();
+    let mut refusal =
+        |changes: &[(&str, f64)]| machine.set_parameters(changes.iter().copied()).unwrap_err().to_string();
     assert_eq!(refusal(&[("b", 10.0)]), "R drop_out is 10, not below R pull_in at 10");
     assert_eq!(refusal(&[("a", 31.0)]), "I initial is 31, above I limit.upper at 30");
     assert_eq!(refusal(&[("a", -21.0), ("b", -50.0)]), "I initial is -21, below I limit.lower at -20");
     assert_eq!(refusal(&[("a", 80.0), ("b", 70.0)]), "I initial is 80, above I limit.upper at 30");
-    machine.set_parameters(&[("a", 30.0), ("b", 29.0)]).unwrap();
+    machine.set_parameters([("a", 30.0), ("b", 29.0)]).unwrap();
     machine.initial_condition().unwrap();
     assert_eq!(voltage(&machine, "I"), 30.0);
 }

@@ -133,6 +133,10 @@ proptest! {
         let expected = if u >= 0.0 { -u } else { -2.0 * u / (1.0 + (1.0 - 4.0 * u / 100.0).sqrt()) };
         prop_assert!((solved(builder, "S1") - expected).abs() < 1e-12);
     }
+}
+
+proptest! {
+    #![proptest_config(crate::common::random_cases(12))]
 
     #[test]
     fn a_curved_loop_inside_another_is_solved(u in 40.0..90.0f64, v in 30.0..70.0f64) {

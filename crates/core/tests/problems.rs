@@ -7,7 +7,7 @@ use crate::common::pages::assert_part_up_to_date;
 use crate::common::{convergence_order, files};
 use crate::known_problems::equations::Equations;
 use crate::known_problems::{ErrorSource, Problem, Solution, closed_form, lessons, others, thesis};
-use patchcord_core::solve::{Backend, RunSettings};
+use patchcord_core::solve::Backend;
 
 /// Tolerances of the adaptive runs, in machine units.
 const TOLERANCES: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
@@ -17,7 +17,7 @@ fn equal_steps_are_within_the_error_bound_on_every_backend() {
     for problem in crate::known_problems::all() {
         let prepared = problem.prepare();
         for backend in Backend::ALL {
-            let error = prepared.error(&RunSettings { backend, ..prepared.settings.clone() });
+            let error = prepared.error(&prepared.settings.clone().with_backend(backend));
             assert!(error < problem.max_error, "{}, {backend}: {error:e}", problem.name);
         }
     }
@@ -28,7 +28,7 @@ fn the_error_is_proportional_to_the_fourth_power_of_the_step() {
     for problem in crate::known_problems::all().filter(|problem| problem.error_source == ErrorSource::Step) {
         let prepared = problem.prepare();
         let steps = [8.0, 4.0, 2.0, 1.0].map(|factor| factor * problem.step_factor * prepared.settings.step);
-        let errors = steps.map(|step| prepared.error(&RunSettings { step, ..prepared.settings.clone() }));
+        let errors = steps.map(|step| prepared.error(&prepared.settings.clone().with_step(step)));
         let observed = convergence_order(&steps, &errors);
         assert!((3.9..=4.1).contains(&observed), "{}: order {observed} from {errors:?}", problem.name);
     }
@@ -41,8 +41,7 @@ fn adaptive_runs_keep_their_tolerance() {
         let permitted =
             if problem.error_source == ErrorSource::Amplification { problem.max_error } else { 0.0 };
         for tolerance in TOLERANCES {
-            let error =
-                prepared.error(&RunSettings { tolerance: Some(tolerance), ..prepared.settings.clone() });
+            let error = prepared.error(&prepared.settings.clone().with_tolerance(tolerance));
             assert!(error < tolerance + permitted, "{}: {error:e} at {tolerance:e}", problem.name);
         }
     }

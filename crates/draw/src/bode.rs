@@ -33,7 +33,7 @@ use patchcord_analysis::linear::{FrequencyResponse, ResponsePoint, Root};
 /// # Ok(())
 /// # }
 /// ```
-pub fn bode(response: &FrequencyResponse, roots: &[Root], note: Option<String>) -> [Picture; 2] {
+pub fn bode(response: &FrequencyResponse, roots: &[Root], note: Option<&str>) -> [Picture; 2] {
     let FrequencyResponse { input, output, unit, .. } = response;
     let decibels = points(response, |point| point.decibels());
     let degrees = points(response, |point| point.phase.to_degrees());
@@ -65,13 +65,18 @@ fn picture(
     title: String,
     vertical: Axis,
     points: Vec<(f64, f64)>,
-    note: Option<String>,
+    note: Option<&str>,
     markers: &[Marker],
 ) -> Picture {
     let (low, high) = ends(response.points.iter().map(|point| point.frequency));
     let horizontal = Axis::logarithmic("frequency", "Hz", low, high);
     let channels = vec![Channel::line(&response.output, points)];
-    Picture { channels, note, markers: markers.to_vec(), ..Picture::new(title, horizontal, vertical) }
+    Picture {
+        channels,
+        note: note.map(str::to_owned),
+        markers: markers.to_vec(),
+        ..Picture::new(title, horizontal, vertical)
+    }
 }
 
 /// Returns the frequency and a value of each point of a response.

@@ -14,16 +14,16 @@ const MAX_RUNS: usize = 50;
 /// `k = 10, then 20 N/m`. Consecutive runs with the same label share one, at the last of them. The list
 /// is empty if all runs are equal or if there are more than [`MAX_RUNS`].
 pub(super) fn labels(trace: &Trace) -> Vec<(usize, String)> {
-    if trace.sweeps.len() > MAX_RUNS {
+    if trace.repetitions.len() > MAX_RUNS {
         return Vec::new();
     }
     let runs = runs(trace);
     let differs = |name: &str| runs.iter().any(|run| run.get(name) != runs[0].get(name));
-    let label = |run: &IndexMap<&str, ParameterValues<'_>>| {
+    let label = |run: &IndexMap<&str, ValueSequence<'_>>| {
         let texts = run.iter().filter(|(name, _)| differs(name)).map(|(name, values)| values.label(name));
         texts.collect::<Vec<_>>().join(", ")
     };
-    let ends = trace.sweeps.iter().skip(1).map(|sweep| sweep.first).chain([trace.len()]);
+    let ends = trace.repetitions.iter().skip(1).map(|repetition| repetition.first).chain([trace.len()]);
     let labels: Vec<_> = ends.zip(runs.iter().map(label)).enumerate().collect();
     let groups = labels.chunk_by(|(_, one), (_, next)| one.1 == next.1);
     groups.filter(|runs| !runs[0].1.1.is_empty()).filter_map(label_of).collect()
@@ -38,14 +38,14 @@ fn label_of(runs: &[(usize, (usize, String))]) -> Option<(usize, String)> {
 
 /// The values of a parameter in a run, one after the other, in its unit.
 #[derive(Debug, PartialEq)]
-struct ParameterValues<'t> {
+struct ValueSequence<'t> {
     /// The text of the unit in which the patch declares the parameter.
     unit: &'t str,
     /// The values in order of time; consecutive equal values are listed once.
     values: Vec<f64>,
 }
 
-impl ParameterValues<'_> {
+impl ValueSequence<'_> {
     /// Formats the values: `k = 10, then 20 N/m`.
     fn label(&self, name: &str) -> String {
         let largest = self.values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -58,23 +58,23 @@ impl ParameterValues<'_> {
 /// Returns, for each run, the values of the parameters that phases set.
 ///
 /// Only values in operate and hold count, because time advances only then.
-fn runs(trace: &Trace) -> Vec<IndexMap<&str, ParameterValues<'_>>> {
+fn runs(trace: &Trace) -> Vec<IndexMap<&str, ValueSequence<'_>>> {
     let mut now: IndexMap<&str, (&str, f64)> = IndexMap::new();
-    for new in trace.phase_records.iter().flat_map(|mark| mark.phase.new_values()) {
+    for new in trace.phase_records.iter().flat_map(|record| record.phase.new_values()) {
         now.entry(&new.parameter).or_insert((&new.unit, new.before));
     }
-    let mut runs: Vec<IndexMap<&str, ParameterValues<'_>>> = Vec::new();
-    for mark in &trace.phase_records {
-        for new in mark.phase.new_values() {
+    let mut runs: Vec<IndexMap<&str, ValueSequence<'_>>> = Vec::new();
+    for record in &trace.phase_records {
+        for new in record.phase.new_values() {
             now.insert(&new.parameter, (&new.unit, new.value));
         }
-        if !matches!(mark.phase, PhaseKind::Operate { .. } | PhaseKind::Hold) {
+        if !matches!(record.phase, PhaseKind::Operate { .. } | PhaseKind::Hold) {
             continue;
         }
-        runs.resize_with(runs.len().max(mark.sweep + 1), IndexMap::new);
+        runs.resize_with(runs.len().max(record.repetition + 1), IndexMap::new);
         for (name, (unit, value)) in &now {
             let values =
-                runs[mark.sweep].entry(*name).or_insert(ParameterValues { unit, values: Vec::new() });
+                runs[record.repetition].entry(*name).or_insert(ValueSequence { unit, values: Vec::new() });
             if values.values.last() != Some(value) {
                 values.values.push(*value);
             }
@@ -86,7 +86,7 @@ fn runs(trace: &Trace) -> Vec<IndexMap<&str, ParameterValues<'_>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use patchcord_core::trace::{NewValue, PhaseEnd, PhaseRecord, Sweep};
+    use patchcord_core::trace::{NewValue, PhaseEnd, PhaseRecord, Repetition};
 
     const OPERATE: PhaseKind = PhaseKind::Operate { until: None };
 
@@ -97,21 +97,23 @@ mod tests {
 
     /// Runs of ten samples, each with these phases.
     fn trace(runs: &[&[PhaseKind]]) -> Trace {
-        let marks = runs.iter().enumerate().flat_map(|(sweep, deeds)| {
-            deeds.iter().map(move |deed| PhaseRecord {
-                phase: deed.clone(),
-                sweep,
+        let records = runs.iter().enumerate().flat_map(|(repetition, phases)| {
+            phases.iter().map(move |phase| PhaseRecord {
+                phase: phase.clone(),
+                repetition,
                 begin: 0.0,
                 end: 0.0,
                 problem_time: 0.0,
-                sample: 10 * sweep,
+                sample: 10 * repetition,
                 ended: PhaseEnd::Time,
             })
         });
         Trace {
             time: vec![0.0; 10 * runs.len()],
-            sweeps: (0..runs.len()).map(|run| Sweep { first: 10 * run, ..Sweep::default() }).collect(),
-            phase_records: marks.collect(),
+            repetitions: (0..runs.len())
+                .map(|run| Repetition { first: 10 * run, ..Repetition::default() })
+                .collect(),
+            phase_records: records.collect(),
             ..Trace::default()
         }
     }

@@ -57,17 +57,17 @@ const BAR_POINTS: usize = 41;
 ///
 /// let signal = |name, values| ProfileSignal { name, unit: "mm/s", values };
 /// let (command, velocity) = (signal("v_i", &command[..]), signal("v_o", &velocity[..]));
-/// let picture = profile_picture("Profile".to_owned(), command, velocity, &profile, None);
+/// let picture = profile_picture("Profile", command, velocity, &profile, None);
 /// let labels: Vec<&str> = picture.markers.iter().map(|marker| marker.label.as_str()).collect();
 /// assert_eq!(labels, ["2", "5"], "oscillation begins and ends");
 /// # Ok::<(), patchcord_analysis::instruments::ProfileError>(())
 /// ```
 pub fn profile_picture(
-    title: String,
+    title: impl Into<String>,
     command: ProfileSignal<'_>,
     velocity: ProfileSignal<'_>,
     profile: &VelocityProfile,
-    note: Option<String>,
+    note: Option<&str>,
 ) -> Picture {
     let samples = shown(&command.values[..command.values.len().min(velocity.values.len())], profile);
     let (along, mut up) = (command.quantity(samples.clone()), velocity.quantity(samples));
@@ -81,7 +81,7 @@ pub fn profile_picture(
         command_axis: axis(&[&along], Axis::HORIZONTAL_DIVISIONS),
         velocity_axis: axis(&[&up], Axis::VERTICAL_DIVISIONS),
     };
-    let whole = plane.line(velocity.name, points.into_iter());
+    let whole = plane.line(velocity.name, points);
     let channels = [whole].into_iter().chain(sections(profile, bars, &plane)).collect();
     plane.picture(title, channels, markers(profile), note)
 }
@@ -129,9 +129,9 @@ fn markers(profile: &VelocityProfile) -> Vec<(f64, String)> {
 mod tests {
     use super::*;
     use crate::plot::{Format, Size};
-    use patchcord_analysis::instruments::{AbsenceReason, ProfilePoint, ProfileSection};
+    use patchcord_analysis::instruments::{MissingPointError, ProfilePoint, ProfileSection};
 
-    fn point(command: f64) -> Result<ProfilePoint, AbsenceReason> {
+    fn point(command: f64) -> Result<ProfilePoint, MissingPointError> {
         Ok(ProfilePoint { time: 1.0, command, coincides_with: None })
     }
 
@@ -143,13 +143,13 @@ mod tests {
             swing: None,
             frequency: None,
         };
-        let quiet = Err(AbsenceReason::NoStickSlip);
+        let quiet = Err(MissingPointError::NoStickSlip);
         let profile = VelocityProfile {
             points: [point(1e-3), point(1.01e-3), quiet, quiet, point(upper)],
             sections: [
-                Err(AbsenceReason::Coincide(1, 2)),
+                Err(MissingPointError::Coincide(1, 2)),
                 Ok(section),
-                Err(AbsenceReason::NoStickSlip),
+                Err(MissingPointError::NoStickSlip),
                 Ok(section),
             ],
             jump: None,
@@ -158,7 +158,7 @@ mod tests {
         // The command reverses at 5 mm/s.
         let values = [0.0, 1e-3, 5e-3, 2e-3];
         let drawn = |name| ProfileSignal { name, unit: "m/s", values: &values };
-        profile_picture("It".to_owned(), drawn("v_i"), drawn("v_o"), &profile, None)
+        profile_picture("Profile", drawn("v_i"), drawn("v_o"), &profile, None)
     }
 
     #[test]
@@ -197,8 +197,8 @@ mod tests {
     fn an_empty_profile_gives_an_empty_picture() {
         let profile = VelocityProfile {
             direction: RampDirection::Rising,
-            points: [Err(AbsenceReason::Sticks); 5],
-            sections: [Err(AbsenceReason::Sticks); 4],
+            points: [Err(MissingPointError::Sticks); 5],
+            sections: [Err(MissingPointError::Sticks); 4],
             jump: None,
         };
         fn drawn(values: &[f64]) -> ProfileSignal<'_> {
@@ -207,7 +207,7 @@ mod tests {
         for direction in [RampDirection::Rising, RampDirection::Falling] {
             let profile = VelocityProfile { direction, ..profile.clone() };
             let count = |along: &[f64], up: &[f64]| {
-                let picture = profile_picture("It".to_owned(), drawn(along), drawn(up), &profile, None);
+                let picture = profile_picture("Profile", drawn(along), drawn(up), &profile, None);
                 crate::plot::render(std::slice::from_ref(&picture), Format::Svg, Size::default()).unwrap();
                 picture.channels[0].points.len()
             };

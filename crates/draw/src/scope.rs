@@ -11,6 +11,7 @@ use patchcord_core::trace::{PhaseKind, PhaseRecord, Trace, Track};
 
 /// The reasons why a picture of a trace cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScopeError {
     /// A signal of the picture was not recorded.
     #[error("the picture \"{picture}\" shows {signal}, which was not recorded")]
@@ -78,7 +79,7 @@ impl<'t> Quantity<'t> {
 /// # Ok(())
 /// # }
 /// ```
-pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Result<Picture, ScopeError> {
+pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<&str>) -> Result<Picture, ScopeError> {
     let along = find(trace, spec, &spec.x.value)?;
     let shown: Result<Vec<_>, _> = spec.y.iter().map(|name| find(trace, spec, &name.value)).collect();
     let shown = shown?;
@@ -90,7 +91,7 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
     let (horizontal, across) = axis(&[&along], Axis::HORIZONTAL_DIVISIONS);
     let (vertical, up) = axis(&left, Axis::VERTICAL_DIVISIONS);
     let second = (!right.is_empty()).then(|| axis(&right, Axis::VERTICAL_DIVISIONS));
-    let breaks: Vec<usize> = trace.sweeps.iter().map(|sweep| sweep.first).collect();
+    let breaks: Vec<usize> = trace.repetitions.iter().map(|repetition| repetition.first).collect();
     // The first channel has the labels of the family; the other channels would only repeat them.
     let mut labels = labels(trace);
     let channels = shown.iter().map(|quantity| {
@@ -108,7 +109,7 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
     Ok(Picture {
         channels: channels.collect(),
         vertical_right: second.map(|(axis, _)| axis),
-        note,
+        note: note.map(str::to_owned),
         markers: markers(trace, &along, &across),
         ..Picture::new(title(spec), horizontal, vertical)
     })
@@ -122,9 +123,9 @@ fn markers(trace: &Trace, along: &Quantity<'_>, across: &QuantityFormat) -> Vec<
         return Vec::new();
     }
     let is_simultaneous =
-        |one: &PhaseRecord, next: &PhaseRecord| one.sweep == next.sweep && one.begin == next.begin;
+        |one: &PhaseRecord, next: &PhaseRecord| one.repetition == next.repetition && one.begin == next.begin;
     let is_within = |phase: &PhaseRecord| {
-        let end = trace.sweeps.get(phase.sweep).map_or(0.0, |sweep| sweep.end);
+        let end = trace.repetitions.get(phase.repetition).map_or(0.0, |repetition| repetition.end);
         phase.begin > 0.0 && phase.begin < end
     };
     let mut seen = HashSet::new();
@@ -173,14 +174,14 @@ pub(super) fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, Qua
     let display = QuantityFormat::new(quantities.first().map_or("", |quantity| quantity.unit), largest);
     let shown: Vec<f64> = all().map(|value| display.value(value)).collect();
     let names: Vec<_> = quantities.iter().map(|quantity| quantity.name).collect();
-    (Axis::fit_tight(names.join(", "), display.unit.clone(), shown.into_iter(), divisions), display)
+    (Axis::fit_tight(names.join(", "), display.unit.clone(), shown, divisions), display)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use patchcord_core::document::{Placed, Span};
-    use patchcord_core::trace::{NewValue, PhaseEnd, Sweep};
+    use patchcord_core::trace::{NewValue, PhaseEnd, Repetition};
 
     fn spec(x: &str, y: &[&str]) -> PictureSpec {
         let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
@@ -199,7 +200,7 @@ mod tests {
         Trace {
             time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
             tracks: vec![track("v", "m/s"), track("w", "m/s"), track("F", "N"), track("p", "Pa")],
-            sweeps: vec![Sweep::default(), Sweep { first: 3, ..Sweep::default() }],
+            repetitions: vec![Repetition::default(), Repetition { first: 3, ..Repetition::default() }],
             phase_records: Vec::new(),
         }
     }
@@ -220,14 +221,14 @@ mod tests {
     }
 
     #[test]
-    fn every_sweep_begins_a_new_line() {
+    fn every_repetition_begins_a_new_line() {
         let picture = picture(&trace(), &spec("t", &["v"]), None).unwrap();
         assert_eq!(picture.channels[0].breaks, [0, 3]);
     }
 
-    fn phase(phase: PhaseKind, sweep: usize, begin: f64) -> PhaseRecord {
-        let (end, sample, ended) = (begin, 3 * sweep, PhaseEnd::Time);
-        PhaseRecord { phase, sweep, begin, end, problem_time: begin, sample, ended }
+    fn phase(phase: PhaseKind, repetition: usize, begin: f64) -> PhaseRecord {
+        let (end, sample, ended) = (begin, 3 * repetition, PhaseEnd::Time);
+        PhaseRecord { phase, repetition, begin, end, problem_time: begin, sample, ended }
     }
 
     #[test]
@@ -237,15 +238,15 @@ mod tests {
             PhaseKind::Set(vec![NewValue { parameter: "k".into(), value, before, unit: "N/m".into() }])
         };
         let mut trace = trace();
-        trace.sweeps.iter_mut().for_each(|sweep| sweep.end = 2.0);
-        for (sweep, first) in [(0, 1.0), (1, 3.0)] {
+        trace.repetitions.iter_mut().for_each(|repetition| repetition.end = 2.0);
+        for (repetition, first) in [(0, 1.0), (1, 3.0)] {
             trace.phase_records.extend([
-                phase(PhaseKind::InitialCondition, sweep, 0.0),
-                phase(operate(), sweep, 0.0),
-                phase(PhaseKind::Hold, sweep, 0.5),
-                phase(set(first, first + 1.0), sweep, 1.0),
-                phase(operate(), sweep, 1.0),
-                phase(set(first + 1.0, 3.0), sweep, 2.0),
+                phase(PhaseKind::InitialCondition, repetition, 0.0),
+                phase(operate(), repetition, 0.0),
+                phase(PhaseKind::Hold, repetition, 0.5),
+                phase(set(first, first + 1.0), repetition, 1.0),
+                phase(operate(), repetition, 1.0),
+                phase(set(first + 1.0, 3.0), repetition, 2.0),
             ]);
         }
         let against_time = picture(&trace, &spec("t", &["v", "w"]), None).unwrap();

@@ -44,7 +44,7 @@ pub fn sensitivity_pictures(trace: &Trace, note: Option<&str>) -> Result<Vec<Pic
     let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
     let scaled = signals.map(|signal| (signal, scaled_derivatives(trace, signal)));
     let drawn = scaled.filter(|(_, trace)| !trace.tracks.is_empty()).map(|(signal, trace)| {
-        let drawn = picture(&trace, &spec(&signal.name, &trace), note.map(str::to_owned))?;
+        let drawn = picture(&trace, &spec(&signal.name, &trace), note)?;
         // The names of several derivatives are in the legend.
         let several = drawn.channels.len() > 1;
         let label = if several { format!("p d {} / d p", signal.name) } else { drawn.vertical.label };

@@ -20,7 +20,7 @@ fn a_plot_shows_decibels_degrees_and_natural_frequencies() {
         .response(FrequencyBand { low: 0.1, high: 100.0 })
         .unwrap();
     let roots = roots(&model).unwrap();
-    let [magnitude, phase] = bode(&found, &roots, Some("note".to_owned()));
+    let [magnitude, phase] = bode(&found, &roots, Some("note"));
     assert_eq!(magnitude.vertical.unit, "dB (0 dB: 1 mm per N)");
     assert_eq!((phase.vertical.low, phase.vertical.high, phase.vertical.divisions), (-180.0, 0.0, 4));
     assert!(magnitude.horizontal.logarithmic && magnitude.horizontal == phase.horizontal);

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::common::element;
 use crate::schematic_checks::{check, schematic};
-use patchcord_core::patch::{Patch, PatchBuilder};
+use patchcord_core::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord_draw::plot::{Format, Primitive, Theme, render_drawing};
 
 #[test]
@@ -30,7 +30,6 @@ fn the_final_circuit_is_drawn_correctly() {
     assert_eq!(v_o.symbol.outputs[0].signals, ["v_o"]);
 }
 
-/// Two circuits with a common drive have separate rows.
 #[test]
 fn circuits_with_common_drives_have_separate_rows() {
     let patch = crate::common::shipped("thesis/fig-8-16-both");
@@ -42,7 +41,6 @@ fn circuits_with_common_drives_have_separate_rows() {
     assert!(of("B.").count() > 10 && of("B.").all(|placed| placed.area.top > lowest));
 }
 
-/// Rows of a list that are longer than the width of the sheet.
 #[test]
 fn long_texts_stay_on_the_sheet() {
     let name = |index: usize| format!("a_pot_with_a_name_that_is_far_too_long_to_be_read_{index}");
@@ -58,24 +56,21 @@ fn long_texts_stay_on_the_sheet() {
     check(&crate::common::circuit(&patch.unwrap(), &[]), "long");
 }
 
-/// A list of fifteen rows is divided into columns of equal length.
 #[test]
 fn columns_of_lists_are_balanced() {
     let builder = PatchBuilder::new("notes").machine("unlimited").run(1.0, 1e-3);
     let pot = || element("pot").cord("in", "+100").set("setting", 0.5).set("note", "half");
     let patch = (0..15).fold(builder, |builder, index| builder.element(&format!("P{index}"), pot())).build();
     let drawing = schematic(&crate::common::circuit(&patch.unwrap(), &[])).drawing();
-    let notes = drawing.primitives.iter().filter_map(|primitive| match primitive {
-        Primitive::Text(label) if label.text == "half" => Some(label.at),
-        _ => None,
-    });
+    let labels = drawing.primitives.iter().filter_map(Primitive::label);
     let mut columns: BTreeMap<i64, usize> = BTreeMap::new();
-    notes.for_each(|at| *columns.entry(at.0 as i64).or_default() += 1);
-    let (fewest, most) = (columns.values().min().unwrap(), columns.values().max().unwrap());
-    assert!(columns.len() > 1 && most - fewest <= 1, "{columns:?}");
+    labels.filter(|label| label.text == "half").for_each(|label| {
+        *columns.entry(label.at.0 as i64).or_default() += 1;
+    });
+    let (min, max) = (columns.values().min().unwrap(), columns.values().max().unwrap());
+    assert!(columns.len() > 1 && max - min <= 1, "{columns:?}");
 }
 
-/// References at integrator jacks do not overlap the texts of the jacks.
 #[test]
 fn flags_do_not_overlap_texts_at_jacks() {
     let integrator = element("integrator")
@@ -98,7 +93,7 @@ fn the_same_circuit_gives_the_same_bytes() {
     roxmltree::Document::parse(&text).unwrap();
 }
 
-/// The patch of a document.
+/// Returns the patch of a document.
 fn parsed(document: &Value) -> Patch {
     Patch::parse("macros.json", &document.to_string()).unwrap_or_else(|report| panic!("{report}"))
 }
@@ -169,9 +164,9 @@ fn special_ports_are_drawn_correctly() {
     check(&circuit, "ports");
 }
 
-#[test]
-fn settings_that_the_symbol_omits_are_listed() {
-    let kinds = [
+/// Returns elements of several kinds, each with its settings given.
+fn elements_with_settings() -> Vec<ElementBuilder> {
+    vec![
         element("integrator")
             .cords("x1", ["+100"])
             .cords("gap", ["E7"])
@@ -195,10 +190,16 @@ fn settings_that_the_symbol_omits_are_listed() {
         element("multiplier").cord("a", "+100").cord("b", "+100").set("mode", "product"),
         element("dead-zone").cord("in", "+100").set("lower", -7).set("upper", 9),
         element("backlash").cord("in", "+100").set("width", 6),
-    ];
-    let named = kinds.into_iter().enumerate().map(|(index, kind)| (format!("E{index}"), kind));
+    ]
+}
+
+#[test]
+fn settings_that_the_symbol_omits_are_listed() {
+    let elements = elements_with_settings().into_iter().enumerate();
     let builder = PatchBuilder::new("settings").machine("unlimited").run(1.0, 1e-3);
-    let patch = named.fold(builder, |builder, (name, kind)| builder.element(&name, kind)).build();
+    let patch =
+        elements.fold(builder, |builder, (index, element)| builder.element(&format!("E{index}"), element));
+    let patch = patch.build();
     let circuit = crate::common::circuit(&patch.unwrap_or_else(|report| panic!("{report}")), &[]);
     check(&circuit, "settings");
     let drawn = schematic(&circuit);

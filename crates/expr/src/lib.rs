@@ -5,6 +5,8 @@
 //! can be checked; a [`Scope`] supplies the values and dimensions of the names. Both readers report
 //! errors with the bytes at fault, so that the caller can place the error in the patch file. A
 //! [`Function`] is a mathematical function that formulas and machine elements share.
+//! [`format_significant`], [`format_decimals`] and [`round_significant`] give numbers the same text in
+//! all reports, messages and drawings.
 //!
 //! # Examples
 //!
@@ -22,8 +24,10 @@
 
 mod formula;
 mod function;
+mod number_text;
 mod units;
 
 pub use formula::{Callee, Expression, Formula, FormulaDimension, FormulaError, Node, Operator, Scope};
 pub use function::Function;
+pub use number_text::{format_decimals, format_significant, round_significant};
 pub use units::{Dimension, Unit, UnitError, engineering, nearest};

@@ -1,42 +1,108 @@
 //! System identification for patches: which effect is missing in a patch, according to measured data.
 //!
-//! An [`Experiment`] is a patch and the data measured on the system that it models. [`Experiment::read`] reads both and
-//! gives training and test records in the units of the patch. The rest follows in this order:
+//! The work has four steps: an [`Experiment`] is read, its [`Problem`] is set up, a [`search()`] tries the effects of a
+//! [`Library`], and a [`Report`] describes the [`Outcome`]. This page shows them on the patch of a mass on a
+//! spring and the measured motion of a spring that is also damped.
 //!
-//! 1. [`fit`] adjusts the parameters of the patch until its outputs follow the training records.
-//! 2. [`residuals`] tests what the fitted patch does not explain: is it only noise, or are a sign, a unit or the time
-//!    scale wrong?
-//! 3. [`effects`] has a [`Library`](effects::Library) of effects that a patch may lack, such as friction or a delay. It
-//!    finds the places where each effect can act, and wires it in there.
-//! 4. [`search`] fits every effect at every place and compares the results on all data. It adds the best effect and
-//!    repeats this until the residual is noise or no effect is better by more than chance.
-//! 5. [`localise`] estimates the unknown input that would explain the residual, if no effect of the library does.
-//! 6. [`design`] computes what the data can decide: the smallest effect that they would show, and an experiment that
-//!    distinguishes two effects which fit equally well.
-//! 7. [`report`] writes texts, pages and JSON documents. No other module formats results.
+//! # 1. Read an experiment
 //!
-//! [`statistics`] has the tests and comparisons that these steps share.
+//! An experiment is a JSON file that names the patch, the data files, the columns and the parameters to fit.
+//! `docs/gap.md` describes it. [`Experiment::read`] reads all of these files and reports all faults together. The data
+//! become training and validation [records](Record) in the units of the patch.
 //!
-//! # Examples
+//! ```
+//! use patchcord_ident::{Experiment, record_columns};
 //!
-//! A search takes some seconds, so this example is only compiled:
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+//! assert_eq!(experiment.fit, ["k"]);
+//!
+//! let position = &record_columns(&experiment, &experiment.train[0])[0];
+//! assert_eq!((position.name, position.unit, position.statistics.missing), ("x", "mm", 0));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # 2. Set up the problem and fit the patch
+//!
+//! [`Problem::of`] estimates the noise and chooses the steps of the solver. [`fit_base()`] fits the patch as it is. If
+//! its residual is not white noise, the patch lacks something.
+//!
+//! ```
+//! use patchcord_ident::{Experiment, Problem, fit_base};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+//! let problem = Problem::of(&experiment)?;
+//! let fitted = fit_base(&problem, &experiment.patch, &experiment.fit, 1)?;
+//! let fitted = fitted.ok_or("the patch cannot be run from any start")?;
+//! assert!(fitted.residuals_are_coloured());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # 3. Search for the missing effect
+//!
+//! [`search()`] begins with the same fit. It wires every effect of the library into the patch, at every suitable site,
+//! fits each extended patch, and compares the results on all data. [`Outcome::verdict`] is its answer. A search takes
+//! some seconds, so this example is only compiled:
 //!
 //! ```no_run
-//! use patchcord_ident::Experiment;
-//! use patchcord_ident::effects::Library;
-//! use patchcord_ident::fit::problem::Problem;
-//! use patchcord_ident::report::Report;
-//! use patchcord_ident::search::{SearchSettings, search};
+//! use patchcord_ident::{Experiment, Library, Problem, SearchSettings, search};
 //!
-//! let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
-//! let problem = Problem::of(&experiment)?;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+//! # let problem = Problem::of(&experiment)?;
 //! let library = Library::shipped();
-//! let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-//! let outcome = search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())?;
+//! let settings = SearchSettings::new(&library).with_seed(1);
+//! let outcome = search(&experiment, &problem, &settings, |progress| println!("{progress:?}"))?;
 //! let outcome = outcome.ok_or("the patch cannot be run from any start")?;
-//! println!("{}", Report::new(&experiment, &problem, &outcome).sentence());
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! assert_eq!(outcome.verdict.as_str(), "named");
+//! # Ok(())
+//! # }
 //! ```
+//!
+//! # 4. Report the outcome
+//!
+//! A [`Report`] makes the sentences, the JSON document, the HTML page and the patches with fitted values. No other
+//! module makes texts about results.
+//!
+//! ```no_run
+//! use patchcord_ident::{Experiment, Library, Outcome, Problem, Report};
+//!
+//! # fn describe(experiment: &Experiment, problem: &Problem, library: &Library, outcome: &Outcome)
+//! #     -> Result<(), Box<dyn std::error::Error>> {
+//! let report = Report::new(experiment, problem, outcome);
+//! assert_eq!(report.sentence(), "viscous-friction at A1 is missing");
+//! assert!(report.doubts().is_empty());
+//! std::fs::write("report.html", report.page(library)?)?;
+//! std::fs::write("report.json", report.json().to_string())?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Further questions
+//!
+//! * What can the data show at all? [`detectable_effects()`] computes the smallest effect of each kind that they would
+//!   show, without a search.
+//! * Where and when is a force missing, if no effect of the library explains the residual? [`localise()`] estimates it.
+//! * Which effects are tried where? [`EffectSites`] lists them.
+//!
+//! # Modules
+//!
+//! The names above are all that most programs need. The modules have the parts of which they are made, in the order of
+//! the work:
+//!
+//! 1. [`fit`] adjusts the parameters of the patch until its outputs follow the training records.
+//! 2. [`residuals`] analyses the residual: is it only noise, or are a sign, a unit or the time scale wrong?
+//! 3. [`effects`] has the library. It finds the sites at which each effect can act, and wires it in there.
+//! 4. [`search`](mod@search) adds the best effect. It repeats this until the residual is noise or no effect is better
+//!    by more than chance.
+//! 5. [`localise`](mod@localise) estimates the unknown input that would explain the residual.
+//! 6. [`design`] computes what the data can decide, and an experiment that distinguishes two effects.
+//! 7. [`report`] writes texts, pages and JSON documents.
+//!
+//! [`statistics`] has the tests and comparisons that these steps share.
 
 #![forbid(unsafe_code)]
 
@@ -57,4 +123,15 @@ pub use data::experiment::{Experiment, MeasuredDrive, MeasuredOutput};
 pub use data::experiment_document::Hold;
 pub use data::experiment_file::ExperimentError;
 pub use data::record::{MIN_RECORD_SAMPLES, Record};
+pub use design::detectability::{Detectability, DetectionLimit, detectable_effects};
+pub use effects::effect_sites::EffectSites;
+pub use effects::{Effect, EffectError, Library, PlacedEffect};
+pub use fit::base_fit::fit_base;
+pub use fit::fitted_model::FittedModel;
+pub use fit::model::ModelError;
+pub use fit::problem::Problem;
+pub use localise::{Localisation, localise};
+pub use report::Report;
 pub use report::provenance::table_files;
+pub use search::progress::{Progress, SearchPhase};
+pub use search::{Outcome, SearchSettings, Verdict, search};

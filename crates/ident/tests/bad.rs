@@ -9,10 +9,10 @@ use patchcord_core::document::Report;
 use patchcord_ident::{Experiment, ExperimentError};
 
 /// Folder of the experiments, relative to the package.
-pub const FOLDER: &str = "tests/bad";
+pub(crate) const FOLDER: &str = "tests/bad";
 
 /// The paths of all bad experiments, in the order of their names.
-pub fn experiments() -> Vec<PathBuf> {
+pub(crate) fn experiments() -> Vec<PathBuf> {
     let paths = fs::read_dir(FOLDER).unwrap().map(|entry| entry.unwrap().path());
     let mut experiments: Vec<_> =
         paths.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect();
@@ -24,7 +24,7 @@ pub fn experiments() -> Vec<PathBuf> {
 /// The errors of an invalid experiment, or the warnings of one that is only doubtful.
 ///
 /// Panics if a file of the experiment cannot be read.
-pub fn report(path: &Path) -> Report {
+pub(crate) fn report(path: &Path) -> Report {
     match Experiment::read(path) {
         Ok(experiment) => experiment.warnings,
         Err(ExperimentError::Invalid { experiment, .. }) => *experiment,

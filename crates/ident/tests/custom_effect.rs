@@ -33,13 +33,10 @@ fn the_effect_of_the_format_page_is_found_after_its_file_is_added() {
     let forces: Vec<f64> = times.map(|time| 20.0 * (9.0 * time).sin() + 20.0 * (5.3 * time).sin()).collect();
     let k2 = 800.0;
     let (experiment, problem) = measured(&forces, &positions(k2, &forces));
-    let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-    let outcome =
-        patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())
-            .unwrap()
-            .unwrap();
+    let settings = SearchSettings::new(&library).with_threads(2);
+    let outcome = patchcord_ident::search::search(&experiment, &problem, &settings, |_| ()).unwrap().unwrap();
     assert_eq!(verdict_sentence(&outcome), "square-stiffness at IV is missing");
-    let parameter = &document(&problem, &outcome)["effects"][0]["parameters"]["k2"];
+    let parameter = &document(&experiment, &problem, &outcome)["effects"][0]["parameters"]["k2"];
     assert_eq!(parameter["unit"], "N/m2");
     assert!((parameter["value"].as_f64().unwrap() / k2 - 1.0).abs() < 0.03, "{parameter}");
 }

@@ -8,11 +8,11 @@ use super::library;
 use super::oscillator::{INTERVAL, measured};
 use super::search::document;
 use patchcord_core::patch::Patch;
-use patchcord_ident::design::detectability::{DetectionLimit, best_places};
+use patchcord_ident::design::detectability::{DetectionLimit, best_sites};
 use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::report::detection_limits::limit_text;
 use patchcord_ident::report::doubts::doubts;
-use patchcord_ident::report::places::nowhere_sentence;
+use patchcord_ident::report::effect_sites::inapplicable_effects_sentence;
 use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::report::values::undetermined_sentence;
 use patchcord_ident::search::inconclusive::Inconclusive;
@@ -30,10 +30,8 @@ fn search(experiment: &Experiment, problem: &Problem) -> Outcome {
 /// The search with a library of these effects, on two threads.
 fn search_for(effects: &[&str], experiment: &Experiment, problem: &Problem) -> Outcome {
     let library = library::with_effects(effects);
-    let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-    patchcord_ident::search::search(problem, &experiment.patch, &experiment.fit, &settings, |_| ())
-        .unwrap()
-        .unwrap()
+    let settings = SearchSettings::new(&library).with_threads(2);
+    patchcord_ident::search::search(experiment, problem, &settings, |_| ()).unwrap().unwrap()
 }
 
 /// Data of an oscillator without a missing effect, made by benches/hidden.
@@ -61,7 +59,7 @@ fn a_bias_is_named_at_twice_its_detection_limit_and_not_at_half_of_it() {
     // A constant force shifts all positions by force / stiffness.
     let search_with_bias = |force: f64| {
         let mut problem = problem.clone();
-        let records = problem.train.iter_mut().chain(&mut problem.test);
+        let records = problem.train.iter_mut().chain(&mut problem.validation);
         records.flat_map(|record| &mut record.outputs[0]).for_each(|x| *x += force / stiffness);
         search(&experiment, &problem)
     };
@@ -76,7 +74,7 @@ fn a_bias_is_named_at_twice_its_detection_limit_and_not_at_half_of_it() {
 fn detection_limits_are_reported_if_nothing_is_missing() {
     let (experiment, problem) = complete_oscillator();
     let outcome = search(&experiment, &problem);
-    let document = document(&problem, &outcome);
+    let document = document(&experiment, &problem, &outcome);
     let limits: Vec<&Value> = document["limits"].as_array().unwrap().iter().collect();
     let of = |parameter: &str| *limits.iter().find(|limit| limit["parameter"] == parameter).unwrap();
     assert_eq!(of("Fc")["unit"], "N");
@@ -91,7 +89,7 @@ fn detection_limits_are_reported_if_nothing_is_missing() {
         sentence.starts_with("no missing effect is detectable in these data; the smallest detectable "),
         "{sentence}"
     );
-    let best = best_places(&outcome.detection_limits)[0];
+    let best = best_sites(&outcome.detection_limits)[0];
     let value = format!(" has {} = {}", best.parameter, limit_text(best).unwrap());
     assert!(sentence.ends_with(&value), "{sentence}");
 }
@@ -144,7 +142,7 @@ fn a_change_between_training_and_test_makes_the_search_inconclusive_or_doubtful(
             records.iter_mut().flat_map(|record| record.outputs[0].iter_mut().enumerate()).for_each(shift);
         };
         disturb(&mut problem.train, 0.0);
-        disturb(&mut problem.test, alternation);
+        disturb(&mut problem.validation, alternation);
         let outcome = search_for(&["constant-bias"], &experiment, &problem);
         (outcome.verdict, verdict_sentence(&outcome), doubts(&outcome, &experiment))
     };
@@ -178,10 +176,11 @@ fn the_search_is_inconclusive_if_no_effect_fits_the_patch() {
     let outcome = search_for(&["overflow"], &experiment, &problem);
     assert_eq!(
         (outcome.verdict, &outcome.inconclusive),
-        (Verdict::CannotJudge, &Some(Inconclusive::NoPlaces))
+        (Verdict::CannotJudge, &Some(Inconclusive::NoSites))
     );
-    assert_eq!(nowhere_sentence(&outcome.places).unwrap(), "The patch has no place for overflow.");
-    assert_eq!(document(&problem, &outcome)["nowhere"], json!(["overflow"]));
+    let sentence = inapplicable_effects_sentence(&outcome.effect_sites).unwrap();
+    assert_eq!(sentence, "The patch has no place for overflow.");
+    assert_eq!(document(&experiment, &problem, &outcome)["nowhere"], json!(["overflow"]));
 }
 
 /// Samples of an oscillator: force and position are in-phase sines with amplitudes in N and in m.
@@ -214,7 +213,11 @@ fn data_with_few_samples_are_inconclusive() {
         outcome.detection_limits
     );
     assert!(
-        document(&problem, &outcome)["limits"].as_array().unwrap().iter().all(|limit| limit["seen"] == false)
+        document(&experiment, &problem, &outcome)["limits"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|limit| limit["seen"] == false)
     );
 }
 

@@ -15,6 +15,7 @@ use patchcord_core::solve::{RunSettings, run};
 use patchcord_ident::Experiment;
 use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::report::discriminating_experiment::{experiment_csv, experiment_sentence};
+use patchcord_ident::report::labels::effect_label;
 use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::{Outcome, SearchSettings, Verdict};
 
@@ -30,12 +31,12 @@ fn delayed_positions(forces: &[f64]) -> Vec<f64> {
     ];
     let patch = Patch::read(patch()).unwrap().with_edits("delayed.json", &edits).unwrap();
     let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
-    let settings = RunSettings {
-        step: INTERVAL / 10.0,
-        every: INTERVAL,
-        record: vec!["x".to_owned()],
-        ..RunSettings::of(&circuit).unwrap().with_duration(INTERVAL * (forces.len() - 1) as f64)
-    };
+    let settings = RunSettings::of(&circuit)
+        .unwrap()
+        .with_duration(INTERVAL * (forces.len() - 1) as f64)
+        .with_step(INTERVAL / 10.0)
+        .with_sample_interval(INTERVAL)
+        .with_signals(["x"]);
     run(&Program::new(&circuit).unwrap(), &settings).unwrap().values("x").unwrap()
 }
 
@@ -43,11 +44,8 @@ fn delayed_positions(forces: &[f64]) -> Vec<f64> {
 fn search_delayed(forces: &[f64]) -> (Experiment, Problem, Outcome) {
     let (experiment, problem) = measured(forces, &delayed_positions(forces));
     let library = library::with_effects(&["actuator-lag", "time-delay", "constant-bias"]);
-    let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-    let outcome =
-        patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())
-            .unwrap()
-            .unwrap();
+    let settings = SearchSettings::new(&library).with_threads(2);
+    let outcome = patchcord_ident::search::search(&experiment, &problem, &settings, |_| ()).unwrap().unwrap();
     (experiment, problem, outcome)
 }
 
@@ -62,7 +60,7 @@ fn the_proposed_experiment_distinguishes_a_delay_from_a_lag() {
     assert_eq!(outcome.verdict, Verdict::Ambiguous, "{}", verdict_sentence(&outcome));
     let proposal = outcome.discriminating_experiment.as_ref().unwrap();
     assert!(proposal.is_decisive(), "{}", experiment_sentence(proposal));
-    let mut effects = proposal.effects.clone();
+    let mut effects = proposal.effects.each_ref().map(effect_label);
     effects.sort();
     assert_eq!(effects, ["actuator-lag at F", "time-delay at F"]);
     assert!(
@@ -70,7 +68,7 @@ fn the_proposed_experiment_distinguishes_a_delay_from_a_lag() {
         "{}",
         verdict_sentence(&outcome)
     );
-    let document = document(&problem, &outcome);
+    let document = document(&experiment, &problem, &outcome);
     let rivals = document["rivals"].as_array().unwrap().iter();
     let tied = rivals.filter(|rival| rival["tied"] == true && rival["step"] == 1).map(|rival| &rival["name"]);
     let named = document["effects"].as_array().unwrap().iter().skip(1).map(|effect| &effect["name"]);
@@ -123,13 +121,12 @@ fn moved_forward() -> (Experiment, Problem) {
 #[test]
 #[ignore = "takes several seconds: a whole search"]
 fn a_drive_that_changes_its_sign_is_proposed_if_the_data_move_in_one_direction() {
-    let (experiment, problem) = moved_forward();
-    let patch = experiment.patch.with_edits("base.json", &[Edit::new("parameters/f/value", 1)]).unwrap();
+    let (mut experiment, problem) = moved_forward();
+    experiment.patch =
+        experiment.patch.with_edits("base.json", &[Edit::new("parameters/f/value", 1)]).unwrap();
     let library = library::with_effects(&["constant-bias", "coulomb-friction"]);
-    let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-    let outcome = patchcord_ident::search::search(&problem, &patch, &experiment.fit, &settings, |_| ())
-        .unwrap()
-        .unwrap();
+    let settings = SearchSettings::new(&library).with_threads(2);
+    let outcome = patchcord_ident::search::search(&experiment, &problem, &settings, |_| ()).unwrap().unwrap();
     assert_eq!(outcome.verdict, Verdict::Ambiguous, "{}", verdict_sentence(&outcome));
     let proposal = outcome.discriminating_experiment.as_ref().unwrap();
     assert!(proposal.is_decisive() && proposal.reverses_sign, "{}", experiment_sentence(proposal));

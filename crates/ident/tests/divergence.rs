@@ -19,7 +19,7 @@ fn search_with_reversed_spring(noise: f64) -> Outcome {
             Edit::new("elements/PK/in", json!("BX")),
         ];
         experiment.patch = experiment.patch.with_edits("reversed.json", &reversed).unwrap();
-        for record in experiment.train.iter_mut().chain(&mut experiment.test) {
+        for record in experiment.train.iter_mut().chain(&mut experiment.validation) {
             record.drives.iter_mut().chain(&mut record.outputs).for_each(|column| column.truncate(600));
             let mut white = white(1);
             record.drives[0].iter_mut().for_each(|force| *force += noise * white());

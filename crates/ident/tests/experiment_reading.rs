@@ -1,4 +1,4 @@
-//! Valid experiments: records, split into training and test data, units, holds and missing rows.
+//! Valid experiments: records, split into training and validation data, units, holds and missing rows.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,8 +8,6 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::Program;
 use patchcord_expr::Unit;
 use patchcord_ident::{Experiment, Hold, Record};
 
@@ -60,7 +58,7 @@ fn without_ranges_the_first_three_quarters_of_a_record_are_training_data() {
     write_file(&folder, "data.csv", &table(0..80, 0.1));
     let experiment = read(&folder, &json!({}));
     assert_eq!(experiment.warnings.to_string(), "");
-    let [train, test] = [&experiment.train, &experiment.test].map(|records| &records[0]);
+    let [train, test] = [&experiment.train, &experiment.validation].map(|records| &records[0]);
     assert_eq!((time_range(train), time_range(test)), ((0.0, 5.9), (6.0, 7.9)));
     assert_eq!((train.len(), test.len(), train.missing(), train.drives.len()), (60, 20, 0, 1));
     assert!((train.interval - 0.1).abs() < 1e-12);
@@ -89,7 +87,7 @@ fn ranges_select_training_and_test_data() {
         let experiment = read(&folder, &changes);
         assert_eq!(experiment.warnings.to_string(), "");
         let ranges = |records: &[Record]| records.iter().map(time_range).collect::<Vec<_>>();
-        (ranges(&experiment.train), ranges(&experiment.test))
+        (ranges(&experiment.train), ranges(&experiment.validation))
     };
     let range = json!({"data": "again.csv", "range": [2, 6]});
     let cases = [
@@ -111,6 +109,16 @@ fn ranges_select_training_and_test_data() {
     }
 }
 
+/// Before the test range are 20 sample times, but only 8 rows, which are not enough to train on.
+#[test]
+fn training_data_are_after_the_test_range_if_too_few_rows_are_before_it() {
+    let folder = folder();
+    write_file(&folder, "data.csv", &table((0..4).chain(16..60), 0.1));
+    let experiment = read(&folder, &json!({"test": [2, 4]}));
+    assert_eq!(time_range(&experiment.train[0]), (4.1, 5.9));
+    assert_eq!(time_range(&experiment.validation[0]), (2.0, 4.0));
+}
+
 #[test]
 fn with_a_separate_test_file_the_whole_record_is_training_data() {
     let folder = folder();
@@ -118,8 +126,8 @@ fn with_a_separate_test_file_the_whole_record_is_training_data() {
     write_file(&folder, "other.csv", &table(10..60, 0.1).replace("t,F,v,x", "t,F,v,position"));
     let test = json!({"data": "other.csv", "range": [2, 4], "columns": {"x": "position"}});
     let experiment = read(&folder, &json!({"test": test}));
-    assert_eq!((experiment.train[0].len(), time_range(&experiment.test[0])), (40, (2.0, 4.0)));
-    assert_eq!(experiment.test[0].name, "other.csv (position)");
+    assert_eq!((experiment.train[0].len(), time_range(&experiment.validation[0])), (40, (2.0, 4.0)));
+    assert_eq!(experiment.validation[0].name, "other.csv (position)");
 }
 
 #[test]
@@ -140,7 +148,7 @@ fn two_records_may_be_columns_of_one_file() {
             "test": {"data": "data.csv", "columns": {"uEst": "uVal", "yEst": "yVal"}},
         }),
     );
-    let [train, test] = [&experiment.train[0], &experiment.test[0]];
+    let [train, test] = [&experiment.train[0], &experiment.validation[0]];
     assert_eq!((train.len(), test.len(), train.interval, train.begin), (40, 40, 0.1, 0.0));
     assert_eq!(
         (train.drives[0][3], train.outputs[0][3], test.drives[0][3], test.outputs[0][3]),
@@ -184,18 +192,13 @@ fn times_rounded_to_milliseconds_are_accepted_as_equidistant() {
 }
 
 #[test]
-fn an_output_keeps_the_factor_of_its_signal_and_a_drive_becomes_a_table() {
+fn an_output_keeps_the_factor_of_its_signal() {
     let folder = folder();
     write_file(&folder, "data.csv", &table(0..80, 0.1));
     let held = json!({"F": {"column": "F", "hold": "previous"}});
     let experiment = read(&folder, &json!({"drives": held, "outputs": {"v": "v"}}));
     assert_eq!((experiment.outputs[0].per_volt, experiment.drives[0].per_volt), (-0.01, 0.1));
-    let fed = experiment.patch_with_drive_tables().unwrap();
-    assert_eq!((experiment.patch.drives["F"].kind.name, fed.drives["F"].kind.name), ("step", "table"));
-    assert_eq!(fed.drives["F"].scale.as_ref().unwrap().value, "force");
-    assert_eq!(fed.value()["drives"]["F"]["hold"], "previous");
-    let circuit = Circuit::new(&fed).unwrap_or_else(|report| panic!("{report}"));
-    Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(experiment.drives[0].hold, Hold::Previous);
 }
 
 #[test]
@@ -245,7 +248,7 @@ proptest! {
         write_file(&folder, "data.csv", &csv_text(&rows, &line_end, &quote, &mark));
         let experiment = read(&folder, &json!({}));
         let samples = |column: &dyn Fn(&Record) -> Vec<f64>| {
-            [column(&experiment.train[0]), column(&experiment.test[0])].concat()
+            [column(&experiment.train[0]), column(&experiment.validation[0])].concat()
         };
         let column = |index: usize| rows.iter().map(|row| row[index]).collect::<Vec<_>>();
         prop_assert_eq!(samples(&|record| record.drives[0].clone()), column(1));
@@ -288,7 +291,7 @@ fn the_tanks_benchmark_is_read_if_its_file_is_present() {
             "test": {"data": "data.csv", "columns": {"uEst": "uVal", "yEst": "yVal"}},
         }),
     );
-    assert_eq!((experiment.train[0].len(), experiment.test[0].len()), (1024, 1024));
+    assert_eq!((experiment.train[0].len(), experiment.validation[0].len()), (1024, 1024));
     assert_eq!(experiment.train[0].drives[0][1023], 3.2615);
-    assert!((experiment.test[0].outputs[0][0] - 0.049728).abs() < 1e-12);
+    assert!((experiment.validation[0].outputs[0][0] - 0.049728).abs() < 1e-12);
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use patchcord_ident::effects::Library;
 
 /// A library that contains only the shipped effects of these names, such as "coulomb-friction".
-pub fn with_effects(effects: &[&str]) -> Library {
+pub(crate) fn with_effects(effects: &[&str]) -> Library {
     let folder = tempfile::tempdir().unwrap();
     for effect in effects {
         let file = format!("{effect}.json");

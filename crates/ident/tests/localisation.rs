@@ -19,7 +19,7 @@ use patchcord_ident::report::Report;
 use patchcord_ident::search::{SearchSettings, Verdict};
 
 /// A patch with a hidden change, and how its records are measured.
-pub struct HiddenCase {
+pub(crate) struct HiddenCase {
     /// Name of the patch in crates/ident/tests/systems.
     system: &'static str,
     /// The hidden change: paths in the patch, and the values to write there.
@@ -37,7 +37,7 @@ pub struct HiddenCase {
 
 impl HiddenCase {
     /// The patch without the hidden change.
-    pub fn patch(&self) -> Patch {
+    pub(crate) fn patch(&self) -> Patch {
         Patch::read(self.file()).unwrap()
     }
 
@@ -56,12 +56,12 @@ impl HiddenCase {
         let hidden = self.edits.iter().map(|(path, value)| edit((path, value.clone())));
         let edits: Vec<Edit> = hidden.chain([edit((&["drives", self.drive.0], drive))]).collect();
         let circuit = Circuit::new(&patch.with_edits("hidden.json", &edits).unwrap()).unwrap();
-        let settings = RunSettings {
-            step: self.interval / 10.0,
-            every: self.interval,
-            record: names.iter().map(|name| (*name).to_owned()).collect(),
-            ..RunSettings::of(&circuit).unwrap().with_duration(self.interval * (self.samples - 1) as f64)
-        };
+        let settings = RunSettings::of(&circuit)
+            .unwrap()
+            .with_duration(self.interval * (self.samples - 1) as f64)
+            .with_step(self.interval / 10.0)
+            .with_sample_interval(self.interval)
+            .with_signals(names.iter().map(|name| (*name).to_owned()));
         let trace = run(&Program::new(&circuit).unwrap(), &settings).unwrap();
         names.iter().map(|name| trace.values(name).unwrap()).collect()
     }
@@ -83,7 +83,7 @@ impl HiddenCase {
     }
 
     /// The experiment of the patch without the hidden change, on noisy samples of the patch with it.
-    pub fn measured(&self) -> Experiment {
+    pub(crate) fn measured(&self) -> Experiment {
         let folder = tempfile::tempdir().unwrap();
         let names: Vec<&str> = self.outputs.iter().map(|output| output.0).collect();
         let mut noise = white(4);
@@ -140,7 +140,7 @@ fn inflow(time: f64) -> f64 {
 }
 
 /// An oscillator with a hidden force that is a bell curve of its position, centred at 0.05 m.
-pub fn oscillator() -> HiddenCase {
+pub(crate) fn oscillator() -> HiddenCase {
     let drive =
         |time: f64| 14.0 * (8.0 * time).sin() + 16.0 * (11.3 * time).sin() + 10.0 * (3.1 * time).sin();
     oscillator_with_force(bell_force, drive)
@@ -234,9 +234,9 @@ fn a_force_over_position_is_recovered_as_a_function_generator() {
         patchcord_ident::fit::base_fit::fit_base(&problem, &best.recovered, &base.variant.fit, 1)
             .unwrap()
             .unwrap();
-    let gaps = [&base, &with_force].map(|model| [model.excess_rms(), model.test.normalised_rms()]);
+    let gaps = [&base, &with_force].map(|model| [model.excess_rms(), model.validation.normalised_rms()]);
     assert!(gaps[1][0] < 0.3 * gaps[0][0] && gaps[1][1] < 0.3 * gaps[0][1], "{gaps:?}");
-    assert!(curve.held_out.unwrap() > 0.9, "{:?}", curve.held_out);
+    assert!(curve.validation_fraction.unwrap() > 0.9, "{:?}", curve.validation_fraction);
 }
 
 /// The friction force jumps where the velocity changes its sign. These times depend on the recovered curve itself.
@@ -259,10 +259,10 @@ fn coulomb_friction_is_recovered_as_a_force_over_velocity() {
     assert_eq!((localisations[0].junction.as_str(), localisations[0].best_regressor()), ("IV", "v"));
     let curve = &localisations[0].curves[localisations[0].best_curve.unwrap()];
     assert!(
-        curve.explained_fraction > 0.994 && curve.held_out.unwrap() > 0.96,
+        curve.explained_fraction > 0.994 && curve.validation_fraction.unwrap() > 0.96,
         "{} {:?}",
         curve.explained_fraction,
-        curve.held_out
+        curve.validation_fraction
     );
 }
 
@@ -282,10 +282,10 @@ fn a_strong_nonlinear_spring_is_recovered_as_a_force_over_position() {
     assert_eq!((localisations[0].junction.as_str(), localisations[0].best_regressor()), ("IV", "x"));
     let curve = &localisations[0].curves[localisations[0].best_curve.unwrap()];
     assert!(
-        curve.explained_fraction > 0.999 && curve.held_out.unwrap() > 0.9,
+        curve.explained_fraction > 0.999 && curve.validation_fraction.unwrap() > 0.9,
         "{} {:?}",
         curve.explained_fraction,
-        curve.held_out
+        curve.validation_fraction
     );
 }
 
@@ -293,16 +293,14 @@ fn a_strong_nonlinear_spring_is_recovered_as_a_force_over_position() {
 #[ignore = "takes several seconds: a whole search"]
 fn an_unknown_effect_is_reported_with_its_force_and_the_thread_count_does_not_matter() {
     let hidden = tanks(&["ku"]);
-    let (problem, base) = hidden.fitted();
+    let experiment = hidden.measured();
+    let problem = Problem::of(&experiment).unwrap();
     let library = Library::default();
     let [one_thread, two_threads] = [1, 2].map(|threads| {
-        let settings = SearchSettings { library: &library, threads, seed: 1 };
-        patchcord_ident::search::search(&problem, &hidden.patch(), &base.variant.fit, &settings, |_| ())
-            .unwrap()
-            .unwrap()
+        let settings = SearchSettings::new(&library).with_threads(threads);
+        patchcord_ident::search::search(&experiment, &problem, &settings, |_| ()).unwrap().unwrap()
     });
     assert_eq!(one_thread.verdict, Verdict::UnknownEffect);
-    let experiment = hidden.measured();
     let [report, other_report] =
         [&one_thread, &two_threads].map(|outcome| Report::new(&experiment, &problem, outcome));
     let document = report.json();

@@ -91,7 +91,7 @@ impl Equations<2, 0> for Tanks {
 /// Samples of a signal, one every `every` seconds, of a patch with some parameters changed.
 fn run(patch: &Patch, changes: &[(&str, f64)], duration: f64, every: f64, signal: &str) -> Vec<f64> {
     let circuit = crate::common::circuit(patch, changes);
-    let settings = RunSettings { every, ..RunSettings::of(&circuit).unwrap().with_duration(duration) };
+    let settings = RunSettings::of(&circuit).unwrap().with_duration(duration).with_sample_interval(every);
     let trace = solve::run(&crate::common::program_of(&circuit), &settings).unwrap();
     trace.values(signal).unwrap()
 }
@@ -197,7 +197,7 @@ fn experiments_read_tables_with_the_format_of_the_data() {
         let copy = folder.path().join(path.file_name().unwrap());
         let experiment = Experiment::read(&copy).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(experiment.warnings.to_string(), "", "{}", path.display());
-        assert!(!experiment.test.is_empty() && !experiment.fit.is_empty());
+        assert!(!experiment.validation.is_empty() && !experiment.fit.is_empty());
     }
 }
 
@@ -220,7 +220,8 @@ fn experiments_read_the_measured_data_if_present() {
     for path in experiments() {
         let Some(experiment) = read_if_present(&path) else { continue };
         assert_eq!(experiment.warnings.to_string(), "", "{}", path.display());
-        let samples: usize = experiment.train.iter().chain(&experiment.test).map(|record| record.len()).sum();
+        let samples: usize =
+            experiment.train.iter().chain(&experiment.validation).map(|record| record.len()).sum();
         assert!([24_841, 2 * 24_841, 2 * 1024].contains(&samples), "{}: {samples}", path.display());
     }
 }
@@ -229,11 +230,9 @@ fn experiments_read_the_measured_data_if_present() {
 fn search_if_present(name: &str, effects: &[&str]) -> Option<(Experiment, Problem, Outcome)> {
     let experiment = read_if_present(&Path::new(FOLDER).join(format!("{name}.experiment.json")))?;
     let problem = Problem::of(&experiment).unwrap();
-    let settings = SearchSettings { library: &crate::library::with_effects(effects), threads: 2, seed: 1 };
-    let outcome =
-        patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())
-            .unwrap()
-            .unwrap();
+    let library = crate::library::with_effects(effects);
+    let settings = SearchSettings::new(&library).with_threads(2);
+    let outcome = patchcord_ident::search::search(&experiment, &problem, &settings, |_| ()).unwrap().unwrap();
     Some((experiment, problem, outcome))
 }
 
@@ -245,7 +244,7 @@ fn the_friction_of_the_measured_slide_depends_on_direction() {
     assert!(sentence.starts_with("asymmetric-viscous-friction at IV is missing"), "{sentence}");
     let model = outcome.reported_model();
     let values = (model.variant.fit.as_slice(), model.train.estimate.parameters.as_slice());
-    for (record, limit) in [(&experiment.train[0], 0.015), (&experiment.test[0], 0.052)] {
+    for (record, limit) in [(&experiment.train[0], 0.015), (&experiment.validation[0], 0.052)] {
         let error = velocity::error(&experiment, model.variant.patch(), values, record).unwrap();
         assert!(error < limit, "{}: {error}", record.name);
     }
@@ -263,7 +262,7 @@ fn the_measured_tanks_overflow_and_their_sensors_do_not_saturate() {
         "{}",
         verdict_sentence(&outcome)
     );
-    let error = outcome.reported_model().test.normalised_rms() * problem.sigma[0];
+    let error = outcome.reported_model().validation.normalised_rms() * problem.sigma[0];
     assert!(error < 0.28, "{error} V");
 }
 
@@ -280,7 +279,8 @@ fn velocity_errors_of_published_fits_agree_with_the_page() {
         let (fit, values): (Vec<String>, Vec<f64>) =
             parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).unzip();
         let patch = shipped(&format!("measured/{stem}"));
-        for (record, expected) in [&experiment.train[0], &experiment.test[0]].into_iter().zip(expected_errors)
+        for (record, expected) in
+            [&experiment.train[0], &experiment.validation[0]].into_iter().zip(expected_errors)
         {
             let error = velocity::error(&experiment, &patch, (&fit, &values), record).unwrap();
             assert!(

@@ -10,7 +10,7 @@ use patchcord_ident::search::{Outcome, Verdict};
 /// The outcome of the search in a hidden case whose outputs are multiplied by `factor`.
 fn search_scaled(name: &str, factor: f64) -> Outcome {
     search_modified(name, |experiment| {
-        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        let records = experiment.train.iter_mut().chain(&mut experiment.validation);
         records.flat_map(|record| record.outputs.iter_mut().flatten()).for_each(|value| *value *= factor);
     })
 }
@@ -64,7 +64,7 @@ fn a_wrong_output_unit_is_reported_and_no_effect_is_named() {
 #[ignore = "takes several seconds: a whole search"]
 fn the_one_output_with_a_wrong_unit_is_identified() {
     let outcome = search_modified("bias", |experiment| {
-        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        let records = experiment.train.iter_mut().chain(&mut experiment.validation);
         records.flat_map(|record| &mut record.outputs[1]).for_each(|value| *value *= 1e3);
         experiment.outputs[1].sigma = experiment.outputs[1].sigma.map(|sigma| 1e3 * sigma);
     });
@@ -79,7 +79,7 @@ fn the_one_output_with_a_wrong_unit_is_identified() {
 fn a_wrong_unit_is_identified_with_pieces_and_with_an_offset() {
     let outcome = search_modified("nothing", |experiment| {
         (experiment.piece_duration, experiment.outputs[0].has_offset) = (Some(2.0), true);
-        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        let records = experiment.train.iter_mut().chain(&mut experiment.validation);
         records.flat_map(|record| record.outputs.iter_mut().flatten()).for_each(|value| *value *= 1e-3);
     });
     assert_eq!(
@@ -92,7 +92,7 @@ fn a_wrong_unit_is_identified_with_pieces_and_with_an_offset() {
 #[ignore = "takes several seconds: a whole search"]
 fn times_a_thousandfold_too_long_are_reported_and_no_effect_is_named() {
     let outcome = search_modified("nothing", |experiment: &mut Experiment| {
-        for record in experiment.train.iter_mut().chain(&mut experiment.test) {
+        for record in experiment.train.iter_mut().chain(&mut experiment.validation) {
             // The run lasts a thousand times as long. 400 samples keep the test short and still suffice.
             let columns = record.outputs.iter_mut().chain(&mut record.drives);
             columns.for_each(|column| column.truncate(400));
@@ -110,7 +110,7 @@ fn times_a_thousandfold_too_long_are_reported_and_no_effect_is_named() {
 #[ignore = "takes several seconds: a whole search"]
 fn times_a_thousandfold_too_short_are_reported_and_no_effect_is_named() {
     let outcome = search_modified("nothing", |experiment: &mut Experiment| {
-        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        let records = experiment.train.iter_mut().chain(&mut experiment.validation);
         records.for_each(|record| record.interval *= 1e-3);
     });
     assert_eq!(assert_misspecified(&outcome, 0.05).respecification, Respecification::TimeScaleUp);

@@ -11,24 +11,24 @@ use patchcord_ident::Experiment;
 use patchcord_ident::fit::problem::Problem;
 
 /// Sampling interval in s.
-pub const INTERVAL: f64 = 0.005;
+pub(crate) const INTERVAL: f64 = 0.005;
 /// Standard deviation of the position noise in m.
-pub const SIGMA: f64 = 1e-3;
+pub(crate) const SIGMA: f64 = 1e-3;
 
 /// The path of the oscillator's patch.
-pub fn patch() -> PathBuf {
+pub(crate) fn patch() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/systems/oscillator.json")
 }
 
 /// The experiment with these forces in N and true positions in m, and its fit problem. The first half is training data.
-pub fn measured(forces: &[f64], positions: &[f64]) -> (Experiment, Problem) {
+pub(crate) fn measured(forces: &[f64], positions: &[f64]) -> (Experiment, Problem) {
     measured_with([INTERVAL, SIGMA], forces, positions, "linear")
 }
 
 /// The same experiment with another sampling interval in s, noise in m, and interpolation of the force.
 ///
 /// `hold` is the value of the drive's key "hold": "linear", "smooth" or "previous".
-pub fn measured_with(
+pub(crate) fn measured_with(
     [interval, sigma]: [f64; 2],
     forces: &[f64],
     positions: &[f64],

@@ -15,30 +15,31 @@ use patchcord_core::solve::{self, RunSettings};
 use patchcord_ident::Experiment;
 use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::report::Report;
+use patchcord_ident::report::labels::candidate_label;
 use patchcord_ident::report::provenance::fitted_patch;
 use patchcord_ident::search::Outcome;
 
 /// The residual of an unchanged patch in the first training record: rms over the noise.
 ///
-/// The drives are tables of the measured data, interpolated as the patch specifies.
-fn residual_over_noise(patch: Patch, experiment: &Experiment, sigma: &[f64]) -> f64 {
-    let experiment = Experiment { patch, ..experiment.clone() };
-    let circuit = Circuit::new(&experiment.patch_with_drive_tables().unwrap()).unwrap();
+/// The drives are tables of the measured data, connected by straight lines.
+fn residual_over_noise(patch: &Patch, experiment: &Experiment, sigma: &[f64]) -> f64 {
+    let mut editor = patch.edit();
+    experiment.drives.iter().for_each(|measured| editor.put_table_drive(&measured.drive, "linear").unwrap());
+    let circuit = Circuit::new(&editor.finish(patch.file()).unwrap()).unwrap();
     let mut program = Program::new(&circuit).unwrap();
     let record = &experiment.train[0];
-    for (feed, values) in experiment.drives.iter().zip(&record.drives) {
+    for (measured, values) in experiment.drives.iter().zip(&record.drives) {
         let points =
             values.iter().enumerate().map(|(sample, value)| [sample as f64 * record.interval, *value]);
-        solve::set_drive_table(&mut program, &feed.drive, points.collect()).unwrap();
+        solve::set_drive_table(&mut program, &measured.drive, points.collect()).unwrap();
     }
     let outputs: Vec<String> = experiment.outputs.iter().map(|output| output.signal.clone()).collect();
-    let settings = RunSettings {
-        phases: vec![Phase::InitialCondition, Phase::operate(record.duration())],
-        step: record.interval / 4.0,
-        every: record.interval,
-        record: outputs.clone(),
-        ..RunSettings::of(&circuit).unwrap()
-    };
+    let settings = RunSettings::of(&circuit)
+        .unwrap()
+        .with_step(record.interval / 4.0)
+        .with_phases([Phase::InitialCondition, Phase::operate(record.duration())])
+        .with_sample_interval(record.interval)
+        .with_signals(outputs.clone());
     let trace = solve::run(&program, &settings).unwrap();
     let mut squares = Vec::new();
     for ((name, data), sigma) in outputs.iter().zip(&record.outputs).zip(sigma) {
@@ -65,15 +66,14 @@ fn an_augmented_patch_reproduces_the_fit_and_its_note_names_its_source() {
     let fitted = report.fitted("fitted.json").unwrap();
     let augmented = report.augmented("augmented.json").unwrap().unwrap();
     let [before, after] =
-        [&fitted, &augmented].map(|patch| residual_over_noise(patch.clone(), experiment, &problem.sigma));
+        [&fitted, &augmented].map(|patch| residual_over_noise(patch, experiment, &problem.sigma));
     let [expected_before, expected_after] =
         [&outcome.base, outcome.reported_model()].map(|model| model.train.normalised_rms());
     assert!((before / expected_before - 1.0).abs() < 0.01, "{before} {expected_before}");
     assert!((after / expected_after - 1.0).abs() < 0.01, "{after} {expected_after}");
     let (augmented_note, original_note) = (note(&augmented), note(&experiment.patch));
-    for part in
-        [experiment.patch.file(), "train.csv", &outcome.rounds[0].trials[0].label(), "(95 %: ", original_note]
-    {
+    let label = candidate_label(&outcome.rounds[0].trials[0].candidate);
+    for part in [experiment.patch.file(), "train.csv", &label, "(95 %: ", original_note] {
         assert!(augmented_note.contains(part), "{part}: {augmented_note}");
     }
     assert!(note(&fitted).contains("train.csv") && !note(&fitted).contains("95 %"));
@@ -87,7 +87,7 @@ fn without_a_named_effect_a_recovered_patch_is_written_instead_of_an_augmented_o
     let report = Report::new(experiment, problem, outcome);
     assert!(report.augmented("augmented.json").unwrap().is_none());
     let recovered = report.recovered("recovered.json").unwrap().unwrap();
-    let after = residual_over_noise(recovered.clone(), experiment, &problem.sigma);
+    let after = residual_over_noise(&recovered, experiment, &problem.sigma);
     assert!(after < 0.3 * outcome.base.train.normalised_rms(), "{after}");
     assert!(note(&recovered).contains("a function of x"), "{}", note(&recovered));
 }

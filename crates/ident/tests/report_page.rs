@@ -16,14 +16,12 @@ fn section<'a>(page: &'a str, heading: &str) -> Option<&'a str> {
 }
 
 /// The search for a force that is a bell curve of position, with an empty library.
-pub static BELL_FORCE_SEARCH: LazyLock<(Experiment, Problem, Outcome)> = LazyLock::new(|| {
+pub(crate) static BELL_FORCE_SEARCH: LazyLock<(Experiment, Problem, Outcome)> = LazyLock::new(|| {
     let experiment = oscillator().measured();
     let problem = Problem::of(&experiment).unwrap();
-    let settings = SearchSettings { library: &Library::default(), threads: 1, seed: 1 };
-    let outcome =
-        patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())
-            .unwrap()
-            .unwrap();
+    let library = Library::default();
+    let settings = SearchSettings::new(&library).with_threads(1);
+    let outcome = patchcord_ident::search::search(&experiment, &problem, &settings, |_| ()).unwrap().unwrap();
     (experiment, problem, outcome)
 });
 

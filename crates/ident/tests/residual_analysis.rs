@@ -20,7 +20,7 @@ fn add_noise(samples: &mut [f64], sigma: f64, mut noise: impl FnMut() -> f64) {
 fn noise_of_a_drive_is_not_named_as_an_effect() {
     for (sigma, seed) in [(0.5, 1), (2.0, 2)] {
         let outcome = search_modified("nothing", |experiment| {
-            let records = experiment.train.iter_mut().chain(&mut experiment.test);
+            let records = experiment.train.iter_mut().chain(&mut experiment.validation);
             records.zip(0..).for_each(|(record, index)| {
                 add_noise(&mut record.drives[0], sigma, white(seed + 10 * index));
             });
@@ -88,7 +88,7 @@ fn the_error_of_linear_interpolation_of_a_drive_is_not_named_as_an_effect() {
 #[ignore = "takes several seconds: a whole search"]
 fn an_effect_is_named_despite_noise_of_a_drive() {
     let outcome = search_modified("saturation", |experiment| {
-        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        let records = experiment.train.iter_mut().chain(&mut experiment.validation);
         records.zip(0..).for_each(|(record, index)| add_noise(&mut record.drives[0], 0.005, white(index)));
     });
     assert_eq!((outcome.verdict, outcome.effects[0].effect.as_str()), (Verdict::Named, "saturation"));
@@ -98,7 +98,7 @@ fn an_effect_is_named_despite_noise_of_a_drive() {
 #[ignore = "takes several seconds: a whole search"]
 fn slow_noise_of_a_sensor_is_not_named_as_an_effect() {
     let outcome = search_modified("nothing", |experiment| {
-        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        let records = experiment.train.iter_mut().chain(&mut experiment.validation);
         records.zip(0..).for_each(|(record, index)| {
             add_noise(&mut record.outputs[0], 1e-3, autoregressive(index, 0.95));
         });

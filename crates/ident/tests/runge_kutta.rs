@@ -6,7 +6,7 @@ const STEPS_PER_SAMPLE: usize = 100;
 /// The states of x' = `rates`(t, x) at `count` samples, one every `every` seconds, the first at t = 0.
 ///
 /// The method is the classical Runge-Kutta method of fourth order.
-pub fn integrate<const N: usize>(
+pub(crate) fn integrate<const N: usize>(
     initial: [f64; N],
     (every, count): (f64, usize),
     rates: impl Fn(f64, [f64; N]) -> [f64; N],

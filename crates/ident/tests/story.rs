@@ -1,5 +1,5 @@
-//! The example of docs/story.md: the data in patches/story follow the law of Fig 8.16 of the study. The searches begin with the
-//! simpler patches of Figs 8.4 and 8.14, and must find the law that these lack.
+//! The example of docs/story.md: the data in patches/story follow the law of Fig 8.16 of the thesis. The searches begin
+//! with the simpler patches of Figs 8.4 and 8.14, and must find the law that these lack.
 
 use std::path::Path;
 
@@ -38,7 +38,7 @@ fn experiment(figure: &str) -> Experiment {
     Experiment::read(Path::new(&file)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The shipped patch of a figure of the study.
+/// The shipped patch of a figure of the thesis.
 fn thesis_patch(figure: &str) -> Patch {
     Patch::read(Path::new(&format!("../../patches/thesis/{figure}.json"))).unwrap()
 }
@@ -52,11 +52,8 @@ fn search_figure(figure: &str, effects: &[&str]) -> (Problem, Outcome) {
 fn search(experiment: &Experiment, effects: &[&str]) -> (Problem, Outcome) {
     let problem = Problem::of(experiment).unwrap();
     let library = library::with_effects(effects);
-    let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-    let outcome =
-        patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())
-            .unwrap()
-            .unwrap();
+    let settings = SearchSettings::new(&library).with_threads(2);
+    let outcome = patchcord_ident::search::search(experiment, &problem, &settings, |_| ()).unwrap().unwrap();
     (problem, outcome)
 }
 
@@ -80,18 +77,18 @@ fn run_with_command(patch: &Patch, set: &[(&str, f64)]) -> [Vec<f64>; 2] {
     let circuit = Circuit::with_parameters(patch, set).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     let names = ["v_o", "x_error"].map(str::to_owned);
-    let settings = RunSettings {
-        phases: vec![Phase::InitialCondition, Phase::operate(1.0)],
-        step: 2e-5,
-        every: 1e-3,
-        record: names.to_vec(),
-        ..RunSettings::of(&circuit).unwrap()
-    };
+    let settings = RunSettings::of(&circuit)
+        .unwrap()
+        .with_step(2e-5)
+        .with_phases([Phase::InitialCondition, Phase::operate(1.0)])
+        .with_sample_interval(1e-3)
+        .with_signals(names.to_vec());
     let trace = solve::run(&program, &settings).unwrap();
     names.map(|name| trace.values(&name).unwrap())
 }
 
-/// The largest difference between two runs, as a share of the largest value of the second run. The larger of both signals.
+/// The largest difference between two runs, as a share of the largest value of the second run. The larger of both
+/// signals.
 fn relative_difference(run: &[Vec<f64>; 2], reference: &[Vec<f64>; 2]) -> f64 {
     let peak =
         |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |peak: f64, value| peak.max(value.abs()));
@@ -112,7 +109,7 @@ fn with_the_true_parameters_fig_8_16_leaves_only_the_noise() {
     let model = patchcord_ident::fit::base_fit::fit_base(&problem, &experiment.patch, &experiment.fit, 1)
         .unwrap()
         .unwrap();
-    for fitted in [&model.train, &model.test] {
+    for fitted in [&model.train, &model.validation] {
         let residual = fitted.normalised_rms();
         assert!((residual - 1.0).abs() < 0.05, "{residual}");
     }
@@ -125,10 +122,10 @@ fn fig_8_4_with(effect: &str) -> Patch {
     let sites = Sites::of(&circuit, &["v_i"]);
     let library = library::with_effects(&[effect]);
     let attachments = EffectPlacement::all(library.get(effect).unwrap(), &sites);
-    let attached = attachments.iter().find(|attached| attached.read_names() == ["spring_force"]).unwrap();
+    let placement = attachments.iter().find(|placement| placement.read_names() == ["spring_force"]).unwrap();
     let largest =
-        attached.site.quantity_sizes(|role| Some(Extent::of([0.0, 10.0 * role.per_volt()])), 1e-3, 1.0);
-    Candidate::new(attached, &patch, &largest, &[]).unwrap().unwrap().graft.patch
+        placement.site.quantity_sizes(|role| Some(Extent::of([0.0, 10.0 * role.per_volt()])), 1e-3, 1.0);
+    Candidate::new(placement, &patch, &largest, &[]).unwrap().unwrap().graft.patch
 }
 
 #[test]
@@ -155,18 +152,17 @@ const FRICTION: [&str; 4] = ["coulomb-friction", "friction-memory", "stribeck-fr
 
 #[test]
 #[ignore = "takes a minute or more: searches on the data of the thesis"]
-fn from_fig_8_14_friction_memory_is_named_at_its_place_in_the_study() {
+fn from_fig_8_14_friction_memory_is_named_at_its_place_in_the_thesis() {
     let (problem, outcome) = search_figure("fig-8-14", &FRICTION);
     assert_eq!(outcome.verdict, Verdict::Named);
-    let document = document(&problem, &outcome);
+    let document = document(&experiment("fig-8-14"), &problem, &outcome);
     let effects = document["effects"].as_array().unwrap();
     assert_eq!(effects.len(), 1);
     assert_eq!((&effects[0]["name"], &effects[0]["junction"]), (&json!("friction-memory"), &json!("X1")));
     assert_fitted(&outcome, &TRUTH[2..], 0.01);
     assert!(outcome.base.excess_rms() > 20.0 && outcome.reported_model().excess_rms() < 0.5);
     // After the multiplier that squares the share of friction, the memory is another law and fits worse.
-    let after_square =
-        outcome.rounds[0].trials.iter().find(|trial| trial.candidate.junction == "M1").unwrap();
+    let after_square = outcome.rounds[0].trials.iter().find(|trial| trial.candidate.site == "M1").unwrap();
     assert!(after_square.model.excess_rms() > 4.0);
 }
 
@@ -209,7 +205,7 @@ fn from_fig_8_4_friction_memory_is_named_and_the_model_runs_like_fig_8_16() {
     let (_, outcome) = search_figure("fig-8-04", &FRICTION);
     assert_eq!(verdict_sentence(&outcome), "friction-memory at A3 is missing");
     assert_fitted(&outcome, &TRUTH_WITH_MEMORY[..6], 0.01);
-    // Each refinement of the friction law in the study reduces the residual.
+    // Each refinement of the friction law in the thesis reduces the residual.
     let least_gap = |effect: &str, reads: &[&str]| {
         let trials = outcome.rounds[0].trials.iter().filter(|trial| trial.candidate.effect == effect);
         let gaps =

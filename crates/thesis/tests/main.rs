@@ -1,4 +1,4 @@
-//! Tests of the slideway study: its physics, its design chain, its claims and its circuits.
+//! Tests of the thesis on slideways: its physics, its design chain, its claims and its circuits.
 
 mod chain;
 mod claims;
@@ -7,5 +7,6 @@ mod common;
 #[path = "../../core/tests/known_problems/mod.rs"]
 mod known_problems;
 mod others;
-mod slideway;
+mod surface_model;
 mod thesis;
+mod velocity_readings;

@@ -1,7 +1,7 @@
 //! The uncertainty interval of a critical velocity: how far it depends on its criterion and on the rate of the ramp.
 
 use super::critical_velocity::{
-    Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity, first_largest,
+    Criterion, CriticalVelocity, CriticalVelocityError, critical_velocity, first_largest,
 };
 use super::cut::at;
 use super::cycles::{Cycle, cycles};
@@ -10,9 +10,9 @@ use super::cycles::{Cycle, cycles};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CriticalRange {
     /// Where oscillation ends during the rising ramp.
-    pub rising: Result<CriticalInterval, NoCriticalVelocity>,
+    pub rising: Result<CriticalInterval, CriticalVelocityError>,
     /// Where oscillation begins during the falling ramp.
-    pub falling: Result<CriticalInterval, NoCriticalVelocity>,
+    pub falling: Result<CriticalInterval, CriticalVelocityError>,
 }
 
 /// A critical velocity and its interval, in the unit of the command.
@@ -51,7 +51,7 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// # Examples
 ///
 /// ```
-/// use patchcord_analysis::instruments::{Criterion, NoCriticalVelocity, critical_range};
+/// use patchcord_analysis::instruments::{Criterion, CriticalVelocityError, critical_range};
 ///
 /// let time: Vec<f64> = (0..4001).map(|index| 1e-3 * f64::from(index)).collect();
 /// let swing = |t: f64| if t < 3.0 { 0.5 * (100.0 * std::f64::consts::PI * t).sin() } else { 0.0 };
@@ -63,7 +63,7 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// // The command rises by 0.02 during a cycle of 0.02 s.
 /// assert!(interval.overrun.is_some_and(|overrun| (overrun - 0.02).abs() < 1e-3));
 /// assert_eq!(interval.unread, 0);
-/// # Ok::<(), NoCriticalVelocity>(())
+/// # Ok::<(), CriticalVelocityError>(())
 /// ```
 pub fn critical_range(
     time: &[f64],
@@ -77,7 +77,7 @@ pub fn critical_range(
         FACTORS.map(|factor| read(Criterion { threshold: factor * criterion.threshold, ..criterion }));
     let windows = FACTORS.map(|factor| read(Criterion { window: factor * criterion.window, ..criterion }));
     let overruns = overruns(time, command, velocity, criterion);
-    let interval = |of: fn(&CriticalVelocity) -> Result<f64, NoCriticalVelocity>, overrun: Option<f64>| {
+    let interval = |of: fn(&CriticalVelocity) -> Result<f64, CriticalVelocityError>, overrun: Option<f64>| {
         let others = [thresholds, windows].map(|pair| pair.map(|read| of(&read)));
         of(&given).map(|value| CriticalInterval::new(value, others, overrun))
     };
@@ -91,7 +91,7 @@ impl CriticalInterval {
     /// Combines the value, the readings with other thresholds and with other windows, and the signed overrun.
     fn new(
         value: f64,
-        [thresholds, windows]: [[Result<f64, NoCriticalVelocity>; 2]; 2],
+        [thresholds, windows]: [[Result<f64, CriticalVelocityError>; 2]; 2],
         overrun: Option<f64>,
     ) -> Self {
         let moved = |others: &[Result<f64, _>; 2]| {
@@ -197,9 +197,9 @@ mod tests {
         let criterion = Criterion { threshold: 0.07, window: 0.04 };
         let found = critical_range(&time, &command, &velocity, criterion);
         assert_eq!(found.rising.unwrap().unread, 2, "half the threshold, twice the window");
-        assert_eq!(found.falling, Err(NoCriticalVelocity::NeverBack));
+        assert_eq!(found.falling, Err(CriticalVelocityError::NeverBack));
         let found = critical_range(&time, &command, &command, criterion);
-        assert_eq!(found.rising, Err(NoCriticalVelocity::NoOscillation));
-        assert_eq!(critical_range(&[], &[], &[], criterion).rising, Err(NoCriticalVelocity::NotASignal));
+        assert_eq!(found.rising, Err(CriticalVelocityError::NoOscillation));
+        assert_eq!(critical_range(&[], &[], &[], criterion).rising, Err(CriticalVelocityError::NotASignal));
     }
 }

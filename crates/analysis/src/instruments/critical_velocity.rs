@@ -5,8 +5,8 @@
 
 use std::collections::VecDeque;
 
-use super::is_signal;
 use super::window::{WindowError, samples_in};
+use super::{NOT_A_SIGNAL, is_signal};
 use crate::format::format_quantity;
 use patchcord_core::document::format_number;
 use patchcord_expr::{Dimension, Unit};
@@ -18,10 +18,11 @@ use patchcord_expr::{Dimension, Unit};
 /// ```
 /// use patchcord_analysis::instruments::Criterion;
 ///
-/// let usual = Criterion::usual("mm/s").expect("a unit of velocity");
+/// let usual = Criterion::usual("mm/s").ok_or("mm/s is a unit of velocity")?;
 /// assert!((usual.threshold - 0.25).abs() < 1e-12);
 /// assert_eq!(usual.window, Criterion::USUAL.window);
 /// assert_eq!(Criterion::usual("kg"), None);
+/// # Ok::<(), &str>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
@@ -49,17 +50,18 @@ impl Criterion {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CriticalVelocity {
     /// The command at the start of the last oscillating window of the rising ramp.
-    pub rising: Result<f64, NoCriticalVelocity>,
+    pub rising: Result<f64, CriticalVelocityError>,
     /// The command at the start of the first oscillating window of the falling ramp. It depends on the disturbance from
     /// which the oscillation grows.
-    pub falling: Result<f64, NoCriticalVelocity>,
+    pub falling: Result<f64, CriticalVelocityError>,
 }
 
 /// Why there is no critical velocity.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum NoCriticalVelocity {
+#[non_exhaustive]
+pub enum CriticalVelocityError {
     /// Times and values do not form signals.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// Threshold and window are unusable with this run.
     #[error(transparent)]
@@ -90,23 +92,23 @@ pub enum NoCriticalVelocity {
     NotBegun,
 }
 
-impl NoCriticalVelocity {
+impl CriticalVelocityError {
     /// The message with velocities in `unit`, formatted for people.
     pub fn message_in(self, unit: &str) -> String {
         match self {
-            NoCriticalVelocity::CommandTooFast(change) => too_fast(&format_quantity(change, unit)),
-            NoCriticalVelocity::NotEnded(top) => not_ended(&format_quantity(top, unit)),
+            CriticalVelocityError::CommandTooFast(change) => too_fast(&format_quantity(change, unit)),
+            CriticalVelocityError::NotEnded(top) => not_ended(&format_quantity(top, unit)),
             error => error.to_string(),
         }
     }
 }
 
-/// The message of [`NoCriticalVelocity::CommandTooFast`]; `change` is the formatted change of the command.
+/// The message of [`CriticalVelocityError::CommandTooFast`]; `change` is the formatted change of the command.
 fn too_fast(change: &str) -> String {
     format!("the command alone changes by {change} within a window: it must stay below the threshold")
 }
 
-/// The message of [`NoCriticalVelocity::NotEnded`]; `top` is the formatted largest command.
+/// The message of [`CriticalVelocityError::NotEnded`]; `top` is the formatted largest command.
 fn not_ended(top: &str) -> String {
     format!("oscillation has not ended at a command of {top}")
 }
@@ -127,7 +129,7 @@ const COMMAND_TOLERANCE: f64 = 1e-9;
 /// The velocity oscillates at 50 Hz until the command reaches 3:
 ///
 /// ```
-/// use patchcord_analysis::instruments::{Criterion, NoCriticalVelocity, critical_velocity};
+/// use patchcord_analysis::instruments::{Criterion, CriticalVelocityError, critical_velocity};
 ///
 /// let time: Vec<f64> = (0..4001).map(|index| 1e-3 * f64::from(index)).collect();
 /// let swing = |t: f64| if t < 3.0 { 0.5 * (100.0 * std::f64::consts::PI * t).sin() } else { 0.0 };
@@ -137,8 +139,8 @@ const COMMAND_TOLERANCE: f64 = 1e-9;
 /// let criterion = Criterion { threshold: 0.2, window: 0.04 };
 /// let found = critical_velocity(&time, &time, &velocity, criterion);
 /// assert!((found.rising? - 3.0).abs() < 0.02);
-/// assert_eq!(found.falling, Err(NoCriticalVelocity::NeverBack));
-/// # Ok::<(), NoCriticalVelocity>(())
+/// assert_eq!(found.falling, Err(CriticalVelocityError::NeverBack));
+/// # Ok::<(), CriticalVelocityError>(())
 /// ```
 pub fn critical_velocity(
     time: &[f64],
@@ -158,7 +160,7 @@ pub(super) fn critical_samples(
     command: &[f64],
     velocity: &[f64],
     criterion: Criterion,
-) -> Result<[Result<usize, NoCriticalVelocity>; 2], NoCriticalVelocity> {
+) -> Result<[Result<usize, CriticalVelocityError>; 2], CriticalVelocityError> {
     let profile = Profile::new(time, command, velocity, criterion)?;
     Ok([profile.rising(), profile.falling()])
 }
@@ -185,14 +187,14 @@ impl<'a> Profile<'a> {
         command: &'a [f64],
         velocity: &[f64],
         criterion: Criterion,
-    ) -> Result<Self, NoCriticalVelocity> {
+    ) -> Result<Self, CriticalVelocityError> {
         if time.len() < 2 || !is_signal(time, command) || !is_signal(time, velocity) {
-            return Err(NoCriticalVelocity::NotASignal);
+            return Err(CriticalVelocityError::NotASignal);
         }
         let (span, threshold) = (samples_in(time, criterion)?, criterion.threshold);
         let fastest = swings(command, span).fold(0.0, f64::max);
         if fastest >= threshold {
-            return Err(NoCriticalVelocity::CommandTooFast(fastest));
+            return Err(CriticalVelocityError::CommandTooFast(fastest));
         }
         let turn = first_largest(command);
         let speed = command.iter().map(|value| value * command[turn].signum()).collect();
@@ -207,48 +209,48 @@ impl<'a> Profile<'a> {
     }
 
     /// The sample that gives the rising critical velocity.
-    fn rising(&self) -> Result<usize, NoCriticalVelocity> {
+    fn rising(&self) -> Result<usize, CriticalVelocityError> {
         if self.is_constant() {
-            return Err(NoCriticalVelocity::Constant);
+            return Err(CriticalVelocityError::Constant);
         }
         if self.turn == 0 || !is_rising(self.speed[..=self.turn].iter()) {
-            return Err(NoCriticalVelocity::NoRise);
+            return Err(CriticalVelocityError::NoRise);
         }
         let windows = &self.oscillates[..self.turn.min(self.oscillates.len())];
         let first =
-            windows.iter().position(|oscillates| *oscillates).ok_or(NoCriticalVelocity::NoOscillation)?;
+            windows.iter().position(|oscillates| *oscillates).ok_or(CriticalVelocityError::NoOscillation)?;
         let last = windows.iter().rposition(|oscillates| *oscillates).unwrap_or(first);
         if windows.len() - 1 - last < REST_WINDOWS * self.span {
-            return Err(NoCriticalVelocity::NotEnded(self.command[self.turn]));
+            return Err(CriticalVelocityError::NotEnded(self.command[self.turn]));
         }
         // A single slip and its ringing are no oscillation.
         if last - first < REST_WINDOWS * self.span {
-            Err(NoCriticalVelocity::NoOscillation)
+            Err(CriticalVelocityError::NoOscillation)
         } else {
             Ok(last)
         }
     }
 
     /// The sample that gives the falling critical velocity.
-    fn falling(&self) -> Result<usize, NoCriticalVelocity> {
+    fn falling(&self) -> Result<usize, CriticalVelocityError> {
         if self.is_constant() {
-            return Err(NoCriticalVelocity::Constant);
+            return Err(CriticalVelocityError::Constant);
         }
         if self.turn + 1 == self.speed.len() {
-            return Err(NoCriticalVelocity::NeverBack);
+            return Err(CriticalVelocityError::NeverBack);
         }
         let forward = self.speed[self.turn..].iter().take_while(|speed| **speed >= 0.0).count();
         let end = (self.turn + forward).min(self.oscillates.len());
         let is_falling = is_rising(self.speed[self.turn..self.turn + forward].iter().rev());
         if end <= self.turn || forward < 2 || !is_falling {
-            return Err(NoCriticalVelocity::NoFall);
+            return Err(CriticalVelocityError::NoFall);
         }
         let rest = self.turn.saturating_sub(REST_WINDOWS * self.span)..=self.turn;
         if self.oscillates[rest].contains(&true) {
-            return Err(NoCriticalVelocity::NotBegun);
+            return Err(CriticalVelocityError::NotBegun);
         }
         let first = self.oscillates[self.turn..end].iter().position(|oscillates| *oscillates);
-        first.map(|after| self.turn + after).ok_or(NoCriticalVelocity::NoOscillation)
+        first.map(|after| self.turn + after).ok_or(CriticalVelocityError::NoOscillation)
     }
 }
 
@@ -275,8 +277,8 @@ fn is_rising<'a>(values: impl DoubleEndedIterator<Item = &'a f64> + Clone) -> bo
 pub(super) fn swings(values: &[f64], span: usize) -> impl Iterator<Item = f64> + '_ {
     let (mut largest, mut least) = (VecDeque::new(), VecDeque::new());
     (0..values.len()).filter_map(move |index| {
-        push_candidate(&mut largest, index, span, |kept| values[kept] <= values[index]);
-        push_candidate(&mut least, index, span, |kept| values[kept] >= values[index]);
+        push_candidate(&mut largest, index, span, |earlier| values[earlier] <= values[index]);
+        push_candidate(&mut least, index, span, |earlier| values[earlier] >= values[index]);
         (index + 1 >= span).then(|| values[largest[0]] - values[least[0]])
     })
 }
@@ -289,7 +291,7 @@ fn push_candidate(
     span: usize,
     is_worse: impl Fn(usize) -> bool,
 ) {
-    while candidates.back().is_some_and(|kept| is_worse(*kept)) {
+    while candidates.back().is_some_and(|earlier| is_worse(*earlier)) {
         candidates.pop_back();
     }
     candidates.push_back(index);

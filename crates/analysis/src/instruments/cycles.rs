@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use super::critical_velocity::Criterion;
 use super::cut::{cut, mean};
-use super::is_signal;
 use super::oscillation::extreme;
 use super::steadiness::Steadiness;
 use super::window::{WindowError, samples_in};
+use super::{NOT_A_SIGNAL, is_signal};
 
 /// One cycle of a velocity, between two consecutive rises through the middle between a minimum and a maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,15 +30,16 @@ pub struct Cycle {
 
 /// Why no cycles can be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CyclesError {
     /// Times and values do not form signals.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// Threshold and window are unusable with this run.
     #[error(transparent)]
     Window(#[from] WindowError),
     /// A cycle has too few samples. The field is their number in the first such cycle.
-    #[error("a cycle has only {0} samples, at least {FEWEST_SAMPLES} are needed")]
+    #[error("a cycle has only {0} samples, at least {MIN_SAMPLES} are needed")]
     TooCoarse(usize),
     /// The run has no whole cycle.
     #[error("the velocity completes no whole cycle")]
@@ -46,7 +47,7 @@ pub enum CyclesError {
 }
 
 /// The fewest samples per cycle that locate its extremes.
-const FEWEST_SAMPLES: usize = 8;
+const MIN_SAMPLES: usize = 8;
 
 /// Divides a run into the cycles of its velocity, in order of time. Frequency and amplitude plotted against `command`
 /// give Fig 8.26 of the thesis.
@@ -117,7 +118,7 @@ impl Signals<'_> {
 
     /// The cycle between two times, which contains these samples.
     fn cycle(&self, samples: Range<usize>, [begin, end]: [f64; 2]) -> Result<Cycle, CyclesError> {
-        if samples.len() < FEWEST_SAMPLES {
+        if samples.len() < MIN_SAMPLES {
             return Err(CyclesError::TooCoarse(samples.len()));
         }
         let extremes = |values: &[f64]| extremes(&self.time[samples.clone()], &values[samples.clone()]);

@@ -1,27 +1,28 @@
 //! First oscillation: the command at which a slideway begins to oscillate, during the rising and the falling ramp.
 
 use super::profile::{
-    AbsenceReason, ProfileCriterion, ProfileError, ProfilePoint, RampDirection, velocity_profile,
+    MissingPointError, ProfileCriterion, ProfileError, ProfilePoint, RampDirection, velocity_profile,
 };
 
 /// Where oscillation first appears during each ramp.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstOscillation {
     /// Point 2 of the rising profile, the lower critical velocity.
-    pub rising: Result<ProfilePoint, NoFirstOscillation>,
+    pub rising: Result<ProfilePoint, FirstOscillationError>,
     /// Point 5 of the falling profile, the falling critical velocity.
-    pub falling: Result<ProfilePoint, NoFirstOscillation>,
+    pub falling: Result<ProfilePoint, FirstOscillationError>,
 }
 
 /// Why there is no first oscillation.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum NoFirstOscillation {
+#[non_exhaustive]
+pub enum FirstOscillationError {
     /// The run has no readable velocity profile.
     #[error(transparent)]
     Unreadable(#[from] ProfileError),
     /// The profile has no such point.
     #[error(transparent)]
-    Absent(#[from] AbsenceReason),
+    Absent(#[from] MissingPointError),
 }
 
 /// Reads the command at which oscillation first appears. The rising ramp starts from rest or steady sliding, the
@@ -43,7 +44,7 @@ pub enum NoFirstOscillation {
 /// # Examples
 ///
 /// ```
-/// use patchcord_analysis::instruments::{Criterion, NoFirstOscillation, ProfileCriterion, first_oscillation};
+/// use patchcord_analysis::instruments::{Criterion, FirstOscillationError, ProfileCriterion, first_oscillation};
 ///
 /// // The command rises by 0.5 per second to 3. The velocity oscillates at 50 Hz from t = 2 s to 4 s.
 /// let time: Vec<f64> = (0..6001).map(|index| 1e-3 * f64::from(index)).collect();
@@ -55,7 +56,7 @@ pub enum NoFirstOscillation {
 /// let found = first_oscillation(&time, &command, &velocity, criterion);
 /// assert!((found.rising?.command - 1.0).abs() < 0.02);
 /// assert!(found.falling.is_err(), "the command never falls");
-/// # Ok::<(), NoFirstOscillation>(())
+/// # Ok::<(), FirstOscillationError>(())
 /// ```
 pub fn first_oscillation(
     time: &[f64],
@@ -63,7 +64,7 @@ pub fn first_oscillation(
     velocity: &[f64],
     criterion: ProfileCriterion,
 ) -> FirstOscillation {
-    let point = |direction: RampDirection, number: usize| -> Result<ProfilePoint, NoFirstOscillation> {
+    let point = |direction: RampDirection, number: usize| -> Result<ProfilePoint, FirstOscillationError> {
         let profile = velocity_profile(time, command, velocity, criterion, direction)?;
         Ok(profile.points[number - 1]?)
     };
@@ -75,7 +76,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::instruments::{Criterion, NoCriticalVelocity, critical_velocity, sampled};
+    use crate::instruments::{Criterion, CriticalVelocityError, critical_velocity, sampled};
 
     const CRITERION: ProfileCriterion = ProfileCriterion::usual(Criterion { threshold: 0.1, window: 0.04 });
     const FREQUENCY: f64 = 50.0;
@@ -142,10 +143,10 @@ mod tests {
         let slips: Vec<f64> =
             time.iter().zip(&command).map(|(t, wanted)| if *t < 0.2 { 0.0 } else { *wanted }).collect();
         let found = first_oscillation(&time, &command, &slips, CRITERION);
-        let none = Err(NoFirstOscillation::Absent(AbsenceReason::NoOscillation));
+        let none = Err(FirstOscillationError::Absent(MissingPointError::NoOscillation));
         assert_eq!([found.rising, found.falling], [none, none]);
         let error = first_oscillation(&time[..4000], &command[..4000], &slips[..4000], CRITERION).falling;
-        let no_return = ProfileError::Unreadable(NoCriticalVelocity::NeverBack);
-        assert_eq!(error, Err(NoFirstOscillation::Unreadable(no_return)));
+        let no_return = ProfileError::Unreadable(CriticalVelocityError::NeverBack);
+        assert_eq!(error, Err(FirstOscillationError::Unreadable(no_return)));
     }
 }

@@ -5,7 +5,7 @@
 
 use super::cut::{Point, cut};
 use super::cycles::rises;
-use super::is_signal;
+use super::{NOT_A_SIGNAL, is_signal};
 
 /// The loop of force against velocity. In N, m/s and s, `area` is in W and `work` is in J.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,9 +46,10 @@ pub enum LoopSense {
 
 /// Why there is no loop.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FrictionLoopError {
     /// Times and values do not form signals.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// The threshold is not positive.
     #[error("threshold must be positive, got {0}")]
@@ -60,12 +61,12 @@ pub enum FrictionLoopError {
     #[error("the velocity completes {0} of {1} whole cycles")]
     TooFewCycles(usize, usize),
     /// The first cycles have too few samples. The field is the mean number of samples per cycle.
-    #[error("{0:.1} samples per cycle, at least {FEWEST_SAMPLES} are needed")]
+    #[error("{0:.1} samples per cycle, at least {MIN_SAMPLES} are needed")]
     TooCoarse(f64),
 }
 
 /// The fewest samples per cycle that show the shape of a loop.
-const FEWEST_SAMPLES: f64 = 8.0;
+const MIN_SAMPLES: f64 = 8.0;
 /// A loop whose area is below this fraction of width x height counts as a line.
 const LINE_AREA: f64 = 1e-3;
 
@@ -122,7 +123,7 @@ pub fn friction_loop(
     let [begin, end] = [rises[first], rises[rises.len() - 1]];
     let (velocity, force) = (cut(time, velocity, [begin, end]), cut(time, force, [begin, end]));
     let samples = velocity.len().saturating_sub(2) as f64 / cycles as f64;
-    if samples < FEWEST_SAMPLES {
+    if samples < MIN_SAMPLES {
         return Err(FrictionLoopError::TooCoarse(samples));
     }
     Ok(build_loop(&velocity, &force, cycles))

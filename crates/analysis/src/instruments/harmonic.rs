@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::is_signal;
+use super::{NOT_A_SIGNAL, is_signal};
 
 /// The component of a signal at one frequency, over whole periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,12 +22,13 @@ pub struct Harmonic {
 
 /// Why the harmonic cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum HarmonicError {
     /// The frequency is not a positive finite number.
     #[error("frequency must be positive, got {0} Hz")]
     Frequency(f64),
     /// Times and values do not form a signal.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// The signal is shorter than one period. The field is its length in periods.
     #[error("the signal lasts {0:.4} periods, at least one is needed")]
@@ -39,7 +40,7 @@ pub enum HarmonicError {
 }
 
 /// The largest allowed distance between two samples, in periods.
-const WIDEST_GAP: f64 = 0.125;
+const MAX_GAP: f64 = 0.125;
 /// Whole periods are counted with this tolerance, in periods, because sample times are rounded.
 const PERIOD_TOLERANCE: f64 = 1e-9;
 
@@ -88,7 +89,7 @@ fn check(time: &[f64], values: &[f64], frequency: f64) -> Result<(), HarmonicErr
         return Err(HarmonicError::NotASignal);
     }
     let widest = time.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max) * frequency;
-    if widest > WIDEST_GAP { Err(HarmonicError::TooCoarse(widest)) } else { Ok(()) }
+    if widest > MAX_GAP { Err(HarmonicError::TooCoarse(widest)) } else { Ok(()) }
 }
 
 /// Index of the first sample of the last whole periods, and the number of these periods. A sample exactly n periods

@@ -12,13 +12,14 @@ use patchcord_core::trace::{NewValue, PhaseEnd, PhaseKind, PhaseRecord};
 /// use patchcord_analysis::instruments::{phase_description, phase_end_description, unmet_condition};
 /// use patchcord_core::trace::{PhaseEnd, PhaseKind, PhaseRecord};
 ///
-/// let (sweep, begin, end, problem_time, sample) = (0, 0.0, 2.0, 0.0, 0);
-/// let record = PhaseRecord { phase: PhaseKind::Hold, sweep, begin, end, problem_time, sample, ended: PhaseEnd::Time };
+/// let (repetition, begin, end, problem_time, sample) = (0, 0.0, 2.0, 0.0, 0);
+/// let (phase, ended) = (PhaseKind::Hold, PhaseEnd::Time);
+/// let record = PhaseRecord { phase, repetition, begin, end, problem_time, sample, ended };
 /// assert_eq!((phase_description(&record).as_str(), phase_end_description(&record).as_str()), ("hold", "time"));
 /// assert_eq!(unmet_condition(&record), None);
 /// ```
-pub fn phase_description(mark: &PhaseRecord) -> String {
-    match &mark.phase {
+pub fn phase_description(record: &PhaseRecord) -> String {
+    match &record.phase {
         PhaseKind::InitialCondition => "initial condition".to_owned(),
         PhaseKind::Operate { until: None } => "operate".to_owned(),
         PhaseKind::Operate { until: Some((relay, None)) } => format!("operate until {relay} switches"),
@@ -28,6 +29,7 @@ pub fn phase_description(mark: &PhaseRecord) -> String {
         PhaseKind::Hold => "hold".to_owned(),
         PhaseKind::Set(values) if values.is_empty() => "set".to_owned(),
         PhaseKind::Set(values) => values.iter().map(new_value).collect::<Vec<_>>().join(", "),
+        _ => "phase".to_owned(),
     }
 }
 
@@ -37,8 +39,8 @@ fn new_value(new: &NewValue) -> String {
 }
 
 /// How a phase with a duration ended: "time", "K1 pulled-in", "overload". Empty for a phase without a duration.
-pub fn phase_end_description(mark: &PhaseRecord) -> String {
-    match (&mark.phase, &mark.ended) {
+pub fn phase_end_description(record: &PhaseRecord) -> String {
+    match (&record.phase, &record.ended) {
         (_, PhaseEnd::Stopped) => "error".to_owned(),
         (_, PhaseEnd::Overload) => "overload".to_owned(),
         (PhaseKind::Operate { until: Some((relay, _)) }, PhaseEnd::Switched(position)) => {
@@ -50,12 +52,13 @@ pub fn phase_end_description(mark: &PhaseRecord) -> String {
 }
 
 /// The switching that a phase waited for in vain: "K1 did not switch within 10 s". None if the phase ended as intended.
-pub fn unmet_condition(mark: &PhaseRecord) -> Option<String> {
-    let PhaseKind::Operate { until: Some((relay, position)) } = &mark.phase else { return None };
+pub fn unmet_condition(record: &PhaseRecord) -> Option<String> {
+    let PhaseKind::Operate { until: Some((relay, position)) } = &record.phase else { return None };
     let what = match position {
         Some(position) => format!("become {position}"),
         None => "switch".to_owned(),
     };
-    mark.has_timed_out()
-        .then(|| format!("{relay} did not {what} within {} s", format_number(mark.end - mark.begin)))
+    record
+        .has_timed_out()
+        .then(|| format!("{relay} did not {what} within {} s", format_number(record.end - record.begin)))
 }

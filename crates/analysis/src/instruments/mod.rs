@@ -26,9 +26,9 @@ mod window;
 
 pub use critical_range::{CriticalInterval, CriticalRange, critical_range};
 pub use critical_velocity::REST_WINDOWS;
-pub use critical_velocity::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
+pub use critical_velocity::{Criterion, CriticalVelocity, CriticalVelocityError, critical_velocity};
 pub use cycles::{Cycle, CyclesError, cycles};
-pub use first_oscillation::{FirstOscillation, NoFirstOscillation, first_oscillation};
+pub use first_oscillation::{FirstOscillation, FirstOscillationError, first_oscillation};
 pub use friction_loop::{FrictionLoop, FrictionLoopError, LoopSense, friction_loop};
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
 pub use log::{phase_description, phase_end_description, unmet_condition};
@@ -36,7 +36,7 @@ pub use measure::{Measure, MeasureColumn, MeasureError, MeasureValue, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use parameters::parameter_line;
 pub use profile::{
-    AbsenceReason, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
+    MissingPointError, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
     VelocityProfile, velocity_profile,
 };
 pub use ringing::{Ringing, RingingError, ringing};
@@ -45,6 +45,9 @@ pub use steady_friction::{SteadyFriction, SteadyFrictionError, steady_friction};
 pub use stick::{StickError, stick_end};
 pub use voltmeter::{Extreme, VoltmeterReading, readings};
 pub use window::WindowError;
+
+/// The message of every instrument whose samples do not form a signal, see [`is_signal`].
+const NOT_A_SIGNAL: &str = "time must be strictly increasing and every sample finite";
 
 /// Whether the samples form a signal: one value per time, all finite, times strictly increasing.
 fn is_signal(time: &[f64], values: &[f64]) -> bool {

@@ -1,7 +1,7 @@
 //! Amplitude and frequency of a sustained oscillation of any shape.
 
-use super::is_signal;
 use super::ringing::vertex;
+use super::{NOT_A_SIGNAL, is_signal};
 
 /// Amplitude and frequency of a sustained oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,22 +16,23 @@ pub struct Oscillation {
 
 /// Why the oscillation cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OscillationError {
     /// Times and values do not form a signal.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// The signal has too few whole cycles. The field is their number.
-    #[error("no oscillation: {0} whole cycles, at least {FEWEST_CYCLES} are needed")]
+    #[error("no oscillation: {0} whole cycles, at least {MIN_CYCLES} are needed")]
     TooFewCycles(usize),
     /// The cycles have too few samples. The field is the mean number per cycle.
-    #[error("{0:.1} samples per cycle, at least {FEWEST_SAMPLES} are needed")]
+    #[error("{0:.1} samples per cycle, at least {MIN_SAMPLES} are needed")]
     TooCoarse(f64),
 }
 
 /// The fewest whole cycles that count as an oscillation.
-const FEWEST_CYCLES: usize = 2;
+const MIN_CYCLES: usize = 2;
 /// The fewest samples per cycle that show its shape.
-const FEWEST_SAMPLES: f64 = 8.0;
+const MIN_SAMPLES: f64 = 8.0;
 /// A cycle passes the middle by at least this fraction of the whole swing on both sides; less is ripple.
 const BAND: f64 = 0.1;
 /// A swing below this fraction of the largest absolute value is a rounding error.
@@ -78,12 +79,12 @@ pub(super) fn oscillation_within(
     let (low, high) = (extreme(time, values, -1.0, least), extreme(time, values, 1.0, most));
     let rises = rises(time, values, (low, high));
     let cycles = rises.len().saturating_sub(1);
-    if cycles < FEWEST_CYCLES || high - low <= NEGLIGIBLE_SWING * low.abs().max(high.abs()) {
-        return Err(OscillationError::TooFewCycles(cycles.min(FEWEST_CYCLES - 1)));
+    if cycles < MIN_CYCLES || high - low <= NEGLIGIBLE_SWING * low.abs().max(high.abs()) {
+        return Err(OscillationError::TooFewCycles(cycles.min(MIN_CYCLES - 1)));
     }
     let (begin, end) = (rises[0], rises[cycles]);
     let samples = time.iter().filter(|instant| (begin..end).contains(*instant)).count() as f64;
-    if samples < FEWEST_SAMPLES * cycles as f64 {
+    if samples < MIN_SAMPLES * cycles as f64 {
         return Err(OscillationError::TooCoarse(samples / cycles as f64));
     }
     Ok(Oscillation { amplitude: 0.5 * (high - low), frequency: cycles as f64 / (end - begin), cycles })

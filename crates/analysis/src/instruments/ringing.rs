@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::is_signal;
+use super::{NOT_A_SIGNAL, is_signal};
 
 /// Natural frequency, damping ratio and final value of a damped oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,9 +19,10 @@ pub struct Ringing {
 
 /// Why the ringing cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RingingError {
     /// Times and values do not form a signal.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// The signal has too few peaks. The field is their number.
     #[error("{0} distinct peaks, upper and lower: at least 4 are needed")]
@@ -40,11 +41,11 @@ pub enum RingingError {
 }
 
 /// The fewest peaks that also test whether the oscillation is regular.
-const FEWEST_PEAKS: usize = 4;
+const MIN_PEAKS: usize = 4;
 /// Peaks after a swing below this fraction of the largest swing are ignored as noise.
-const SMALLEST_SWING: f64 = 1e-3;
+const MIN_SWING: f64 = 1e-3;
 /// The fewest samples between two peaks that locate them.
-const FEWEST_SAMPLES: f64 = 5.0;
+const MIN_SAMPLES: f64 = 5.0;
 /// The largest deviation of a peak from even spacing, or of a swing from a constant ratio, as a fraction.
 const TOLERANCE: f64 = 0.02;
 
@@ -87,7 +88,7 @@ pub fn ringing(time: &[f64], values: &[f64]) -> Result<Ringing, RingingError> {
         return Err(RingingError::NotASignal);
     }
     let peaks = distinct(peaks(time, values));
-    if peaks.len() < FEWEST_PEAKS {
+    if peaks.len() < MIN_PEAKS {
         return Err(RingingError::TooFewPeaks(peaks.len()));
     }
     let spacing = spacing(&peaks, time)?;
@@ -132,7 +133,7 @@ pub(super) fn vertex(time: &[f64], values: &[f64]) -> Peak {
 /// The peaks before the first swing that may be noise.
 fn distinct(mut peaks: Vec<Peak>) -> Vec<Peak> {
     let swings = swings(&peaks);
-    let least = SMALLEST_SWING * swings.iter().copied().fold(0.0, f64::max);
+    let least = MIN_SWING * swings.iter().copied().fold(0.0, f64::max);
     if let Some(small) = swings.iter().position(|swing| *swing < least) {
         peaks.truncate(small + 1);
     }
@@ -150,7 +151,7 @@ fn spacing(peaks: &[Peak], time: &[f64]) -> Result<f64, RingingError> {
     let (spacing, off) = line(&times);
     let within = time.iter().filter(|instant| times[0] < **instant && **instant <= times[times.len() - 1]);
     let samples = within.count() as f64 / (times.len() - 1) as f64;
-    if samples < FEWEST_SAMPLES {
+    if samples < MIN_SAMPLES {
         return Err(RingingError::TooCoarse(samples));
     }
     check_regular("peak times", off / spacing).map(|()| spacing)
@@ -172,10 +173,10 @@ fn check_regular(what: &'static str, share: f64) -> Result<(), RingingError> {
 fn line(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let (middle, mean) = ((count - 1.0) / 2.0, values.iter().sum::<f64>() / count);
-    let place = |index: usize| index as f64 - middle;
-    let moment: f64 = values.iter().enumerate().map(|(index, value)| place(index) * value).sum();
+    let offset = |index: usize| index as f64 - middle;
+    let moment: f64 = values.iter().enumerate().map(|(index, value)| offset(index) * value).sum();
     let slope = moment / (count * (count * count - 1.0) / 12.0);
-    let off = |(index, value): (usize, &f64)| (value - mean - slope * place(index)).abs();
+    let off = |(index, value): (usize, &f64)| (value - mean - slope * offset(index)).abs();
     (slope, values.iter().enumerate().map(off).fold(0.0, f64::max))
 }
 

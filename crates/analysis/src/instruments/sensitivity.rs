@@ -56,18 +56,19 @@ pub fn sensitivities(trace: &Trace) -> Vec<Sensitivity> {
         let derivatives = trace.tracks.iter().filter_map(|track| Some((track, track.derivative.as_ref()?)));
         derivatives.filter_map(move |(track, of)| sensitivity(trace, run, track, of))
     };
-    (0..trace.sweeps.len()).flat_map(of_run).collect()
+    (0..trace.repetitions.len()).flat_map(of_run).collect()
 }
 
 /// The sensitivity of one derivative in one run. None if the run has no value of the derivative or of its signal, or if
 /// the trace lacks the signal.
 fn sensitivity(trace: &Trace, run: usize, track: &Track, of: &Derivative) -> Option<Sensitivity> {
-    let course = track.extremes.get(run)?;
-    let larger = if course.most.volts.abs() >= -course.least.volts { course.most } else { course.least };
+    let extremes = track.extremes.get(run)?;
+    let larger =
+        if extremes.most.volts.abs() >= -extremes.least.volts { extremes.most } else { extremes.least };
     let most = Extreme { value: larger.volts * track.per_volt, time: larger.time };
     let signal = trace.track(&of.signal)?;
-    let reached = signal.extremes.get(run)?;
-    let size = reached.least.volts.abs().max(reached.most.volts.abs()) * signal.per_volt.abs();
+    let range = signal.extremes.get(run)?;
+    let size = range.least.volts.abs().max(range.most.volts.abs()) * signal.per_volt.abs();
     let relative = (size > 0.0 && of.value != 0.0).then(|| (most.value * of.value).abs() / size);
     Some(Sensitivity {
         run,

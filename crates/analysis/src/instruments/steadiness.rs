@@ -22,7 +22,7 @@ const FOLLOWING_TOLERANCE: f64 = 0.1;
 
 impl Steadiness {
     /// Evaluates every window of `span` samples. `threshold` is in the unit of the velocity.
-    pub fn new(command: &[f64], velocity: &[f64], span: usize, threshold: f64) -> Self {
+    pub(super) fn new(command: &[f64], velocity: &[f64], span: usize, threshold: f64) -> Self {
         let deviation: Vec<f64> =
             velocity.iter().zip(command).map(|(actual, wanted)| actual - wanted).collect();
         let follows = sums(&deviation, span)
@@ -38,12 +38,12 @@ impl Steadiness {
     }
 
     /// Whether the window that starts at a sample is steady; false if no whole window starts there.
-    pub fn is_steady(&self, sample: usize) -> bool {
+    pub(super) fn is_steady(&self, sample: usize) -> bool {
         self.steady.get(sample) == Some(&true)
     }
 
     /// The first of these samples from which the velocity is steady for [`REST_WINDOWS`] windows.
-    pub fn first_rest(&self, samples: Range<usize>) -> Option<usize> {
+    pub(super) fn first_rest(&self, samples: Range<usize>) -> Option<usize> {
         let rest = (REST_WINDOWS - 1) * self.span + 1;
         let end = (samples.end + 1).saturating_sub(REST_WINDOWS * self.span);
         (samples.start..end.min(self.steady.len())).find(|start| self.consecutive[*start] >= rest)

@@ -1,9 +1,9 @@
 //! The steady friction characteristic: friction against velocity, read during a slow ramp of the command.
 
 use super::critical_velocity::Criterion;
-use super::is_signal;
 use super::steadiness::Steadiness;
 use super::window::{WindowError, samples_in};
+use super::{NOT_A_SIGNAL, is_signal};
 
 /// One point of the characteristic: means over a window without oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,9 +18,10 @@ pub struct SteadyFriction {
 
 /// Why the characteristic cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SteadyFrictionError {
     /// Times and values do not form signals.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// The mass is negative or not finite.
     #[error("mass must be finite and at least 0, got {0}")]

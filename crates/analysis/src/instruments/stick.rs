@@ -1,12 +1,13 @@
 //! The end of sticking: the time at which a velocity that starts at zero begins to move.
 
-use super::is_signal;
+use super::{NOT_A_SIGNAL, is_signal};
 
 /// Why the end of sticking cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StickError {
     /// Times and values do not form a signal.
-    #[error("time must be strictly increasing and every sample finite")]
+    #[error("{NOT_A_SIGNAL}")]
     NotASignal,
     /// The velocity exceeds the threshold at the first sample.
     #[error("the velocity is not zero at the beginning")]

@@ -68,21 +68,21 @@ pub fn readings(trace: &Trace) -> Vec<VoltmeterReading> {
     let of_run = |run| {
         trace.tracks.iter().filter_map(move |track| Some(reading(run, track, track.extremes.get(run)?)))
     };
-    (0..trace.sweeps.len()).flat_map(of_run).collect()
+    (0..trace.repetitions.len()).flat_map(of_run).collect()
 }
 
 /// The reading of one track in one run, converted to the unit of the track.
-fn reading(run: usize, track: &Track, course: &SignalExtremes) -> VoltmeterReading {
+fn reading(run: usize, track: &Track, extremes: &SignalExtremes) -> VoltmeterReading {
     let extreme = |moment: Extremum| Extreme { time: moment.time, value: moment.volts * track.per_volt };
-    let (lower, upper) = (extreme(course.least), extreme(course.most));
+    let (lower, upper) = (extreme(extremes.least), extreme(extremes.most));
     // A negative scale exchanges minimum and maximum.
     let (least, most) = if track.per_volt < 0.0 { (upper, lower) } else { (lower, upper) };
     VoltmeterReading {
         run,
         signal: track.name.clone(),
         unit: track.unit.clone(),
-        start: course.start * track.per_volt,
-        end: course.end * track.per_volt,
+        start: extremes.start * track.per_volt,
+        end: extremes.end * track.per_volt,
         least,
         most,
     }
@@ -91,11 +91,11 @@ fn reading(run: usize, track: &Track, course: &SignalExtremes) -> VoltmeterReadi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use patchcord_core::trace::Sweep;
+    use patchcord_core::trace::Repetition;
 
     fn trace(track: Track) -> Trace {
-        let sweeps = vec![Sweep::default(); track.extremes.len()];
-        Trace { tracks: vec![track], sweeps, ..Trace::default() }
+        let repetitions = vec![Repetition::default(); track.extremes.len()];
+        Trace { tracks: vec![track], repetitions, ..Trace::default() }
     }
 
     #[test]

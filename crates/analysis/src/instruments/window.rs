@@ -5,12 +5,13 @@ use patchcord_core::document::format_number;
 
 /// Why a run cannot be divided into windows.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WindowError {
     /// The threshold or the window is not positive.
     #[error("threshold and window must be positive")]
     BadCriterion,
     /// A window has too few samples. The field is their number.
-    #[error("a window has {0} samples, at least {FEWEST_SAMPLES} are needed")]
+    #[error("a window has {0} samples, at least {MIN_SAMPLES} are needed")]
     TooCoarse(usize),
     /// The window is longer than the run.
     #[error("window of {} s exceeds the run of {} s", format_number(*.window), format_number(*.run))]
@@ -23,7 +24,7 @@ pub enum WindowError {
 }
 
 /// The fewest samples in a window that show a swing.
-const FEWEST_SAMPLES: usize = 8;
+const MIN_SAMPLES: usize = 8;
 
 /// The number of samples per window. `time` has at least two evenly spaced entries, in seconds.
 pub(super) fn samples_in(
@@ -39,5 +40,5 @@ pub(super) fn samples_in(
     if span > time.len() {
         return Err(WindowError::TooLong { window, run });
     }
-    if span < FEWEST_SAMPLES { Err(WindowError::TooCoarse(span)) } else { Ok(span) }
+    if span < MIN_SAMPLES { Err(WindowError::TooCoarse(span)) } else { Ok(span) }
 }

@@ -1,7 +1,10 @@
+//! The error of a linear analysis.
+
 use patchcord_core::document::format_number;
 
 /// Why a linear analysis has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LinearError {
     /// A derivative is not finite, such as that of a square root at 0.
     #[error("{element} has no finite derivative at this point: linearise at another point")]
@@ -58,7 +61,7 @@ pub enum LinearError {
     },
     /// The delay lines turn the phase too often within the band.
     #[error(
-        "up to {high} Hz the delay lines turn the phase {turns:.0} times, at most {most} turns are possible"
+        "up to {high} Hz the delay lines turn the phase {turns:.0} times, at most {max} turns are possible"
     )]
     TooManyTurns {
         /// Upper limit of the band in Hz.
@@ -66,6 +69,6 @@ pub enum LinearError {
         /// Upper limit times the sum of all delays.
         turns: f64,
         /// The largest possible number of turns.
-        most: f64,
+        max: f64,
     },
 }

@@ -4,12 +4,14 @@
 //! frequencies start as an even logarithmic grid with the natural frequencies added. Intervals in which the response
 //! changes quickly are halved.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::io::Write;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearError;
+use super::band::FrequencyBand;
+use super::phase::PhaseUnwrapper;
 use super::roots::{Root, Stability, check_finite, roots};
 use patchcord_core::document::suggestion;
 use patchcord_core::ir::{Port, StateSpace};
@@ -87,25 +89,6 @@ impl<'m> OutputRow<'m> {
     fn amplitude(&self, inner: &DVector<Complex<f64>>) -> Complex<f64> {
         self.by_inner.dot(inner) + self.direct
     }
-}
-
-/// A band of frequencies, in Hz.
-///
-/// # Examples
-///
-/// ```
-/// use patchcord_analysis::linear::{FrequencyBand, LinearError};
-///
-/// assert!(FrequencyBand { low: 0.1, high: 100.0 }.check().is_ok());
-/// let reversed = FrequencyBand { low: 10.0, high: 1.0 };
-/// assert_eq!(reversed.check(), Err(LinearError::BadBand { low: 10.0, high: 1.0 }));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrequencyBand {
-    /// Lower limit, at least 1e-100.
-    pub low: f64,
-    /// Upper limit, above the lower limit, at most 1e100.
-    pub high: f64,
 }
 
 /// The frequency response of a signal over a band.
@@ -293,7 +276,7 @@ impl<'m> TransferFunction<'m> {
         let seconds: f64 = self.model.delays.iter().map(|delay| delay.seconds).sum();
         let turns = high * seconds;
         if turns > MAX_TURNS {
-            return Err(LinearError::TooManyTurns { high, turns, most: MAX_TURNS });
+            return Err(LinearError::TooManyTurns { high, turns, max: MAX_TURNS });
         }
         let count = (POINTS_PER_DECADE * (high / low).log10()).ceil().max(1.0);
         let even = (0..count as usize).map(|index| low * (high / low).powf(index as f64 / count));
@@ -337,10 +320,6 @@ impl<'m> TransferFunction<'m> {
 
 /// Points per decade of the initial grid.
 const POINTS_PER_DECADE: f64 = 60.0;
-/// Limits of a frequency band in Hz. Squares of frequencies in between do not overflow in complex division.
-const LOWEST: f64 = 1e-100;
-/// The upper limit of a frequency band in Hz, see [`LOWEST`].
-const HIGHEST: f64 = 1e100;
 /// The largest number of turns of the phase by delay lines within a band.
 const MAX_TURNS: f64 = 1e4;
 /// The largest number of times that an interval of the grid is halved. This resolves 1e-5 of a frequency.
@@ -352,69 +331,6 @@ const MAX_CHANGE: f64 = 0.1;
 fn is_far(one: Complex<f64>, other: Complex<f64>) -> bool {
     let largest = one.norm().max(other.norm());
     (one - other).norm() > MAX_CHANGE * largest
-}
-
-/// Makes phases continuous over frequency.
-#[derive(Default)]
-struct PhaseUnwrapper {
-    /// The previous phase in radians; None before the first finite ratio.
-    last: Option<f64>,
-}
-
-/// Tolerance in radians. A step of half a turn counts as downward, so that rounding does not decide its direction.
-const HALF_TURN_TOLERANCE: f64 = 1e-6;
-
-impl PhaseUnwrapper {
-    /// The phase of the next ratio; NaN if the ratio is 0 or not finite.
-    fn next(&mut self, ratio: Complex<f64>) -> f64 {
-        if ratio.norm() == 0.0 || !ratio.is_finite() {
-            return f64::NAN;
-        }
-        let phase = match self.last {
-            None => first_phase(ratio.arg()),
-            Some(last) => last + wrapped(ratio.arg() - last),
-        };
-        self.last = Some(phase);
-        phase
-    }
-}
-
-/// The phase of the first point. Half a turn counts as lead.
-fn first_phase(phase: f64) -> f64 {
-    if phase + PI < HALF_TURN_TOLERANCE { phase + TAU } else { phase }
-}
-
-/// The angle plus a multiple of 2 pi, within -pi ... pi.
-fn wrapped(angle: f64) -> f64 {
-    angle - TAU * ((angle + PI + HALF_TURN_TOLERANCE) / TAU).floor()
-}
-
-impl FrequencyBand {
-    /// Checks the limits.
-    ///
-    /// # Errors
-    /// If the upper limit is not above the lower one, or a limit is outside 1e-100 ... 1e100 Hz.
-    pub fn check(self) -> Result<(), LinearError> {
-        let FrequencyBand { low, high } = self;
-        let is_band = LOWEST <= low && low < high && high <= HIGHEST;
-        if is_band { Ok(()) } else { Err(LinearError::BadBand { low, high }) }
-    }
-
-    /// The default band: a decade beyond the slowest and the fastest root and delay line, rounded to whole decades.
-    /// 0.01 ... 100 Hz if there are neither.
-    pub fn around(roots: &[Root], model: &StateSpace) -> FrequencyBand {
-        let natural = roots.iter().map(Root::hertz);
-        let delays = model.delays.iter().map(|delay| 1.0 / (TAU * delay.seconds));
-        let (low, high) = natural
-            .chain(delays)
-            .filter(|frequency| *frequency > 0.0)
-            .fold((f64::INFINITY, 0.0f64), |(low, high), frequency| {
-                (low.min(frequency), high.max(frequency))
-            });
-        let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 10.0) };
-        let decade = |exponent: f64| 10f64.powi(exponent as i32);
-        FrequencyBand { low: decade(low.log10().floor() - 1.0), high: decade(high.log10().ceil() + 1.0) }
-    }
 }
 
 /// A hint for an unknown name: a similar one, or all names.

@@ -123,9 +123,9 @@ pub fn roots(model: &StateSpace) -> Result<Vec<Root>, LinearError> {
     let mut roots: Vec<Root> =
         upper.map(|(root, multiplicity)| Root { real: root.re, imaginary: root.im, multiplicity }).collect();
     roots.sort_by(|one, other| order(one).partial_cmp(&order(other)).unwrap_or(std::cmp::Ordering::Equal));
-    roots.dedup_by(|next, kept| {
-        let is_same = (next.real, next.imaginary) == (kept.real, kept.imaginary);
-        kept.multiplicity += if is_same { next.multiplicity } else { 0 };
+    roots.dedup_by(|next, previous| {
+        let is_same = (next.real, next.imaginary) == (previous.real, previous.imaginary);
+        previous.multiplicity += if is_same { next.multiplicity } else { 0 };
         is_same
     });
     Ok(roots)
@@ -150,7 +150,7 @@ pub fn roots(model: &StateSpace) -> Result<Vec<Root>, LinearError> {
 /// let program = Program::new(&Circuit::new(&patch)?)?;
 ///
 /// let model = Machine::new(&program, 1e-3)?.state_space();
-/// let state = fastest_state(&model).expect("50 V is no equilibrium");
+/// let state = fastest_state(&model).ok_or("50 V is no equilibrium")?;
 /// assert_eq!(state.name, "A1");
 /// assert!((state.rate + 50.0).abs() < 1e-9);
 /// # Ok(())

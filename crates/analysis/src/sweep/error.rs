@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
-use patchcord_core::document::{RangeViolation, format_number};
+use patchcord_core::document::{ParameterRangeError, format_number};
 use patchcord_core::ir::SettingError;
 
 /// Why a plan is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlanError {
     /// The plan has no axis.
     #[error("no parameter is varied")]
-    Nothing,
+    NoAxis,
     /// The text is not in one of the three forms of an axis.
     #[error(
         "\"{0}\" gives no values: write NAME=FIRST:LAST:COUNT, NAME=FIRST:LAST:COUNT:log or NAME=VALUE,VALUE,..."
@@ -24,15 +25,23 @@ pub enum PlanError {
         /// The text that was given.
         text: String,
     },
+    /// The axis has an empty value, such as after a comma at the end.
+    #[error("{name}: a value is missing in \"{values}\": write a number there, or remove the extra comma")]
+    MissingValue {
+        /// Name of the parameter.
+        name: String,
+        /// The text after the equals sign.
+        values: String,
+    },
     /// The number of points is invalid.
-    #[error("{name}: number of points must be an integer from 2 to {}, got \"{text}\"", format_number(*.most as f64))]
+    #[error("{name}: number of points must be an integer from 2 to {}, got \"{text}\"", format_number(*.max as f64))]
     BadCount {
         /// Name of the parameter.
         name: String,
         /// The text that was given.
         text: String,
         /// The largest allowed number.
-        most: u64,
+        max: u64,
     },
     /// An end of a logarithmic axis is not positive. The field is the parameter.
     #[error("{0}: logarithmic spacing needs positive ends: remove \":log\" or change them")]
@@ -42,15 +51,15 @@ pub enum PlanError {
     Unknown(#[from] SettingError),
     /// A value is outside the range that the patch declares.
     #[error("{0}: choose a value in the range, or widen it in the patch")]
-    OutsideRange(#[from] RangeViolation),
+    OutsideRange(#[from] ParameterRangeError),
     /// Two axes vary the same parameter. The field is its name.
     #[error("{0} is varied twice")]
-    Twice(String),
+    DuplicateParameter(String),
     /// The number of combinations is too large.
-    #[error("the plan has more than {most} runs: use fewer points")]
-    TooMany {
+    #[error("the plan has more than {max} runs: use fewer points")]
+    TooManyRuns {
         /// The largest allowed number.
-        most: u64,
+        max: u64,
     },
     /// The file with the values cannot be read.
     #[error("cannot read {}: {why}", .file.display())]
@@ -60,18 +69,15 @@ pub enum PlanError {
         /// The message of the operating system.
         why: String,
     },
-    /// The file with the values is not a valid table.
-    #[error("{}: {message}", .file.display())]
-    Rows {
-        /// Path of the file.
-        file: PathBuf,
-        /// What is wrong, with the line.
-        message: String,
-    },
+    /// The file with the values is not a valid table. The field has at most ten faults, each with its line and with
+    /// what to do.
+    #[error("{}", .0.join("\n"))]
+    Rows(Vec<String>),
 }
 
 /// Why a sweep file cannot be written or continued.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum JournalError {
     /// The file cannot be read or written.
     #[error("cannot write {}: {error}", .file.display())]

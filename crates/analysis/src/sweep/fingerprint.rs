@@ -7,7 +7,7 @@
 use serde_json::{Map, Value};
 
 use patchcord_core::document::Phase;
-use patchcord_core::ir::Program;
+use patchcord_core::ir::{ParameterValue, Program};
 use patchcord_core::patch::{Amount, Patch};
 use patchcord_core::solve::RunSettings;
 
@@ -34,8 +34,9 @@ pub(super) fn canonical_run(
     varied: &[&str],
 ) -> String {
     let mut text = format!("{}\n", canonical_document(patch.value()));
-    for slot in program.parameters().iter().filter(|slot| !varied.contains(&slot.declared.name.as_str())) {
-        text += &format!("parameter {} {:016x}\n", slot.declared.name, slot.value.to_bits());
+    let is_constant = |parameter: &&ParameterValue| !varied.contains(&parameter.declared.name.as_str());
+    for parameter in program.parameters().iter().filter(is_constant) {
+        text += &format!("parameter {} {:016x}\n", parameter.declared.name, parameter.value.to_bits());
     }
     settings.phases.iter().for_each(|phase| push_phase(&mut text, phase));
     text + if settings.hold_on_overload { "hold on overload\n" } else { "" }
@@ -53,8 +54,8 @@ pub(super) fn canonical_tables(patch: &Patch) -> Option<String> {
 }
 
 /// The numbers as hexadecimal bit patterns, so that different rows have different texts. None if there are no rows.
-pub(super) fn canonical_rows<'a>(rows: impl Iterator<Item = &'a [f64]>) -> Option<String> {
-    let lines: Vec<String> = rows.map(canonical_numbers).collect();
+pub(super) fn canonical_rows<'a>(rows: impl IntoIterator<Item = &'a [f64]>) -> Option<String> {
+    let lines: Vec<String> = rows.into_iter().map(canonical_numbers).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
@@ -79,8 +80,8 @@ fn canonical_numbers(numbers: &[f64]) -> String {
 /// The document without white space and without the parts that do not affect a row.
 fn canonical_document(document: &Value) -> Value {
     let Value::Object(sections) = document else { return document.clone() };
-    let kept = sections.iter().filter(|(name, _)| !IGNORED_SECTIONS.contains(&name.as_str()));
-    Value::Object(kept.map(|(name, section)| (name.clone(), canonical_section(section))).collect())
+    let relevant = sections.iter().filter(|(name, _)| !IGNORED_SECTIONS.contains(&name.as_str()));
+    Value::Object(relevant.map(|(name, section)| (name.clone(), canonical_section(section))).collect())
 }
 
 /// A section with its entries reduced to what affects a row.
@@ -92,12 +93,12 @@ fn canonical_section(section: &Value) -> Value {
 /// An entry without its remarks. A macro contains elements, which are treated in the same way.
 fn canonical_entry(entry: &Value) -> Value {
     let Value::Object(keys) = entry else { return entry.clone() };
-    let mut kept = Map::new();
+    let mut relevant = Map::new();
     for (key, value) in keys.iter().filter(|(key, _)| !IGNORED_KEYS.contains(&key.as_str())) {
         let value = if key == "elements" { canonical_section(value) } else { value.clone() };
-        kept.insert(key.clone(), value);
+        relevant.insert(key.clone(), value);
     }
-    Value::Object(kept)
+    Value::Object(relevant)
 }
 
 /// One line per phase, with times as bit patterns.

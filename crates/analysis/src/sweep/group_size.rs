@@ -26,18 +26,18 @@ pub(super) struct GroupSizer {
 
 impl GroupSizer {
     /// A sizer for groups of at most `max` runs, with its clock started.
-    pub fn new(max: u64) -> Self {
+    pub(super) fn new(max: u64) -> Self {
         GroupSizer { started: Instant::now(), max, time_per_run: None }
     }
 
     /// The number of runs in the next group; 1 for the first.
-    pub fn size(&self) -> u64 {
+    pub(super) fn size(&self) -> u64 {
         let fitting = |time: Duration| fitting_runs(time, self.started.elapsed()).clamp(1, self.max);
         self.time_per_run.map_or(1, fitting)
     }
 
     /// Runs `work`, which computes `runs` runs, and times it.
-    pub fn timed<T>(&mut self, runs: u64, work: impl FnOnce() -> T) -> T {
+    pub(super) fn timed<T>(&mut self, runs: u64, work: impl FnOnce() -> T) -> T {
         let begin = Instant::now();
         let result = work();
         let share = if runs < self.max { FULL_GROUP_SPEEDUP } else { 1.0 };

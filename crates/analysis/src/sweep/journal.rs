@@ -28,7 +28,7 @@ impl Journal {
     ///
     /// # Errors
     /// If the file cannot be opened, is locked, or is not the beginning of this sweep. It is then unchanged.
-    pub fn open(
+    pub(super) fn open(
         path: &Path,
         head: &str,
         runs: u64,
@@ -62,7 +62,7 @@ impl Journal {
     ///
     /// # Errors
     /// If the file cannot be written, for example because the disk is full.
-    pub fn append(&mut self, text: &str) -> Result<(), JournalError> {
+    pub(super) fn append(&mut self, text: &str) -> Result<(), JournalError> {
         let written = self.file.write_all(text.as_bytes());
         written.map_err(|error| JournalError::Io { file: self.path.clone(), error })
     }

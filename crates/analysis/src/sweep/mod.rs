@@ -1,10 +1,11 @@
 //! Sweeps: one run for every combination of parameter values, on all cores, with one row of measures per run.
 //!
-//! `plan` and `table` define the parameter values of each run. `runner` computes runs, in groups whose size
+//! `plan` and `axis_file` define the parameter values of each run. `runner` computes runs, in groups whose size
 //! `group_size` chooses. `row` formats the results and `journal` appends them to a CSV file. `fingerprint` identifies
 //! the inputs, so that an interrupted sweep is only continued with the same inputs. The rows are identical, bit for
 //! bit, for any number of threads and after any interruption.
 
+mod axis_file;
 mod error;
 mod fingerprint;
 mod group_size;
@@ -12,7 +13,6 @@ mod journal;
 mod plan;
 mod row;
 mod runner;
-mod table;
 
 pub use error::{JournalError, PlanError};
 pub use plan::{Axis, Plan};
@@ -29,8 +29,7 @@ use group_size::GroupSizer;
 use journal::{Journal, fingerprint_line, first_line};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
-use patchcord_core::solve::LANES;
-use patchcord_core::solve::{Backend, Phase, RunError, RunSettings};
+use patchcord_core::solve::{Backend, LANES, Phase, RunError, RunSettings};
 use patchcord_core::trace::format_exact;
 
 /// A sweep: the runs, their settings, and the measures of each run.
@@ -54,8 +53,8 @@ use patchcord_core::trace::format_exact;
 /// let circuit = Circuit::new(&patch)?;
 /// let program = Program::new(&circuit)?;
 ///
-/// let plan = Plan::new(vec![Axis::parse("k=0,1")?], &program)?;
-/// let measures = vec![Measure::parse("voltmeter:A1", program.signals())?];
+/// let plan = Plan::new([Axis::parse("k=0,1")?], &program)?;
+/// let measures = [Measure::parse("voltmeter:A1", program.signals())?];
 /// let sweep = Sweep::new(&patch, program, RunSettings::of(&circuit)?, plan, measures)?;
 /// let mut csv = Vec::new();
 /// let summary = sweep.write(&mut csv, 1, &mut |_| ())?;
@@ -82,13 +81,14 @@ pub struct Sweep {
 
 /// Why a sweep is invalid.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SweepError {
     /// The sweep has no measure.
     #[error("no measure is specified")]
     NoMeasure,
     /// Two columns have the same name. The field is the name.
     #[error("two columns are named {0}: remove the duplicate measure, or rename the parameter")]
-    SameColumn(String),
+    DuplicateColumn(String),
     /// A measure uses samples, but a run has two samples at the same time. The field is the measure.
     #[error("{0} cannot be read if a phase within a run waits for a relay or sets a parameter")]
     Phases(String),
@@ -125,7 +125,7 @@ impl SweepSummary {
 }
 
 /// The largest number of results per worker that wait in memory for a slower run.
-const AHEAD: u64 = 64;
+const MAX_WAITING: u64 = 64;
 /// Workers per thread. While one waits for its next runs, the thread continues with the other.
 const WORKERS_PER_THREAD: u64 = 2;
 /// The largest number of recorded values that the runs of one group hold in memory. A single run may exceed it.
@@ -144,10 +144,11 @@ impl Sweep {
     pub fn new(
         patch: &Patch,
         program: Program,
-        settings: RunSettings,
+        mut settings: RunSettings,
         plan: Plan,
-        measures: Vec<Measure>,
+        measures: impl IntoIterator<Item = Measure>,
     ) -> Result<Sweep, SweepError> {
+        let measures: Vec<Measure> = measures.into_iter().collect();
         if measures.is_empty() {
             return Err(SweepError::NoMeasure);
         }
@@ -162,12 +163,14 @@ impl Sweep {
                 record.push(signal.to_owned());
             }
         }
-        let settings = RunSettings { record, sensitivities: Vec::new(), lamps: true, ..settings };
+        settings.record = record;
+        settings.sensitivities = Vec::new();
+        settings.has_lamps = true;
         settings.check()?;
         let sweep = Sweep { patch: patch.clone(), program, settings, plan, measures };
         let names = sweep.column_names();
-        match names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
-            Some((_, duplicate)) => Err(SweepError::SameColumn(duplicate.clone())),
+        match names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
+            Some((_, duplicate)) => Err(SweepError::DuplicateColumn(duplicate.clone())),
             None => Ok(sweep),
         }
     }
@@ -185,8 +188,8 @@ impl Sweep {
     /// The columns of varied parameters and measures. The columns "error" and "note" follow them in the file.
     pub fn columns(&self) -> Vec<MeasureColumn> {
         let unit = |name: &str| {
-            let slot = self.program.parameters().iter().find(|slot| slot.declared.name == name);
-            slot.map_or_else(String::new, |slot| slot.declared.unit.clone())
+            plan::parameter(&self.program, name)
+                .map_or_else(|_| String::new(), |parameter| parameter.declared.unit.clone())
         };
         let varied = self.plan.names().map(|name| MeasureColumn { name: name.to_owned(), unit: unit(name) });
         varied.chain(self.measures.iter().flat_map(Measure::columns)).collect()
@@ -226,9 +229,10 @@ impl Sweep {
             .program
             .parameters()
             .iter()
-            .filter(|slot| self.plan.names().all(|name| name != slot.declared.name));
-        let texts = constant.map(|slot| {
-            format!("{}={}", slot.declared.name, format_exact(slot.value / slot.declared.per_unit))
+            .filter(|parameter| self.plan.names().all(|name| name != parameter.declared.name));
+        let texts = constant.map(|parameter| {
+            let declared = &parameter.declared;
+            format!("{}={}", declared.name, format_exact(parameter.value / declared.per_unit))
         });
         texts.collect::<Vec<_>>().join(",")
     }
@@ -252,8 +256,8 @@ impl Sweep {
     /// The backend if it affects the rows. Only the reference backend with a fixed step gives different bits.
     fn backend_text(&self) -> Option<String> {
         let RunSettings { backend, tolerance, .. } = self.settings;
-        let matters = backend == Backend::Reference && tolerance.is_none();
-        matters.then(|| format!("backend: {backend}"))
+        let affects_rows = backend == Backend::Reference && tolerance.is_none();
+        affects_rows.then(|| format!("backend: {backend}"))
     }
 
     /// Fingerprints of all inputs that affect the rows and that no other line of the head contains.
@@ -293,14 +297,14 @@ impl Sweep {
     /// If the file belongs to another sweep or cannot be written. The existing rows are then unchanged.
     pub fn append_to(
         &self,
-        path: &Path,
+        path: impl AsRef<Path>,
         threads: usize,
         progress: &mut dyn FnMut(u64),
     ) -> Result<SweepSummary, JournalError> {
         let beginning = |run| row::beginning(&self.plan.values(run));
         let mut existing = SweepSummary::default();
         let inspect = |line: &[u8]| existing.count(row::error_and_note(line));
-        let mut journal = Journal::open(path, &self.head(), self.plan.runs(), beginning, inspect)?;
+        let mut journal = Journal::open(path.as_ref(), &self.head(), self.plan.runs(), beginning, inspect)?;
         existing.kept = journal.rows;
         self.compute_remaining(existing, threads, progress, |line| journal.append(line))
     }
@@ -332,7 +336,7 @@ impl Sweep {
         progress(first);
         parallel::run_in_order(
             0..remaining,
-            AHEAD,
+            MAX_WAITING,
             threads as usize,
             workers,
             |(_, sizer)| sizer.size(),

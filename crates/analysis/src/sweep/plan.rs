@@ -1,7 +1,9 @@
 //! The plan of a sweep: the values of each parameter and the order of their combinations.
 
+use std::str::FromStr;
+
 use super::error::PlanError;
-use patchcord_core::ir::{ParameterSlot, Program, SettingError};
+use patchcord_core::ir::{ParameterValue, Program, SettingError};
 use patchcord_core::trace::format_exact;
 use patchcord_expr::Function;
 
@@ -19,7 +21,7 @@ use patchcord_expr::Function;
 /// let patch = Patch::read("../../patches/lessons/mass-and-spring.json")?;
 /// let program = Program::new(&Circuit::new(&patch)?)?;
 ///
-/// let plan = Plan::new(vec![Axis::parse("k=20:80:3")?, Axis::parse("m=1,2")?], &program)?;
+/// let plan = Plan::new([Axis::parse("k=20:80:3")?, Axis::parse("m=1,2")?], &program)?;
 /// assert_eq!(plan.runs(), 6);
 /// assert_eq!(plan.names().collect::<Vec<_>>(), ["k", "m"]);
 /// assert_eq!((plan.values(0), plan.values(1), plan.values(2)), (vec![20.0, 1.0], vec![20.0, 2.0], vec![50.0, 1.0]));
@@ -35,6 +37,37 @@ pub struct Plan {
 }
 
 /// One axis: one or several parameters that change together, in their declared units.
+///
+/// [`Axis::parse`] reads an axis of one parameter from text. [`Axis::read`] reads one or several parameters from a CSV
+/// file.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::sweep::{Axis, Plan};
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = Patch::read("../../patches/lessons/mass-and-spring.json")?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let values = |axis: Axis| -> Result<Vec<Vec<f64>>, Box<dyn std::error::Error>> {
+///     let plan = Plan::new([axis], &program)?;
+///     Ok((0..plan.runs()).map(|run| plan.values(run)).collect())
+/// };
+///
+/// // From 20 N/m to 80 N/m in three points, with equal differences and with equal ratios
+/// assert_eq!(values("k=20:80:3".parse()?)?, [[20.0], [50.0], [80.0]]);
+/// assert_eq!(values("k=20:80:3:log".parse()?)?, [[20.0], [40.0], [80.0]]);
+///
+/// // Pairs of values from a file
+/// let file = tempfile::NamedTempFile::new()?;
+/// std::fs::write(file.path(), "k,m\n20,1\n50,2\n")?;
+/// assert_eq!(values(Axis::read(file.path(), &program)?)?, [[20.0, 1.0], [50.0, 2.0]]);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Names of the parameters of the axis; only an axis from a file has several.
@@ -57,14 +90,14 @@ pub(super) enum AxisValues {
 }
 
 /// The largest number of runs. More are assumed to be a typing error.
-const MOST_RUNS: u64 = 1_000_000_000;
+const MAX_RUNS: u64 = 1_000_000_000;
 
 impl Axis {
     /// Parses `NAME=FIRST:LAST:COUNT` (equal differences), `NAME=FIRST:LAST:COUNT:log` (equal ratios) or
     /// `NAME=VALUE,VALUE,...`.
     ///
     /// # Errors
-    /// If the text has none of these forms, a number is not finite, or the count is less than 2.
+    /// If the text has none of these forms, a value is missing or not finite, or the count is less than 2.
     ///
     /// # Examples
     ///
@@ -80,11 +113,7 @@ impl Axis {
     pub fn parse(text: &str) -> Result<Axis, PlanError> {
         let unreadable = || PlanError::NotAnAxis(text.to_owned());
         let (name, values) = text.split_once('=').ok_or_else(unreadable)?;
-        let number = |text: &str| {
-            let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-            number
-                .ok_or_else(|| PlanError::NotANumber { name: name.trim().to_owned(), text: text.to_owned() })
-        };
+        let number = |text: &str| number(name.trim(), values, text);
         let parts: Vec<_> = values.split(':').collect();
         let values = match parts[..] {
             [list] => AxisValues::List(list.split(',').map(number).collect::<Result<_, _>>()?),
@@ -113,8 +142,8 @@ impl Axis {
         }
     }
 
-    /// The value of the axis's parameter number `parameter` at point number `index`.
-    fn value(&self, index: u64, parameter: usize) -> f64 {
+    /// The value number `index` of a parameter of the axis. `position` is the index of the parameter among the names.
+    fn value(&self, index: u64, position: usize) -> f64 {
         let at = |first, last, count, between: fn(f64, f64, f64) -> f64| match index {
             0 => first,
             _ if index + 1 == count => last,
@@ -124,7 +153,7 @@ impl Axis {
             AxisValues::Linear { first, last, count } => at(*first, *last, *count, interpolate_linearly),
             AxisValues::Logarithmic { first, last, count } => at(*first, *last, *count, interpolate_by_ratio),
             AxisValues::List(values) => values[index as usize],
-            AxisValues::Rows { values, .. } => values[index as usize * self.names.len() + parameter],
+            AxisValues::Rows { values, .. } => values[index as usize * self.names.len() + position],
         }
     }
 
@@ -148,17 +177,27 @@ impl Axis {
 
     /// An error if a value is outside the range of its parameter. Only the ends of a spaced axis need a check.
     fn check(&self, program: &Program) -> Result<(), PlanError> {
-        let slots: Result<Vec<_>, _> = self.names.iter().map(|name| slot(program, name)).collect();
+        let parameters: Result<Vec<_>, _> = self.names.iter().map(|name| parameter(program, name)).collect();
         let ends = [0, self.count() - 1];
-        let points = match self.values {
+        let indices = match self.values {
             AxisValues::Linear { .. } | AxisValues::Logarithmic { .. } => ends.to_vec(),
             _ => (0..self.count()).collect(),
         };
-        let slots = slots?;
-        let mut all = points.iter().flat_map(|point| {
-            slots.iter().enumerate().map(move |(parameter, slot)| (slot, self.value(*point, parameter)))
+        let parameters = parameters?;
+        let mut all = indices.iter().flat_map(|index| {
+            let values = parameters.iter().enumerate();
+            values.map(move |(position, parameter)| (parameter, self.value(*index, position)))
         });
-        all.try_for_each(|(slot, value)| slot.in_si(value).map(drop).map_err(PlanError::from))
+        all.try_for_each(|(parameter, value)| parameter.in_si(value).map(drop).map_err(PlanError::from))
+    }
+}
+
+impl FromStr for Axis {
+    type Err = PlanError;
+
+    /// Parses an axis, see [`Axis::parse`].
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Self::parse(text)
     }
 }
 
@@ -178,18 +217,27 @@ fn interpolate_by_ratio(first: f64, last: f64, share: f64) -> f64 {
     }
 }
 
+/// Parses one number of the axis `name`. `values` is the text after the equals sign.
+fn number(name: &str, values: &str, text: &str) -> Result<f64, PlanError> {
+    if text.trim().is_empty() {
+        return Err(PlanError::MissingValue { name: name.to_owned(), values: values.to_owned() });
+    }
+    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| PlanError::NotANumber { name: name.to_owned(), text: text.to_owned() })
+}
+
 /// Parses the number of points of the axis `name`.
 fn count_of(name: &str, text: &str) -> Result<u64, PlanError> {
-    let count = text.trim().parse().ok().filter(|count| (2..=MOST_RUNS).contains(count));
+    let count = text.trim().parse().ok().filter(|count| (2..=MAX_RUNS).contains(count));
     count.ok_or_else(|| PlanError::BadCount {
         name: name.trim().to_owned(),
         text: text.to_owned(),
-        most: MOST_RUNS,
+        max: MAX_RUNS,
     })
 }
 
-/// The parameter with this name.
-pub(super) fn slot<'p>(program: &'p Program, name: &str) -> Result<&'p ParameterSlot, SettingError> {
+/// The parameter with this name; an error with a similar name if there is none.
+pub(super) fn parameter<'p>(program: &'p Program, name: &str) -> Result<&'p ParameterValue, SettingError> {
     Ok(&program.parameters()[program.parameter_index(name)?])
 }
 
@@ -199,17 +247,19 @@ impl Plan {
     /// # Errors
     /// If there is no axis, a parameter is unknown or varied twice, a value is outside its declared range, or there are
     /// too many runs.
-    pub fn new(axes: Vec<Axis>, program: &Program) -> Result<Plan, PlanError> {
+    pub fn new(axes: impl IntoIterator<Item = Axis>, program: &Program) -> Result<Plan, PlanError> {
+        let axes: Vec<Axis> = axes.into_iter().collect();
         if axes.is_empty() {
-            return Err(PlanError::Nothing);
+            return Err(PlanError::NoAxis);
         }
         axes.iter().try_for_each(|axis| axis.check(program))?;
         let names: Vec<_> = axes.iter().flat_map(|axis| &axis.names).collect();
-        if let Some((_, twice)) = names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
-            return Err(PlanError::Twice((*twice).clone()));
+        let mut numbered = names.iter().enumerate();
+        if let Some((_, duplicate)) = numbered.find(|(index, name)| names[..*index].contains(name)) {
+            return Err(PlanError::DuplicateParameter((*duplicate).clone()));
         }
         let runs = axes.iter().try_fold(1u64, |runs, axis| runs.checked_mul(axis.count()));
-        let runs = runs.filter(|runs| *runs <= MOST_RUNS).ok_or(PlanError::TooMany { most: MOST_RUNS })?;
+        let runs = runs.filter(|runs| *runs <= MAX_RUNS).ok_or(PlanError::TooManyRuns { max: MAX_RUNS })?;
         Ok(Plan { axes, runs })
     }
 
@@ -238,15 +288,15 @@ impl Plan {
 
     /// The parameter values of a run, counted from 0. Order of the names, declared units.
     pub fn values(&self, run: u64) -> Vec<f64> {
-        let mut points = vec![0; self.axes.len()];
+        let mut indices = vec![0; self.axes.len()];
         let mut rest = run;
-        for (point, axis) in points.iter_mut().zip(&self.axes).rev() {
-            (*point, rest) = (rest % axis.count(), rest / axis.count());
+        for (index, axis) in indices.iter_mut().zip(&self.axes).rev() {
+            (*index, rest) = (rest % axis.count(), rest / axis.count());
         }
-        let of_axis = |(axis, point): (&Axis, u64)| {
-            (0..axis.names.len()).map(|parameter| axis.value(point, parameter)).collect::<Vec<_>>()
+        let of_axis = |(axis, index): (&Axis, u64)| {
+            (0..axis.names.len()).map(|position| axis.value(index, position)).collect::<Vec<_>>()
         };
-        self.axes.iter().zip(points).flat_map(of_axis).collect()
+        self.axes.iter().zip(indices).flat_map(of_axis).collect()
     }
 }
 
@@ -260,7 +310,7 @@ mod tests {
         let patch = Patch::read("../../patches/thesis/fig-8-16.json").unwrap();
         let program = Program::new(&Circuit::new(&patch).unwrap()).unwrap();
         let axes: Result<Vec<_>, _> = axes.iter().map(|text| Axis::parse(text)).collect();
-        axes.and_then(|axes| Plan::new(axes, &program)).map_err(|error| error.to_string())
+        axes.and_then(|axes: Vec<Axis>| Plan::new(axes, &program)).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -303,12 +353,18 @@ mod tests {
 
     #[test]
     fn bad_plans_return_errors() {
-        let cases: [(&[&str], &str); 13] = [
+        let cases: [(&[&str], &str); 16] = [
             (&[], "no parameter is varied"),
             (&["VcL"], "\"VcL\" gives no values: write NAME=FIRST:LAST:COUNT"),
             (&["VcL=1:2:3:4"], "\"VcL=1:2:3:4\" gives no values"),
             (&["VcL=1e-3:fast:3"], "VcL: \"fast\" is not a finite number"),
             (&["VcL=1e-3,NaN"], "VcL: \"NaN\" is not a finite number"),
+            (
+                &["VcL=1e-3,2e-3,"],
+                "VcL: a value is missing in \"1e-3,2e-3,\": write a number there, or remove the extra comma",
+            ),
+            (&["VcL=1e-3::3"], "VcL: a value is missing in \"1e-3::3\": write a number there"),
+            (&["VcL="], "VcL: a value is missing in \"\": write a number there"),
             (&["VcL=1e-3:2e-3:1"], "VcL: number of points must be an integer from 2 to 1e9, got \"1\""),
             (&["VcL=1e-3:2e-3:1e12"], "VcL: number of points must be an integer"),
             (&["VcL=1e-3:2e-3:2.5:log"], "VcL: number of points must be an integer"),

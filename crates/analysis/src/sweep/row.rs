@@ -51,7 +51,7 @@ pub(super) fn error_and_note(line: &[u8]) -> [bool; 2] {
     let mut record = csv::ByteRecord::new();
     let read = csv::ReaderBuilder::new().has_headers(false).from_reader(line).read_byte_record(&mut record);
     let fields = if read.is_ok() { record.len() } else { 0 };
-    [2, 1].map(|behind| fields >= behind && !record[fields - behind].is_empty())
+    [2, 1].map(|from_end| fields >= from_end && !record[fields - from_end].is_empty())
 }
 
 /// The start of the row with these parameter values, up to and including the comma before the measured values.

@@ -1,13 +1,14 @@
 //! Runs with phases, compared with closed solutions, with new patches, and with equivalent runs.
 
 mod errors;
+mod overloads;
 
-use crate::common::{element, patch, source, volts};
+use crate::common::{element, patch, volts};
 use patchcord_analysis::instruments::unmet_condition;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Patch, PatchBuilder};
-use patchcord_core::solve::{self, ParameterChange, Phase, RunSettings, StoppedRun};
+use patchcord_core::solve::{self, ParameterChange, Phase, RunSettings, StoppedRunError};
 use patchcord_core::trace::{PhaseEnd, PhaseKind, PhaseRecord, Trace};
 use patchcord_expr::Formula;
 
@@ -15,12 +16,14 @@ use patchcord_expr::Formula;
 const OPERATE: PhaseKind = PhaseKind::Operate { until: None };
 
 /// Runs a patch with a step of 1 ms.
-fn try_run(patch: &Patch, phases: &[Phase], every: f64, record: &[&str]) -> Result<Trace, StoppedRun> {
+fn try_run(patch: &Patch, phases: &[Phase], every: f64, record: &[&str]) -> Result<Trace, StoppedRunError> {
     let circuit = Circuit::new(patch).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
-    let record = record.iter().map(|name| (*name).to_owned()).collect();
     let base = RunSettings::of(&circuit).unwrap();
-    solve::run(&program, &RunSettings { phases: phases.to_vec(), every, record, ..base })
+    solve::run(
+        &program,
+        &base.with_phases(phases.to_vec()).with_sample_interval(every).with_signals(record.iter().copied()),
+    )
 }
 
 /// The trace of a run that must succeed.
@@ -84,12 +87,11 @@ fn samples_of(trace: &Trace, phase: usize) -> Vec<(f64, f64)> {
 fn a_phase_ends_when_its_relay_switches() {
     for step in [1e-3, 1e-2] {
         let circuit = Circuit::new(&decay()).unwrap();
-        let settings = RunSettings {
-            phases: vec![Phase::operate_until(10.0, "K1", None)],
-            step,
-            every: 0.1,
-            ..RunSettings::of(&circuit).unwrap()
-        };
+        let settings = RunSettings::of(&circuit)
+            .unwrap()
+            .with_step(step)
+            .with_phases([Phase::operate_until(10.0, "K1", None)])
+            .with_sample_interval(0.1);
         let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
         let record = &trace.phase_records[1];
         // 80 e^-t = 20. The method has an error of 1e-9 s at a step of 1e-2 s.
@@ -181,7 +183,7 @@ fn a_hold_does_not_change_the_steps() {
     let halves = [Phase::operate(0.5), Phase::operate(0.5)];
     let held = [Phase::operate(0.5), hold(1.0), Phase::operate(0.5)];
     let [plain, held] = [&halves[..], &held].map(|phases| run(&driven(), phases, 0.5, &["u", "A1"]));
-    assert_eq!(plain.sweeps[0].work, held.sweeps[0].work);
+    assert_eq!(plain.repetitions[0].work, held.repetitions[0].work);
     for (plain, held) in plain.tracks.iter().zip(&held.tracks) {
         assert_eq!(plain.extremes[0].end, held.extremes[0].end);
     }
@@ -192,7 +194,7 @@ fn initial_condition_starts_an_identical_run() {
     let once = [INITIAL, Phase::operate(0.3), hold(0.2)];
     let trace = run(&driven(), &[&once[..], &once].concat(), 0.1, &["u", "A1"]);
     let half = trace.len() / 2;
-    assert_eq!((trace.sweeps.len(), trace.sweeps[1].first), (2, half));
+    assert_eq!((trace.repetitions.len(), trace.repetitions[1].first), (2, half));
     assert_eq!(trace.time[..half], trace.time[half..]);
     assert!(trace.tracks.iter().all(|track| track.volts[..half] == track.volts[half..]));
 }
@@ -209,12 +211,12 @@ fn initial_condition_is_the_default_start_of_a_run() {
 #[test]
 fn a_parameter_set_in_initial_condition_equals_one_of_the_patch() {
     let circuit = Circuit::with_parameters(&decay(), [("start", 60.0), ("a", 2.5)]).unwrap();
-    let settings = RunSettings { every: 0.1, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().with_sample_interval(0.1);
     let fresh = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
     let phases = [INITIAL, Phase::set("start", 60.0), Phase::set("a", 2.5), Phase::operate(1.0)];
     let set = run(&decay(), &phases, 0.1, &["level"]);
     assert_eq!((&set.time, &set.tracks), (&fresh.time, &fresh.tracks));
-    assert_eq!(set.sweeps, fresh.sweeps);
+    assert_eq!(set.repetitions, fresh.repetitions);
 }
 
 #[test]
@@ -245,8 +247,11 @@ fn formulas_use_parameters_and_signals_from_before_the_change() {
     let once = [INITIAL, Phase::operate(0.1)];
     let phases = [&once[..], &[exchange], &once, &[read], &once].concat();
     let trace = run(&built(builder), &phases, 0.1, &["A1", "A2"]);
-    let starts: Vec<_> =
-        trace.sweeps.iter().map(|sweep| [0, 1].map(|track| trace.tracks[track].volts[sweep.first])).collect();
+    let starts: Vec<_> = trace
+        .repetitions
+        .iter()
+        .map(|repetition| [0, 1].map(|track| trace.tracks[track].volts[repetition.first]))
+        .collect();
     assert_eq!(starts, [[10.0, 40.0], [40.0, 10.0], [50.0, 45.0]]);
 }
 
@@ -272,7 +277,7 @@ fn a_repetition_equals_the_explicit_phases() {
     let [short, long] =
         [&repeated[..], &explicit].map(|phases| run(&decay(), phases, 0.05, &["level", "K1"]));
     assert_eq!(short, long);
-    assert_eq!(short.sweeps.len(), 3);
+    assert_eq!(short.repetitions.len(), 3);
 }
 
 #[test]
@@ -282,7 +287,7 @@ fn the_sampling_interval_changes_neither_phases_nor_steps() {
         [repeat(2, &[Phase::operate_until(3.0, "K1", None), hold(0.3), increase, Phase::operate(0.4)])];
     let [coarse, fine] = [0.5, 0.003].map(|every| run(&decay(), &phases, every, &["level"]));
     assert_eq!(phases_of(&coarse), phases_of(&fine));
-    assert_eq!(coarse.sweeps[0].work, fine.sweeps[0].work);
+    assert_eq!(coarse.repetitions[0].work, fine.repetitions[0].work);
     assert_eq!(coarse.tracks[0].extremes, fine.tracks[0].extremes);
     let sample_at = |trace: &Trace, record: &PhaseRecord| trace.tracks[0].volts.get(record.sample).copied();
     for (wide, close) in coarse.phase_records.iter().zip(&fine.phase_records) {
@@ -322,96 +327,8 @@ fn an_iteration_finds_the_boundary_value() {
     let correct = Phase::set_by("v0", "v0 - (y - target)").unwrap();
     let shots = repeat(25, &[INITIAL, Phase::operate(1.0), correct]);
     let trace = run(&built(builder), &[shots, INITIAL, Phase::operate(1.0)], 1.0, &["y", "A1"]);
-    let found = -trace.tracks[1].volts[trace.sweeps[25].first];
+    let found = -trace.tracks[1].volts[trace.repetitions[25].first];
     // The step of 1 ms gives a relative error of h^4 / 120; the iteration reduces its error by 0.16 per shot.
     assert!((found - 30.0 / 1.0_f64.sin()).abs() < 1e-11, "{found}");
     assert!((trace.tracks[0].volts.last().unwrap() - 30.0).abs() < 1e-12);
-}
-
-/// -100 V/s from 80 V: the limit is reached at 1.8 s.
-fn steep() -> Patch {
-    let builder = source(volts("steep"), "u", 100.0);
-    built(builder.element("A1", element("integrator").cords("x1", ["u"]).set("initial", 80)))
-}
-
-#[test]
-fn an_overload_skips_phases_until_the_next_initial_condition() {
-    let once = [INITIAL, Phase::operate(2.5), hold(1.0), Phase::operate(1.0)];
-    let phases = [&once[..], &[INITIAL, Phase::operate(0.5), hold(0.5)]].concat();
-    let circuit = Circuit::new(&steep()).unwrap();
-    let settings = RunSettings {
-        phases,
-        every: 0.1,
-        hold_on_overload: true,
-        record: vec!["A1".to_owned()],
-        ..RunSettings::of(&circuit).unwrap()
-    };
-    let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
-    let phases: Vec<_> = trace.phase_records.iter().map(|record| (&record.phase, &record.ended)).collect();
-    let (initial, time) = (&PhaseKind::InitialCondition, &PhaseEnd::Time);
-    assert_eq!(
-        phases,
-        [
-            (initial, time),
-            (&OPERATE, &PhaseEnd::Overload),
-            (initial, time),
-            (&OPERATE, time),
-            (&PhaseKind::Hold, time)
-        ]
-    );
-    assert_eq!(trace.sweeps.iter().map(|sweep| sweep.held).collect::<Vec<_>>(), [true, false]);
-    assert!((trace.sweeps[0].end - 1.8).abs() < 2e-3, "{}", trace.sweeps[0].end);
-}
-
-#[test]
-fn the_time_of_an_overload_after_a_hold_includes_the_hold() {
-    let trace = run(&steep(), &[Phase::operate(1.0), hold(3.0), Phase::operate(1.0)], 0.1, &["A1"]);
-    let overload = &trace.sweeps[0].overloads[0];
-    assert!((overload.time - 4.8).abs() < 2e-3, "{overload:?}");
-}
-
-/// An amplifier that needs -200 V at initial condition.
-fn overloaded() -> Patch {
-    let amplifier = element("summer").cords("x2", ["+100"]);
-    built(volts("overloaded").element("S", amplifier).signal("s", "S", "volt", 1.0))
-}
-
-#[test]
-fn an_overload_in_initial_condition_has_the_time_0() {
-    for phases in [[hold(3.0), Phase::operate(1.0)], [Phase::operate(1.0), hold(3.0)]] {
-        let trace = run(&overloaded(), &phases, 0.1, &["s"]);
-        let times: Vec<f64> = trace.sweeps[0].overloads.iter().map(|overload| overload.time).collect();
-        assert_eq!(times, [0.0]);
-    }
-}
-
-/// Runs a patch that is held at the first overload, with a step of 0.1 s.
-fn held_on_overload(patch: &Patch, phases: &[Phase]) -> Trace {
-    let circuit = Circuit::new(patch).unwrap();
-    let base = RunSettings::of(&circuit).unwrap();
-    let phases = phases.to_vec();
-    let settings = RunSettings { phases, step: 0.1, every: 0.1, hold_on_overload: true, ..base };
-    solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap()
-}
-
-#[test]
-fn an_overload_in_the_last_step_of_a_phase_skips_the_following_hold() {
-    let ramp = element("ramp").set("rate", 100.1);
-    let builder = volts("last").drive("u", "volt", ramp).element("S", element("inverter").cord("in", "u"));
-    let patch = built(builder.signal("s", "S", "volt", 1.0));
-    // 100 V are reached at 0.999 s, in the last whole step, with and without a shorter step after it.
-    for time in [1.0, 1.05] {
-        let trace = held_on_overload(&patch, &[Phase::operate(time), hold(5.0)]);
-        let (sweep, last) = (&trace.sweeps[0], trace.phase_records.last().unwrap());
-        assert_eq!((&last.phase, &last.ended, sweep.held), (&OPERATE, &PhaseEnd::Overload, true));
-        assert!((sweep.end - 1.0).abs() < 1e-12, "{}", sweep.end);
-    }
-}
-
-#[test]
-fn a_machine_overloaded_at_initial_condition_skips_the_first_hold() {
-    let trace = held_on_overload(&overloaded(), &[hold(3.0), Phase::operate(1.0)]);
-    assert_eq!((trace.sweeps[0].held, trace.sweeps[0].end, trace.len()), (true, 0.0, 1));
-    assert_eq!(trace.sweeps[0].overloads[0].time, 0.0);
-    assert_eq!(trace.phase_records.last().map(|record| &record.ended), Some(&PhaseEnd::Overload));
 }

@@ -10,11 +10,11 @@ use crate::common::{element, slideway, volts};
 use patchcord_core::document::Phase;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
-use patchcord_core::solve::{self, Backend, RunSettings, StoppedRun};
+use patchcord_core::solve::{self, Backend, RunSettings, StoppedRunError};
 use patchcord_core::trace::Trace;
 
 /// The error and the trace of a run.
-fn error_and_trace(outcome: &Result<Trace, StoppedRun>) -> (Option<String>, &Trace) {
+fn error_and_trace(outcome: &Result<Trace, StoppedRunError>) -> (Option<String>, &Trace) {
     match outcome {
         Ok(trace) => (None, trace),
         Err(stopped) => (Some(stopped.error.to_string()), &stopped.trace),
@@ -23,7 +23,7 @@ fn error_and_trace(outcome: &Result<Trace, StoppedRun>) -> (Option<String>, &Tra
 
 /// Asserts that a batch of runs equals single runs, and returns the number of runs that stopped.
 fn stopped_runs(programs: &[Program], settings: &RunSettings, name: &str) -> usize {
-    let on = |backend| RunSettings { backend, ..settings.clone() };
+    let on = |backend| settings.clone().with_backend(backend);
     let single: Vec<_> =
         programs.iter().map(|program| solve::run(program, &on(Backend::Interpreter))).collect();
     for backend in [Backend::Lanes, Backend::Automatic] {
@@ -39,11 +39,13 @@ fn stopped_runs(programs: &[Program], settings: &RunSettings, name: &str) -> usi
 }
 
 /// The settings shortened to this number of steps, with samples also within steps.
-fn shortened(settings: RunSettings, steps: f64) -> RunSettings {
-    let settings = RunSettings { tolerance: None, sensitivities: Vec::new(), ..settings };
+fn shortened(mut settings: RunSettings, steps: f64) -> RunSettings {
+    settings.tolerance = None;
+    settings.sensitivities = Vec::new();
     let all = settings.total_duration() / settings.step;
     let settings = if all > steps { settings.clone().with_duration(steps * settings.step) } else { settings };
-    RunSettings { every: (7.3 * settings.step).min(settings.duration()), ..settings }
+    let every = (7.3 * settings.step).min(settings.duration());
+    settings.with_sample_interval(every)
 }
 
 #[test]
@@ -83,7 +85,7 @@ fn batches_of_random_circuits_equal_single_runs() {
     for number in 0..25 {
         let (circuit, base) = program(&crate::common::circuits::random_circuit(&mut random), &[]).unwrap();
         let record = ["A0", "A1", "A2", "N0", "N3", "u", "w"].map(str::to_owned).to_vec();
-        let settings = RunSettings { step: 1.3e-3, record, ..RunSettings::of(&circuit).unwrap() };
+        let settings = RunSettings::of(&circuit).unwrap().with_step(1.3e-3).with_signals(record);
         let programs: Vec<_> = (0..19).map(|_| with_random_parameters(&base, &mut random)).collect();
         stopped_runs(
             &programs,
@@ -116,7 +118,7 @@ fn batches_beyond_full_scale_equal_single_runs() {
         .unwrap();
     let (circuit, base) = program(&patch, &[]).unwrap();
     let record = ["S", "A"].map(str::to_owned).to_vec();
-    let settings = RunSettings { lamps: false, record, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().without_lamps().with_signals(record);
     let programs: Vec<_> = (0..19).map(|run| set(&base, &[("g", f64::from(run) / 18.0)])).collect();
     assert_eq!(stopped_runs(&programs, &settings, "beyond its range"), 0);
 }
@@ -128,7 +130,8 @@ fn batches_with_table_drives_equal_single_runs() {
     let record = ["u", "S", "A1", "A2"].map(str::to_owned).to_vec();
     let programs: Vec<_> = (0..19).map(|run| set(&base, &[("g", f64::from(run) / 20.0)])).collect();
     for every in [1e-3, 2.3e-3] {
-        let settings = RunSettings { record: record.clone(), every, ..RunSettings::of(&circuit).unwrap() };
+        let settings =
+            RunSettings::of(&circuit).unwrap().with_signals(record.clone()).with_sample_interval(every);
         assert_eq!(stopped_runs(&programs, &settings, "driven by points"), 0);
     }
     // Some programs have other points and share the kernel of the rest.
@@ -143,11 +146,7 @@ fn batches_with_table_drives_equal_single_runs() {
         |run: u32| set(if run.is_multiple_of(3) { &other } else { &base }, &[("g", f64::from(run) / 20.0)]);
     let programs: Vec<_> = (0..19).map(some).collect();
     assert_eq!(
-        stopped_runs(
-            &programs,
-            &RunSettings { record, ..RunSettings::of(&circuit).unwrap() },
-            "replaced table"
-        ),
+        stopped_runs(&programs, &RunSettings::of(&circuit).unwrap().with_signals(record), "replaced table"),
         0
     );
 }
@@ -158,8 +157,11 @@ fn batches_with_delays_equal_single_runs() {
     let (circuit, base) = program(&crate::common::delay_loop_with_diode(), &[]).unwrap();
     let record = ["D1", "D2", "S", "A2"].map(str::to_owned).to_vec();
     for (step, every) in [(1e-3, 1e-3), (2.5e-3, 1e-2), (7e-4, 2.3e-3)] {
-        let settings =
-            RunSettings { step, every, record: record.clone(), ..RunSettings::of(&circuit).unwrap() };
+        let settings = RunSettings::of(&circuit)
+            .unwrap()
+            .with_step(step)
+            .with_sample_interval(every)
+            .with_signals(record.clone());
         let times =
             |run: u32| [1.0 + 0.31 * f64::from(run), 1.0 + f64::from(run * run)].map(|steps| steps * step);
         let all: Vec<_> = (0..19).map(times).map(|[t, f]| set(&base, &[("T", t), ("F", f)])).collect();
@@ -195,8 +197,11 @@ fn set(program: &Program, values: &[(&str, f64)]) -> Program {
 fn runs_that_stop_do_not_affect_the_others() {
     let (circuit, base) = program(&relay_controlled(), &[]).unwrap();
     let record = vec!["A1".to_owned(), "K1".to_owned()];
-    let settings =
-        RunSettings { record, every: 0.013, ..RunSettings::of(&circuit).unwrap() }.with_duration(1.0);
+    let settings = RunSettings::of(&circuit)
+        .unwrap()
+        .with_signals(record)
+        .with_sample_interval(0.013)
+        .with_duration(1.0);
     // Every third run chatters, each from a different time, one of them from the start.
     let programs: Vec<_> = (0..16)
         .map(|run| {
@@ -220,11 +225,16 @@ fn batches_in_different_phases_equal_single_runs() {
         Phase::Repeat { times: 2, phases: vec![Phase::InitialCondition, Phase::operate(0.15)] },
     ];
     let record = ["A1", "A2", "K1"].map(str::to_owned).to_vec();
-    let settings = RunSettings { record, every: 0.01, phases, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit)
+        .unwrap()
+        .with_signals(record)
+        .with_sample_interval(0.01)
+        .with_phases(phases);
     let start = |run: u32| [("start", f64::from(6 * run) - 20.0)];
     let programs: Vec<_> = (0..16).map(|run| set(&base, &start(run))).collect();
     for hold_on_overload in [false, true] {
-        let settings = RunSettings { hold_on_overload, ..settings.clone() };
+        let mut settings = settings.clone();
+        settings.hold_on_overload = hold_on_overload;
         assert_eq!(stopped_runs(&programs, &settings, "phases"), 0);
         let traces = programs.iter().map(|program| solve::run(program, &settings).unwrap());
         let overloaded = traces.filter(|trace| trace.overloads().next().is_some()).count();
@@ -239,7 +249,8 @@ fn tiny_voltages_are_flushed_at_the_same_step_in_a_batch() {
     let builder = volts("decay").parameter("start", 1.0, "1", [-100.0, 100.0]).element("A1", decaying);
     let (circuit, base) = program(&builder.build().unwrap(), &[]).unwrap();
     let record = vec!["A1".to_owned()];
-    let settings = RunSettings { step: 0.02, every: 0.02, record, ..RunSettings::of(&circuit).unwrap() };
+    let settings =
+        RunSettings::of(&circuit).unwrap().with_step(0.02).with_sample_interval(0.02).with_signals(record);
     let programs: Vec<_> = (0..16).map(|run| set(&base, &[("start", 10f64.powi(run) * 1e-14)])).collect();
     let settings = settings.with_duration(40.0);
     assert_eq!(stopped_runs(&programs, &settings, "decay"), 0);
@@ -254,7 +265,7 @@ fn rows_do_not_depend_on_backend_or_threads() {
             &slideway(),
             &["VcL=1.27e-3:25.4e-3:5:log", "Tc=0.006:0.025:9"],
             &["peak:v_o", "stick_end", "frequency:v_o,last=0.1"],
-            |base| RunSettings { backend, ..base.with_duration(0.25) },
+            |base| base.with_duration(0.25).with_backend(backend),
         )
     };
     let single = rows(&sweep_on(Backend::Interpreter), 1);
@@ -272,8 +283,8 @@ fn samples_near_the_ends_of_steps_do_not_depend_on_other_runs() {
     let lesson = crate::common::shipped("lessons/mass-and-spring");
     let sweep_on = |backend| {
         sweep(&lesson, &["k=5:8:16"], &["frequency:x,last=12"], |base| {
-            let settings = RunSettings { backend, step: 1e-3, ..base.with_duration(12.0) };
-            RunSettings { every: 0.149_999_999_999_81, ..settings }
+            let settings = base.with_duration(12.0).with_step(1e-3).with_backend(backend);
+            settings.with_sample_interval(0.149_999_999_999_81)
         })
     };
     let single = rows(&sweep_on(Backend::Interpreter), 1);

@@ -25,9 +25,9 @@ fn sweep(
     settings: impl FnOnce(RunSettings) -> RunSettings,
 ) -> Sweep {
     let (circuit, program) = program(patch, &[]).unwrap();
-    let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-    let plan = Plan::new(axes, &program).unwrap();
-    let measures = measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
+    let plan = Plan::new(axes.iter().map(|text| text.parse::<Axis>().unwrap()), &program).unwrap();
+    let measures: Vec<_> =
+        measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
     let settings = settings(RunSettings::of(&circuit).unwrap());
     Sweep::new(patch, program, settings, plan, measures).unwrap()
 }
@@ -62,7 +62,8 @@ fn a_program_with_changed_parameters_equals_a_new_one() {
         let (circuit, mut changed) = program(&patch, &[]).unwrap();
         let settings = RunSettings::of(&circuit).unwrap();
         let seconds = 0.02 * settings.duration();
-        let settings = RunSettings { every: settings.step, ..settings }.with_duration(seconds);
+        let every = settings.step;
+        let settings = settings.with_sample_interval(every).with_duration(seconds);
         for fraction in [0.05, 0.3, 0.0] {
             let changes = towards_range_ends(&patch, fraction);
             let named: Vec<_> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
@@ -165,10 +166,11 @@ fn an_oscillation_cannot_be_read_over_more_than_the_run() {
 #[test]
 fn invalid_sweeps_return_errors() {
     let (circuit, program) = program(&pot(), &[]).unwrap();
-    let plan = |text: &str| Plan::new(vec![Axis::parse(text).unwrap()], &program).unwrap();
+    let plan = |text: &str| Plan::new([Axis::parse(text).unwrap()], &program).unwrap();
     let new_sweep = |measures: &[&str], step: f64| {
-        let measures = measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
-        let settings = RunSettings { step, ..RunSettings::of(&circuit).unwrap() };
+        let measures: Vec<_> =
+            measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
+        let settings = RunSettings::of(&circuit).unwrap().with_step(step);
         Sweep::new(&pot(), program.clone(), settings, plan("k=0,1"), measures)
             .map_err(|error| error.to_string())
     };

@@ -2,18 +2,22 @@
 //!
 //! Each kind lists the parts that it needs, some of them only with a certain setting or input. A patch can also list
 //! the parts of the machine that each element uses, such as "A7". Such lists are checked for their length and for
-//! repetitions.
+//! repetitions. The methods of [`Circuit`] for parts are at the end.
 
 use std::collections::HashMap;
 
-use super::macros;
+use super::{Circuit, macros};
 use crate::document::{Code, Diagnostic, Placed};
 use crate::elements::PartUse;
-use crate::machines::{Machine, Part};
+use crate::machines::{MachineModel, Part};
 use crate::patch::{ElementEntry, Patch};
 
 /// The parts that the patch uses, with their numbers. Reports parts of which the machine has too few.
-pub(super) fn check(patch: &Patch, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Vec<(Part, usize)> {
+pub(super) fn check(
+    patch: &Patch,
+    machine: &MachineModel,
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<(Part, usize)> {
     check_part_lists(patch, findings);
     let used: Vec<_> = Part::ALL.iter().map(|part| (*part, total_count(patch, *part))).collect();
     for (part, count) in &used {
@@ -30,7 +34,7 @@ fn total_count(patch: &Patch, part: Part) -> usize {
 }
 
 /// Number of parts of one type that an element uses.
-pub(super) fn part_count(entry: &ElementEntry, part: Part) -> usize {
+fn part_count(entry: &ElementEntry, part: Part) -> usize {
     let rows = entry.kind.parts.iter().filter(|part_use| part_use.part == part && applies(entry, part_use));
     rows.map(|part_use| part_use.count).sum()
 }
@@ -62,7 +66,13 @@ fn applies(entry: &ElementEntry, part_use: &PartUse) -> bool {
 ///
 /// The elements take their parts in the order of the document. An element inside an instance is reported at the
 /// position of the instance, where the user can change the number.
-fn too_few_parts(patch: &Patch, machine: &Machine, part: Part, count: usize, available: usize) -> Diagnostic {
+fn too_few_parts(
+    patch: &Patch,
+    machine: &MachineModel,
+    part: Part,
+    count: usize,
+    available: usize,
+) -> Diagnostic {
     let mut remaining = available;
     let first_without =
         patch.elements.iter().find(|(_, entry)| match remaining.checked_sub(part_count(entry, part)) {
@@ -116,5 +126,52 @@ fn check_list_length(
         let message = format!("{name} consists of {} and lists {}", part.counted(expected), names.len());
         let hint = "list as many parts as the element consists of, or remove the list";
         findings.push(Diagnostic::at(Code::PART_COUNT, key.span, message).hint(hint));
+    }
+}
+
+impl Circuit {
+    /// The parts of the machine that the circuit uses, with their numbers. Unused parts are not listed.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::machines::Part;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let inverter = ElementBuilder::new("inverter").cord("in", "+100");
+    /// let builder = PatchBuilder::new("inverter").machine("solartron-1451");
+    /// let circuit = Circuit::new(&builder.element("A1", inverter).build()?)?;
+    /// assert_eq!(circuit.parts(), [(Part::Summer, 1)]);
+    /// assert_eq!(circuit.machine().count(Part::Summer), Some(16));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn parts(&self) -> &[(Part, usize)] {
+        &self.parts
+    }
+
+    /// The parts of the machine that an element uses, with their numbers, in the order of its kind.
+    ///
+    /// Empty for drives, references and unknown names.
+    pub fn parts_of(&self, element: &str) -> Vec<(Part, usize)> {
+        let Some(entry) = self.patch.elements.get(element) else { return Vec::new() };
+        let mut parts: Vec<(Part, usize)> = Vec::new();
+        for part_use in entry.kind.parts {
+            let count = part_count(entry, part_use.part);
+            if count > 0 && parts.iter().all(|(part, _)| *part != part_use.part) {
+                parts.push((part_use.part, count));
+            }
+        }
+        parts
+    }
+
+    /// Names of the machine's parts of one type that the patch lists for an element, such as "A7".
+    pub fn part_names(&self, element: &str, part: Part) -> Vec<String> {
+        let entry = self.patch.elements.get(element);
+        let entries = entry.into_iter().flat_map(|entry| &entry.machine_parts);
+        let of_this_part = entries.filter(|(key, _)| key.value == part.key());
+        of_this_part.flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
     }
 }

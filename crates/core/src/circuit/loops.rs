@@ -33,8 +33,8 @@ fn direct_graph(graph: &Graph) -> DirectGraph {
         graph[edge.target()].kind.inputs[edge.weight().input].direct
     };
     let mut direct = graph.map(|index, _| index.index(), |_, _| ());
-    let keep: Vec<bool> = graph.edge_references().map(|edge| is_direct(&edge)).collect();
-    direct.retain_edges(|_, edge| keep[edge.index()]);
+    let direct_edges: Vec<bool> = graph.edge_references().map(|edge| is_direct(&edge)).collect();
+    direct.retain_edges(|_, edge| direct_edges[edge.index()]);
     direct
 }
 
@@ -88,8 +88,9 @@ impl LoopOpener<'_> {
 
 /// The members of a loop without the one that opens it, and the cords between them.
 fn without(subgraph: &DirectGraph, members: &[NodeIndex], opener: NodeIndex) -> DirectGraph {
-    let kept: HashSet<NodeIndex> = members.iter().copied().filter(|index| *index != opener).collect();
-    subgraph.filter_map(|index, element| kept.contains(&index).then_some(*element), |_, ()| Some(()))
+    let inner_members: HashSet<NodeIndex> =
+        members.iter().copied().filter(|index| *index != opener).collect();
+    subgraph.filter_map(|index, element| inner_members.contains(&index).then_some(*element), |_, ()| Some(()))
 }
 
 /// The diagnostic for loops that are nested more than [`MAX_LOOP_DEPTH`] deep.
@@ -116,7 +117,7 @@ mod tests {
     /// Names of the members of each loop in a patch of summers. Each entry is a summer and the outputs that drive it.
     fn loops_of(wiring: &[(&str, &[&str])]) -> Vec<Vec<String>> {
         let builder = wiring.iter().fold(PatchBuilder::new("loops"), |builder, (name, from)| {
-            builder.element(name, ElementBuilder::new("summer").set("in", serde_json::json!({ "x1": from })))
+            builder.element(name, ElementBuilder::new("summer").cords("x1", *from))
         });
         let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
         let names = |step: &EvaluationStep| {

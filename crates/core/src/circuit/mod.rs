@@ -7,6 +7,7 @@
 //! The checks run in the order in which they need each other: names, machine, quantities, cords, settings, parts,
 //! phases, signals, loops. Warnings about unused elements come last, and only if there is no error.
 
+mod element;
 mod inventory;
 mod loops;
 mod macros;
@@ -21,17 +22,16 @@ mod signals;
 
 use std::collections::BTreeSet;
 
-use indexmap::IndexSet;
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;
 
-use crate::document::{Diagnostic, Placed, Report, Span, derivative_of};
-use crate::elements::Kind;
-use crate::machines::{Machine, Part};
-use crate::patch::{Amount, Parameter, Patch, PictureSpec, RunPlan};
+use crate::document::{Diagnostic, Report};
+use crate::machines::{MachineModel, Part};
+use crate::patch::{Parameter, Patch, RunPlan};
 use patchcord_expr::{Formula, Unit};
 
+pub use element::{Cord, Element, EvaluationStep, SignalPoint};
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
 
@@ -62,7 +62,7 @@ pub struct Circuit {
     /// The changed parameters with their values in the declared units.
     changes: Vec<(String, f64)>,
     /// The machine of the patch, or the machine without limits.
-    machine: &'static Machine,
+    machine: &'static MachineModel,
     /// The parameters, scales and settings of macros' instances, with their values.
     quantities: Quantities,
     /// References, drives and elements, in this order and otherwise in that of the document, with their cords.
@@ -77,81 +77,6 @@ pub struct Circuit {
     parts: Vec<(Part, usize)>,
     /// The warnings of all checks. There are no errors among them.
     warnings: Vec<Diagnostic>,
-}
-
-/// An element, a drive or a reference.
-#[derive(Debug, Clone)]
-pub struct Element {
-    /// Name, which cords use.
-    pub name: String,
-    /// Kind, from the table of elements.
-    pub kind: &'static Kind,
-    /// Settings, in the order of the kind's settings. `None` if the patch does not give the setting.
-    pub settings: Vec<Option<Placed<Amount>>>,
-    /// Index of the scale of a drive. `None` for elements and references.
-    pub scale: Option<usize>,
-    /// Position of the name in the document. `None` for references.
-    pub span: Option<Span>,
-}
-
-/// A cord into an input.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cord {
-    /// Index of the input among the kind's inputs.
-    pub input: usize,
-    /// Gain of the jack, such as 10 for "x10". It is 1 if the jack has no gain.
-    pub gain: f64,
-}
-
-/// A step of the computation of all voltages at one instant.
-///
-/// # Examples
-///
-/// ```
-/// use patchcord_core::circuit::EvaluationStep;
-///
-/// let inner = vec![EvaluationStep::Element(4), EvaluationStep::Element(5)];
-/// let step = EvaluationStep::Loop { opener: 3, inner };
-/// assert_eq!(step.members(), [4, 5, 3]);
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub enum EvaluationStep {
-    /// Computes the output of an element whose direct inputs are known.
-    Element(usize),
-    /// Solves a loop without an integrator.
-    Loop {
-        /// The element that opens the loop: its output is the unknown, and it is computed last.
-        opener: usize,
-        /// The steps for the other members in order of evaluation. Loops that remain are nested here.
-        inner: Vec<EvaluationStep>,
-    },
-}
-
-impl EvaluationStep {
-    /// The elements of the step in order of evaluation. The element that opens a loop is the last one of the loop.
-    pub fn members(&self) -> Vec<usize> {
-        match self {
-            EvaluationStep::Element(element) => vec![*element],
-            EvaluationStep::Loop { opener, inner } => {
-                inner.iter().flat_map(EvaluationStep::members).chain([*opener]).collect()
-            }
-        }
-    }
-}
-
-/// An output that can be recorded, with the quantity that it represents.
-///
-/// The value of the signal is: voltage x value of the scale per volt x factor.
-#[derive(Debug, Clone)]
-pub struct SignalPoint {
-    /// Name of the signal.
-    pub name: String,
-    /// Index of the element with the output.
-    pub element: usize,
-    /// Index of the scale. `None` if the signal is in volts.
-    pub scale: Option<usize>,
-    /// Factor for the scaled voltage, such as -1 behind an inverting summer.
-    pub factor: f64,
 }
 
 impl Circuit {
@@ -220,7 +145,7 @@ impl Circuit {
     }
 
     /// The machine on which the circuit is patched.
-    pub fn machine(&self) -> &'static Machine {
+    pub fn machine(&self) -> &'static MachineModel {
         self.machine
     }
 
@@ -415,139 +340,9 @@ impl Circuit {
         self.patch.time_scale
     }
 
-    /// Everything that can be recorded: the signals of the patch, then the drives, then the elements.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use patchcord_core::circuit::Circuit;
-    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-    ///
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let patch = PatchBuilder::new("decay")
-    ///     .scale("position", 2.0, "mm")
-    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]))
-    ///     .signal("x", "A1", "position", 1.0)
-    ///     .build()?;
-    /// let circuit = Circuit::new(&patch)?;
-    /// let names: Vec<_> = circuit.signals().iter().map(|signal| signal.name.as_str()).collect();
-    /// assert_eq!(names, ["x", "A1"]);
-    /// assert_eq!(circuit.recorded_signals(), ["x"]);
-    /// # Ok(())
-    /// # }
-    /// ```
-    pub fn signals(&self) -> &[SignalPoint] {
-        &self.signals
-    }
-
-    /// The name under which a signal is recorded. The output of a macro's instance has the name of its element inside.
-    ///
-    /// `None` if nothing of this name can be recorded.
-    pub fn recorded_name<'n>(&'n self, name: &'n str) -> Option<&'n str> {
-        let is_signal = |name: &str| self.signals.iter().any(|point| point.name == name);
-        let element_inside = || self.patch.instance_outputs.get(name).map(|output| output.element.as_str());
-        is_signal(name).then_some(name).or_else(element_inside)
-    }
-
-    /// Names of the signals that the patch records or draws, without repetitions. The recorded ones come first.
-    pub fn recorded_signals(&self) -> Vec<String> {
-        let recorded = self.record.iter().map(|index| self.signals[*index].name.clone());
-        let mut names: Vec<String> = recorded.collect();
-        for name in self.drawn_signals() {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        names
-    }
-
-    /// Names of the signals that the pictures of the patch show, or whose derivatives they show. Names may be repeated.
-    pub fn drawn_signals(&self) -> impl Iterator<Item = String> + '_ {
-        let signal = |name: &str| derivative_of(name).map_or(name, |(signal, _)| signal).to_owned();
-        self.drawn_names().filter(|name| *name != "t").map(signal)
-    }
-
-    /// Names of the parameters with respect to which the pictures show derivatives, without repetitions.
-    pub fn sensitivity_parameters(&self) -> Vec<String> {
-        let parameters = self.drawn_names().filter_map(|name| Some(derivative_of(name)?.1.to_owned()));
-        parameters.collect::<IndexSet<_>>().into_iter().collect()
-    }
-
-    /// All names on the axes of the pictures: signals, derivatives and the time "t".
-    fn drawn_names(&self) -> impl Iterator<Item = &str> {
-        let names = self.patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
-        names.map(|name| name.value.as_str())
-    }
-
-    /// Unit of a signal: its text, and its size in SI units.
-    pub(crate) fn signal_unit(&self, signal: &SignalPoint) -> (String, f64) {
-        match signal.scale {
-            Some(scale) => {
-                let unit = self.derived_unit(scale);
-                (unit.text().to_owned(), unit.factor())
-            }
-            None => ("V".to_owned(), 1.0),
-        }
-    }
-
-    /// The parts of the machine that the circuit uses, with their numbers. Unused parts are not listed.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use patchcord_core::circuit::Circuit;
-    /// use patchcord_core::machines::Part;
-    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-    ///
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let inverter = ElementBuilder::new("inverter").cord("in", "+100");
-    /// let builder = PatchBuilder::new("inverter").machine("solartron-1451");
-    /// let circuit = Circuit::new(&builder.element("A1", inverter).build()?)?;
-    /// assert_eq!(circuit.parts(), [(Part::Summer, 1)]);
-    /// assert_eq!(circuit.machine().count(Part::Summer), Some(16));
-    /// # Ok(())
-    /// # }
-    /// ```
-    pub fn parts(&self) -> &[(Part, usize)] {
-        &self.parts
-    }
-
-    /// The parts of the machine that an element uses, with their numbers, in the order of its kind.
-    ///
-    /// Empty for drives, references and unknown names.
-    pub fn parts_of(&self, element: &str) -> Vec<(Part, usize)> {
-        let Some(entry) = self.patch.elements.get(element) else { return Vec::new() };
-        let mut parts: Vec<(Part, usize)> = Vec::new();
-        for part_use in entry.kind.parts {
-            let count = inventory::part_count(entry, part_use.part);
-            if count > 0 && parts.iter().all(|(part, _)| *part != part_use.part) {
-                parts.push((part_use.part, count));
-            }
-        }
-        parts
-    }
-
-    /// Names of the machine's parts of one type that the patch lists for an element, such as "A7".
-    pub fn part_names(&self, element: &str, part: Part) -> Vec<String> {
-        let entry = self.patch.elements.get(element);
-        let entries = entry.into_iter().flat_map(|entry| &entry.machine_parts);
-        let of_this_part = entries.filter(|(key, _)| key.value == part.key());
-        of_this_part.flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
-    }
-
     /// The run plan of the patch: duration, step, phases and so on.
     pub fn run_plan(&self) -> &RunPlan {
         &self.patch.run
-    }
-
-    /// The pictures of the patch. If it has none, one picture for each of these signals against time.
-    pub fn picture_specs<'a>(&self, recorded: impl Iterator<Item = &'a str>) -> Vec<PictureSpec> {
-        if !self.patch.pictures.is_empty() {
-            return self.patch.pictures.clone();
-        }
-        let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
-        let against_time = |name| PictureSpec { title: String::new(), x: placed("t"), y: vec![placed(name)] };
-        recorded.map(against_time).collect()
     }
 
     /// Compares the gain of the wiring between scaled signals with the gain that the scales require (eq. 4-8).

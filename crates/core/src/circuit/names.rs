@@ -2,12 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::document::{Code, Diagnostic, Placed, Span, suggestion};
+use crate::document::{Code, Diagnostic, MAX_SUGGESTIONS, Placed, Span, suggestion};
 use crate::patch::{Patch, check_output_name, check_quantity_name, duplicate_name};
-
-/// Number of diagnostics above which unknown names get no suggestions. Each suggestion compares a name with all known
-/// names, which takes too long if thousands of names are wrong.
-const MAX_SUGGESTIONS: usize = 50;
 
 /// Passes on what a name refers to, and reports the name if it refers to nothing.
 ///
@@ -21,7 +17,7 @@ pub(super) fn found_or_report<'k, T>(
     known: impl FnOnce() -> Vec<&'k str>,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<T> {
-    if found.is_none() && !patch.unread_names().may_include(&name.value) {
+    if found.is_none() && !patch.unread_names().can_include(&name.value) {
         let has_suggestion = findings.len() < MAX_SUGGESTIONS;
         let hint = has_suggestion.then(|| suggestion(&name.value, &known())).flatten();
         findings.push(Diagnostic::at(Code::UNKNOWN_NAME, name.span, message()).maybe_hint(hint));

@@ -15,8 +15,8 @@ use super::scope::Quantities;
 use super::{Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals};
 use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, suggestion};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
-use crate::machines::{self, Machine};
-use crate::patch::{Amount, ElementEntry, Patch, Plug};
+use crate::machines::{self, MachineModel};
+use crate::patch::{Amount, ElementEntry, Patch, Plug, cord_hint, cord_notation, no_cord, outputs_tied};
 use patchcord_expr::Formula;
 
 /// The elements with the cords between them. An edge goes from the driver to the driven element.
@@ -68,7 +68,7 @@ pub(super) fn resolve(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
 }
 
 /// The machine of the patch. Reports an unknown name and continues with the default machine.
-fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
+fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static MachineModel {
     let Some(name) = &patch.machine else { return machines::DEFAULT_MACHINE };
     machines::find(&name.value).unwrap_or_else(|| {
         let known: Vec<_> = machines::ALL.iter().map(|machine| machine.name).collect();
@@ -84,7 +84,7 @@ fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
 /// Builds the graph: references, drives and elements, then their cords. Reports faults of the cords.
 ///
 /// Drives have no inputs, so only elements have cords.
-fn graph(patch: &Patch, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Graph {
+fn graph(patch: &Patch, machine: &MachineModel, findings: &mut Vec<Diagnostic>) -> Graph {
     let mut graph = Graph::new();
     let mut nodes = HashMap::new();
     for (name, volts) in REFERENCES {
@@ -145,7 +145,7 @@ struct CordPlugger<'a> {
     /// The element in the patch, with its kind and cords.
     entry: &'a ElementEntry,
     /// The machine, for its input gains.
-    machine: &'a Machine,
+    machine: &'a MachineModel,
     /// The nodes of all references, drives and elements by name.
     nodes: &'a HashMap<&'a str, NodeIndex>,
 }
@@ -177,9 +177,9 @@ impl CordPlugger<'_> {
             }
         }
         for (input, plugs) in plugged.iter().enumerate() {
-            self.check_most(input, plugs, findings);
+            self.check_max_cords(input, plugs, findings);
             if !is_incomplete {
-                self.check_least(input, plugs, empty[input], findings);
+                self.check_min_cords(input, plugs, empty[input], findings);
             }
         }
     }
@@ -215,8 +215,7 @@ impl CordPlugger<'_> {
         let message =
             format!("{} (kind {}) has no input \"{}\"", self.name, self.entry.kind.name, jack.value);
         let similar = self.entry.kind.inputs.iter().find_map(|input| similar_jack(input, &jack.value));
-        let jacks: Vec<_> =
-            self.entry.kind.inputs.iter().map(|input| jack_names(input.name, input.jacks)).collect();
+        let jacks: Vec<_> = self.entry.kind.inputs.iter().map(jack_names).collect();
         let hint = match similar {
             Some(similar) => format!("did you mean \"{similar}\"?"),
             None if jacks.is_empty() => "it has no inputs".to_owned(),
@@ -254,7 +253,7 @@ impl CordPlugger<'_> {
     /// Reports an input with more cords than it can take.
     ///
     /// The report is at the first cord that is too many.
-    fn check_most(&self, input: usize, plugs: &[&Plug], findings: &mut Vec<Diagnostic>) {
+    fn check_max_cords(&self, input: usize, plugs: &[&Plug], findings: &mut Vec<Diagnostic>) {
         let allowed = match self.entry.kind.inputs[input].jacks {
             Jacks::One => 1,
             Jacks::Exactly(count) => count,
@@ -268,7 +267,7 @@ impl CordPlugger<'_> {
     /// Reports an input with fewer cords than it needs. `empty` is the position of a jack with an empty list of cords.
     ///
     /// An input that may be open needs no cord, but an empty list of cords is a fault: the user wrote the jack.
-    fn check_least(
+    fn check_min_cords(
         &self,
         input: usize,
         plugs: &[&Plug],
@@ -279,19 +278,19 @@ impl CordPlugger<'_> {
         let least = if let Jacks::Exactly(count) = row.jacks { count } else { 1 };
         if (row.required || empty.is_some()) && plugs.len() < least {
             let span = plugs.first().map(|plug| plug.from.span).or(empty).unwrap_or(self.entry.span);
-            let jacks = jack_names(row.name, row.jacks);
-            let message = match plugs.len() {
-                0 => format!("nothing drives {} of {}", jacks, self.name),
-                count => format!("{} of {} needs {least} cords and has {count}", jacks, self.name),
-            };
-            let hint = format!("{}; use \"ground\" for 0 V", row.description);
-            findings.push(Diagnostic::at(Code::NO_DRIVER, span, message).hint(hint));
+            let jacks = jack_names(row);
+            let hint = cord_hint(&cord_notation(self.entry.kind, row), row.description);
+            findings.push(match plugs.len() {
+                0 => no_cord(self.name, &jacks, hint, span),
+                count => {
+                    let message = format!("{jacks} of {} needs {least} cords and has {count}", self.name);
+                    Diagnostic::at(Code::NO_DRIVER, span, message).hint(hint)
+                }
+            });
         }
     }
 
     /// The diagnostic for more cords than an input can take. `extra` is the first of the surplus cords.
-    ///
-    /// Two cords into one jack would connect two outputs with each other.
     fn too_many_cords(&self, input: usize, plugs: &[&Plug], extra: &Plug) -> Diagnostic {
         let row = &self.entry.kind.inputs[input];
         if let Jacks::Exactly(count) = row.jacks {
@@ -299,11 +298,7 @@ impl CordPlugger<'_> {
             return Diagnostic::at(Code::TOO_MANY_INPUTS, extra.from.span, message)
                 .hint("use a second element for the others");
         }
-        let (first, second) = (&plugs[0].from.value, &extra.from.value);
-        let message =
-            format!("the outputs of {first} and {second} are tied together at {} of {}", row.name, self.name);
-        Diagnostic::at(Code::OUTPUTS_TIED, extra.from.span, message)
-            .hint("add them in a summer, and plug in its output")
+        outputs_tied(self.name, row.name, &plugs[0].from, &extra.from)
     }
 }
 
@@ -317,12 +312,12 @@ fn similar_jack(input: &Input, written: &str) -> Option<String> {
 }
 
 /// The jacks of an input for messages: "x1, x10, ..." or the quoted name.
-fn jack_names(name: &str, jacks: Jacks) -> String {
-    if jacks == Jacks::Gains { format!("{name}1, {name}10, ...") } else { format!("\"{name}\"") }
+fn jack_names(input: &Input) -> String {
+    if input.jacks == Jacks::Gains { input.jack_text() } else { format!("\"{}\"", input.name) }
 }
 
 /// The input gains that the machine has for a kind. Empty if it has all gains.
-fn available_gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
+fn available_gains(machine: &MachineModel, kind: &Kind) -> &'static [f64] {
     if kind.transfer == Transfer::Integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 

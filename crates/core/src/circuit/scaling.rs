@@ -5,14 +5,17 @@
 //! parameter, a reciprocal, a product or a quotient of parameters with this value, so that the user can compare it with
 //! the equations.
 
+mod block;
+
 use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
 use super::{Circuit, Cord, Element, SignalPoint};
-use crate::elements::{Default, Measure, Transfer};
+use crate::elements::{SettingDefault, SettingQuantity, Transfer};
 use crate::patch::Amount;
-use patchcord_expr::{Dimension, Scope as _};
+use block::Block;
+use patchcord_expr::Dimension;
 
 /// The linear wiring between two scaled signals, compared with eq. 4-8.
 ///
@@ -231,7 +234,7 @@ fn linear_gain(circuit: &Circuit, element: usize, cord: Cord) -> Option<(f64, bo
     let element = circuit.element(element);
     let is_main_input = cord.input == 0;
     let is_limited = element.settings.iter().zip(element.kind.settings).any(|(value, row)| {
-        value.is_some() && row.measure == Measure::Volts && row.default == Default::Absent
+        value.is_some() && row.quantity == SettingQuantity::Volts && row.default == SettingDefault::Absent
     });
     match element.kind.transfer {
         Transfer::Integrating if is_main_input && !is_limited => Some((-cord.gain, true)),
@@ -243,7 +246,7 @@ fn linear_gain(circuit: &Circuit, element: usize, cord: Cord) -> Option<(f64, bo
 
 /// The setting of a pot. `None` if it cannot be evaluated.
 fn pot_setting(circuit: &Circuit, element: &Element) -> Option<f64> {
-    let setting = element.kind.settings.iter().position(|row| row.measure == Measure::Fraction)?;
+    let setting = element.kind.settings.iter().position(|row| row.quantity == SettingQuantity::Fraction)?;
     let Amount::Formula(formula) = &element.settings[setting].as_ref()?.value else { return None };
     formula.evaluate(circuit.quantities()).ok()
 }
@@ -272,7 +275,7 @@ fn row(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Option
         input_scale,
         output_scale,
         block_gain,
-        unit: if dimension.is_none() { "1".to_owned() } else { dimension.to_string() },
+        unit: if dimension.is_dimensionless() { "1".to_owned() } else { dimension.to_string() },
         block: block.map(|block| block.name),
         expected_gain,
     })
@@ -285,173 +288,5 @@ fn value_per_volt(circuit: &Circuit, point: &SignalPoint) -> Option<(f64, Dimens
     Some((value * point.factor, circuit.derived_unit(scale).dimension()))
 }
 
-/// A physical gain as an expression of parameters.
-struct Block {
-    /// The expression, such as "1 / M".
-    name: String,
-    /// The value in SI units.
-    value: f64,
-    dimension: Dimension,
-}
-
-/// Difference of the logarithms of two gains up to which they agree. It is far above rounding errors and far below the
-/// accuracy of any scale.
-const GAIN_AGREEMENT: f64 = 1e-6;
-
-impl Block {
-    /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
-    /// a quotient or product of two.
-    ///
-    /// If none agrees, the nearest of the first three kinds. The sign of the gain does not count.
-    fn find(circuit: &Circuit, dimension: Dimension, gain: f64) -> Option<Block> {
-        let singles = Block::singles(circuit);
-        let unity = Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE };
-        let distance = |block: &Block| (gain.abs() / block.value).ln().abs();
-        let fits = |block: &Block| block.dimension == dimension && block.value > 0.0;
-        let pair =
-            Block::pairs(&singles).into_iter().filter(fits).find(|pair| distance(pair) < GAIN_AGREEMENT);
-        let nearest = [unity]
-            .into_iter()
-            .chain(singles)
-            .filter(fits)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        match nearest {
-            Some(nearest) if pair.is_none() || distance(&nearest) < GAIN_AGREEMENT => Some(nearest),
-            _ => pair,
-        }
-    }
-
-    /// Every parameter and its reciprocal.
-    fn singles(circuit: &Circuit) -> Vec<Block> {
-        let quantities = circuit.quantities();
-        let mut singles = Vec::new();
-        for (name, ..) in circuit.parameters() {
-            let (Some(value), Some(dimension)) = (quantities.value(name), quantities.dimension(name)) else {
-                continue;
-            };
-            singles.push(Block { name: name.to_owned(), value, dimension });
-            let dimension = Dimension::NONE.over(dimension);
-            singles.push(Block { name: format!("1 / {name}"), value: 1.0 / value, dimension });
-        }
-        singles
-    }
-
-    /// The quotients and products of two different parameters.
-    fn pairs(singles: &[Block]) -> Vec<Block> {
-        let parameters: Vec<_> = singles.iter().filter(|block| !block.name.starts_with("1 /")).collect();
-        let mut pairs = Vec::new();
-        for first in &parameters {
-            for second in parameters.iter().filter(|second| second.name != first.name) {
-                pairs.push(Block {
-                    name: format!("{} / {}", first.name, second.name),
-                    value: first.value / second.value,
-                    dimension: first.dimension.over(second.dimension),
-                });
-                pairs.push(Block {
-                    name: format!("{} * {}", first.name, second.name),
-                    value: first.value * second.value,
-                    dimension: first.dimension.times(second.dimension),
-                });
-            }
-        }
-        pairs
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::patch::{ElementBuilder, Patch, PatchBuilder};
-
-    /// Position and velocity of a mass, with a pot between them that represents k / m.
-    fn patch(setting: &str) -> Patch {
-        PatchBuilder::new("spring")
-            .time_scale(10.0)
-            .parameter("k", 40.0, "N/m", [1.0, 100.0])
-            .parameter("m", 2.0, "kg", [1.0, 10.0])
-            .scale("position", 1.0, "mm")
-            .scale("velocity", 20.0, "mm/s")
-            .element("A1", ElementBuilder::new("integrator").cords("x10", ["P1"]))
-            .element("A2", ElementBuilder::new("integrator").cords("x1", ["P2"]))
-            .element(
-                "P2",
-                ElementBuilder::new("pot")
-                    .cord("in", "A1")
-                    .set("setting", "velocity / position / 10 / time_scale"),
-            )
-            .element("P1", ElementBuilder::new("pot").cord("in", "A2").set("setting", setting))
-            .signal("v", "A1", "velocity", 1.0)
-            .signal("x", "A2", "position", -1.0)
-            .build()
-            .unwrap()
-    }
-
-    fn row(setting: &str, output: &str) -> ScalingRow {
-        let circuit = Circuit::new(&patch(setting)).unwrap_or_else(|report| panic!("{report}"));
-        circuit.scaling().into_iter().find(|row| row.output == output).unwrap()
-    }
-
-    #[test]
-    fn a_pot_for_k_over_m_has_the_block_gain_k_over_m() {
-        let right = row("k / m * position / velocity / 10 / time_scale", "v");
-        assert_eq!(right.block.as_deref(), Some("k / m"));
-        assert!(right.relative_error().unwrap().abs() < 1e-12);
-        assert!((right.block_gain - 20.0).abs() < 1e-9, "{right:?}");
-    }
-
-    #[test]
-    fn integrating_velocity_into_position_has_a_block_gain_of_1() {
-        // The pot in front of A2 lacks a factor of 10 on purpose: the gain is a tenth of the expected one.
-        let row = row("k / m * position / velocity / 10 / time_scale", "x");
-        assert_eq!(row.block.as_deref(), Some("1"));
-        assert!((row.relative_error().unwrap() + 0.9).abs() < 1e-9, "{row:?}");
-    }
-
-    #[test]
-    fn an_inverter_is_linear_and_a_curve_is_not() {
-        for (kind, gains) in [("inverter", vec![-1.0]), ("absolute", vec![]), ("sin", vec![])] {
-            let step = ElementBuilder::new("step").set("height", 1);
-            let builder = PatchBuilder::new("curve").scale("volt", 1.0, "V").drive("D", "volt", step);
-            let builder = builder.element("E", ElementBuilder::new(kind).cord("in", "D"));
-            assert_eq!(gains_at(builder.signal("in", "D", "volt", 1.0), "E"), gains, "{kind}");
-        }
-    }
-
-    fn summer(from: &[String]) -> ElementBuilder {
-        ElementBuilder::new("summer").set("in", serde_json::json!({ "x1": from }))
-    }
-
-    fn gains_at(builder: PatchBuilder, last: &str) -> Vec<f64> {
-        let builder = builder.signal("out", last, "volt", 1.0);
-        let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
-        circuit.scaling().iter().map(|row| row.computer_gain).collect()
-    }
-
-    /// A drive followed by pairs of summers. Both summers of a pair are driven by both summers of the preceding pair.
-    fn ladder(pairs: usize) -> PatchBuilder {
-        let step = ElementBuilder::new("step").set("height", 1);
-        let builder = PatchBuilder::new("ladder").scale("volt", 1.0, "V").drive("D", "volt", step);
-        (0..pairs).fold(builder, |builder, at| {
-            let from = match at {
-                0 => vec!["D".to_owned()],
-                _ => vec![format!("A{}", at - 1), format!("B{}", at - 1)],
-            };
-            builder.element(&format!("A{at}"), summer(&from)).element(&format!("B{at}"), summer(&from))
-        })
-    }
-
-    #[test]
-    fn the_gains_of_all_parallel_paths_are_added() {
-        assert_eq!(gains_at(ladder(24), "A23"), [2f64.powi(23)]);
-    }
-
-    #[test]
-    fn a_chain_of_20000_summers_is_followed_to_its_end() {
-        let step = ElementBuilder::new("step").set("height", 1);
-        let builder = PatchBuilder::new("chain").scale("volt", 1.0, "V").drive("S0", "volt", step);
-        let chain = (1..=20_000).fold(builder, |builder, at| {
-            builder.element(&format!("S{at}"), summer(&[format!("S{}", at - 1)]))
-        });
-        assert_eq!(gains_at(chain, "S20000"), [1.0]);
-    }
-}
+mod tests;

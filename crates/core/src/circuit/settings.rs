@@ -7,14 +7,16 @@
 //! The order of the checks is: unit, value, range, whole number, variation of the parameters. The first fault of a
 //! setting ends its check. Relations between settings, such as an upper limit above the lower one, are checked last.
 
+mod ranges;
+
 use petgraph::Direction;
 use petgraph::graph::NodeIndex;
 
 use super::macros;
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
-use crate::document::{Code, Diagnostic, Placed, Span, format_number};
-use crate::elements::{Default, Measure, REFERENCES, Setting, Transfer};
+use crate::document::{Code, Diagnostic, Placed, Span, format_number, range_violation, unit_suffix};
+use crate::elements::{REFERENCES, Setting, SettingDefault, SettingQuantity, Transfer};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, ElementEntry, Patch};
 use patchcord_expr::{Dimension, Formula, Unit};
@@ -130,21 +132,21 @@ impl SettingChecker<'_> {
         placed: &Placed<Formula>,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        if is_of_signal(row.measure) && self.scale.is_none() {
+        if is_of_signal(row.quantity) && self.scale.is_none() {
             return None;
         }
-        let expected = self.expected_unit(row.measure);
+        let expected = self.expected_unit(row.quantity);
         let value =
-            self.quantities.checked(placed, |found| self.fits(row.measure, found), &expected, findings)?;
-        if is_of_signal(row.measure) && !self.volts(placed, value).is_finite() {
+            self.quantities.checked(placed, |found| self.fits(row.quantity, found), &expected, findings)?;
+        if is_of_signal(row.quantity) && !self.volts(placed, value).is_finite() {
             findings.push(too_large(&placed.value, placed.span));
             return None;
         }
-        if !row.allows(value) {
+        if !row.is_allowed(value) {
             findings.push(self.out_of_range(row, placed, value));
             return None;
         }
-        if row.measure == Measure::Whole && value.fract() != 0.0 {
+        if row.quantity == SettingQuantity::Whole && value.fract() != 0.0 {
             let message = format!(
                 "\"{}\" of {} must be a whole number, but is {}",
                 row.name,
@@ -154,7 +156,7 @@ impl SettingChecker<'_> {
             findings.push(Diagnostic::at(Code::BAD_NUMBER, placed.span, message));
             return None;
         }
-        if row.measure == Measure::Fraction {
+        if row.quantity == SettingQuantity::Fraction {
             self.check_over_ranges(row, placed, findings);
         }
         Some(value)
@@ -178,36 +180,40 @@ impl SettingChecker<'_> {
         self.quantities.in_si(&placed.value, value, unit) / volt
     }
 
-    /// Whether a dimension is right for a setting of this measure.
+    /// Whether a dimension is right for a setting of this quantity.
     ///
     /// A pot in front of an integrator may have the unit 1/s: the pot and the gain of the integrator then are a rate.
-    fn fits(&self, measure: Measure, found: Dimension) -> bool {
+    fn fits(&self, quantity: SettingQuantity, found: Dimension) -> bool {
         let unit = self.unit().map_or(Dimension::NONE, Unit::dimension);
-        match measure {
-            Measure::Fraction => found.is_none() || (self.before_integrator && found == Dimension::FREQUENCY),
-            Measure::Volts => found.is_none() || found == Dimension::VOLTAGE,
-            Measure::MachineSeconds | Measure::Seconds => found == Dimension::TIME,
-            Measure::Hertz => found == Dimension::FREQUENCY,
-            Measure::RadiansPerVolt => found.is_none() || found == Dimension::NONE.over(Dimension::VOLTAGE),
-            Measure::Signal => found == unit,
-            Measure::SignalRate => found == unit.over(Dimension::TIME),
-            _ => found.is_none(),
+        match quantity {
+            SettingQuantity::Fraction => {
+                found.is_dimensionless() || (self.before_integrator && found == Dimension::FREQUENCY)
+            }
+            SettingQuantity::Volts => found.is_dimensionless() || found == Dimension::VOLTAGE,
+            SettingQuantity::MachineSeconds | SettingQuantity::Seconds => found == Dimension::TIME,
+            SettingQuantity::Hertz => found == Dimension::FREQUENCY,
+            SettingQuantity::RadiansPerVolt => {
+                found.is_dimensionless() || found == Dimension::NONE.over(Dimension::VOLTAGE)
+            }
+            SettingQuantity::Signal => found == unit,
+            SettingQuantity::SignalRate => found == unit.over(Dimension::TIME),
+            _ => found.is_dimensionless(),
         }
     }
 
-    /// The right unit of a setting of this measure, for messages.
-    fn expected_unit(&self, measure: Measure) -> String {
+    /// The right unit of a setting of this quantity, for messages.
+    fn expected_unit(&self, quantity: SettingQuantity) -> String {
         let unit = self.unit().map_or(Dimension::NONE, Unit::dimension);
-        match measure {
-            Measure::Fraction if self.before_integrator => {
+        match quantity {
+            SettingQuantity::Fraction if self.before_integrator => {
                 "a pure number (or 1/s, before an integrator)".to_owned()
             }
-            Measure::Volts => "a number of volts".to_owned(),
-            Measure::MachineSeconds | Measure::Seconds => "a time in s".to_owned(),
-            Measure::Hertz => "a frequency in 1/s".to_owned(),
-            Measure::RadiansPerVolt => "a number of rad/V".to_owned(),
-            Measure::Signal => unit.to_string(),
-            Measure::SignalRate => unit.over(Dimension::TIME).to_string(),
+            SettingQuantity::Volts => "a number of volts".to_owned(),
+            SettingQuantity::MachineSeconds | SettingQuantity::Seconds => "a time in s".to_owned(),
+            SettingQuantity::Hertz => "a frequency in 1/s".to_owned(),
+            SettingQuantity::RadiansPerVolt => "a number of rad/V".to_owned(),
+            SettingQuantity::Signal => unit.to_string(),
+            SettingQuantity::SignalRate => unit.over(Dimension::TIME).to_string(),
             _ => "a pure number".to_owned(),
         }
     }
@@ -217,19 +223,18 @@ impl SettingChecker<'_> {
     /// The message shows the value in the unit of the setting. The hint depends on the fault: a negative pot setting
     /// needs an inverter, a pot setting above 1 needs a larger gain, and a voltage above 100 V needs other scales.
     fn out_of_range(&self, row: &Setting, placed: &Placed<Formula>, value: f64) -> Diagnostic {
-        let (low, high) = row.range;
-        let code = if row.measure == Measure::Fraction { Code::SETTING_OUTSIDE } else { Code::BAD_NUMBER };
+        let code =
+            if row.quantity == SettingQuantity::Fraction { Code::SETTING_OUTSIDE } else { Code::BAD_NUMBER };
         let unit = self.value_unit(row, &placed.value);
-        let [value_text, low_text, high_text] = [value, low, high].map(format_number);
-        let violation = match high {
-            f64::MAX => format!("below {low_text}{unit}"),
-            _ => format!("outside {low_text} ... {high_text}{unit}"),
-        };
-        let message = format!("\"{}\" of {} is {value_text}{unit}, {violation}", row.name, self.name);
+        let violation = range_violation(value, row.range, &unit);
+        let value_text = format!("{}{}", format_number(value), unit_suffix(&unit));
+        let message = format!("\"{}\" of {} is {value_text}, {violation}", row.name, self.name);
         let hint = match code {
-            Code::SETTING_OUTSIDE if value < low => "a pot cannot invert: put a summer in front of it",
+            Code::SETTING_OUTSIDE if value < row.range.0 => {
+                "a pot cannot invert: put a summer in front of it"
+            }
             Code::SETTING_OUTSIDE => "divide it by 10 and use an input with 10 times the gain, or rescale",
-            _ if row.measure == Measure::Volts && value.abs() > REFERENCE => {
+            _ if row.quantity == SettingQuantity::Volts && value.abs() > REFERENCE => {
                 "rescale: the machine works between -100 and 100 V"
             }
             _ => row.description,
@@ -237,7 +242,7 @@ impl SettingChecker<'_> {
         Diagnostic::at(code, placed.span, message).hint(hint)
     }
 
-    /// The unit of a setting's value for messages, with a space in front. Empty for a pure number.
+    /// The unit of a setting's value for messages. Empty for a pure number.
     ///
     /// The value of a literal formula is in the scale's unit, that of another formula in SI units.
     fn value_unit(&self, row: &Setting, formula: &Formula) -> String {
@@ -245,66 +250,12 @@ impl SettingChecker<'_> {
             true => unit.text().to_owned(),
             false => unit.dimension().to_string(),
         };
-        match (row.measure, self.unit()) {
-            (Measure::Fraction | Measure::Ratio | Measure::Whole, _) => String::new(),
-            (Measure::Signal, Some(unit)) => format!(" {}", scale_unit(unit)),
-            (Measure::SignalRate, Some(unit)) => format!(" {} per s", scale_unit(unit)),
-            _ => format!(" {}", row.unit()),
+        match (row.quantity, self.unit()) {
+            (SettingQuantity::Fraction | SettingQuantity::Ratio | SettingQuantity::Whole, _) => String::new(),
+            (SettingQuantity::Signal, Some(unit)) => scale_unit(unit),
+            (SettingQuantity::SignalRate, Some(unit)) => format!("{} per s", scale_unit(unit)),
+            _ => row.unit().to_owned(),
         }
-    }
-
-    /// Warns of a pot setting that leaves its range for some values of its parameters within their ranges.
-    ///
-    /// The warning names the first combination of values for which this happens.
-    ///
-    /// A setting without an error at the present values can still be wrong elsewhere in the ranges, which the user
-    /// would notice only in a sweep. Bounds and middles find every fault of a formula that is monotonic in each of its
-    /// parameters, if these are at most six.
-    fn check_over_ranges(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut Vec<Diagnostic>) {
-        let dependencies = self.quantities.dependencies(&placed.value);
-        let violation = self.combinations(&dependencies.parameters).into_iter().find_map(|combination| {
-            let quantities = self.quantities.varied(&combination, &dependencies.derived);
-            let predicate = match placed.value.evaluate(&quantities) {
-                Ok(value) if row.allows(value) => return None,
-                Ok(value) => format!("would be {}", format_number(value)),
-                Err(_) => "would have no value".to_owned(),
-            };
-            Some((predicate, self.describe_combination(&combination)))
-        });
-        if let Some((predicate, values)) = violation {
-            let message = format!("\"{}\" of {} {predicate} at {values}", row.name, self.name);
-            let hint = "narrow the range of the parameter, or rescale";
-            findings.push(Diagnostic::at(Code::SETTING_RANGE, placed.span, message).hint(hint));
-        }
-    }
-
-    /// All combinations of the lower bounds, middles and upper bounds of these parameters' ranges.
-    ///
-    /// Each combination has indices of parameters with values in their declared units. Parameters without a range keep
-    /// their value, and so do those after the first [`MAX_VARIED_PARAMETERS`].
-    fn combinations(&self, parameters: &[usize]) -> Vec<Vec<(usize, f64)>> {
-        let ranged =
-            parameters.iter().filter_map(|index| Some((*index, self.patch.parameters[*index].range?)));
-        let mut combinations = vec![Vec::new()];
-        for (index, (low, high)) in ranged.take(MAX_VARIED_PARAMETERS) {
-            let values = [low, (low + high) / 2.0, high];
-            combinations = combinations
-                .iter()
-                .flat_map(|shorter| values.map(|value| [shorter.as_slice(), &[(index, value)]].concat()))
-                .collect();
-        }
-        combinations
-    }
-
-    /// The names and values of a combination for messages: "k = 3, m = 2".
-    ///
-    /// Values are in the declared units, without the unit.
-    fn describe_combination(&self, combination: &[(usize, f64)]) -> String {
-        let values = combination.iter().filter_map(|(index, value)| {
-            let (name, _) = self.patch.parameters.get_index(*index)?;
-            Some(format!("{name} = {}", format_number(*value)))
-        });
-        values.collect::<Vec<_>>().join(", ")
     }
 
     /// Reports a setting that is not below the setting that must exceed it.
@@ -349,7 +300,7 @@ impl SettingChecker<'_> {
     fn value(&self, values: &[Option<f64>], name: &str) -> Option<f64> {
         let index = self.entry.kind.setting(name)?;
         match (&self.entry.settings[index], self.entry.kind.settings[index].default) {
-            (None, Default::Number(number)) => Some(number),
+            (None, SettingDefault::Number(number)) => Some(number),
             _ => values[index],
         }
     }
@@ -367,83 +318,9 @@ impl SettingChecker<'_> {
 }
 
 /// Whether a setting is in the unit of the drive's scale, or in this unit per second.
-fn is_of_signal(measure: Measure) -> bool {
-    matches!(measure, Measure::Signal | Measure::SignalRate)
+fn is_of_signal(quantity: SettingQuantity) -> bool {
+    matches!(quantity, SettingQuantity::Signal | SettingQuantity::SignalRate)
 }
-
-/// Number of parameters of one formula that are varied at most. Three values of each give 3^6 = 729 combinations.
-const MAX_VARIED_PARAMETERS: usize = 6;
 
 #[cfg(test)]
-mod tests {
-    use crate::circuit::Circuit;
-    use crate::document::{Code, Report};
-    use crate::ir::Program;
-    use crate::patch::{ElementBuilder, PatchBuilder};
-    use crate::solve::Machine;
-
-    /// The circuit of a pot with this setting between a reference and a summer, or the report on it.
-    fn pot_at(builder: PatchBuilder, setting: &str) -> Result<Circuit, Box<Report>> {
-        let pot = ElementBuilder::new("pot").cord("in", "+100").set("setting", setting);
-        let summer = ElementBuilder::new("summer").cords("x1", ["P"]);
-        let patch = builder.element("P", pot).element("S", summer).scale("volt", 1.0, "V");
-        Circuit::new(&patch.signal("s", "S", "volt", 1.0).build().unwrap())
-    }
-
-    #[test]
-    fn a_setting_that_exceeds_1_by_rounding_is_accepted() {
-        let circuit = pot_at(PatchBuilder::new("full"), "0.1 * 3 / 0.3").unwrap();
-        let program = Program::new(&circuit).unwrap();
-        assert_eq!(Machine::new(&program, 1e-3).unwrap().voltage("P").unwrap(), 100.0 * (0.1 * 3.0 / 0.3));
-    }
-
-    #[test]
-    fn the_range_check_of_a_setting_follows_scales_that_depend_on_scales() {
-        let builder = PatchBuilder::new("scales")
-            .parameter("k", 1.0, "1", [0.5, 3.0])
-            .scale("a", "b", "1")
-            .scale("b", "k * c", "1")
-            .scale("c", 0.5, "1");
-        let warnings = pot_at(builder, "a").unwrap().warnings();
-        assert_eq!(warnings.findings.len(), 1, "{warnings}");
-        assert_eq!(warnings.findings[0].message, "\"setting\" of P would be 1.5 at k = 3");
-    }
-
-    #[test]
-    fn only_a_pot_in_front_of_an_integrator_may_be_set_to_a_rate() {
-        let codes = |last: ElementBuilder, kind: &str, setting: &str| {
-            let builder = PatchBuilder::new("rates").parameter("w", 0.5, "1/s", [0.1, 1.0]);
-            let pot = ElementBuilder::new(kind).cord("in", "+100").set("setting", setting);
-            let pot = if kind == "pot" { pot } else { pot.cord("end", "ground") };
-            let patch = builder.element("P", pot).element("A", last.cords("x1", ["P"]));
-            let report = Circuit::new(&patch.record(["A"]).build().unwrap()).err();
-            report.map_or(vec![], |report| report.findings.iter().map(|finding| finding.code).collect())
-        };
-        let lag = || ElementBuilder::new("lag").set("time", 1);
-        assert_eq!(codes(lag(), "pot", "0.5"), []);
-        assert!(codes(lag(), "pot", "w").contains(&Code::UNIT_MISMATCH));
-        let integrator = || ElementBuilder::new("integrator");
-        assert_eq!(codes(integrator(), "pot", "w"), []);
-        assert!(codes(integrator(), "free-pot", "w").contains(&Code::UNIT_MISMATCH));
-    }
-
-    /// The circuit of a chain of pots, each set to a rate, that drives an amplifier of this kind.
-    fn chain(length: usize, kind: &str) -> Result<Circuit, Box<Report>> {
-        let pot = |at: usize| {
-            let driver = if at == 0 { "+100".to_owned() } else { format!("P{}", at - 1) };
-            ElementBuilder::new("pot").cord("in", &driver).set("setting", "w")
-        };
-        let builder =
-            PatchBuilder::new("chain").parameter("w", 0.5, "1/s", [0.1, 1.0]).scale("volt", 1.0, "V");
-        let builder = (0..length).fold(builder, |builder, at| builder.element(&format!("P{at}"), pot(at)));
-        let last = format!("P{}", length - 1);
-        let builder = builder.element("A", ElementBuilder::new(kind).cords("x1", [last.as_str()]));
-        Circuit::new(&builder.signal("a", "A", "volt", 1.0).build().unwrap())
-    }
-
-    #[test]
-    fn every_pot_of_a_chain_that_drives_an_integrator_may_be_set_to_a_rate() {
-        chain(3000, "integrator").unwrap_or_else(|report| panic!("{report}"));
-        assert_eq!(chain(3, "summer").unwrap_err().findings.len(), 3);
-    }
-}
+mod tests;

@@ -2,18 +2,19 @@
 //!
 //! Signals, drives and elements can all be recorded. A name is first looked up among the signals.
 //!
-//! A name in a picture can also be the time "t", or the derivative of a signal with respect to a parameter.
+//! A name in a picture can also be the time "t", or the derivative of a signal with respect to a parameter. The methods
+//! of [`Circuit`] for signals and pictures are at the end.
 
 use std::collections::{BTreeSet, HashMap};
 
 use indexmap::IndexSet;
 
-use super::SignalPoint;
 use super::names::{found_or_report, output_names};
 use super::resolve::{Graph, find_scale};
-use crate::document::{Code, Diagnostic, Placed, derivative_of, derivative_unit};
+use super::{Circuit, SignalPoint};
+use crate::document::{Code, Diagnostic, Placed, Span, derivative_of, derivative_unit};
 use crate::elements::Family;
-use crate::patch::Patch;
+use crate::patch::{Patch, PictureSpec};
 
 /// Everything that can be recorded, and the indices of the signals that the patch records.
 ///
@@ -162,5 +163,108 @@ impl<'a> Recordable<'a> {
         let message = || format!("there is no parameter {}", name.value);
         let known = || self.patch.parameters.keys().map(String::as_str).collect();
         found_or_report(self.patch, name, found, message, known, findings)
+    }
+}
+
+impl Circuit {
+    /// Everything that can be recorded: the signals of the patch, then the drives, then the elements.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let patch = PatchBuilder::new("decay")
+    ///     .scale("position", 2.0, "mm")
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]))
+    ///     .signal("x", "A1", "position", 1.0)
+    ///     .build()?;
+    /// let circuit = Circuit::new(&patch)?;
+    /// let names: Vec<_> = circuit.signals().iter().map(|signal| signal.name.as_str()).collect();
+    /// assert_eq!(names, ["x", "A1"]);
+    /// assert_eq!(circuit.recorded_signals(), ["x"]);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn signals(&self) -> &[SignalPoint] {
+        &self.signals
+    }
+
+    /// The name under which a signal is recorded. The output of a macro's instance has the name of its element inside.
+    ///
+    /// `None` if nothing of this name can be recorded.
+    pub fn recorded_name<'n>(&'n self, name: &'n str) -> Option<&'n str> {
+        let is_signal = |name: &str| self.signals.iter().any(|point| point.name == name);
+        let element_inside = || self.patch.instance_outputs.get(name).map(|output| output.element.as_str());
+        is_signal(name).then_some(name).or_else(element_inside)
+    }
+
+    /// Names of the signals that the patch records or draws, without repetitions. The recorded ones come first.
+    pub fn recorded_signals(&self) -> Vec<String> {
+        let recorded = self.record.iter().map(|index| self.signals[*index].name.clone());
+        let mut names: Vec<String> = recorded.collect();
+        for name in self.drawn_signals() {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Names of the signals that the pictures of the patch show, or whose derivatives they show. Names may be repeated.
+    pub fn drawn_signals(&self) -> impl Iterator<Item = String> + '_ {
+        let signal = |name: &str| derivative_of(name).map_or(name, |(signal, _)| signal).to_owned();
+        self.drawn_names().filter(|name| *name != "t").map(signal)
+    }
+
+    /// Names of the parameters with respect to which the pictures show derivatives, without repetitions.
+    pub fn sensitivity_parameters(&self) -> Vec<String> {
+        let parameters = self.drawn_names().filter_map(|name| Some(derivative_of(name)?.1.to_owned()));
+        parameters.collect::<IndexSet<_>>().into_iter().collect()
+    }
+
+    /// All names on the axes of the pictures: signals, derivatives and the time "t".
+    fn drawn_names(&self) -> impl Iterator<Item = &str> {
+        let names = self.patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
+        names.map(|name| name.value.as_str())
+    }
+
+    /// Unit of a signal: its text, and its size in SI units.
+    pub(crate) fn signal_unit(&self, signal: &SignalPoint) -> (String, f64) {
+        match signal.scale {
+            Some(scale) => {
+                let unit = self.derived_unit(scale);
+                (unit.text().to_owned(), unit.factor())
+            }
+            None => ("V".to_owned(), 1.0),
+        }
+    }
+
+    /// The pictures of the patch. If it has none, one picture for each of these signals against time.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let summer = ElementBuilder::new("summer").cords("x1", ["+100"]);
+    /// let circuit = Circuit::new(&PatchBuilder::new("sum").element("A1", summer).build()?)?;
+    /// let pictures = circuit.picture_specs(["A1"]);
+    /// assert_eq!((pictures[0].x.value.as_str(), pictures[0].y[0].value.as_str()), ("t", "A1"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn picture_specs(&self, recorded: impl IntoIterator<Item = impl AsRef<str>>) -> Vec<PictureSpec> {
+        if !self.patch.pictures.is_empty() {
+            return self.patch.pictures.clone();
+        }
+        let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
+        let against_time =
+            |name: &str| PictureSpec { title: String::new(), x: placed("t"), y: vec![placed(name)] };
+        recorded.into_iter().map(|name| against_time(name.as_ref())).collect()
     }
 }

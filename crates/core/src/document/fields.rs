@@ -9,6 +9,7 @@ use std::collections::HashSet;
 use super::Placed;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
+use super::quantity::{split_quantity, unit_rule};
 use super::tree::{Content, KeyValue, Node};
 use super::wording::suggestion;
 use patchcord_expr::nearest;
@@ -101,9 +102,20 @@ pub fn list<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<&'
 /// The diagnostic for a value of the wrong type. `expected` describes the right type, with its article.
 pub fn wrong_type(node: &Node, key: &str, expected: &str, got: &Content) -> Diagnostic {
     let message = format!("\"{key}\" must be {expected}, not {}", got.noun());
-    let quoted_number = matches!(got, Content::Text(text) if text.parse::<f64>().is_ok_and(f64::is_finite));
-    let hint = (quoted_number && expected == "a number").then(|| "remove the quotes".to_owned());
+    let hint = match got {
+        Content::Text(text) if expected == "a number" => quoted_number_hint(text, key),
+        _ => None,
+    };
     Diagnostic::at(Code::WRONG_TYPE, node.span, message).maybe_hint(hint)
+}
+
+/// The hint for a text in place of a number. `None` if the text is neither a number nor a number with a unit.
+fn quoted_number_hint(text: &str, key: &str) -> Option<String> {
+    if text.parse::<f64>().is_ok_and(f64::is_finite) {
+        return Some("remove the quotes".to_owned());
+    }
+    let (number, _) = split_quantity(text)?;
+    Some(format!("write {number} without quotes: {}", unit_rule(key)))
 }
 
 /// The keys of an object while a decoder takes them. Keys that remain at the end are unknown.

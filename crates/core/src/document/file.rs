@@ -11,6 +11,7 @@ use crate::output::io_reason;
 
 /// The reason why a document could not be read or written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DocumentError {
     /// The file system reported an error.
     #[error("cannot {verb} {file}: {}", io_reason(source))]
@@ -39,14 +40,13 @@ pub(crate) const MAX_DOCUMENT_BYTES: usize = 16_000_000;
 /// # Examples
 ///
 /// ```
-/// use std::path::Path;
-///
 /// use patchcord_core::document::read_text;
 ///
-/// let error = read_text(Path::new("no-such-patch.json")).unwrap_err();
+/// let error = read_text("no-such-patch.json").unwrap_err();
 /// assert!(error.to_string().starts_with("cannot read no-such-patch.json"));
 /// ```
-pub fn read_text(path: &Path) -> Result<String, DocumentError> {
+pub fn read_text(path: impl AsRef<Path>) -> Result<String, DocumentError> {
+    let path = path.as_ref();
     let file = path.display().to_string();
     let bytes = read_limited(path).map_err(|source| DocumentError::File {
         verb: "read",

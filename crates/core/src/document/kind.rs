@@ -1,10 +1,12 @@
 //! Recognises the kind of a document, so that a document of the wrong kind gets one clear diagnostic.
 //!
-//! Without this check, an experiment in place of a patch would give one "unknown key" for each of its keys.
+//! Without this check, an experiment in place of a patch would give one "unknown key" for each of its keys. The results
+//! that the program itself writes as JSON are recognised too.
 
 use super::code::Code;
-use super::diagnostic::Diagnostic;
-use super::tree::{Content, Node};
+use super::diagnostic::{Diagnostic, Span};
+use super::tree::{Content, KeyValue, Node};
+use patchcord_expr::nearest;
 
 /// The kinds of documents.
 ///
@@ -17,9 +19,14 @@ use super::tree::{Content, Node};
 /// let finding = DocumentKind::Patch.wrong_kind(&root).expect("an experiment is not a patch");
 /// assert_eq!(finding.message, "this is an experiment, where a patch is needed");
 /// assert_eq!(DocumentKind::Experiment.wrong_kind(&root), None);
+///
+/// let root = tree::parse(r#"{"type": "FeatureCollection"}"#)?;
+/// let finding = DocumentKind::Patch.wrong_kind(&root).expect("a map is not a patch");
+/// assert_eq!(finding.message, "this is not a patch: it has no key \"patchcord\"");
 /// # Ok::<(), patchcord_core::document::Diagnostic>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum DocumentKind {
     /// A patch.
     Patch,
@@ -27,34 +34,70 @@ pub enum DocumentKind {
     Experiment,
     /// An effect that a patch may lack.
     Effect,
+    /// The report of a search for missing effects: report.json.
+    SearchReport,
+    /// The result of another command with `--json`.
+    CommandResult,
 }
 
-/// All kinds, in the order in which they are tried.
-const ALL: [DocumentKind; 3] = [DocumentKind::Patch, DocumentKind::Experiment, DocumentKind::Effect];
+/// All kinds, in the order in which they are tried. Results of commands come before experiments, because some of them
+/// have the keys of an experiment as well.
+const ALL: [DocumentKind; 5] = [
+    DocumentKind::Patch,
+    DocumentKind::SearchReport,
+    DocumentKind::CommandResult,
+    DocumentKind::Experiment,
+    DocumentKind::Effect,
+];
 
 impl DocumentKind {
     /// The diagnostic for a document of another kind in place of this one.
     ///
-    /// `None` if the document is of this kind, or of no known kind.
+    /// A document of no known kind is reported if a patch is expected. A misspelled key "patchcord" is left to the
+    /// decoder of patches. `None` if there is nothing to report.
     pub fn wrong_kind(self, root: &Node) -> Option<Diagnostic> {
         let Content::Object(entries) = &root.value else { return None };
         let find = |key: &str| entries.iter().find(|entry| entry.key == key);
-        if find(self.keys()[0]).is_some() {
+        if find(self.main_key()).is_some() {
             return None;
         }
-        let given = ALL.into_iter().find(|kind| kind.keys().iter().all(|key| find(key).is_some()))?;
+        let has_all = |keys: &&[&str]| keys.iter().all(|key| find(key).is_some());
+        let Some(given) = ALL.into_iter().find(|kind| kind.key_sets().iter().any(has_all)) else {
+            return self.unknown_kind(root, entries);
+        };
         let message = format!("this is {}, where {} is needed", given.noun(), self.noun());
         let hint = if self == DocumentKind::Effect { FOLDER_HINT } else { given.hint() };
-        Some(Diagnostic::at(Code::UNKNOWN_KEY, find(given.keys()[0])?.key_span, message).hint(hint))
+        Some(Diagnostic::at(Code::UNKNOWN_KEY, find(given.main_key())?.key_span, message).hint(hint))
     }
 
-    /// The keys that identify the kind: a document with all of them is of this kind. The first key alone is
-    /// sufficient if this kind is expected.
-    fn keys(self) -> &'static [&'static str] {
+    /// The diagnostic for a document of no known kind in place of a patch. `None` for other expected kinds, and if a
+    /// key is probably the misspelled key of patches.
+    fn unknown_kind(self, root: &Node, entries: &[KeyValue]) -> Option<Diagnostic> {
+        let main_key = self.main_key();
+        let is_misspelled = nearest(main_key, entries.iter().map(|entry| entry.key.as_str())).is_some();
+        if self != DocumentKind::Patch || is_misspelled {
+            return None;
+        }
+        let opening = Span { start: root.span.start, end: root.span.start + 1 };
+        let message = format!("this is not a patch: it has no key \"{main_key}\"");
+        let hint = "is it the right file? A patch begins with {\"patchcord\": 1, ...";
+        Some(Diagnostic::at(Code::MISSING_KEY, opening, message).hint(hint))
+    }
+
+    /// The key that is sufficient if this kind is expected. Diagnostics refer to its position.
+    fn main_key(self) -> &'static str {
+        self.key_sets()[0][0]
+    }
+
+    /// The sets of keys that identify the kind: a document with all keys of one set is of this kind. Every set begins
+    /// with the main key.
+    fn key_sets(self) -> &'static [&'static [&'static str]] {
         match self {
-            DocumentKind::Patch => &["patchcord"],
-            DocumentKind::Experiment => &["patch", "outputs"],
-            DocumentKind::Effect => &["effect", "forms"],
+            DocumentKind::Patch => &[&["patchcord"]],
+            DocumentKind::Experiment => &[&["patch", "outputs"], &["patch", "data"]],
+            DocumentKind::Effect => &[&["effect", "forms"]],
+            DocumentKind::SearchReport => &[&["verdict", "sentence"]],
+            DocumentKind::CommandResult => &[&["ok"]],
         }
     }
 
@@ -64,6 +107,8 @@ impl DocumentKind {
             DocumentKind::Patch => "a patch",
             DocumentKind::Experiment => "an experiment",
             DocumentKind::Effect => "an effect",
+            DocumentKind::SearchReport => "a report of `patchcord gap`",
+            DocumentKind::CommandResult => "the result of a command with --json",
         }
     }
 
@@ -77,6 +122,10 @@ impl DocumentKind {
             DocumentKind::Effect => {
                 "`patchcord gap EXPERIMENT.json --effects DIR` tries the effects of a folder: see docs/effect-format.md"
             }
+            DocumentKind::SearchReport => {
+                "`patchcord gap` reads experiments; the fitted patch is the file fitted.json next to the report"
+            }
+            DocumentKind::CommandResult => "give the command the file from which the result was made",
         }
     }
 }

@@ -16,7 +16,7 @@ const BLOCK_BYTES: usize = 1024;
 
 impl LineIndex {
     /// Builds the index of a text, in one walk over it.
-    pub fn new(text: &str) -> Self {
+    pub(super) fn new(text: &str) -> Self {
         let line_ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let mut block_starts = vec![0];
         for block in text.as_bytes().chunks(BLOCK_BYTES) {
@@ -29,24 +29,24 @@ impl LineIndex {
     }
 
     /// Index of the line that contains a byte, from 0. A newline belongs to the line that it ends.
-    pub fn line(&self, byte: usize) -> usize {
+    pub(super) fn line(&self, byte: usize) -> usize {
         self.line_starts.partition_point(|start| *start <= byte) - 1
     }
 
     /// First byte of a line.
-    pub fn line_start(&self, line: usize) -> usize {
+    pub(super) fn line_start(&self, line: usize) -> usize {
         self.line_starts[line]
     }
 
     /// One past the last byte of a line, without the newline.
-    pub fn line_end(&self, text: &str, line: usize) -> usize {
+    pub(super) fn line_end(&self, text: &str, line: usize) -> usize {
         self.line_starts.get(line + 1).map_or(text.len(), |next| next - 1)
     }
 
     /// Line and column of a byte at which a character begins. Both count from 1; columns count characters.
     ///
     /// `text` must be the text of the index.
-    pub fn line_and_column(&self, text: &str, byte: usize) -> (usize, usize) {
+    pub(super) fn line_and_column(&self, text: &str, byte: usize) -> (usize, usize) {
         let line = self.line(byte);
         let column =
             self.characters_before(text, byte) - self.characters_before(text, self.line_starts[line]);

@@ -24,8 +24,9 @@ pub(crate) mod file;
 mod formula_error;
 mod kind;
 mod line_index;
+mod parameter_range;
 mod phase;
-mod range_violation;
+mod quantity;
 mod report;
 pub mod tree;
 mod values;
@@ -37,12 +38,13 @@ pub use diagnostic::{Diagnostic, Severity, Span, any_error};
 pub use file::{DocumentError, read_text};
 pub use formula_error::{formula_diagnostic, unit_mismatch};
 pub use kind::DocumentKind;
+pub use parameter_range::{ParameterRangeError, parameter_in_si};
 pub(crate) use phase::RunExtent;
 pub use phase::{ParameterChange, Phase, SwitchCondition};
-pub use range_violation::{RangeViolation, parameter_in_si};
-pub use report::Report;
+pub use report::{DiagnosticDocument, Report};
 pub use values::{formula, parse_unit, range};
-pub use wording::{format_number, range_violation, suggestion, unit_suffix};
+pub(crate) use wording::MAX_SUGGESTIONS;
+pub use wording::{format_number, plural, range_violation, suggestion, unit_suffix};
 
 /// A value that was read from a document, with its position in the text.
 #[derive(Debug, Clone, PartialEq)]

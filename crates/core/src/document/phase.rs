@@ -23,8 +23,8 @@ use patchcord_expr::{Formula, FormulaError};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Phase {
-    /// Sets the integrators to their initial conditions and the time to 0, and resets the overload lamps. A new sweep
-    /// of the record begins.
+    /// Sets the integrators to their initial conditions and the time to 0, and resets the overload lamps. A new
+    /// repetition of the record begins.
     InitialCondition,
     /// Integrates.
     Operate {
@@ -129,9 +129,9 @@ impl Phase {
     /// ```
     /// use patchcord_core::document::Phase;
     ///
-    /// let sweep = vec![Phase::InitialCondition, Phase::operate(2.0), Phase::Hold { time: 0.5 }];
+    /// let phases = vec![Phase::InitialCondition, Phase::operate(2.0), Phase::Hold { time: 0.5 }];
     /// let mut seconds = 0.0;
-    /// Phase::Repeat { times: 5, phases: sweep }.for_each(&mut |phase| match phase {
+    /// Phase::Repeat { times: 5, phases }.for_each(&mut |phase| match phase {
     ///     Phase::Operate { time, .. } | Phase::Hold { time } => seconds += time,
     ///     _ => {}
     /// });
@@ -172,8 +172,8 @@ pub(crate) struct RunExtent {
     pub phase_count: f64,
     /// Number of parameter changes, with every repetition counted.
     pub change_count: f64,
-    /// Recorder time of the longest sweep, in seconds. A sweep lasts from one initial condition to the next.
-    pub longest_sweep: f64,
+    /// Recorder time of the longest repetition, in seconds. It lasts from one initial condition to the next.
+    pub longest_repetition: f64,
     /// Recorder time before the first initial condition, in seconds.
     head: f64,
     /// Recorder time after the last initial condition, in seconds. It equals `head` if there is no initial condition.
@@ -184,7 +184,7 @@ pub(crate) struct RunExtent {
 
 impl RunExtent {
     /// The extent of phases that are executed in order.
-    pub fn of(phases: &[Phase]) -> Self {
+    pub(crate) fn of(phases: &[Phase]) -> Self {
         phases.iter().map(RunExtent::of_phase).fold(RunExtent::default(), RunExtent::then)
     }
 
@@ -206,14 +206,14 @@ impl RunExtent {
         RunExtent {
             record_time: time,
             phase_count: 1.0,
-            longest_sweep: time,
+            longest_repetition: time,
             head: time,
             tail: time,
             ..RunExtent::default()
         }
     }
 
-    /// The extent of these phases followed by others. The sweep at the seam lasts from the tail to the next head.
+    /// The extent of these phases followed by others. The repetition at the seam lasts from the tail to the next head.
     fn then(self, next: RunExtent) -> Self {
         let between = self.tail + next.head;
         RunExtent {
@@ -221,7 +221,7 @@ impl RunExtent {
             record_time: self.record_time + next.record_time,
             phase_count: self.phase_count + next.phase_count,
             change_count: self.change_count + next.change_count,
-            longest_sweep: self.longest_sweep.max(next.longest_sweep).max(between),
+            longest_repetition: self.longest_repetition.max(next.longest_repetition).max(between),
             head: if self.resets { self.head } else { between },
             tail: if next.resets { next.tail } else { between },
             resets: self.resets || next.resets,
@@ -230,17 +230,17 @@ impl RunExtent {
 
     /// The extent of these phases executed several times.
     fn repeated(self, times: f64) -> Self {
-        // With an initial condition, two repetitions contain every kind of sweep. Without one, all times add up.
+        // With an initial condition, two passes contain every kind of repetition. Without one, all times add up.
         let twice = if times > 1.0 { self.then(self) } else { self };
-        let sweep_time = |once: f64, in_two: f64| if self.resets { in_two } else { once * times };
+        let repetition_time = |once: f64, in_two: f64| if self.resets { in_two } else { once * times };
         RunExtent {
             operate_time: self.operate_time * times,
             record_time: self.record_time * times,
             phase_count: self.phase_count * times,
             change_count: self.change_count * times,
-            longest_sweep: sweep_time(self.longest_sweep, twice.longest_sweep),
-            head: sweep_time(self.head, twice.head),
-            tail: sweep_time(self.tail, twice.tail),
+            longest_repetition: repetition_time(self.longest_repetition, twice.longest_repetition),
+            head: repetition_time(self.head, twice.head),
+            tail: repetition_time(self.tail, twice.tail),
             resets: self.resets,
         }
     }
@@ -281,6 +281,6 @@ mod tests {
     fn a_billion_repetitions_are_measured_without_a_loop() {
         let list = [Phase::Repeat { times: 1_000_000_000, phases: vec![Phase::operate(0.25)] }];
         let extent = RunExtent::of(&list);
-        assert_eq!((extent.operate_time, extent.longest_sweep, extent.phase_count), (2.5e8, 2.5e8, 1e9));
+        assert_eq!((extent.operate_time, extent.longest_repetition, extent.phase_count), (2.5e8, 2.5e8, 1e9));
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::diagnostic::{Diagnostic, Severity, Span};
 use super::line_index::LineIndex;
@@ -27,7 +27,7 @@ const EXCERPT_BYTES: usize = 40;
 /// assert_eq!((report.error_count(), report.warning_count()), (1, 0));
 /// assert_eq!(report.line_and_column(4), (2, 3));
 /// assert!(report.to_string().contains("a.json:2:3"));
-/// assert_eq!(report.to_json()[0]["code"], "unknown-key");
+/// assert_eq!(report.documents()[0].code, "unknown-key");
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
@@ -131,26 +131,43 @@ impl Report {
             .element(Snippet::source(excerpt).line_start(line).annotation(annotation))
     }
 
-    /// All diagnostics for `--json`: a list of objects with code, severity, file, line, column, message and hint.
-    ///
-    /// Line and column are null for diagnostics without a position.
-    pub fn to_json(&self) -> Value {
-        self.findings.iter().map(|finding| self.finding_to_json(finding)).collect()
+    /// All diagnostics as JSON objects, for `--json`.
+    pub fn documents(&self) -> Vec<DiagnosticDocument> {
+        self.findings.iter().map(|finding| self.diagnostic_document(finding)).collect()
     }
 
-    /// One diagnostic as a JSON object. The hint is never null: it falls back on the advice of the code.
-    fn finding_to_json(&self, finding: &Diagnostic) -> Value {
+    /// One diagnostic with its position in the text.
+    fn diagnostic_document(&self, finding: &Diagnostic) -> DiagnosticDocument {
         let position = finding.span.map(|span| self.line_and_column(span.start));
-        json!({
-            "code": finding.code.as_str(),
-            "severity": finding.code.severity().as_str(),
-            "file": self.file,
-            "line": position.map(|(line, _)| line),
-            "column": position.map(|(_, column)| column),
-            "message": finding.message,
-            "hint": finding.advice(),
-        })
+        DiagnosticDocument {
+            code: finding.code.as_str(),
+            severity: finding.code.severity().as_str(),
+            file: self.file.clone(),
+            line: position.map(|(line, _)| line),
+            column: position.map(|(_, column)| column),
+            message: finding.message.clone(),
+            hint: finding.advice().to_owned(),
+        }
     }
+}
+
+/// A diagnostic as a JSON object.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DiagnosticDocument {
+    /// The code, such as "unknown-key".
+    pub code: &'static str,
+    /// "error" or "warning".
+    pub severity: &'static str,
+    /// The path of the document, as the user wrote it.
+    pub file: String,
+    /// From 1. `None` if the diagnostic has no position.
+    pub line: Option<usize>,
+    /// From 1, in characters. `None` if the diagnostic has no position.
+    pub column: Option<usize>,
+    /// What is wrong.
+    pub message: String,
+    /// The hint, or else the general advice of the code.
+    pub hint: String,
 }
 
 /// The last byte up to `byte` at which a character begins, or the end of the text.
@@ -213,7 +230,7 @@ mod tests {
         let shown = report_at_words(&text, 20_000).to_string();
         assert_eq!(shown.matches("no such key").count(), MAX_FINDINGS_SHOWN);
         assert!(shown.ends_with("\n\nand 19950 more"), "{shown}");
-        assert_eq!(report_at_words(&text, 20_000).to_json().as_array().unwrap().len(), 20_000);
+        assert_eq!(report_at_words(&text, 20_000).documents().len(), 20_000);
         assert!(!report_at_words(&text, MAX_FINDINGS_SHOWN).to_string().contains("more"));
     }
 
@@ -227,6 +244,6 @@ mod tests {
         assert!(shown.contains("a.json:1:4000001\n"), "{shown}");
         assert!(shown.contains("...µbc µbc") && shown.contains(" ^^^"), "{shown}");
         assert!(shown.lines().all(|line| line.len() < 200), "{shown}");
-        assert_eq!(report.to_json()[19_999]["column"], 4_000_001);
+        assert_eq!(report.documents()[19_999].column, Some(4_000_001));
     }
 }

@@ -6,8 +6,9 @@ use super::Placed;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
 use super::fields::{Findings, list, number, string, wrong_type};
+use super::quantity::{split_quantity, unit_rule};
 use super::tree::{Content, Node};
-use patchcord_expr::{Formula, Unit};
+use patchcord_expr::{Formula, FormulaError, Unit};
 
 /// Reads a list of two numbers, the lower and the upper bound.
 ///
@@ -70,6 +71,23 @@ fn inside_quotes(span: Span, range: &std::ops::Range<usize>) -> Span {
     span.subspan(&(range.start + 1..range.end + 1))
 }
 
+/// The diagnostic for a text that is not a formula. A number with a unit, such as "8 s", gets a message of its own.
+fn formula_syntax_error(text: &str, span: Span, key: &str, error: FormulaError) -> Diagnostic {
+    let span = inside_quotes(span, &error.range);
+    match split_quantity(text) {
+        Some((number, unit)) => {
+            let message = format!("\"{}\" has a unit, but {}", text.trim(), unit_rule(key));
+            let is_name = unit.chars().all(char::is_alphanumeric);
+            let hint = match is_name {
+                true => format!("write {number}, or {number} * {unit} for a product"),
+                false => format!("write {number}"),
+            };
+            Diagnostic::at(Code::BAD_FORMULA, span, message).hint(hint)
+        }
+        None => Diagnostic::at(Code::BAD_FORMULA, span, error.message).maybe_hint(error.hint),
+    }
+}
+
 /// Reads a number, or a formula in quotes. `None` if the value is of another type or the formula has a syntax error.
 ///
 /// The names and units in the formula are not checked here.
@@ -88,10 +106,7 @@ pub fn formula(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed
     let value = match &node.value {
         Content::Number(_) => Formula::constant(number(node, key, findings)?),
         Content::Text(text) => Formula::parse(text)
-            .map_err(|error| {
-                let span = inside_quotes(node.span, &error.range);
-                findings.push(Diagnostic::at(Code::BAD_FORMULA, span, error.message).maybe_hint(error.hint));
-            })
+            .map_err(|error| findings.push(formula_syntax_error(text, node.span, key, error)))
             .ok()?,
         other => {
             findings.push(wrong_type(node, key, "a number or a formula in quotes", other));

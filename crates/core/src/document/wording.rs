@@ -1,6 +1,8 @@
-//! Numbers, units and suggestions as messages print them.
+//! Numbers, counts, units and suggestions as messages print them.
 
-use patchcord_expr::nearest;
+use std::fmt::Display;
+
+use patchcord_expr::{format_significant, nearest};
 
 /// A number for messages, rounded to six significant digits: 1/3 gives "0.333333" and 45e6 gives "4.5e7".
 ///
@@ -17,12 +19,24 @@ use patchcord_expr::nearest;
 /// assert_eq!(format_number(-0.0), "0");
 /// ```
 pub fn format_number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".to_owned(),
-        1e-4..1e7 => rounded.to_string(),
-        _ => format!("{rounded:e}"),
-    }
+    format_significant(value, MESSAGE_DIGITS)
+}
+
+/// Number of significant digits of a number in a message.
+const MESSAGE_DIGITS: usize = 6;
+
+/// A count with its noun: "1 step", "2 steps".
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::plural;
+///
+/// assert_eq!([plural(1, "step"), plural(0, "step")], ["1 step", "0 steps"]);
+/// ```
+pub fn plural<N: Display + PartialEq + From<u8>>(count: N, noun: &str) -> String {
+    let ending = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {noun}{ending}")
 }
 
 /// A unit as it follows a number: a space and the unit, such as " m/s". Empty for a pure number ("" or "1").
@@ -62,6 +76,10 @@ pub fn range_violation(value: f64, (low, high): (f64, f64), unit: &str) -> Strin
         _ => format!("outside {} ... {}{unit}", without_margin(low), without_margin(high)),
     }
 }
+
+/// Number of diagnostics from which on unknown names get no suggestion. A suggestion compares a name with all known
+/// names, which takes too long if thousands of names are wrong.
+pub(crate) const MAX_SUGGESTIONS: usize = 50;
 
 /// Number of known names that a hint lists at most, so that it stays on one or two lines.
 const MAX_NAMES_LISTED: usize = 10;

@@ -3,7 +3,7 @@
 //! The element remembers its output at the end of the last step. Within a step the output is a function of the input
 //! and of this value, so the solver needs no state and no mode.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::{Part, REFERENCE};
 
@@ -21,10 +21,10 @@ pub(super) static KIND: Kind = Kind {
     symbol: "backlash",
     inputs: &[Input::jack("in", "input that moves the output")],
     settings: &[
-        Setting::required("width", Measure::Volts, "total width of the play").within(0.0, REFERENCE),
+        Setting::required("width", SettingQuantity::Volts, "total width of the play").within(0.0, REFERENCE),
         Setting::preset(
             "initial",
-            Measure::Volts,
+            SettingQuantity::Volts,
             0.0,
             "output in initial condition, if it is within the play",
         ),

@@ -3,7 +3,7 @@
 //! The characteristic has no drop and exact corners. `diode_dead_zone` is the passive network of the thesis, with the
 //! drop of its diodes.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -16,9 +16,9 @@ pub(super) static KIND: Kind = Kind {
     symbol: "dead-zone",
     inputs: &[Input::jack("in", "input voltage")],
     settings: &[
-        Setting::required("lower", Measure::Volts, "input below which the output is not 0"),
-        Setting::required("upper", Measure::Volts, "input above which the output is not 0"),
-        Setting::preset("slope", Measure::Ratio, 1.0, "slope on both sides of the zone")
+        Setting::required("lower", SettingQuantity::Volts, "input below which the output is not 0"),
+        Setting::required("upper", SettingQuantity::Volts, "input above which the output is not 0"),
+        Setting::preset("slope", SettingQuantity::Ratio, 1.0, "slope on both sides of the zone")
             .within(0.0, f64::MAX),
     ],
     ordered: &[("lower", "upper")],

@@ -3,7 +3,7 @@
 //! The stored inputs are outside of the program, in a delay line of the machine. The law only names the setting of the
 //! delay, the first output and the input.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -21,11 +21,11 @@ pub(super) static KIND: Kind = Kind {
     settings: &[
         Setting::required(
             "delay",
-            Measure::MachineSeconds,
+            SettingQuantity::MachineSeconds,
             "time between input and output; at least one step of the run, four for full accuracy",
         )
         .within(1e-9, 1e6),
-        Setting::preset("initial", Measure::Volts, 0.0, "output until the first input arrives"),
+        Setting::preset("initial", SettingQuantity::Volts, 0.0, "output until the first input arrives"),
     ],
     parts: &[PartUse::always(Part::DelayLine, 1)],
     output_law,

@@ -3,7 +3,7 @@
 //! Each pot is connected between the signal and one bias voltage. A diode at each wiper passes only one sign, and the
 //! output is the sum of both. So each half has its own corner and the slope 1 - r.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -23,7 +23,7 @@ pub(super) static KIND: Kind = Kind {
     settings: &[
         Setting::required(
             "setting",
-            Measure::Fraction,
+            SettingQuantity::Fraction,
             "position r of both wipers, 0 at the end with the signal",
         ),
         Setting::DIODE_DROP,

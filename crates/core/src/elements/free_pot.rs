@@ -2,7 +2,7 @@
 //!
 //! A pot with a grounded end is the special case with `end` at 0 V.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -17,7 +17,7 @@ pub(super) static KIND: Kind = Kind {
     inputs: &[Input::jack("in", "top of the track"), Input::jack("end", "other end of the track")],
     settings: &[Setting::required(
         "setting",
-        Measure::Fraction,
+        SettingQuantity::Fraction,
         "position of the wiper, 0 at \"end\", with loading compensated",
     )],
     parts: &[PartUse::always(Part::FreePot, 1)],

@@ -3,7 +3,7 @@
 //! A table gives the voltages between the outermost points, and is constant beyond them. Two straight lines are added
 //! for the voltages outside. Every inner point is a corner of the curve.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -26,13 +26,13 @@ pub(super) static KIND: Kind = Kind {
     settings: &[
         Setting::preset(
             "symmetry",
-            Measure::Choice(&[NONE, ODD, EVEN]),
+            SettingQuantity::Choice(&[NONE, ODD, EVEN]),
             0.0,
             "symmetry by which the points, all at 0 V or above, are mirrored to negative inputs",
         ),
         Setting::required(
             "points",
-            Measure::Curve("symmetry"),
+            SettingQuantity::Curve("symmetry"),
             "two or more points [in, out] with ascending inputs",
         ),
     ],

@@ -4,7 +4,7 @@
 //! rebound, limits. Brake, contact with a stop and limits are modes, so the solver locates the instants at which they
 //! change.
 
-use super::{Input, Jacks, Kind, Measure, OutputStage, PartUse, Setting, Transfer, soft_limit};
+use super::{Input, Jacks, Kind, OutputStage, PartUse, Setting, SettingQuantity, Transfer, soft_limit};
 use crate::ir::{Builder, ChatterRemedy, Guard, ModeHandle, Register, Transition};
 use crate::machines::{Part, REFERENCE};
 
@@ -34,17 +34,17 @@ pub(super) static KIND: Kind = Kind {
             .open(),
     ],
     settings: &[
-        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition"),
+        Setting::preset("initial", SettingQuantity::Volts, 0.0, "output in initial condition"),
         Setting::preset(
             "restitution",
-            Measure::Ratio,
+            SettingQuantity::Ratio,
             1.0,
             "share of the output that is kept at a rebound, with the opposite sign",
         )
         .within(0.0, 1.0),
         Setting::preset(
             "rest",
-            Measure::Volts,
+            SettingQuantity::Volts,
             1e-3,
             "output after a rebound below which it stays at rest against the stop",
         )
@@ -185,8 +185,8 @@ fn with_brake_reset(impact: Transition, brake: Option<ModeHandle>) -> Transition
 /// The output after an impact: -restitution x out, in volts. The restitution is a pure number from 0 to 1.
 fn rebound_output(builder: &mut dyn Builder, out: Register) -> Register {
     let restitution = builder.get("restitution");
-    let kept = builder.multiply(restitution, out);
-    builder.negate(kept)
+    let rebound = builder.multiply(restitution, out);
+    builder.negate(rebound)
 }
 
 /// The amount by which the output after a rebound is below the level of rest: rest - |after|, in volts. It is a guard:

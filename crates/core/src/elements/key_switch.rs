@@ -3,7 +3,7 @@
 //! Its position cannot change during a run, so it costs no operation: the lowering connects the output to the input or
 //! to 0 V.
 
-use super::{Input, Kind, Measure, Setting};
+use super::{Input, Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 
 /// The row of the key switch. It needs no part of the machine.
@@ -14,7 +14,7 @@ pub(super) static KIND: Kind = Kind {
     source: "thesis 8.3, Fig 8.15",
     symbol: "switch",
     inputs: &[Input::jack("in", "input voltage")],
-    settings: &[Setting::preset("closed", Measure::Flag, 1.0, "whether the switch is closed")],
+    settings: &[Setting::preset("closed", SettingQuantity::Flag, 1.0, "whether the switch is closed")],
     output_law,
     ..Kind::NETWORK
 };

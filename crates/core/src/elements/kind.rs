@@ -248,9 +248,19 @@ impl Kind {
         self.settings.iter().position(|setting| setting.name == name)
     }
 
-    /// Whether it has a memory: a charge, a position or stored inputs.
-    pub fn has_memory(&self) -> bool {
-        self.memory_law.is_some()
+    /// Whether its cords are in an object "in" of jacks with gains: `"in": {"x1": ["A1"], "x10": ["P2"]}`. Other kinds
+    /// have a key for each input: `"in": "A1"`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Family, find};
+    ///
+    /// let has_gains = |name| find(Family::Computing, name).map(|kind| kind.has_gains());
+    /// assert_eq!((has_gains("summer"), has_gains("pot")), (Some(true), Some(false)));
+    /// ```
+    pub fn has_gains(&self) -> bool {
+        self.inputs.first().is_some_and(|main| main.jacks == Jacks::Gains)
     }
 }
 

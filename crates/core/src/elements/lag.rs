@@ -3,7 +3,7 @@
 //! The output is the state of the element. With equal steps, the machine refuses a time constant that is shorter than
 //! the step: the method would be inaccurate and, from 2.8 time constants on, unstable.
 
-use super::{Input, Kind, Measure, OutputStage, PartUse, Setting};
+use super::{Input, Kind, OutputStage, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -20,9 +20,13 @@ pub(super) static KIND: Kind = Kind {
     symbol: "lag",
     inputs: &[Input::gains("x", "summing inputs, the gain for slow signals in the name").remembered()],
     settings: &[
-        Setting::required("time", Measure::MachineSeconds, "time constant; at least one step of the run")
-            .within(1e-9, 1e6),
-        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition"),
+        Setting::required(
+            "time",
+            SettingQuantity::MachineSeconds,
+            "time constant; at least one step of the run",
+        )
+        .within(1e-9, 1e6),
+        Setting::preset("initial", SettingQuantity::Volts, 0.0, "output in initial condition"),
     ],
     parts: &[PartUse::always(Part::Integrator, 1)],
     output: OutputStage::Integrator,

@@ -2,7 +2,7 @@
 //!
 //! A logarithm has no value at 0 V. So inputs below `least` count as `least`, and the curve has a kink there.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::{Part, REFERENCE};
 use patchcord_expr::Function;
@@ -20,7 +20,7 @@ pub(super) static KIND: Kind = Kind {
         PER_DECADE,
         Setting::preset(
             "least",
-            Measure::Volts,
+            SettingQuantity::Volts,
             1e-3,
             "input at and below which the output is constant; with 10 mV there is no overload at 0 V",
         )
@@ -36,20 +36,20 @@ const SMALLEST: f64 = 1e-6;
 
 /// The setting `reference`, which logarithm and exponential share.
 pub(super) const LEVEL: Setting =
-    Setting::preset("reference", Measure::Volts, 1.0, "voltage whose logarithm is 0")
+    Setting::preset("reference", SettingQuantity::Volts, 1.0, "voltage whose logarithm is 0")
         .within(SMALLEST, REFERENCE);
 /// The setting `per_decade`, which logarithm and exponential share.
 pub(super) const PER_DECADE: Setting =
-    Setting::preset("per_decade", Measure::Volts, 50.0, "output per factor of 10 of the input")
+    Setting::preset("per_decade", SettingQuantity::Volts, 50.0, "output per factor of 10 of the input")
         .within(1.0, REFERENCE);
 
 /// out = per_decade x log10(max(in, least) / reference), in volts. With the defaults, 10 V give 50 V and 100 V give 100
 /// V.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (input, least) = (builder.input("in"), builder.get("least"));
-    let kept = builder.maximum(input, least);
+    let limited = builder.maximum(input, least);
     let level = builder.get("reference");
-    let ratio = builder.divide(kept, level);
+    let ratio = builder.divide(limited, level);
     let decades = builder.call(Function::Log10, ratio);
     let per_decade = builder.get("per_decade");
     builder.multiply(per_decade, decades)

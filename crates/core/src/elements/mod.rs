@@ -44,7 +44,7 @@ pub use kind::{Family, Input, Jacks, Kind, OutputStage, PartUse, Transfer};
 pub use page::markdown_table;
 pub use page::{KindPage, reference_page};
 pub use reference::{REFERENCE, REFERENCES};
-pub use setting::{Default, Measure, Setting};
+pub use setting::{Setting, SettingDefault, SettingQuantity};
 
 /// Every kind of element and drive, in the order of listings.
 ///
@@ -97,7 +97,7 @@ pub static REGISTRY: &[&Kind] = &[
 /// use patchcord_core::elements::{Family, find};
 ///
 /// let integrator = find(Family::Computing, "integrator").expect("an element");
-/// assert!(integrator.has_memory());
+/// assert_eq!(integrator.settings[0].name, "initial");
 /// assert!(find(Family::Drive, "integrator").is_none());
 /// ```
 pub fn find(family: Family, name: &str) -> Option<&'static Kind> {
@@ -136,8 +136,8 @@ mod tests {
     #[test]
     fn elements_whose_inputs_are_not_direct_have_memory() {
         for kind in REGISTRY {
-            let delayed = kind.inputs.iter().any(|input| !input.direct);
-            assert!(kind.has_memory() || !delayed, "{}", kind.name);
+            let has_delayed = kind.inputs.iter().any(|input| !input.direct);
+            assert!(kind.memory_law.is_some() || !has_delayed, "{}", kind.name);
         }
     }
 }

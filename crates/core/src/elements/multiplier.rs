@@ -3,7 +3,7 @@
 //! The machine has squaring networks of diodes. Both connections divide by the reference of 100 V, so the product of
 //! two full-scale voltages is a full-scale voltage.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::{Part, REFERENCE};
 
@@ -27,7 +27,7 @@ pub(super) static KIND: Kind = Kind {
     ],
     settings: &[Setting::required(
         "mode",
-        Measure::Choice(&[SUM_OF_SQUARES, PRODUCT]),
+        SettingQuantity::Choice(&[SUM_OF_SQUARES, PRODUCT]),
         "connection of the squaring networks",
     )],
     parts: &[PartUse::always(Part::Multiplier, 1)],

@@ -3,7 +3,7 @@
 //! The numbers are levels: the solver ends a step at each instant at which one changes. They depend on the seed and on
 //! their index only, so a run has the same numbers with every step and on every machine.
 
-use super::{Kind, Measure, Setting};
+use super::{Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 
 /// The row of the noise drive. Far below the frequency 1 / every, its two-sided power density is rms^2 x every.
@@ -16,21 +16,25 @@ pub(super) static KIND: Kind = Kind {
     source: "noise generators of the general-purpose machines; ChaCha8 (Bernstein 2008), Box and Muller 1958",
     symbol: "drive-noise",
     settings: &[
-        Setting::required("rms", Measure::Signal, "standard deviation").within(0.0, f64::MAX),
-        Setting::required("every", Measure::Seconds, "interval between two numbers; a step ends at each")
-            .within(1e-9, 1e9),
+        Setting::required("rms", SettingQuantity::Signal, "standard deviation").within(0.0, f64::MAX),
+        Setting::required(
+            "every",
+            SettingQuantity::Seconds,
+            "interval between two numbers; a step ends at each",
+        )
+        .within(1e-9, 1e9),
         Setting::required(
             "seed",
-            Measure::Whole,
+            SettingQuantity::Whole,
             "number that selects the sequence; drives with equal seeds have equal sequences",
         ),
         Setting::preset(
             "distribution",
-            Measure::Choice(&["normal", "uniform"]),
+            SettingQuantity::Choice(&["normal", "uniform"]),
             0.0,
             "distribution of the numbers; uniform ones are within ±sqrt(3) x rms",
         ),
-        Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
+        Setting::preset("offset", SettingQuantity::Signal, 0.0, "mean value"),
     ],
     output_law,
     ..Kind::DRIVE

@@ -3,7 +3,7 @@
 //! The feedback makes a loop without an integrator, which the program solves at every evaluation. The amplification is
 //! finite, so a small error remains: the sum of the inputs is -out / amplification instead of 0 V.
 
-use super::{Input, Kind, Measure, OutputStage, PartUse, Setting};
+use super::{Input, Kind, OutputStage, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -23,7 +23,7 @@ pub(super) static KIND: Kind = Kind {
     inputs: &[Input::gains("x", "summing inputs, the gain in the name; at least one is for the feedback")],
     settings: &[Setting::preset(
         "amplification",
-        Measure::Ratio,
+        SettingQuantity::Ratio,
         1e6,
         "open-loop gain; chopper-stabilised valve amplifiers had 1e5 ... 1e8 for slow signals",
     )

@@ -1,6 +1,6 @@
 //! The reference text of a kind: `patchcord elements NAME` prints it, and docs/elements.md contains it.
 
-use super::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
+use super::{Family, Input, Jacks, Kind, REGISTRY, Setting, SettingDefault, SettingQuantity};
 
 /// The reference text of a kind, in parts that a terminal or a document arranges.
 ///
@@ -177,12 +177,14 @@ impl Input {
 impl Setting {
     /// The default in words.
     pub fn default_text(&self) -> String {
-        match (self.default, self.measure) {
-            (Default::Required, _) => "must be given".to_owned(),
-            (Default::Absent, _) => "none".to_owned(),
-            (Default::Number(number), Measure::Flag) => (number != 0.0).to_string(),
-            (Default::Number(index), Measure::Choice(words)) => words[index as usize].to_owned(),
-            (Default::Number(number), _) => number.to_string(),
+        match (self.default, self.quantity) {
+            (SettingDefault::Required, _) => "must be given".to_owned(),
+            (SettingDefault::Absent, _) => "none".to_owned(),
+            (SettingDefault::Number(number), SettingQuantity::Flag) => (number != 0.0).to_string(),
+            (SettingDefault::Number(index), SettingQuantity::Choice(words)) => {
+                words[index as usize].to_owned()
+            }
+            (SettingDefault::Number(number), _) => number.to_string(),
         }
     }
 
@@ -191,15 +193,15 @@ impl Setting {
     /// # Examples
     ///
     /// ```
-    /// use patchcord_core::elements::{Measure, Setting};
+    /// use patchcord_core::elements::{Setting, SettingQuantity};
     ///
-    /// let initial = Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition");
+    /// let initial = Setting::preset("initial", SettingQuantity::Volts, 0.0, "output in initial condition");
     /// assert_eq!((initial.range_text(), initial.default_text()), ("-100 ... 100".to_owned(), "0".to_owned()));
     /// ```
     pub fn range_text(&self) -> String {
-        match self.measure {
-            Measure::Flag => String::new(),
-            Measure::Choice(words) => words.join(", "),
+        match self.quantity {
+            SettingQuantity::Flag => String::new(),
+            SettingQuantity::Choice(words) => words.join(", "),
             _ => match self.range {
                 (f64::MIN, f64::MAX) => "any".to_owned(),
                 (low, f64::MAX) => format!("{low} or more"),

@@ -2,7 +2,7 @@
 //!
 //! Its setting can be a formula of parameters, and so it is the usual place of a coefficient of the problem.
 
-use super::{Input, Kind, Measure, PartUse, Setting, Transfer};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity, Transfer};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
@@ -17,7 +17,7 @@ pub(super) static KIND: Kind = Kind {
     inputs: &[Input::jack("in", "top of the track")],
     settings: &[Setting::required(
         "setting",
-        Measure::Fraction,
+        SettingQuantity::Fraction,
         "position of the wiper, 0 at ground, with loading compensated",
     )],
     parts: &[PartUse::always(Part::FixedPot, 1)],

@@ -1,6 +1,6 @@
 //! Drive: a ramp that may reverse.
 
-use super::{Kind, Measure, Setting};
+use super::{Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Guard, Register, Transition};
 
 /// The row of the ramp. Without `turn` it has no mode and no corner.
@@ -11,11 +11,11 @@ pub(super) static KIND: Kind = Kind {
     source: "thesis 8.2 (velocity ramp of 1.2 mm/s2)",
     symbol: "drive-ramp",
     settings: &[
-        Setting::preset("start", Measure::Signal, 0.0, "value at t = 0"),
-        Setting::required("rate", Measure::SignalRate, "change per second until the reversal"),
+        Setting::preset("start", SettingQuantity::Signal, 0.0, "value at t = 0"),
+        Setting::required("rate", SettingQuantity::SignalRate, "change per second until the reversal"),
         Setting::optional(
             "turn",
-            Measure::Seconds,
+            SettingQuantity::Seconds,
             "time at which the rate changes its sign (absent: never)",
         ),
     ],
@@ -43,9 +43,9 @@ const BACK: f64 = 1.0;
 /// across it.
 fn turned(builder: &mut dyn Builder, time: Register, turn: Register) -> Register {
     let (since, until) = (builder.subtract(time, turn), builder.subtract(turn, time));
-    let way = builder.new_mode(FORTH);
-    builder.transition(way, Transition::new(FORTH, BACK, Guard::reached(since)));
-    builder.transition(way, Transition::new(BACK, FORTH, Guard::passed(until)));
+    let direction = builder.new_mode(FORTH);
+    builder.transition(direction, Transition::new(FORTH, BACK, Guard::reached(since)));
+    builder.transition(direction, Transition::new(BACK, FORTH, Guard::passed(until)));
     let (back, half) = (builder.add(turn, until), builder.constant(0.5));
-    builder.select(way.value, half, back, time)
+    builder.select(direction.value, half, back, time)
 }

@@ -1,6 +1,6 @@
 //! The fixed voltages of the machine: +100 V, -100 V and signal ground.
 
-use super::{Family, Kind, Measure, Setting};
+use super::{Family, Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::REFERENCE as VOLTS;
 
@@ -23,7 +23,7 @@ pub static REFERENCE: Kind = Kind {
     law: "out = volts",
     source: "thesis 8.1",
     symbol: "reference",
-    settings: &[Setting::required("volts", Measure::Volts, "voltage of the reference")],
+    settings: &[Setting::required("volts", SettingQuantity::Volts, "voltage of the reference")],
     output_law,
     ..Kind::NETWORK
 };

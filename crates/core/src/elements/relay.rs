@@ -3,7 +3,7 @@
 //! The position is a mode. The output law selects a contact by it, and the memory law switches it when the difference
 //! of the compared inputs reaches a threshold. The distance of the thresholds prevents chatter.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, ChatterRemedy, Guard, Register, Transition};
 use crate::machines::Part;
 
@@ -29,11 +29,15 @@ pub(super) static KIND: Kind = Kind {
         Input::jack("against", "voltage with which it is compared; 0 V if open").remembered().open(),
     ],
     settings: &[
-        Setting::required("pull_in", Measure::Volts, "in - against at which it pulls in"),
-        Setting::required("drop_out", Measure::Volts, "in - against at which it releases; below pull_in"),
+        Setting::required("pull_in", SettingQuantity::Volts, "in - against at which it pulls in"),
+        Setting::required(
+            "drop_out",
+            SettingQuantity::Volts,
+            "in - against at which it releases; below pull_in",
+        ),
         Setting::preset(
             "closed",
-            Measure::Flag,
+            SettingQuantity::Flag,
             0.0,
             "whether it is pulled in initially if in - against is between the thresholds",
         ),

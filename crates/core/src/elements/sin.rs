@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::{Part, REFERENCE};
 use patchcord_expr::Function;
@@ -33,8 +33,13 @@ pub(super) const PARTS: &[PartUse] = &[PartUse::always(Part::FunctionGenerator, 
 pub(super) const OVERLOAD: &str = "its output is at most amplitude, so it cannot overload";
 /// The settings of sine and cosine.
 pub(super) const SETTINGS: &[Setting] = &[
-    Setting::preset("amplitude", Measure::Volts, REFERENCE, "largest output"),
-    Setting::preset("angle_per_volt", Measure::RadiansPerVolt, PI / REFERENCE, "angle per volt of input"),
+    Setting::preset("amplitude", SettingQuantity::Volts, REFERENCE, "largest output"),
+    Setting::preset(
+        "angle_per_volt",
+        SettingQuantity::RadiansPerVolt,
+        PI / REFERENCE,
+        "angle per volt of input",
+    ),
 ];
 
 /// out = amplitude x sin(angle_per_volt x in), in volts.

@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Kind, Measure, Setting};
+use super::{Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use patchcord_expr::Function;
 
@@ -16,10 +16,10 @@ pub(super) static KIND: Kind = Kind {
     source: "oscillator of the period; thesis 8.3 (10 V on -50 V at 1/Tc)",
     symbol: "drive-sine",
     settings: &[
-        Setting::required("amplitude", Measure::Signal, "amplitude about the offset"),
-        Setting::required("frequency", Measure::Hertz, "periods per second"),
-        Setting::preset("phase", Measure::Radians, 0.0, "phase at t = 0"),
-        Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
+        Setting::required("amplitude", SettingQuantity::Signal, "amplitude about the offset"),
+        Setting::required("frequency", SettingQuantity::Hertz, "periods per second"),
+        Setting::preset("phase", SettingQuantity::Radians, 0.0, "phase at t = 0"),
+        Setting::preset("offset", SettingQuantity::Signal, 0.0, "mean value"),
     ],
     output_law,
     ..Kind::DRIVE

@@ -3,16 +3,16 @@
 //! Summers and integrators share these settings and parts. A summer has a slope beyond the limit. An integrator has a
 //! flat limit.
 
-use super::{Measure, PartUse, Setting};
+use super::{PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
 /// The upper limit of any amplifier.
 pub(super) const UPPER: Setting =
-    Setting::optional("limit.upper", Measure::Volts, "output above which the upper diode conducts");
+    Setting::optional("limit.upper", SettingQuantity::Volts, "output above which the upper diode conducts");
 /// The lower limit of any amplifier.
 pub(super) const LOWER: Setting =
-    Setting::optional("limit.lower", Measure::Volts, "output below which the lower diode conducts");
+    Setting::optional("limit.lower", SettingQuantity::Volts, "output below which the lower diode conducts");
 /// The forward drop of the limiter's diodes.
 pub(super) const DROP: Setting = Setting { name: "limit.drop", ..Setting::DIODE_DROP };
 
@@ -20,7 +20,7 @@ pub(super) const DROP: Setting = Setting { name: "limit.drop", ..Setting::DIODE_
 pub(super) const LIMIT_SETTINGS: &[Setting] = &[
     UPPER,
     LOWER,
-    Setting::preset("limit.slope", Measure::Ratio, 0.0, "remaining slope beyond a limit (0: flat)")
+    Setting::preset("limit.slope", SettingQuantity::Ratio, 0.0, "remaining slope beyond a limit (0: flat)")
         .within(0.0, 1.0),
     DROP,
 ];
@@ -75,7 +75,7 @@ fn beyond(
     slope: Register,
 ) -> Register {
     let excess = builder.subtract(out, inside);
-    let kept = builder.multiply(slope, excess);
-    let change = builder.subtract(kept, excess);
+    let remaining = builder.multiply(slope, excess);
+    let change = builder.subtract(remaining, excess);
     builder.add(limited, change)
 }

@@ -1,6 +1,6 @@
 //! Drive: a step.
 
-use super::{Kind, Measure, Setting};
+use super::{Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Guard, Register, Transition};
 
 /// The row of the step. The height is in the unit of the drive's scale.
@@ -11,8 +11,8 @@ pub(super) static KIND: Kind = Kind {
     source: "thesis 8.2 (step of 0.127 mm)",
     symbol: "drive-step",
     settings: &[
-        Setting::required("height", Measure::Signal, "value after the step"),
-        Setting::preset("at", Measure::Seconds, 0.0, "time of the step"),
+        Setting::required("height", SettingQuantity::Signal, "value after the step"),
+        Setting::preset("at", SettingQuantity::Seconds, 0.0, "time of the step"),
     ],
     output_law,
     ..Kind::DRIVE

@@ -2,7 +2,7 @@
 //!
 //! The times of the points are known before the run, so no step reaches across one of them.
 
-use super::{Kind, Measure, Setting};
+use super::{Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 
 /// Straight lines between the points. The points are corners.
@@ -21,12 +21,12 @@ pub(super) static KIND: Kind = Kind {
     settings: &[
         Setting::required(
             "points",
-            Measure::Points,
+            SettingQuantity::Points,
             "points [time, value] with ascending times, or a CSV file that contains them",
         ),
         Setting::preset(
             "hold",
-            Measure::Choice(&[LINEAR, PREVIOUS]),
+            SettingQuantity::Choice(&[LINEAR, PREVIOUS]),
             0.0,
             "value between points: linear interpolation, or the value of the previous point like the output of a \
              sampled controller",

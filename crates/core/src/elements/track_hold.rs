@@ -3,7 +3,7 @@
 //! The element remembers its output at the end of the last step. While it holds, this value is the output; the mode
 //! says whether it holds.
 
-use super::{Input, Kind, Measure, PartUse, Setting};
+use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Guard, ModeHandle, Register, Transition};
 use crate::machines::Part;
 
@@ -22,8 +22,13 @@ pub(super) static KIND: Kind = Kind {
         Input::jack("track", "control: it tracks while this is at or above the threshold").remembered(),
     ],
     settings: &[
-        Setting::preset("threshold", Measure::Volts, 0.0, "control voltage from which it tracks"),
-        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition if it does not track"),
+        Setting::preset("threshold", SettingQuantity::Volts, 0.0, "control voltage from which it tracks"),
+        Setting::preset(
+            "initial",
+            SettingQuantity::Volts,
+            0.0,
+            "output in initial condition if it does not track",
+        ),
     ],
     parts: &[PartUse::always(Part::TrackHold, 1)],
     output_law,

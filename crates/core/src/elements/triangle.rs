@@ -1,6 +1,6 @@
 //! Drive: a triangular wave.
 
-use super::{Kind, Measure, Setting};
+use super::{Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Guard, Register, Transition};
 
 /// The row of the triangular wave. Amplitude and offset are in the unit of the drive's scale.
@@ -12,9 +12,9 @@ pub(super) static KIND: Kind = Kind {
     source: "function generator of the period",
     symbol: "drive-triangle",
     settings: &[
-        Setting::required("amplitude", Measure::Signal, "amplitude about the offset"),
-        Setting::required("frequency", Measure::Hertz, "periods per second"),
-        Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
+        Setting::required("amplitude", SettingQuantity::Signal, "amplitude about the offset"),
+        Setting::required("frequency", SettingQuantity::Hertz, "periods per second"),
+        Setting::preset("offset", SettingQuantity::Signal, 0.0, "mean value"),
     ],
     output_law,
     ..Kind::DRIVE
@@ -40,9 +40,9 @@ fn output_law(builder: &mut dyn Builder) -> Register {
     let centred = builder.subtract(quadrupled, two);
     let distance = builder.absolute(centred);
     let before = builder.negate(centred);
-    let way = builder.new_mode(RISING);
-    builder.transition(way, Transition::new(RISING, FALLING, Guard::reached(centred)));
-    builder.transition(way, Transition::new(FALLING, RISING, Guard::passed(before)));
+    let direction = builder.new_mode(RISING);
+    builder.transition(direction, Transition::new(RISING, FALLING, Guard::reached(centred)));
+    builder.transition(direction, Transition::new(FALLING, RISING, Guard::passed(before)));
     let wave = builder.subtract(one, distance);
     let (amplitude, offset) = (builder.get("amplitude"), builder.get("offset"));
     let swing = builder.multiply(amplitude, wave);

@@ -22,7 +22,7 @@ pub(crate) struct Angle {
 
 impl Angle {
     /// The number of periods between two evaluations of the body.
-    pub fn periods(&self, before: &[f64], after: &[f64]) -> f64 {
+    pub(crate) fn periods(&self, before: &[f64], after: &[f64]) -> f64 {
         (after[self.at.index()] - before[self.at.index()]).abs() / self.period
     }
 }

@@ -12,7 +12,7 @@ pub(crate) struct Cache(OnceLock<Arc<dyn Any + Send + Sync>>);
 
 impl Cache {
     /// The value, created at the first call. A call with a second type returns a new value that is not stored.
-    pub fn get<T: Default + Send + Sync + 'static>(&self) -> Arc<T> {
+    pub(crate) fn get<T: Default + Send + Sync + 'static>(&self) -> Arc<T> {
         let value = self.0.get_or_init(|| Arc::new(T::default()));
         Arc::clone(value).downcast().unwrap_or_default()
     }

@@ -16,8 +16,8 @@ pub struct Coefficient {
     /// Least and largest permitted value.
     pub range: (f64, f64),
     /// Whether only whole numbers are permitted.
-    pub whole: bool,
-    /// The place in the patch that messages point to.
+    pub is_whole: bool,
+    /// The position in the patch to which messages refer.
     pub(crate) span: Option<Span>,
 }
 
@@ -45,7 +45,7 @@ pub(crate) enum Relation {
 
 /// A coefficient with an invalid value.
 pub(crate) struct InvalidCoefficient<'a> {
-    /// The coefficient, with its label and its place in the patch.
+    /// The coefficient, with its label and its position in the patch.
     pub coefficient: &'a Coefficient,
     /// Its value in this run.
     pub value: f64,
@@ -66,6 +66,7 @@ pub(crate) struct InvalidCoefficient<'a> {
 /// assert_eq!(order.describe(6.0), "not below R pull_in at 5");
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum SettingFault {
     /// The value is outside its range, or not finite.
     Range {
@@ -106,7 +107,7 @@ impl Coefficient {
         if !(value.is_finite() && low <= value && value <= high) {
             return Some(SettingFault::Range { low, high });
         }
-        (self.whole && value.fract() != 0.0).then_some(SettingFault::NotWhole)
+        (self.is_whole && value.fract() != 0.0).then_some(SettingFault::NotWhole)
     }
 }
 
@@ -132,7 +133,7 @@ impl Program {
         alone.or_else(|| self.lowered.orders.iter().find_map(|order| self.order_violation(*order, values)))
     }
 
-    /// The violation of a required order; `None` if it is kept.
+    /// The violation of a required order; `None` if the order is satisfied.
     fn order_violation(&self, order: SettingOrder, values: &[f64]) -> Option<InvalidCoefficient<'_>> {
         let [of, to] = [order.of, order.to].map(|index| index as usize);
         let (value, limit) = (values[of], values[to]);

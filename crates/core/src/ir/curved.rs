@@ -39,7 +39,9 @@ pub(super) fn search(
 
 /// The search for the solutions of one outermost loop.
 struct Search<'a> {
+    /// The program that contains the loop.
     program: &'a Program,
+    /// What operations read in addition to registers.
     from: &'a Sources<'a, f64>,
     /// Voltages outside the outermost loop.
     registers: &'a [f64],

@@ -22,7 +22,7 @@ pub(crate) struct Scratch {
 
 impl Scratch {
     /// A scratch of the size that the program needs.
-    pub fn new(program: &Program) -> Self {
+    pub(crate) fn new(program: &Program) -> Self {
         let length = if program.lowered.loops.is_empty() { 0 } else { program.lowered.body.len() };
         Scratch {
             pieces: vec![LinearPiece::constant(0.0); length],
@@ -88,8 +88,9 @@ fn solution(
     scratch: &mut Scratch,
 ) -> f64 {
     let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
-    let [parameters, coefficients, states, delayed, kept, levels] =
-        [from.parameters, from.coefficients, from.states, from.delayed, from.kept, from.levels].map(values);
+    let [parameters, coefficients, states, delayed, sampled, levels] =
+        [from.parameters, from.coefficients, from.states, from.delayed, from.sampled, from.levels]
+            .map(values);
     let plain = Sources {
         parameters: &parameters,
         coefficients: &coefficients,
@@ -98,7 +99,7 @@ fn solution(
         time: from.time.value,
         tables: from.tables,
         delayed: &delayed,
-        kept: &kept,
+        sampled: &sampled,
         levels: &levels,
     };
     solve_tear(program, index, &plain, &values(registers), scratch)

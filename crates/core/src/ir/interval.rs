@@ -18,17 +18,17 @@ pub(crate) struct Interval {
 
 impl Interval {
     /// The interval between two bounds, of which the first must not be above the second.
-    pub fn new(low: f64, high: f64) -> Self {
+    pub(crate) fn new(low: f64, high: f64) -> Self {
         Interval { low, high }
     }
 
     /// high - low.
-    pub fn width(self) -> f64 {
+    pub(crate) fn width(self) -> f64 {
         self.high - self.low
     }
 
     /// The midpoint, computed as low plus half of the width.
-    pub fn middle(self) -> f64 {
+    pub(crate) fn middle(self) -> f64 {
         self.low + 0.5 * self.width()
     }
 
@@ -38,7 +38,7 @@ impl Interval {
     }
 
     /// The smallest interval that contains both.
-    pub fn hull(self, other: Self) -> Self {
+    pub(crate) fn hull(self, other: Self) -> Self {
         Interval { low: self.low.lower_of(other.low), high: self.high.upper_of(other.high) }
     }
 

@@ -1,4 +1,4 @@
-//! Kinks: the places in the body where a voltage has a corner as a function of the states or of time.
+//! Kinks: the operations of the body at which a voltage has a corner as a function of the states or of time.
 //!
 //! An integration method loses its order if a step reaches across a kink of a rate. So the solver ends steps there. A
 //! kink of a guard changes only the search for the time of an event.
@@ -30,9 +30,9 @@ enum Surface {
 pub(crate) struct KinkCrossing {
     surface: Surface,
     /// Abscissa of the first corner that was crossed in a table; otherwise 0.
-    place: f64,
+    corner: f64,
     /// Whether the voltage rises through the corner.
-    rises: bool,
+    is_rising: bool,
 }
 
 /// A voltage within this distance of a kink, in volts, counts as on it. It is about the rounding of a voltage near 100
@@ -41,31 +41,31 @@ pub(crate) const KINK_TOLERANCE: f64 = 1e-11;
 
 impl Kink {
     /// The quantity that has a corner at 0 or, for a table, at each of its abscissas.
-    pub fn value(&self, registers: &[f64]) -> f64 {
+    pub(crate) fn value(&self, registers: &[f64]) -> f64 {
         self.surface.value(registers)
     }
 
     /// The first corner between two values. `None` if there is none or if one of the values is on it.
-    pub fn crossed(&self, tables: &[Vec<[f64; 2]>], from: f64, to: f64) -> Option<KinkCrossing> {
-        let rises = to > from;
-        let place = match self.surface {
-            Surface::Points { table, .. } => next_corner(&tables[table as usize], from, rises)?,
+    pub(crate) fn crossed(&self, tables: &[Vec<[f64; 2]>], from: f64, to: f64) -> Option<KinkCrossing> {
+        let is_rising = to > from;
+        let corner = match self.surface {
+            Surface::Points { table, .. } => next_corner(&tables[table as usize], from, is_rising)?,
             _ => 0.0,
         };
-        let crossing = KinkCrossing { surface: self.surface, place, rises };
+        let crossing = KinkCrossing { surface: self.surface, corner, is_rising };
         (crossing.past(from) < -KINK_TOLERANCE && crossing.past(to) > KINK_TOLERANCE).then_some(crossing)
     }
 }
 
 impl KinkCrossing {
     /// The distance past the corner, in the direction of crossing; negative before it.
-    pub fn value(&self, registers: &[f64]) -> f64 {
+    pub(crate) fn value(&self, registers: &[f64]) -> f64 {
         self.past(self.surface.value(registers))
     }
 
     /// The distance of a value past the corner, in the direction of crossing.
     fn past(&self, value: f64) -> f64 {
-        if self.rises { value - self.place } else { self.place - value }
+        if self.is_rising { value - self.corner } else { self.corner - value }
     }
 }
 
@@ -90,7 +90,7 @@ impl Surface {
     }
 
     /// Whether the quantity varies within a step.
-    fn moves(self, moving: &[bool]) -> bool {
+    fn is_moving(self, moving: &[bool]) -> bool {
         match self {
             Surface::Of(a) | Surface::Points { at: a, .. } => moving[a.index()],
             Surface::Between(a, b) => moving[a.index()] || moving[b.index()],
@@ -99,8 +99,8 @@ impl Surface {
 }
 
 /// The next abscissa of a table above or below a value.
-fn next_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
-    let point = if rises {
+fn next_corner(points: &[[f64; 2]], from: f64, is_rising: bool) -> Option<f64> {
+    let point = if is_rising {
         points.get(points.partition_point(|point| point[0] <= from + KINK_TOLERANCE))
     } else {
         points[..points.partition_point(|point| point[0] < from - KINK_TOLERANCE)].last()
@@ -115,16 +115,18 @@ impl Program {
         let moving = self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear(_)));
         let rates = self.lowered.states.iter().map(|state| state.rate);
         let inputs = self.lowered.delays.iter().map(|delay| delay.input);
-        let run = self.needed_for(rates.chain(inputs).chain(self.lowered.kept.iter().map(|kept| kept.next)));
+        let samples = self.lowered.sampled.iter().map(|sampled| sampled.next);
+        let affects_run = self.needed_for(rates.chain(inputs).chain(samples));
         let transitions = self.lowered.modes.iter().flat_map(|mode| &mode.transitions);
-        let switch = self.needed_for(transitions.map(|transition| transition.guard.register));
-        let those = |wanted: &dyn Fn(usize) -> bool| {
+        let affects_guard = self.needed_for(transitions.map(|transition| transition.guard.register));
+        let kinks_at = |is_wanted: &dyn Fn(usize) -> bool| {
             let kinks = self.lowered.body.iter().enumerate().filter_map(|(at, op)| {
-                let surface = Surface::of(*op).filter(|surface| wanted(at) && surface.moves(&moving))?;
+                let surface =
+                    Surface::of(*op).filter(|surface| is_wanted(at) && surface.is_moving(&moving))?;
                 Some(Kink { element: owners[at], surface })
             });
             kinks.collect()
         };
-        [those(&|at| run[at]), those(&|at| switch[at] && !run[at])]
+        [kinks_at(&|at| affects_run[at]), kinks_at(&|at| affects_guard[at] && !affects_run[at])]
     }
 }

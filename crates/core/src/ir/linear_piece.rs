@@ -16,13 +16,13 @@ pub(crate) struct LinearPiece {
     /// Largest s for which the function is linear.
     pub reach: f64,
     /// Whether the function is linear. It is not if a product or a function of two varying values went into it.
-    pub straight: bool,
+    pub is_straight: bool,
 }
 
 impl LinearPiece {
     /// A value that does not depend on the tear.
-    pub fn constant(value: f64) -> Self {
-        LinearPiece { value, slope: 0.0, reach: f64::INFINITY, straight: true }
+    pub(crate) fn constant(value: f64) -> Self {
+        LinearPiece { value, slope: 0.0, reach: f64::INFINITY, is_straight: true }
     }
 
     /// A result of two pieces, which is linear as far as both are.
@@ -31,15 +31,15 @@ impl LinearPiece {
             value,
             slope,
             reach: self.reach.min(other.reach),
-            straight: self.straight && other.straight,
+            is_straight: self.is_straight && other.is_straight,
         }
     }
 
     /// A result that is linear only if both operands are constant.
     fn bent(self, other: Self, value: f64) -> Self {
-        let moves = self.slope != 0.0 || other.slope != 0.0;
+        let is_moving = self.slope != 0.0 || other.slope != 0.0;
         let both = self.with(other, value, 0.0);
-        LinearPiece { straight: both.straight && !moves, ..both }
+        LinearPiece { is_straight: both.is_straight && !is_moving, ..both }
     }
 
     /// Whether the value is at least 0 just to the right.
@@ -56,7 +56,7 @@ impl LinearPiece {
     /// The same piece, ending at the latest where a tested piece changes its sign.
     fn shortened(self, test: Self) -> Self {
         let reach = self.reach.min(test.reach).min(test.zero_ahead());
-        LinearPiece { reach, straight: self.straight && test.straight, ..self }
+        LinearPiece { reach, is_straight: self.is_straight && test.is_straight, ..self }
     }
 }
 
@@ -73,11 +73,14 @@ impl Number for LinearPiece {
     fn multiply(self, other: Self) -> Self {
         let slope = self.slope * other.value + self.value * other.slope;
         let product = self.with(other, self.value * other.value, slope);
-        LinearPiece { straight: product.straight && (self.slope == 0.0 || other.slope == 0.0), ..product }
+        LinearPiece {
+            is_straight: product.is_straight && (self.slope == 0.0 || other.slope == 0.0),
+            ..product
+        }
     }
     fn divide(self, other: Self) -> Self {
         let quotient = self.with(other, self.value / other.value, self.slope / other.value);
-        LinearPiece { straight: quotient.straight && other.slope == 0.0, ..quotient }
+        LinearPiece { is_straight: quotient.is_straight && other.slope == 0.0, ..quotient }
     }
     fn lower_of(self, other: Self) -> Self {
         LinearPiece::select(self, other, other, self)
@@ -106,7 +109,7 @@ impl Number for LinearPiece {
             value: value + slope * (self.value - origin),
             slope: slope * self.slope,
             reach: self.reach.min(corner),
-            straight: self.straight,
+            is_straight: self.is_straight,
         }
     }
 }
@@ -116,7 +119,7 @@ mod tests {
     use super::*;
 
     fn moving(value: f64, slope: f64) -> LinearPiece {
-        LinearPiece { value, slope, reach: f64::INFINITY, straight: true }
+        LinearPiece { value, slope, reach: f64::INFINITY, is_straight: true }
     }
 
     #[test]
@@ -138,8 +141,8 @@ mod tests {
     #[test]
     fn products_and_functions_of_moving_numbers_are_not_straight() {
         let x = moving(2.0, 1.0);
-        assert!(!x.multiply(x).straight);
-        assert!(x.multiply(LinearPiece::constant(3.0)).straight);
-        assert!(!LinearPiece::call(Function::Sqrt, x, x).straight);
+        assert!(!x.multiply(x).is_straight);
+        assert!(x.multiply(LinearPiece::constant(3.0)).is_straight);
+        assert!(!LinearPiece::call(Function::Sqrt, x, x).is_straight);
     }
 }

@@ -21,7 +21,7 @@ pub(crate) struct OperatingPoint<'a> {
     /// Output of every delay line in volts, and its slope in volts per second. `None` before the first input arrives.
     pub delayed: &'a [Option<(f64, f64)>],
     /// Sampled values.
-    pub kept: &'a [f64],
+    pub sampled: &'a [f64],
     /// Present values of the levels.
     pub levels: &'a [f64],
 }
@@ -46,7 +46,7 @@ impl Program {
         let rates: Vec<Register> = self.lowered.states.iter().map(|state| state.rate).collect();
         Linearisation {
             states: self.states().into_iter().map(str::to_owned).collect(),
-            parameters: self.parameters.iter().map(|slot| slot.declared.name.clone()).collect(),
+            parameters: self.parameters.iter().map(|parameter| parameter.declared.name.clone()).collect(),
             by_states: self.jacobian(at, &rates, upward((0..at.states.len()).map(Direction::State))),
             by_parameters: self.jacobian(
                 at,
@@ -83,7 +83,7 @@ impl Program {
         if let Direction::Delayed(index) = direction {
             delayed[index].slope = seed;
         }
-        let (kept, levels) = (seeded(at.kept, None, seed), seeded(at.levels, None, seed));
+        let (sampled, levels) = (seeded(at.sampled, None, seed), seeded(at.levels, None, seed));
         let from = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
@@ -92,7 +92,7 @@ impl Program {
             time: Dual::new(at.time, if matches!(direction, Direction::Time) { seed } else { 0.0 }),
             tables: &self.tables,
             delayed: &delayed,
-            kept: &kept,
+            sampled: &sampled,
             levels: &levels,
         };
         let mut registers = vec![Dual::new(0.0, 0.0); self.lowered.body.len()];
@@ -140,7 +140,7 @@ impl Sense {
     }
 
     /// The opposite sense.
-    pub fn other(self) -> Self {
+    pub(super) fn other(self) -> Self {
         match self {
             Sense::Up => Sense::Down,
             Sense::Down => Sense::Up,

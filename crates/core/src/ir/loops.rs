@@ -82,7 +82,9 @@ fn moving(volts: f64) -> LinearPiece {
 
 /// Varies the tear of a loop, and the tears of the loops inside it.
 struct Walker<'a> {
+    /// The program that contains the loop.
     program: &'a Program,
+    /// What operations read in addition to registers.
     from: &'a Sources<'a, f64>,
     /// Voltages outside the outermost loop.
     registers: &'a [f64],
@@ -93,6 +95,7 @@ struct Walker<'a> {
 }
 
 impl<'a> Walker<'a> {
+    /// A walker along the loop with this index. `pieces` has an entry for every register of the body.
     fn new(
         program: &'a Program,
         index: usize,
@@ -141,7 +144,7 @@ impl<'a> Walker<'a> {
         }
         let result = self.pieces[entry.result.index()];
         match result {
-            LinearPiece { straight: false, .. } => Err(Obstacle::Curve),
+            LinearPiece { is_straight: false, .. } => Err(Obstacle::Curve),
             LinearPiece { value, slope, .. } if value.is_nan() || slope.is_nan() => {
                 Err(Obstacle::Fault(Solutions::NotANumber))
             }
@@ -162,10 +165,10 @@ impl<'a> Walker<'a> {
 
     /// The tear of an inner loop as a function of the outer tear. The slope follows from dy = dF / (1 - dF/dy).
     fn inner_tear(&mut self, index: usize, frozen: usize) -> Result<LinearPiece, Obstacle> {
-        let own = self.program.lowered.loops[index].tear.index();
-        let inner = self.walk(index, own).ok().and_then(|found| found.only().ok());
+        let tear = self.program.lowered.loops[index].tear.index();
+        let inner = self.walk(index, tear).ok().and_then(|found| found.only().ok());
         let solution = inner.ok_or(Obstacle::Curve)?;
-        let by_itself = self.follow(index, moving(solution), own)?.slope;
+        let by_itself = self.follow(index, moving(solution), tear)?.slope;
         let by_the_outer = self.follow(index, LinearPiece::constant(solution), frozen)?.slope;
         Ok(LinearPiece { slope: by_the_outer / (1.0 - by_itself), ..LinearPiece::constant(solution) })
     }
@@ -210,23 +213,27 @@ pub(super) struct SolutionSet {
 
 impl SolutionSet {
     /// Adds a solution, unless the previous piece ended with the same one.
-    pub fn add(&mut self, tear: f64) {
+    pub(super) fn add(&mut self, tear: f64) {
         if self.last.is_some_and(|last| (tear - last).abs() <= SOLUTION_SPACING) {
             return;
         }
-        if let Some(place) = self.first.get_mut(self.count) {
-            *place = tear;
+        if let Some(entry) = self.first.get_mut(self.count) {
+            *entry = tear;
         }
         self.count += 1;
         self.last = Some(tear);
     }
 
-    pub fn solutions(self) -> Solutions {
+    /// The number of solutions and the first of them.
+    pub(super) fn solutions(self) -> Solutions {
         Solutions::Counted { count: self.count, first: self.first }
     }
 
-    /// The only solution. If there is not exactly one, the error has what was found.
-    pub fn only(self) -> Result<f64, Solutions> {
+    /// The only solution. The error has the solutions that were found.
+    ///
+    /// # Errors
+    /// If there is no solution, or more than one.
+    pub(super) fn only(self) -> Result<f64, Solutions> {
         if self.count == 1 { Ok(self.first[0]) } else { Err(self.solutions()) }
     }
 }

@@ -37,19 +37,36 @@ impl Distribution {
     /// The number with this index in the sequence of a seed.
     ///
     /// It uses words 4 k to 4 k + 3 of the ChaCha stream with 8 rounds (Bernstein 2008), whose key begins with the
-    /// bits of the seed. The words give two numbers between 0 and 1. The method of Box and Muller (1958) makes one
-    /// normal number from them; a uniform number uses the first.
-    pub fn number(self, seed: f64, index: u64) -> f64 {
+    /// bits of the seed. The words give two numbers between 0 and 1. [`box_muller`] makes one normal number from
+    /// them; a uniform number uses the first.
+    pub(crate) fn number(self, seed: f64, index: u64) -> f64 {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_bits().to_le_bytes());
         let mut stream = ChaCha8Rng::from_seed(key);
         stream.set_word_pos(u128::from(index) * WORDS_PER_NUMBER);
         let [first, second] = [(); 2].map(|()| between_0_and_1(stream.next_u64()));
         match self {
-            Distribution::Normal => libm::sqrt(-2.0 * libm::log(first)) * libm::cos(TAU * second),
+            Distribution::Normal => box_muller(first, second),
             Distribution::Uniform => libm::sqrt(12.0) * (first - 0.5),
         }
     }
+}
+
+/// A standard normal number (mean 0, variance 1) from two independent uniform numbers: sqrt(-2 ln `first`)
+/// cos(2 pi `second`), by the method of Box and Muller (1958).
+///
+/// `first` is above 0 and at most 1, `second` is from 0 to 1. The bits of the result are the same on every platform.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::ir::box_muller;
+///
+/// assert_eq!(box_muller(1.0, 0.25), 0.0);
+/// assert!((box_muller(0.5, 0.0) - (2.0 * 2f64.ln()).sqrt()).abs() < 1e-12);
+/// ```
+pub fn box_muller(first: f64, second: f64) -> f64 {
+    libm::sqrt(-2.0 * libm::log(first)) * libm::cos(TAU * second)
 }
 
 /// The middle of one of 2^52 equal parts of the interval from 0 to 1. The ends never occur.

@@ -111,7 +111,7 @@ pub(crate) struct Dual {
 
 impl Dual {
     /// A number with its derivative.
-    pub fn new(value: f64, slope: f64) -> Self {
+    pub(super) fn new(value: f64, slope: f64) -> Self {
         Dual { value, slope }
     }
 
@@ -162,8 +162,8 @@ impl Number for Dual {
     }
     fn table(self, points: &[[f64; 2]]) -> Self {
         let (value, slope, origin) = segment(points, self.value);
-        let ahead = if self.slope < 0.0 { segment(points, self.value.next_down()).1 } else { slope };
-        Dual::new(value + slope * (self.value - origin), ahead * self.slope)
+        let segment_slope = if self.slope < 0.0 { segment(points, self.value.next_down()).1 } else { slope };
+        Dual::new(value + slope * (self.value - origin), segment_slope * self.slope)
     }
 }
 

@@ -6,7 +6,7 @@
 use super::number::Number;
 use patchcord_expr::Function;
 
-/// A register: the index of an operation in its list, and the place of that operation's result.
+/// A register: the index of an operation in its list, and of the result of that operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Register(pub u32);
 
@@ -88,14 +88,14 @@ pub(crate) struct Sources<'a, N> {
     /// Outputs of the delay lines, in volts.
     pub delayed: &'a [N],
     /// Values sampled at the end of the last step.
-    pub kept: &'a [N],
+    pub sampled: &'a [N],
     /// Present values of the levels.
     pub levels: &'a [N],
 }
 
 impl<N: Number> Sources<'_, N> {
     /// Empty sources, for operations that read registers only.
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Sources {
             parameters: &[],
             coefficients: &[],
@@ -104,7 +104,7 @@ impl<N: Number> Sources<'_, N> {
             time: N::constant(0.0),
             tables: &[],
             delayed: &[],
-            kept: &[],
+            sampled: &[],
             levels: &[],
         }
     }
@@ -170,7 +170,7 @@ impl Op {
             Op::Call(function, a, b) => N::call(function, get(a), get(b)),
             Op::Table(index, at) => get(at).table(&from.tables[index as usize]),
             Op::Delayed(index) => from.delayed[index as usize],
-            Op::Sampled(index) => from.kept[index as usize],
+            Op::Sampled(index) => from.sampled[index as usize],
             Op::Level(index) => from.levels[index as usize],
             Op::Tear(_) => N::constant(f64::NAN),
         }

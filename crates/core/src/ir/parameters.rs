@@ -7,10 +7,10 @@
 use std::sync::Arc;
 
 use super::{InvalidCoefficient, Program, SettingFault};
-use crate::document::{RangeViolation, format_number, parameter_in_si, suggestion};
+use crate::document::{ParameterRangeError, format_number, parameter_in_si, suggestion};
 use patchcord_expr::Dimension;
 
-/// A parameter of the patch as the prologue reads it.
+/// A parameter of the patch with its present value.
 ///
 /// # Examples
 ///
@@ -23,23 +23,23 @@ use patchcord_expr::Dimension;
 /// let patch = PatchBuilder::new("ramp").parameter("x", 2.5, "mm", [0.0, 10.0]);
 /// let patch = patch.element("A1", ramp).build()?;
 /// let program = Program::new(&Circuit::new(&patch)?)?;
-/// let slot = &program.parameters()[0];
-/// assert_eq!((slot.declared.name.as_str(), slot.declared.unit.as_str()), ("x", "mm"));
-/// assert!((slot.value - 2.5e-3).abs() < 1e-12);
-/// assert_eq!(slot.in_si(20.0).unwrap_err().to_string(), "x = 20 mm is outside its range 0 ... 10 mm");
+/// let x = &program.parameters()[0];
+/// assert_eq!((x.declared.name.as_str(), x.declared.unit.as_str()), ("x", "mm"));
+/// assert!((x.value - 2.5e-3).abs() < 1e-12);
+/// assert_eq!(x.in_si(20.0).unwrap_err().to_string(), "x = 20 mm is outside its range 0 ... 10 mm");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct ParameterSlot {
+pub struct ParameterValue {
     /// The value for this run, in SI units.
     pub value: f64,
     /// The declaration, which copies of a program share.
-    pub declared: Arc<Declared>,
+    pub declared: Arc<ParameterDeclaration>,
 }
 
 /// The declaration of a parameter in the patch, which is independent of its value.
 #[derive(Debug, Clone)]
-pub struct Declared {
+pub struct ParameterDeclaration {
     /// Name of the parameter.
     pub name: String,
     /// Size of the declared unit in SI units.
@@ -52,12 +52,12 @@ pub struct Declared {
     pub(crate) dimension: Dimension,
 }
 
-impl ParameterSlot {
+impl ParameterValue {
     /// A value in the declared unit, converted to SI units, if the parameter may have it.
     ///
     /// # Errors
     /// If the value is not finite in SI units, or is outside the range.
-    pub fn in_si(&self, value: f64) -> Result<f64, RangeViolation> {
+    pub fn in_si(&self, value: f64) -> Result<f64, ParameterRangeError> {
         parameter_in_si(
             &self.declared.name,
             value,
@@ -81,7 +81,7 @@ pub enum SettingError {
     },
     /// A value outside the range of its parameter.
     #[error(transparent)]
-    OutsideRange(#[from] RangeViolation),
+    OutsideRange(#[from] ParameterRangeError),
     /// A setting of an element that its element does not take, such as a potentiometer above 1.
     #[error("{setting} is {}, {}", format_number(*value), fault.describe(*value))]
     Unfit {
@@ -129,13 +129,37 @@ pub(crate) struct ChangedParameters {
 }
 
 impl Program {
-    /// The index of a parameter, by name.
+    /// Index of the parameter with this name in [`Program::parameters`]; `None` if there is none. Every look-up of a
+    /// parameter by name uses this method.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let ramp = ElementBuilder::new("integrator").cords("x1", ["+100"]);
+    /// let patch = PatchBuilder::new("ramp").parameter("x", 2.5, "mm", [0.0, 10.0]);
+    /// let patch = patch.element("A1", ramp).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// assert_eq!((program.parameter("x"), program.parameter("q")), (Some(0), None));
+    /// let error = program.parameter_index("q").unwrap_err();
+    /// assert_eq!(error.code(), "unknown-parameter");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn parameter(&self, name: &str) -> Option<usize> {
+        self.parameters.iter().position(|parameter| parameter.declared.name == name)
+    }
+
+    /// Index of the parameter with this name, like [`Program::parameter`], with an error that suggests a name.
     ///
     /// # Errors
     /// If no parameter has this name.
     pub fn parameter_index(&self, name: &str) -> Result<usize, SettingError> {
         self.parameter(name).ok_or_else(|| {
-            let known: Vec<_> = self.parameters.iter().map(|slot| slot.declared.name.as_str()).collect();
+            let known: Vec<_> =
+                self.parameters.iter().map(|parameter| parameter.declared.name.as_str()).collect();
             SettingError::UnknownParameter { name: name.to_owned(), hint: suggestion(name, &known) }
         })
     }
@@ -145,10 +169,10 @@ impl Program {
     ///
     /// # Errors
     /// If a name is unknown, a value is outside its range, or a setting that follows does not fit.
-    pub(crate) fn changed_parameters<N: AsRef<str>>(
+    pub(crate) fn changed_parameters(
         &self,
         parameters: &[f64],
-        changes: impl IntoIterator<Item = (N, f64)>,
+        changes: impl IntoIterator<Item = (impl AsRef<str>, f64)>,
     ) -> Result<ChangedParameters, SettingError> {
         let (mut parameters, mut changed) = (parameters.to_vec(), Vec::new());
         for (name, value) in changes {
@@ -190,14 +214,14 @@ impl Program {
     /// assert_eq!(program.parameters()[0].value, 0.25);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn set_parameters<N: AsRef<str>>(
+    pub fn set_parameters(
         &mut self,
-        changes: impl IntoIterator<Item = (N, f64)>,
+        changes: impl IntoIterator<Item = (impl AsRef<str>, f64)>,
     ) -> Result<(), SettingError> {
-        let before: Vec<f64> = self.parameters.iter().map(|slot| slot.value).collect();
+        let before: Vec<f64> = self.parameters.iter().map(|parameter| parameter.value).collect();
         let changed = self.changed_parameters(&before, changes)?;
-        for (slot, value) in self.parameters.iter_mut().zip(changed.parameters) {
-            slot.value = value;
+        for (parameter, value) in self.parameters.iter_mut().zip(changed.parameters) {
+            parameter.value = value;
         }
         Ok(())
     }

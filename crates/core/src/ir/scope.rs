@@ -7,9 +7,9 @@ use super::{Program, SignalInfo};
 use crate::document::TIME_SCALE;
 use patchcord_expr::{Dimension, Formula, FormulaError, Scope};
 
-/// A scale as the formulas of a run read it.
+/// A scale that formulas of a run can name: the value of one volt.
 #[derive(Debug, Clone)]
-pub(crate) struct ScaleSlot {
+pub(crate) struct ScaleFactor {
     /// Name of the scale.
     pub name: String,
     /// Index of the coefficient with the value of one volt, in SI.
@@ -35,7 +35,7 @@ impl RunScope<'_> {
     ///
     /// # Errors
     /// If the formula has no finite value.
-    pub fn value_for(&self, parameter: usize, formula: &Formula) -> Result<f64, FormulaError> {
+    pub(crate) fn value_for(&self, parameter: usize, formula: &Formula) -> Result<f64, FormulaError> {
         let value = formula.evaluate(self)?;
         let is_plain = formula.names().is_empty();
         Ok(if is_plain { value } else { value / self.program.parameters[parameter].declared.per_unit })
@@ -73,8 +73,8 @@ impl Scope for RunScope<'_> {
     }
 
     fn names(&self) -> Vec<&str> {
-        let parameters = self.program.parameters.iter().map(|slot| slot.declared.name.as_str());
-        let scales = self.program.lowered.scales.iter().map(|slot| slot.name.as_str());
+        let parameters = self.program.parameters.iter().map(|parameter| parameter.declared.name.as_str());
+        let scales = self.program.lowered.scales.iter().map(|scale| scale.name.as_str());
         let signals = self.program.lowered.signals.iter().filter(|signal| signal.is_named);
         let signals = signals.map(|signal| signal.name.as_str());
         parameters.chain(scales).chain([TIME_SCALE]).chain(signals).collect()

@@ -37,10 +37,10 @@ impl Program {
             moving: order.partition_point(|at| sections[*at] < Section::Moving),
             watched: order.partition_point(|at| sections[*at] < Section::Watched),
         };
-        let mut places = vec![Register(0); order.len()];
-        order.iter().enumerate().for_each(|(new, old)| places[*old] = Register(new as u32));
+        let mut new_registers = vec![Register(0); order.len()];
+        order.iter().enumerate().for_each(|(new, old)| new_registers[*old] = Register(new as u32));
         self.lowered_mut().body = order.iter().map(|at| self.lowered.body[*at]).collect();
-        self.renumber(|register| places[register.index()]);
+        self.renumber(|register| new_registers[register.index()]);
         order
     }
 
@@ -88,7 +88,7 @@ impl Program {
         needed
     }
 
-    /// Renumbers every register of the body, in all places that store one.
+    /// Renumbers every register of the body, wherever the program stores one.
     fn renumber(&mut self, to: impl Fn(Register) -> Register) {
         let renumbered = |register: &mut Register| *register = to(*register);
         self.lowered_mut().body.iter_mut().for_each(|op| *op = op.with_operands(&to));
@@ -102,7 +102,7 @@ impl Program {
             transition.reset.iter_mut().for_each(|reset| renumbered(&mut reset.to));
         }
         self.lowered_mut().delays.iter_mut().for_each(|delay| renumbered(&mut delay.input));
-        self.lowered_mut().kept.iter_mut().for_each(|kept| renumbered(&mut kept.next));
+        self.lowered_mut().sampled.iter_mut().for_each(|sampled| renumbered(&mut sampled.next));
         for entry in &mut self.lowered_mut().loops {
             [&mut entry.tear, &mut entry.result].into_iter().for_each(renumbered);
         }

@@ -27,19 +27,19 @@ struct OffGridCorners {
 
 impl TableCorners {
     /// The corners of these tables: the abscissas of their points.
-    pub fn from_tables<'a>(tables: impl Iterator<Item = &'a [[f64; 2]]>) -> Self {
+    pub(crate) fn from_tables<'a>(tables: impl Iterator<Item = &'a [[f64; 2]]>) -> Self {
         let mut times: Vec<f64> = tables.flatten().map(|point| point[0]).collect();
         times.sort_by(f64::total_cmp);
         TableCorners { times, off_grid: Mutex::default() }
     }
 
     /// All corners, in ascending order.
-    pub fn times(&self) -> &[f64] {
+    pub(crate) fn times(&self) -> &[f64] {
         &self.times
     }
 
     /// The corners that differ by more than `tolerance` seconds from every instant of a grid that starts at `begin`.
-    pub fn off_grid(&self, begin: f64, grid: Grid, tolerance: f64) -> Arc<[f64]> {
+    pub(crate) fn off_grid(&self, begin: f64, grid: Grid, tolerance: f64) -> Arc<[f64]> {
         // A panic elsewhere cannot leave the value incomplete, so a poisoned lock is safe to use.
         let mut off_grid = self.off_grid.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = off_grid.as_ref().filter(|known| known.begin == begin && known.grid == grid) {

@@ -24,7 +24,7 @@ pub(crate) struct SourceSlopes<'a> {
     /// Slopes of the outputs of the delay lines.
     pub delayed: &'a [f64],
     /// Slopes of the sampled values.
-    pub kept: &'a [f64],
+    pub sampled: &'a [f64],
 }
 
 /// The voltages at which slopes are taken.
@@ -42,7 +42,7 @@ impl Program {
     pub(crate) fn coefficient_slopes(&self, parameters: &[f64], slopes: &[f64]) -> Vec<f64> {
         let pairs = parameters.iter().zip(slopes);
         let duals: Vec<Dual> = pairs.map(|(value, slope)| Dual::new(*value, *slope)).collect();
-        self.prepare(&duals).into_iter().map(|evaluate| evaluate.slope).collect()
+        self.prepare(&duals).into_iter().map(|coefficient| coefficient.slope).collect()
     }
 
     /// Computes the slopes of a range of the body. The slopes before it must already be there.
@@ -79,35 +79,35 @@ impl Program {
 
     /// The slope of one operation.
     fn slope(&self, op: Op, base: TangentBase<'_>, from: &SourceSlopes<'_>, slopes: &[f64]) -> f64 {
-        let own = |register: Register| slopes[register.index()];
+        let slope_of = |register: Register| slopes[register.index()];
         let guide = |register: Register| base.guide[register.index()];
         match op {
             Op::Coefficient(index) => from.coefficients[index as usize],
             Op::State(index) => from.states[index as usize],
             Op::Time => from.time,
             Op::Delayed(index) => from.delayed[index as usize],
-            Op::Sampled(index) => from.kept[index as usize],
+            Op::Sampled(index) => from.sampled[index as usize],
             Op::Mode(_) | Op::Level(_) => 0.0,
-            Op::Minimum(a, b) if guide(a) != guide(b) => own(if guide(b) < guide(a) { b } else { a }),
-            Op::Maximum(a, b) if guide(a) != guide(b) => own(if guide(b) > guide(a) { b } else { a }),
-            Op::Absolute(a) if guide(a) != 0.0 => guide(a).signum() * own(a),
+            Op::Minimum(a, b) if guide(a) != guide(b) => slope_of(if guide(b) < guide(a) { b } else { a }),
+            Op::Maximum(a, b) if guide(a) != guide(b) => slope_of(if guide(b) > guide(a) { b } else { a }),
+            Op::Absolute(a) if guide(a) != 0.0 => guide(a).signum() * slope_of(a),
             Op::Select { left, right, then, otherwise } if guide(left) != guide(right) => {
-                own(if guide(left) > guide(right) { then } else { otherwise })
+                slope_of(if guide(left) > guide(right) { then } else { otherwise })
             }
             Op::Table(table, at) if !is_corner(&self.tables[table as usize], guide(at)) => {
-                segment(&self.tables[table as usize], guide(at)).1 * own(at)
+                segment(&self.tables[table as usize], guide(at)).1 * slope_of(at)
             }
             op => {
                 let from = Sources { tables: &self.tables, ..Sources::none() };
-                op.apply(&from, |register| Dual::new(base.values[register.index()], own(register))).slope
+                op.apply(&from, |register| Dual::new(base.values[register.index()], slope_of(register))).slope
             }
         }
     }
 }
 
-/// Whether a table has a point exactly here.
-fn is_corner(points: &[[f64; 2]], place: f64) -> bool {
-    points.binary_search_by(|point| point[0].total_cmp(&place)).is_ok()
+/// Whether a table has a point exactly at this abscissa.
+fn is_corner(points: &[[f64; 2]], abscissa: f64) -> bool {
+    points.binary_search_by(|point| point[0].total_cmp(&abscissa)).is_ok()
 }
 
 /// The slopes of the values that a formula of a run can name.
@@ -122,7 +122,7 @@ pub(crate) struct RunScopeSlopes<'a> {
 
 impl RunScope<'_> {
     /// The slope of a formula's value, in SI.
-    pub fn slope(&self, formula: &Formula, slopes: &RunScopeSlopes<'_>) -> f64 {
+    pub(crate) fn slope(&self, formula: &Formula, slopes: &RunScopeSlopes<'_>) -> f64 {
         self.evaluate(formula.root(), slopes).slope
     }
 
@@ -143,7 +143,7 @@ impl RunScope<'_> {
                 }
             }
             Expression::Call(callee, arguments) => {
-                let argument = |place: usize| arguments.get(place).map(|node| self.evaluate(node, slopes));
+                let argument = |index: usize| arguments.get(index).map(|node| self.evaluate(node, slopes));
                 let first = argument(0).unwrap_or(Dual::constant(0.0));
                 let second = argument(1).unwrap_or(first);
                 match callee {

@@ -29,13 +29,18 @@ impl Program {
             let states = self.lowered.states.iter().enumerate().filter(|(_, state)| {
                 dependent[state.rate.index()] || state.limits.iter().any(|limit| dependent[limit.index()])
             });
-            let kept = self.lowered.kept.iter().enumerate().filter(|(_, kept)| dependent[kept.next.index()]);
+            let sampled = self
+                .lowered
+                .sampled
+                .iter()
+                .enumerate()
+                .filter(|(_, sampled)| dependent[sampled.next.index()]);
             let loops =
-                self.lowered.loops.iter().enumerate().filter(|(_, own)| dependent[own.result.index()]);
+                self.lowered.loops.iter().enumerate().filter(|(_, entry)| dependent[entry.result.index()]);
             let states = states.map(|(index, _)| Op::State(index as u32));
-            let kept = kept.map(|(index, _)| Op::Sampled(index as u32));
+            let sampled = sampled.map(|(index, _)| Op::Sampled(index as u32));
             let loops = loops.map(|(index, _)| Op::Tear(index as u32));
-            let found: Vec<Op> = [source].into_iter().chain(states).chain(kept).chain(loops).collect();
+            let found: Vec<Op> = [source].into_iter().chain(states).chain(sampled).chain(loops).collect();
             if found.len() == sources.len() {
                 return dependent;
             }

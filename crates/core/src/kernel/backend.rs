@@ -14,6 +14,7 @@ use std::fmt;
 /// assert_eq!(Backend::Lanes.to_string(), "lanes");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Backend {
     /// The operations of the program as the elements' laws emit them. Every other backend is compared with it.
     Reference,

@@ -32,7 +32,7 @@ pub(super) struct Bounds {
     /// The same for values that do not vary: value, lower and upper bound.
     pub fixed: Vec<[Factor; 3]>,
     /// Index of the bound of each atom.
-    places: HashMap<Atom, usize>,
+    indices: HashMap<Atom, usize>,
 }
 
 /// The largest number below 0. A guard that 0 satisfies has it as its upper bound.
@@ -40,7 +40,7 @@ const BELOW_ZERO: f64 = -5e-324;
 
 impl Specialiser<'_> {
     /// Collects all bounds of the kernel.
-    pub fn bounds(&mut self) -> Bounds {
+    pub(super) fn bounds(&mut self) -> Bounds {
         let mut bounds = Bounds::default();
         for bound in self.guards().into_iter().chain(self.ends()) {
             self.bind(&mut bounds, bound);
@@ -77,12 +77,12 @@ impl Specialiser<'_> {
         let lamps = self.program.lowered.lamps.iter().zip(self.specialisation.amplifiers);
         let [low, high] = range.map(Factor::Number);
         let bound = |lamp: &Lamp| Bound { of: self.of(lamp.demand).clone(), low, high };
-        lamps.filter(|(_, own)| **own == state).map(|(lamp, _)| bound(lamp)).collect()
+        lamps.filter(|(_, present)| **present == state).map(|(lamp, _)| bound(lamp)).collect()
     }
 
     /// The bound within which a guard is not due.
     fn closed(&self, guard: Guard) -> Bound {
-        let high = Factor::Number(if guard.strict { 0.0 } else { BELOW_ZERO });
+        let high = Factor::Number(if guard.is_strict { 0.0 } else { BELOW_ZERO });
         Bound { of: self.of(guard.register).clone(), low: Factor::Number(f64::NEG_INFINITY), high }
     }
 
@@ -103,10 +103,10 @@ impl Specialiser<'_> {
         }
         let atom = self.atom(&of);
         let next = bounds.all.len();
-        match *bounds.places.entry(atom).or_insert(next) {
-            place if place == next => bounds.all.push((atom, low, high)),
-            place => {
-                let known = &mut bounds.all[place];
+        match *bounds.indices.entry(atom).or_insert(next) {
+            index if index == next => bounds.all.push((atom, low, high)),
+            index => {
+                let known = &mut bounds.all[index];
                 known.1 = self.parameter_code.upper_of(known.1, low);
                 known.2 = self.parameter_code.lower_of(known.2, high);
             }
@@ -121,9 +121,9 @@ impl Specialiser<'_> {
             // The difference would round -5e-324 away.
             Factor::Number(BELOW_ZERO) => None,
             _ => {
-                let way = self.parameter_code.multiply(constant, Factor::Number(-1.0));
-                let way = self.parameter_code.add(limit, way);
-                Some(self.parameter_code.multiply(way, Factor::Number(1.0 / slope)))
+                let negative = self.parameter_code.multiply(constant, Factor::Number(-1.0));
+                let distance = self.parameter_code.add(limit, negative);
+                Some(self.parameter_code.multiply(distance, Factor::Number(1.0 / slope)))
             }
         }
     }

@@ -42,34 +42,34 @@ pub(crate) enum WatchKind {
 
 impl WatchHit {
     /// The distance, in volts, from the hit within which a step may end. It is 0 if the step must end past the hit.
-    pub fn tolerance(self) -> f64 {
+    pub(crate) fn tolerance(self) -> f64 {
         self.margin
     }
 }
 
 impl Kernel {
     /// Evaluates everything at the frame's states and time, on the branch of its voltages, and binds the watches.
-    /// Returns whether the kernel is valid there. `is_due` says that the factors must be computed again for other
+    /// Returns whether the kernel is valid there. `is_outdated` says that the factors must be computed again for other
     /// coefficients.
-    pub fn settle(
+    pub(crate) fn settle(
         &self,
         frame: &mut Frame<f64>,
         program: &Program,
         coefficients: &[f64],
-        mut is_due: bool,
+        mut is_outdated: bool,
     ) -> bool {
-        if is_due {
+        if is_outdated {
             frame.branch_cache.clear();
         }
         // A corner may depend on another one. Each round settles at least one of them.
         for _ in 0..self.corners + 2 {
-            let fits = !is_due || self.compute_factors(frame, program, coefficients);
+            let are_factors_valid = !is_outdated || self.compute_factors(frame, program, coefficients);
             self.evaluate_present(frame, &program.tables);
-            is_due = self.bind(frame, &program.tables, 0..self.watches.len());
-            if !is_due {
+            is_outdated = self.bind(frame, &program.tables, 0..self.watches.len());
+            if !is_outdated {
                 self.update_safe_intervals(frame);
                 self.update_margins(frame, self.watches.len());
-                return self.accept_present(frame) && fits;
+                return self.accept_present(frame) && are_factors_valid;
             }
         }
         false
@@ -96,27 +96,30 @@ impl Kernel {
     fn bind_watch(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], watch: usize, value: f64) -> bool {
         let of = |slot: Slot| frame.slots[slot as usize];
         let branch_values = &mut frame.branch_values;
-        let (is_new, [slope, offset]) = match self.watches[watch].condition {
+        let (has_changed, [slope, offset]) = match self.watches[watch].condition {
             WatchCondition::Corner { side } => {
                 let (now, slope) = if value >= 0.0 { (1.0, 1.0) } else { (0.0, -1.0) };
                 (replace(branch_values, side, [now]), [slope, KINK_TOLERANCE])
             }
-            WatchCondition::Points { table, above, piece } => {
+            WatchCondition::Points { table, is_above, piece } => {
                 let points = &tables[table as usize];
                 let (ordinate, slope, origin) = segment(points, value);
-                (replace(branch_values, piece, [slope, origin, ordinate]), corner_line(points, value, above))
+                (
+                    replace(branch_values, piece, [slope, origin, ordinate]),
+                    corner_line(points, value, is_above),
+                )
             }
             WatchCondition::Above(low) => (false, [1.0, -of(low)]),
             WatchCondition::Below(high) | WatchCondition::Size(high) => (false, [-1.0, of(high)]),
         };
         frame.slopes[watch] = slope;
         frame.offsets[watch] = offset;
-        is_new
+        has_changed
     }
 
     /// Takes the last evaluation as the present. Returns whether all watches except those of corners are within their
     /// bounds.
-    pub fn accept_present(&self, frame: &mut Frame<f64>) -> bool {
+    pub(crate) fn accept_present(&self, frame: &mut Frame<f64>) -> bool {
         frame.accept_present();
         let outside = self.short(frame, self.corners..self.watches.len()).next();
         outside.is_none()
@@ -158,7 +161,7 @@ impl Kernel {
     ///
     /// Guards come first, because modes may change at a corner. Corners come before ranges, because the kernel gives
     /// wrong voltages beyond a corner.
-    pub fn first_hit(&self, frame: &Frame<f64>) -> Option<WatchHit> {
+    pub(crate) fn first_hit(&self, frame: &Frame<f64>) -> Option<WatchHit> {
         let guard = self.short(frame, self.corners..self.thorough.in_middle).next();
         let range = || self.short(frame, self.thorough.in_middle..self.thorough.all).next();
         let watch = guard.or_else(|| self.passed(frame).next()).or_else(range)?;
@@ -167,7 +170,7 @@ impl Kernel {
     }
 
     /// A corner that the frame is on, and that it left on the other side.
-    pub fn passed_corner(&self, frame: &Frame<f64>) -> Option<WatchHit> {
+    pub(crate) fn passed_corner(&self, frame: &Frame<f64>) -> Option<WatchHit> {
         let is_near = |watch: &usize| frame.present[*watch] <= 3.0 * KINK_TOLERANCE;
         let watch = self.passed(frame).find(is_near)?;
         Some(WatchHit { watch, margin: CORNER_MARGIN, kind: WatchKind::Corner })
@@ -189,7 +192,7 @@ impl Kernel {
         })
     }
 
-    /// The kind of a watch, by its place in the list: corners, then guards, then ranges.
+    /// The kind of a watch, by its position in the list: corners, then guards, then ranges.
     fn kind(&self, watch: usize) -> WatchKind {
         match watch {
             _ if watch < self.corners => WatchKind::Corner,
@@ -199,18 +202,18 @@ impl Kernel {
     }
 
     /// How far the step ahead is past a hit; negative before it.
-    pub fn value(&self, frame: &Frame<f64>, hit: WatchHit) -> f64 {
+    pub(crate) fn value(&self, frame: &Frame<f64>, hit: WatchHit) -> f64 {
         hit.margin - frame.margins[hit.watch]
     }
 
     /// How far the present is past a hit; negative before it.
-    pub fn value_now(&self, frame: &Frame<f64>, hit: WatchHit) -> f64 {
+    pub(crate) fn value_now(&self, frame: &Frame<f64>, hit: WatchHit) -> f64 {
         hit.margin - frame.present[hit.watch]
     }
 
     /// Switches to the other branch of a corner that the frame is on. The caller must evaluate everything again.
     /// Returns whether the factors are valid there.
-    pub fn switch_branch(
+    pub(crate) fn switch_branch(
         &self,
         frame: &mut Frame<f64>,
         program: &Program,
@@ -220,8 +223,8 @@ impl Kernel {
         let [slope, offset] = [&frame.slopes, &frame.offsets].map(|line| line[hit.watch]);
         let voltage = other_side((frame.present[hit.watch] - offset) / slope, slope);
         let watches = match self.watches[hit.watch].condition {
-            WatchCondition::Points { above, .. } => {
-                let lower = hit.watch - usize::from(above);
+            WatchCondition::Points { is_above, .. } => {
+                let lower = hit.watch - usize::from(is_above);
                 lower..lower + 2
             }
             _ => hit.watch..hit.watch + 1,
@@ -234,11 +237,11 @@ impl Kernel {
 }
 
 /// Replaces branch values from an index on. Returns whether any has changed.
-fn replace<const N: usize>(branch_values: &mut [f64], place: u32, by: [f64; N]) -> bool {
-    let old = &mut branch_values[place as usize..][..N];
-    let is_new = *old != by;
-    old.copy_from_slice(&by);
-    is_new
+fn replace<const N: usize>(branch_values: &mut [f64], index: u32, new: [f64; N]) -> bool {
+    let old = &mut branch_values[index as usize..][..N];
+    let has_changed = *old != new;
+    old.copy_from_slice(&new);
+    has_changed
 }
 
 /// A voltage on the other side of a corner, for a watch with this slope. The distance exceeds the rounding of any
@@ -259,13 +262,13 @@ fn narrowed([low, high]: [f64; 2], slope: f64, offset: f64) -> [f64; 2] {
     }
 }
 
-/// Slope and offset of a watch for the next corner of a table below or above a place. The offset is infinite if there
+/// Slope and offset of a watch for the next corner of a table below or above a voltage. The offset is infinite if there
 /// is no such corner, so the watch is never hit.
-fn corner_line(points: &[[f64; 2]], place: f64, above: bool) -> [f64; 2] {
-    let after = points.partition_point(|point| point[0] <= place);
-    let corner = if above { points.get(after) } else { points[..after].last() };
+fn corner_line(points: &[[f64; 2]], voltage: f64, is_above: bool) -> [f64; 2] {
+    let after = points.partition_point(|point| point[0] <= voltage);
+    let corner = if is_above { points.get(after) } else { points[..after].last() };
     match corner {
-        Some([corner, _]) if above => [-1.0, corner + KINK_TOLERANCE],
+        Some([corner, _]) if is_above => [-1.0, corner + KINK_TOLERANCE],
         Some([corner, _]) => [1.0, KINK_TOLERANCE - corner],
         None => [1.0, f64::INFINITY],
     }

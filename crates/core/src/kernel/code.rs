@@ -51,7 +51,7 @@ impl Code {
     /// Runs the operations. A sum starts with the constant and adds one term after the other. Each term is one fused
     /// multiply-add, which is rounded once.
     #[inline(always)]
-    pub fn run<V: Lane>(&self, slots: &mut [V], tables: &[Vec<[f64; 2]>]) {
+    pub(super) fn run<V: Lane>(&self, slots: &mut [V], tables: &[Vec<[f64; 2]>]) {
         for instruction in &self.instructions {
             let (out, value) = match *instruction {
                 Instruction::Line { out, constant, factor, a } => {

@@ -30,19 +30,19 @@ impl Kernel {
     }
 
     /// The end of the next piece of a step that ends at `end`, in problem seconds.
-    pub fn end_of_piece(&self, frame: &Frame<f64>, end: f64) -> f64 {
+    pub(crate) fn end_of_piece(&self, frame: &Frame<f64>, end: f64) -> f64 {
         next_ends(frame, end)
     }
 
     /// Stores the inputs of the delay lines at a time, in problem seconds.
-    pub fn put_delay_inputs(&self, frame: &mut Frame<f64>, time: f64) {
+    pub(crate) fn put_delay_inputs(&self, frame: &mut Frame<f64>, time: f64) {
         for (line, slot) in frame.lines[0].iter_mut().zip(&self.delay_inputs) {
             line.put(time, frame.slots[*slot as usize]);
         }
     }
 
     /// Marks the present as a discontinuity in the inputs of all delay lines.
-    pub fn mark_discontinuity(&self, frame: &mut Frame<f64>) {
+    pub(crate) fn mark_discontinuity(&self, frame: &mut Frame<f64>) {
         for (line, slot) in frame.lines[0].iter_mut().zip(&self.delay_inputs) {
             line.put_discontinuity(frame.time, frame.slots[*slot as usize], 0);
         }
@@ -105,7 +105,7 @@ fn record_delay_inputs<V: Lane>(kernel: &Kernel, frame: &mut Frame<V>, span: &Sp
         let time = span.end.get(lane);
         let volts = kernel.delay_inputs.iter().map(|slot| slots[*slot as usize].get(lane));
         let tolerance = lines[0].time_tolerance();
-        let is_at_corner = schedules.iter().any(|schedule| schedule.ends_by(time + tolerance));
+        let is_at_corner = schedules.iter().any(|schedule| schedule.has_ended_by(time + tolerance));
         delay_line::record_inputs(lines, time, volts, is_at_corner);
     }
 }

@@ -37,12 +37,12 @@ impl Hash for Factor {
 
 impl Factor {
     /// The number 0. A term with this factor is left out.
-    pub const ZERO: Factor = Factor::Number(0.0);
+    pub(super) const ZERO: Factor = Factor::Number(0.0);
     /// The number 1.
-    pub const ONE: Factor = Factor::Number(1.0);
+    pub(super) const ONE: Factor = Factor::Number(1.0);
 
     /// Whether it is this fixed number.
-    pub fn is(self, number: f64) -> bool {
+    pub(super) fn is(self, number: f64) -> bool {
         matches!(self, Factor::Number(value) if value == number)
     }
 
@@ -69,22 +69,22 @@ pub(super) struct Form {
 
 impl Form {
     /// A form without terms: a voltage that does not vary.
-    pub fn fixed(constant: Factor) -> Form {
+    pub(super) fn fixed(constant: Factor) -> Form {
         Form { constant, terms: Vec::new() }
     }
 
     /// The form that is one atom alone.
-    pub fn atom(atom: Atom) -> Form {
+    pub(super) fn atom(atom: Atom) -> Form {
         Form { constant: Factor::ZERO, terms: vec![(atom, Factor::ONE)] }
     }
 
     /// The constant if there are no terms.
-    pub fn as_fixed(&self) -> Option<Factor> {
+    pub(super) fn as_fixed(&self) -> Option<Factor> {
         self.terms.is_empty().then_some(self.constant)
     }
 
     /// The atom and its factor if the form is one term without a constant.
-    pub fn as_scaled(&self) -> Option<(Atom, Factor)> {
+    pub(super) fn as_scaled(&self) -> Option<(Atom, Factor)> {
         match self.terms[..] {
             [term] if self.constant.is(0.0) => Some(term),
             _ => None,
@@ -131,7 +131,7 @@ pub(super) struct ParameterCode {
 
 impl ParameterCode {
     /// A coefficient. `least` is its smallest permitted value.
-    pub fn coefficient(&mut self, index: u32, least: f64) -> Factor {
+    pub(super) fn coefficient(&mut self, index: u32, least: f64) -> Factor {
         let factor = self.once(Value::Coefficient(index));
         if let (Factor::Computed(register), true) = (factor, least >= -FACTOR_ROUNDING) {
             self.not_negative.insert(register);
@@ -140,13 +140,13 @@ impl ParameterCode {
     }
 
     /// A value that depends on the branch of the kernel. It is constant while no voltage crosses a corner.
-    pub fn branch_value(&mut self) -> Factor {
+    pub(super) fn branch_value(&mut self) -> Factor {
         self.branch_values += 1;
         self.push(Op::State(self.branch_values - 1))
     }
 
     /// A branch value that is 1 on one side of a corner and 0 on the other.
-    pub fn side(&mut self) -> Factor {
+    pub(super) fn side(&mut self) -> Factor {
         let side = self.branch_value();
         if let Factor::Computed(register) = side {
             self.not_negative.insert(register);
@@ -155,7 +155,7 @@ impl ParameterCode {
     }
 
     /// Whether a factor is at least 0 for all parameters.
-    pub fn is_not_negative(&self, factor: Factor) -> bool {
+    pub(super) fn is_not_negative(&self, factor: Factor) -> bool {
         match factor {
             Factor::Number(value) => value >= 0.0,
             Factor::Computed(register) => self.not_negative.contains(&register),
@@ -163,7 +163,7 @@ impl ParameterCode {
     }
 
     /// a + b, simplified if one is 0 or both cancel.
-    pub fn add(&mut self, a: Factor, b: Factor) -> Factor {
+    pub(super) fn add(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a + b),
             _ if a.is(0.0) => b,
@@ -174,7 +174,7 @@ impl ParameterCode {
     }
 
     /// a x b, simplified if one is 0, 1 or -1.
-    pub fn multiply(&mut self, a: Factor, b: Factor) -> Factor {
+    pub(super) fn multiply(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a * b),
             _ if a.is(1.0) => b,
@@ -207,12 +207,12 @@ impl ParameterCode {
     }
 
     /// a / b, simplified if b is 1.
-    pub fn divide(&mut self, a: Factor, b: Factor) -> Factor {
+    pub(super) fn divide(&mut self, a: Factor, b: Factor) -> Factor {
         if b.is(1.0) { a } else { self.once(Value::Quotient([a, b])) }
     }
 
     /// The smaller of two factors; a number if both are numbers.
-    pub fn lower_of(&mut self, a: Factor, b: Factor) -> Factor {
+    pub(super) fn lower_of(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.min(b)),
             _ => self.once(Value::Lower([a, b])),
@@ -220,7 +220,7 @@ impl ParameterCode {
     }
 
     /// The larger of two factors; a number if both are numbers.
-    pub fn upper_of(&mut self, a: Factor, b: Factor) -> Factor {
+    pub(super) fn upper_of(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.max(b)),
             _ => self.once(Value::Upper([a, b])),
@@ -228,19 +228,19 @@ impl ParameterCode {
     }
 
     /// A factor that is 1 if the given factor is at least 0, and otherwise 0.
-    pub fn is_reached(&mut self, factor: Factor) -> Factor {
+    pub(super) fn is_reached(&mut self, factor: Factor) -> Factor {
         let [left, right, then] = [factor, Factor::ZERO, Factor::ONE].map(|factor| self.register(factor));
         self.push(Op::Select { left, right, then, otherwise: right })
     }
 
     /// Any other operation on factors.
-    pub fn apply(&mut self, op: impl FnOnce(&mut Self) -> Op) -> Factor {
+    pub(super) fn apply(&mut self, op: impl FnOnce(&mut Self) -> Op) -> Factor {
         let op = op(self);
         self.push(op)
     }
 
     /// The register of a factor. A fixed number is emitted if necessary.
-    pub fn register(&mut self, factor: Factor) -> Register {
+    pub(super) fn register(&mut self, factor: Factor) -> Register {
         match factor {
             Factor::Computed(register) => register,
             Factor::Number(value) => {
@@ -284,25 +284,25 @@ impl ParameterCode {
 
     /// a + b x factor. Both lists of terms are in ascending order of their atoms, so they are merged. Terms whose
     /// factor is 0 are left out.
-    pub fn sum(&mut self, a: &Form, b: &Form, factor: Factor) -> Form {
+    pub(super) fn sum(&mut self, a: &Form, b: &Form, factor: Factor) -> Form {
         let mut terms = Vec::with_capacity(a.terms.len() + b.terms.len());
         let (mut left, mut right) = (a.terms.iter().peekable(), b.terms.iter().peekable());
         loop {
             let term = match (left.peek(), right.peek()) {
                 (None, None) => break,
-                (Some(&&(atom, own)), Some(&&(other, share))) if atom == other => {
+                (Some(&&(atom, left_factor)), Some(&&(other, right_factor))) if atom == other => {
                     left.next();
                     right.next();
-                    let share = self.multiply(share, factor);
-                    (atom, self.add(own, share))
+                    let right_factor = self.multiply(right_factor, factor);
+                    (atom, self.add(left_factor, right_factor))
                 }
-                (Some(&&(atom, own)), other) if other.is_none_or(|(other, _)| atom < *other) => {
+                (Some(&&(atom, left_factor)), other) if other.is_none_or(|(other, _)| atom < *other) => {
                     left.next();
-                    (atom, own)
+                    (atom, left_factor)
                 }
-                (_, Some(&&(atom, share))) => {
+                (_, Some(&&(atom, right_factor))) => {
                     right.next();
-                    (atom, self.multiply(share, factor))
+                    (atom, self.multiply(right_factor, factor))
                 }
                 (Some(_), None) => unreachable!("the left alone is taken above"),
             };
@@ -315,7 +315,7 @@ impl ParameterCode {
     }
 
     /// a x factor, term by term.
-    pub fn scaled(&mut self, a: &Form, factor: Factor) -> Form {
+    pub(super) fn scaled(&mut self, a: &Form, factor: Factor) -> Form {
         self.sum(&Form::fixed(Factor::ZERO), a, factor)
     }
 }

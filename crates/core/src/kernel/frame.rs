@@ -52,7 +52,7 @@ pub(crate) struct Frame<V> {
     /// The tables that are looked up at time.
     pub(super) schedules: Vec<Schedule>,
     /// Their values in the middle and at the end of a step ahead, for native code.
-    pub(super) ahead: Vec<f64>,
+    pub(super) scheduled_values: Vec<f64>,
     /// The delay lines of every lane.
     pub lines: Vec<Vec<DelayLine>>,
     /// One bit for every active lane. Hits in other lanes are ignored.
@@ -98,7 +98,7 @@ pub(super) struct Extremes<V> {
 
 impl Kernel {
     /// A frame for this kernel. Its values are not set.
-    pub fn frame<V: Lane>(&self) -> Frame<V> {
+    pub(crate) fn frame<V: Lane>(&self) -> Frame<V> {
         let zeros = |count: usize| vec![V::splat(0.0); count];
         let states = self.rates.len();
         Frame {
@@ -121,7 +121,7 @@ impl Kernel {
             rows: Rows::default(),
             trail: Trail::default(),
             schedules: self.scheduled.iter().copied().map(Schedule::of).collect(),
-            ahead: vec![0.0; 2 * self.scheduled.len()],
+            scheduled_values: vec![0.0; 2 * self.scheduled.len()],
             lines: vec![Vec::new(); V::COUNT],
             active_lanes: 1,
             hit_lanes: 0,
@@ -129,26 +129,26 @@ impl Kernel {
     }
 
     /// Evaluates everything at the frame's present states and time.
-    pub fn evaluate_present<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+    pub(crate) fn evaluate_present<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         self.set_present_inputs(frame, tables);
         self.evaluate(frame, tables);
     }
 
     /// Sets the inputs of the next evaluation to the present states and time.
-    pub fn set_present_inputs<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+    pub(crate) fn set_present_inputs<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         frame.slots[self.layout.states..self.layout.time].copy_from_slice(&frame.states);
         self.set_instant(frame, tables, frame.time, DelayLine::next_right_limit);
     }
 
     /// Begin and length of the last accepted step, in problem seconds. It ends at the present.
-    pub fn last_step(&self, frame: &Frame<f64>) -> [f64; 2] {
+    pub(crate) fn last_step(&self, frame: &Frame<f64>) -> [f64; 2] {
         debug_assert_eq!(frame.last.end, frame.time, "only the last step can be looked back into");
         [frame.last.begin, frame.last.end - frame.last.begin]
     }
 
     /// Sets the inputs of the next evaluation to an instant within the last step. The states follow the cubic through
     /// states and rates at its ends, whose weights are given.
-    pub fn set_past_inputs(
+    pub(crate) fn set_past_inputs(
         &self,
         frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
@@ -193,32 +193,32 @@ impl<V: Lane> Extremes<V> {
 
 impl Frame<f64> {
     /// Sets the inputs that are constant within a step: sampled values and levels.
-    pub fn set_held_inputs(&mut self, kernel: &Kernel, kept: &[f64], levels: &[f64]) {
-        let Layout { kept: first, levels: second, .. } = kernel.layout;
-        for (first, values) in [(first, kept), (second, levels)] {
+    pub(crate) fn set_held_inputs(&mut self, kernel: &Kernel, sampled: &[f64], levels: &[f64]) {
+        let Layout { sampled: first, levels: second, .. } = kernel.layout;
+        for (first, values) in [(first, sampled), (second, levels)] {
             self.slots[first..first + values.len()].copy_from_slice(values);
         }
     }
 
     /// The sampled values.
-    pub fn kept(&self, kernel: &Kernel) -> &[f64] {
-        &self.slots[kernel.layout.kept..kernel.layout.levels]
+    pub(crate) fn sampled(&self, kernel: &Kernel) -> &[f64] {
+        &self.slots[kernel.layout.sampled..kernel.layout.levels]
     }
 
     /// A recorded voltage at the last evaluation.
-    pub fn last_recorded(&self, kernel: &Kernel, index: usize) -> f64 {
+    pub(crate) fn last_recorded(&self, kernel: &Kernel, index: usize) -> f64 {
         self.slots[kernel.recorded[index].slot as usize]
     }
 
     /// Clears the trail, and specifies whether the next steps are recorded in it.
-    pub fn record_trail(&mut self, is_enabled: bool) {
+    pub(crate) fn record_trail(&mut self, is_enabled: bool) {
         self.trail.is_enabled = is_enabled;
         self.trail.volts.clear();
     }
 
     /// A recorded voltage at the end of one of the steps in the trail. It has the same bits as the kernel's own
-    /// result. It is available only if [`SharedKernel::keeps_trail`](super::SharedKernel::keeps_trail).
-    pub fn recorded_after(&self, kernel: &Kernel, step: u64, index: usize) -> f64 {
+    /// result. It is available only if [`SharedKernel::can_keep_trail`](super::SharedKernel::can_keep_trail).
+    pub(crate) fn recorded_after(&self, kernel: &Kernel, step: u64, index: usize) -> f64 {
         let (at, line) = kernel.recorded[index]
             .tracks
             .expect("a trail is recorded only if every recorded voltage tracks a state");
@@ -233,24 +233,24 @@ impl Frame<f64> {
 
     /// The extremes of a recorded voltage as (time, voltage), in order of time. `None` if it is constant or linear in
     /// time.
-    pub fn extremes(&self, kernel: &Kernel, index: usize) -> Option<[(f64, f64); 2]> {
+    pub(crate) fn extremes(&self, kernel: &Kernel, index: usize) -> Option<[(f64, f64); 2]> {
         let (at, line) = kernel.recorded[index].tracks?;
         let Extremes { least, least_at, most, most_at } = &self.extremes;
         let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(|slot| self.slots[slot as usize]));
-        let met = |times: &[f64], volts: &[f64]| (times[at], factor.mul_add(volts[at], constant));
-        let (first, second) = (met(least_at, least), met(most_at, most));
+        let extreme = |times: &[f64], volts: &[f64]| (times[at], factor.mul_add(volts[at], constant));
+        let (first, second) = (extreme(least_at, least), extreme(most_at, most));
         Some(if first.0 <= second.0 { [first, second] } else { [second, first] })
     }
 
     /// Takes the last evaluation as the present.
-    pub fn accept_present(&mut self) {
+    pub(crate) fn accept_present(&mut self) {
         let [.., rates] = &self.stages;
         self.rates.copy_from_slice(rates);
         self.present.copy_from_slice(&self.margins);
     }
 
     /// Clears the extremes.
-    pub fn reset_extremes(&mut self) {
+    pub(crate) fn reset_extremes(&mut self) {
         self.extremes.forget();
     }
 }

@@ -22,13 +22,13 @@ pub(super) struct SafeIntervals {
     /// Number of intervals that are also tested in the middle of a step; the first ones of all.
     pub in_middle: usize,
     /// Index of the interval of each atom.
-    places: HashMap<Atom, usize>,
+    indices: HashMap<Atom, usize>,
 }
 
 impl SafeIntervals {
     /// The interval of an atom in a slot, created if there is none.
     fn at(&mut self, atom: Atom, slot: Slot) -> &mut SafeInterval {
-        let at = *self.places.entry(atom).or_insert_with(|| {
+        let at = *self.indices.entry(atom).or_insert_with(|| {
             self.all.push(SafeInterval { slot, watches: Vec::new() });
             self.atoms.push(atom);
             self.all.len() - 1
@@ -40,10 +40,14 @@ impl SafeIntervals {
 impl Layouter {
     /// The safe intervals for these watches, of which the first `in_middle` are also tested in the middle of a step.
     /// Every state gets one, too.
-    pub fn safe_intervals(&self, watched: &[(Atom, WatchCondition)], in_middle: usize) -> SafeIntervals {
+    pub(super) fn safe_intervals(
+        &self,
+        watched: &[(Atom, WatchCondition)],
+        in_middle: usize,
+    ) -> SafeIntervals {
         let mut safe_intervals = SafeIntervals::default();
         for (watch, (atom, _)) in watched.iter().enumerate() {
-            let (of, line) = self.straight(*atom, |_| true);
+            let (of, line) = self.as_line(*atom, |_| true);
             safe_intervals.at(of, self.slots[of as usize]).watches.push(IntervalWatch { watch, line });
             if watch < in_middle {
                 safe_intervals.in_middle = safe_intervals.all.len();
@@ -58,14 +62,14 @@ impl Layouter {
     }
 
     /// A recorded voltage, with the tracked voltage on which it depends on every branch.
-    pub fn recorded(&self, operand: Operand, tracked: &mut Vec<Atom>) -> RecordedVoltage {
+    pub(super) fn recorded(&self, operand: Operand, tracked: &mut Vec<Atom>) -> RecordedVoltage {
         let slot = self.operand(operand);
         let Operand::Atom(atom) = operand else { return RecordedVoltage { slot, tracks: None } };
-        let (of, line) = self.straight(atom, |factor| !self.depends_on_branch(factor));
+        let (of, line) = self.as_line(atom, |factor| !self.is_branch_dependent(factor));
         if matches!(self.specialised.nodes[of as usize], Node::Time) {
             return RecordedVoltage { slot, tracks: None };
         }
-        let at = tracked.iter().position(|known| *known == of).unwrap_or_else(|| {
+        let at = tracked.iter().position(|atom| *atom == of).unwrap_or_else(|| {
             tracked.push(of);
             tracked.len() - 1
         });
@@ -74,11 +78,11 @@ impl Layouter {
 
     /// An atom as constant + factor x another atom, if it has this form and both numbers are acceptable. Otherwise the
     /// atom itself.
-    fn straight(&self, atom: Atom, will_do: impl Fn(Factor) -> bool) -> (Atom, Option<[Slot; 2]>) {
+    fn as_line(&self, atom: Atom, is_acceptable: impl Fn(Factor) -> bool) -> (Atom, Option<[Slot; 2]>) {
         match &self.specialised.nodes[atom as usize] {
             Node::Sum(Form { constant, terms }) if terms.len() == 1 => {
                 let (of, line) = (terms[0].0, [*constant, terms[0].1]);
-                if line.into_iter().all(will_do) {
+                if line.into_iter().all(is_acceptable) {
                     return (of, Some(line.map(|factor| self.factor(factor))));
                 }
                 (atom, None)
@@ -88,7 +92,7 @@ impl Layouter {
     }
 
     /// Whether a factor differs between the branches.
-    fn depends_on_branch(&self, factor: Factor) -> bool {
+    fn is_branch_dependent(&self, factor: Factor) -> bool {
         matches!(factor, Factor::Computed(register) if self.branch_dependent[register.index()])
     }
 }

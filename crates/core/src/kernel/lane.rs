@@ -1,7 +1,7 @@
 //! Numbers on which operations work: one `f64`, or several in vector registers.
 //!
 //! The interpreter is written once for all lanes. [`Lane`] has the operations that it needs. `f64` is one run, and
-//! [`Lanes`] is one run per place of an array, which the compiler keeps in vector registers.
+//! [`Lanes`] is one run per element of an array, which the compiler keeps in vector registers.
 
 /// One or several numbers to which the same operations apply. Each is rounded as if it were alone.
 pub(crate) trait Lane: Copy {
@@ -156,8 +156,8 @@ impl<const N: usize> Lane for Lanes<N> {
     #[inline(always)]
     fn is_within(self, low: Self, high: Self, already: Self) -> Self {
         self.each(|lane, value| {
-            let lies = (value >= low.0[lane]) & (high.0[lane] >= value);
-            if lies { already.0[lane] } else { 0.0 }
+            let is_inside = (value >= low.0[lane]) & (high.0[lane] >= value);
+            if is_inside { already.0[lane] } else { 0.0 }
         })
     }
     #[inline(always)]

@@ -28,34 +28,34 @@ pub(crate) struct LaneFrame {
 
 impl LaneFrame {
     /// A lane frame without active lanes.
-    pub fn of(kernel: &Kernel) -> Self {
+    pub(crate) fn of(kernel: &Kernel) -> Self {
         let mut frame = kernel.frame();
         frame.active_lanes = 0;
         LaneFrame { frame }
     }
 
     /// One bit for every active lane.
-    pub fn active_lanes(&self) -> u64 {
+    pub(crate) fn active_lanes(&self) -> u64 {
         self.frame.active_lanes
     }
 
     /// The time of all lanes, in problem seconds.
-    pub fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         // All lanes have the same time, including the inactive ones.
         self.frame.time.get(0)
     }
 
     /// One bit for every lane in which a watch was hit in the step at which the others stopped.
-    pub fn hit_lanes(&self) -> u64 {
+    pub(crate) fn hit_lanes(&self) -> u64 {
         self.frame.hit_lanes
     }
 
     /// Copies a frame into a lane. All active lanes must have the same time.
-    pub fn load_lane(&mut self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
+    pub(crate) fn load_lane(&mut self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
         let all = &mut self.frame;
         (all.time, all.active_lanes) = (Lanes::splat(one.time), all.active_lanes | 1 << lane);
         mem::swap(&mut all.lines[lane], &mut one.lines[0]);
-        let held_inputs = [0..kernel.layout.states, kernel.layout.kept..kernel.layout.results];
+        let held_inputs = [0..kernel.layout.states, kernel.layout.sampled..kernel.layout.results];
         for slots in held_inputs {
             put(&mut all.slots[slots.clone()], lane, &one.slots[slots]);
         }
@@ -69,12 +69,12 @@ impl LaneFrame {
     }
 
     /// Copies a lane back into its frame, in its state at the beginning of the step.
-    pub fn unload_lane(&mut self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
+    pub(crate) fn unload_lane(&mut self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
         let all = &mut self.frame;
         (one.time, all.active_lanes) = (all.time.get(lane), all.active_lanes & !(1 << lane));
         mem::swap(&mut all.lines[lane], &mut one.lines[0]);
-        let kept = kernel.layout.kept..kernel.layout.levels;
-        take(&all.slots[kept.clone()], lane, &mut one.slots[kept]);
+        let sampled = kernel.layout.sampled..kernel.layout.levels;
+        take(&all.slots[sampled.clone()], lane, &mut one.slots[sampled]);
         take(&all.states, lane, &mut one.states);
         take(&all.rates, lane, &mut one.rates);
         for (all, one) in all.extremes.parts().into_iter().zip(one.extremes.parts_mut()) {
@@ -83,12 +83,12 @@ impl LaneFrame {
     }
 
     /// Evaluates everything at the present states and time.
-    pub fn evaluate(&mut self, kernel: &Kernel, tables: &[Vec<[f64; 2]>]) {
+    pub(crate) fn evaluate(&mut self, kernel: &Kernel, tables: &[Vec<[f64; 2]>]) {
         kernel.evaluate_present(&mut self.frame, tables);
     }
 
     /// Copies the time and the recorded voltages of the last evaluation from a lane into its frame.
-    pub fn export(&self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
+    pub(crate) fn export(&self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
         one.time = self.frame.time.get(lane);
         for recorded in &kernel.recorded {
             let slot = recorded.slot as usize;
@@ -98,12 +98,12 @@ impl LaneFrame {
 
     /// Completes the step in which a watch was hit, after the affected lanes have left. Returns whether all others
     /// reached its end. If not, further watches are hit in the rest of the step.
-    pub fn finish_step(&mut self, kernel: &Kernel, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
+    pub(crate) fn finish_step(&mut self, kernel: &Kernel, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
         kernel.finish_step(&mut self.frame, tables, end)
     }
 
     /// Sets states whose absolute value is below `smallest` to 0. Denormal numbers would slow down every operation.
-    pub fn flush_tiny_states(&mut self, smallest: f64) {
+    pub(crate) fn flush_tiny_states(&mut self, smallest: f64) {
         let [zero, smallest] = [0.0, smallest].map(Lanes::splat);
         for state in &mut self.frame.states {
             *state = Lanes::select_below(state.absolute(), smallest, zero, *state);

@@ -1,7 +1,7 @@
 //! Assigns slots to everything in a kernel, and orders its operations.
 //!
 //! The order of the slots is: factors, states, time, tables of time, delay lines, sampled values, levels, results. The
-//! order of evaluation is that of the nodes. The operations are split into lists by the place of a step at which they
+//! order of evaluation is that of the nodes. The operations are split into lists by the part of a step in which they
 //! are needed: in every stage, in the middle, or at the end.
 //!
 //! A quick step tests safe intervals, and a thorough step tests every watch. So each has its own lists for the middle
@@ -28,7 +28,7 @@ pub(super) struct Layouter {
     /// The factors in the order of their slots.
     factors: Vec<Factor>,
     /// The slot of every factor.
-    places: HashMap<Factor, Slot>,
+    factor_slots: HashMap<Factor, Slot>,
     /// The first slots of the inputs and of the results.
     layout: Layout,
     /// The slot of every atom.
@@ -44,7 +44,7 @@ impl Layouter {
     fn new(specialised: Specialised, program: &Program) -> Self {
         let mut layouter = Layouter {
             factors: Vec::new(),
-            places: HashMap::new(),
+            factor_slots: HashMap::new(),
             layout: Layout::default(),
             slots: Vec::new(),
             depths: Vec::new(),
@@ -54,7 +54,7 @@ impl Layouter {
         layouter.trace_branches();
         layouter.measure_depths();
         layouter.list_factors();
-        layouter.place(program);
+        layouter.assign_slots(program);
         layouter
     }
 
@@ -85,7 +85,7 @@ impl Layouter {
         let outputs = specialised
             .rates
             .iter()
-            .chain(&specialised.kept)
+            .chain(&specialised.sampled)
             .chain(&specialised.delay_inputs)
             .chain(&specialised.recorded)
             .copied();
@@ -95,7 +95,7 @@ impl Layouter {
         for operand in all {
             if let Operand::Factor(factor) = operand {
                 let next = self.factors.len() as Slot;
-                if *self.places.entry(factor).or_insert(next) == next {
+                if *self.factor_slots.entry(factor).or_insert(next) == next {
                     self.factors.push(factor);
                 }
             }
@@ -104,13 +104,13 @@ impl Layouter {
 
     /// Assigns the slots of inputs and results. All inputs of the program get a slot, even if the kernel does not read
     /// them, so that the solver can copy its lists as a whole.
-    fn place(&mut self, program: &Program) {
+    fn assign_slots(&mut self, program: &Program) {
         let states = self.factors.len();
         let time = states + program.lowered.states.len();
         let scheduled = time + 1;
         let delayed = scheduled + self.specialised.scheduled.len();
-        let kept = delayed + program.lowered.delays.len();
-        let levels = kept + program.lowered.kept.len();
+        let sampled = delayed + program.lowered.delays.len();
+        let levels = sampled + program.lowered.sampled.len();
         let results = levels + program.lowered.levels.len();
         let mut next = results;
         for node in &self.specialised.nodes {
@@ -119,7 +119,7 @@ impl Layouter {
                 Node::Time => time as Slot,
                 Node::Scheduled(index) => scheduled as Slot + index,
                 Node::Delayed(index) => delayed as Slot + index,
-                Node::Sampled(index) => kept as Slot + index,
+                Node::Sampled(index) => sampled as Slot + index,
                 Node::Level(index) => levels as Slot + index,
                 _ => {
                     next += 1;
@@ -127,11 +127,11 @@ impl Layouter {
                 }
             });
         }
-        self.layout = Layout { states, time, scheduled, delayed, kept, levels, results, all: next };
+        self.layout = Layout { states, time, scheduled, delayed, sampled, levels, results, all: next };
     }
 
     /// The slot of an operand.
-    pub fn operand(&self, operand: Operand) -> Slot {
+    pub(super) fn operand(&self, operand: Operand) -> Slot {
         match operand {
             Operand::Factor(factor) => self.factor(factor),
             Operand::Atom(atom) => self.slots[atom as usize],
@@ -139,8 +139,8 @@ impl Layouter {
     }
 
     /// The slot of a factor that an operation or a bound reads.
-    pub fn factor(&self, factor: Factor) -> Slot {
-        self.places[&factor]
+    pub(super) fn factor(&self, factor: Factor) -> Slot {
+        self.factor_slots[&factor]
     }
 
     /// Assembles the kernel: watches and safe intervals first, then the operations for the rates, then those of the
@@ -169,7 +169,7 @@ impl Layouter {
             ),
             thorough: self.checks(&done, &watched_atoms, watched_in_middle, atoms(&specialised.recorded)),
             rates: slots(&specialised.rates),
-            kept: slots(&specialised.kept),
+            sampled: slots(&specialised.sampled),
             delay_inputs: slots(&specialised.delay_inputs),
             recorded,
             tracked: tracked.into_iter().map(slot).collect(),
@@ -197,8 +197,9 @@ impl Layouter {
         for &Corner { of, at } in &self.specialised.corners {
             match at {
                 At::Zero { side } => watched.push((of, WatchCondition::Corner { side })),
-                At::Points { table, piece } => watched
-                    .extend([false, true].map(|above| (of, WatchCondition::Points { table, above, piece }))),
+                At::Points { table, piece } => watched.extend(
+                    [false, true].map(|is_above| (of, WatchCondition::Points { table, is_above, piece })),
+                ),
             }
         }
         let mut in_middle = watched.len();
@@ -231,18 +232,18 @@ impl Layouter {
     fn checks(
         &self,
         done: &[bool],
-        looked_at: &[Atom],
+        tested: &[Atom],
         in_middle: usize,
         recorded: impl Iterator<Item = Atom>,
     ) -> Checks {
         let mut done = done.to_vec();
         let ending =
-            atoms(&self.specialised.kept).chain(atoms(&self.specialised.delay_inputs)).chain(recorded);
+            atoms(&self.specialised.sampled).chain(atoms(&self.specialised.delay_inputs)).chain(recorded);
         Checks {
-            middle: self.code(&mut done, looked_at[..in_middle].iter().copied()),
-            ending: self.code(&mut done, looked_at[in_middle..].iter().copied().chain(ending)),
+            middle: self.code(&mut done, tested[..in_middle].iter().copied()),
+            ending: self.code(&mut done, tested[in_middle..].iter().copied().chain(ending)),
             in_middle,
-            all: looked_at.len(),
+            all: tested.len(),
         }
     }
 

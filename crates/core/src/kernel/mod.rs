@@ -35,6 +35,7 @@ mod schedules;
 mod span;
 mod specialise;
 mod step;
+mod steps;
 mod store;
 #[cfg(test)]
 mod tests;
@@ -45,7 +46,8 @@ pub(crate) use frame::Frame;
 pub use lane_frame::LANES;
 pub(crate) use lane_frame::LaneFrame;
 pub(crate) use native::Native;
-pub(crate) use step::{LookResult, Steps};
+pub(crate) use step::LookResult;
+pub(crate) use steps::Steps;
 pub(crate) use store::{Kernels, MIN_LANES, SharedKernel};
 
 use crate::ir::{KINK_TOLERANCE, Op, Program, Register, Sources};
@@ -70,7 +72,7 @@ pub(crate) enum AmplifierState {
 
 impl AmplifierState {
     /// The state for a demanded output in volts. A demand that is not a number counts as within the range.
-    pub fn of(volts: f64) -> AmplifierState {
+    pub(crate) fn of(volts: f64) -> AmplifierState {
         match volts {
             volts if volts > WITHIN_RANGE => AmplifierState::Above,
             volts if volts < -WITHIN_RANGE => AmplifierState::Below,
@@ -108,7 +110,7 @@ pub(crate) struct Kernel {
     /// Slots of the rates, by state.
     pub rates: Vec<Slot>,
     /// Slots of the sampled values.
-    pub kept: Vec<Slot>,
+    pub sampled: Vec<Slot>,
     /// Slots of the inputs of the delay lines.
     delay_inputs: Vec<Slot>,
     /// The recorded voltages.
@@ -139,7 +141,7 @@ pub(crate) struct Layout {
     /// The outputs of the delay lines, in volts.
     pub delayed: usize,
     /// The sampled values.
-    pub kept: usize,
+    pub sampled: usize,
     /// The levels.
     pub levels: usize,
     /// The results of the operations.
@@ -206,9 +208,9 @@ pub(crate) struct Watch {
 pub(crate) enum WatchCondition {
     /// A corner at 0 V. The branch value with index `side` is 1 if the voltage is 0 or above, and otherwise 0.
     Corner { side: u32 },
-    /// A corner at the next point of a table below the voltage, or above it if `above` is set. The two watches follow
+    /// A corner at the next point of a table below the voltage, or above it if `is_above`. The two watches follow
     /// each other. The branch values from index `piece` on are slope, origin and ordinate of the segment.
-    Points { table: u32, above: bool, piece: u32 },
+    Points { table: u32, is_above: bool, piece: u32 },
     /// The voltage must stay above the value in a slot.
     Above(Slot),
     /// The voltage must stay below the value in a slot.
@@ -226,13 +228,13 @@ impl WatchCondition {
 
 impl Kernel {
     /// Whether a program has kernels. A program with loops has none.
-    pub fn is_supported(program: &Program) -> bool {
+    pub(crate) fn is_supported(program: &Program) -> bool {
         program.lowered.loops.is_empty()
     }
 
     /// The kernel of a program, specialised, which also computes the voltages of these registers. `None` if the
     /// program has loops.
-    pub fn new(
+    pub(crate) fn new(
         program: &Program,
         specialisation: Specialisation<'_>,
         recorded: &[Register],
@@ -242,7 +244,7 @@ impl Kernel {
     }
 
     /// Whether every recorded voltage tracks a state. States do not jump at the end of a step.
-    fn records_states(&self) -> bool {
+    fn is_tracking_states_only(&self) -> bool {
         let states = self.layout.states..self.layout.time;
         let is_state = |recorded: &RecordedVoltage| {
             recorded.tracks.is_some_and(|(at, _)| states.contains(&(self.tracked[at] as usize)))
@@ -272,7 +274,12 @@ impl Kernel {
     /// Computes the factors of a frame from the program's coefficients and from the branch values. Returns whether
     /// they are valid. They are not if an amplifier with a constant output is in another state than the kernel
     /// assumes.
-    pub fn compute_factors(&self, frame: &mut Frame<f64>, program: &Program, coefficients: &[f64]) -> bool {
+    pub(crate) fn compute_factors(
+        &self,
+        frame: &mut Frame<f64>,
+        program: &Program,
+        coefficients: &[f64],
+    ) -> bool {
         let mut registers = std::mem::take(&mut frame.parameter_registers);
         let from = Sources {
             coefficients,
@@ -291,8 +298,9 @@ impl Kernel {
         for (slot, factor) in frame.slots.iter_mut().zip(&self.factors) {
             *slot = value(factor);
         }
-        let holds = |[of, low, high]: &[Factor; 3]| value(low) <= value(of) && value(of) <= value(high);
-        let is_valid = self.fixed.iter().all(holds);
+        let is_within_bounds =
+            |[of, low, high]: &[Factor; 3]| value(low) <= value(of) && value(of) <= value(high);
+        let is_valid = self.fixed.iter().all(is_within_bounds);
         frame.parameter_registers = registers;
         is_valid
     }

@@ -2,9 +2,8 @@
 //!
 //! `Native::new` returns `None`, so every run is interpreted. The other functions cannot be called.
 
-use super::Kernel;
 use super::frame::Frame;
-use super::step::{LookResult, Steps};
+use super::{Kernel, LookResult, Steps};
 
 /// An uninhabited type: there is no native code.
 #[derive(Debug)]

@@ -48,7 +48,7 @@ pub(super) enum Node {
 
 impl Node {
     /// The operands that the operation reads, with the factors of a sum.
-    pub fn operands(&self) -> Vec<Operand> {
+    pub(super) fn operands(&self) -> Vec<Operand> {
         match self {
             Node::State(_)
             | Node::Time

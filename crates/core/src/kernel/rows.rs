@@ -8,15 +8,17 @@
 //! sampled values, and the values of the tables of time. Native code writes all of them except the last, which it
 //! reads.
 
+mod survey;
+
 use std::ops::Range;
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 
 use super::code::Slot;
 use super::frame::{Extremes, Frame};
 use super::lane::{Lane, Lanes};
-use super::step::Steps;
-use super::{Checks, Kernel, SafeInterval};
+use super::{Checks, Kernel, SafeInterval, Steps};
+use survey::{Search, Survey};
 
 /// Number of values that are tested together.
 const VECTOR_LENGTH: usize = 16;
@@ -48,11 +50,11 @@ pub(super) struct RowLayout {
     /// The first column of the rates. Columns before it are tested.
     pub rates: usize,
     /// The first column of the sampled values.
-    pub kept: usize,
+    pub sampled: usize,
     /// The first column of the tables of time: first all in the middle of the step, then all at its end.
     pub scheduled: usize,
     /// The slots of the sampled values.
-    kept_slots: Range<usize>,
+    sampled_slots: Range<usize>,
     /// Number of values in a row: a multiple of the vector length.
     pub width: usize,
 }
@@ -85,7 +87,7 @@ impl Clone for Rows {
 
 impl RowLayout {
     /// The layout for a kernel. States and tracked voltages get a column even if no interval tests them.
-    pub fn of(kernel: &Kernel) -> Self {
+    pub(super) fn of(kernel: &Kernel) -> Self {
         let Checks { in_middle, all, .. } = kernel.quick;
         let is_time = |interval: &SafeInterval| interval.slot as usize == kernel.layout.time;
         let safe_intervals =
@@ -98,9 +100,9 @@ impl RowLayout {
         let states = states.map(|slot| column_of(slot as Slot, &mut ends)).collect();
         let tracked = kernel.tracked.iter().map(|slot| column_of(*slot, &mut ends)).collect();
         let rates = (ends.len() + middles.len()).next_multiple_of(VECTOR_LENGTH);
-        let kept = rates + kernel.rates.len();
-        let kept_slots = kernel.layout.kept..kernel.layout.levels;
-        let scheduled = kept + kept_slots.len();
+        let sampled = rates + kernel.rates.len();
+        let sampled_slots = kernel.layout.sampled..kernel.layout.levels;
+        let scheduled = sampled + sampled_slots.len();
         RowLayout {
             safe_intervals: (0..)
                 .zip(safe_intervals(all))
@@ -114,9 +116,9 @@ impl RowLayout {
             states,
             tracked,
             rates,
-            kept,
+            sampled,
             scheduled,
-            kept_slots,
+            sampled_slots,
         }
     }
 
@@ -146,7 +148,7 @@ fn column_of(slot: Slot, ends: &mut Vec<Slot>) -> usize {
 
 impl Rows {
     /// Allocates the rows of a kernel, unless they are there already.
-    pub fn allocate(&mut self, columns: &RowLayout) {
+    pub(super) fn allocate(&mut self, columns: &RowLayout) {
         if self.has_capacity(columns, columns.max_steps()) && self.lows.len() == columns.checked_vectors() {
             return;
         }
@@ -164,31 +166,31 @@ impl Rows {
     }
 
     /// Whether there are rows for this many steps, in addition to the row of the beginning.
-    pub fn has_capacity(&self, columns: &RowLayout, steps: u64) -> bool {
+    pub(super) fn has_capacity(&self, columns: &RowLayout, steps: u64) -> bool {
         self.numbers.len() * VECTOR_LENGTH >= columns.width * (steps as usize + 1)
     }
 
     /// The address of the rows, for native code.
-    pub fn pointer(&mut self) -> *mut f64 {
+    pub(super) fn pointer(&mut self) -> *mut f64 {
         self.numbers.as_mut_ptr().cast()
     }
 
     /// Notes that the safe intervals of the frame have changed.
-    pub fn invalidate_safe_intervals(&mut self) {
+    pub(super) fn invalidate_safe_intervals(&mut self) {
         self.are_intervals_current = false;
     }
 
     /// Copies the bounds of the safe intervals to their columns. Other columns have infinite bounds, so only values
     /// that are not a number are out of bounds there.
     fn update_safe_intervals(&mut self, columns: &RowLayout, lows: &[f64], highs: &[f64]) {
-        for (own, all) in [(&mut self.lows, lows), (&mut self.highs, highs)] {
-            columns.safe_intervals.iter().for_each(|(column, interval)| put(own, *column, all[*interval]));
+        for (bounds, all) in [(&mut self.lows, lows), (&mut self.highs, highs)] {
+            columns.safe_intervals.iter().for_each(|(column, interval)| put(bounds, *column, all[*interval]));
         }
         self.are_intervals_current = true;
     }
 
     /// The number of steps in the next block, of `steps` that remain.
-    pub fn next_block(&self, columns: &RowLayout, steps: u64) -> u64 {
+    pub(super) fn next_block(&self, columns: &RowLayout, steps: u64) -> u64 {
         self.next.min(columns.max_steps()).min(steps)
     }
 
@@ -242,8 +244,8 @@ impl Frame<f64> {
         let first = &mut self.rows.numbers;
         columns.states.iter().zip(&self.states).for_each(|(column, state)| put(first, *column, *state));
         (columns.rates..).zip(&self.rates).for_each(|(column, rate)| put(first, column, *rate));
-        let kept = &self.slots[columns.kept_slots.clone()];
-        (columns.kept..).zip(kept).for_each(|(column, kept)| put(first, column, *kept));
+        let sampled = &self.slots[columns.sampled_slots.clone()];
+        (columns.sampled..).zip(sampled).for_each(|(column, sampled)| put(first, column, *sampled));
         if !self.rows.are_intervals_current {
             self.rows.update_safe_intervals(columns, &self.lows, &self.highs);
         }
@@ -263,9 +265,11 @@ impl Frame<f64> {
         let mut begin = self.time;
         for step in 0..steps.count {
             let end = steps.end_of(step);
-            self.compute_ahead(tables, [begin + 0.5 * (end - begin), end]);
+            self.compute_scheduled_values(tables, [begin + 0.5 * (end - begin), end]);
             let row = &mut self.rows.numbers[width * (step as usize + 1)..][..width];
-            (columns.scheduled..).zip(&self.ahead).for_each(|(column, value)| put(row, column, *value));
+            (columns.scheduled..)
+                .zip(&self.scheduled_values)
+                .for_each(|(column, value)| put(row, column, *value));
             begin = end;
         }
     }
@@ -299,8 +303,8 @@ impl Frame<f64> {
         let last = self.rows.row(columns, taken);
         self.states.iter_mut().zip(&columns.states).for_each(|(state, column)| *state = take(last, *column));
         self.rates.iter_mut().zip(columns.rates..).for_each(|(rate, column)| *rate = take(last, column));
-        let kept = &mut self.slots[columns.kept_slots.clone()];
-        kept.iter_mut().zip(columns.kept..).for_each(|(kept, column)| *kept = take(last, column));
+        let sampled = &mut self.slots[columns.sampled_slots.clone()];
+        sampled.iter_mut().zip(columns.sampled..).for_each(|(sampled, column)| *sampled = take(last, column));
         self.time = steps.end_of(taken - 1);
         taken
     }
@@ -327,132 +331,5 @@ impl Frame<f64> {
     }
 }
 
-/// Finds the least and largest value of every column in some rows. Returns whether all are within their bounds.
-struct Survey<'a> {
-    columns: &'a RowLayout,
-    rows: &'a mut Rows,
-    /// Number of rows that are tested, after the row of the beginning.
-    steps: u64,
-}
-
-impl NullaryFnOnce for Survey<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn call(self) -> bool {
-        let Survey { columns, rows: Rows { numbers, lows, highs, least, most, .. }, steps } = self;
-        let width = columns.width / VECTOR_LENGTH;
-        let rows = &numbers[width..][..width * steps as usize];
-        let mut is_quiet = true;
-        for at in 0..columns.checked_vectors() {
-            let [mut low, mut high, mut sum] = [f64::INFINITY, f64::NEG_INFINITY, 0.0].map(Vector::splat);
-            for row in rows.chunks_exact(width) {
-                let value = row[at];
-                low = Vector::select_below(value, low, value, low);
-                high = Vector::select_below(high, value, value, high);
-                // The sum is NaN if any value is. The minimum and maximum would lose it.
-                sum = sum.add(value);
-            }
-            let [infinite, none] = [f64::INFINITY, f64::NAN].map(Vector::splat);
-            let high_if_all_are = Vector::select_below(sum, infinite, high, none);
-            is_quiet &= low.all_at_least(lows[at]) & highs[at].all_at_least(high_if_all_are);
-            (least[at], most[at]) = (low, high);
-        }
-        is_quiet
-    }
-}
-
-/// Counts the steps before the first one that is out of bounds. A value that is not a number is out of bounds.
-struct Search<'a> {
-    columns: &'a RowLayout,
-    rows: &'a Rows,
-    /// Number of rows that are searched, after the row of the beginning.
-    steps: u64,
-}
-
-impl NullaryFnOnce for Search<'_> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn call(self) -> u64 {
-        let Search { columns, rows, steps } = self;
-        for step in 0..steps {
-            let mut inside = Vector::TRUE;
-            let checked_vectors = rows.row(columns, step + 1)[..columns.checked_vectors()].iter();
-            for ((value, low), high) in checked_vectors.zip(&rows.lows).zip(&rows.highs) {
-                inside = value.is_within(*low, *high, inside);
-            }
-            if !inside.all_at_least(Vector::TRUE) {
-                return step;
-            }
-        }
-        steps
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    /// A layout with one voltage that has a safe interval, also in the middle of a step, and one tracked voltage.
-    fn columns() -> RowLayout {
-        RowLayout {
-            ends: vec![0, 1],
-            middles: vec![0],
-            safe_intervals: vec![(0, 0), (2, 0)],
-            of_time: None,
-            states: Vec::new(),
-            tracked: vec![1],
-            rates: VECTOR_LENGTH,
-            kept: VECTOR_LENGTH,
-            scheduled: VECTOR_LENGTH,
-            kept_slots: 0..0,
-            width: VECTOR_LENGTH,
-        }
-    }
-
-    fn number() -> impl Strategy<Value = f64> {
-        let rare = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, 1.0f64.next_up(), 1e300];
-        let common = [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 5e-324];
-        prop_oneof![1 => prop::sample::select(rare.to_vec()), 60 => prop::sample::select(common.to_vec())]
-    }
-
-    /// The expected result, row by row: the number of rows before the first one that is out of bounds or not a number,
-    /// and the extremes of every column in these.
-    fn one_by_one(rows: &[[f64; 3]]) -> (u64, [[f64; 2]; 3]) {
-        let is_quiet = |[end, tracked, middle]: &&[f64; 3]| {
-            (-1.0..=1.0).contains(end) && (-1.0..=1.0).contains(middle) && !tracked.is_nan()
-        };
-        let quiet = rows.iter().take_while(is_quiet);
-        let mut extremes = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-        let mut taken = 0;
-        for row in quiet {
-            taken += 1;
-            for ([least, most], value) in extremes.iter_mut().zip(row) {
-                *least = if value < least { *value } else { *least };
-                *most = if value > most { *value } else { *most };
-            }
-        }
-        (taken, extremes)
-    }
-
-    proptest! {
-        #[test]
-        fn rows_are_judged_as_one_by_one(rows in prop::collection::vec(prop::array::uniform3(number()), 1..60)) {
-            let (columns, mut all) = (columns(), Rows::default());
-            all.allocate(&columns);
-            all.update_safe_intervals(&columns, &[-1.0], &[1.0]);
-            for (place, row) in rows.iter().enumerate() {
-                (0..).zip(row).for_each(|(column, value)| put(&mut all.numbers[place + 1..], column, *value));
-            }
-            let taken = all.check(&columns, rows.len() as u64);
-            let recorded: Vec<_> = (0..3).map(|column| [take(&all.least, column), take(&all.most, column)]).collect();
-            let (expected, extremes) = one_by_one(&rows);
-            prop_assert_eq!(taken, expected);
-            let bits = |all: &[[f64; 2]]| all.as_flattened().iter().map(|one| one.to_bits()).collect::<Vec<_>>();
-            prop_assert_eq!(bits(&recorded), bits(&extremes));
-        }
-    }
-}
+mod tests;

@@ -30,15 +30,15 @@ pub(super) struct Schedule {
 
 impl Schedule {
     /// A table without a segment yet.
-    pub fn of(table: u32) -> Self {
+    pub(super) fn of(table: u32) -> Self {
         Schedule { table, after: 0, from: f64::NAN, until: f64::NAN, slope: 0.0, origin: 0.0, ordinate: 0.0 }
     }
 
     /// Switches to the segment at a time, unless the present one applies.
     #[inline(always)]
     fn move_to(&mut self, tables: &[Vec<[f64; 2]>], time: f64) {
-        let holds = self.from <= time && time < self.until;
-        if !holds {
+        let is_current = self.from <= time && time < self.until;
+        if !is_current {
             self.find(&tables[self.table as usize], time);
         }
     }
@@ -65,7 +65,7 @@ impl Schedule {
     }
 
     /// Whether the segment ends at a time or before it.
-    pub fn ends_by(&self, time: f64) -> bool {
+    pub(super) fn has_ended_by(&self, time: f64) -> bool {
         self.until <= time
     }
 }
@@ -105,8 +105,8 @@ impl Kernel {
 impl Frame<f64> {
     /// Computes the values of the tables in the middle and at the end of a step, for native code.
     #[cfg_attr(not(feature = "native"), allow(dead_code, reason = "only native code needs it"))]
-    pub(super) fn compute_ahead(&mut self, tables: &[Vec<[f64; 2]>], [middle, end]: [f64; 2]) {
-        let (in_middle, at_end) = self.ahead.split_at_mut(self.schedules.len());
+    pub(super) fn compute_scheduled_values(&mut self, tables: &[Vec<[f64; 2]>], [middle, end]: [f64; 2]) {
+        let (in_middle, at_end) = self.scheduled_values.split_at_mut(self.schedules.len());
         for (schedule, (first, second)) in self.schedules.iter_mut().zip(in_middle.iter_mut().zip(at_end)) {
             schedule.move_to(tables, middle);
             (*first, *second) = (schedule.at(middle), schedule.at(end));

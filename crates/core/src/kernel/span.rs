@@ -17,22 +17,22 @@ pub(super) struct Span<V> {
     /// A sixth of the length: the weight of the first and the last rate.
     pub sixth: V,
     /// Whether some lanes are idle: their span has length 0.
-    some_idle: bool,
+    has_idle_lanes: bool,
 }
 
 impl<V: Lane> Span<V> {
     /// A span that is the same in all lanes.
     #[inline(always)]
-    pub fn same(begin: f64, length: f64, end: f64) -> Self {
+    pub(super) fn same(begin: f64, length: f64, end: f64) -> Self {
         let half = 0.5 * length;
         let [middle, end, length, half, sixth] =
             [begin + half, end, length, half, length * SIXTH].map(V::splat);
-        Span { middle, end, length, half, sixth, some_idle: false }
+        Span { middle, end, length, half, sixth, has_idle_lanes: false }
     }
 
     /// A span that differs from lane to lane.
     #[inline(always)]
-    pub fn between(begin: V, end: V) -> Self {
+    pub(super) fn between(begin: V, end: V) -> Self {
         let length = end.subtract(begin);
         let half = V::splat(0.5).multiply(length);
         Span {
@@ -41,14 +41,14 @@ impl<V: Lane> Span<V> {
             length,
             half,
             sixth: length.multiply(V::splat(SIXTH)),
-            some_idle: !length.all(V::splat(0.0), |length, zero| length > zero),
+            has_idle_lanes: !length.all(V::splat(0.0), |length, zero| length > zero),
         }
     }
 
     /// One bit for every lane that is not idle.
     #[inline(always)]
-    pub fn moving(&self) -> u64 {
-        if !self.some_idle {
+    pub(super) fn moving(&self) -> u64 {
+        if !self.has_idle_lanes {
             return u64::MAX;
         }
         V::failing(self.length.is_within(V::splat(f64::NEG_INFINITY), V::splat(0.0), V::TRUE))
@@ -56,7 +56,7 @@ impl<V: Lane> Span<V> {
 
     /// `new` in the lanes that move, and `before` in the idle ones.
     #[inline(always)]
-    pub fn select_moving(&self, new: V, before: V) -> V {
-        if self.some_idle { V::select_below(V::splat(0.0), self.length, new, before) } else { new }
+    pub(super) fn select_moving(&self, new: V, before: V) -> V {
+        if self.has_idle_lanes { V::select_below(V::splat(0.0), self.length, new, before) } else { new }
     }
 }

@@ -4,6 +4,8 @@
 //! potentiometers and formulas become factors. An amplifier in range is replaced by its demand, an overloaded one by
 //! ±100 V. A comparison that affects a rate becomes a corner with a side, so the kernel stays valid on both sides.
 
+mod arithmetic;
+
 use std::collections::HashMap;
 
 use super::bounds::Bounds;
@@ -22,7 +24,7 @@ pub(super) struct Specialised {
     /// The rates of the states, in volts per problem second, in the order of the states.
     pub rates: Vec<Operand>,
     /// What the sampled values become at the end of a step.
-    pub kept: Vec<Operand>,
+    pub sampled: Vec<Operand>,
     /// The inputs of the delay lines.
     pub delay_inputs: Vec<Operand>,
     /// The recorded voltages, in the order of their registers.
@@ -58,8 +60,6 @@ pub(super) enum At {
 const MAX_SHARED_TERMS: usize = 2;
 /// A sum with more terms than this is not merged into others.
 const MAX_TERMS: usize = 16;
-/// A sum is not merged into a product with a larger factor than this: the rounding of 100 V becomes up to 1e-11 V.
-const MAX_GAIN: f64 = 1e3;
 
 /// Specialises a program. The result also computes the voltages of these registers.
 pub(super) fn specialise(
@@ -111,7 +111,7 @@ fn needed(program: &Program, outputs: &HashMap<Register, (Register, AmplifierSta
     let mut needed = vec![false; program.lowered.body.len()];
     let rates = program.lowered.states.iter().map(|state| state.rate);
     let delayed = program.lowered.delays.iter().map(|delay| delay.input);
-    for register in rates.chain(program.lowered.kept.iter().map(|kept| kept.next)).chain(delayed) {
+    for register in rates.chain(program.lowered.sampled.iter().map(|sampled| sampled.next)).chain(delayed) {
         needed[register.index()] = true;
     }
     for at in (0..needed.len()).rev() {
@@ -156,7 +156,7 @@ pub(super) struct Specialiser<'a> {
 
 impl Specialiser<'_> {
     /// The form of a register that the walk has passed.
-    pub fn of(&self, register: Register) -> &Form {
+    pub(super) fn of(&self, register: Register) -> &Form {
         &self.forms[register.index()]
     }
 
@@ -189,11 +189,11 @@ impl Specialiser<'_> {
             }
             Op::Multiply(a, b) => self.product(a, b),
             Op::Divide(a, b) => self.quotient(a, b),
-            Op::Minimum(a, b) if self.bends(at, [a, b]) => self.select_by_branch([b, a], [a, b]),
-            Op::Maximum(a, b) if self.bends(at, [a, b]) => self.select_by_branch([a, b], [a, b]),
-            Op::Absolute(a) if self.bends(at, [a, a]) => self.size(a),
+            Op::Minimum(a, b) if self.has_rate_corner(at, [a, b]) => self.select_by_branch([b, a], [a, b]),
+            Op::Maximum(a, b) if self.has_rate_corner(at, [a, b]) => self.select_by_branch([a, b], [a, b]),
+            Op::Absolute(a) if self.has_rate_corner(at, [a, a]) => self.size(a),
             Op::Table(table, a) if self.program.lowered.body[a.index()] == Op::Time => self.scheduled(table),
-            Op::Table(table, a) if self.bends(at, [a, a]) => self.piece(table, a),
+            Op::Table(table, a) if self.has_rate_corner(at, [a, a]) => self.piece(table, a),
             Op::Minimum(a, b) => self.lower_of(a, b),
             Op::Maximum(a, b) => self.upper_of(a, b),
             Op::Select { left, right, then, otherwise } => self.select([left, right], [then, otherwise]),
@@ -202,9 +202,9 @@ impl Specialiser<'_> {
     }
 
     /// Whether an operation has a corner that changes a rate. A comparison of fixed values has none.
-    fn bends(&self, at: Register, compared: [Register; 2]) -> bool {
-        let moves = compared.iter().any(|register| self.of(*register).as_fixed().is_none());
-        moves && self.needed[at.index()]
+    fn has_rate_corner(&self, at: Register, compared: [Register; 2]) -> bool {
+        let has_moving = compared.iter().any(|register| self.of(*register).as_fixed().is_none());
+        has_moving && self.needed[at.index()]
     }
 
     /// The first of two voltages if the first compared voltage is not below the second, otherwise the second.
@@ -241,12 +241,12 @@ impl Specialiser<'_> {
 
     /// The value of a table that is looked up at time. Steps end at its corners, so it needs no watch.
     fn scheduled(&mut self, table: u32) -> Form {
-        let place = self.scheduled.iter().position(|known| *known == table);
-        let place = place.unwrap_or_else(|| {
+        let existing = self.scheduled.iter().position(|known| *known == table);
+        let index = existing.unwrap_or_else(|| {
             self.scheduled.push(table);
             self.scheduled.len() - 1
         });
-        self.node(Node::Scheduled(place as u32))
+        self.node(Node::Scheduled(index as u32))
     }
 
     /// A factor that is 1 if the first voltage is not below the second, and otherwise 0.
@@ -284,144 +284,6 @@ impl Specialiser<'_> {
         }
     }
 
-    /// A product. If one operand is fixed, it becomes a factor; otherwise their factors are split off, and one node is
-    /// the product of the rest.
-    fn product(&mut self, a: Register, b: Register) -> Form {
-        let (left, right) = (self.of(a).clone(), self.of(b).clone());
-        if let Some(factor) = left.as_fixed() {
-            return self.scaled_sum(right, factor);
-        }
-        if let Some(factor) = right.as_fixed() {
-            return self.scaled_sum(left, factor);
-        }
-        let (left, by) = self.split(&left);
-        let (right, and) = self.split(&right);
-        let factor = self.parameter_code.multiply(by, and);
-        let product = self.node(Node::Multiply(left, right));
-        self.parameter_code.scaled(&product, factor)
-    }
-
-    /// A form times a factor. With a large factor, a sum is computed first: its terms can be much larger than the sum,
-    /// and so is their rounding.
-    fn scaled_sum(&mut self, form: Form, factor: Factor) -> Form {
-        let is_steep = matches!(factor, Factor::Number(value) if value.abs() > MAX_GAIN);
-        let form = if is_steep && form.as_fixed().is_none() { Form::atom(self.atom(&form)) } else { form };
-        self.parameter_code.scaled(&form, factor)
-    }
-
-    /// A quotient. The divisor is always fixed: no law of an element divides by a voltage.
-    fn quotient(&mut self, a: Register, b: Register) -> Form {
-        let (left, right) = (self.of(a).clone(), self.of(b).clone());
-        let divisor = right.as_fixed().expect("elements divide by constants only");
-        if let Some(factor) = left.as_fixed() {
-            return Form::fixed(self.parameter_code.divide(factor, divisor));
-        }
-        let share = self.parameter_code.divide(Factor::ONE, divisor);
-        self.parameter_code.scaled(&left, share)
-    }
-
-    /// A form as an operand times a factor. The factor is 1 unless the form is one term without a constant.
-    fn split(&mut self, form: &Form) -> (Operand, Factor) {
-        match form.as_scaled() {
-            Some((atom, factor)) => (Operand::Atom(atom), factor),
-            None => (self.operand(form), Factor::ONE),
-        }
-    }
-
-    /// The smaller of two voltages, without a corner. The smaller of x and -x is -|x|.
-    fn lower_of(&mut self, a: Register, b: Register) -> Form {
-        match self.size_of_opposites(a, b) {
-            Some(size) => self.parameter_code.scaled(&size, Factor::Number(-1.0)),
-            None => self.one_of(a, b, ParameterCode::lower_of, Node::Minimum),
-        }
-    }
-
-    /// The larger of two voltages, without a corner. The larger of x and -x is |x|.
-    fn upper_of(&mut self, a: Register, b: Register) -> Form {
-        match self.size_of_opposites(a, b) {
-            Some(size) => size,
-            None => self.one_of(a, b, ParameterCode::upper_of, Node::Maximum),
-        }
-    }
-
-    /// The minimum or maximum of two. If both are fixed, the parameter code computes it.
-    fn one_of(
-        &mut self,
-        a: Register,
-        b: Register,
-        fixed: fn(&mut ParameterCode, Factor, Factor) -> Factor,
-        moving: fn(Operand, Operand) -> Node,
-    ) -> Form {
-        if let [Some(a), Some(b)] = [a, b].map(|register| self.of(register).as_fixed()) {
-            return Form::fixed(fixed(&mut self.parameter_code, a, b));
-        }
-        if let Some((atom, factor)) = self.scaled_with_zero(a, b) {
-            let node = self.node(moving(Operand::Atom(atom), Operand::Factor(Factor::ZERO)));
-            return self.parameter_code.scaled(&node, factor);
-        }
-        let [a, b] = [a, b].map(|register| self.read(register));
-        self.node(moving(a, b))
-    }
-
-    /// The atom and the factor of the first operand if the factor is not negative and the second operand is 0. Then the
-    /// factor can be applied afterwards.
-    fn scaled_with_zero(&self, a: Register, b: Register) -> Option<(Atom, Factor)> {
-        let scaled = match [a, b].map(|register| self.of(register)) {
-            [form, other] if other.as_fixed().is_some_and(|fixed| fixed.is(0.0)) => form.as_scaled(),
-            _ => None,
-        };
-        scaled.filter(|(_, factor)| self.parameter_code.is_not_negative(*factor))
-    }
-
-    /// The absolute value of either operand if one is the negative of the other. `None` otherwise.
-    ///
-    /// One operand then moves, and their sum cancels to the fixed number 0.
-    fn size_of_opposites(&mut self, a: Register, b: Register) -> Option<Form> {
-        let sum = self.parameter_code.sum(&self.forms[a.index()], &self.forms[b.index()], Factor::ONE);
-        let cancels = sum.as_fixed().is_some_and(|sum| sum.is(0.0)) && self.of(a).as_fixed().is_none();
-        cancels.then(|| {
-            let operand = self.read(a);
-            self.node(Node::Absolute(operand))
-        })
-    }
-
-    /// A selection. It is decided here if modes are compared, and otherwise depends on the branch.
-    fn select(&mut self, compared: [Register; 2], choice: [Register; 2]) -> Form {
-        let sides = compared.map(|register| self.of(register).as_fixed());
-        match sides {
-            // Modes and the ends of an amplifier's range are fixed numbers.
-            [Some(Factor::Number(left)), Some(Factor::Number(right))] => {
-                self.of(choice[usize::from(left < right)]).clone()
-            }
-            _ => self.select_by_branch(choice, compared),
-        }
-    }
-
-    /// An operation that cannot be simplified. If all operands are fixed, the parameter code computes it.
-    fn other(&mut self, op: Op) -> Form {
-        let registers: Vec<Register> = op.operands().collect();
-        let fixed_values: Option<Vec<Factor>> =
-            registers.iter().map(|register| self.of(*register).as_fixed()).collect();
-        if let Some(fixed_values) = fixed_values {
-            if let (Op::Absolute(_), [Factor::Number(value)]) = (op, &fixed_values[..]) {
-                return Form::fixed(Factor::Number(value.abs()));
-            }
-            return Form::fixed(self.parameter_code.apply(|parameter_code| {
-                let places: Vec<Register> =
-                    fixed_values.iter().map(|factor| parameter_code.register(*factor)).collect();
-                let place = |old| registers.iter().position(|register| *register == old).unwrap_or_default();
-                op.with_operands(|old| places[place(old)])
-            }));
-        }
-        let node = match op {
-            Op::Absolute(a) => Node::Absolute(self.read(a)),
-            Op::Call(function, a, b) => Node::Call(function, self.read(a), self.read(b)),
-            Op::Table(table, at) => Node::Table(table, self.read(at)),
-            _ => unreachable!("a program with loops has no kernel"),
-        };
-        self.node(node)
-    }
-
     /// Turns a long sum into an atom, which is then computed once. Short sums are merged into their readers, which
     /// saves an operation and a rounding.
     fn cut(&mut self, at: usize, form: Form) -> Form {
@@ -439,7 +301,7 @@ impl Specialiser<'_> {
     }
 
     /// A form as the operand of an operation.
-    pub fn operand(&mut self, form: &Form) -> Operand {
+    pub(super) fn operand(&mut self, form: &Form) -> Operand {
         match form.as_fixed() {
             Some(factor) => Operand::Factor(factor),
             None => Operand::Atom(self.atom(form)),
@@ -447,20 +309,20 @@ impl Specialiser<'_> {
     }
 
     /// A form that is not fixed, as an atom.
-    pub fn atom(&mut self, form: &Form) -> Atom {
+    pub(super) fn atom(&mut self, form: &Form) -> Atom {
         match form.as_scaled() {
             Some((atom, factor)) if factor.is(1.0) => atom,
-            _ => self.once(Node::Sum(form.clone())),
+            _ => self.shared_atom(Node::Sum(form.clone())),
         }
     }
 
     /// The form that consists of the atom of a node.
     fn node(&mut self, node: Node) -> Form {
-        Form::atom(self.once(node))
+        Form::atom(self.shared_atom(node))
     }
 
     /// The atom of a node, shared with equal nodes.
-    fn once(&mut self, node: Node) -> Atom {
+    fn shared_atom(&mut self, node: Node) -> Atom {
         let next = self.nodes.len() as Atom;
         let atom = *self.known.entry(node.clone()).or_insert(next);
         if atom == next {
@@ -473,11 +335,22 @@ impl Specialiser<'_> {
     fn finish(mut self, recorded: &[Register]) -> Specialised {
         let program = self.program;
         let rates: Vec<Operand> = program.lowered.states.iter().map(|state| self.read(state.rate)).collect();
-        let kept: Vec<Operand> = program.lowered.kept.iter().map(|kept| self.read(kept.next)).collect();
+        let sampled: Vec<Operand> =
+            program.lowered.sampled.iter().map(|sampled| self.read(sampled.next)).collect();
         let delay_inputs = program.lowered.delays.iter().map(|delay| self.read(delay.input)).collect();
         let recorded = recorded.iter().map(|register| self.read(*register)).collect();
         let bounds = self.bounds();
         let Specialiser { parameter_code, nodes, corners, scheduled, .. } = self;
-        Specialised { parameter_code, nodes, rates, kept, delay_inputs, recorded, bounds, corners, scheduled }
+        Specialised {
+            parameter_code,
+            nodes,
+            rates,
+            sampled,
+            delay_inputs,
+            recorded,
+            bounds,
+            corners,
+            scheduled,
+        }
     }
 }

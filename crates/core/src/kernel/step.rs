@@ -14,9 +14,8 @@ use pulp::{Arch, NullaryFnOnce};
 use super::frame::{Extremes, Frame};
 use super::lane::Lane;
 use super::span::Span;
-use super::{Checks, Kernel};
+use super::{Checks, Kernel, Steps};
 use crate::delay_line::DelayLine;
-use crate::grid::{Grid, SAME_INSTANT};
 
 /// The weight of the first and the last rate of a step. It is a factor because a division takes longer.
 pub(super) const SIXTH: f64 = 1.0 / 6.0;
@@ -84,8 +83,8 @@ impl Kernel {
             let [second, third, fourth] = [0, 1, 2].map(|stage| frame.stages[stage][state]);
             // The last rate is added last, in one operation, because everything else is ready before it.
             let rates = second.add(third).multiply_add(two, frame.rates[state]);
-            let way = rates.multiply_add(sixth, frame.states[state]);
-            frame.slots[self.layout.states + state] = fourth.multiply_add(sixth, way);
+            let partial = rates.multiply_add(sixth, frame.states[state]);
+            frame.slots[self.layout.states + state] = fourth.multiply_add(sixth, partial);
         }
         self.moving.run(&mut frame.slots, tables);
         self.store_rates(frame, 3);
@@ -129,25 +128,25 @@ impl Kernel {
     #[inline(always)]
     pub(super) fn update_margins<V: Lane>(&self, frame: &mut Frame<V>, watches: usize) -> bool {
         let lines = frame.slopes.iter().zip(&frame.offsets).zip(&mut frame.margins);
-        let (zero, mut quiet) = (V::splat(0.0), true);
+        let (zero, mut is_quiet) = (V::splat(0.0), true);
         // A closure would be compiled without wide registers.
         for (watch, ((slope, offset), margin)) in self.watches[..watches].iter().zip(lines) {
             *margin = watch.value(&frame.slots).multiply_add(*slope, *offset);
-            quiet &= margin.all_at_least(zero);
+            is_quiet &= margin.all_at_least(zero);
         }
-        quiet
+        is_quiet
     }
 
     /// One bit for every lane in which a voltage is outside one of the first safe intervals, or is not a number.
     #[inline(always)]
     fn outside_safe_intervals<V: Lane>(&self, frame: &Frame<V>, safe_intervals: usize) -> u64 {
         let ranges = frame.lows.iter().zip(&frame.highs);
-        let mut inside = V::TRUE;
+        let mut is_inside = V::TRUE;
         // A loop for the same reason.
         for (interval, (low, high)) in self.safe_intervals[..safe_intervals].iter().zip(ranges) {
-            inside = frame.slots[interval.slot as usize].is_within(*low, *high, inside);
+            is_inside = frame.slots[interval.slot as usize].is_within(*low, *high, is_inside);
         }
-        V::failing(inside)
+        V::failing(is_inside)
     }
 
     /// Takes the span that was computed, including the inputs of delay lines. They are stored first, at the time and
@@ -171,9 +170,10 @@ impl Kernel {
         for (rate, end) in frame.rates.iter_mut().zip(end) {
             *rate = span.select_moving(*end, *rate);
         }
-        for (index, slot) in self.kept.iter().enumerate() {
-            let place = self.layout.kept + index;
-            frame.slots[place] = span.select_moving(frame.slots[*slot as usize], frame.slots[place]);
+        for (index, slot) in self.sampled.iter().enumerate() {
+            let slot_of_sample = self.layout.sampled + index;
+            frame.slots[slot_of_sample] =
+                span.select_moving(frame.slots[*slot as usize], frame.slots[slot_of_sample]);
         }
         frame.time = span.end;
     }
@@ -247,29 +247,34 @@ impl Kernel {
 /// The same operations, compiled for the widest registers of the processor. `pulp` selects them when the program runs.
 impl Kernel {
     /// Takes steps of a grid until a watch is hit. Returns how many were taken.
-    pub fn steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
+    pub(crate) fn steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
         Arch::new().dispatch(AllSteps { kernel: self, frame, tables, grid })
     }
 
     /// Evaluates everything at the states and the time in the slots.
-    pub fn evaluate<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+    pub(crate) fn evaluate<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         Arch::new().dispatch(AtSlots { kernel: self, frame, tables });
     }
 
     /// Evaluates a step of this length, without taking it, and tests every watch.
-    pub fn look_ahead(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> LookResult {
+    pub(crate) fn look_ahead(
+        &self,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        length: f64,
+    ) -> LookResult {
         Arch::new().dispatch(OneLook { kernel: self, frame, tables, length })
     }
 
     /// Takes the step that was computed. It ends at `time`.
-    pub fn accept_step(&self, frame: &mut Frame<f64>, time: f64) {
+    pub(crate) fn accept_step(&self, frame: &mut Frame<f64>, time: f64) {
         let span = self.remember_step(frame, time);
         self.accept(frame, &span);
     }
 
     /// Takes the step that was computed up to an instant with a jump. Discontinuities that come out of delay lines
     /// there are not passed on yet.
-    pub fn accept_step_before_jump(&self, frame: &mut Frame<f64>, time: f64) {
+    pub(crate) fn accept_step_before_jump(&self, frame: &mut Frame<f64>, time: f64) {
         let span = self.remember_step(frame, time);
         self.put_delay_inputs(frame, time);
         self.advance(frame, &span);
@@ -285,13 +290,18 @@ impl Kernel {
     }
 
     /// Updates the extremes of the tracked voltages at present, from the last evaluation.
-    pub fn observe_present(&self, frame: &mut Frame<f64>) {
+    pub(crate) fn observe_present(&self, frame: &mut Frame<f64>) {
         self.observe(frame, &Span::same(frame.time, 0.0, frame.time));
     }
 
     /// Takes the piece of a step in which lanes that have left were hit, and continues to the end of the step. Returns
     /// whether the end was reached.
-    pub fn finish_step<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
+    pub(crate) fn finish_step<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        end: f64,
+    ) -> bool {
         Arch::new().dispatch(OneStep { kernel: self, frame, tables, end })
     }
 }
@@ -369,53 +379,5 @@ impl NullaryFnOnce for OneLook<'_> {
     fn call(self) -> LookResult {
         let end = self.frame.time + self.length;
         self.kernel.look(self.frame, self.tables, self.length, end)
-    }
-}
-
-/// Consecutive steps of a grid.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Steps {
-    /// The time at which the grid begins, in problem seconds.
-    pub begin: f64,
-    /// The grid, whose instants are times after `begin`.
-    pub grid: Grid,
-    /// Index of the instant at which the first step ends.
-    pub first: u64,
-    /// Number of steps.
-    pub count: u64,
-}
-
-impl Steps {
-    /// The time at which a step ends, in problem seconds: begin + time of instant (first + step). Steps count from 0.
-    #[inline(always)]
-    pub fn end_of(&self, step: u64) -> f64 {
-        self.begin + self.grid.time(self.first + step)
-    }
-
-    /// The steps after the first `taken` ones.
-    pub fn after(self, taken: u64) -> Steps {
-        Steps { first: self.first + taken, count: self.count - taken, ..self }
-    }
-
-    /// The number of steps up to the next instant whose index is a multiple of a number.
-    pub fn up_to_multiple_of(&self, number: u64) -> u64 {
-        number - (self.first - 1) % number
-    }
-
-    /// The number of steps that end at a time or before it.
-    pub fn until(&self, time: f64) -> u64 {
-        if time == f64::INFINITY {
-            return self.count;
-        }
-        let whole = self.grid.steps_in((time - self.begin).max(0.0)) + 1;
-        let some = whole.saturating_sub(self.first).min(self.count);
-        // The grid tolerates more rounding than the comparison of instants.
-        if some > 0 && self.end_of(some - 1) * (1.0 - SAME_INSTANT) > time { some - 1 } else { some }
-    }
-
-    /// The number of steps that end before a time by more than a tolerance.
-    pub fn before(&self, time: f64, tolerance: f64) -> u64 {
-        let some = self.until(time);
-        if some > 0 && self.end_of(some - 1) >= time - tolerance { some - 1 } else { some }
     }
 }

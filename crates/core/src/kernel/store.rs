@@ -23,7 +23,7 @@ pub(crate) struct SharedKernel {
     /// The kernel itself.
     pub kernel: Kernel,
     /// Whether every recorded voltage tracks a state.
-    records_states: bool,
+    is_tracking_states_only: bool,
     /// The arrangement of the rows that native code writes.
     columns: RowLayout,
     /// Native code, once it has been requested; the inner value is `None` if it is impossible.
@@ -55,7 +55,7 @@ pub(super) fn native_threshold(kernel: &Kernel) -> u64 {
 
 impl Kernels {
     /// The kernel of a program, specialised, that computes these registers. `None` if the program has no kernels.
-    pub fn of(
+    pub(crate) fn of(
         program: &Program,
         specialisation: Specialisation<'_>,
         recorded: &[Register],
@@ -87,7 +87,7 @@ impl Kernels {
             recorded: recorded.to_vec(),
             native: OnceLock::new(),
             native_threshold: native_threshold(&kernel),
-            records_states: kernel.records_states(),
+            is_tracking_states_only: kernel.is_tracking_states_only(),
             columns: RowLayout::of(&kernel),
             kernel,
             interpreted: AtomicU64::new(0),
@@ -102,18 +102,18 @@ impl Kernels {
 
 impl SharedKernel {
     /// Whether the kernel has this specialisation.
-    pub fn is_for(&self, specialisation: Specialisation<'_>) -> bool {
+    pub(crate) fn is_for(&self, specialisation: Specialisation<'_>) -> bool {
         self.modes == specialisation.modes && self.amplifiers == specialisation.amplifiers
     }
 
     /// A frame for this kernel with the buffers that a backend needs. Its values are not set.
-    pub fn frame(&self, backend: Backend) -> Frame<f64> {
+    pub(crate) fn frame(&self, backend: Backend) -> Frame<f64> {
         let frame = self.kernel.frame();
         if backend.can_be_native() { frame.with_rows(&self.columns) } else { frame }
     }
 
     /// Takes steps of a grid until a watch is hit. Returns how many steps were taken.
-    pub fn steps(
+    pub(crate) fn steps(
         &self,
         frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
@@ -129,7 +129,7 @@ impl SharedKernel {
     }
 
     /// Takes steps of several frames until a watch is hit in any of them. There is no native code for lanes.
-    pub fn steps_in_lanes(
+    pub(crate) fn steps_in_lanes(
         &self,
         lane_frame: &mut LaneFrame,
         tables: &[Vec<[f64; 2]>],
@@ -143,13 +143,13 @@ impl SharedKernel {
     }
 
     /// Number of frames from which their steps are faster in lanes than one after the other.
-    pub fn min_lanes(&self, backend: Backend) -> usize {
+    pub(crate) fn min_lanes(&self, backend: Backend) -> usize {
         if self.native(backend).is_some() { MIN_LANES_OVER_NATIVE } else { MIN_LANES }
     }
 
     /// Whether the recorded voltages can be stored for every step. Only native code does this, and only for states.
-    pub fn keeps_trail(&self, backend: Backend) -> bool {
-        self.records_states && self.native(backend).is_some()
+    pub(crate) fn can_keep_trail(&self, backend: Backend) -> bool {
+        self.is_tracking_states_only && self.native(backend).is_some()
     }
 
     /// Counts interpreted steps, as long as native code is not compiled yet.
@@ -160,7 +160,7 @@ impl SharedKernel {
     }
 
     /// Evaluates a step of this length, without taking it, and tests every watch.
-    pub fn look(
+    pub(crate) fn look(
         &self,
         frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
@@ -175,7 +175,7 @@ impl SharedKernel {
     }
 
     /// Evaluates everything at the states and the time in the slots.
-    pub fn evaluate(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], backend: Backend) {
+    pub(crate) fn evaluate(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], backend: Backend) {
         match self.native(backend) {
             Some(native) => native.evaluate(frame, tables),
             None => self.kernel.evaluate(frame, tables),

@@ -2,18 +2,15 @@
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
+mod lanes;
+#[cfg(feature = "native")]
+mod native;
 
 use std::sync::Arc;
 
-#[cfg(feature = "native")]
-use super::Native;
-use super::lane::Lane as _;
 use super::store::{Kernels, MIN_LANES_OVER_NATIVE, native_threshold};
-use super::{
-    AmplifierState, Frame, IntervalWatch, Kernel, LANES, LaneFrame, Specialisation, Steps, WatchCondition,
-};
+use super::{AmplifierState, Frame, IntervalWatch, Kernel, LANES, Specialisation, WatchCondition};
 use crate::delay_line::DelayLine;
-use crate::grid::Grid;
 use crate::ir::{Program, Register, Scratch, Sources};
 use crate::patch::Patch;
 use common::circuits;
@@ -31,7 +28,7 @@ struct Points<'p> {
     modes: Vec<f64>,
     amplifiers: Vec<AmplifierState>,
     states: Vec<f64>,
-    kept: Vec<f64>,
+    sampled: Vec<f64>,
     levels: Vec<f64>,
     time: f64,
 }
@@ -46,20 +43,20 @@ impl<'p> Points<'p> {
             modes: program.lowered.modes.iter().map(|mode| mode.initial).collect(),
             amplifiers: vec![AmplifierState::Within; program.lowered.lamps.len()],
             states: Vec::new(),
-            kept: Vec::new(),
+            sampled: Vec::new(),
             levels: Vec::new(),
             time: 0.0,
         }
     }
 
     /// Draws a point near initial condition, where amplifiers of large gain stay in range.
-    fn draw(&mut self, dice: &mut SplitMix64) {
-        let size = 10f64.powf(dice.uniform(-2.0, 2.0));
-        let mut volts = |count: usize| (0..count).map(|_| dice.uniform(-size, size)).collect::<Vec<f64>>();
-        (self.states, self.kept) =
-            (volts(self.program.lowered.states.len()), volts(self.program.lowered.kept.len()));
+    fn draw(&mut self, random: &mut SplitMix64) {
+        let size = 10f64.powf(random.uniform(-2.0, 2.0));
+        let mut volts = |count: usize| (0..count).map(|_| random.uniform(-size, size)).collect::<Vec<f64>>();
+        (self.states, self.sampled) =
+            (volts(self.program.lowered.states.len()), volts(self.program.lowered.sampled.len()));
         self.levels = volts(self.program.lowered.levels.len());
-        self.time = dice.uniform(0.0, 1.0);
+        self.time = random.uniform(0.0, 1.0);
         for (volts, state) in self.states.iter_mut().zip(&self.program.lowered.states) {
             *volts += self.coefficients[state.initial as usize];
         }
@@ -81,10 +78,11 @@ impl<'p> Points<'p> {
         self.modes = self.program.lowered.modes.iter().map(|mode| mode.initial).collect();
         for _ in 0..20 {
             self.evaluate();
-            let mut any = false;
+            let mut has_changed = false;
             let program = self.program;
-            program.change_modes(&self.registers, &mut self.modes, &mut self.states, |_, _| any = true);
-            if !any {
+            program
+                .change_modes(&self.registers, &mut self.modes, &mut self.states, |_, _| has_changed = true);
+            if !has_changed {
                 break;
             }
         }
@@ -100,7 +98,7 @@ impl<'p> Points<'p> {
             modes: &self.modes,
             time: self.time,
             tables: &self.program.tables,
-            kept: &self.kept,
+            sampled: &self.sampled,
             levels: &self.levels,
             delayed: &vec![0.0; self.program.lowered.delays.len()],
             ..Sources::none()
@@ -128,7 +126,7 @@ impl<'p> Points<'p> {
     /// A frame of a kernel at the point; `None` if the kernel is not valid there.
     fn frame(&self, kernel: &Kernel) -> Option<Frame<f64>> {
         let mut frame = kernel.frame::<f64>();
-        frame.set_held_inputs(kernel, &self.kept, &self.levels);
+        frame.set_held_inputs(kernel, &self.sampled, &self.levels);
         frame.states.copy_from_slice(&self.states);
         frame.time = self.time;
         frame.lines[0] = vec![DelayLine::new(1.0, 0.0, 1e-3); self.program.lowered.delays.len()];
@@ -147,11 +145,11 @@ fn element_outputs(program: &Program) -> Vec<Register> {
 }
 
 /// The number of 200 random points at which the kernel is valid. There it is compared with the program.
-fn valid_points(program: &Program, dice: &mut SplitMix64, name: &str) -> usize {
+fn valid_points(program: &Program, random: &mut SplitMix64, name: &str) -> usize {
     let outputs = element_outputs(program);
     let mut points = Points::new(program);
     let mut difference = || {
-        points.draw(dice);
+        points.draw(random);
         points.difference(&outputs)
     };
     let differences: Vec<f64> = (0..200).filter_map(|_| difference()).collect();
@@ -167,11 +165,11 @@ fn is_specialised(program: &Program) -> bool {
 
 #[test]
 fn kernels_equal_programs_except_for_rounding() {
-    let mut dice = SplitMix64(20);
+    let mut random = SplitMix64(20);
     for file in common::files::shipped_files().into_iter().chain(common::files::test_patch_files()) {
         let (program, name) = (program(&common::patch_of(&file)), file.display().to_string());
         if is_specialised(&program) {
-            let valid = valid_points(&program, &mut dice, &name);
+            let valid = valid_points(&program, &mut random, &name);
             assert!(valid >= 100, "{name}: {valid} points");
         }
     }
@@ -179,79 +177,13 @@ fn kernels_equal_programs_except_for_rounding() {
 
 #[test]
 fn kernels_of_random_circuits_equal_programs() {
-    let mut dice = SplitMix64(21);
-    let programs: Vec<Program> = (0..60).map(|_| program(&circuits::random_circuit(&mut dice))).collect();
+    let mut random = SplitMix64(21);
+    let programs: Vec<Program> = (0..60).map(|_| program(&circuits::random_circuit(&mut random))).collect();
     let specialised = programs.iter().filter(|program| is_specialised(program)).enumerate();
     let valid: Vec<usize> = specialised
-        .map(|(number, program)| valid_points(program, &mut dice, &format!("circuit {number}")))
+        .map(|(number, program)| valid_points(program, &mut random, &format!("circuit {number}")))
         .collect();
     assert!(valid.len() >= 20 && valid.iter().all(|count| *count >= 100), "{valid:?}");
-}
-
-/// One frame per lane, all at one instant and in the same modes. `None` if there are not enough such points.
-fn side_by_side(program: &Program, dice: &mut SplitMix64) -> Option<(Kernel, Vec<Frame<f64>>)> {
-    let mut points = Points::new(program);
-    points.draw(dice);
-    let (modes, amplifiers) = (points.modes.clone(), points.amplifiers.clone());
-    let kernel = Kernel::new(program, points.specialisation(), &element_outputs(program))?;
-    let drawn = (0..20 * LANES).filter_map(|_| {
-        points.draw(dice);
-        points.time = 0.25;
-        (points.modes == modes && points.amplifiers == amplifiers).then(|| points.frame(&kernel)).flatten()
-    });
-    let frames: Vec<_> = drawn.take(LANES).collect();
-    (frames.len() == LANES).then_some((kernel, frames))
-}
-
-/// The bits of every number of a frame that a step changes.
-fn moving(kernel: &Kernel, frame: &Frame<f64>) -> Vec<u64> {
-    let numbers = [&frame.slots[..kernel.layout.all], &frame.states, &frame.rates, &[frame.time]];
-    let all = numbers.into_iter().chain(frame.extremes.parts());
-    all.flatten().map(|number| number.to_bits()).collect()
-}
-
-/// Compares steps in lanes with the same steps of single frames. Hits are ignored; every value of the last evaluation
-/// must be equal.
-fn assert_lanes_equal_single_frames(kernel: &Kernel, mut frames: Vec<Frame<f64>>, tables: &[Vec<[f64; 2]>]) {
-    let mut lane_frame = LaneFrame::of(kernel);
-    for (lane, frame) in frames.iter_mut().enumerate() {
-        frame.active_lanes = 0;
-        lane_frame.load_lane(kernel, lane, frame);
-        // Values that quick steps do not compute stay as they are.
-        let pairs = lane_frame.frame.slots.iter_mut().zip(&frame.slots).skip(kernel.layout.results);
-        pairs.for_each(|(all, one)| all.set(lane, *one));
-    }
-    let all = lane_frame.active_lanes();
-    for first in 1..=5 {
-        let steps = Steps { begin: 0.25, grid: Grid::new(1e-3), first, count: 1 };
-        lane_frame.frame.active_lanes = 0;
-        assert_eq!(kernel.steps(&mut lane_frame.frame, tables, &steps), 1);
-        lane_frame.frame.active_lanes = all;
-        for (lane, frame) in frames.iter_mut().enumerate() {
-            assert_eq!(kernel.steps(frame, tables, &steps), 1);
-            let mut left = frame.clone();
-            left.slots.iter_mut().zip(&lane_frame.frame.slots).for_each(|(one, all)| *one = all.get(lane));
-            [&mut left.states, &mut left.rates].into_iter().for_each(|numbers| numbers.fill(f64::NAN));
-            lane_frame.clone().unload_lane(kernel, lane, &mut left);
-            assert!(moving(kernel, &left) == moving(kernel, frame), "lane {lane}, step {first}");
-        }
-    }
-}
-
-#[test]
-fn lanes_give_the_same_bits_as_single_frames() {
-    let mut dice = SplitMix64(23);
-    let shipped = common::files::shipped_files().into_iter().chain(common::files::test_patch_files());
-    let mut programs: Vec<Program> = shipped.map(|file| program(&common::patch_of(&file))).collect();
-    programs.extend((0..40).map(|_| program(&circuits::random_circuit(&mut dice))));
-    let mut compared = 0;
-    for program in programs.iter().filter(|program| is_specialised(program)) {
-        if let Some((kernel, frames)) = side_by_side(program, &mut dice) {
-            assert_lanes_equal_single_frames(&kernel, frames, &program.tables);
-            compared += 1;
-        }
-    }
-    assert!(compared >= 30, "{compared}");
 }
 
 #[test]
@@ -262,31 +194,8 @@ fn the_pages_state_the_number_of_lanes() {
     assert!(
         page("sweep").contains(&lanes) && page("solver").contains(&format!("up to {LANES} runs of a sweep"))
     );
-    let fewest = format!("Fewer than {MIN_LANES_OVER_NATIVE} at a time are left to native code");
-    assert!(page("performance").contains(&fewest));
-}
-
-/// A hit affects its own lane only, both in the middle and at the end of a step.
-#[test]
-fn hits_are_reported_by_lane() {
-    let program = generated(&[[-50.0, 0.0], [10.0, 0.0], [50.0, 40.0]], 0.0);
-    let mut points = Points::new(&program);
-    let kernel = kernel(&program);
-    let mut lane_frame = LaneFrame::of(&kernel);
-    for lane in 0..LANES {
-        // A falls by B per second; the table has a corner at -10 V.
-        points.states = vec![if lane % 3 == 1 { -9.99 } else { 5.0 }, 20.0];
-        lane_frame.load_lane(&kernel, lane, &mut points.frame(&kernel).unwrap());
-    }
-    let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 9 };
-    assert_eq!(kernel.steps(&mut lane_frame.frame, &program.tables, &steps), 0);
-    assert_eq!(lane_frame.hit_lanes(), 0x2492);
-    let mut one = kernel.frame();
-    (0..LANES).filter(|lane| lane % 3 == 1).for_each(|lane| lane_frame.unload_lane(&kernel, lane, &mut one));
-    assert_eq!(one.states, [-9.99, 20.0]);
-    assert!(lane_frame.finish_step(&kernel, &program.tables, 1e-3));
-    assert_eq!((lane_frame.active_lanes(), lane_frame.time()), (0xffff & !0x2492, 1e-3));
-    assert_eq!(kernel.steps(&mut lane_frame.frame, &program.tables, &steps.after(1)), 8);
+    let sentence = format!("Fewer than {MIN_LANES_OVER_NATIVE} at a time are left to native code");
+    assert!(page("performance").contains(&sentence));
 }
 
 #[test]
@@ -321,11 +230,11 @@ fn a_steep_segment_far_from_0_stays_accurate() {
         let program = generated(points, -90.0);
         let mut at = Points::new(&program);
         for share in 0..=100 {
-            let place = 90.0 + low + (high - low) * f64::from(share) / 100.0;
-            at.set_states(&[-place, 0.0]);
+            let voltage = 90.0 + low + (high - low) * f64::from(share) / 100.0;
+            at.set_states(&[-voltage, 0.0]);
             let difference =
-                at.difference(&element_outputs(&program)).unwrap_or_else(|| panic!("none at {place}"));
-            assert!(difference <= 1e-10, "{difference:e} V at {place}");
+                at.difference(&element_outputs(&program)).unwrap_or_else(|| panic!("none at {voltage}"));
+            assert!(difference <= 1e-10, "{difference:e} V at {voltage}");
         }
     }
 }
@@ -333,35 +242,35 @@ fn a_steep_segment_far_from_0_stays_accurate() {
 /// If a watch is hit, the voltage is outside the safe interval, also at its ends and if it is not a number.
 #[test]
 fn no_safe_interval_contains_a_hit() {
-    let mut dice = SplitMix64(22);
+    let mut random = SplitMix64(22);
     let shipped = common::files::shipped_files().into_iter().chain(common::files::test_patch_files());
     let mut programs: Vec<Program> = shipped.map(|file| program(&common::patch_of(&file))).collect();
     // Beyond the last corner of a table.
     programs.push(generated(&[[-20.0, 0.0], [-10.0, 10.0]], 50.0));
-    let met = programs.iter().filter(|program| is_specialised(program)).map(|program| {
+    let hits = programs.iter().filter(|program| is_specialised(program)).map(|program| {
         let mut points = Points::new(program);
-        points.draw(&mut dice);
+        points.draw(&mut random);
         let kernel = Kernel::new(program, points.specialisation(), &element_outputs(program)).unwrap();
         points.frame(&kernel).map_or(0, |frame| count_hits(&kernel, &frame))
     });
-    let met: usize = met.sum();
-    assert!(met >= 500, "{met}");
+    let hits: usize = hits.sum();
+    assert!(hits >= 500, "{hits}");
 }
 
 /// Counts how often a watch is hit at the ends of its safe interval or at extreme numbers. A hit must be outside the
 /// interval.
 fn count_hits(kernel: &Kernel, frame: &Frame<f64>) -> usize {
-    let mut met = 0;
+    let mut hits = 0;
     for (interval, (low, high)) in kernel.safe_intervals.iter().zip(frame.lows.iter().zip(&frame.highs)) {
         let doubtful = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 1e300, 0.0];
         let ends = [low, high].map(|end| [end.next_down(), *end, end.next_up()]);
         for value in doubtful.into_iter().chain(ends.into_iter().flatten()) {
             let is_hit = interval.watches.iter().any(|watch| is_hit(kernel, frame, watch, value));
             assert!(!is_hit || !(*low..=*high).contains(&value), "{value:e} in {low:e} ... {high:e}");
-            met += usize::from(is_hit);
+            hits += usize::from(is_hit);
         }
     }
-    met
+    hits
 }
 
 /// Whether a watch of a safe interval is hit if the interval's voltage has this value.
@@ -454,81 +363,9 @@ fn chain(count: usize) -> Kernel {
 
 #[test]
 fn larger_kernels_are_compiled_later() {
-    let own = native_threshold(&kernel(&program(&common::slideway())));
+    let slideway = native_threshold(&kernel(&program(&common::slideway())));
     // docs/performance.md states about 10,000.
-    assert!((9_000..11_000).contains(&own), "{own}");
+    assert!((9_000..11_000).contains(&slideway), "{slideway}");
     let many = native_threshold(&chain(1000));
     assert!(many > 100_000, "{many}");
-}
-
-#[cfg(feature = "native")]
-#[test]
-fn native_code_exists_for_kernels_of_moderate_size() {
-    assert!(Native::new(&chain(10)).is_some());
-    assert!(Native::new(&chain(2000)).is_none());
-}
-
-#[cfg(feature = "native")]
-#[test]
-#[should_panic(expected = "a frame of another kernel")]
-fn native_code_refuses_frames_of_another_kernel() {
-    let native = Native::new(&chain(2)).unwrap();
-    native.look(&mut chain(1).frame(), &[], 1e-3);
-}
-
-#[cfg(feature = "native")]
-#[test]
-#[should_panic(expected = "a frame of another kernel")]
-fn native_steps_refuse_frames_of_another_kernel() {
-    let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 10 };
-    Native::new(&chain(1)).unwrap().steps(&mut chain(2).frame(), &[], &steps);
-}
-
-/// The bits of all numbers that show where a frame is and what it has observed.
-#[cfg(feature = "native")]
-fn bits(kernel: &Kernel, frame: &Frame<f64>) -> Vec<u64> {
-    let recorded = frame.extremes.parts().into_iter().flatten();
-    let moving = frame.states.iter().chain(&frame.rates).chain(frame.kept(kernel));
-    let all = moving.chain(recorded).chain([&frame.time]);
-    all.map(|number| number.to_bits()).collect()
-}
-
-/// Native steps are tested in blocks afterwards. They must stop where steps that are tested one by one do.
-#[cfg(feature = "native")]
-#[test]
-fn native_steps_stop_before_a_hit() {
-    let mut dice = SplitMix64(29);
-    let mut stopped = [0; 2];
-    let fixed = common::volts("fixed").element("S", common::element("summer").cords("x1", ["+100"]));
-    let play = common::element("backlash").cord("in", "A").set("width", 10);
-    let kept = common::volts("kept").element("B", play);
-    let kept = kept.element("A", common::element("integrator").cords("x1", ["B"]).set("initial", 20));
-    let programs = [
-        (program(&common::slideway()), 40),
-        (common::built(kept), 30),
-        // A kernel so wide that few rows fit into the cache, and one without any tests.
-        (chained(400), 1),
-        (common::built(fixed), 1),
-    ];
-    for (program, points_drawn) in programs {
-        let mut points = Points::new(&program);
-        for _ in 0..points_drawn {
-            points.draw(&mut dice);
-            let kernel = Kernel::new(&program, points.specialisation(), &element_outputs(&program)).unwrap();
-            let Some(mut alone) = points.frame(&kernel) else { continue };
-            kernel.evaluate_present(&mut alone, &program.tables);
-            alone.accept_present();
-            alone.reset_extremes();
-            let mut native = alone.clone();
-            let grid = Grid::new(10f64.powf(dice.uniform(-6.0, -3.0)));
-            let steps = Steps { begin: alone.time, grid, first: 1, count: 200 };
-            let taken = kernel.steps(&mut alone, &program.tables, &steps);
-            let code = Native::new(&kernel).unwrap();
-            assert_eq!(code.steps(&mut native, &program.tables, &steps), taken);
-            let [native, alone] = [&native, &alone].map(|frame| bits(&kernel, frame));
-            assert_eq!(native, alone, "after {taken} steps");
-            stopped[usize::from(taken < steps.count)] += 1;
-        }
-    }
-    assert!(stopped.iter().all(|often| *often >= 10), "{stopped:?}");
 }

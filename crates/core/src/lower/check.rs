@@ -23,7 +23,7 @@ const MAX_SETTLING_ROUNDS: usize = 1000;
 /// An invalid coefficient is reported alone, because every voltage that follows from it would be wrong as well. Else
 /// the list has the loops first, then an element whose mode does not settle, then the changes of parameters.
 pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
-    let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
+    let parameters: Vec<f64> = program.parameters.iter().map(|parameter| parameter.value).collect();
     let coefficients = program.prepare(&parameters);
     if let Some(InvalidCoefficient { coefficient, value, fault }) =
         program.first_invalid_coefficient(&coefficients)
@@ -56,7 +56,7 @@ fn initial_values(program: &Program, coefficients: &[f64]) -> [Vec<f64>; 4] {
     [
         program.lowered.states.iter().map(|state| coefficient(state.initial)).collect(),
         program.lowered.delays.iter().map(|delay| coefficient(delay.initial)).collect(),
-        program.lowered.kept.iter().map(|kept| coefficient(kept.initial)).collect(),
+        program.lowered.sampled.iter().map(|sampled| coefficient(sampled.initial)).collect(),
         program.initial_levels(coefficients),
     ]
 }
@@ -66,7 +66,7 @@ fn initial_values(program: &Program, coefficients: &[f64]) -> [Vec<f64>; 4] {
 /// Each round evaluates all voltages and then makes the changes of mode that are due. The faults are those of the last
 /// round, because the modes of earlier rounds are not those of the run.
 fn solve_initial_condition(program: &Program, parameters: &[f64], coefficients: &[f64]) -> InitialCondition {
-    let [mut states, delayed, kept, levels] = initial_values(program, coefficients);
+    let [mut states, delayed, sampled, levels] = initial_values(program, coefficients);
     let mut modes: Vec<f64> = program.lowered.modes.iter().map(|mode| mode.initial).collect();
     let (mut registers, mut scratch) = (vec![0.0; program.lowered.body.len()], Scratch::new(program));
     let mut unsettled = None;
@@ -79,7 +79,7 @@ fn solve_initial_condition(program: &Program, parameters: &[f64], coefficients: 
             time: 0.0,
             tables: &program.tables,
             delayed: &delayed,
-            kept: &kept,
+            sampled: &sampled,
             levels: &levels,
         };
         scratch.faults.clear();
@@ -98,9 +98,9 @@ fn solve_initial_condition(program: &Program, parameters: &[f64], coefficients: 
 /// The faults that are not consequences of others. A loop behind a faulty one has no voltages either, so its solution
 /// is not a number. If all faults are of this kind, all are kept.
 fn root_causes(mut faults: Vec<LoopFault>) -> Vec<LoopFault> {
-    let consequence = |fault: &LoopFault| fault.solutions == Solutions::NotANumber;
-    if !faults.iter().all(consequence) {
-        faults.retain(|fault| !consequence(fault));
+    let is_consequence = |fault: &LoopFault| fault.solutions == Solutions::NotANumber;
+    if !faults.iter().all(is_consequence) {
+        faults.retain(|fault| !is_consequence(fault));
     }
     faults
 }
@@ -132,11 +132,11 @@ fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
             .map(move |reader| (from as u32, *reader as u32))
     });
     let at_once = DiGraph::<(), ()>::from_edges(cords);
-    let own = NodeIndex::new(element);
-    let mut members = kosaraju_scc(&at_once).into_iter().find(|members| members.contains(&own))?;
+    let node = NodeIndex::new(element);
+    let mut members = kosaraju_scc(&at_once).into_iter().find(|members| members.contains(&node))?;
     members.sort_unstable();
-    let closed = members.len() > 1 || at_once.contains_edge(own, own);
-    closed.then(|| members.into_iter().map(NodeIndex::index).collect())
+    let is_loop = members.len() > 1 || at_once.contains_edge(node, node);
+    is_loop.then(|| members.into_iter().map(NodeIndex::index).collect())
 }
 
 /// The diagnostic for a loop without exactly one solution. Its position is that of the element that opens the loop.

@@ -4,7 +4,7 @@
 //! everything computed from it; the run checks these.
 
 use crate::circuit::Circuit;
-use crate::document::{Code, Diagnostic, ParameterChange, Phase, Span, format_number};
+use crate::document::{Code, Diagnostic, ParameterChange, Phase, Span, format_number, formula_diagnostic};
 use crate::ir::{InvalidCoefficient, Program, RunScope};
 use patchcord_expr::Formula;
 
@@ -15,9 +15,9 @@ const MAX_CHANGES: usize = 10_000;
 pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let mut run = DryRun {
         program,
-        parameters: program.parameters.iter().map(|slot| slot.value).collect(),
+        parameters: program.parameters.iter().map(|parameter| parameter.value).collect(),
         known: vec![true; program.parameters.len()],
-        changes_left: MAX_CHANGES,
+        remaining_changes: MAX_CHANGES,
         findings: Vec::new(),
     };
     run.phases(&circuit.run_plan().phases);
@@ -33,7 +33,7 @@ struct DryRun<'a> {
     /// Whether the value of each parameter is known. It is unknown if a signal affects it.
     known: Vec<bool>,
     /// Number of changes that may still be checked.
-    changes_left: usize,
+    remaining_changes: usize,
     /// The faults so far, at most one for each position in the document.
     findings: Vec<Diagnostic>,
 }
@@ -54,10 +54,10 @@ impl DryRun<'_> {
     /// than ten thousand changes.
     fn repeat(&mut self, times: u64, phases: &[Phase]) {
         for _ in 0..times {
-            let changes_left = self.changes_left;
+            let remaining_changes = self.remaining_changes;
             self.phases(phases);
             // A repetition without changes changes nothing the next time. Beyond the limit, the run checks.
-            if self.changes_left == changes_left || self.changes_left == 0 {
+            if self.remaining_changes == remaining_changes || self.remaining_changes == 0 {
                 return;
             }
         }
@@ -68,8 +68,8 @@ impl DryRun<'_> {
     /// All formulas are evaluated first: they use the values from before the phase. A parameter that is set to
     /// an unknown value keeps its old number and counts as unknown.
     fn set(&mut self, changes: &[ParameterChange]) {
-        self.changes_left = self.changes_left.saturating_sub(changes.len());
-        if self.changes_left == 0 {
+        self.remaining_changes = self.remaining_changes.saturating_sub(changes.len());
+        if self.remaining_changes == 0 {
             return;
         }
         let values: Vec<_> = changes.iter().filter_map(|change| self.value(change)).collect();
@@ -102,10 +102,7 @@ impl DryRun<'_> {
         match scope.value_for(index, &change.to.value) {
             Ok(value) => Some((index, self.in_si(index, value, change.to.span))),
             Err(error) => {
-                let inside = error.range.start + 1..error.range.end + 1;
-                let finding =
-                    Diagnostic::at(Code::BAD_FORMULA, change.to.span.subspan(&inside), error.message);
-                self.report(finding.maybe_hint(error.hint));
+                self.report(formula_diagnostic(Code::BAD_FORMULA, &change.to, error));
                 Some((index, None))
             }
         }
@@ -128,7 +125,7 @@ impl DryRun<'_> {
     }
 
     /// Checks every setting and every order of settings with the present parameter values. Nothing is checked while a
-    /// value is unknown, because any setting may depend on it. `span` is the place of the phase.
+    /// value is unknown, because any setting may depend on it. `span` is the position of the phase.
     fn check_settings(&mut self, span: Span) {
         if self.known.contains(&false) {
             return;
@@ -144,7 +141,7 @@ impl DryRun<'_> {
         }
     }
 
-    /// Reports a fault unless there already is one at the same place.
+    /// Reports a fault unless there already is one at the same position.
     fn report(&mut self, finding: Diagnostic) {
         if !self.findings.iter().any(|other| other.span == finding.span) {
             self.findings.push(finding);

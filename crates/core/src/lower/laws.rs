@@ -5,7 +5,7 @@
 //! in the law, so it panics.
 
 use super::Lowering;
-use crate::elements::{Default as SettingDefault, Family, Measure};
+use crate::elements::{Family, SettingDefault, SettingQuantity};
 use crate::ir::{Builder, Draft, Op, Register};
 use crate::patch::Amount;
 
@@ -29,7 +29,7 @@ impl Builder for Lowering<'_> {
             self.circuit.cords(self.draft.current).into_iter().filter(|(_, cord)| cord.input == input);
         cords
             .map(|(from, cord)| {
-                (cord.gain, self.draft.outputs[from].expect("a stage comes after those of its inputs"))
+                (cord.gain, self.draft.outputs[from].expect("a step comes after those of its inputs"))
             })
             .collect()
     }
@@ -58,7 +58,7 @@ impl Builder for Lowering<'_> {
     /// The word of the patch, or that of the default. Choices are stored as indices into the list of words.
     fn choice(&self, name: &str) -> &'static str {
         let settings = self.circuit.element(self.draft.current).kind.settings;
-        let Measure::Choice(words) = settings[self.setting(name)].measure else {
+        let SettingQuantity::Choice(words) = settings[self.setting(name)].quantity else {
             unreachable!("laws read only settings of this kind as a choice")
         };
         let chosen = match (self.amount(name), self.default(name)) {

@@ -16,8 +16,8 @@ use crate::circuit::{Circuit, EvaluationStep};
 use crate::document::Report;
 use crate::elements::{Family, OutputStage};
 use crate::ir::{
-    Builder, Declared, Draft, ElementOutput, Lamp, Loop, Op, ParameterSlot, Program, Register, Relation,
-    ScaleSlot, SettingOrder, SignalInfo, Switch,
+    Builder, Draft, ElementOutput, Lamp, Loop, Op, ParameterDeclaration, ParameterValue, Program, Register,
+    Relation, ScaleFactor, SettingOrder, SignalInfo, Switch,
 };
 use crate::machines::REFERENCE;
 use patchcord_expr::Dimension;
@@ -65,6 +65,31 @@ impl Program {
     }
 }
 
+/// Lowers a circuit, like [`Program::new`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// let ramp = ElementBuilder::new("integrator").cords("x1", ["+100"]);
+/// let patch = PatchBuilder::new("ramp").element("A1", ramp).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let program: Program = (&circuit).try_into()?;
+/// assert_eq!(program.states(), ["A1"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+impl TryFrom<&Circuit> for Program {
+    type Error = Box<Report>;
+
+    /// As [`Program::new`], with the same errors.
+    fn try_from(circuit: &Circuit) -> Result<Self, Self::Error> {
+        Program::new(circuit)
+    }
+}
+
 /// A circuit during lowering.
 struct Lowering<'c> {
     /// The checked circuit. Lowering reads it and never changes it.
@@ -83,14 +108,14 @@ impl<'c> Lowering<'c> {
     fn new(circuit: &'c Circuit) -> Self {
         let elements = circuit.elements();
         let parameters = circuit.parameters().map(|(name, parameter, value)| {
-            let declared = Declared {
+            let declared = ParameterDeclaration {
                 name: name.to_owned(),
                 per_unit: parameter.unit.factor(),
                 range: parameter.range,
                 unit: parameter.unit.text().to_owned(),
                 dimension: parameter.unit.dimension(),
             };
-            ParameterSlot { value: value * declared.per_unit, declared: Arc::new(declared) }
+            ParameterValue { value: value * declared.per_unit, declared: Arc::new(declared) }
         });
         let mut program = Program { parameters: parameters.collect(), ..Program::default() };
         program.lowered_mut().readers = circuit.all_readers();
@@ -107,21 +132,21 @@ impl<'c> Lowering<'c> {
     /// Emits the outputs in the order of evaluation, and lists their registers in the order of the circuit.
     fn outputs(&mut self) {
         let circuit = self.circuit;
-        circuit.evaluation_order().iter().for_each(|stage| self.stage(stage));
+        circuit.evaluation_order().iter().for_each(|step| self.step(step));
         self.draft.program.lowered_mut().elements = (self.circuit.elements().iter().zip(&self.draft.outputs))
             .map(|(element, register)| ElementOutput {
                 name: element.name.clone(),
-                register: register.expect("every element is in one stage"),
+                register: register.expect("every element is in one step"),
             })
             .collect();
     }
 
     /// Emits an element, or a loop with its elements. All voltages that it reads are emitted by now, except the unknown
     /// of a loop that contains it.
-    fn stage(&mut self, stage: &EvaluationStep) {
-        match stage {
+    fn step(&mut self, step: &EvaluationStep) {
+        match step {
             EvaluationStep::Element(element) => self.output(*element),
-            EvaluationStep::Loop { opener, inner } => self.close_loop(stage, *opener, inner),
+            EvaluationStep::Loop { opener, inner } => self.close_loop(step, *opener, inner),
         }
     }
 
@@ -157,10 +182,10 @@ impl<'c> Lowering<'c> {
     ///
     /// The tear is the unknown output of that element. While the elements inside are emitted, it takes the place of the
     /// output. The operations up to the recomputed output are the function whose fixed point the solver finds.
-    fn close_loop(&mut self, stage: &EvaluationStep, opened: usize, inside: &[EvaluationStep]) {
+    fn close_loop(&mut self, step: &EvaluationStep, opened: usize, inside: &[EvaluationStep]) {
         let index = self.draft.program.lowered.loops.len();
         let tear = self.builder().emit(Op::Tear(index as u32));
-        let names = stage.members().into_iter().map(|member| self.circuit.element(member).name.clone());
+        let names = step.members().into_iter().map(|member| self.circuit.element(member).name.clone());
         let is_open = self.circuit.element(opened).kind.output == OutputStage::OpenAmplifier;
         self.draft.program.lowered_mut().loops.push(Loop {
             tear,
@@ -169,7 +194,7 @@ impl<'c> Lowering<'c> {
             is_open,
         });
         self.draft.outputs[opened] = Some(tear);
-        inside.iter().for_each(|stage| self.stage(stage));
+        inside.iter().for_each(|step| self.step(step));
         self.output(opened);
         self.draft.program.lowered_mut().loops[index].result = self.draft.outputs[opened].unwrap_or(tear);
         // Readers use the tear. The recomputed output has a rounding error that is the tear's times the gain of the
@@ -212,8 +237,8 @@ impl<'c> Lowering<'c> {
     fn scales(&mut self) {
         for (index, (name, scale)) in self.circuit.patch().scales.iter().enumerate() {
             let per_volt = self.scale_coefficient(index);
-            let slot = ScaleSlot { name: name.clone(), per_volt, dimension: scale.unit.dimension() };
-            self.draft.program.lowered_mut().scales.push(slot);
+            let factor = ScaleFactor { name: name.clone(), per_volt, dimension: scale.unit.dimension() };
+            self.draft.program.lowered_mut().scales.push(factor);
         }
     }
 

@@ -4,7 +4,7 @@
 //! formula without names has no unit, so it is taken in the unit that its place expects.
 
 use super::Lowering;
-use crate::elements::{Default as SettingDefault, Measure, Setting};
+use crate::elements::{Setting, SettingDefault, SettingQuantity};
 use crate::ir::{Coefficient, Op, Register};
 use crate::patch::Amount;
 use patchcord_expr::{Callee, Expression, Formula, Function, Node, Operator};
@@ -50,7 +50,7 @@ impl Lowering<'_> {
             register,
             label,
             range,
-            whole: false,
+            is_whole: false,
             span,
         });
         self.draft.program.lowered.coefficients.len() as u32 - 1
@@ -73,7 +73,8 @@ impl Lowering<'_> {
             _ => return None,
         };
         let made = self.push_coefficient(register, self.label(row), row.coefficient_range());
-        self.draft.program.lowered_mut().coefficients[made as usize].whole = row.measure == Measure::Whole;
+        self.draft.program.lowered_mut().coefficients[made as usize].is_whole =
+            row.quantity == SettingQuantity::Whole;
         self.settings.insert((self.draft.current, index), made);
         Some(made)
     }
@@ -89,7 +90,7 @@ impl Lowering<'_> {
     /// volt in SI. A formula without names is in the unit of the drive's scale.
     fn setting_formula(&mut self, formula: &Formula, row: &Setting) -> Register {
         let value = self.expression(formula.root());
-        if !matches!(row.measure, Measure::Signal | Measure::SignalRate) {
+        if !matches!(row.quantity, SettingQuantity::Signal | SettingQuantity::SignalRate) {
             return value;
         }
         if row.range != row.coefficient_range() {
@@ -157,8 +158,7 @@ impl Lowering<'_> {
         if let Some(index) = self.circuit.derived_index(name) {
             return self.derived(index);
         }
-        let parameter = self.draft.program.parameters.iter().position(|slot| slot.declared.name == name);
-        let register = match parameter {
+        let register = match self.draft.program.parameter(name) {
             Some(index) => self.emit_prologue(Op::Parameter(index as u32)),
             None => self.emit_prologue(Op::Constant(self.circuit.time_scale())),
         };

@@ -8,6 +8,7 @@ mod unlimited;
 
 /// A kind of part that a machine has a limited number of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Part {
     /// A summing amplifier.
     Summer,
@@ -95,9 +96,10 @@ impl Part {
     }
 }
 
-/// A machine for which patches can be made.
+/// The description of a machine for which patches can be made. [`solve::Machine`](crate::solve::Machine) is a running
+/// machine.
 #[derive(Debug)]
-pub struct Machine {
+pub struct MachineModel {
     /// Its name in documents.
     pub name: &'static str,
     /// A description in one line.
@@ -126,10 +128,10 @@ pub const REFERENCE: f64 = 100.0;
 /// assert_eq!(names, ["solartron-1451", "unlimited"]);
 /// assert_eq!(DEFAULT_MACHINE.name, "unlimited");
 /// ```
-pub static ALL: &[&Machine] = &[&solartron_1451::MACHINE, &unlimited::MACHINE];
+pub static ALL: &[&MachineModel] = &[&solartron_1451::MACHINE, &unlimited::MACHINE];
 
 /// The machine of a patch that names none.
-pub static DEFAULT_MACHINE: &Machine = &unlimited::MACHINE;
+pub static DEFAULT_MACHINE: &MachineModel = &unlimited::MACHINE;
 
 /// The machine with this name.
 ///
@@ -142,11 +144,11 @@ pub static DEFAULT_MACHINE: &Machine = &unlimited::MACHINE;
 /// assert_eq!(machine.summer_gains, [1.0, 10.0]);
 /// assert!(find("lucidac").is_none());
 /// ```
-pub fn find(name: &str) -> Option<&'static Machine> {
+pub fn find(name: &str) -> Option<&'static MachineModel> {
     ALL.iter().copied().find(|machine| machine.name == name)
 }
 
-impl Machine {
+impl MachineModel {
     /// How many of a part the machine has. `None` if the number is unlimited.
     ///
     /// # Examples
@@ -161,7 +163,7 @@ impl Machine {
     /// ```
     pub fn count(&self, part: Part) -> Option<usize> {
         let inventory = self.inventory?;
-        Some(inventory.iter().find(|(owned, _)| *owned == part).map_or(0, |(_, count)| *count))
+        Some(inventory.iter().find(|(listed, _)| *listed == part).map_or(0, |(_, count)| *count))
     }
 }
 

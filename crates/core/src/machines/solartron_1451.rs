@@ -3,10 +3,10 @@
 //! Its gains are powers of ten, which the input resistors of the amplifiers give. Every other factor needs a
 //! potentiometer in front of an input. It has no relays, delay lines or function generators.
 
-use super::{Machine, Part};
+use super::{MachineModel, Part};
 
 /// Solartron 1451, as listed in section 8.1 of the thesis.
-pub static MACHINE: Machine = Machine {
+pub(super) static MACHINE: MachineModel = MachineModel {
     name: "solartron-1451",
     title: "Solartron 1451: valve amplifiers, chopper stabilised, ±100 V",
     source: "thesis, section 8.1",

@@ -35,7 +35,7 @@ fn messages_name_no_temporary_file() {
 #[test]
 fn two_paths_to_one_file_have_one_destination() {
     let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| destination(&folder.path().join(name)).unwrap();
+    let at = |name: &str| destination(folder.path().join(name)).unwrap();
     fs::create_dir(folder.path().join("inner")).unwrap();
     assert_eq!(at("new.csv"), at("inner/../new.csv"));
     assert_eq!(at("later/new.csv"), at("later/new.csv"));
@@ -49,7 +49,7 @@ fn a_folder_without_write_access_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     assert!(check_folder_writable(folder.path()).is_ok());
     assert_eq!(entry_count(folder.path()), 0);
-    assert!(check_folder_writable(Path::new("/proc")).is_err());
+    assert!(check_folder_writable("/proc").is_err());
 }
 
 #[cfg(unix)]

@@ -22,7 +22,7 @@ use patchcord_expr::{Unit, nearest};
 /// Fills the fields of a patch from the tree of its text.
 ///
 /// # Errors
-/// If the document is not an object, or is a document of another kind, such as an experiment.
+/// If the document is not an object, is a document of another kind, such as an experiment, or has no key "patchcord".
 pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic> {
     let mut findings = Findings::new();
     if let Some(finding) = DocumentKind::Patch.wrong_kind(root) {
@@ -64,20 +64,22 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     fields.finish(&mut findings);
     macros::expand_macros(macros, &element_section, patch, &mut findings);
     patch.element_section = element_section;
-    if patch.elements.is_empty() && patch.drives.is_empty() && !any_error(&findings) {
-        findings.push(empty_patch(root));
-    }
+    report_empty(patch, root, &mut findings);
     patch.findings = findings;
     Ok(())
 }
 
-/// The error for a patch without elements and drives, at the opening brace of the document.
-fn empty_patch(root: &Node) -> Diagnostic {
+/// Reports a patch without elements and drives, at the opening brace of the document. After other errors, the missing
+/// elements may be those that could not be read.
+fn report_empty(patch: &Patch, root: &Node, findings: &mut Findings) {
+    if any_error(findings) || !patch.elements.is_empty() || !patch.drives.is_empty() {
+        return;
+    }
     let opening = Span { start: root.span.start, end: root.span.start + 1 };
     let hint = "write \"elements\": {\"A1\": {\"kind\": \"summer\", \"in\": {\"x1\": [\"+100\"]}}}, or begin with \
                 `patchcord new`";
-    Diagnostic::at(Code::MISSING_KEY, opening, "the patch has neither elements nor drives: nothing can run")
-        .hint(hint)
+    let message = "the patch has neither elements nor drives: nothing can run";
+    findings.push(Diagnostic::at(Code::MISSING_KEY, opening, message).hint(hint));
 }
 
 /// The sections whose names other parts of the document refer to.

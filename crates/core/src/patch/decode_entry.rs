@@ -14,7 +14,7 @@ use super::table_file::{self, TablePurpose};
 use crate::document::fields::{Fields, Findings, flag, string, strings};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{Code, Diagnostic, Placed, Span, formula, suggestion};
-use crate::elements::{self, Default, Family, Jacks, Kind, Measure};
+use crate::elements::{self, Family, Kind, SettingDefault, SettingQuantity};
 use crate::machines::Part;
 
 /// Decodes an element or a drive. `None` if its kind cannot be read.
@@ -98,14 +98,13 @@ fn wrong_section_hint(family: Family, name: &str) -> Option<String> {
 /// The cords of an amplifier are in the object "in", by jack: `"in": {"x1": ["A1"], "x10": ["P2"]}`. Other elements
 /// have a key for each input: `"in": "A1"`.
 fn plugs(fields: &mut Fields<'_>, entry: &mut ElementEntry, findings: &mut Findings) {
-    let inputs = entry.kind.inputs;
-    if inputs.first().is_some_and(|main| main.jacks == Jacks::Gains) {
+    if entry.kind.has_gains() {
         if let Some(node) = fields.take("in") {
             jacks(node, entry, findings);
         }
         return;
     }
-    for input in inputs {
+    for input in entry.kind.inputs {
         match fields.take_with_key(input.name) {
             // Jacks with gains on an element without gains are decoded too, so that each of them is reported later.
             Some((_, node)) if matches!(node.value, Content::Object(_)) => jacks(node, entry, findings),
@@ -156,24 +155,26 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut ElementEntry, fin
     for (index, setting) in entry.kind.settings.iter().enumerate() {
         let Some(key) = setting.name.strip_prefix(prefix).filter(|key| !key.contains('.')) else { continue };
         let node = match setting.default {
-            Default::Required => fields.require(key, setting.description),
+            SettingDefault::Required => fields.require(key, setting.description),
             _ => fields.take(key),
         };
         let Some(node) = node else { continue };
-        match table_purpose(setting.measure, entry).filter(|_| matches!(node.value, Content::Object(_))) {
+        match table_purpose(setting.quantity, entry).filter(|_| matches!(node.value, Content::Object(_))) {
             Some(purpose) => {
                 entry.table_files.extend(table_file::decode_table_file(node, index, purpose, findings));
             }
-            None => entry.settings[index] = amount(node, key, setting.measure, entry, findings),
+            None => entry.settings[index] = amount(node, key, setting.quantity, entry, findings),
         }
     }
 }
 
 /// The purpose of the points of a setting. `None` if the setting does not consist of points.
-fn table_purpose(measure: Measure, entry: &ElementEntry) -> Option<TablePurpose> {
-    match measure {
-        Measure::Points => Some(TablePurpose::Time),
-        Measure::Curve(symmetry_setting) => Some(TablePurpose::Curve(symmetry(entry, symmetry_setting))),
+fn table_purpose(quantity: SettingQuantity, entry: &ElementEntry) -> Option<TablePurpose> {
+    match quantity {
+        SettingQuantity::Points => Some(TablePurpose::Time),
+        SettingQuantity::Curve(symmetry_setting) => {
+            Some(TablePurpose::Curve(symmetry(entry, symmetry_setting)))
+        }
         _ => None,
     }
 }
@@ -185,15 +186,15 @@ fn table_purpose(measure: Measure, entry: &ElementEntry) -> Option<TablePurpose>
 pub(super) fn amount(
     node: &Node,
     key: &str,
-    measure: Measure,
+    quantity: SettingQuantity,
     entry: &ElementEntry,
     findings: &mut Findings,
 ) -> Option<Placed<Amount>> {
-    let value = match measure {
-        Measure::Flag => Amount::Flag(flag(node, key, findings)?),
-        Measure::Choice(words) => Amount::Choice(choice(node, key, words, findings)?),
-        Measure::Points => Amount::Points(time_points(node, key, findings)?),
-        Measure::Curve(symmetry_setting) => {
+    let value = match quantity {
+        SettingQuantity::Flag => Amount::Flag(flag(node, key, findings)?),
+        SettingQuantity::Choice(words) => Amount::Choice(choice(node, key, words, findings)?),
+        SettingQuantity::Points => Amount::Points(time_points(node, key, findings)?),
+        SettingQuantity::Curve(symmetry_setting) => {
             Amount::Points(curve(node, key, symmetry(entry, symmetry_setting), findings)?)
         }
         _ => Amount::Formula(formula(node, key, findings)?.value),

@@ -88,10 +88,10 @@ fn zero_length(span: Span) -> Diagnostic {
 
 /// Reports a step or a recording interval that is longer than the longest phase.
 ///
-/// A run is as long as its longest sweep here: a longer step or interval would give a single sample.
+/// A run is as long as its longest repetition here: a longer step or interval would give a single sample.
 fn check_times_within_run(plan: &RunPlan, findings: &mut Findings) {
     let Some(phases) = plan.all_phases() else { return };
-    let longest = RunExtent::of(&phases).longest_sweep;
+    let longest = RunExtent::of(&phases).longest_repetition;
     for (key, time) in [("step", &plan.step), ("every", &plan.every)] {
         if let Some(time) = time.as_ref().filter(|time| time.value > longest) {
             let message = format!(

@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::edited_text::EditedText;
 use super::macros::{Instance, InstanceOutput, Macro, SectionEntry};
 use super::table_file::{PointsBySpan, TableFile};
-use crate::document::{Diagnostic, Phase, Placed, RangeViolation, Report, Span, parameter_in_si};
+use crate::document::{Diagnostic, ParameterRangeError, Phase, Placed, Report, Span, parameter_in_si};
 use crate::elements::Kind;
 use patchcord_expr::{Formula, Unit};
 
@@ -43,7 +43,7 @@ impl Parameter {
     ///
     /// # Errors
     /// If the value is not finite in SI units, or is outside the range.
-    pub(crate) fn in_si(&self, name: &str, value: f64) -> Result<f64, RangeViolation> {
+    pub(crate) fn in_si(&self, name: &str, value: f64) -> Result<f64, ParameterRangeError> {
         parameter_in_si(name, value, (self.unit.text(), self.unit.factor()), self.range)
     }
 }
@@ -59,7 +59,7 @@ pub struct Scale {
     pub span: Span,
 }
 
-/// The value of a setting, in the form that the setting's [`Measure`](crate::elements::Measure) requires.
+/// The value of a setting, in the form that its [quantity](crate::elements::SettingQuantity) requires.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Amount {
     /// A number or a formula.
@@ -189,7 +189,7 @@ pub(crate) struct UnreadNames {
 
 impl UnreadNames {
     /// Whether an unknown name may be an unread one, or a port ("L1.out") of an unread instance.
-    pub fn may_include(&self, name: &str) -> bool {
+    pub(crate) fn can_include(&self, name: &str) -> bool {
         self.has_unread_section || instance_prefixes(name).chain([name]).any(|name| self.names.contains(name))
     }
 }

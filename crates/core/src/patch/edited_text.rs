@@ -40,7 +40,7 @@ impl TextWithValue {
 
 impl EditedText {
     /// A text that has just been read, without edits.
-    pub fn unedited(text: &str) -> EditedText {
+    pub(super) fn unedited(text: &str) -> EditedText {
         EditedText {
             base: TextWithValue::new(text.to_owned()),
             batches: Vec::new(),
@@ -51,7 +51,7 @@ impl EditedText {
     }
 
     /// Adds a batch of edits. The document must contain every object that the edits refer to.
-    pub fn push(&mut self, batch: Vec<DocumentEdit>) {
+    pub(super) fn push(&mut self, batch: Vec<DocumentEdit>) {
         if let Some(rendered) = self.rendered.take() {
             self.base = rendered;
             self.batches.clear();
@@ -61,17 +61,17 @@ impl EditedText {
     }
 
     /// Whether there are edits since the text was read.
-    pub fn is_edited(&self) -> bool {
+    pub(super) fn is_edited(&self) -> bool {
         self.is_edited
     }
 
     /// The text with all edits.
-    pub fn text(&self) -> &str {
+    pub(super) fn text(&self) -> &str {
         &self.rendered().text
     }
 
     /// The JSON value of the text with all edits.
-    pub fn value(&self) -> &Value {
+    pub(super) fn value(&self) -> &Value {
         let document = self.rendered();
         document.value.get_or_init(|| root_of(&document.text).to_value())
     }

@@ -1,8 +1,8 @@
 //! Reads patches from files and texts, and writes them to files.
 //!
 //! Reading has three steps: the text is parsed to a tree, `decode` fills the fields of the patch, and `table_file`
-//! reads the tables that the patch refers to. Only a text that is not a JSON object is an error here. All other faults
-//! are findings of the patch.
+//! reads the tables that the patch refers to. Only a text that is not a JSON object with the key "patchcord" is an
+//! error here. All other faults are findings of the patch.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -19,8 +19,8 @@ impl Patch {
     /// Reads a patch from a file.
     ///
     /// # Errors
-    /// If the file cannot be read, is larger than 16 MB or is not a JSON object. Faults inside the object are reported
-    /// by [`Circuit::new`](crate::circuit::Circuit::new), all at once.
+    /// If the file cannot be read, is larger than 16 MB, or is not a JSON object with the key "patchcord". Faults
+    /// inside the object are reported by [`Circuit::new`](crate::circuit::Circuit::new), all at once.
     ///
     /// # Examples
     ///
@@ -45,7 +45,7 @@ impl Patch {
     /// Reports name the patch as `file`. Paths of tables in files are relative to the folder of `file`.
     ///
     /// # Errors
-    /// If the text is not a JSON object, or is longer than 16 MB.
+    /// If the text is not a JSON object with the key "patchcord", or is longer than 16 MB.
     ///
     /// # Examples
     ///
@@ -73,20 +73,18 @@ impl Patch {
     /// A byte order mark at the beginning of the text is ignored.
     ///
     /// # Errors
-    /// If the text is not a JSON object, or is longer than 16 MB.
+    /// If the text is not a JSON object with the key "patchcord", or is longer than 16 MB.
     ///
     /// # Examples
     ///
     /// ```
-    /// use std::path::Path;
-    ///
     /// use patchcord_core::patch::Patch;
     ///
-    /// let patch = Patch::parse_in(Path::new("patches"), "p.json", "\u{feff}{\"patchcord\": 1}")?;
+    /// let patch = Patch::parse_in("patches", "p.json", "\u{feff}{\"patchcord\": 1}")?;
     /// assert_eq!(patch.text(), "{\"patchcord\": 1}");
     /// # Ok::<(), Box<patchcord_core::document::Report>>(())
     /// ```
-    pub fn parse_in(folder: &Path, file: &str, text: &str) -> Result<Patch, Box<Report>> {
+    pub fn parse_in(folder: impl AsRef<Path>, file: &str, text: &str) -> Result<Patch, Box<Report>> {
         if text.len() > MAX_DOCUMENT_BYTES {
             return Err(document_too_large(file));
         }
@@ -95,14 +93,14 @@ impl Patch {
         let root = tree::parse(text).map_err(fail)?;
         let mut patch = Patch::empty(file, text);
         decode::document(&root, &mut patch).map_err(fail)?;
-        table_file::read_tables(&mut patch, folder);
+        table_file::read_tables(&mut patch, folder.as_ref());
         Ok(patch)
     }
 
     /// Makes a patch from a JSON value. The text of the patch is the value, printed with indentation.
     ///
     /// # Errors
-    /// If the value is not an object, or its text is longer than 16 MB.
+    /// If the value is not an object with the key "patchcord", or its text is longer than 16 MB.
     ///
     /// # Examples
     ///

@@ -8,6 +8,7 @@
 //! `render` then writes the edits into the text, which otherwise stays as it is.
 
 mod builder;
+mod cord_faults;
 mod decode;
 mod decode_curve;
 mod decode_entry;
@@ -15,20 +16,25 @@ mod decode_run;
 mod document;
 mod edit;
 mod edited_text;
+mod editor;
 mod file;
 mod macros;
 mod names;
+mod picture_entry;
 mod render;
 mod schema;
 mod table_file;
 
 pub use builder::{ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder};
+pub(crate) use cord_faults::{cord_hint, cord_notation, no_cord, outputs_tied};
 pub(crate) use document::UnreadNames;
 pub use document::{
     Amount, ElementEntry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Plug, RunPlan, Scale, Signal,
 };
-pub use edit::{Edit, EditError, PatchEditor};
+pub use edit::{Edit, EditError};
+pub use editor::PatchEditor;
 pub use macros::{DrivenJack, Instance, InstanceInput, InstanceSetting, Macro, MacroOutput, MacroSetting};
 pub use names::{check_output_name, check_quantity_name, duplicate_name};
+pub use picture_entry::PictureEntry;
 pub use schema::json_schema;
 pub use table_file::{time_order_hint, unreadable_unit};

@@ -4,7 +4,7 @@
 //! merges a batch into [`Edit`]s of different places, which hold complete values. [`splice`] then replaces the text of
 //! these places, from the end of the text to its beginning.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::edit::{Edit, EditError};
 use crate::document::tree::{self, Content, Node};
@@ -84,11 +84,11 @@ fn merge_edits(root: &Node, batch: &[DocumentEdit]) -> Result<Vec<Edit>, EditErr
                 if let Some(cords) = value_at(entry, jack, true) {
                     *cords = match cords.take() {
                         Value::Array(mut cords) => {
-                            cords.push(json!(from));
+                            cords.push(Value::from(from.as_str()));
                             Value::Array(cords)
                         }
-                        Value::String(only_cord) => json!([only_cord, from]),
-                        _ => json!([from]),
+                        Value::String(only_cord) => Value::from(vec![only_cord, from.clone()]),
+                        _ => Value::from(vec![from.clone()]),
                     };
                 }
             }

@@ -115,7 +115,7 @@ impl TableReader<'_> {
         if self.remaining_points.is_none() {
             let message =
                 format!("the tables of the patch have more than {MAX_TABLE_POINTS} points in total");
-            let hint = "record less often, or use one table in fewer places";
+            let hint = "use fewer rows, or fewer elements with tables";
             findings.push(Diagnostic::at(Code::BAD_TABLE, table_file.span, message).hint(hint));
             return None;
         }
@@ -219,11 +219,11 @@ impl TableFile {
 /// The fault of a comment line whose unit cannot be read.
 ///
 /// `name` is the name of the column, and `axis` is its index among the requested columns.
-pub fn unreadable_unit(name: &str, comment: &UnitComment, path: &Path, axis: usize) -> CsvFault {
+pub fn unreadable_unit(name: &str, comment: &UnitComment, path: impl AsRef<Path>, axis: usize) -> CsvFault {
     let message = format!(
         "line {} of {} gives \"{}\" as the unit of the column {name}, which is not a unit",
         comment.line,
-        path.display(),
+        path.as_ref().display(),
         excerpt(&comment.text)
     );
     let hint = format!("write \"# {name}: unit\" with nothing after the unit, or a comment without a colon");

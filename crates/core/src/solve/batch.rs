@@ -5,14 +5,14 @@
 //! again. So all results are the same, to the bit, as those of separate runs. All phases except operation are played on
 //! one machine after the other.
 
-use std::mem;
+mod member;
+
 use std::sync::Arc;
 
 use super::error::RunError;
-use super::fast_path::{FLUSH_INTERVAL, KernelRun};
-use super::observer::StepObserver as _;
+use super::fast_path::FLUSH_INTERVAL;
 use super::operation::Operation;
-use super::player::{OperatePhase, Player, begins_in_initial_condition};
+use super::player::{Player, has_initial_condition_first};
 use super::runge_kutta::MIN_STATE;
 use crate::document::{Phase, SwitchCondition};
 use crate::ir::Tables;
@@ -68,21 +68,21 @@ struct KernelWithTables<'a> {
 
 impl<'p, 'w> Batch<'p, 'w> {
     /// A batch of the machines of at most [`LANES`](crate::kernel::LANES) players.
-    pub fn new(players: Vec<Player<'p, 'w>>, backend: Backend) -> Self {
+    pub(super) fn new(players: Vec<Player<'p, 'w>>, backend: Backend) -> Self {
         let members = players.into_iter().map(|player| Member { player, outcome: Ok(()), operation: None });
         Batch { members: members.collect(), groups: Vec::new(), backend }
     }
 
     /// Plays all phases. A run always begins in initial condition, even if its first phase is another one.
-    pub fn run(&mut self, phases: &[Phase]) {
-        if !begins_in_initial_condition(phases) {
+    pub(super) fn run(&mut self, phases: &[Phase]) {
+        if !has_initial_condition_first(phases) {
             self.play(&Phase::InitialCondition);
         }
         self.play_all(phases);
     }
 
     /// The players in their order, each with the outcome of its run.
-    pub fn into_players(self) -> impl Iterator<Item = (Player<'p, 'w>, Result<(), RunError>)> {
+    pub(super) fn into_players(self) -> impl Iterator<Item = (Player<'p, 'w>, Result<(), RunError>)> {
         self.members.into_iter().map(|member| (member.player, member.outcome))
     }
 
@@ -131,7 +131,7 @@ impl<'p, 'w> Batch<'p, 'w> {
         let alone = self.members.iter_mut().enumerate().filter(|(lane, _)| !has_lane(grouped_lanes, *lane));
         alone.for_each(|(_, member)| member.continue_alone(next));
         for lane in 0..self.members.len() {
-            if !has_lane(grouped_lanes, lane) && self.shares_kernel(lane) {
+            if !has_lane(grouped_lanes, lane) && self.can_share_kernel(lane) {
                 self.join(lane);
             }
         }
@@ -151,7 +151,7 @@ impl<'p, 'w> Batch<'p, 'w> {
     }
 
     /// Whether enough members run the kernel of this member at the same step to make lanes faster.
-    fn shares_kernel(&self, lane: usize) -> bool {
+    fn can_share_kernel(&self, lane: usize) -> bool {
         let Some(position) = self.members[lane].position() else { return false };
         let is_same = |member: &&Member<'_, '_>| {
             member.position().is_some_and(|other| are_at_same_step(position, other))
@@ -311,113 +311,6 @@ impl LaneGroup {
     }
 }
 
-impl<'p> Member<'p, '_> {
-    /// Calls a function with the player, and keeps its error. Does nothing if the run has failed.
-    fn try_play(&mut self, play: impl FnOnce(&mut Player<'p, '_>) -> Result<(), RunError>) {
-        if self.outcome.is_ok() {
-            self.outcome = play(&mut self.player);
-        }
-    }
-
-    /// Begins a phase in which the machine operates; `None` if the phase is skipped or the run has failed.
-    fn begin_operating(&mut self, time: f64, until: Option<&SwitchCondition>) -> Option<OperatePhase<'p>> {
-        let (mut phase, mut operation) = (None, None);
-        self.try_play(|player| {
-            phase = player.begin_operating(time, until)?;
-            let time = phase.as_ref().map(|phase| phase.time);
-            operation = time.map(|time| player.machine.begin_operation(time)).transpose()?;
-            Ok(())
-        });
-        self.operation = operation;
-        phase
-    }
-
-    /// Ends the phase, after a shorter step if the phase is not a whole number of steps.
-    fn end_operating(&mut self, phase: OperatePhase<'p>) {
-        let operation = self.operation.take();
-        let Player { machine, recorder, .. } = &mut self.player;
-        let outcome = mem::replace(&mut self.outcome, Ok(()));
-        let outcome = outcome
-            .and_then(|()| operation.map_or(Ok(()), |operation| machine.end_operation(operation, recorder)));
-        self.outcome = self.player.end_operating(phase, outcome);
-    }
-
-    /// The present operation; `None` if it has no steps left or the run has failed.
-    fn active_operation(&self) -> Option<&Operation> {
-        self.operation.as_ref().filter(|operation| operation.steps.count > 0 && self.outcome.is_ok())
-    }
-
-    /// Whether the member has steps left in the present phase.
-    fn is_operating(&self) -> bool {
-        self.active_operation().is_some()
-    }
-
-    /// The kernel and the steps that are left; `None` if the machine is not on the fast path.
-    fn position(&self) -> Option<(KernelWithTables<'_>, Steps)> {
-        let (operation, machine) = (self.active_operation()?, &self.player.machine);
-        let shared = machine.fast_path.kernel(operation.active?);
-        Some((KernelWithTables { shared, tables: &machine.solver.setup.program.tables }, operation.steps))
-    }
-
-    /// The kernel run in progress; `None` if the machine is not on the fast path.
-    fn kernel_run(&mut self) -> Option<&mut KernelRun> {
-        Some(self.player.machine.fast_path.run_mut(self.operation?.active?))
-    }
-
-    /// Counts the steps that were taken in a group as work of this machine. The step of index `first` is then the next
-    /// one, at the problem time `time`.
-    fn count_steps(&mut self, first: u64, time: f64) {
-        let Some(operation) = &mut self.operation else { return };
-        let taken = first - operation.steps.first;
-        operation.count_taken(taken);
-        self.player.machine.count_kernel_steps(taken, time);
-    }
-
-    /// Notes that an event is due in the next step.
-    fn expect_event(&mut self) {
-        let active = self.operation.as_mut().and_then(|operation| operation.active.as_mut());
-        active.into_iter().for_each(|active| active.is_event_next = true);
-    }
-
-    /// Whether the member is in a group, but at another step than the group.
-    fn is_outdated(&self, steps: Steps) -> bool {
-        self.operation
-            .is_some_and(|operation| operation.active.is_some() && operation.steps.first != steps.first)
-    }
-
-    /// Whether a sample is due at the present time of the machine.
-    fn is_sample_due(&self) -> bool {
-        let Player { machine, recorder, .. } = &self.player;
-        recorder.due_sample(machine.time()).is_some()
-    }
-
-    /// Records the sample of a lane of a group, if it is due.
-    fn sample(&mut self, group: &LaneGroup, lane: usize) {
-        let Some(Operation { active: Some(active), .. }) = self.operation else { return };
-        let Player { machine, recorder, .. } = &mut self.player;
-        let run = machine.fast_path.run_mut(active);
-        group.lanes.export(&group.shared.kernel, lane, &mut run.frame);
-        recorder.sample_kernel(machine.solver.state.time, run);
-    }
-
-    /// The number of steps that the member can take in a group: up to the next sample or known jump; 0 if it is not on
-    /// the fast path.
-    fn steps_in_group(&self) -> u64 {
-        let Some(Operation { steps, active: Some(active), .. }) = self.active_operation() else { return 0 };
-        steps.until(self.player.recorder.next_sample()).min(active.steps_left)
-    }
-
-    /// Takes steps alone until the step of index `next` is the next one.
-    fn continue_alone(&mut self, next: u64) {
-        let is_operating = self.is_operating();
-        if let Some(operation) = self.operation.as_mut().filter(|_| is_operating) {
-            let Player { machine, recorder, .. } = &mut self.player;
-            let count = next.saturating_sub(operation.steps.first);
-            self.outcome = machine.continue_operation(operation, count, recorder);
-        }
-    }
-}
-
 /// The indices of the bits that are set, from the lowest.
 fn lanes(mut bits: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -433,67 +326,4 @@ fn has_lane(bits: u64, lane: usize) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::circuit::Circuit;
-    use crate::ir::Program;
-    use crate::patch::{ElementBuilder, PatchBuilder};
-    use crate::solve::RunSettings;
-    use crate::solve::run::prepare;
-
-    /// An integrator that a relay reverses at ±20 V, from many initial voltages.
-    fn programs() -> (Vec<Program>, RunSettings) {
-        let element = ElementBuilder::new;
-        let relay = element("relay").cord("in", "A1").cord("on", "+100").cord("off", "-100");
-        let patch = PatchBuilder::new("reversed")
-            .scale("volt", 1, "V")
-            .parameter("start", 0.0, "1", [-50.0, 50.0])
-            .element("K1", relay.set("pull_in", 20).set("drop_out", -20))
-            .element("A1", element("integrator").cords("x1", ["K1"]).set("initial", "start"))
-            .run(2.0, 1e-3)
-            .build()
-            .unwrap();
-        let circuit = Circuit::new(&patch).unwrap();
-        let program = Program::new(&circuit).unwrap();
-        let with_start = |run: u32| {
-            let mut program = program.clone();
-            program.set_parameters([("start", f64::from(run) - 8.0)]).unwrap();
-            program
-        };
-        let record = vec!["A1".to_owned()];
-        let settings = RunSettings { record, every: 0.01, ..RunSettings::of(&circuit).unwrap() };
-        ((0..16).map(with_start).collect(), settings)
-    }
-
-    /// Modes change at another instant in every run.
-    #[test]
-    fn members_stay_at_the_same_step_and_take_most_steps_in_groups() {
-        let (programs, settings) = programs();
-        let mut progress = vec![|_: f64| (); programs.len()];
-        let pairs = programs.iter().zip(&mut progress);
-        let players = pairs.map(|(program, progress)| prepare(program, &settings, progress).unwrap());
-        let mut batch = Batch::new(players.collect(), Backend::Lanes);
-        batch.play(&Phase::InitialCondition);
-        for member in &mut batch.members {
-            assert!(member.begin_operating(2.0, None).is_some());
-        }
-        let (mut next, mut grouped_steps) = (1, 0);
-        while batch.members.iter().any(Member::is_operating) {
-            let grouped_lanes = u64::from(batch.grouped_lanes().count_ones());
-            let first = next;
-            next = batch.run_block(first);
-            grouped_steps += grouped_lanes * (next - first);
-            let steps = batch.members.iter().map(|member| member.operation.unwrap().steps);
-            assert!(steps.clone().all(|steps| steps.first == next || steps.count == 0));
-        }
-        assert_eq!(next, 2001);
-        assert!(grouped_steps > 16 * 1600, "{grouped_steps}");
-    }
-
-    #[test]
-    fn lanes_are_listed_from_the_lowest_bit() {
-        assert!(lanes(0).next().is_none());
-        assert!(lanes(1 << 63 | 0b1010).eq([1, 3, 63]));
-        assert!(has_lane(0b1010, 3) && !has_lane(0b1010, 2));
-    }
-}
+mod tests;

@@ -45,7 +45,7 @@ pub(super) struct StepStart {
 
 impl StepBuffers {
     /// Buffers of the sizes that a program and a method need. All values are 0.
-    pub fn new(program: &Program, method: &Tableau) -> Self {
+    pub(super) fn new(program: &Program, method: &Tableau) -> Self {
         let zeros = |count: usize| vec![0.0; count];
         let (states, body, delays) =
             (program.lowered.states.len(), program.lowered.body.len(), program.lowered.delays.len());
@@ -65,7 +65,7 @@ impl StepBuffers {
     /// Samples of a voltage over the tried step: at both ends and at the two checked stages. `begin` and `end` are all
     /// voltages at the ends, and `voltage` chooses or computes one from them. `None` if the method does not check two
     /// stages.
-    pub fn samples(
+    pub(super) fn samples(
         &self,
         method: &Tableau,
         [begin, end]: [&[f64]; 2],

@@ -34,21 +34,43 @@ impl Machine<'_> {
     /// let mut machine = Machine::new(&program, 1e-3)?;
     /// machine.operate(0.5)?;
     /// let before = machine.voltage("A1")?;
-    /// machine.set("k", 0.0)?;
+    /// machine.set_parameter("k", 0.0)?;
     /// machine.operate(0.5)?;
     /// assert!((machine.voltage("A1")? - before).abs() < 1e-12);
-    /// assert_eq!(machine.set("q", 1.0).unwrap_err().code(), "unknown-parameter");
+    /// assert_eq!(machine.set_parameter("q", 1.0).unwrap_err().code(), "unknown-parameter");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn set(&mut self, name: &str, value: f64) -> Result<(), RunError> {
-        self.set_parameters(&[(name, value)])
+    pub fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), RunError> {
+        self.set_parameters([(name, value)])
     }
 
     /// Sets several parameters at one instant. Each change is a name and a value in the declared unit.
     ///
     /// # Errors
-    /// As for [`Machine::set`]. Nothing is changed then.
-    pub fn set_parameters(&mut self, changes: &[(&str, f64)]) -> Result<(), RunError> {
+    /// As for [`Machine::set_parameter`]. Nothing is changed then.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// let input = ElementBuilder::new("pot").cord("in", "+100").set("setting", "a");
+    /// let output = ElementBuilder::new("pot").cord("in", "P1").set("setting", "b");
+    /// let patch = PatchBuilder::new("pots").parameter("a", 0.5, "1", [0.0, 1.0]).parameter("b", 0.5, "1", [0.0, 1.0]);
+    /// let patch = patch.element("P1", input).element("P2", output).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let mut machine = Machine::new(&program, 1e-3)?;
+    /// machine.set_parameters([("a", 0.2), ("b", 0.1)])?;
+    /// assert!((machine.voltage("P2")? - 2.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn set_parameters(
+        &mut self,
+        changes: impl IntoIterator<Item = (impl AsRef<str>, f64)>,
+    ) -> Result<(), RunError> {
         // In initial condition, derivatives are taken at the new value. While running, a constant replaces the
         // parameter.
         let is_running = self.mode != MachineMode::InitialCondition;
@@ -60,14 +82,14 @@ impl Machine<'_> {
     /// missing row is zero. With `None` the derivatives of the parameters stay as they are.
     ///
     /// # Errors
-    /// As for [`Machine::set`], and if a derivative does not exist after the change. Nothing is changed then.
+    /// As for [`Machine::set_parameter`], and if a derivative does not exist after the change. Nothing is changed then.
     pub(super) fn set_with_slopes(
         &mut self,
-        changes: &[(&str, f64)],
+        changes: impl IntoIterator<Item = (impl AsRef<str>, f64)>,
         slopes: Option<&[Vec<f64>]>,
     ) -> Result<(), RunError> {
         let Solver { setup, state, .. } = &self.solver;
-        let changed = setup.program.changed_parameters(&state.parameters, changes.iter().copied())?;
+        let changed = setup.program.changed_parameters(&state.parameters, changes)?;
         let ChangedParameters { parameters, coefficients, changed } = changed;
         self.transaction(|machine| {
             machine.solver.enter_phase();

@@ -11,7 +11,7 @@ use super::tableau::{StageWeight, Tableau};
 impl Solver<'_> {
     /// Interpolates at a problem time within the last step, its ends included. States and voltages of that instant, and
     /// the slopes by parameters, are then in the buffers. States are clipped to their limits at the end of the step.
-    pub fn interpolate(&mut self, time: f64) {
+    pub(super) fn interpolate(&mut self, time: f64) {
         let Solver { setup, state, delay_lines, buffers, sensitivities } = self;
         let length = state.time - buffers.last.time;
         let curve = Curve::new(setup.method, length, (time - buffers.last.time) / length);
@@ -58,7 +58,7 @@ impl Curve {
 
     /// The value of a state, given by its index, from its values at both ends and the rates of the stages. The last of
     /// these rates is the rate at the end of the step.
-    pub fn value(&self, [from, to]: [f64; 2], rates: &[Vec<f64>], state: usize) -> f64 {
+    pub(super) fn value(&self, [from, to]: [f64; 2], rates: &[Vec<f64>], state: usize) -> f64 {
         self.states[0] * from
             + self.rates[0] * rates[0][state]
             + self.states[1] * to

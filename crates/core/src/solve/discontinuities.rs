@@ -19,7 +19,7 @@ pub(super) const INSTANT_TOLERANCE: f64 = 1e-9;
 
 impl Solver<'_> {
     /// Puts the inputs over the last step into the delay lines: at its end and, with step control, also within it.
-    pub fn record_delay_inputs(&mut self, control: Option<&StepControl>) {
+    pub(super) fn record_delay_inputs(&mut self, control: Option<&StepControl>) {
         record_within(self, control);
         let Solver { setup, state, delay_lines, sensitivities, .. } = self;
         for (line, delay) in delay_lines.iter_mut().zip(&setup.program.lowered.delays) {
@@ -31,7 +31,7 @@ impl Solver<'_> {
     }
 
     /// Records in the delay lines that their inputs may have a jump or a corner at the present instant.
-    pub fn record_discontinuity(&mut self) {
+    pub(super) fn record_discontinuity(&mut self) {
         let Solver { setup, state, delay_lines, sensitivities, .. } = self;
         for (line, delay) in delay_lines.iter_mut().zip(&setup.program.lowered.delays) {
             line.put_discontinuity(state.time, state.voltages[delay.input.index()], 0);

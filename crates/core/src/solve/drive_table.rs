@@ -7,6 +7,7 @@ use crate::ir::Program;
 
 /// Why the points of a drive cannot be set.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DriveTableError {
     /// No drive has this name. The field is the name.
     #[error("there is no drive {0}; choose a drive of kind \"table\"")]
@@ -18,22 +19,45 @@ pub enum DriveTableError {
     #[error("{0} needs at least one point")]
     NoPoints(String),
     /// A number of a point is not finite.
-    #[error("point {index} for {drive} must be two finite numbers")]
+    #[error("point {} for {drive} must be two finite numbers", .index + 1)]
     NotFinite {
         /// Name of the drive.
         drive: String,
-        /// Index of the point in the list, from 0.
+        /// Index of the point in the list, from 0. The message counts from 1.
         index: usize,
     },
     /// A point is not later than the point before it.
     #[error(
-        "point {index} for {drive} must be later than the point before it: times must be strictly increasing"
+        "point {} for {drive} must be later than the point before it: times must be strictly increasing",
+        .index + 1
     )]
     NotRising {
         /// Name of the drive.
         drive: String,
-        /// Index of the point in the list, from 0.
+        /// Index of the point in the list, from 0. The message counts from 1.
         index: usize,
+    },
+}
+
+/// Why the outputs of a function generator cannot be set.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CurveError {
+    /// No element has this name. The field is the name.
+    #[error("there is no element {0}; choose an element of kind \"function-generator\"")]
+    UnknownElement(String),
+    /// The element does not look up a curve. The field is its name.
+    #[error("{0} has no curve: only elements of kind \"function-generator\" have one")]
+    NotACurve(String),
+    /// The number of outputs differs from the number of points.
+    #[error("the curve of {element} has {points} points, but {outputs} outputs were given")]
+    WrongCount {
+        /// Name of the element.
+        element: String,
+        /// Number of points of its curve.
+        points: usize,
+        /// Number of outputs that were given.
+        outputs: usize,
     },
 }
 
@@ -89,10 +113,14 @@ pub fn set_drive_table(
 }
 
 /// Sets the outputs of a function generator without symmetry, in volts and in the order of its points. The inputs of
-/// the points stay. Returns false, and changes nothing, if no such element has this name and this number of points.
+/// the points stay.
 ///
 /// Outside the outermost points the curve still continues with its previous end segments. So the first two outputs must
 /// have been equal and must stay equal, and the last two likewise.
+///
+/// # Errors
+/// If no element has this name, it has no curve, or its curve does not have this number of points. Nothing is changed
+/// then.
 ///
 /// # Examples
 ///
@@ -107,18 +135,21 @@ pub fn set_drive_table(
 /// let curve = ElementBuilder::new("function-generator").cord("in", "+100").set("points", points);
 /// let patch = PatchBuilder::new("curve").element("F1", curve).build()?;
 /// let mut program = Program::new(&Circuit::new(&patch)?)?;
-/// assert!(set_curve(&mut program, "F1", &[-8.0, -8.0, 8.0, 8.0]));
+/// set_curve(&mut program, "F1", &[-8.0, -8.0, 8.0, 8.0])?;
 /// assert!((Machine::new(&program, 1e-3)?.voltage("F1")? - 8.0).abs() < 1e-12);
-/// // The curve has four points.
-/// assert!(!set_curve(&mut program, "F1", &[0.0, 1.0]));
+/// let error = set_curve(&mut program, "F1", &[0.0, 1.0]).unwrap_err();
+/// assert_eq!(error.to_string(), "the curve of F1 has 4 points, but 2 outputs were given");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn set_curve(program: &mut Program, element: &str, outputs: &[f64]) -> bool {
-    let table = program.element(element).and_then(|element| program.element_curve(element));
-    let Some(table) = table.filter(|table| program.tables[*table].len() == outputs.len()) else {
-        return false;
-    };
-    let points = program.tables[table].iter().zip(outputs).map(|(point, output)| [point[0], *output]);
-    program.set_points(table, points.collect());
-    true
+pub fn set_curve(program: &mut Program, element: &str, outputs: &[f64]) -> Result<(), CurveError> {
+    let name = || element.to_owned();
+    let index = program.element(element).ok_or_else(|| CurveError::UnknownElement(name()))?;
+    let table = program.element_curve(index).ok_or_else(|| CurveError::NotACurve(name()))?;
+    let points = &program.tables[table];
+    if points.len() != outputs.len() {
+        return Err(CurveError::WrongCount { element: name(), points: points.len(), outputs: outputs.len() });
+    }
+    let points = points.iter().zip(outputs).map(|(point, output)| [point[0], *output]).collect();
+    program.set_points(table, points);
+    Ok(())
 }

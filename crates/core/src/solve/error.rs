@@ -4,11 +4,9 @@
 //! the stable name for programs. [`RunError::element`] is the element whose line in the patch the command line prints.
 //! Options of the command line are not named here: the command line adds them.
 
-use std::fmt;
-
+use super::time_setting::TimeSetting;
 use crate::document::{format_number, range_violation};
 use crate::ir::SettingError;
-use crate::trace::Trace;
 
 /// Why a run stopped, or could not begin.
 ///
@@ -29,6 +27,7 @@ use crate::trace::Trace;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The output of an element is not a number.
     #[error(
@@ -81,14 +80,14 @@ pub enum RunError {
     },
     /// A mode changes, or a kink is crossed, so often that time would not advance (chatter).
     #[error(
-        "{element} switched more than {most} times within {within} s at t = {time} s: it chatters; {advice}",
+        "{element} switched more than {max} times within {within} s at t = {time} s: it chatters; {advice}",
         within = format_number(*within), time = format_number(*time)
     )]
     Chatter {
         /// Name of the element that switches, or whose curve has the kink.
         element: String,
         /// The largest number of changes allowed.
-        most: usize,
+        max: usize,
         /// The length of time for which that number is allowed, in problem seconds.
         within: f64,
         /// Problem time in seconds.
@@ -211,16 +210,22 @@ pub enum RunError {
         /// The value that was given, in seconds.
         value: f64,
     },
+    /// The time over which a machine is to operate is negative or not finite; 0 is allowed.
+    #[error("the time to operate must be finite and at least 0 s, got {value} s", value = format_number(*value))]
+    NotAnOperatingTime {
+        /// The value that was given, in problem seconds.
+        value: f64,
+    },
     /// The tolerance is too small or not finite.
     #[error(
-        "the tolerance must be finite and at least {least}, got {value}; rounding makes smaller errors impossible",
-        value = format_number(*value), least = format_number(*least)
+        "the tolerance must be finite and at least {min}, got {value}; rounding makes smaller errors impossible",
+        value = format_number(*value), min = format_number(*min)
     )]
     NotATolerance {
         /// The value that was given, as a share of 100 V.
         value: f64,
-        /// The least tolerance that is allowed, [`MIN_TOLERANCE`](crate::document::MIN_TOLERANCE).
-        least: f64,
+        /// The smallest tolerance that is allowed, [`MIN_TOLERANCE`](crate::document::MIN_TOLERANCE).
+        min: f64,
     },
     /// The step, or the time between samples, is longer than the run.
     #[error(
@@ -237,19 +242,19 @@ pub enum RunError {
     },
     /// The run would take too many steps, or an adaptive run has taken too many.
     #[error(
-        "the run would take {steps} steps, {work} at a million steps a second; at most {most} are allowed",
-        steps = format_number(*steps), work = computing_time(*steps), most = format_number(*most)
+        "the run would take {steps} steps, {work} at a million steps a second; at most {max} are allowed",
+        steps = format_number(*steps), work = computing_time(*steps), max = format_number(*max)
     )]
     TooManySteps {
         /// Steps of all phases, with repetitions.
         steps: f64,
         /// The largest number allowed.
-        most: f64,
+        max: f64,
     },
     /// A noise drive would draw too many numbers.
     #[error(
-        "{element} would draw {numbers} numbers in the run; at most {most} are allowed; choose a longer \"every\"",
-        numbers = format_number(*numbers), most = format_number(*most)
+        "{element} would draw {numbers} numbers in the run; at most {max} are allowed; choose a longer \"every\"",
+        numbers = format_number(*numbers), max = format_number(*max)
     )]
     NoiseTooFine {
         /// Name of the noise drive.
@@ -257,34 +262,38 @@ pub enum RunError {
         /// Numbers drawn in all phases, with repetitions.
         numbers: f64,
         /// The largest number allowed.
-        most: f64,
+        max: f64,
     },
     /// The run would record too many numbers for the memory.
     #[error(
-        "the run would record {numbers} numbers; at most {most} are allowed",
-        numbers = format_number(*numbers), most = format_number(*most)
+        "the run would record {numbers} numbers; at most {max} are allowed",
+        numbers = format_number(*numbers), max = format_number(*max)
     )]
     TooManyNumbers {
         /// The recorded numbers, with repetitions: times and signals of every sample, 16 numbers for every phase and
         /// every parameter set, and 6 for every phase and signal.
         numbers: f64,
         /// The largest number allowed.
-        most: f64,
+        max: f64,
     },
 }
 
 impl RunError {
-    /// The element that the error is about; `None` if it is not about one element. For a loop it is the member whose
-    /// output is the unknown.
+    /// The element of the patch that the error is about; `None` if it is not about one element. For a loop it is the
+    /// member whose output is the unknown.
     pub fn element(&self) -> Option<&str> {
         match self {
             RunError::NotANumber { element, .. }
             | RunError::Loop { opened: element, .. }
+            | RunError::DerivativeLost { element, .. }
             | RunError::Chatter { element, .. }
+            | RunError::StepTooShort { element, .. }
             | RunError::DelayTooShort { element, .. }
             | RunError::LagTooShort { element, .. }
-            | RunError::NoiseTooFine { element, .. }
-            | RunError::DerivativeLost { element, .. } => Some(element),
+            | RunError::StateOutsideRange { integrator: element, .. }
+            | RunError::NotARelay(element)
+            | RunError::UnknownPosition { relay: element, .. }
+            | RunError::NoiseTooFine { element, .. } => Some(element),
             _ => None,
         }
     }
@@ -312,57 +321,12 @@ impl RunError {
             RunError::EmptyRepeat => "empty-repeat",
             RunError::NoiseTooFine { .. } => "noise-too-fine",
             RunError::MissingTimes(_) => "missing-time",
-            RunError::NotATime { .. } => "not-a-time",
+            RunError::NotATime { .. } | RunError::NotAnOperatingTime { .. } => "not-a-time",
             RunError::NotATolerance { .. } => "not-a-tolerance",
             RunError::LongerThanRun { .. } => "longer-than-run",
             RunError::TooManySteps { .. } => "too-many-steps",
             RunError::TooManyNumbers { .. } => "too-many-numbers",
         }
-    }
-}
-
-/// The times in the settings of a run. An error names one of them in words and by its key in the patch.
-///
-/// # Examples
-///
-/// ```
-/// use patchcord_core::solve::TimeSetting;
-///
-/// assert_eq!(TimeSetting::Every.key(), "every");
-/// assert_eq!(TimeSetting::Every.to_string(), "the time between samples");
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TimeSetting {
-    /// Length of the run, or of a phase in which the machine operates.
-    Duration,
-    /// Length of a hold.
-    Hold,
-    /// Length of the solver's equal steps, or of the first step tried if steps adapt.
-    Step,
-    /// Time between recorded samples.
-    Every,
-}
-
-impl TimeSetting {
-    /// The key of the time in the `run` of a patch, or in a phase.
-    pub fn key(self) -> &'static str {
-        match self {
-            TimeSetting::Duration => "for",
-            TimeSetting::Hold => "hold",
-            TimeSetting::Step => "step",
-            TimeSetting::Every => "every",
-        }
-    }
-}
-
-impl fmt::Display for TimeSetting {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            TimeSetting::Duration => "the length of the run",
-            TimeSetting::Hold => "the length of a hold",
-            TimeSetting::Step => "the step",
-            TimeSetting::Every => "the time between samples",
-        })
     }
 }
 
@@ -380,42 +344,5 @@ fn computing_time(steps: f64) -> String {
         ..48.0 => format!("{hours:.0} hours"),
         ..17520.0 => format!("{:.0} days", hours / 24.0),
         _ => format!("{} years", format_number((hours / 8760.0).round())),
-    }
-}
-
-/// A run that stopped before its end, with the record up to the error.
-///
-/// # Examples
-///
-/// ```
-/// use patchcord_core::circuit::Circuit;
-/// use patchcord_core::ir::Program;
-/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-/// use patchcord_core::solve::{RunSettings, run};
-///
-/// // dx/dt = -x, from 50 V
-/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
-/// let patch = PatchBuilder::new("decay").element("A1", decay).run(1.0, 1e-3).build()?;
-/// let circuit = Circuit::new(&patch)?;
-/// let program = Program::new(&circuit)?;
-/// let stopped = run(&program, &RunSettings::of(&circuit)?.with_step(5.0)).unwrap_err();
-/// assert_eq!(stopped.error.code(), "longer-than-run");
-/// assert_eq!(stopped.to_string(), "the step is 5 s, longer than the run of 1 s");
-/// // The run did not begin.
-/// assert!(stopped.trace.is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{error}")]
-pub struct StoppedRun {
-    /// The reason why the run stopped.
-    pub error: RunError,
-    /// The samples, sweeps and phases before the error; empty if the run did not begin.
-    pub trace: Box<Trace>,
-}
-
-impl From<RunError> for StoppedRun {
-    fn from(error: RunError) -> Self {
-        StoppedRun { error, trace: Box::default() }
     }
 }

@@ -31,13 +31,13 @@ pub(super) enum Scope {
 
 impl Solver<'_> {
     /// Evaluates every voltage, rate and derivative at the present instant, after a jump there, and counts the work.
-    pub fn evaluate(&mut self, work: &mut WorkCounters) {
+    pub(super) fn evaluate(&mut self, work: &mut WorkCounters) {
         work.evaluations += 1;
         self.evaluate_now(Side::After);
     }
 
     /// Evaluates every voltage, rate and derivative at the present instant. It is not counted as work.
-    pub fn evaluate_now(&mut self, side: Side) {
+    pub(super) fn evaluate_now(&mut self, side: Side) {
         let Solver { setup, state, delay_lines, buffers, sensitivities } = self;
         present(setup.program, state, delay_lines, buffers, side);
         if let Some(sensitivities) = sensitivities {
@@ -71,7 +71,7 @@ fn present(
         time: state.time,
         tables: &program.tables,
         delayed: &buffers.delayed,
-        kept: &state.sampled,
+        sampled: &state.sampled,
         levels: &state.levels,
     };
     program.evaluate_range(
@@ -113,7 +113,7 @@ pub(super) fn trial(
         time,
         tables: &program.tables,
         delayed: &buffers.delayed,
-        kept: &state.sampled,
+        sampled: &state.sampled,
         levels: &state.levels,
     };
     program.evaluate_range(range, &from, &mut buffers.voltages, &mut buffers.evaluation);

@@ -166,13 +166,13 @@ impl Bracket {
         let value_range = self.high.value - self.low.value;
         self.width() <= SHARE_TOLERANCE
             || (self.width() <= SHARE_TOLERANCE_IN_ROUNDING
-                && self.passes_zero()
+                && self.has_sign_change()
                 && value_range <= VALUE_ROUNDING)
     }
 
     /// Whether the value rises through 0 between the ends. If several events are near each other, the value of this one
     /// may not.
-    fn passes_zero(&self) -> bool {
+    fn has_sign_change(&self) -> bool {
         self.low.value <= 0.0 && self.high.value >= 0.0 && self.low.value < self.high.value
     }
 
@@ -184,7 +184,7 @@ impl Bracket {
     /// The share to try next: the zero of the polynomial, or a share past it if the step must end past the event, or
     /// the middle. `tries` is the number of tries before.
     fn next(&self, tries: usize, must_pass: bool) -> f64 {
-        if !self.passes_zero() || (tries >= POLYNOMIAL_TRIES && tries.is_multiple_of(3)) {
+        if !self.has_sign_change() || (tries >= POLYNOMIAL_TRIES && tries.is_multiple_of(3)) {
             return self.low.share + 0.5 * self.width();
         }
         self.zero() + if must_pass { self.overshoot } else { 0.0 }

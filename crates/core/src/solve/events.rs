@@ -56,7 +56,7 @@ pub(super) struct EventState {
 
 impl EventState {
     /// The counts of a program, all 0.
-    pub fn new(program: &Program) -> Self {
+    pub(super) fn new(program: &Program) -> Self {
         EventState {
             changes: vec![0; program.lowered.modes.len()],
             crossings: vec![0; program.lowered.kinks.len() + program.lowered.guard_kinks.len()],
@@ -66,13 +66,13 @@ impl EventState {
     }
 
     /// Resets the counting span for a new initial condition.
-    pub fn reset(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.counted_since = 0.0;
     }
 
     /// Begins a new counting span at a problem time if `span` seconds have passed since the last began. With `None`
     /// every call begins one.
-    pub fn begin_counting(&mut self, time: f64, span: Option<f64>) {
+    pub(super) fn begin_counting(&mut self, time: f64, span: Option<f64>) {
         if span.is_none_or(|span| time - self.counted_since >= span) {
             self.counted_since = time;
             self.changes.fill(0);
@@ -287,7 +287,7 @@ pub(super) fn open_transitions<'a>(
 /// An event between the present and these voltages; `None` if there is none. Changes of mode come before kinks.
 pub(super) fn event_at(setup: &Setup<'_>, state: &SolverState, voltages: &[f64]) -> Option<Event> {
     let mut guards = open_transitions(setup.program, &state.modes).map(|transition| transition.guard);
-    let due = guards.find(|guard| guard.holds(voltages)).map(Event::ModeChange);
+    let due = guards.find(|guard| guard.is_due(voltages)).map(Event::ModeChange);
     due.or_else(|| kink_crossed(setup, &state.voltages, voltages))
 }
 
@@ -315,7 +315,7 @@ fn cross_kink(
     if let Some(kink) =
         solver.setup.kinks().nth(index).filter(|_| events.crossings[index] > MAX_EVENTS_PER_SPAN)
     {
-        return Err(chatter(&solver.setup, solver.state.time, kink.element, ChatterRemedy::None));
+        return Err(chatter(&solver.setup, solver.state.time, kink.element, ChatterRemedy::Input));
     }
     solver.record_discontinuity();
     Ok(())
@@ -330,8 +330,8 @@ fn chatter(setup: &Setup<'_>, time: f64, element: usize, remedy: ChatterRemedy) 
         (ChatterRemedy::Rest, _) => "give it a larger \"rest\": a rebound below it ends at the stop",
         (ChatterRemedy::Hysteresis, false) => "give it hysteresis, or choose a shorter step",
         (ChatterRemedy::Hysteresis, true) => "give it hysteresis",
-        (ChatterRemedy::None, false) => "find out why its input oscillates, or choose a shorter step",
-        (ChatterRemedy::None, true) => "find out why its input oscillates",
+        (ChatterRemedy::Input, false) => "find out why its input oscillates, or choose a shorter step",
+        (ChatterRemedy::Input, true) => "find out why its input oscillates",
     };
-    RunError::Chatter { element, most: MAX_EVENTS_PER_SPAN as usize, within, time, advice }
+    RunError::Chatter { element, max: MAX_EVENTS_PER_SPAN as usize, within, time, advice }
 }

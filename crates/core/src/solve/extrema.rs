@@ -23,7 +23,11 @@ impl Solver<'_> {
     /// The maximum of a voltage above `high` and its minimum below `low` within the last step, each as problem time and
     /// volts; `None` for an extremum inside this range. The order is that of the turning points of the samples. The
     /// buffers are overwritten by interpolation.
-    pub fn extrema_outside(&mut self, register: Register, [low, high]: [f64; 2]) -> [Option<(f64, f64)>; 2] {
+    pub(super) fn extrema_outside(
+        &mut self,
+        register: Register,
+        [low, high]: [f64; 2],
+    ) -> [Option<(f64, f64)>; 2] {
         let mut extrema = [None; 2];
         let (state, buffers) = (&self.state, &self.buffers);
         let ends = [&buffers.last.voltages, &state.voltages].map(Vec::as_slice);

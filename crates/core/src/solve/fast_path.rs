@@ -7,27 +7,24 @@
 //!
 //! Runs with and without the fast path give the same results, apart from rounding.
 
-use std::mem;
+mod kernel_run;
+mod trial;
+
 use std::sync::Arc;
 
-use super::dense_output::hermite;
 use super::discontinuities::{INSTANT_TOLERANCE, end_of_kernel_run};
 use super::error::RunError;
 use super::evaluate::Side;
-use super::event_location::{EventFunction, first_event};
 use super::lamps::Lamps;
 use super::machine::Machine;
 use super::observer::StepObserver;
 use super::runge_kutta::flush_tiny_states;
 use super::state::{Solver, SolverState};
-use crate::delay_line::DelayLine;
 use crate::ir::{Program, Register};
-use crate::kernel::{
-    AmplifierState, Backend, Frame, Kernels, LookResult, SharedKernel, Specialisation, Steps, WatchHit,
-    WatchKind,
-};
+use crate::kernel::{AmplifierState, Backend, Frame, Kernels, SharedKernel, Specialisation, Steps};
 use crate::machines::REFERENCE;
 use crate::trace::WorkCounters;
+use trial::TrialEnd;
 
 /// Number of steps of the grid after which states below [`MIN_STATE`](super::runge_kutta::MIN_STATE) are set to 0.
 /// From there a decay needs many more steps to reach subnormal numbers.
@@ -65,7 +62,7 @@ pub(super) struct KernelRun {
     pub frame: Frame<f64>,
     /// Whether the factors have to be calculated from the coefficients before the next start: at first, after a change
     /// of coefficients, and after the kernel was invalid.
-    needs_factors: bool,
+    has_outdated_factors: bool,
 }
 
 /// A kernel run in progress. It stays valid until the machine leaves the fast path.
@@ -96,7 +93,7 @@ pub(super) enum Halt {
 
 impl FastPath {
     /// A fast path with the default backend that records nothing.
-    pub fn new(program: &Program) -> Self {
+    pub(super) fn new(program: &Program) -> Self {
         FastPath {
             backend: Backend::default(),
             recorded_registers: Vec::new(),
@@ -106,22 +103,22 @@ impl FastPath {
     }
 
     /// Drops all kernels, and sets another backend and other recorded voltages.
-    pub fn restart(&mut self, backend: Backend, recorded_registers: Vec<Register>) {
+    pub(super) fn restart(&mut self, backend: Backend, recorded_registers: Vec<Register>) {
         (self.backend, self.recorded_registers, self.runs) = (backend, recorded_registers, Vec::new());
     }
 
     /// Marks the factors of all kernels as outdated. Call it after coefficients changed.
-    pub fn invalidate_factors(&mut self) {
-        self.runs.iter_mut().for_each(|run| run.needs_factors = true);
+    pub(super) fn invalidate_factors(&mut self) {
+        self.runs.iter_mut().for_each(|run| run.has_outdated_factors = true);
     }
 
     /// The kernel run in progress.
-    pub fn run_mut(&mut self, active: ActiveRun) -> &mut KernelRun {
+    pub(super) fn run_mut(&mut self, active: ActiveRun) -> &mut KernelRun {
         &mut self.runs[active.run]
     }
 
     /// The kernel of the run in progress.
-    pub fn kernel(&self, active: ActiveRun) -> &Arc<SharedKernel> {
+    pub(super) fn kernel(&self, active: ActiveRun) -> &Arc<SharedKernel> {
         &self.runs[active.run].shared
     }
 
@@ -144,113 +141,8 @@ impl FastPath {
         if self.runs.len() == MAX_RUNS {
             self.runs.remove(0);
         }
-        self.runs.push(KernelRun { shared, backend: self.backend, frame, needs_factors: true });
+        self.runs.push(KernelRun { shared, backend: self.backend, frame, has_outdated_factors: true });
         Some(self.runs.len() - 1)
-    }
-}
-
-impl KernelRun {
-    /// Takes over the state and the delay lines of a machine. Returns whether the kernel is valid there. If not, the
-    /// delay lines are returned.
-    fn start(&mut self, program: &Program, state: &SolverState, delay_lines: &mut Vec<DelayLine>) -> bool {
-        self.swap_delay_lines(delay_lines);
-        let is_valid = self.begin(program, state);
-        if !is_valid {
-            self.swap_delay_lines(delay_lines);
-        }
-        is_valid
-    }
-
-    /// Copies the state of a machine into the frame and evaluates it. Returns whether the kernel is valid there.
-    fn begin(&mut self, program: &Program, state: &SolverState) -> bool {
-        let (kernel, frame) = (&self.shared.kernel, &mut self.frame);
-        frame.set_held_inputs(kernel, &state.sampled, &state.levels);
-        frame.states.copy_from_slice(&state.states);
-        frame.rates.copy_from_slice(&state.rates);
-        frame.time = state.time;
-        let is_valid = kernel.settle(frame, program, &state.coefficients, self.needs_factors);
-        frame.reset_extremes();
-        self.needs_factors = !is_valid;
-        is_valid
-    }
-
-    /// Exchanges the delay lines of the frame with those of a machine.
-    fn swap_delay_lines(&mut self, delay_lines: &mut Vec<DelayLine>) {
-        mem::swap(&mut self.frame.lines[0], delay_lines);
-    }
-
-    /// Returns time, states, sampled values and delay lines to a machine.
-    fn return_state(&mut self, state: &mut SolverState, delay_lines: &mut Vec<DelayLine>) {
-        self.swap_delay_lines(delay_lines);
-        state.time = self.frame.time;
-        state.states.copy_from_slice(&self.frame.states);
-        state.sampled.copy_from_slice(self.frame.kept(&self.shared.kernel));
-    }
-
-    /// Crosses the corner at which the kernel is, and evaluates everything on the other side. Returns whether the
-    /// kernel is valid there.
-    fn cross_corner(&mut self, program: &Program, coefficients: &[f64], hit: WatchHit) -> bool {
-        let KernelRun { shared, frame, .. } = self;
-        let factors_fit = shared.kernel.switch_branch(frame, program, coefficients, hit);
-        self.evaluate_present(&program.tables);
-        let KernelRun { shared, frame, .. } = self;
-        let is_valid = shared.kernel.accept_present(frame) && factors_fit;
-        // A state that a limit holds from now on is exactly at the limit only after the corner.
-        shared.kernel.observe_present(frame);
-        self.needs_factors = !is_valid;
-        is_valid
-    }
-
-    /// A step of the kernel that was not tried yet. `work` counts its evaluations.
-    #[inline]
-    fn trial<'a>(&'a mut self, tables: &'a [Vec<[f64; 2]>], work: &'a mut WorkCounters) -> KernelTrial<'a> {
-        let KernelRun { shared, frame, backend, .. } = self;
-        KernelTrial { shared, backend: *backend, frame, tables, work, last: LookResult::Quiet }
-    }
-
-    /// Takes steps of a grid until an event is due in the next one, and returns the number of steps taken. If
-    /// `keeps_trail`, the recorded voltages at the end of each step are stored.
-    fn steps(&mut self, tables: &[Vec<[f64; 2]>], steps: &Steps, keeps_trail: bool) -> u64 {
-        self.frame.record_trail(keeps_trail);
-        self.shared.steps(&mut self.frame, tables, steps, self.backend)
-    }
-
-    /// The problem time in seconds.
-    pub fn time(&self) -> f64 {
-        self.frame.time
-    }
-
-    /// Evaluates the recorded voltages at a problem time within the last step, by the cubic through its ends.
-    pub fn interpolate(&mut self, tables: &[Vec<[f64; 2]>], time: f64) {
-        let (kernel, frame) = (&self.shared.kernel, &mut self.frame);
-        let [begin, length] = kernel.last_step(frame);
-        kernel.set_past_inputs(frame, tables, time, hermite(length, (time - begin) / length));
-        self.shared.evaluate(frame, tables, self.backend);
-    }
-
-    /// Evaluates the recorded voltages at the present time and states.
-    pub fn evaluate_present(&mut self, tables: &[Vec<[f64; 2]>]) {
-        self.shared.kernel.set_present_inputs(&mut self.frame, tables);
-        self.shared.evaluate(&mut self.frame, tables, self.backend);
-    }
-
-    /// The recorded voltages at the end of one of the steps taken last, which were stored. Steps count from 0.
-    pub fn voltages_after(&self, step: u64) -> impl Iterator<Item = f64> + '_ {
-        let kernel = &self.shared.kernel;
-        (0..kernel.recorded.len()).map(move |index| self.frame.recorded_after(kernel, step, index))
-    }
-
-    /// The recorded voltages at the instant that was evaluated last, in volts, in the order of the tracks.
-    pub fn voltages(&self) -> impl Iterator<Item = f64> + '_ {
-        let kernel = &self.shared.kernel;
-        (0..kernel.recorded.len()).map(|index| self.frame.last_recorded(kernel, index))
-    }
-
-    /// The minimum and the maximum of every recorded voltage since the kernel was entered, each as problem time and
-    /// volts, in order of time; `None` for a voltage that is constant or linear in time.
-    pub fn extremes(&self) -> impl Iterator<Item = Option<[(f64, f64); 2]>> + '_ {
-        let kernel = &self.shared.kernel;
-        (0..kernel.recorded.len()).map(|index| self.frame.extremes(kernel, index))
     }
 }
 
@@ -372,22 +264,16 @@ fn run_steps(
     let mut taken = 0;
     while taken < steps.count {
         let remaining = steps.after(taken);
-        // Tiny states are flushed on a separate grid, so that recording changes no bit.
-        let flush_block =
-            Steps { count: remaining.up_to_multiple_of(FLUSH_INTERVAL).min(remaining.count), ..remaining };
-        let keeps_trail = run.shared.keeps_trail(run.backend);
-        let count = match keeps_trail {
-            true => observer.steps_before_inner_sample(flush_block),
-            false => flush_block.until(observer.next_sample()),
-        };
+        let has_trail = run.shared.can_keep_trail(run.backend);
+        let count = block_length(remaining, has_trail, observer);
         let block = Steps { count: if is_event_next { 0 } else { count }, ..remaining };
-        let done = run.steps(&program.tables, &block, keeps_trail);
+        let done = run.steps(&program.tables, &block, has_trail);
         is_event_next = false;
         work.steps += done;
         work.evaluations += 4 * done;
         if done > 0 {
             state.time = run.frame.time;
-            match keeps_trail {
+            match has_trail {
                 true => {
                     observer.kernel_stepped_recording(state.time, run, Steps { count: done, ..remaining })
                 }
@@ -407,6 +293,18 @@ fn run_steps(
         }
     }
     (taken, Halt::Completed)
+}
+
+/// The number of steps up to the next sample or the next flush of tiny states. If `has_trail`, samples at the ends of
+/// steps are written afterwards, and only a sample within a step ends the block.
+fn block_length(remaining: Steps, has_trail: bool, observer: &impl StepObserver) -> u64 {
+    // Tiny states are flushed on a separate grid, so that recording changes no bit.
+    let flush_block =
+        Steps { count: remaining.up_to_multiple_of(FLUSH_INTERVAL).min(remaining.count), ..remaining };
+    match has_trail {
+        true => observer.steps_before_inner_sample(flush_block),
+        false => flush_block.until(observer.next_sample()),
+    }
 }
 
 /// Runs a kernel to the problem time `end`, and crosses every corner before it. Each pass of the loop tries a step to
@@ -456,110 +354,4 @@ fn step_across(
         }
     }
     Halt::Unsupported
-}
-
-/// A tried step of a kernel, in which events are located. Its values are in volts, as those of the machine.
-struct KernelTrial<'a> {
-    /// The kernel.
-    shared: &'a SharedKernel,
-    /// The backend that evaluates the step.
-    backend: Backend,
-    /// The variables of the kernel.
-    frame: &'a mut Frame<f64>,
-    /// The points of all tables of the program.
-    tables: &'a [Vec<[f64; 2]>],
-    /// Counts the evaluations of all tries and the accepted steps.
-    work: &'a mut WorkCounters,
-    /// The result of the step tried last.
-    last: LookResult,
-}
-
-/// How a tried step of a kernel ends.
-#[derive(Debug, Clone, Copy)]
-enum TrialEnd {
-    /// The kernel is on this corner, and leaves it on the other side than that of its branch.
-    OnCorner(WatchHit),
-    /// The kernel halts before the end of the step.
-    Halted(Halt),
-    /// The step can be accepted.
-    At {
-        /// The problem time at its end, in seconds.
-        time: f64,
-        /// The corner at its end, if there is one.
-        corner: Option<WatchHit>,
-    },
-}
-
-impl KernelTrial<'_> {
-    /// Tries a step to the end of the present piece, at most to the problem time `end`, and locates the first event in
-    /// it.
-    #[inline]
-    fn locate_end(&mut self, end: f64) -> TrialEnd {
-        let target = self.shared.kernel.end_of_piece(self.frame, end);
-        let length = target - self.frame.time;
-        self.evaluate(length);
-        if let Some(hit) = self.shared.kernel.passed_corner(self.frame) {
-            return TrialEnd::OnCorner(hit);
-        }
-        // The machine takes the step if a range ends.
-        if self.event().is_some_and(|hit| hit.kind == WatchKind::Range) {
-            return TrialEnd::Halted(Halt::Unsupported);
-        }
-        let (share, corner) = first_event(self, length, None);
-        let time = if share >= 1.0 { target } else { self.frame.time + share * length };
-        match corner.map(|hit| hit.kind) {
-            Some(WatchKind::Guard) => TrialEnd::Halted(Halt::ModeChange(share * length)),
-            Some(WatchKind::Range) => TrialEnd::Halted(Halt::Unsupported),
-            _ => TrialEnd::At { time, corner },
-        }
-    }
-
-    /// Accepts the tried step, which ends at this problem time. `is_at_corner` is whether it ends at a corner.
-    #[inline]
-    fn accept(&mut self, time: f64, is_at_corner: bool) {
-        self.work.steps += 1;
-        self.shared.kernel.accept_step(self.frame, time);
-        if is_at_corner {
-            self.shared.kernel.mark_discontinuity(self.frame);
-        }
-    }
-
-    /// Accepts the tried step up to a jump at this problem time, which the machine handles.
-    fn accept_up_to(&mut self, time: f64) {
-        self.work.steps += 1;
-        self.shared.kernel.accept_step_before_jump(self.frame, time);
-    }
-}
-
-impl EventFunction for KernelTrial<'_> {
-    type Event = WatchHit;
-
-    fn evaluate(&mut self, length: f64) {
-        self.work.evaluations += 4;
-        self.last = self.shared.look(self.frame, self.tables, length, self.backend);
-    }
-
-    fn event(&self) -> Option<WatchHit> {
-        if self.last == LookResult::AtEnd { self.shared.kernel.first_hit(self.frame) } else { None }
-    }
-
-    fn has_hint(&self) -> bool {
-        self.last == LookResult::Inside
-    }
-
-    fn hint_share(&self) -> f64 {
-        0.5
-    }
-
-    fn present_value(&self, hit: WatchHit) -> f64 {
-        self.shared.kernel.value_now(self.frame, hit)
-    }
-
-    fn value(&self, hit: WatchHit) -> f64 {
-        self.shared.kernel.value(self.frame, hit)
-    }
-
-    fn tolerance(&self, hit: WatchHit) -> f64 {
-        hit.tolerance()
-    }
 }

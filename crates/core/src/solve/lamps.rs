@@ -39,7 +39,7 @@ pub(super) struct LitLamp {
 
 impl Lamps {
     /// The lamps of a program, able to light and all off.
-    pub fn new(program: &Program) -> Self {
+    pub(super) fn new(program: &Program) -> Self {
         Lamps {
             is_on: true,
             lit: vec![None; program.lowered.elements.len()],
@@ -48,18 +48,18 @@ impl Lamps {
     }
 
     /// Turns all lamps off for a new initial condition.
-    pub fn reset(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.lit.fill(None);
         self.overdrive.fill(0.0);
     }
 
     /// Whether any lamp is lit.
-    pub fn is_any_lit(&self) -> bool {
+    pub(super) fn is_any_lit(&self) -> bool {
         self.lit.iter().any(Option::is_some)
     }
 
     /// The overloads in the order in which the lamps lit, each with the name of the overloaded element that caused it.
-    pub fn history(&self, program: &Program) -> Vec<Overload> {
+    pub(super) fn history(&self, program: &Program) -> Vec<Overload> {
         let mut lit: Vec<LitLamp> = self.lit.iter().flatten().copied().collect();
         lit.sort_by(|a, b| a.time.total_cmp(&b.time));
         let elements: Vec<usize> = lit.iter().map(|lamp| lamp.element).collect();
@@ -75,7 +75,7 @@ impl Lamps {
 
     /// Lights the lamps of amplifiers whose demand exceeded ±100 V within the last step or at its end, and raises the
     /// peaks of those that are lit.
-    pub fn check_amplifiers(&mut self, solver: &mut Solver<'_>) {
+    pub(super) fn check_amplifiers(&mut self, solver: &mut Solver<'_>) {
         let program = solver.setup.program;
         for lamp in &program.lowered.lamps {
             let peak = self.lit[lamp.element].map_or(LAMP_THRESHOLD, |lit| lit.peak);
@@ -99,7 +99,7 @@ impl Lamps {
     /// Lights the lamps of integrators that were held at ±100 V over the last step and driven further. The drive of a
     /// step is the mean of both ends: it ends within a step if its sign changes. The overdrive of a lag decays with the
     /// time constant of the lag.
-    pub fn check_integrators(&mut self, program: &Program, state: &SolverState, start: &StepStart) {
+    pub(super) fn check_integrators(&mut self, program: &Program, state: &SolverState, start: &StepStart) {
         let length = state.time - start.time;
         for (index, integrator) in program.lowered.states.iter().enumerate() {
             let volts_before = start.states[index];

@@ -5,7 +5,7 @@
 
 use super::discontinuities::INSTANT_TOLERANCE;
 use super::error::RunError;
-use super::run::MAX_STEPS;
+use super::settings_check::MAX_STEPS;
 use super::state::{Setup, SolverState};
 use crate::grid::Grid;
 use crate::ir::{Distribution, Level, Noise, Program, Tables, held_value, points_passed};
@@ -70,7 +70,7 @@ impl NoiseSource {
 
 impl LevelSource {
     /// The sources of all levels of a program, each at its first value, in the order of `Program::levels`.
-    pub fn all(program: &Program, coefficients: &[f64]) -> Vec<Self> {
+    pub(super) fn all(program: &Program, coefficients: &[f64]) -> Vec<Self> {
         let source = |level: &Level| match level {
             Level::Noise(noise) => LevelSource::Noise(NoiseSource::new(noise, coefficients)),
             Level::Points { table } => LevelSource::Points { table: *table, passed: 0 },
@@ -118,7 +118,7 @@ impl LevelSource {
     }
 
     /// The problem time of the next jump; infinity after the last point of a table.
-    pub fn next(&self, tables: &Tables) -> f64 {
+    pub(super) fn next(&self, tables: &Tables) -> f64 {
         match self {
             LevelSource::Noise(source) => source.next(),
             LevelSource::Points { table, passed } => {
@@ -143,7 +143,7 @@ pub(super) fn jump_rate(program: &Program, sources: &[LevelSource]) -> f64 {
 
 impl SolverState {
     /// Makes the sources from the present coefficients, and moves all levels to the present time.
-    pub fn begin_levels(&mut self, setup: &Setup<'_>) {
+    pub(super) fn begin_levels(&mut self, setup: &Setup<'_>) {
         self.level_sources = LevelSource::all(setup.program, &self.coefficients);
         let (tables, tolerance) = (&setup.program.tables, INSTANT_TOLERANCE * setup.step);
         for (source, level) in self.level_sources.iter_mut().zip(&mut self.levels) {
@@ -153,7 +153,7 @@ impl SolverState {
     }
 
     /// Moves all levels forward to a problem time, and returns whether any of them jumped.
-    pub fn change_levels(&mut self, tables: &Tables, time: f64) -> bool {
+    pub(super) fn change_levels(&mut self, tables: &Tables, time: f64) -> bool {
         let mut has_jumped = false;
         for (source, level) in self.level_sources.iter_mut().zip(&mut self.levels) {
             if source.advance_to(tables, time) {
@@ -175,7 +175,7 @@ pub(super) fn check_noise(program: &Program, sources: &[LevelSource], length: f6
         let numbers = length * source.rate();
         if numbers > MAX_STEPS {
             let element = program.name(noise.element).to_owned();
-            return Err(RunError::NoiseTooFine { element, numbers, most: MAX_STEPS });
+            return Err(RunError::NoiseTooFine { element, numbers, max: MAX_STEPS });
         }
     }
     Ok(())

@@ -80,7 +80,7 @@ impl Solver<'_> {
             modes: &state.modes,
             time: state.time,
             delayed: &delayed.collect::<Vec<_>>(),
-            kept: &state.sampled,
+            sampled: &state.sampled,
             levels: &state.levels,
         };
         differentiate(setup.program, &point)

@@ -2,27 +2,28 @@
 //!
 //! The parts of a machine are separate fields, so that each function borrows only what it needs. Evaluation and steps
 //! need the [`Solver`]. Located events also need [`EventState`]. While no event is due, a kernel takes the steps
-//! ([`FastPath`]). This module contains construction, initial condition, measurements and the acceptance of a step. The
-//! loops that advance time are in `operation` and `events`.
+//! ([`FastPath`]). This module contains construction, initial condition and the acceptance of a step. The loops that
+//! advance time are in `operation` and `events`, and the measurements in `readings`.
 
 use super::buffers::StepBuffers;
 use super::controls::check_times;
-use super::error::{RunError, TimeSetting};
+use super::error::RunError;
 use super::evaluate::{Side, check_voltages};
 use super::events::{EventState, settle_modes};
 use super::fast_path::FastPath;
 use super::lamps::Lamps;
 use super::levels::{LevelSource, jump_rate};
 use super::observer::{NoObserver, StepObserver};
-use super::run::check_tolerance;
+use super::settings_check::check_tolerance;
 use super::state::{Setup, Solver, SolverState};
 use super::step_control::StepControl;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
+use super::time_setting::TimeSetting;
 use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::ir::Program;
 use crate::kernel::Backend;
-use crate::trace::{Overload, WorkCounters};
+use crate::trace::WorkCounters;
 
 /// The mode of operation of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,7 +168,7 @@ impl<'p> Machine<'p> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(RunError::NotATime { which: TimeSetting::Step, value: step });
         }
-        let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
+        let parameters: Vec<f64> = program.parameters.iter().map(|parameter| parameter.value).collect();
         let coefficients = program.prepare(&parameters);
         let setup = Setup { program, method, step, grid: Grid::new(step), is_adaptive: control.is_some() };
         let solver = Solver {
@@ -241,7 +242,7 @@ impl<'p> Machine<'p> {
     /// machine.operate(0.75)?;
     /// assert!((machine.time() - 1.0).abs() < 1e-12);
     /// let error = machine.operate(-1.0).unwrap_err();
-    /// assert_eq!(error.to_string(), "the length of the run must be positive and finite, got -1 s");
+    /// assert_eq!(error.to_string(), "the time to operate must be finite and at least 0 s, got -1 s");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn operate(&mut self, length: f64) -> Result<(), RunError> {
@@ -316,124 +317,6 @@ impl<'p> Machine<'p> {
             self.lamps.check_amplifiers(&mut self.solver);
         }
         Ok(())
-    }
-
-    /// The present voltage at the output of an element, drive or reference, in volts.
-    ///
-    /// # Errors
-    /// If no element, drive or reference has this name.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use patchcord_core::circuit::Circuit;
-    /// use patchcord_core::ir::Program;
-    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-    /// use patchcord_core::solve::Machine;
-    ///
-    /// // dx/dt = -x, from 50 V
-    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
-    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
-    /// let program = Program::new(&Circuit::new(&patch)?)?;
-    /// let machine = Machine::new(&program, 1e-3)?;
-    /// assert_eq!((machine.voltage("A1")?, machine.voltage("-100")?), (50.0, -100.0));
-    /// let error = machine.voltage("A2").unwrap_err();
-    /// assert_eq!(error.to_string(), "there is no element A2; choose a name from the patch");
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn voltage(&self, element: &str) -> Result<f64, RunError> {
-        let program = self.solver.setup.program;
-        let index = program.element(element).ok_or_else(|| RunError::UnknownElement(element.to_owned()))?;
-        Ok(self.solver.state.voltages[program.lowered.elements[index].register.index()])
-    }
-
-    /// The position of a switching element, such as "pulled-in"; `None` if the element has no positions or does not
-    /// exist.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use patchcord_core::circuit::Circuit;
-    /// use patchcord_core::ir::Program;
-    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-    /// use patchcord_core::solve::Machine;
-    ///
-    /// let relay = ElementBuilder::new("relay").cord("in", "+100").cord("on", "+100").cord("off", "-100");
-    /// let relay = relay.set("pull_in", 10).set("drop_out", 5);
-    /// let patch = PatchBuilder::new("comparator").element("K1", relay).build()?;
-    /// let program = Program::new(&Circuit::new(&patch)?)?;
-    /// let machine = Machine::new(&program, 1e-3)?;
-    /// assert_eq!((machine.position("K1"), machine.position("K2")), (Some("pulled-in"), None));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn position(&self, element: &str) -> Option<&'static str> {
-        let program = self.solver.setup.program;
-        let index = program.element(element)?;
-        let switch = program.lowered.switches.iter().find(|switch| switch.element == index)?;
-        switch.positions.get(self.solver.state.modes[switch.mode] as usize).copied()
-    }
-
-    /// The overloads since the last initial condition, in the order in which the lamps lit.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use patchcord_core::circuit::Circuit;
-    /// use patchcord_core::ir::Program;
-    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-    /// use patchcord_core::solve::Machine;
-    ///
-    /// // The demanded output is -1000 V.
-    /// let summer = ElementBuilder::new("summer").cords("x10", ["+100"]);
-    /// let patch = PatchBuilder::new("overload").element("S1", summer).build()?;
-    /// let program = Program::new(&Circuit::new(&patch)?)?;
-    /// let machine = Machine::new(&program, 1e-3)?;
-    /// assert!(machine.is_overloaded());
-    /// assert_eq!(machine.overloads()[0].element, "S1");
-    /// assert_eq!(machine.voltage("S1")?, -100.0);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn overloads(&self) -> Vec<Overload> {
-        self.lamps.history(self.solver.setup.program)
-    }
-
-    /// The steps, evaluations and events since the last initial condition.
-    pub fn work(&self) -> WorkCounters {
-        self.work
-    }
-
-    /// Whether any overload lamp is lit.
-    pub fn is_overloaded(&self) -> bool {
-        self.lamps.is_any_lit()
-    }
-
-    /// The present rates of the states, in volts per problem second, in the order of [`Program::states`]. A state that
-    /// is held at a limit has rate 0.
-    pub fn rates(&self) -> &[f64] {
-        &self.solver.state.rates
-    }
-
-    /// The present states (outputs of integrators and lags), in volts, in the order of [`Program::states`].
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use patchcord_core::circuit::Circuit;
-    /// use patchcord_core::ir::Program;
-    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-    /// use patchcord_core::solve::Machine;
-    ///
-    /// // dx/dt = -x, from 50 V
-    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
-    /// let patch = PatchBuilder::new("decay").element("A1", decay).build()?;
-    /// let program = Program::new(&Circuit::new(&patch)?)?;
-    /// let machine = Machine::new(&program, 1e-3)?;
-    /// assert_eq!(program.states(), ["A1"]);
-    /// assert_eq!((machine.states()[0], machine.rates()[0]), (50.0, -50.0));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn states(&self) -> &[f64] {
-        &self.solver.state.states
     }
 
     /// Accepts the tried step, which ends at this time. The solver moves there, voltages and lamps are checked, delay

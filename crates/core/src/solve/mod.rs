@@ -4,8 +4,9 @@
 //! it; `state` and `buffers` hold its data, and `step_control` adapts its length. `events`, `event_location`,
 //! `grazing`, `turning_points`, `levels` and `discontinuities` find the events and jumps at which a step has to end.
 //! `fast_path` runs a compiled or interpreted kernel while no event is due, and `batch` runs kernels in lanes.
-//! `operation`, `player` and `run` play the phases of a run. `recorder` records signals, `extrema` and `lamps` find
-//! their peaks and overloads, and `sensitivity` computes derivatives. `controls` and `drive_table` change settings.
+//! `settings` and `settings_check` describe a run; `operation`, `player` and `run` play its phases. `recorder` records
+//! signals, `extrema` and `lamps` find their peaks and overloads, and `sensitivity` computes derivatives. `controls` and
+//! `drive_table` change settings, and `readings` reads a machine.
 
 mod batch;
 mod buffers;
@@ -27,19 +28,27 @@ mod machine;
 mod observer;
 mod operation;
 mod player;
+mod readings;
 mod recorder;
 mod run;
 mod runge_kutta;
 mod sensitivity;
+mod settings;
+mod settings_check;
 mod state;
 mod step_control;
+mod stopped_run;
 mod tableau;
+mod time_setting;
 mod turning_points;
 
 pub use crate::document::{MIN_TOLERANCE, ParameterChange, Phase, SwitchCondition};
 pub use crate::kernel::{Backend, LANES};
 pub use crate::trace::{Overload, WorkCounters};
-pub use drive_table::{DriveTableError, set_curve, set_drive_table};
-pub use error::{RunError, StoppedRun, TimeSetting};
+pub use drive_table::{CurveError, DriveTableError, set_curve, set_drive_table};
+pub use error::RunError;
 pub use machine::{Machine, MachineMode};
-pub use run::{RunSettings, check, machine_after, run, run_batch, run_with_progress};
+pub use run::{check, machine_after, run, run_batch, run_with_progress};
+pub use settings::RunSettings;
+pub use stopped_run::StoppedRunError;
+pub use time_setting::TimeSetting;

@@ -27,8 +27,8 @@ pub(super) trait StepObserver {
     /// end.
     fn kernel_stepped(&mut self, _time: f64, _tables: &[Vec<[f64; 2]>], _run: &mut KernelRun) {}
 
-    /// A kernel took these steps up to this time, and kept the recorded voltages at the end of each. Samples are due at
-    /// ends of steps only.
+    /// A kernel took these steps up to this time, and stored the recorded voltages at the end of each. Samples are due
+    /// at ends of steps only.
     fn kernel_stepped_recording(&mut self, _time: f64, _run: &KernelRun, _steps: Steps) {}
 
     /// The number of steps, from the first, that come before the first step with a sample strictly inside it.

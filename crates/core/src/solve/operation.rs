@@ -5,16 +5,16 @@
 //! need not be on the grid of equal steps: a shorter step follows.
 
 use super::discontinuities::INSTANT_TOLERANCE;
-use super::error::{RunError, TimeSetting};
+use super::error::RunError;
 use super::fast_path::{ActiveRun, Halt};
 use super::machine::{Machine, MachineMode};
 use super::observer::StepObserver;
-use super::run::MAX_STEPS;
+use super::settings_check::MAX_STEPS;
 use crate::kernel::Steps;
 
 /// Largest adaptive step as a share of the time to operate. Without it, the first step after a standstill could skip
 /// the beginning of a motion.
-const LONGEST_STEP_SHARE: f64 = 0.05;
+const MAX_STEP_SHARE: f64 = 0.05;
 
 /// A phase in which a machine operates in equal steps.
 ///
@@ -31,7 +31,7 @@ pub(super) struct Operation {
 
 impl Operation {
     /// Removes the first `count` steps, which have been taken. An event that was expected in the next step is over.
-    pub fn count_taken(&mut self, count: u64) {
+    pub(super) fn count_taken(&mut self, count: u64) {
         self.steps = self.steps.after(count);
         if let Some(active) = &mut self.active {
             (active.steps_left, active.is_event_next) = (active.steps_left - count, false);
@@ -67,11 +67,11 @@ impl Machine<'_> {
     /// # Errors
     /// If the run takes too many steps, or a step fails.
     fn operate_adaptive(&mut self, end: f64, observer: &mut impl StepObserver) -> Result<(), RunError> {
-        let longest = LONGEST_STEP_SHARE * (end - self.solver.state.time);
+        let longest = MAX_STEP_SHARE * (end - self.solver.state.time);
         while self.solver.state.time < end && !self.hold_if_stopped(observer) {
-            let (steps, most) = (self.work.steps as f64, MAX_STEPS);
-            if steps > most {
-                return Err(RunError::TooManySteps { steps, most });
+            let (steps, max) = (self.work.steps as f64, MAX_STEPS);
+            if steps > max {
+                return Err(RunError::TooManySteps { steps, max });
             }
             let (next, remaining) = (self.next_step().min(longest), end - self.solver.state.time);
             // The last two steps share the remaining time, so that neither is much too short.
@@ -104,7 +104,7 @@ impl Machine<'_> {
     /// If the length is negative or not finite.
     pub(super) fn begin_operation(&mut self, length: f64) -> Result<Operation, RunError> {
         if !(length >= 0.0 && length.is_finite()) {
-            return Err(RunError::NotATime { which: TimeSetting::Duration, value: length });
+            return Err(RunError::NotAnOperatingTime { value: length });
         }
         self.mode = MachineMode::Operate;
         let (setup, time) = (&self.solver.setup, self.solver.state.time);

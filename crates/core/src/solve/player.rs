@@ -24,10 +24,11 @@ pub(super) struct Player<'p, 'w> {
     /// Upper limit of the time that the machine will still operate, in problem seconds, with all repetitions. It limits
     /// the number of noise values.
     operating_time_left: f64,
-    /// The time by the recorder's clock, in seconds summed over all sweeps, at which the player stops; infinity to play
-    /// all phases.
+    /// The time by the recorder's clock, in seconds summed over all repetitions, at which the player stops; infinity to
+    /// play all phases.
     end: f64,
-    /// Whether an overload ended the sweep. Phases that take time are then skipped until the next initial condition.
+    /// Whether an overload ended the repetition. Phases that take time are then skipped until the next initial
+    /// condition.
     is_held: bool,
 }
 
@@ -41,13 +42,13 @@ pub(super) struct OperatePhase<'p> {
 
 impl<'p, 'w> Player<'p, 'w> {
     /// A player of a run that operates for at most `operating_time_left` problem seconds.
-    pub fn new(machine: Machine<'p>, recorder: Recorder<'w>, operating_time_left: f64) -> Self {
+    pub(super) fn new(machine: Machine<'p>, recorder: Recorder<'w>, operating_time_left: f64) -> Self {
         Player { machine, recorder, operating_time_left, end: f64::INFINITY, is_held: false }
     }
 
-    /// The same player that stops at a time by the recorder's clock, in seconds summed over all sweeps, and leaves the
-    /// machine in the state of that time.
-    pub fn with_end(self, end: f64) -> Self {
+    /// The same player that stops at a time by the recorder's clock, in seconds summed over all repetitions, and leaves
+    /// the machine in the state of that time.
+    pub(super) fn with_end(self, end: f64) -> Self {
         Player { end, ..self }
     }
 
@@ -55,27 +56,27 @@ impl<'p, 'w> Player<'p, 'w> {
     ///
     /// # Errors
     /// As for [`Player::play`].
-    pub fn run(&mut self, phases: &[Phase]) -> Result<(), RunError> {
-        if !begins_in_initial_condition(phases) {
+    pub(super) fn run(&mut self, phases: &[Phase]) -> Result<(), RunError> {
+        if !has_initial_condition_first(phases) {
             self.play(&Phase::InitialCondition)?;
         }
         self.play_all(phases)
     }
 
-    /// Ends the last sweep, and returns the record.
-    pub fn finish(mut self) -> Trace {
+    /// Ends the last repetition, and returns the record.
+    pub(super) fn finish(mut self) -> Trace {
         let Machine { solver, lamps, work, .. } = &self.machine;
-        self.recorder.end_sweep(solver, lamps, *work, self.is_held);
+        self.recorder.end_repetition(solver, lamps, *work, self.is_held);
         self.recorder.trace
     }
 
-    /// The machine, and the time by the recorder's clock in seconds, summed over all sweeps.
-    pub fn into_machine(self) -> (Machine<'p>, f64) {
+    /// The machine, and the time by the recorder's clock in seconds, summed over all repetitions.
+    pub(super) fn into_machine(self) -> (Machine<'p>, f64) {
         let recorded = self.recorded();
         (self.machine, recorded)
     }
 
-    /// The seconds recorded so far, summed over all sweeps.
+    /// The seconds recorded so far, summed over all repetitions.
     fn recorded(&self) -> f64 {
         self.recorder.recorded(self.machine.time())
     }
@@ -99,7 +100,7 @@ impl<'p, 'w> Player<'p, 'w> {
     ///
     /// # Errors
     /// If a step fails, a name is unknown, or a parameter cannot be set.
-    pub fn play(&mut self, phase: &Phase) -> Result<(), RunError> {
+    pub(super) fn play(&mut self, phase: &Phase) -> Result<(), RunError> {
         match phase {
             Phase::Operate { time, until } => self.operate(*time, until.as_ref()),
             _ if self.is_over() => Ok(()),
@@ -147,10 +148,10 @@ impl<'p, 'w> Player<'p, 'w> {
         self.recorder.sample_present(&self.machine.solver, &self.machine.lamps);
     }
 
-    /// Ends the sweep and puts the machine into initial condition.
+    /// Ends the repetition and puts the machine into initial condition.
     fn initial_condition(&mut self) -> Result<(), RunError> {
         let Machine { solver, lamps, work, .. } = &self.machine;
-        self.recorder.end_sweep(solver, lamps, *work, self.is_held);
+        self.recorder.end_repetition(solver, lamps, *work, self.is_held);
         self.is_held = false;
         let outcome = self.machine.initial_condition();
         self.recorder.invalidate_sample();
@@ -165,11 +166,11 @@ impl<'p, 'w> Player<'p, 'w> {
     }
 
     /// Begins a phase in which the machine operates for a time in problem seconds; `None` if the phase is skipped,
-    /// because the player has stopped or an overload has ended the sweep.
+    /// because the player has stopped or an overload has ended the repetition.
     ///
     /// # Errors
     /// If the relay of `until` or its position is unknown.
-    pub fn begin_operating(
+    pub(super) fn begin_operating(
         &mut self,
         time: f64,
         until: Option<&SwitchCondition>,
@@ -199,7 +200,7 @@ impl<'p, 'w> Player<'p, 'w> {
     ///
     /// # Errors
     /// The error of the outcome.
-    pub fn end_operating(
+    pub(super) fn end_operating(
         &mut self,
         phase: OperatePhase<'p>,
         outcome: Result<(), RunError>,
@@ -230,7 +231,8 @@ impl<'p, 'w> Player<'p, 'w> {
         }
     }
 
-    /// Holds the machine for a time in seconds. If a lamp is lit and the run holds on overload, the sweep ends instead.
+    /// Holds the machine for a time in seconds. If a lamp is lit and the run holds on overload, the repetition ends
+    /// instead.
     fn hold(&mut self, time: f64) -> Result<(), RunError> {
         self.sample_present();
         self.machine.hold();
@@ -259,8 +261,8 @@ impl<'p, 'w> Player<'p, 'w> {
         let slopes: Vec<_> = changes.iter().map(|change| self.slopes(change)).collect();
         self.play_recorded(PhaseKind::Set(recorded_values), |player| {
             let values = values?;
-            let pairs: Vec<_> = values.iter().map(|new| (new.parameter.as_str(), new.value)).collect();
-            player.machine.set_with_slopes(&pairs, Some(&slopes))?;
+            let pairs = values.iter().map(|new| (new.parameter.as_str(), new.value));
+            player.machine.set_with_slopes(pairs, Some(&slopes))?;
             let solver = &player.machine.solver;
             check_noise(solver.setup.program, &solver.state.level_sources, player.operating_time_left)?;
             player.recorder.invalidate_sample();
@@ -302,17 +304,17 @@ impl<'p, 'w> Player<'p, 'w> {
         let index = program.parameter_index(name)?;
         let value = scope.value_for(index, formula);
         let value = value.map_err(|error| bad_formula(change, error.message))?;
-        let slot = &program.parameters[index];
-        let before = solver.state.parameters[index] / slot.declared.per_unit;
-        Ok(NewValue { parameter: name.clone(), value, before, unit: slot.declared.unit.clone() })
+        let declared = &program.parameters[index].declared;
+        let before = solver.state.parameters[index] / declared.per_unit;
+        Ok(NewValue { parameter: name.clone(), value, before, unit: declared.unit.clone() })
     }
 }
 
 /// Whether the first phase, or the first phase of a repetition in its place, is the initial condition.
-pub(super) fn begins_in_initial_condition(phases: &[Phase]) -> bool {
+pub(super) fn has_initial_condition_first(phases: &[Phase]) -> bool {
     match phases.first() {
         Some(Phase::InitialCondition) => true,
-        Some(Phase::Repeat { phases, .. }) => begins_in_initial_condition(phases),
+        Some(Phase::Repeat { phases, .. }) => has_initial_condition_first(phases),
         _ => false,
     }
 }

@@ -1,42 +1,44 @@
 //! The recorder: samples voltages on a separate time grid while the machine operates and holds.
 //!
-//! The recorder's clock is the problem time plus the time in hold. It begins at 0 in every sweep. A sweep lasts from
-//! one initial condition to the next. A sample within a step is interpolated, so recording never changes the steps. For
-//! every signal the recorder also keeps the minimum and the maximum of each sweep, which may be between samples.
+//! The recorder's clock is the problem time plus the time in hold. It begins at 0 in every repetition. A repetition
+//! lasts from one initial condition to the next. A sample within a step is interpolated, so recording never changes the
+//! steps. For every signal the recorder also keeps the minimum and the maximum of each repetition, which may be between
+//! samples.
+
+mod observer;
 
 use std::ops::Range;
 
 use super::error::RunError;
 use super::fast_path::KernelRun;
 use super::lamps::Lamps;
-use super::observer::StepObserver;
-use super::run::RunSettings;
+use super::settings::RunSettings;
 use super::state::Solver;
 use crate::grid::{Grid, SAME_INSTANT};
 use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
-use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Sweep, Trace, Track, WorkCounters};
+use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track, WorkCounters};
 
-/// Samples the signals of a run, and records its sweeps and phases. It is the observer of the machine.
+/// Samples the signals of a run, and records its repetitions and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
     /// The record so far.
     pub trace: Trace,
-    /// Called with the seconds recorded so far, summed over all sweeps.
+    /// Called with the seconds recorded so far, summed over all repetitions.
     progress: &'a mut dyn FnMut(f64),
-    /// Seconds recorded before the present sweep.
+    /// Seconds recorded before the present repetition.
     recorded_before: f64,
     /// The recorded signals, in the order of their tracks.
     signals: Vec<SignalInfo>,
     /// The instants of the samples.
     grid: Grid,
-    /// Index of the next sample in the grid of the present sweep.
+    /// Index of the next sample in the grid of the present repetition.
     next_index: u64,
     /// Time of the next sample by the recorder's clock, in seconds.
     next_time: f64,
-    /// Seconds that the present sweep has been in hold: the recorder's clock minus problem time.
+    /// Seconds that the present repetition has been in hold: the recorder's clock minus problem time.
     hold_time: f64,
-    /// Whether a sweep has begun since the last initial condition.
-    is_in_sweep: bool,
+    /// Whether a repetition has begun since the last initial condition.
+    is_in_repetition: bool,
     /// Whether the last sample has the present voltages.
     is_fresh: bool,
     /// The value of `hold_time` when the lamp of each element lit; `None` for a lamp that is off. The time of an
@@ -89,7 +91,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// If a signal is unknown.
-    pub fn new(
+    pub(super) fn new(
         program: &Program,
         solver: &Solver<'_>,
         settings: &RunSettings,
@@ -112,7 +114,7 @@ impl<'a> Recorder<'a> {
             next_index: 0,
             next_time: 0.0,
             hold_time: 0.0,
-            is_in_sweep: false,
+            is_in_repetition: false,
             is_fresh: false,
             hold_time_when_lit: vec![None; program.lowered.elements.len()],
             hold_on_overload: settings.hold_on_overload,
@@ -123,26 +125,26 @@ impl<'a> Recorder<'a> {
     }
 
     /// The registers of the recorded voltages, in the order of the tracks.
-    pub fn registers(&self) -> Vec<Register> {
+    pub(super) fn registers(&self) -> Vec<Register> {
         self.signals.iter().map(|signal| signal.register).collect()
     }
 
-    /// The recorder's clock at a problem time: seconds since the sweep began.
+    /// The recorder's clock at a problem time: seconds since the repetition began.
     fn clock(&self, time: f64) -> f64 {
         time + self.hold_time
     }
 
-    /// Seconds recorded up to a problem time of the present sweep, summed over all sweeps.
-    pub fn recorded(&self, time: f64) -> f64 {
-        self.recorded_before + if self.is_in_sweep { self.clock(time) } else { 0.0 }
+    /// Seconds recorded up to a problem time of the present repetition, summed over all repetitions.
+    pub(super) fn recorded(&self, time: f64) -> f64 {
+        self.recorded_before + if self.is_in_repetition { self.clock(time) } else { 0.0 }
     }
 
-    /// Records the present voltages, unless the last sample has them. If no sweep has begun, one begins with this
+    /// Records the present voltages, unless the last sample has them. If no repetition has begun, one begins with this
     /// sample.
-    pub fn sample_present(&mut self, solver: &Solver<'_>, lamps: &Lamps) {
-        if !self.is_in_sweep {
-            self.trace.sweeps.push(Sweep { first: self.trace.time.len(), ..Sweep::default() });
-            (self.hold_time, self.is_in_sweep, self.is_fresh) = (0.0, true, false);
+    pub(super) fn sample_present(&mut self, solver: &Solver<'_>, lamps: &Lamps) {
+        if !self.is_in_repetition {
+            self.trace.repetitions.push(Repetition { first: self.trace.time.len(), ..Repetition::default() });
+            (self.hold_time, self.is_in_repetition, self.is_fresh) = (0.0, true, false);
             self.set_next_sample(1);
             // A lamp that is lit now was lit in initial condition.
             self.hold_time_when_lit = lamps.lit.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
@@ -153,21 +155,21 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Records the present voltages before a phase changes parameters, if the sweep continues after it.
-    pub fn sample_before_change(&mut self, solver: &Solver<'_>, lamps: &Lamps, is_held: bool) {
-        if self.is_in_sweep && !is_held {
+    /// Records the present voltages before a phase changes parameters, if the repetition continues after it.
+    pub(super) fn sample_before_change(&mut self, solver: &Solver<'_>, lamps: &Lamps, is_held: bool) {
+        if self.is_in_repetition && !is_held {
             self.sample_present(solver, lamps);
         }
     }
 
     /// Records that a phase begins at a problem time. The first sample of a phase that takes time is the last one
     /// written; that of any other phase is the next one.
-    pub fn begin_phase(&mut self, time: f64, phase: PhaseKind) {
+    pub(super) fn begin_phase(&mut self, time: f64, phase: PhaseKind) {
         let takes_time = matches!(phase, PhaseKind::Operate { .. } | PhaseKind::Hold);
-        let begin = if self.is_in_sweep { self.clock(time) } else { 0.0 };
+        let begin = if self.is_in_repetition { self.clock(time) } else { 0.0 };
         self.trace.phase_records.push(PhaseRecord {
             phase,
-            sweep: self.trace.sweeps.len() - usize::from(self.is_in_sweep),
+            repetition: self.trace.repetitions.len() - usize::from(self.is_in_repetition),
             begin,
             end: begin,
             problem_time: time,
@@ -177,8 +179,8 @@ impl<'a> Recorder<'a> {
     }
 
     /// Records that the present phase ended at a problem time, and which lamps are lit.
-    pub fn end_phase(&mut self, time: f64, lamps: &Lamps, ended: PhaseEnd) {
-        let end = if self.is_in_sweep { self.clock(time) } else { 0.0 };
+    pub(super) fn end_phase(&mut self, time: f64, lamps: &Lamps, ended: PhaseEnd) {
+        let end = if self.is_in_repetition { self.clock(time) } else { 0.0 };
         if let Some(record) = self.trace.phase_records.last_mut() {
             (record.end, record.ended) = (end, ended);
         }
@@ -188,12 +190,12 @@ impl<'a> Recorder<'a> {
     }
 
     /// Notes that the present voltages have changed without a step, so the last sample does not have them.
-    pub fn invalidate_sample(&mut self) {
+    pub(super) fn invalidate_sample(&mut self) {
         self.is_fresh = false;
     }
 
     /// Records a machine that is in hold for a time in seconds. All samples have the same voltages.
-    pub fn record_hold(&mut self, solver: &Solver<'_>, time: f64) {
+    pub(super) fn record_hold(&mut self, solver: &Solver<'_>, time: f64) {
         let end = self.clock(solver.state.time) + time;
         self.is_fresh = false;
         while let Some(time) = self.next_before(end * (1.0 + SAME_INSTANT)) {
@@ -211,28 +213,34 @@ impl<'a> Recorder<'a> {
         (self.progress)(recorded);
     }
 
-    /// Ends the sweep, if one has begun: adds its end, its overloads and its work to the record. `is_held` is whether
-    /// an overload ended it.
-    pub fn end_sweep(&mut self, solver: &Solver<'_>, lamps: &Lamps, work: WorkCounters, is_held: bool) {
-        if !std::mem::take(&mut self.is_in_sweep) {
+    /// Ends the repetition, if one has begun: adds its end, its overloads and its work to the record. `is_held` is
+    /// whether an overload ended it.
+    pub(super) fn end_repetition(
+        &mut self,
+        solver: &Solver<'_>,
+        lamps: &Lamps,
+        work: WorkCounters,
+        is_held: bool,
+    ) {
+        if !std::mem::take(&mut self.is_in_repetition) {
             return;
         }
         let program = solver.setup.program;
         let end = self.clock(solver.state.time);
-        if let Some(sweep) = self.trace.sweeps.last_mut() {
-            sweep.overloads = lamps.history(program);
-            for overload in &mut sweep.overloads {
+        if let Some(repetition) = self.trace.repetitions.last_mut() {
+            repetition.overloads = lamps.history(program);
+            for overload in &mut repetition.overloads {
                 let hold_time =
                     program.element(&overload.element).and_then(|element| self.hold_time_when_lit[element]);
                 overload.time += hold_time.unwrap_or(self.hold_time);
             }
-            (sweep.end, sweep.work, sweep.held) = (end, work, is_held);
+            (repetition.end, repetition.work, repetition.is_held) = (end, work, is_held);
         }
         self.recorded_before += end;
     }
 
     /// Name of a recorded signal whose scale has changed since the record began; `None` if there is none.
-    pub fn rescaled(&self, solver: &Solver<'_>) -> Option<&str> {
+    pub(super) fn rescaled(&self, solver: &Solver<'_>) -> Option<&str> {
         let pairs = self.trace.tracks.iter().zip(&self.signals);
         let mut changed = pairs.filter(|(track, signal)| track.per_volt != per_volt(signal, solver));
         changed.next().map(|(track, _)| track.name.as_str())
@@ -250,20 +258,28 @@ impl<'a> Recorder<'a> {
 
     /// Writes a sample of all tracks at a time of the recorder's clock.
     fn write_sample(&mut self, time: f64, solver: &Solver<'_>, instant: Instant) {
-        let sweep = self.trace.sweeps.len() - 1;
+        let repetition = self.trace.repetitions.len() - 1;
         self.trace.time.push(time);
         let values = track_values(&self.signals, solver, instant);
-        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(sweep, time, value));
+        self.trace
+            .tracks
+            .iter_mut()
+            .zip(values)
+            .for_each(|(track, value)| track.record(repetition, time, value));
     }
 
     /// Writes a sample of the voltages just before the last changes of mode, at a time of the recorder's clock.
     fn write_sample_before_switching(&mut self, time: f64) {
-        let sweep = self.trace.sweeps.len() - 1;
+        let repetition = self.trace.repetitions.len() - 1;
         self.trace.time.push(time);
         let voltages =
             self.signals.iter().map(|signal| self.voltages_before_switching[signal.register.index()]);
         let values = voltages.chain(self.derivatives_before_switching.iter().copied());
-        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(sweep, time, value));
+        self.trace
+            .tracks
+            .iter_mut()
+            .zip(values)
+            .for_each(|(track, value)| track.record(repetition, time, value));
     }
 
     /// Writes a sample of the voltages of a kernel, in the order of the tracks, and advances to the next sample.
@@ -286,21 +302,21 @@ impl<'a> Recorder<'a> {
     }
 
     /// Updates the extremes by the voltages that a kernel evaluated within a step, at a time of the recorder's clock.
-    /// The kernel itself tracks the voltages at the ends of steps ([`left_fast_path`](StepObserver::left_fast_path)).
+    /// The kernel itself tracks the voltages at the ends of steps (`StepObserver::left_fast_path`).
     fn observe_within(&mut self, time: f64, run: &KernelRun) {
-        let sweep = self.trace.sweeps.len() - 1;
+        let repetition = self.trace.repetitions.len() - 1;
         let values = self.trace.tracks.iter_mut().zip(run.voltages());
-        values.for_each(|(track, volts)| track.observe(sweep, time, volts));
+        values.for_each(|(track, volts)| track.observe(repetition, time, volts));
     }
 
     /// The time by the recorder's clock of the sample that is due at a problem time; `None` if no sample is due.
-    pub fn due_sample(&self, time: f64) -> Option<f64> {
+    pub(super) fn due_sample(&self, time: f64) -> Option<f64> {
         self.next_before(self.clock(time) * (1.0 + SAME_INSTANT))
     }
 
     /// Writes the sample at the end of a kernel's step, if it is due at this problem time. The caller has evaluated the
     /// recorded voltages.
-    pub fn sample_kernel(&mut self, time: f64, run: &KernelRun) {
+    pub(super) fn sample_kernel(&mut self, time: f64, run: &KernelRun) {
         let due = self.due_sample(time);
         if let Some(time) = due {
             self.write_kernel_sample(time, run.voltages());
@@ -311,136 +327,27 @@ impl<'a> Recorder<'a> {
 
     /// Updates the extremes of all signals by the extrema within the last step.
     fn observe_extrema(&mut self, solver: &mut Solver<'_>) {
-        let sweep = self.trace.sweeps.len() - 1;
+        let repetition = self.trace.repetitions.len() - 1;
         for (track, signal) in self.trace.tracks.iter_mut().zip(&self.signals) {
-            let Some(extremes) = track.extremes.get(sweep) else { continue };
+            let Some(extremes) = track.extremes.get(repetition) else { continue };
             let extrema =
                 solver.extrema_outside(signal.register, [extremes.least.volts, extremes.most.volts]);
             extrema
                 .into_iter()
                 .flatten()
-                .for_each(|(time, volts)| track.observe(sweep, time + self.hold_time, volts));
+                .for_each(|(time, volts)| track.observe(repetition, time + self.hold_time, volts));
         }
     }
 
     /// Updates the extremes of all tracks by the present values.
     fn observe_present(&mut self, solver: &Solver<'_>) {
-        let (sweep, time) = (self.trace.sweeps.len() - 1, self.clock(solver.state.time));
+        let (repetition, time) = (self.trace.repetitions.len() - 1, self.clock(solver.state.time));
         let values = track_values(&self.signals, solver, Instant::Present);
-        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.observe(sweep, time, value));
-    }
-}
-
-impl StepObserver for Recorder<'_> {
-    /// Writes the samples within the step, and updates the extremes by the step and its end before modes change.
-    fn step_accepted(&mut self, solver: &mut Solver<'_>) {
-        while let Some(time) = self.next_before(self.clock(solver.state.time) * (1.0 - SAME_INSTANT)) {
-            solver.interpolate(time - self.hold_time);
-            self.write_sample(time, solver, Instant::Interpolated);
-            self.set_next_sample(self.next_index + 1);
-        }
-        self.observe_extrema(solver);
-        self.observe_present(solver);
-        self.before_jump(solver);
-    }
-
-    /// Keeps the voltages before relays switch, if a relay may end the phase.
-    fn before_jump(&mut self, solver: &Solver<'_>) {
-        if self.end_condition.is_some() {
-            self.voltages_before_switching.copy_from_slice(&solver.state.voltages);
-            let derivatives = track_values(&self.signals, solver, Instant::Present).skip(self.signals.len());
-            self.derivatives_before_switching
-                .iter_mut()
-                .zip(derivatives)
-                .for_each(|(slope, value)| *slope = value);
-        }
-    }
-
-    /// Writes the sample at the end of the step, after relays have switched. If a relay ends the phase, a sample of the
-    /// voltages before it switched comes first.
-    fn step_ended(&mut self, solver: &Solver<'_>) {
-        let due = self.due_sample(solver.state.time);
-        if let Some(end_condition) = &mut self.end_condition {
-            end_condition.read(&solver.state.modes);
-        }
-        if self.is_phase_over() {
-            self.write_sample_before_switching(due.unwrap_or(self.clock(solver.state.time)));
-        }
-        self.observe_present(solver);
-        self.is_fresh = due.is_some();
-        if let Some(time) = due {
-            self.write_sample(time, solver, Instant::Present);
-            self.set_next_sample(self.next_index + 1);
-        }
-        self.report_progress(solver.state.time);
-    }
-
-    fn next_sample(&self) -> f64 {
-        self.next_time - self.hold_time
-    }
-
-    /// Writes the samples within the kernel's last step.
-    fn kernel_reached_jump(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
-        while let Some(sample) = self.next_before(self.clock(time) * (1.0 - SAME_INSTANT)) {
-            run.interpolate(tables, sample - self.hold_time);
-            self.observe_within(sample, run);
-            self.write_kernel_sample(sample, run.voltages());
-        }
-    }
-
-    /// Writes the samples within the kernel's last step and the one at its end.
-    fn kernel_stepped(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
-        self.kernel_reached_jump(time, tables, run);
-        if self.due_sample(time).is_some() {
-            run.evaluate_present(tables);
-        }
-        self.sample_kernel(time, run);
-    }
-
-    /// Writes the samples at the ends of the kernel's steps.
-    fn kernel_stepped_recording(&mut self, time: f64, run: &KernelRun, steps: Steps) {
-        self.is_fresh = false;
-        for step in self.steps_with_samples(steps) {
-            self.is_fresh = self.next_time < self.end_of(steps, step) * (1.0 + SAME_INSTANT);
-            if self.is_fresh {
-                self.write_kernel_sample(self.next_time, run.voltages_after(step));
-            }
-        }
-        self.report_progress(time);
-    }
-
-    fn steps_before_inner_sample(&self, steps: Steps) -> u64 {
-        let (mut index, mut time) = (self.next_index, self.next_time);
-        for step in self.steps_with_samples(steps) {
-            let end = self.end_of(steps, step);
-            if time < end * (1.0 - SAME_INSTANT) {
-                return step;
-            }
-            if time < end * (1.0 + SAME_INSTANT) {
-                index += 1;
-                time = self.grid.time(index);
-            }
-        }
-        steps.count
-    }
-
-    /// Updates the extremes by those of the kernel run, and by its last voltages.
-    fn left_fast_path(&mut self, run: &KernelRun) {
-        let sweep = self.trace.sweeps.len() - 1;
-        for (track, (extremes, last)) in self.trace.tracks.iter_mut().zip(run.extremes().zip(run.voltages()))
-        {
-            let reached = extremes.into_iter().flatten().filter(|(time, _)| time.is_finite());
-            reached.for_each(|(time, volts)| track.observe(sweep, time + self.hold_time, volts));
-            track.observe(sweep, run.time() + self.hold_time, last);
-        }
-    }
-
-    fn should_stop(&self, lamps: &Lamps) -> bool {
-        self.hold_on_overload && lamps.is_any_lit()
-    }
-
-    fn is_phase_over(&self) -> bool {
-        self.end_condition.is_some_and(|end_condition| end_condition.is_met)
+        self.trace
+            .tracks
+            .iter_mut()
+            .zip(values)
+            .for_each(|(track, value)| track.observe(repetition, time, value));
     }
 }
 
@@ -461,8 +368,10 @@ fn empty_track(signal: &SignalInfo, solver: &Solver<'_>) -> Track {
 /// Empty tracks of the derivatives of a signal, one for every parameter of the settings, in their order.
 fn derivative_tracks(track: &Track, solver: &Solver<'_>, settings: &RunSettings) -> Vec<Track> {
     let derivative_track = |name: &String| {
-        let slot = solver.setup.program.parameters.iter().find(|slot| slot.declared.name == *name)?;
-        Some(track.differentiated(name, slot.value / slot.declared.per_unit, &slot.declared.unit))
+        let program = solver.setup.program;
+        let parameter = &program.parameters[program.parameter(name)?];
+        let value = parameter.value / parameter.declared.per_unit;
+        Some(track.differentiated(name, value, &parameter.declared.unit))
     };
     settings.sensitivities.iter().filter_map(derivative_track).collect()
 }

@@ -30,7 +30,7 @@ pub(super) struct Setup<'p> {
 impl Setup<'_> {
     /// The kinks at which a step has to end. Kinks that change guards only are included only if steps adapt: a long
     /// step could miss an event beyond such a kink. Indices of kinks count in this order.
-    pub fn kinks(&self) -> impl Iterator<Item = &Kink> {
+    pub(super) fn kinks(&self) -> impl Iterator<Item = &Kink> {
         let of_guards = if self.is_adaptive { self.program.lowered.guard_kinks.as_slice() } else { &[] };
         self.program.lowered.kinks.iter().chain(of_guards)
     }
@@ -49,7 +49,8 @@ pub(super) struct SolverState {
     pub voltages: Vec<f64>,
     /// Rates of the states at `time`, in volts per problem second.
     pub rates: Vec<f64>,
-    /// Values sampled at the end of a step, in the order of `Program::kept`. They stay constant within the next step.
+    /// Values sampled at the end of a step, in the order of `Program::sampled`. They stay constant within the next
+    /// step.
     pub sampled: Vec<f64>,
     /// The present value of every level (noise, or a table whose values are held), in the order of `Program::levels`.
     pub levels: Vec<f64>,
@@ -63,7 +64,7 @@ pub(super) struct SolverState {
 
 impl SolverState {
     /// The state of a program before its initial condition: all voltages are 0.
-    pub fn new(program: &Program, parameters: Vec<f64>, coefficients: Vec<f64>) -> Self {
+    pub(super) fn new(program: &Program, parameters: Vec<f64>, coefficients: Vec<f64>) -> Self {
         let zeros = |count: usize| vec![0.0; count];
         SolverState {
             time: 0.0,
@@ -71,7 +72,7 @@ impl SolverState {
             modes: zeros(program.lowered.modes.len()),
             voltages: zeros(program.lowered.body.len()),
             rates: zeros(program.lowered.states.len()),
-            sampled: zeros(program.lowered.kept.len()),
+            sampled: zeros(program.lowered.sampled.len()),
             levels: zeros(program.lowered.levels.len()),
             level_sources: LevelSource::all(program, &coefficients),
             parameters,
@@ -81,7 +82,7 @@ impl SolverState {
 
     /// Resets time, states, modes and sampled values to the initial condition. Voltages and rates stay as they are
     /// until the next evaluation.
-    pub fn reset(&mut self, program: &Program) {
+    pub(super) fn reset(&mut self, program: &Program) {
         self.time = 0.0;
         for (value, state) in self.states.iter_mut().zip(&program.lowered.states) {
             *value = self.coefficients[state.initial as usize];
@@ -89,13 +90,13 @@ impl SolverState {
         for (value, mode) in self.modes.iter_mut().zip(&program.lowered.modes) {
             *value = mode.initial;
         }
-        for (value, kept) in self.sampled.iter_mut().zip(&program.lowered.kept) {
-            *value = self.coefficients[kept.initial as usize];
+        for (value, sampled) in self.sampled.iter_mut().zip(&program.lowered.sampled) {
+            *value = self.coefficients[sampled.initial as usize];
         }
     }
 
     /// Resets the modes of one element, given by its index, to the initial condition.
-    pub fn reset_modes(&mut self, program: &Program, element: usize) {
+    pub(super) fn reset_modes(&mut self, program: &Program, element: usize) {
         for (value, mode) in self.modes.iter_mut().zip(&program.lowered.modes) {
             if mode.element == element {
                 *value = mode.initial;
@@ -104,12 +105,12 @@ impl SolverState {
     }
 
     /// The value of a coefficient.
-    pub fn coefficient(&self, index: u32) -> f64 {
+    pub(super) fn coefficient(&self, index: u32) -> f64 {
         self.coefficients[index as usize]
     }
 
     /// A time constant in problem seconds.
-    pub fn time_constant(&self, lag: TimeConstant) -> f64 {
+    pub(super) fn time_constant(&self, lag: TimeConstant) -> f64 {
         self.coefficient(lag.time) * lag.problem_seconds
     }
 }
@@ -133,7 +134,7 @@ pub(super) struct Solver<'p> {
 impl Solver<'_> {
     /// Advances the derivatives over the tried step, which ends at this problem time. Call it before
     /// [`Solver::make_present`], while the state is still that of the beginning.
-    pub fn follow_step(&mut self, end: f64) {
+    pub(super) fn follow_step(&mut self, end: f64) {
         let Solver { setup, state, delay_lines, buffers, sensitivities } = self;
         if let Some(sensitivities) = sensitivities {
             sensitivities.follow_step(setup, state, delay_lines, buffers, end);
@@ -142,7 +143,7 @@ impl Solver<'_> {
 
     /// Moves the state to the end of the tried step, at this problem time, and keeps the start of that step in the
     /// buffers.
-    pub fn make_present(&mut self, time: f64) {
+    pub(super) fn make_present(&mut self, time: f64) {
         let Solver { setup, state, buffers, .. } = self;
         buffers.last.time = state.time;
         buffers.last.states.copy_from_slice(&state.states);
@@ -155,10 +156,10 @@ impl Solver<'_> {
 
     /// Samples the present values that stay constant within the next step. Call this after the observer: interpolation
     /// in the last step needs the values from its beginning.
-    pub fn sample_values(&mut self) {
+    pub(super) fn sample_values(&mut self) {
         let Solver { setup, state, sensitivities, .. } = self;
-        for (value, kept) in state.sampled.iter_mut().zip(&setup.program.lowered.kept) {
-            *value = state.voltages[kept.next.index()];
+        for (value, sampled) in state.sampled.iter_mut().zip(&setup.program.lowered.sampled) {
+            *value = state.voltages[sampled.next.index()];
         }
         if let Some(sensitivities) = sensitivities {
             sensitivities.sample_values(setup.program);

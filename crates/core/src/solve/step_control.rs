@@ -34,35 +34,35 @@ const MAX_CHANGE: f64 = 5.0;
 /// turns.
 const MAX_TURN_PERIODS: f64 = 0.125;
 /// Least length of a step as a share of the first step tried. Below it the run stops with an error.
-const LEAST_STEP_SHARE: f64 = 1e-8;
+const MIN_STEP_SHARE: f64 = 1e-8;
 
 impl StepControl {
     /// The control before the first step. `tolerance` is in machine units per problem second, `first` in problem
     /// seconds.
-    pub fn new(tolerance: f64, first: f64) -> Self {
+    pub(super) fn new(tolerance: f64, first: f64) -> Self {
         StepControl { tolerance, next: first, max_by_angles: f64::INFINITY }
     }
 
     /// Resets the control to the first step.
-    pub fn reset(&mut self, first: f64) {
+    pub(super) fn reset(&mut self, first: f64) {
         *self = StepControl::new(self.tolerance, first);
     }
 
     /// The error allowed over a time in problem seconds, in volts.
-    pub fn allowed_error(&self, time: f64) -> f64 {
+    pub(super) fn allowed_error(&self, time: f64) -> f64 {
         self.tolerance * time * REFERENCE
     }
 
     /// Length of the next step in problem seconds. It is at most the shortest delay: the output of a delay line must be
     /// known before the step.
-    pub fn next_step(&self, delay_lines: &[DelayLine]) -> f64 {
+    pub(super) fn next_step(&self, delay_lines: &[DelayLine]) -> f64 {
         let delays = delay_lines.iter().map(DelayLine::delay);
         delays.fold(self.next.min(self.max_by_angles), f64::min)
     }
 
     /// Whether a step of this length and error is accepted; updates the length of the next step. A step that an event
     /// or the end of the phase cut short does not shorten the next one. `order` is the order of the error estimate.
-    fn accepts(&mut self, length: f64, error: f64, order: f64) -> bool {
+    fn should_accept(&mut self, length: f64, error: f64, order: f64) -> bool {
         let excess = error / (self.tolerance * length);
         // The error per second grows with the length to the power `order`.
         let change = SAFETY_FACTOR * excess.powf(-1.0 / order);
@@ -79,7 +79,7 @@ impl StepControl {
     ///
     /// # Errors
     /// If the shorter step would be too short.
-    pub fn limit_angles(
+    pub(super) fn limit_angles(
         &mut self,
         solver: &Solver<'_>,
         work: &mut WorkCounters,
@@ -98,7 +98,7 @@ impl StepControl {
     ///
     /// # Errors
     /// If the shorter step would be too short.
-    pub fn reject(
+    pub(super) fn reject(
         &mut self,
         solver: &Solver<'_>,
         work: &mut WorkCounters,
@@ -106,12 +106,12 @@ impl StepControl {
     ) -> Result<Option<f64>, RunError> {
         let Solver { setup, state, buffers, .. } = solver;
         let (worst, error) = largest_error(setup.method, &buffers.stage_rates, state.states.len(), length);
-        if self.accepts(length, error, setup.method.error_order) {
+        if self.should_accept(length, error, setup.method.error_order) {
             return Ok(None);
         }
         // If a voltage is not a number even then, the check of the accepted step reports it.
         let shorter = self.next.min(length);
-        if error.is_nan() && shorter <= LEAST_STEP_SHARE * setup.step {
+        if error.is_nan() && shorter <= MIN_STEP_SHARE * setup.step {
             return Ok(None);
         }
         let element = setup.program.lowered.states[worst].element;
@@ -135,7 +135,7 @@ fn largest_angle_change(program: &Program, state: &SolverState, buffers: &StepBu
 /// element that the error names.
 ///
 /// # Errors
-/// If `step` is at most [`LEAST_STEP_SHARE`] of the first step tried.
+/// If `step` is at most [`MIN_STEP_SHARE`] of the first step tried.
 fn shorter_step(
     setup: &Setup<'_>,
     time: f64,
@@ -144,7 +144,7 @@ fn shorter_step(
     step: f64,
 ) -> Result<f64, RunError> {
     work.rejections += 1;
-    if step > LEAST_STEP_SHARE * setup.step {
+    if step > MIN_STEP_SHARE * setup.step {
         return Ok(step);
     }
     Err(RunError::StepTooShort { element: setup.program.name(element).to_owned(), time, step })

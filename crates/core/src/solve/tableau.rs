@@ -116,7 +116,7 @@ pub(super) static DORMAND_PRINCE: Tableau = Tableau {
 
 impl Tableau {
     /// Number of rates that a step keeps for each state: one for every stage, the first included, and one at its end.
-    pub fn rates(&self) -> usize {
+    pub(super) fn rates(&self) -> usize {
         self.stages.len() + 2
     }
 }

@@ -31,7 +31,7 @@ pub(super) struct TurningPoint {
 impl Samples {
     /// The turning points of the cubic through the samples (Newton's form) that are strictly inside the step: at most
     /// two. They are the roots of a quadratic, in the form without cancellation, so their order is not that of time.
-    pub fn turning_points(&self) -> impl Iterator<Item = TurningPoint> {
+    pub(super) fn turning_points(&self) -> impl Iterator<Item = TurningPoint> {
         let [_, near, far, _] = self.shares;
         let [first, second, third, fourth] = self.divided_differences();
         let cubic = fourth;
@@ -48,13 +48,13 @@ impl Samples {
     }
 
     /// The value at a turning point, moved outwards by the margin of error of the cubic.
-    pub fn with_margin(&self, turn: &TurningPoint) -> f64 {
+    pub(super) fn with_margin(&self, turn: &TurningPoint) -> f64 {
         let margin = TURN_MARGIN * self.swing();
         if turn.is_peak { turn.value + margin } else { turn.value - margin }
     }
 
     /// The difference between the largest and the least sample, in volts.
-    pub fn swing(&self) -> f64 {
+    pub(super) fn swing(&self) -> f64 {
         let largest = self.values.into_iter().fold(f64::NEG_INFINITY, f64::max);
         largest - self.values.into_iter().fold(f64::INFINITY, f64::min)
     }

@@ -16,8 +16,8 @@ impl Trace {
     /// Writes the trace as CSV.
     ///
     /// The first lines are `#` comments with the unit of each column. The header follows: `t` in seconds, one column
-    /// per signal, `run` if the trace has several sweeps, and `phase` if it has phases. Runs and phases count from 1.
-    /// Numbers read back to the same bits.
+    /// per signal, `run` if the trace has several repetitions, and `phase` if it has phases. Runs and phases count
+    /// from 1. Numbers read back to the same bits.
     ///
     /// # Errors
     /// If the writer reports an error.
@@ -43,7 +43,7 @@ impl Trace {
         }
         let mut writer = csv::Writer::from_writer(&mut to);
         let names = self.tracks.iter().map(|track| track.name.as_str());
-        let run = (self.sweeps.len() > 1).then_some("run");
+        let run = (self.repetitions.len() > 1).then_some("run");
         let phases = self.has_phases();
         let phase = phases.then_some("phase");
         writer.write_record(["t"].into_iter().chain(names).chain(run).chain(phase)).map_err(into_io)?;
@@ -58,7 +58,7 @@ impl Trace {
     /// The cells of one sample, without the phase.
     fn row(&self, sample: usize) -> impl Iterator<Item = String> + '_ {
         let values = self.tracks.iter().map(move |track| format_exact(track.volts[sample] * track.per_volt));
-        let run = (self.sweeps.len() > 1).then(|| (self.sweep_of(sample) + 1).to_string());
+        let run = (self.repetitions.len() > 1).then(|| (self.repetition_of(sample) + 1).to_string());
         [format_exact(self.time[sample])].into_iter().chain(values).chain(run)
     }
 }

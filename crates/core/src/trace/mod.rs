@@ -29,19 +29,19 @@ pub use self::track::{Derivative, Extremum, SignalExtremes, Track};
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Trace {
     /// Time of every sample in seconds of the recorder's clock: problem time plus the time spent in hold. The clock
-    /// restarts at 0 in every sweep. Every time in a trace refers to this clock.
+    /// restarts at 0 in every repetition. Every time in a trace refers to this clock.
     pub time: Vec<f64>,
     /// The recorded signals, each with one sample per entry of `time`.
     pub tracks: Vec<Track>,
     /// The runs that make up the trace, in order.
-    pub sweeps: Vec<Sweep>,
+    pub repetitions: Vec<Repetition>,
     /// The phases of all runs, in order.
     pub phase_records: Vec<PhaseRecord>,
 }
 
-/// One run that starts at initial condition.
+/// One run that starts at initial condition. In repetitive operation a trace has several.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Sweep {
+pub struct Repetition {
     /// Index of its first sample in the trace.
     pub first: usize,
     /// Time at which it ended, in seconds of the recorder's clock.
@@ -49,7 +49,7 @@ pub struct Sweep {
     /// The work that the solver did.
     pub work: WorkCounters,
     /// Whether an overload put the machine into hold.
-    pub held: bool,
+    pub is_held: bool,
     /// The overload lamps that lit, in order of time.
     pub overloads: Vec<Overload>,
 }
@@ -112,8 +112,8 @@ impl Trace {
 
     /// The track of the derivative of a signal with respect to a parameter.
     pub fn derivative(&self, signal: &str, parameter: &str) -> Option<&Track> {
-        let is_it = |of: &Derivative| of.signal == signal && of.parameter == parameter;
-        self.tracks.iter().find(|track| track.derivative.as_ref().is_some_and(is_it))
+        let is_wanted = |of: &Derivative| of.signal == signal && of.parameter == parameter;
+        self.tracks.iter().find(|track| track.derivative.as_ref().is_some_and(is_wanted))
     }
 
     /// The samples of a signal in its physical unit.
@@ -133,11 +133,11 @@ impl Trace {
         self.track(name).map(|track| track.values().collect())
     }
 
-    /// The same trace without its recorded signals. Times, sweeps and phases stay.
+    /// The same trace without its recorded signals. Times, repetitions and phases stay.
     pub fn without_tracks(&self) -> Trace {
-        let (time, sweeps, phase_records) =
-            (self.time.clone(), self.sweeps.clone(), self.phase_records.clone());
-        Trace { time, tracks: Vec::new(), sweeps, phase_records }
+        let (time, repetitions, phase_records) =
+            (self.time.clone(), self.repetitions.clone(), self.phase_records.clone());
+        Trace { time, tracks: Vec::new(), repetitions, phase_records }
     }
 
     /// Number of samples.
@@ -150,7 +150,7 @@ impl Trace {
         self.time.is_empty()
     }
 
-    /// The overloads of all sweeps, in order.
+    /// The overloads of all repetitions, in order.
     ///
     /// # Examples
     ///
@@ -174,21 +174,21 @@ impl Trace {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn overloads(&self) -> impl Iterator<Item = &Overload> {
-        self.sweeps.iter().flat_map(|sweep| &sweep.overloads)
+        self.repetitions.iter().flat_map(|repetition| &repetition.overloads)
     }
 
-    /// Index of the sweep that a sample belongs to, from 0.
+    /// Index of the repetition that a sample belongs to, from 0.
     ///
     /// # Examples
     ///
     /// ```
-    /// use patchcord_core::trace::{Sweep, Trace};
+    /// use patchcord_core::trace::{Repetition, Trace};
     ///
-    /// let sweeps = [0, 5].map(|first| Sweep { first, ..Sweep::default() });
-    /// let trace = Trace { time: vec![0.0; 10], sweeps: sweeps.to_vec(), ..Trace::default() };
-    /// assert_eq!([0, 4, 5, 9].map(|sample| trace.sweep_of(sample)), [0, 0, 1, 1]);
+    /// let repetitions = [0, 5].map(|first| Repetition { first, ..Repetition::default() });
+    /// let trace = Trace { time: vec![0.0; 10], repetitions: repetitions.to_vec(), ..Trace::default() };
+    /// assert_eq!([0, 4, 5, 9].map(|sample| trace.repetition_of(sample)), [0, 0, 1, 1]);
     /// ```
-    pub fn sweep_of(&self, sample: usize) -> usize {
-        self.sweeps.partition_point(|sweep| sweep.first <= sample).saturating_sub(1)
+    pub fn repetition_of(&self, sample: usize) -> usize {
+        self.repetitions.partition_point(|repetition| repetition.first <= sample).saturating_sub(1)
     }
 }

@@ -34,8 +34,8 @@ use super::Trace;
 pub struct PhaseRecord {
     /// What the machine did in the phase.
     pub phase: PhaseKind,
-    /// Index of the sweep that it belongs to, from 0.
-    pub sweep: usize,
+    /// Index of the repetition that it belongs to, from 0.
+    pub repetition: usize,
     /// Time at which it began, in seconds of the recorder's clock.
     pub begin: f64,
     /// Time at which it ended, in seconds of the recorder's clock.
@@ -51,6 +51,7 @@ pub struct PhaseRecord {
 
 /// What the machine did in a phase.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum PhaseKind {
     /// The integrators were set to their initial conditions.
     InitialCondition,
@@ -81,6 +82,7 @@ pub struct NewValue {
 
 /// Why a phase ended.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum PhaseEnd {
     /// Its duration was over.
     Time,
@@ -147,7 +149,7 @@ mod tests {
     fn trace(phases: &[(PhaseKind, usize)]) -> Trace {
         let record = |(phase, sample): &(PhaseKind, usize)| PhaseRecord {
             phase: phase.clone(),
-            sweep: 0,
+            repetition: 0,
             begin: 0.0,
             end: 0.0,
             problem_time: 0.0,

@@ -86,7 +86,7 @@ impl Track {
     ///
     /// let track = Track::new("x", "V", 1.0).differentiated("k", 0.5, "1");
     /// assert_eq!((track.name.as_str(), track.unit.as_str()), ("d x / d k", "V"));
-    /// assert_eq!(track.derivative.unwrap().parameter, "k");
+    /// assert_eq!(track.derivative.map(|derivative| derivative.parameter).as_deref(), Some("k"));
     /// ```
     pub fn differentiated(&self, parameter: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
         let (parameter, unit, signal) = (parameter.into(), unit.into(), self.name.clone());

@@ -5,7 +5,7 @@ use super::{element, volts};
 use patchcord_core::patch::{ElementBuilder, Patch, PatchBuilder};
 
 /// The parameters of every random circuit.
-pub const PARAMETERS: [&str; 5] = ["p0", "p1", "p2", "p3", "late"];
+pub(crate) const PARAMETERS: [&str; 5] = ["p0", "p1", "p2", "p3", "late"];
 
 /// A nonlinear element between two integrators, of one of ten kinds. Its number `k` selects its parameters.
 fn link(random: &mut SplitMix64, kind: usize, k: usize, from: &str) -> ElementBuilder {
@@ -38,7 +38,7 @@ fn link(random: &mut SplitMix64, kind: usize, k: usize, from: &str) -> ElementBu
 
 /// Three damped integrators with random links, one with limits and one with a brake. Two drives and two constant
 /// voltages feed them.
-pub fn random_circuit(random: &mut SplitMix64) -> Patch {
+pub(crate) fn random_circuit(random: &mut SplitMix64) -> Patch {
     let setting_for = |parameter: &str, volts: f64| format!("{} * {parameter}", 1e-2 * volts);
     let mut builder = volts("random");
     for name in &PARAMETERS[..4] {

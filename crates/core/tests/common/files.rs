@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Every shipped patch of every folder. Effects and experiments are other documents and are left out.
-pub fn shipped_files() -> Vec<PathBuf> {
+pub(crate) fn shipped_files() -> Vec<PathBuf> {
     let mut files = patches_in(&repository_path("patches"));
     let is_experiment = |file: &Path| file.to_str().unwrap().ends_with(".experiment.json");
     files.retain(|file| !file.starts_with(repository_path("patches/effects")) && !is_experiment(file));
@@ -25,12 +25,12 @@ const REPRESENTATIVE: [&str; 9] = [
 ];
 
 /// The files of the representative patches.
-pub fn representative_files() -> Vec<PathBuf> {
+pub(crate) fn representative_files() -> Vec<PathBuf> {
     REPRESENTATIVE.map(|stem| repository_path(&format!("patches/{stem}.json"))).to_vec()
 }
 
 /// The valid patches of crates/core/tests/patches.
-pub fn test_patch_files() -> Vec<PathBuf> {
+pub(crate) fn test_patch_files() -> Vec<PathBuf> {
     let mut files = patches_in(&repository_path("crates/core/tests/patches"));
     files.retain(|file| !file.starts_with(repository_path("crates/core/tests/patches/bad")));
     assert!(files.len() >= 9, "{files:?}");
@@ -39,7 +39,7 @@ pub fn test_patch_files() -> Vec<PathBuf> {
 
 /// Asserts that a generated file has the contents `fresh`, or writes it if PATCHCORD_BLESS is set. The message names
 /// `package`, the crate whose tests write the file.
-pub fn assert_up_to_date(path: &str, fresh: &[u8], package: &str) {
+pub(crate) fn assert_up_to_date(path: &str, fresh: &[u8], package: &str) {
     if std::env::var_os("PATCHCORD_BLESS").is_some() {
         std::fs::write(repository_path(path), fresh).unwrap();
     }
@@ -48,7 +48,7 @@ pub fn assert_up_to_date(path: &str, fresh: &[u8], package: &str) {
 }
 
 /// A path relative to the root of the repository. It is the same for the tests of every crate.
-pub fn repository_path(path: &str) -> PathBuf {
+pub(crate) fn repository_path(path: &str) -> PathBuf {
     let root =
         Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().find(|folder| folder.join("crates").is_dir());
     root.unwrap().join(path)

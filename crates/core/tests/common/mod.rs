@@ -3,12 +3,12 @@
 
 #![allow(dead_code, reason = "no test binary uses all helpers")]
 
-pub mod circuits;
-pub mod files;
-pub mod mutated;
-pub mod pages;
-pub mod random;
-pub mod traces;
+pub(crate) mod circuits;
+pub(crate) mod files;
+pub(crate) mod mutated;
+pub(crate) mod pages;
+pub(crate) mod random;
+pub(crate) mod traces;
 
 use std::fs;
 use std::path::Path;
@@ -16,22 +16,22 @@ use std::path::Path;
 use serde_json::Value;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::{ParameterSlot, Program};
+use patchcord_core::ir::{ParameterValue, Program};
 use patchcord_core::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord_core::solve::Machine;
 
 /// The patch of a file in crates/core/tests/patches, such as "loop-lag".
-pub fn patch(stem: &str) -> Patch {
+pub(crate) fn patch(stem: &str) -> Patch {
     read(&format!("crates/core/tests/patches/{stem}.json"))
 }
 
 /// A shipped patch, such as "lessons/lorenz".
-pub fn shipped(stem: &str) -> Patch {
+pub(crate) fn shipped(stem: &str) -> Patch {
     read(&format!("patches/{stem}.json"))
 }
 
 /// The slideway with falling friction and friction memory.
-pub fn slideway() -> Patch {
+pub(crate) fn slideway() -> Patch {
     shipped("thesis/fig-8-16")
 }
 
@@ -40,55 +40,55 @@ fn read(file: &str) -> Patch {
 }
 
 /// The JSON document of a shipped patch.
-pub fn document(stem: &str) -> Value {
+pub(crate) fn document(stem: &str) -> Value {
     let file = files::repository_path(&format!("patches/{stem}.json"));
     serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
 }
 
 /// The patch of a file.
-pub fn patch_of(file: &Path) -> Patch {
+pub(crate) fn patch_of(file: &Path) -> Patch {
     Patch::read(file).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A patch's circuit with these parameter values.
-pub fn circuit(patch: &Patch, changes: &[(&str, f64)]) -> Circuit {
+pub(crate) fn circuit(patch: &Patch, changes: &[(&str, f64)]) -> Circuit {
     Circuit::with_parameters(patch, changes.iter().copied()).unwrap_or_else(|report| panic!("{report}"))
 }
 
 /// The program of a circuit.
-pub fn program_of(circuit: &Circuit) -> Program {
+pub(crate) fn program_of(circuit: &Circuit) -> Program {
     Program::new(circuit).unwrap_or_else(|report| panic!("{report}"))
 }
 
 /// A patch's program with these parameter values.
-pub fn program(patch: &Patch, changes: &[(&str, f64)]) -> Program {
+pub(crate) fn program(patch: &Patch, changes: &[(&str, f64)]) -> Program {
     program_of(&circuit(patch, changes))
 }
 
 /// The program of a patch made in Rust.
-pub fn built(builder: PatchBuilder) -> Program {
+pub(crate) fn built(builder: PatchBuilder) -> Program {
     let patch = builder.build().unwrap_or_else(|report| panic!("{report}"));
     program(&patch, &[])
 }
 
 /// An element of a kind.
-pub fn element(kind: &str) -> ElementBuilder {
+pub(crate) fn element(kind: &str) -> ElementBuilder {
     ElementBuilder::new(kind)
 }
 
 /// A patch in volts: the scale "volt" is 1 V.
-pub fn volts(title: &str) -> PatchBuilder {
+pub(crate) fn volts(title: &str) -> PatchBuilder {
     PatchBuilder::new(title).scale("volt", 1, "V").run(1.0, 1e-3)
 }
 
 /// A fixed voltage: a step at t = 0.
-pub fn source(builder: PatchBuilder, name: &str, height: f64) -> PatchBuilder {
+pub(crate) fn source(builder: PatchBuilder, name: &str, height: f64) -> PatchBuilder {
     builder.drive(name, "volt", element("step").set("height", height))
 }
 
 /// A2'' = -4 dz(A2) with a dead zone dz of +-10 V, from 0 V upward. Straight lines of 30 V/s alternate with half swings
 /// of 15 V.
-pub fn dead_zone_oscillator() -> Program {
+pub(crate) fn dead_zone_oscillator() -> Program {
     let builder = volts("dead zone oscillator")
         .element("DZ", element("dead-zone").cord("in", "A2").set("lower", -10).set("upper", 10))
         .element("A1", element("integrator").cords("x4", ["DZ"]).set("initial", 30))
@@ -100,7 +100,7 @@ pub fn dead_zone_oscillator() -> Program {
 /// A mass that sticks and slips, driven by two tables. Most table times are ends of steps of 1 ms, one is within
 /// rounding of such an end, some are elsewhere. One table also switches a relay. The diode L gives the lower of that
 /// table and the position A2. `fed_back` names the element that drives the feedback pot.
-pub fn driven_by_points(fed_back: &str) -> Patch {
+pub(crate) fn driven_by_points(fed_back: &str) -> Patch {
     let height = |time: f64| 50.0 * (90.0 * time).sin() + 25.0 * (31.0 * time).cos();
     let curve = |times: Vec<f64>| {
         let points: Vec<_> = times.into_iter().map(|time| [time, height(time)]).collect();
@@ -135,7 +135,7 @@ pub fn driven_by_points(fed_back: &str) -> Patch {
 
 /// An oscillator with two delay lines. A table drives it through D1 and through the element `link`. Its output is fed
 /// back through D2, which also switches a relay.
-pub fn delay_loop(link: ElementBuilder) -> Patch {
+pub(crate) fn delay_loop(link: ElementBuilder) -> Patch {
     let height = |time: f64| 30.0 * (40.0 * time).sin() + 15.0 * (113.0 * time).cos();
     let points: Vec<_> =
         (0..=100).map(|place| f64::from(place) / 100.0).map(|time| [time, height(time)]).collect();
@@ -158,24 +158,24 @@ pub fn delay_loop(link: ElementBuilder) -> Patch {
 }
 
 /// The delay loop whose link is a diode: the lower of D1 and A2.
-pub fn delay_loop_with_diode() -> Patch {
+pub(crate) fn delay_loop_with_diode() -> Patch {
     delay_loop(element("diode-lower-of").cords("in", ["D1", "A2"]))
 }
 
 /// A machine after `length` problem seconds of operation in equal steps.
-pub fn run_for(program: &Program, step: f64, length: f64) -> Machine<'_> {
+pub(crate) fn run_for(program: &Program, step: f64, length: f64) -> Machine<'_> {
     let mut machine = Machine::new(program, step).unwrap_or_else(|error| panic!("{error}"));
     machine.operate(length).unwrap_or_else(|error| panic!("{error}"));
     machine
 }
 
 /// The voltage at the output of an element.
-pub fn voltage(machine: &Machine<'_>, element: &str) -> f64 {
+pub(crate) fn voltage(machine: &Machine<'_>, element: &str) -> f64 {
     machine.voltage(element).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The root of a function between `low` and `high`, by bisection. The function has different signs at the two.
-pub fn root(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+pub(crate) fn root(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let (mut low, mut high) = (low, high);
     let rising = function(low) < function(high);
     for _ in 0..200 {
@@ -187,12 +187,12 @@ pub fn root(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
 
 /// The configuration of a property test with `cases` random cases. It keeps no file of past failures: a case that
 /// failed becomes a separate test.
-pub fn random_cases(cases: u32) -> proptest::test_runner::Config {
+pub(crate) fn random_cases(cases: u32) -> proptest::test_runner::Config {
     proptest::test_runner::Config { cases, failure_persistence: None, ..Default::default() }
 }
 
 /// The observed order of convergence: the slope of the straight line through (log step, log error).
-pub fn convergence_order(steps: &[f64], errors: &[f64]) -> f64 {
+pub(crate) fn convergence_order(steps: &[f64], errors: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let logs = |values: &[f64]| values.iter().map(|value| value.ln()).collect::<Vec<_>>();
     let (x, y) = (logs(steps), logs(errors));
@@ -202,13 +202,13 @@ pub fn convergence_order(steps: &[f64], errors: &[f64]) -> f64 {
 }
 
 /// Compares a program's exact derivatives with central differences of its rates, at instants away from kinks.
-pub fn check_derivatives(program: &Program, step: f64, instants: &[f64]) {
+pub(crate) fn check_derivatives(program: &Program, step: f64, instants: &[f64]) {
     check_derivatives_except(program, step, instants, &[]);
 }
 
 /// The same comparison without the states in `held`. These are at a kink (stuck, resting, at a limit) and cannot be
 /// varied in both directions.
-pub fn check_derivatives_except(program: &Program, step: f64, instants: &[f64], held: &[&str]) {
+pub(crate) fn check_derivatives_except(program: &Program, step: f64, instants: &[f64], held: &[&str]) {
     for instant in instants {
         let machine = run_for(program, step, *instant);
         let exact = machine.linearise();
@@ -219,27 +219,27 @@ pub fn check_derivatives_except(program: &Program, step: f64, instants: &[f64], 
             let derivatives: Vec<f64> = exact.by_states.iter().map(|row| row[column]).collect();
             assert_close(&derivatives, &found, &format!("by {state} at {instant} s"));
         }
-        for (column, slot) in program.parameters().iter().enumerate() {
-            if is_at_edge(slot) {
+        for (column, parameter) in program.parameters().iter().enumerate() {
+            if is_at_edge(parameter) {
                 continue;
             }
-            let size_si = slot.value.abs().max(1e-3 * slot.declared.per_unit);
+            let size_si = parameter.value.abs().max(1e-3 * parameter.declared.per_unit);
             let found = difference_by_parameter(
                 &machine,
-                &slot.declared.name,
-                slot.value / slot.declared.per_unit,
-                size_si / slot.declared.per_unit,
+                &parameter.declared.name,
+                parameter.value / parameter.declared.per_unit,
+                size_si / parameter.declared.per_unit,
             );
             let derivatives: Vec<f64> = exact.by_parameters.iter().map(|row| row[column] * size_si).collect();
-            assert_close(&derivatives, &found, &format!("by {} at {instant} s", slot.declared.name));
+            assert_close(&derivatives, &found, &format!("by {} at {instant} s", parameter.declared.name));
         }
     }
 }
 
 /// Whether a parameter is at an end of its range, where it cannot be varied in both directions.
-fn is_at_edge(slot: &ParameterSlot) -> bool {
-    let value = slot.value / slot.declared.per_unit;
-    slot.declared.range.is_some_and(|(low, high)| value <= low || value >= high)
+fn is_at_edge(parameter: &ParameterValue) -> bool {
+    let value = parameter.value / parameter.declared.per_unit;
+    parameter.declared.range.is_some_and(|(low, high)| value <= low || value >= high)
 }
 
 /// The difference of all rates per volt of a state.
@@ -257,7 +257,9 @@ fn difference_by_state(machine: &Machine<'_>, state: &str, volts: f64) -> Vec<f6
 fn difference_by_parameter(machine: &Machine<'_>, name: &str, value: f64, size: f64) -> Vec<f64> {
     let rates = |fraction: f64| {
         let mut changed = machine.clone();
-        changed.set(name, value + fraction * size).unwrap_or_else(|error| panic!("{name}: {error}"));
+        changed
+            .set_parameter(name, value + fraction * size)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
         changed.rates().to_vec()
     };
     central_difference(rates, 0.0, 1e-5)

@@ -1,7 +1,7 @@
 //! Randomly damaged documents.
 
 /// A xorshift generator (Marsaglia 2003): the same random numbers in every run. The field is the seed, not 0.
-pub struct Xorshift(pub u64);
+pub(crate) struct Xorshift(pub u64);
 
 impl Xorshift {
     /// A number from 0 up to `end`, without `end`; 0 if `end` is 0.
@@ -97,7 +97,7 @@ fn with_changed_byte(text: &str, random: &mut Xorshift) -> String {
 }
 
 /// The text with one to three random changes.
-pub fn mutated(text: &str, random: &mut Xorshift) -> String {
+pub(crate) fn mutated(text: &str, random: &mut Xorshift) -> String {
     let changes = 1 + random.below(3);
     (0..changes).fold(text.to_owned(), |text, _| match random.below(3) {
         _ if text.is_empty() => text,

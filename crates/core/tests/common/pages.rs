@@ -6,7 +6,7 @@ use super::files::repository_path;
 
 /// Asserts that the part of a page between `<!-- mark -->` and `<!-- end of mark -->` is `fresh`, or writes it if
 /// PATCHCORD_BLESS is set. The message names `package`, the crate whose tests write the part.
-pub fn assert_part_up_to_date(page: &str, mark: &str, fresh: &str, package: &str) {
+pub(crate) fn assert_part_up_to_date(page: &str, mark: &str, fresh: &str, package: &str) {
     let text = fs::read_to_string(repository_path(page)).unwrap();
     let (open, close) = (format!("<!-- {mark} -->\n"), format!("<!-- end of {mark} -->"));
     let (before, rest) = text.split_once(&open).unwrap_or_else(|| panic!("{page} has no {mark}"));
@@ -22,7 +22,7 @@ pub fn assert_part_up_to_date(page: &str, mark: &str, fresh: &str, package: &str
 }
 
 /// Asserts that a page contains the sentences. Line breaks do not matter.
-pub fn assert_page_contains(page: &str, sentences: &[String]) {
+pub(crate) fn assert_page_contains(page: &str, sentences: &[String]) {
     let text =
         fs::read_to_string(repository_path(page)).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
     let missing: Vec<_> = sentences.iter().filter(|sentence| !text.contains(*sentence)).collect();

@@ -1,7 +1,7 @@
 //! Reproducible random numbers: the same in every run of the tests.
 
 /// The SplitMix64 generator (Steele, Lea, Flood 2014). The field is the seed and then the state.
-pub struct SplitMix64(pub u64);
+pub(crate) struct SplitMix64(pub u64);
 
 impl SplitMix64 {
     /// A number of the uniform distribution over 0 ... 1, without 1.
@@ -13,12 +13,12 @@ impl SplitMix64 {
     }
 
     /// A number of the uniform distribution over `low` ... `high`.
-    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// A number between `low` and `high`, both positive, with every decade equally likely.
-    pub fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         self.uniform(low.ln(), high.ln()).exp()
     }
 }

@@ -11,13 +11,13 @@ use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 use patchcord_core::solve::{Machine, MachineMode};
 
 /// The range of output voltages.
-pub const ANY: Range<f64> = -100.0..100.0;
+pub(super) const ANY: Range<f64> = -100.0..100.0;
 
 /// The names of the drives, which are also the names of their parameters.
 const DRIVES: [&str; 3] = ["a", "b", "c"];
 
 /// The output of an amplifier for a demanded voltage.
-pub fn clip(volts: f64) -> f64 {
+pub(super) fn clip(volts: f64) -> f64 {
     volts.clamp(-100.0, 100.0)
 }
 
@@ -30,19 +30,19 @@ fn drives(names: &[&str]) -> PatchBuilder {
 }
 
 /// The program of an element on the bench. The diode pairs "high" and "low" give 10 V more and less than a.
-pub fn bench(element: ElementBuilder) -> Program {
+pub(super) fn bench(element: ElementBuilder) -> Program {
     let pair = |kind| crate::common::element(kind).set("in", json!(["a", "a"])).set("drop", 10);
     let builder = drives(&DRIVES).element("high", pair("diode-lower-of"));
     built(builder.element("low", pair("diode-upper-of")).element("E", element))
 }
 
 /// The program of a drive on the bench, in volts.
-pub fn bench_drive(drive: ElementBuilder) -> Program {
+pub(super) fn bench_drive(drive: ElementBuilder) -> Program {
     built(drives(&DRIVES).drive("E", "volt", drive))
 }
 
 /// A machine in initial condition with these voltages of a, b, c.
-pub fn at<'p>(program: &'p Program, volts: &[f64]) -> Machine<'p> {
+pub(super) fn at<'p>(program: &'p Program, volts: &[f64]) -> Machine<'p> {
     let mut machine = run_for(program, 1e-3, 0.0);
     machine.initial_condition().unwrap();
     apply(&mut machine, volts);
@@ -50,35 +50,35 @@ pub fn at<'p>(program: &'p Program, volts: &[f64]) -> Machine<'p> {
 }
 
 /// Sets the voltages of a, b, c.
-pub fn apply(machine: &mut Machine<'_>, volts: &[f64]) {
+pub(super) fn apply(machine: &mut Machine<'_>, volts: &[f64]) {
     for (name, volts) in DRIVES.iter().zip(volts) {
-        machine.set(name, *volts).unwrap_or_else(|error| panic!("{error}"));
+        machine.set_parameter(name, *volts).unwrap_or_else(|error| panic!("{error}"));
     }
 }
 
 /// The output of the element on the bench.
-pub fn out(machine: &Machine<'_>) -> f64 {
+pub(super) fn out(machine: &Machine<'_>) -> f64 {
     voltage(machine, "E")
 }
 
 /// The output of an element in initial condition with these voltages of a, b, c.
-pub fn output(element: ElementBuilder, volts: &[f64]) -> f64 {
+pub(super) fn output(element: ElementBuilder, volts: &[f64]) -> f64 {
     out(&at(&bench(element), volts))
 }
 
 /// Whether two voltages are equal up to rounding.
-pub fn near(found: f64, expected: f64) -> bool {
+pub(super) fn near(found: f64, expected: f64) -> bool {
     (found - expected).abs() <= 1e-12 * (1.0 + found.abs().max(expected.abs()))
 }
 
 /// Asserts that the output is equal to `expected` up to rounding.
-pub fn assert_out(machine: &Machine<'_>, expected: f64, when: &str) {
+pub(super) fn assert_out(machine: &Machine<'_>, expected: f64, when: &str) {
     assert!(near(out(machine), expected), "{when}: {}, expected {expected}", out(machine));
 }
 
 /// Asserts the behaviour of an overloaded amplifier. Its output stops at ±100 V, its lamp stays lit after its inputs
 /// fall to 0, and the overload's peak is the demanded voltage.
-pub fn stops_at_100_volts(element: ElementBuilder, volts: &[f64], demand: f64) {
+pub(super) fn stops_at_100_volts(element: ElementBuilder, volts: &[f64], demand: f64) {
     let program = bench(element);
     let mut machine = at(&program, volts);
     assert_overload(&machine, demand);
@@ -90,7 +90,7 @@ pub fn stops_at_100_volts(element: ElementBuilder, volts: &[f64], demand: f64) {
 }
 
 /// Asserts that a drive with an initial demand above 100 V is overloaded.
-pub fn drive_stops_at_100_volts(drive: ElementBuilder, demand: f64) {
+pub(super) fn drive_stops_at_100_volts(drive: ElementBuilder, demand: f64) {
     assert_overload(&at(&bench_drive(drive), &[]), demand);
 }
 
@@ -104,7 +104,7 @@ fn assert_overload(machine: &Machine<'_>, demand: f64) {
 }
 
 /// Asserts that a network without an amplifier follows its formula beyond 100 V and lights no lamp.
-pub fn has_no_lamp(element: ElementBuilder, volts: &[f64], expected: f64) {
+pub(super) fn has_no_lamp(element: ElementBuilder, volts: &[f64], expected: f64) {
     let program = bench(element);
     let mut machine = at(&program, volts);
     machine.operate(2e-3).unwrap();
@@ -114,7 +114,7 @@ pub fn has_no_lamp(element: ElementBuilder, volts: &[f64], expected: f64) {
 
 /// Asserts that an element without memory follows its inputs in initial condition, operate and hold. Each case has
 /// input voltages and the expected output.
-pub fn computes_in_every_mode(element: ElementBuilder, cases: [(&[f64], f64); 3]) {
+pub(super) fn computes_in_every_mode(element: ElementBuilder, cases: [(&[f64], f64); 3]) {
     let [initial, operating, held] = cases;
     let program = bench(element);
     let mut machine = at(&program, initial.0);
@@ -130,7 +130,7 @@ pub fn computes_in_every_mode(element: ElementBuilder, cases: [(&[f64], f64); 3]
 
 /// Asserts that a drive has its value of t = 0 in initial condition, and that its time stops in hold and then
 /// continues.
-pub fn waits_in_hold(drive: ElementBuilder, law: impl Fn(f64) -> f64) {
+pub(super) fn waits_in_hold(drive: ElementBuilder, law: impl Fn(f64) -> f64) {
     let program = bench_drive(drive);
     let mut machine = at(&program, &[]);
     assert_out(&machine, law(0.0), "in initial condition");
@@ -144,7 +144,7 @@ pub fn waits_in_hold(drive: ElementBuilder, law: impl Fn(f64) -> f64) {
 
 /// Compares exact derivatives through an element with differences. They are by the state of an integrator that replaces
 /// a, by the voltage of b, and by parameters (name, value, unit, range).
-pub fn has_exact_derivatives(
+pub(super) fn has_exact_derivatives(
     tested: ElementBuilder,
     initial: f64,
     parameters: &[(&str, f64, &str, [f64; 2])],

@@ -11,7 +11,7 @@ use crate::elements::bench::{bench_drive, drive_stops_at_100_volts, near, out, w
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, SettingError, SettingFault};
 use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-use patchcord_core::solve::{self, Backend, Phase, RunError, RunSettings};
+use patchcord_core::solve::{self, Phase, RunError, RunSettings};
 
 /// Noise of 1 V rms.
 fn noise(seed: u64, every: f64) -> ElementBuilder {
@@ -190,7 +190,7 @@ fn integrated_noise_grows_with_the_square_root_of_time() {
 fn samples_before_and_after_a_jump_have_the_right_number() {
     let patch = volts("recorded").drive("u", "volt", noise(2, 0.1)).record(["u"]).build().unwrap();
     let circuit = Circuit::new(&patch).unwrap();
-    let settings = RunSettings { step: 0.03, every: 0.05, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().with_step(0.03).with_sample_interval(0.05);
     let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
     let numbers = sequence(2, false, 11);
     for (index, volts) in trace.tracks[0].volts.iter().enumerate() {
@@ -211,12 +211,12 @@ fn seed_and_interval_can_be_changed_during_a_run() {
     let program = with_changeable_grid();
     let mut machine = run_for(&program, 0.01, 0.55);
     assert!(near(voltage(&machine, "u"), sequence(1, false, 6)[5]));
-    machine.set("s", 4.0).unwrap();
+    machine.set_parameter("s", 4.0).unwrap();
     assert!(near(voltage(&machine, "u"), sequence(4, false, 6)[5]), "another sequence with the same index");
-    machine.set("T", 0.05).unwrap();
+    machine.set_parameter("T", 0.05).unwrap();
     machine.operate(0.06).unwrap();
     assert!(near(voltage(&machine, "u"), sequence(4, false, 13)[12]), "another interval, counted from t = 0");
-    let refused = machine.set("s", 4.5);
+    let refused = machine.set_parameter("s", 4.5);
     let is_not_whole = matches!(
         refused,
         Err(RunError::Setting(SettingError::Unfit { value: 4.5, fault: SettingFault::NotWhole, .. }))
@@ -230,7 +230,7 @@ fn seed_and_interval_can_be_changed_during_a_run() {
 fn too_many_numbers_in_a_run_are_refused() {
     let patch = volts("fine").drive("u", "volt", noise(1, 1e-9)).record(["u"]).build().unwrap();
     let circuit = Circuit::new(&patch).unwrap();
-    let settings = RunSettings { step: 1.0, every: 1.0, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().with_step(1.0).with_sample_interval(1.0);
     let settings = settings.with_duration(200.0);
     let stopped = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap_err();
     assert!(matches!(&stopped.error, RunError::NoiseTooFine { element, .. } if element == "u"), "{stopped}");
@@ -248,27 +248,16 @@ fn with_changeable_rms() -> Program {
 fn a_negative_rms_cannot_be_set_on_a_negative_scale() {
     let program = with_changeable_rms();
     let mut machine = run_for(&program, 0.1, 0.0);
-    machine.set("r", 2.0).unwrap();
+    machine.set_parameter("r", 2.0).unwrap();
     assert!(near(voltage(&machine, "u"), -4.0 * sequence(3, false, 1)[0]));
-    assert_eq!(machine.set("r", -2.0).unwrap_err().to_string(), "u rms is -2, below 0");
+    assert_eq!(machine.set_parameter("r", -2.0).unwrap_err().to_string(), "u rms is -2, below 0");
 }
 
 #[test]
 fn a_phase_that_sets_a_too_short_interval_stops_the_run() {
     let program = with_changeable_rms();
     let phases = vec![Phase::operate(50.0), Phase::set("T", 1e-9), Phase::operate(150.0)];
-    let record = vec!["u".to_owned()];
-    let settings = RunSettings {
-        phases,
-        step: 0.1,
-        tolerance: None,
-        every: 0.1,
-        hold_on_overload: false,
-        lamps: true,
-        record,
-        sensitivities: vec![],
-        backend: Backend::default(),
-    };
+    let settings = RunSettings::from_phases(phases, 0.1).with_signals(["u"]);
     let stopped = solve::run(&program, &settings).unwrap_err();
     assert!(
         matches!(&stopped.error, RunError::NoiseTooFine { numbers, .. } if *numbers > 1.4e11),

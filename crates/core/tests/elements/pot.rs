@@ -34,7 +34,7 @@ fn a_pot_can_be_changed_in_hold() {
     let program = built(builder.element("P", pot));
     let mut machine = run_for(&program, 1e-3, 0.1);
     machine.hold();
-    machine.set("s", 0.7).unwrap();
+    machine.set_parameter("s", 0.7).unwrap();
     assert_eq!(voltage(&machine, "P"), 70.0);
 }
 

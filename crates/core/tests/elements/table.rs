@@ -149,8 +149,7 @@ fn samples_at_a_jump_show_the_new_value() {
     let circuit = Circuit::new(&builder.build().unwrap()).unwrap();
     let program = Program::new(&circuit).unwrap();
     for backend in Backend::ALL {
-        let record = vec!["S".to_owned()];
-        let settings = RunSettings { record, backend, ..RunSettings::of(&circuit).unwrap() };
+        let settings = RunSettings::of(&circuit).unwrap().with_signals(["S"]).with_backend(backend);
         let trace = solve::run(&program, &settings).unwrap();
         let expected: Vec<f64> = trace.time.iter().map(|time| -staircase(&POINTS, time + 1e-9)).collect();
         assert_eq!(trace.tracks[0].volts, expected, "{backend}");
@@ -172,7 +171,7 @@ fn a_staircase_is_delayed_and_differentiated() {
     let program = built(builder);
     for step in [0.01, 4e-3, 1e-3] {
         let mut machine = Machine::new(&program, step).unwrap();
-        machine.differentiate(&["T", "g"]).unwrap();
+        machine.differentiate(["T", "g"]).unwrap();
         for _ in 0..3 {
             machine.operate(0.0377).unwrap();
             let delayed_time = machine.time() - 0.0311;
@@ -244,7 +243,7 @@ fn a_recorded_trace_drives_another_patch() {
     let triangle = element("triangle").set("amplitude", 37.3).set("frequency", 2.5);
     let first = volts("first").drive("f", "volt", triangle).record(["f"]).build().unwrap();
     let circuit = Circuit::new(&first).unwrap();
-    let settings = RunSettings { every: 0.02, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().with_sample_interval(0.02);
     let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
     let mut csv = Vec::new();
     trace.write_csv(&mut csv).unwrap();

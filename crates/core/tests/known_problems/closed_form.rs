@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::{DEFAULTS, ErrorSource, Problem, Solution};
 
 /// The problems in the order of their sections.
-pub static PROBLEMS: [Problem; 6] = [
+pub(crate) static PROBLEMS: [Problem; 6] = [
     Problem {
         name: "Dry friction",
         patch: "problems/dry-friction",
@@ -88,7 +88,7 @@ fn bouncing_ball(time: f64) -> f64 {
 
 /// The height of a ball that falls from `height` and bounces with `restitution`. It consists of parabolas (Galilei).
 /// The n-th takes 2 `restitution`^n times as long as the fall.
-pub fn bouncing_height(height: f64, gravity: f64, restitution: f64, time: f64) -> f64 {
+pub(crate) fn bouncing_height(height: f64, gravity: f64, restitution: f64, time: f64) -> f64 {
     let mut begin = (2.0 * height / gravity).sqrt();
     let mut velocity = restitution * gravity * begin;
     if time < begin {

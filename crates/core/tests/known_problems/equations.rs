@@ -1,7 +1,7 @@
 //! A reference solver for equations in the units of their problem, independent of patches and of the engine.
 
 /// Equations with STATES states. Their rates have a kink where any of KINKS quantities passes 0.
-pub trait Equations<const STATES: usize, const KINKS: usize> {
+pub(crate) trait Equations<const STATES: usize, const KINKS: usize> {
     /// The rates at a time. The signs of `sides` select the branch at every kink.
     fn rates(&self, state: [f64; STATES], time: f64, sides: [f64; KINKS]) -> [f64; STATES];
 

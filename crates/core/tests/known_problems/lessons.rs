@@ -11,7 +11,7 @@ use super::{DEFAULTS, ErrorSource, Problem, Solution, heat_rod, stick_slip};
 const STEP_RATIO: f64 = 50.0;
 
 /// The problems in the order of docs/lessons.md.
-pub static PROBLEMS: [Problem; 13] = [
+pub(crate) static PROBLEMS: [Problem; 13] = [
     Problem {
         name: "mass-and-spring",
         patch: "lessons/mass-and-spring",
@@ -234,7 +234,7 @@ fn square_root_and_division(time: f64) -> f64 {
 }
 
 /// Height of the water in m above a hole of `hole` m2, from an initial height in m.
-pub fn torricelli(hole: f64, height: f64, time: f64) -> f64 {
+pub(crate) fn torricelli(hole: f64, height: f64, time: f64) -> f64 {
     (height.sqrt() - hole / 0.05 * (0.5 * 9.81f64).sqrt() * time).powi(2)
 }
 
@@ -255,7 +255,7 @@ fn relay_thermostat(time: f64) -> f64 {
 
 /// The time in s at which a heater of `power` W is first switched off, and how long it is off and on after that. `loss`
 /// is in W/K, the thresholds `low` and `high` in K.
-pub fn thermostat(loss: f64, power: f64, low: f64, high: f64) -> [f64; 3] {
+pub(crate) fn thermostat(loss: f64, power: f64, low: f64, high: f64) -> [f64; 3] {
     let (time_constant, end) = (2090.0 / loss, power / loss);
     [(end / (end - high)).ln(), (high / low).ln(), ((end - low) / (end - high)).ln()]
         .map(|log| time_constant * log)

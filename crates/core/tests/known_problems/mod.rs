@@ -4,15 +4,15 @@
 
 #![allow(dead_code, reason = "no test binary uses all problems and helpers")]
 
-pub mod closed_form;
-pub mod equations;
-pub mod heat_rod;
-pub mod lessons;
-pub mod others;
-pub mod runs;
-pub mod slideway;
+pub(crate) mod closed_form;
+pub(crate) mod equations;
+pub(crate) mod heat_rod;
+pub(crate) mod lessons;
+pub(crate) mod others;
+pub(crate) mod runs;
+pub(crate) mod slideway;
 mod stick_slip;
-pub mod thesis;
+pub(crate) mod thesis;
 
 use crate::common;
 use patchcord_core::ir::Program;
@@ -20,7 +20,7 @@ use patchcord_core::solve::{self, RunSettings};
 
 /// A patch with the known solution of one of its signals.
 #[derive(Debug)]
-pub struct Problem {
+pub(crate) struct Problem {
     /// Its name in docs/problems.md.
     pub name: &'static str,
     /// The patch, such as "lessons/lorenz".
@@ -45,7 +45,7 @@ pub struct Problem {
 
 /// The main source of a problem's error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ErrorSource {
+pub(crate) enum ErrorSource {
     /// The step: the error is proportional to its fourth power.
     Step,
     /// Rounding, at every step.
@@ -56,7 +56,7 @@ pub enum ErrorSource {
 
 /// The known solution of a signal, in the unit of its scale.
 #[derive(Debug, Clone, Copy)]
-pub enum Solution {
+pub(crate) enum Solution {
     /// A function of time in seconds. It is valid at least at multiples of `every`.
     ClosedForm(fn(f64) -> f64),
     /// The samples at 0, every, 2 every, ... by integration of the equations in the problem's own units. The arguments
@@ -79,12 +79,12 @@ const DEFAULTS: Problem = Problem {
 };
 
 /// All problems, in the order of docs/problems.md.
-pub fn all() -> impl Iterator<Item = &'static Problem> {
+pub(crate) fn all() -> impl Iterator<Item = &'static Problem> {
     closed_form::PROBLEMS.iter().chain(&lessons::PROBLEMS).chain(&thesis::PROBLEMS).chain(&others::PROBLEMS)
 }
 
 /// A problem that is ready to run.
-pub struct PreparedProblem {
+pub(crate) struct PreparedProblem {
     name: &'static str,
     pub program: Program,
     /// Settings of a run with the patch's step over the problem's duration. It records the signal.
@@ -95,7 +95,7 @@ pub struct PreparedProblem {
 
 impl Problem {
     /// Builds the program, the run settings and the expected samples.
-    pub fn prepare(&self) -> PreparedProblem {
+    pub(crate) fn prepare(&self) -> PreparedProblem {
         let circuit = runs::circuit(self.patch, self.changes);
         let settings = runs::recording_settings(&circuit, self.duration, self.every, &[self.signal]);
         PreparedProblem {
@@ -107,7 +107,7 @@ impl Problem {
     }
 
     /// The closed solution. Panics if the problem has none.
-    pub fn closed_form(&self) -> fn(f64) -> f64 {
+    pub(crate) fn closed_form(&self) -> fn(f64) -> f64 {
         let Solution::ClosedForm(solution) = self.solution else {
             panic!("{} has no closed solution", self.name)
         };
@@ -128,7 +128,7 @@ impl Problem {
 
 impl PreparedProblem {
     /// The largest error of a run over all samples, in machine units.
-    pub fn error(&self, settings: &RunSettings) -> f64 {
+    pub(crate) fn error(&self, settings: &RunSettings) -> f64 {
         let run = solve::run(&self.program, settings);
         let trace = run.unwrap_or_else(|error| panic!("{}: {error}", self.name));
         let track = &trace.tracks[0];

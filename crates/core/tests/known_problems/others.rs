@@ -5,7 +5,7 @@ use super::thesis::{SLIDEWAY, fine_velocity};
 use super::{Problem, Solution};
 
 /// The problems in the order of docs/problems.md.
-pub static PROBLEMS: [Problem; 2] = [
+pub(crate) static PROBLEMS: [Problem; 2] = [
     Problem {
         name: "Nakashima",
         patch: "others/nakashima",
@@ -26,7 +26,7 @@ pub static PROBLEMS: [Problem; 2] = [
 
 /// The slideway of Nakashima's patch at a constant drive velocity in m/s. Friction follows the velocity with a lag, and
 /// at standstill it holds against every backward force.
-pub fn nakashima_slideway(velocity: f64) -> Slideway {
+pub(crate) fn nakashima_slideway(velocity: f64) -> Slideway {
     Slideway {
         brake: true,
         one_way: true,
@@ -40,7 +40,7 @@ pub fn nakashima_slideway(velocity: f64) -> Slideway {
 
 /// Velocity of a slip in m/s (eq 18.2) on the slideway of Singh's patch. `falling` is the slope of friction in N s/m,
 /// `drop` its drop at the start of the slip in N, and `drive` the drive velocity in m/s.
-pub fn slip(falling: f64, drop: f64, drive: f64, time: f64) -> f64 {
+pub(crate) fn slip(falling: f64, drop: f64, drive: f64, time: f64) -> f64 {
     let (mass, stiffness, viscous) = (433.0f64, 45e6f64, 10.7e3);
     let impedance = (mass * stiffness).sqrt();
     let (damping, ratio) = ((viscous - falling) / (2.0 * impedance), drop / (drive * impedance));

@@ -7,60 +7,70 @@ use patchcord_core::solve::{self, RunSettings};
 use patchcord_core::trace::Trace;
 
 /// The circuit of a shipped patch such as "lessons/lorenz", with these parameter values.
-pub fn circuit(stem: &str, changes: &[(&str, f64)]) -> Circuit {
+pub(crate) fn circuit(stem: &str, changes: &[(&str, f64)]) -> Circuit {
     common::circuit(&common::shipped(stem), changes)
 }
 
 /// The program of a shipped patch with these parameter values.
-pub fn program(stem: &str, changes: &[(&str, f64)]) -> Program {
+pub(crate) fn program(stem: &str, changes: &[(&str, f64)]) -> Program {
     common::program(&common::shipped(stem), changes)
 }
 
 /// The run settings of a circuit's patch.
-pub fn settings(circuit: &Circuit) -> RunSettings {
+pub(crate) fn settings(circuit: &Circuit) -> RunSettings {
     RunSettings::of(circuit).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The step of a shipped patch in seconds.
-pub fn step_of(stem: &str) -> f64 {
+pub(crate) fn step_of(stem: &str) -> f64 {
     settings(&circuit(stem, &[])).step
 }
 
 /// Run settings with the patch's step, but another duration, sampling interval and list of recorded signals.
-pub fn recording_settings(circuit: &Circuit, duration: f64, every: f64, record: &[&str]) -> RunSettings {
-    let record = record.iter().map(|name| (*name).to_owned()).collect();
-    RunSettings { every, record, ..settings(circuit).with_duration(duration) }
+pub(crate) fn recording_settings(
+    circuit: &Circuit,
+    duration: f64,
+    every: f64,
+    record: &[&str],
+) -> RunSettings {
+    settings(circuit).with_duration(duration).with_sample_interval(every).with_signals(record.iter().copied())
 }
 
 /// The trace of a program.
-pub fn run_program(program: &Program, settings: &RunSettings) -> Trace {
+pub(crate) fn run_program(program: &Program, settings: &RunSettings) -> Trace {
     solve::run(program, settings).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The trace of a circuit.
-pub fn run_circuit(circuit: &Circuit, settings: &RunSettings) -> Trace {
+pub(crate) fn run_circuit(circuit: &Circuit, settings: &RunSettings) -> Trace {
     run_program(&common::program_of(circuit), settings)
 }
 
 /// The trace of a shipped patch with these parameter values and duration.
-pub fn run(stem: &str, changes: &[(&str, f64)], duration: f64) -> Trace {
+pub(crate) fn run(stem: &str, changes: &[(&str, f64)], duration: f64) -> Trace {
     let circuit = circuit(stem, changes);
     run_circuit(&circuit, &settings(&circuit).with_duration(duration))
 }
 
 /// The trace of a shipped patch with another sampling interval and list of recorded signals too.
-pub fn record(stem: &str, changes: &[(&str, f64)], duration: f64, every: f64, signals: &[&str]) -> Trace {
+pub(crate) fn record(
+    stem: &str,
+    changes: &[(&str, f64)],
+    duration: f64,
+    every: f64,
+    signals: &[&str],
+) -> Trace {
     let circuit = circuit(stem, changes);
     run_circuit(&circuit, &recording_settings(&circuit, duration, every, signals))
 }
 
 /// The samples of a signal in the unit of its scale.
-pub fn values(trace: &Trace, signal: &str) -> Vec<f64> {
+pub(crate) fn values(trace: &Trace, signal: &str) -> Vec<f64> {
     trace.values(signal).unwrap_or_else(|| panic!("{signal} is not recorded"))
 }
 
 /// The largest magnitude, or NaN if a value is NaN.
-pub fn peak(values: &[f64]) -> f64 {
+pub(crate) fn peak(values: &[f64]) -> f64 {
     let larger =
         |peak: f64, value: &f64| if value.abs() > peak || value.is_nan() { value.abs() } else { peak };
     values.iter().fold(0.0, larger)
@@ -71,7 +81,7 @@ pub fn peak(values: &[f64]) -> f64 {
 const SMALLEST_PEAK: f64 = 1e-9;
 
 /// The largest difference of two signals, relative to the peak of the expected one.
-pub fn difference(found: &[f64], expected: &[f64]) -> f64 {
+pub(crate) fn difference(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let differences: Vec<f64> = found.iter().zip(expected).map(|(a, b)| a - b).collect();
     peak(&differences) / peak(expected).max(SMALLEST_PEAK)

@@ -4,7 +4,7 @@ use super::equations::Equations;
 
 /// How solid friction depends on velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FrictionLaw {
+pub(crate) enum FrictionLaw {
     /// No solid friction.
     Absent,
     /// Equal at every velocity.
@@ -24,7 +24,7 @@ pub enum FrictionLaw {
 /// The friction memory is `Tc u' = s - u` or `Tc u' = s^2 - u` with `s = 1 - min(|v| / VcL, 1)`. With a brake,
 /// `M v' = w - F sign(v) - f v`; at standstill v stays 0 if |w| <= F, or if w <= F when the brake is one-way.
 #[derive(Debug, Clone)]
-pub struct Slideway {
+pub(crate) struct Slideway {
     pub law: FrictionLaw,
     /// True if solid friction is a brake; false if it is a dead zone in the spring force.
     pub brake: bool,
@@ -65,7 +65,7 @@ const STANDSTILL_ROUNDING: f64 = 1e-15;
 
 impl Slideway {
     /// The final setting of the thesis (8.4) with a friction law.
-    pub const fn thesis(law: FrictionLaw) -> Self {
+    pub(crate) const fn thesis(law: FrictionLaw) -> Self {
         Slideway {
             law,
             brake: false,
@@ -85,7 +85,7 @@ impl Slideway {
     }
 
     /// The setting of Fig 8.8 with a friction law: the response to a step of 0.127 mm.
-    pub const fn step_response(law: FrictionLaw) -> Self {
+    pub(crate) const fn step_response(law: FrictionLaw) -> Self {
         Slideway {
             mass: 454.0,
             stiffness: 17.86e6,
@@ -97,7 +97,7 @@ impl Slideway {
     }
 
     /// The parameter values of this setting for the patch of its friction law.
-    pub fn changes(&self) -> Vec<(&'static str, f64)> {
+    pub(crate) fn changes(&self) -> Vec<(&'static str, f64)> {
         let mut changes = vec![
             ("M", self.mass),
             ("K", self.stiffness),
@@ -120,14 +120,14 @@ impl Slideway {
     }
 
     /// Output velocity in m/s at 0, every, 2 every, ... All arguments are in seconds.
-    pub fn velocity(&self, duration: f64, every: f64, step: f64) -> Vec<f64> {
+    pub(crate) fn velocity(&self, duration: f64, every: f64, step: f64) -> Vec<f64> {
         self.integrate(AT_REST, duration, every, step).into_iter().map(|[_, velocity, _]| velocity).collect()
     }
 
     /// Output velocity in m/s without solid friction and before `v_turn`, in closed form. It solves
     /// y' = v_start + v_rate t - v, M v' = K y - f v from y = x_step and v = 0. The solution is a ramp plus a damped
     /// oscillation.
-    pub fn linear_velocity(&self, time: f64) -> f64 {
+    pub(crate) fn linear_velocity(&self, time: f64) -> f64 {
         let Slideway { mass, stiffness, viscous, v_start, v_rate, x_step, .. } = *self;
         let (wn, decay) = ((stiffness / mass).sqrt(), viscous / (2.0 * mass));
         let wd = (wn * wn - decay * decay).sqrt();

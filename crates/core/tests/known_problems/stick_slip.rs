@@ -15,7 +15,7 @@ const SLIDING: f64 = 0.03;
 
 /// The stretch of the spring in m. The belt carries the block along until the spring force exceeds friction. Then the
 /// block slips until it sticks again.
-pub fn stretch(time: f64) -> f64 {
+pub(super) fn stretch(time: f64) -> f64 {
     let slip = slip();
     let caught = slip[2].position(slip[2].duration);
     let slips: f64 = slip.iter().map(|swing| swing.duration).sum();

@@ -4,10 +4,10 @@ use super::slideway::{FrictionLaw, Slideway};
 use super::{DEFAULTS, ErrorSource, Problem, Solution};
 
 /// Step of the reference solver in seconds: a twentieth of the patches' steps.
-pub const FINE_STEP: f64 = 1e-6;
+pub(crate) const FINE_STEP: f64 = 1e-6;
 
 /// The problems in the order of docs/problems.md.
-pub static PROBLEMS: [Problem; 14] = [
+pub(crate) static PROBLEMS: [Problem; 14] = [
     Problem {
         name: "Fig 4.7",
         patch: "thesis/fig-4-07",
@@ -145,11 +145,11 @@ pub static PROBLEMS: [Problem; 14] = [
 ];
 
 /// Defaults of a slideway problem: the output velocity over the first 0.3 s.
-pub const SLIDEWAY: Problem = Problem { signal: "v_o", duration: 0.3, every: 1e-3, ..DEFAULTS };
+pub(crate) const SLIDEWAY: Problem = Problem { signal: "v_o", duration: 0.3, every: 1e-3, ..DEFAULTS };
 
 impl Slideway {
     /// Friction (c) of Fig 4.7: it falls to 60 % of its value at standstill.
-    pub fn with_friction_drop() -> Self {
+    pub(crate) fn with_friction_drop() -> Self {
         Slideway {
             brake: true,
             constant_part: 0.6 * 771.0,
@@ -181,6 +181,6 @@ fn lagged(time: f64) -> f64 {
 }
 
 /// The output velocity of a slideway at 0, every, 2 every, ..., integrated with FINE_STEP.
-pub fn fine_velocity(slideway: &Slideway, duration: f64, every: f64) -> Vec<f64> {
+pub(crate) fn fine_velocity(slideway: &Slideway, duration: f64, every: f64) -> Vec<f64> {
     slideway.velocity(duration, every, FINE_STEP)
 }

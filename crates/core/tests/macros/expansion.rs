@@ -15,7 +15,7 @@ struct Context<'d> {
 }
 
 /// The document with all macros expanded.
-pub fn expanded(document: &Value) -> Value {
+pub(super) fn expanded(document: &Value) -> Value {
     let mut document = document.clone();
     let macros = document["macros"].as_object().unwrap().clone();
     let top_level =

@@ -65,7 +65,7 @@ fn a_pot_inside_a_macro_can_be_changed_during_a_run() {
         let program = program(patch, &[("v_start", 1e-3)]);
         let mut machine = Machine::new(&program, 2e-5).unwrap();
         machine.operate(0.01).unwrap();
-        machine.set("Tc", 0.1).unwrap();
+        machine.set_parameter("Tc", 0.1).unwrap();
         machine.operate(0.02).unwrap();
         voltage(&machine, memory).to_bits()
     };

@@ -6,7 +6,7 @@ physical units by SciPy, for crates/thesis/tests/thesis/fig_8_16_coulomb.rs.
     stands still (v = 0):     for as long as |w| <= F
 
 Start e = 0, v = 0, u = 1, standing still. Every change (release, standstill, turning round, |v| passing VcL) is an
-event at which the solution is begun anew, so that no kink lies within a step; quantities are scaled to the size of
+event at which the solution starts again, so that no step contains a kink; quantities are scaled to the size of
 1. While it stands still, v is not solved for: it is 0. Needs numpy and scipy; run it in this folder.
 """
 

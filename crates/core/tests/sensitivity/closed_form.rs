@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::common::{built, convergence_order, element, patch, program, volts};
 use crate::sensitivity::comparison::Case;
 use patchcord_core::ir::Program;
-use patchcord_core::solve::{Machine, RunSettings};
+use patchcord_core::solve::Machine;
 
 /// The derivatives of an element's voltage by parameters at a time, with equal steps.
 fn derivatives(program: &Program, step: f64, time: f64, element: &str, by: &[&str]) -> Vec<f64> {
@@ -215,8 +215,7 @@ fn adaptive_derivatives_keep_ten_times_the_tolerance() {
     let exact = case.trace(&["e", "g"]);
     for tolerance in [1e-6, 1e-9] {
         let case = Case::new(patch("bouncing-ball"), &[], 3.4);
-        let trace =
-            case.with(|settings| RunSettings { tolerance: Some(tolerance), ..settings }).trace(&["e", "g"]);
+        let trace = case.with(|settings| settings.with_tolerance(tolerance)).trace(&["e", "g"]);
         for name in ["e", "g"] {
             let [found, expected] = [&trace, &exact].map(|trace| trace.derivative("height", name).unwrap());
             let largest = expected.values().fold(0.0f64, |maximum, slope| maximum.max(slope.abs()));

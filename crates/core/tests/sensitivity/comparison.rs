@@ -7,7 +7,7 @@ use patchcord_core::solve::{self, RunSettings};
 use patchcord_core::trace::Trace;
 
 /// A patch with its run settings and the distance of the differences.
-pub struct Case {
+pub(super) struct Case {
     /// The patch that is run.
     pub patch: Patch,
     /// Parameter values that differ from those of the patch.
@@ -28,16 +28,17 @@ fn largest(values: &[f64]) -> f64 {
 
 impl Case {
     /// The patch with its own run settings, for a duration in seconds.
-    pub fn new(patch: Patch, changes: &[(&'static str, f64)], duration: f64) -> Self {
+    pub(super) fn new(patch: Patch, changes: &[(&'static str, f64)], duration: f64) -> Self {
         let circuit = crate::common::circuit(&patch, changes);
         let base = RunSettings::of(&circuit).unwrap().with_duration(duration);
         // No sample is at a round time, where events are. A difference there mixes both sides of an event.
-        let settings = RunSettings { every: base.every * 1.0123456, ..base };
+        let every = base.every * 1.0123456;
+        let settings = base.with_sample_interval(every);
         Case { patch, changes: changes.to_vec(), settings, relative_step: 1e-5 }
     }
 
     /// The case with changed run settings.
-    pub fn with(self, change: impl FnOnce(RunSettings) -> RunSettings) -> Self {
+    pub(super) fn with(self, change: impl FnOnce(RunSettings) -> RunSettings) -> Self {
         Case { settings: change(self.settings), ..self }
     }
 
@@ -48,13 +49,12 @@ impl Case {
 
     fn run(&self, more: &[(&str, f64)], by: &[&str]) -> Trace {
         let program = Program::new(&self.circuit(more)).unwrap_or_else(|report| panic!("{report}"));
-        let sensitivities = by.iter().map(|name| (*name).to_owned()).collect();
-        let settings = RunSettings { sensitivities, ..self.settings.clone() };
+        let settings = self.settings.clone().with_sensitivities(by.iter().copied());
         solve::run(&program, &settings).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The run with its derivatives by these parameters.
-    pub fn trace(&self, by: &[&str]) -> Trace {
+    pub(super) fn trace(&self, by: &[&str]) -> Trace {
         self.run(&[], by)
     }
 
@@ -62,7 +62,7 @@ impl Case {
     ///
     /// Samples at moving instants, and samples at which the two differences disagree because an event moves across
     /// them, are left out. At least the fraction `min_compared` of all samples must remain.
-    pub fn check(&self, by: &[&str], tolerance: f64, min_compared: f64) {
+    pub(super) fn check(&self, by: &[&str], tolerance: f64, min_compared: f64) {
         let exact = self.trace(by);
         for name in by {
             let value = self.circuit(&[]).parameters().find(|(parameter, ..)| parameter == name).unwrap().2;

@@ -3,7 +3,6 @@
 use crate::common::{element, patch, slideway, volts};
 use crate::sensitivity::comparison::Case;
 use patchcord_core::patch::Patch;
-use patchcord_core::solve::RunSettings;
 
 fn shipped(file: &str) -> Patch {
     Patch::read(format!("../../patches/{file}.json")).unwrap_or_else(|error| panic!("{error}"))
@@ -13,7 +12,7 @@ fn shipped(file: &str) -> Patch {
 fn derivatives_of_a_bouncing_ball_agree() {
     let case = || Case::new(patch("bouncing-ball"), &[], 3.3);
     case().check(&["g", "h0", "e"], 1e-6, 0.97);
-    case().with(|settings| RunSettings { tolerance: Some(1e-10), ..settings }).check(&["g", "e"], 1e-6, 0.9);
+    case().with(|settings| settings.with_tolerance(1e-10)).check(&["g", "e"], 1e-6, 0.9);
 }
 
 #[test]
@@ -33,7 +32,7 @@ fn derivatives_of_stick_slip_with_a_brake_agree() {
 #[test]
 fn derivatives_of_delay_lines_agree() {
     // The slope of the cubic in the delay line has order 3: an error of 1e-6 of the largest derivative at 5 ms.
-    Case::new(patch("delay-line"), &[], 4.0).with(|settings| RunSettings { step: 5e-3, ..settings }).check(
+    Case::new(patch("delay-line"), &[], 4.0).with(|settings| settings.with_step(5e-3)).check(
         &["T", "T_x", "x0", "height", "tone"],
         1e-6,
         0.95,
@@ -44,7 +43,7 @@ fn derivatives_of_delay_lines_agree() {
 fn derivatives_of_fig_8_16_agree() {
     let case = || Case { relative_step: 1e-6, ..Case::new(slideway(), &[], 0.5) };
     case().check(&["M", "K", "f", "Fs", "VcL", "Tc"], 1e-5, 0.9);
-    case().with(|settings| RunSettings { tolerance: Some(1e-9), ..settings }).check(&["M", "Fs"], 1e-6, 0.9);
+    case().with(|settings| settings.with_tolerance(1e-9)).check(&["M", "Fs"], 1e-6, 0.9);
 }
 
 #[test]
@@ -88,9 +87,5 @@ fn derivatives_agree_at_and_after_a_limit() {
 #[test]
 fn derivatives_of_noise_through_elements_with_memory_agree() {
     // Noise gives the delay lines pieces of few samples, which need short steps.
-    Case::new(patch("memory"), &[], 4.0).with(|settings| RunSettings { step: 1e-3, ..settings }).check(
-        &["top"],
-        1e-7,
-        0.9,
-    );
+    Case::new(patch("memory"), &[], 4.0).with(|settings| settings.with_step(1e-3)).check(&["top"], 1e-7, 0.9);
 }

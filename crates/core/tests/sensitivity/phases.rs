@@ -3,7 +3,7 @@
 use crate::common::{element, volts};
 use crate::sensitivity::comparison::Case;
 use patchcord_core::patch::Patch;
-use patchcord_core::solve::{ParameterChange, Phase, RunSettings};
+use patchcord_core::solve::{ParameterChange, Phase};
 use patchcord_core::trace::Trace;
 use patchcord_expr::Formula;
 
@@ -26,12 +26,8 @@ fn set(parameter: &str, to: &str) -> Phase {
 }
 
 fn case(phases: &[Phase]) -> Case {
-    let record = vec!["level".to_owned()];
-    Case::new(decay(), &[], 1.0).with(|settings| RunSettings {
-        phases: phases.to_vec(),
-        every: 0.0317,
-        record,
-        ..settings
+    Case::new(decay(), &[], 1.0).with(|settings| {
+        settings.with_phases(phases.to_vec()).with_sample_interval(0.0317).with_signals(["level"])
     })
 }
 

@@ -40,11 +40,8 @@ fn parameters_checked(files: Vec<PathBuf>) -> usize {
         for (name, ..) in names {
             println!("{} by {name}", file.display());
             let case = Case::new(patch.clone(), &[], settings.duration().min(MAX_STEPS * settings.step));
-            case.with(|settings| RunSettings { step: STEP_FACTOR * settings.step, ..settings }).check(
-                &[name],
-                1e-5,
-                0.9,
-            );
+            let step = STEP_FACTOR * settings.step;
+            case.with(|settings| settings.with_step(step)).check(&[name], 1e-5, 0.9);
             parameters += 1;
         }
     }

@@ -8,7 +8,7 @@ use patchcord_core::solve::{Machine, RunError};
 fn outcome(builder: PatchBuilder, by: &str, length: f64) -> Result<f64, RunError> {
     let program = built(builder);
     let mut machine = Machine::new(&program, 1e-2).unwrap();
-    machine.differentiate(&[by])?;
+    machine.differentiate([by])?;
     machine.operate(length)?;
     machine.sensitivity("A1", by)
 }
@@ -97,7 +97,7 @@ fn a_derivative_that_overflows_is_refused() {
     let program = built(growing);
     let grown = |length: f64| {
         let mut machine = Machine::new(&program, 1e-4).unwrap();
-        machine.differentiate(&["p"]).unwrap();
+        machine.differentiate(["p"]).unwrap();
         machine.operate(length).map(|()| machine.sensitivity("A1", "p").unwrap())
     };
     let found = grown(0.1).unwrap();
@@ -122,7 +122,7 @@ fn the_slope_of_a_root_at_0_is_its_amplification() {
         );
     let mut machine_program = built(root);
     let mut machine = Machine::new(&machine_program, 1e-2).unwrap();
-    machine.differentiate(&["p"]).unwrap();
+    machine.differentiate(["p"]).unwrap();
     let slope = machine.sensitivity("OA", "p").unwrap();
     machine_program.set_parameters([("p", 1e-16)]).unwrap();
     let difference = Machine::new(&machine_program, 1e-2).unwrap().voltage("OA").unwrap() / 1e-16;
@@ -138,12 +138,12 @@ fn unknown_parameters_are_refused_by_name() {
     let mut machine = Machine::new(&program, 1e-2).unwrap();
     assert!(
         machine
-            .differentiate(&["mass"])
+            .differentiate(["mass"])
             .unwrap_err()
             .to_string()
             .contains("the patch declares no such parameter")
     );
-    machine.differentiate(&["g"]).unwrap();
+    machine.differentiate(["g"]).unwrap();
     assert!(
         machine.sensitivity("B1", "e").unwrap_err().to_string().contains("it is not computed in this run")
     );

@@ -20,7 +20,9 @@ pub(super) fn spans(picture: &Picture, screen: Area, surface: &mut dyn Surface) 
 
 /// Draws the errors of the channels: a band behind a line, a bar through a dot.
 pub(super) fn draw(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
-    for (index, channel) in picture.channels.iter().enumerate().filter(|(_, own)| !own.errors.is_empty()) {
+    for (index, channel) in
+        picture.channels.iter().enumerate().filter(|(_, channel)| !channel.errors.is_empty())
+    {
         let projection = Projection { picture, channel, screen };
         let colour = palette::channel(index, channel);
         let [upper, lower] = [1.0, -1.0].map(|side| edge(channel, side));

@@ -14,6 +14,25 @@ pub struct Area {
 }
 
 impl Area {
+    /// Returns the square around a point; each edge is `radius` away from the point.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_draw::plot::Area;
+    ///
+    /// let area = Area::around((10.0, 20.0), 3.0);
+    /// assert_eq!((area.left, area.top, area.width(), area.height()), (7.0, 17.0, 6.0, 6.0));
+    /// ```
+    pub fn around(centre: (f64, f64), radius: f64) -> Area {
+        Area {
+            left: centre.0 - radius,
+            top: centre.1 - radius,
+            right: centre.0 + radius,
+            bottom: centre.1 + radius,
+        }
+    }
+
     /// Returns the distance from the left to the right edge.
     pub fn width(&self) -> f64 {
         self.right - self.left

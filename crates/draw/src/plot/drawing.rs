@@ -34,6 +34,7 @@ pub struct Drawing {
 
 /// One element of a drawing.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Primitive {
     /// A polyline with round joins and ends.
     Line {
@@ -82,7 +83,7 @@ pub enum Primitive {
 /// ```
 /// use patchcord_draw::plot::{Align, Ink, Label, text_width};
 ///
-/// let label = Label { text: "v_o".to_owned(), at: (50.0, 20.0), size: 10.0, align: Align::Middle, ink: Ink::Line };
+/// let label = Label::new("v_o", (50.0, 20.0), 10.0, Align::Middle, Ink::Line);
 /// let area = label.area();
 /// assert!((area.width() - text_width("v_o", 10.0)).abs() < 1e-9);
 /// assert!((area.left + area.right - 100.0).abs() < 1e-9, "centred at 50");
@@ -109,6 +110,11 @@ const RISE: f64 = 0.76;
 const DEPTH: f64 = 0.24;
 
 impl Label {
+    /// Returns a line of text with a point of its baseline at `at`.
+    pub fn new(text: impl Into<String>, at: (f64, f64), size: f64, align: Align, ink: Ink) -> Label {
+        Label { text: text.into(), at, size, align, ink }
+    }
+
     /// Returns the rectangle that the text occupies.
     pub fn area(&self) -> Area {
         let width = text_width(&self.text, self.size);
@@ -123,6 +129,14 @@ impl Label {
 }
 
 impl Primitive {
+    /// Returns the line of text; `None` if the primitive is a line, an area or a circle.
+    pub fn label(&self) -> Option<&Label> {
+        match self {
+            Primitive::Text(label) => Some(label),
+            _ => None,
+        }
+    }
+
     /// Returns the primitive shifted by `by`.
     #[must_use]
     pub fn moved(self, by: (f64, f64)) -> Primitive {
@@ -178,6 +192,18 @@ pub fn truncate_text(text: &str, size: f64, max_width: f64) -> String {
 /// [`PlotError::TooLarge`] if a side is longer than [`Drawing::MAX_SIDE`] or a PNG has more than
 /// [`Drawing::MAX_PNG_PIXELS`]. [`PlotError::Font`], [`PlotError::Drawing`] and [`PlotError::Png`] if
 /// a library fails.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{Drawing, Format, Ink, PlotError, Primitive, Theme, render_drawing};
+///
+/// let circle = Primitive::Ring { centre: (50.0, 50.0), radius: 40.0, width: 2.0, ink: Ink::Line };
+/// let drawing = Drawing { width: 100.0, height: 100.0, primitives: vec![circle] };
+/// let svg = String::from_utf8_lossy(&render_drawing(&drawing, Format::Svg, Theme::Light)?).into_owned();
+/// assert!(svg.contains("<circle") && svg.ends_with("</svg>\n"));
+/// # Ok::<(), PlotError>(())
+/// ```
 pub fn render_drawing(drawing: &Drawing, format: Format, theme: Theme) -> Result<Vec<u8>, PlotError> {
     let size = drawing.size(format)?;
     let font = Font::load()?;
@@ -246,9 +272,7 @@ mod tests {
     use super::*;
 
     fn drawing() -> Drawing {
-        let text = |text: &str, at| {
-            Primitive::Text(Label { text: text.into(), at, size: 10.0, align: Align::Middle, ink: Ink::Line })
-        };
+        let text = Label::new("A<1> & \u{1}", (60.0, 75.0), 10.0, Align::Middle, Ink::Line);
         Drawing {
             width: 120.0,
             height: 80.0,
@@ -257,7 +281,7 @@ mod tests {
                 Primitive::Line { points: vec![(10.0, 10.0), (60.0, 40.0)], width: 1.5, ink: Ink::Line },
                 Primitive::Ring { centre: (90.0, 40.0), radius: 15.0, width: 1.5, ink: Ink::Line },
                 Primitive::Disc { centre: (60.0, 40.0), radius: 3.0, ink: Ink::Signal },
-                text("A<1> & \u{1}", (60.0, 75.0)),
+                Primitive::Text(text),
             ],
         }
     }
@@ -298,13 +322,7 @@ mod tests {
 
     #[test]
     fn a_label_covers_its_text() {
-        let label = Label {
-            text: "velocity".into(),
-            at: (50.0, 20.0),
-            size: 10.0,
-            align: Align::End,
-            ink: Ink::Line,
-        };
+        let label = Label::new("velocity", (50.0, 20.0), 10.0, Align::End, Ink::Line);
         let area = label.area();
         assert!((area.right - 50.0).abs() < 1e-9 && area.left < 20.0);
         assert!(area.top < 13.0 && area.bottom > 21.0);

@@ -1,7 +1,10 @@
+//! The errors of rendering.
+
 use super::Size;
 
 /// The reasons why a picture or drawing cannot be rendered.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlotError {
     /// The extension of the file name is neither `.svg` nor `.png`.
     #[error("unknown picture format of `{file}`: the extension must be .svg or .png")]
@@ -14,14 +17,14 @@ pub enum PlotError {
     NoPictures,
     /// A side of a picture is shorter than [`Size::MIN_SIDE`] or longer than [`Size::MAX_SIDE`].
     #[error(
-        "each side of a picture must have {least} to {most} pixels, got {width} x {height}",
-        width = .0.width, height = .0.height, least = Size::MIN_SIDE, most = Size::MAX_SIDE
+        "each side of a picture must have {min} to {max} pixels, got {width} x {height}",
+        width = .0.width, height = .0.height, min = Size::MIN_SIDE, max = Size::MAX_SIDE
     )]
     Size(Size),
     /// The stacked pictures are higher than [`Size::MAX_SHEET_HEIGHT`].
     #[error(
-        "a sheet of {pictures} pictures is higher than {most} pixels; draw fewer or smaller pictures",
-        most = Size::MAX_SHEET_HEIGHT
+        "a sheet of {pictures} pictures is higher than {max} pixels; draw fewer or smaller pictures",
+        max = Size::MAX_SHEET_HEIGHT
     )]
     TooTall {
         /// The number of pictures of the sheet.

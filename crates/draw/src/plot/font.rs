@@ -69,13 +69,16 @@ impl Font {
         for letter in text.chars() {
             let id = font.glyph_id(letter);
             // The y axis of the font points up.
-            let place = |at: Point| point(pen.x + at.x * factor.horizontal, pen.y - at.y * factor.vertical);
+            let position =
+                |at: Point| point(pen.x + at.x * factor.horizontal, pen.y - at.y * factor.vertical);
             let outline = self.0.outline(id).map_or(Vec::new(), |outline| outline.curves);
             curves.extend(outline.into_iter().map(|curve| match curve {
-                OutlineCurve::Line(from, to) => OutlineCurve::Line(place(from), place(to)),
-                OutlineCurve::Quad(from, by, to) => OutlineCurve::Quad(place(from), place(by), place(to)),
+                OutlineCurve::Line(from, to) => OutlineCurve::Line(position(from), position(to)),
+                OutlineCurve::Quad(from, by, to) => {
+                    OutlineCurve::Quad(position(from), position(by), position(to))
+                }
                 OutlineCurve::Cubic(from, one, two, to) => {
-                    OutlineCurve::Cubic(place(from), place(one), place(two), place(to))
+                    OutlineCurve::Cubic(position(from), position(one), position(two), position(to))
                 }
             }));
             pen.x += font.h_advance(id);
@@ -88,6 +91,11 @@ impl Font {
         let em = self.0.units_per_em().unwrap_or(1.0);
         PxScale::from(size as f32 * self.0.height_unscaled() / em)
     }
+}
+
+/// Replaces every hyphen of a number by a minus sign, which is as wide as a plus sign.
+pub(crate) fn with_minus_sign(number: &str) -> String {
+    number.replace('-', "−")
 }
 
 /// Replaces characters that cannot be printed by blanks. Some of them are not permitted in SVG.
@@ -110,19 +118,19 @@ mod tests {
     }
 
     #[test]
-    fn long_text_is_cut_to_the_room() {
+    fn long_text_is_truncated_to_the_width() {
         let font = Font::load().unwrap();
         let long = "velocity of the drive ".repeat(40);
-        let cut = font.truncated(&long, 14.0, 200.0);
-        assert!(cut.ends_with('…'));
-        assert!(font.width(&cut, 14.0) <= 200.0);
+        let short = font.truncated(&long, 14.0, 200.0);
+        assert!(short.ends_with('…'));
+        assert!(font.width(&short, 14.0) <= 200.0);
         assert_eq!(font.truncated("v_o", 14.0, 200.0), "v_o");
-        let cut = font.truncated_before(", mm/s", &long, 14.0, 200.0);
-        assert!(cut.ends_with("…, mm/s") && font.width(&cut, 14.0) <= 200.0);
+        let short = font.truncated_before(", mm/s", &long, 14.0, 200.0);
+        assert!(short.ends_with("…, mm/s") && font.width(&short, 14.0) <= 200.0);
     }
 
     #[test]
-    fn letters_stand_on_the_baseline() {
+    fn letters_end_at_the_baseline() {
         let font = Font::load().unwrap();
         let height = |curve: OutlineCurve| match curve {
             OutlineCurve::Line(_, to) | OutlineCurve::Quad(.., to) | OutlineCurve::Cubic(.., to) => to.y,

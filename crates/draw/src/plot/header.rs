@@ -119,10 +119,13 @@ impl HeaderWriter<'_> {
 
 /// The entry of one channel in the legend.
 struct LegendEntry<'a> {
+    /// The name of the channel and its axis, truncated to the width of the picture.
     name: String,
     /// The width with the sample, without the gap to the next entry.
     width: f64,
+    /// The colour of the trace.
     colour: RGBColor,
+    /// The channel, for the sample of its trace.
     channel: &'a Channel,
 }
 
@@ -155,6 +158,7 @@ fn axis_note(picture: &Picture, channel: &Channel) -> &'static str {
     }
 }
 
+/// Returns the width of a row of the legend with the gaps between its entries.
 fn width(row: &[LegendEntry<'_>]) -> f64 {
     let gaps = row.len().saturating_sub(1) as f64 * ENTRY_GAP;
     row.iter().map(|entry| entry.width).sum::<f64>() + gaps

@@ -77,6 +77,7 @@ fn candidate_points(channel: &Channel, end: usize) -> impl Iterator<Item = usize
     points.into_iter()
 }
 
+/// Returns the index of the first point of the line that contains the point `end`.
 fn line_start(channel: &Channel, end: usize) -> usize {
     channel.breaks.iter().copied().filter(|begin| *begin <= end).max().unwrap_or(0)
 }

@@ -65,6 +65,7 @@ pub(super) fn draw(
     Ok(labels)
 }
 
+/// Draws a dashed vertical line at `x` from the upper to the lower edge of the screen.
 fn draw_dashes(x: f64, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
     let mut top = screen.top;
     while top < screen.bottom {

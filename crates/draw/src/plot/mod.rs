@@ -35,6 +35,7 @@ pub use axis::Axis;
 pub use clip::Area;
 pub use drawing::{Align, Drawing, Label, Primitive, render_drawing, text_width, truncate_text};
 pub use error::PlotError;
+pub(crate) use font::with_minus_sign;
 pub use format::Format;
 pub use picture::{Channel, Marker, Picture};
 pub use render::{Size, render};

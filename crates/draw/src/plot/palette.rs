@@ -51,8 +51,8 @@ const BAND_SHARE: f64 = 0.3;
 
 /// Returns the pale colour of the error band of a trace.
 pub(super) fn pale(colour: RGBColor) -> RGBColor {
-    let mix = |own: u8, background: u8| {
-        (f64::from(background) + BAND_SHARE * (f64::from(own) - f64::from(background))) as u8
+    let mix = |full: u8, background: u8| {
+        (f64::from(background) + BAND_SHARE * (f64::from(full) - f64::from(background))) as u8
     };
     RGBColor(mix(colour.0, SCREEN.0), mix(colour.1, SCREEN.1), mix(colour.2, SCREEN.2))
 }

@@ -70,7 +70,7 @@ fn paint_pixels(
     pixels.fill(Color::WHITE);
     let mut surface = RasterSurface { pixels, scale: unit as f32, font };
     paint(&mut surface)?;
-    Ok(surface.pixels.pixels().iter().flat_map(|own| [own.red(), own.green(), own.blue()]).collect())
+    Ok(surface.pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect())
 }
 
 /// A surface that draws into pixels.
@@ -193,6 +193,7 @@ impl Surface for RasterSurface<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::Align;
 
     const BLACK: RGBColor = RGBColor(0, 0, 0);
 
@@ -226,7 +227,7 @@ mod tests {
 
     #[test]
     fn text_is_painted_above_its_baseline() {
-        let style = TextStyle { size: 4.0, colour: BLACK, align: super::super::surface::Align::Middle };
+        let style = TextStyle { size: 4.0, colour: BLACK, align: Align::Middle };
         let red = painted(|surface| surface.text("H", (2.0, 2.0), style));
         assert!(red.iter().any(|value| *value < 128));
         let below = painted(|surface| surface.text("H", (2.0, 0.0), style));

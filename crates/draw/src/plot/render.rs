@@ -9,13 +9,13 @@ use super::{Axis, Format, Picture, PlotError, raster, svg};
 /// # Examples
 ///
 /// ```
-/// use patchcord_draw::plot::{Axis, Format, Picture, Size, render};
+/// use patchcord_draw::plot::{Axis, Format, Picture, PlotError, Size, render};
 ///
 /// assert_eq!(Size::default(), Size { width: 900, height: 560 });
-/// let axis = || Axis::fit("x", "", [0.0, 1.0].into_iter(), 10);
+/// let axis = || Axis::fit("x", "", [0.0, 1.0], 10);
+/// let picture = Picture::new("", axis(), axis());
 /// let small = Size { width: 100, height: 100 };
-/// let error = render(&[Picture::new("", axis(), axis())], Format::Svg, small).unwrap_err();
-/// assert_eq!(error.to_string(), "each side of a picture must have 240 to 4000 pixels, got 100 x 100");
+/// assert!(matches!(render(&[picture], Format::Svg, small), Err(PlotError::Size(_))));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
@@ -58,7 +58,7 @@ impl Default for Size {
 /// ```
 /// use patchcord_draw::plot::{Axis, Channel, Format, Picture, PlotError, Size, render};
 ///
-/// let axis = |label: &str, divisions: usize| Axis::fit(label, "mm", [0.0, 8.0].into_iter(), divisions);
+/// let axis = |label: &str, divisions: usize| Axis::fit(label, "mm", [0.0, 8.0], divisions);
 /// let channels = vec![Channel::line("y", vec![(0.0, 0.0), (8.0, 8.0)])];
 /// let picture = Picture { channels, ..Picture::new("Line", axis("x", 10), axis("y", 8)) };
 ///
@@ -152,7 +152,7 @@ mod tests {
         let mut second = channel("x_o", vec![(0.0, 1.0), (10.0, 2.0)]);
         second.right = true;
         two.channels.push(second);
-        two.vertical_right = Some(Axis::fit("x_o", "mm", [0.0, 2.0].into_iter(), Axis::VERTICAL_DIVISIONS));
+        two.vertical_right = Some(Axis::fit("x_o", "mm", [0.0, 2.0], Axis::VERTICAL_DIVISIONS));
         let text = svg(&[two]);
         for part in ["v_o (left)", "x_o (right)", "x_o, mm"] {
             assert!(text.contains(part), "{part}");
@@ -183,12 +183,12 @@ mod tests {
         marked.markers =
             vec![mark(4.0, "k = 20 N/m"), mark(2.0, "hold"), mark(2.1, "below"), mark(2.2, "no space")];
         marked.markers.push(mark(99.0, "outside"));
-        marked.channels[0].labels = vec![(499, "m = 2 kg".to_owned()), (7000, "nowhere".to_owned())];
+        marked.channels[0].labels = vec![(499, "m = 2 kg".to_owned()), (7000, "no such point".to_owned())];
         let text = svg(&[marked.clone()]);
         for part in ["hold", "below", "k = 20 N/m", "m = 2 kg"] {
             assert!(text.contains(&format!(">\n{part}\n<")), "{part}");
         }
-        for part in ["no space", "outside", "nowhere"] {
+        for part in ["no space", "outside", "no such point"] {
             assert!(!text.contains(part), "{part}");
         }
         assert!(!render(&[marked], Format::Png, Size::default()).unwrap().is_empty());
@@ -272,17 +272,19 @@ mod tests {
 
     #[test]
     fn invalid_requests_are_rejected() {
-        let refused = |pictures: &[Picture], width| {
+        let rejection = |pictures: &[Picture], width| {
             let size = Size { width, height: 560 };
             render(pictures, Format::Svg, size).unwrap_err()
         };
-        assert!(matches!(refused(&[], 900), PlotError::NoPictures));
-        assert!(matches!(refused(&[wave()], 10), PlotError::Size(_)));
-        assert!(matches!(refused(&vec![wave(); 200], 900), PlotError::TooTall { .. }));
+        assert!(matches!(rejection(&[], 900), PlotError::NoPictures));
+        let error = rejection(&[wave()], 10);
+        assert!(matches!(error, PlotError::Size(_)));
+        assert_eq!(error.to_string(), "each side of a picture must have 240 to 4000 pixels, got 10 x 560");
+        assert!(matches!(rejection(&vec![wave(); 200], 900), PlotError::TooTall { .. }));
         for (low, high, divisions) in [(0.0, f64::NAN, 8), (1.0, 1.0, 8), (0.0, 1.0, 0)] {
             let mut bad = wave();
             bad.vertical = Axis { low, high, divisions, ..bad.vertical };
-            assert!(matches!(refused(&[bad], 900), PlotError::Range { .. }));
+            assert!(matches!(rejection(&[bad], 900), PlotError::Range { .. }));
         }
     }
 }

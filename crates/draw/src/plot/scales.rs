@@ -66,7 +66,9 @@ fn colours(picture: &Picture) -> (RGBColor, RGBColor) {
 /// The side of the screen on which a vertical scale is.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
+    /// The side of [`Picture::vertical`].
     Left,
+    /// The side of [`Picture::vertical_right`].
     Right,
 }
 
@@ -74,6 +76,7 @@ enum Side {
 struct Scales<'a> {
     /// The size of the picture and of its margins.
     frame: &'a Frame,
+    /// The screen in picture units.
     screen: Area,
     /// The font, for the widths of numbers.
     font: &'a Font,

@@ -37,7 +37,9 @@ pub(super) trait Surface {
 pub(super) struct TextStyle {
     /// The em size in picture units.
     pub size: f64,
+    /// The colour.
     pub colour: RGBColor,
+    /// The part of the text that is at its position.
     pub align: Align,
 }
 

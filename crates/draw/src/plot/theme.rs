@@ -4,6 +4,7 @@ use plotters::style::RGBColor;
 
 /// The colour theme of a line drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Theme {
     /// Dark lines on a white page.
     #[default]
@@ -14,6 +15,7 @@ pub enum Theme {
 
 /// The role of a primitive in a drawing; the theme assigns a colour to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Ink {
     /// The background of the page.
     Page,

@@ -6,12 +6,15 @@
 //! and round values between them.
 
 use super::Axis;
+use super::font::with_minus_sign;
+use patchcord_expr::round_significant;
 
 /// A number at a division line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     /// The position of the line: 0 at the low end of the axis, 1 at the high end.
     pub fraction: f64,
+    /// The number, without the unit.
     pub text: String,
 }
 
@@ -65,11 +68,12 @@ pub(super) fn with_stride(axis: &Axis, stride: usize) -> Vec<Tick> {
         .zip(values)
         .map(|(line, value)| Tick {
             fraction: *line as f64 / axis.divisions as f64,
-            text: format_number(value, division, decimals),
+            text: line_text(value, division, decimals),
         })
         .collect()
 }
 
+/// Returns the numbers at every `stride`-th decade of a logarithmic axis.
 fn decades(axis: &Axis, stride: usize) -> Vec<Tick> {
     (0..=axis.divisions).step_by(stride).map(|line| tick(axis, axis.line(line))).collect()
 }
@@ -94,17 +98,18 @@ fn logarithmic_ticks(axis: &Axis, length: f64, extent: impl Fn(&str) -> f64) -> 
 
 /// Returns the number of a value on a logarithmic axis, to four digits: `0.3`, `33.33`, `2·10⁵`.
 fn tick(axis: &Axis, value: f64) -> Tick {
-    let power = format!("{value:.3e}");
-    let short = power.parse().unwrap_or(value);
-    let text = match power.split_once('e') {
-        Some((times, exponent)) if !PLAIN_LOGARITHMIC_VALUES.contains(&short) => {
-            let times = times.trim_end_matches('0').trim_end_matches('.');
-            let power = format!("10{}", superscript(exponent.parse().unwrap_or(0)));
-            if times == "1" { power } else { format!("{times}·{power}") }
-        }
-        _ => short.to_string(),
-    };
+    let rounded = round_significant(value, 4);
+    let is_plain = PLAIN_LOGARITHMIC_VALUES.contains(&rounded);
+    let text = if is_plain { rounded.to_string() } else { scientific(rounded) };
     Tick { fraction: axis.fraction(value), text }
+}
+
+/// Formats a number with a power of ten: `2·10⁵`, or `10⁵` if the factor is 1.
+fn scientific(value: f64) -> String {
+    let text = format!("{value:e}");
+    let (factor, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let power = power_of_ten(exponent.parse().unwrap_or(0));
+    if factor == "1" { power } else { format!("{factor}·{power}") }
 }
 
 /// Values in this range have no power of ten on a logarithmic axis.
@@ -116,7 +121,7 @@ const PLAIN_LOGARITHMIC_VALUES: std::ops::Range<f64> = 0.001..100_000.0;
 pub(super) fn unit(axis: &Axis) -> String {
     let power = match exponent(axis) {
         0 => String::new(),
-        exponent => format!("10{}", superscript(exponent)),
+        exponent => power_of_ten(exponent),
     };
     let parts = [power.as_str(), axis.unit.as_str()];
     let unit = parts.map(str::trim).join(" ").trim().to_owned();
@@ -154,17 +159,17 @@ fn decimals(values: &[f64], division: f64) -> usize {
     (0..max).find(|decimals| exact(*decimals)).unwrap_or(max)
 }
 
-/// Formats a number with a proper minus sign; values that are zero up to rounding become `0`.
-fn format_number(value: f64, division: f64, decimals: usize) -> String {
+/// Formats the number at a division line; values that are zero up to rounding become `0`.
+fn line_text(value: f64, division: f64, decimals: usize) -> String {
     if value.abs() < DECIMAL_TOLERANCE * division {
         "0".to_owned()
     } else {
-        format!("{value:.decimals$}").replace('-', "−")
+        with_minus_sign(&format!("{value:.decimals$}"))
     }
 }
 
-/// Formats a whole number in superscript digits.
-fn superscript(number: i32) -> String {
+/// Formats a power of ten with its exponent in superscript digits: `10⁻³`.
+fn power_of_ten(exponent: i32) -> String {
     let digit = |letter: char| match letter {
         '-' => '⁻',
         '1' => '¹',
@@ -172,7 +177,8 @@ fn superscript(number: i32) -> String {
         '3' => '³',
         _ => char::from_u32('⁰' as u32 + letter.to_digit(10).unwrap_or(0)).unwrap_or(letter),
     };
-    number.to_string().chars().map(digit).collect()
+    let digits: String = exponent.to_string().chars().map(digit).collect();
+    format!("10{digits}")
 }
 
 #[cfg(test)]

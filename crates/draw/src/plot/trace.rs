@@ -40,12 +40,7 @@ pub(super) type Line = Vec<(f64, f64)>;
 pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f64) -> Vec<Line> {
     let projection = Projection { picture, channel, screen };
     let resolution = unit * POINTS_PER_PIXEL;
-    let window = Area {
-        left: screen.left - EDGE_TOLERANCE,
-        top: screen.top - EDGE_TOLERANCE,
-        right: screen.right + EDGE_TOLERANCE,
-        bottom: screen.bottom + EDGE_TOLERANCE,
-    };
+    let window = screen.grown(EDGE_TOLERANCE);
     segments(&channel.points, channel)
         .into_iter()
         .map(|segment| projection.thinned(segment, resolution))
@@ -63,6 +58,7 @@ pub(super) fn draw(
     lines.iter().try_for_each(|line| surface.line(line, width(channel), colour))
 }
 
+/// Returns the thickness of a line, or the radius of a dot.
 fn width(channel: &Channel) -> f64 {
     match (channel.dots, channel.faint) {
         (true, false) => DOT_RADIUS,
@@ -107,8 +103,11 @@ pub(super) fn segments<'a>(points: &'a [(f64, f64)], channel: &Channel) -> Vec<&
 
 /// The projection from the units of the axes to positions on the screen.
 pub(super) struct Projection<'a> {
+    /// The picture, for its axes.
     pub picture: &'a Picture,
+    /// The channel, for the choice of its vertical axis.
     pub channel: &'a Channel,
+    /// The screen in picture units.
     pub screen: Area,
 }
 
@@ -143,7 +142,7 @@ mod tests {
     const SCREEN: Area = Area { left: 0.0, top: 0.0, right: 100.0, bottom: 100.0 };
 
     fn drawn(points: Vec<(f64, f64)>, breaks: Vec<usize>) -> Vec<Line> {
-        let axis = || Axis::fit("x", "", [0.0, 10.0].into_iter(), 10);
+        let axis = || Axis::fit("x", "", [0.0, 10.0], 10);
         let channels = vec![Channel { breaks, ..Channel::line("", points) }];
         let picture = Picture { channels, ..Picture::new("", axis(), axis()) };
         lines(&picture, &picture.channels[0], SCREEN, 1.0)
@@ -169,7 +168,7 @@ mod tests {
     #[test]
     fn dots_are_not_joined() {
         let picture = |channel| {
-            let axis = || Axis::fit("x", "", [0.0, 10.0].into_iter(), 10);
+            let axis = || Axis::fit("x", "", [0.0, 10.0], 10);
             Picture { channels: vec![channel], ..Picture::new("", axis(), axis()) }
         };
         let points = vec![(0.0, 0.0), (f64::NAN, 1.0), (10.0, 10.0)];

@@ -1,15 +1,13 @@
 //! Converts the items of a view into symbols, and lists settings, drives, signals and notes.
 
 use super::lists::{List, ListRow};
-use super::symbol::{
-    CordSource, ElementState, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting, format_fraction,
-    format_number, format_quantity, format_volts,
-};
+use super::number_text::{format_four_digits, format_with_unit};
+use super::settings;
+use super::symbol::{CordSource, ElementState, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting};
 use super::view::{View, ViewItem};
 use patchcord_core::circuit::{Circuit, Cord, Element};
-use patchcord_core::elements::{Default, Jacks, Measure, Setting as SettingRow};
-use patchcord_core::patch::{Amount, ElementEntry, Instance, InstanceSetting};
-use patchcord_expr::{Formula, Unit};
+use patchcord_core::elements::Jacks;
+use patchcord_core::patch::{ElementEntry, Instance, Signal};
 
 /// Returns the symbols of the items of a view, in their order.
 ///
@@ -54,7 +52,7 @@ impl Describer<'_> {
             kind: element.kind.name.to_owned(),
             shape: element.kind.symbol,
             jacks: self.jacks(index, element),
-            settings: settings(circuit, element),
+            settings: settings::of_element(circuit, element),
             parts: entry.map(parts).unwrap_or_default(),
             outputs: vec![self.output("", &element.name)],
             position: (self.state)(&element.name).and_then(|state| state.position),
@@ -87,7 +85,7 @@ impl Describer<'_> {
             kind: instance.macro_name.clone(),
             shape: "macro",
             jacks: sources.map(|(port, from)| Jack { input: port.to_owned(), gain: None, from }).collect(),
-            settings: instance_settings(self.view.circuit, name, instance),
+            settings: settings::of_instance(self.view.circuit, name, instance),
             parts: Vec::new(),
             outputs: ports.map(|(port, element)| self.output(port, element)).collect(),
             position: None,
@@ -129,134 +127,9 @@ fn terminal(port: &str, shape: &'static str, from: Option<CordSource>) -> Symbol
     }
 }
 
-/// Returns the settings of an instance in the units of its macro.
-fn instance_settings(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
-    let setting = |(key, made): (&String, &InstanceSetting)| {
-        let value = circuit.per_volt(circuit.derived_index(&format!("{name}.{key}"))?)?;
-        let text = made.value.value.text();
-        Some(SymbolSetting {
-            name: key.clone(),
-            formula: text.trim().parse::<f64>().is_err().then(|| text.to_owned()),
-            value: SettingValue::Number(value),
-            shown: format_quantity(made.unit.text(), value),
-            // The box shows all settings of its instance, so only formulas are listed.
-            is_given: false,
-        })
-    };
-    instance.settings.iter().filter_map(setting).collect()
-}
-
 /// Returns the names of the machine parts that an entry of the patch specifies.
 fn parts(entry: &ElementEntry) -> Vec<String> {
     entry.machine_parts.iter().flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
-}
-
-/// Returns the settings of an element with their defaults. A setting without a value is omitted.
-fn settings(circuit: &Circuit, element: &Element) -> Vec<SymbolSetting> {
-    let rows = element.kind.settings.iter().zip(&element.settings);
-    rows.filter_map(|(row, given)| match given {
-        Some(placed) => given_setting(circuit, element, row, &placed.value),
-        None => default_setting(circuit, element, row),
-    })
-    .collect()
-}
-
-/// Returns a setting that the patch specifies; `None` if its formula has no value.
-///
-/// The formula is omitted if it is a plain number, because the drawing shows this number already.
-fn given_setting(
-    circuit: &Circuit,
-    element: &Element,
-    row: &SettingRow,
-    amount: &Amount,
-) -> Option<SymbolSetting> {
-    let (value, formula, shown) = match (amount, row.measure) {
-        (Amount::Formula(formula), _) => {
-            let value = formula.evaluate(circuit.quantities()).ok()?;
-            let unit = unit(circuit, element, row);
-            let value = in_unit(circuit, row, formula, value, &unit);
-            let is_number = formula.text().trim().parse::<f64>().is_ok();
-            let formula = (!is_number).then(|| formula.text().to_owned());
-            (SettingValue::Number(value), formula, shown(row, value, &unit))
-        }
-        (Amount::Flag(flag), _) => (SettingValue::Flag(*flag), None, format_flag(*flag)),
-        (Amount::Choice(index), Measure::Choice(words)) => {
-            let word = words.get(*index)?;
-            (SettingValue::Word(word), None, (*word).to_owned())
-        }
-        (Amount::Points(points), _) => (SettingValue::Points(points.clone()), None, format_points(points)),
-        (Amount::Choice(_), _) => return None,
-    };
-    Some(SymbolSetting { name: row.name.to_owned(), formula, value, shown, is_given: true })
-}
-
-/// Formats a flag. Every flag of an element is the state of a contact.
-fn format_flag(closed: bool) -> String {
-    if closed { "closed" } else { "open" }.to_owned()
-}
-
-/// Returns the default of a setting that the patch does not specify; `None` if there is no default number.
-fn default_setting(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<SymbolSetting> {
-    let Default::Number(number) = row.default else { return None };
-    let value = match row.measure {
-        Measure::Flag => SettingValue::Flag(number != 0.0),
-        Measure::Choice(words) => SettingValue::Word(words.get(number as usize)?),
-        _ => SettingValue::Number(number),
-    };
-    let shown = match &value {
-        SettingValue::Flag(flag) => format_flag(*flag),
-        SettingValue::Word(word) => (*word).to_owned(),
-        _ => shown(row, number, &unit(circuit, element, row)),
-    };
-    Some(SymbolSetting { name: row.name.to_owned(), formula: None, value, shown, is_given: false })
-}
-
-/// Returns the unit of the numbers of a setting.
-///
-/// Settings of a drive that are values of its signal have the unit of its scale, or that unit per second.
-fn unit(circuit: &Circuit, element: &Element, row: &SettingRow) -> String {
-    let scale = element.scale.map(|scale| circuit.derived_unit(scale));
-    match (row.measure, scale) {
-        (Measure::Signal, Some(scale)) => scale.text().to_owned(),
-        (Measure::SignalRate, Some(scale)) => scale.per_second().text().to_owned(),
-        _ => row.unit().to_owned(),
-    }
-}
-
-/// Converts the value of a formula into the unit of its setting.
-///
-/// A formula for a setting of a drive has a value in SI units, unless it is a plain number.
-fn in_unit(circuit: &Circuit, row: &SettingRow, formula: &Formula, value: f64, unit: &str) -> f64 {
-    let is_of_signal = matches!(row.measure, Measure::Signal | Measure::SignalRate);
-    match Unit::parse(unit) {
-        Ok(unit) if is_of_signal && !circuit.is_literal(formula) => unit.out_of_si(value),
-        _ => value,
-    }
-}
-
-/// Formats a value with its unit for the drawing.
-fn shown(row: &SettingRow, value: f64, unit: &str) -> String {
-    match row.measure {
-        Measure::Fraction => format_fraction(value),
-        Measure::Ratio => format_number(value),
-        Measure::Whole => value.to_string(),
-        Measure::Volts => format_volts(value),
-        Measure::MachineSeconds => format_quantity("s", value),
-        _ => format_quantity(unit, value),
-    }
-}
-
-/// The maximum number of points that are listed individually.
-const MAX_LISTED_POINTS: usize = 8;
-
-/// Formats points; only the first ones if there are many.
-fn format_points(points: &[[f64; 2]]) -> String {
-    let texts = points
-        .iter()
-        .take(MAX_LISTED_POINTS)
-        .map(|[x, y]| format!("({}, {})", format_number(*x), format_number(*y)));
-    let texts = texts.collect::<Vec<_>>().join(" ");
-    if points.len() > MAX_LISTED_POINTS { format!("{texts} … {} points", points.len()) } else { texts }
 }
 
 /// Returns the line of small print with the machine and the time scale.
@@ -265,7 +138,7 @@ pub(super) fn machine_line(circuit: &Circuit) -> String {
     match circuit.time_scale() {
         1.0 => machine.to_owned(),
         scale => {
-            format!("{machine}; time_scale {}: machine seconds per problem second", format_number(scale))
+            format!("{machine}; time_scale {}: machine seconds per problem second", format_four_digits(scale))
         }
     }
 }
@@ -332,8 +205,8 @@ fn setting_row(prefix: &str, symbol: &Symbol, setting: &SymbolSetting) -> ListRo
 /// Example: `push`, `1 V = 20 mN`, `sine: amplitude 1 N, frequency 1 Hz, ...`.
 fn drive_row(circuit: &Circuit, drive: &Symbol) -> ListRow {
     let texts = drive.settings.iter().map(|setting| format!("{} {}", setting.name, setting.shown));
-    let scale = circuit.elements().into_iter().find(|element| element.name == drive.name);
-    let volt = scale.and_then(|element| volt(circuit, element.scale?, 1.0)).unwrap_or_default();
+    let element = circuit.elements().into_iter().find(|element| element.name == drive.name);
+    let volt = element.and_then(|element| volt(circuit, element.scale?, 1.0)).unwrap_or_default();
     ListRow::new(&drive.name, &volt, &format!("{}: {}", drive.kind, texts.collect::<Vec<_>>().join(", ")))
 }
 
@@ -342,7 +215,7 @@ fn drive_row(circuit: &Circuit, drive: &Symbol) -> ListRow {
 /// A signal in volts has a value only if it has a factor.
 fn signal_rows(circuit: &Circuit) -> Vec<ListRow> {
     let signals = circuit.patch().signals.iter();
-    let row = |(name, signal): (&String, &patchcord_core::patch::Signal)| {
+    let row = |(name, signal): (&String, &Signal)| {
         let scale = signal.scale.as_ref().and_then(|scale| circuit.derived_index(&scale.value));
         let volt = match scale {
             Some(scale) => volt(circuit, scale, signal.factor),
@@ -360,5 +233,5 @@ fn volt(circuit: &Circuit, scale: usize, factor: f64) -> Option<String> {
 
 /// Formats the physical value of one volt with a unit prefix.
 fn volt_text(unit: &str, value: f64) -> String {
-    format!("1 V = {}", format_quantity(unit, value))
+    format!("1 V = {}", format_with_unit(value, unit))
 }

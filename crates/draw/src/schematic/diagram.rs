@@ -3,7 +3,7 @@
 //! Each symbol is drawn once to get its size and the positions of its jacks. The layout positions the
 //! symbols and routes the nets. Then each symbol is drawn again with its jacks in the order of the layout.
 
-use super::layout::{Graph, Layout, Net as LayoutNet, Node, Point, Route, layout};
+use super::layout::{Graph, GraphNet, Layout, Node, Point, Route, layout};
 use super::shapes::{self, Art, CORD};
 use super::sheet::DrawError;
 use super::symbol::{CordSource, Symbol};
@@ -90,24 +90,24 @@ impl Plan {
     /// # Errors
     ///
     /// If the layout is higher than a drawing may be.
-    pub fn new(symbols: Vec<Symbol>) -> Result<Plan, DrawError> {
+    pub(super) fn new(symbols: Vec<Symbol>) -> Result<Plan, DrawError> {
         let graph = graph(&symbols);
         let layout = layout(&graph, Drawing::MAX_SIDE).map_err(|height| DrawError::TooTall { height })?;
         Ok(Plan { layout, graph, symbols })
     }
 
     /// Returns the symbols in the order of the view.
-    pub fn symbols(&self) -> &[Symbol] {
+    pub(super) fn symbols(&self) -> &[Symbol] {
         &self.symbols
     }
 
     /// Returns width and height.
-    pub fn size(&self) -> (f64, f64) {
+    pub(super) fn size(&self) -> (f64, f64) {
         self.layout.size
     }
 
     /// Returns the diagram with its upper left corner at `by`.
-    pub fn placed(self, by: Point) -> Diagram {
+    pub(super) fn placed(self, by: Point) -> Diagram {
         let shift = |at: Point| (at.0 + by.0, at.1 + by.1);
         let Plan { symbols, graph, layout } = self;
         let placed = symbols.into_iter().zip(&layout.input_slots).zip(&layout.positions);
@@ -165,10 +165,7 @@ impl PlacedSymbol {
 
     /// Returns the texts of the symbol.
     pub fn labels(&self) -> impl Iterator<Item = &Label> {
-        self.primitives.iter().filter_map(|primitive| match primitive {
-            Primitive::Text(label) => Some(label),
-            _ => None,
-        })
+        self.primitives.iter().filter_map(Primitive::label)
     }
 }
 
@@ -198,11 +195,11 @@ fn graph(symbols: &[Symbol]) -> Graph {
     };
     let sources = starts(|symbol| symbol.shape == "port-in" || symbol.shape.starts_with("drive-"));
     let integrators = starts(|symbol| symbol.shape == "integrator");
-    Graph { nodes, nets: layout_nets(symbols), starts: sources.chain(integrators).collect() }
+    Graph { nodes, nets: graph_nets(symbols), starts: sources.chain(integrators).collect() }
 }
 
 /// Returns the nets of all outputs that are connected.
-fn layout_nets(symbols: &[Symbol]) -> Vec<LayoutNet> {
+fn graph_nets(symbols: &[Symbol]) -> Vec<GraphNet> {
     let mut readers: Vec<Vec<Vec<(usize, usize)>>> =
         symbols.iter().map(|symbol| vec![Vec::new(); symbol.outputs.len()]).collect();
     for (index, symbol) in symbols.iter().enumerate() {
@@ -213,7 +210,7 @@ fn layout_nets(symbols: &[Symbol]) -> Vec<LayoutNet> {
         }
     }
     let outputs = readers.into_iter().enumerate().flat_map(|(from, outputs)| {
-        outputs.into_iter().enumerate().map(move |(output, to)| LayoutNet { from, output, to })
+        outputs.into_iter().enumerate().map(move |(output, to)| GraphNet { from, output, to })
     });
     outputs.filter(|net| !net.to.is_empty()).collect()
 }

@@ -38,7 +38,7 @@ pub(crate) fn width(drawing: f64, title: &str) -> f64 {
 
 impl Heading {
     /// Returns a heading for a sheet of width `max_width`. Empty notes are omitted.
-    pub fn new(title: &str, notes: &[&str], max_width: f64) -> Heading {
+    pub(super) fn new(title: &str, notes: &[&str], max_width: f64) -> Heading {
         let notes = notes.iter().filter(|note| !note.is_empty());
         Heading {
             title: truncate_text(title, TITLE, max_width),
@@ -50,7 +50,7 @@ impl Heading {
     ///
     /// The line is truncated if necessary. The text never adds a line, so sheets with and without it
     /// have the same layout.
-    pub fn with_suffix(mut self, suffix: &str, max_width: f64) -> Heading {
+    pub(super) fn with_suffix(mut self, suffix: &str, max_width: f64) -> Heading {
         if !suffix.is_empty() {
             let suffix = format!("; {suffix}");
             let last = self.lines.pop().unwrap_or_default();
@@ -60,16 +60,15 @@ impl Heading {
     }
 
     /// Returns the height with the gap to the drawing.
-    pub fn height(&self) -> f64 {
+    pub(super) fn height(&self) -> f64 {
         let title = if self.title.is_empty() { 0.0 } else { TITLE_ROW };
         title + ROW * self.lines.len() as f64 + BOTTOM_GAP
     }
 
     /// Draws the heading with its upper left corner at a point.
-    pub fn draw(&self, (left, top): Point) -> Vec<Primitive> {
-        let text = |text: &str, y, size, ink| {
-            Primitive::Text(Label { text: text.to_owned(), at: (left, y), size, align: Align::Start, ink })
-        };
+    pub(super) fn draw(&self, (left, top): Point) -> Vec<Primitive> {
+        let text =
+            |text: &str, y, size, ink| Primitive::Text(Label::new(text, (left, y), size, Align::Start, ink));
         let mut y = top - 8.0;
         let mut primitives = Vec::new();
         if !self.title.is_empty() {
@@ -116,7 +115,7 @@ mod tests {
 
     #[test]
     fn the_suffix_adds_no_line() {
-        for note in ["short", "just about as long as there is room for"] {
+        for note in ["short", "a note that is about as wide as the sheet"] {
             let bare = Heading::new("title", &[note], 240.0);
             let extended = bare.clone().with_suffix("voltages at t = 1 s", 240.0);
             assert_eq!(extended.height(), bare.height());

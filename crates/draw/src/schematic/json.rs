@@ -1,11 +1,11 @@
 //! The schematic as a JSON value.
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 
 use super::diagram::{Diagram, Net, PlacedSymbol};
 use super::layout::Point;
 use super::sheet::{OpenedMacro, Schematic};
-use super::symbol::SymbolOutput;
 
 impl Schematic {
     /// Returns the symbols with their positions and the nets with their lines.
@@ -33,83 +33,187 @@ impl Schematic {
     /// ```
     pub fn to_json(&self) -> Value {
         let drawing = self.drawing();
-        json!({
-            "width": drawing.width,
-            "height": drawing.height,
-            "symbols": self.main.symbols_json(),
-            "nets": self.main.nets_json(),
-            "macros": self.macros.iter().map(opened).collect::<Value>(),
+        value_of(&SchematicSummary {
+            width: drawing.width,
+            height: drawing.height,
+            symbols: symbols(&self.main),
+            nets: nets(&self.main),
+            macros: self.macros.iter().map(MacroSummary::new).collect(),
         })
     }
 }
 
-/// Returns an opened macro: its name, the instance that is shown, symbols and nets.
-fn opened(opened: &OpenedMacro) -> Value {
-    json!({
-        "name": opened.of,
-        "instance": opened.instance,
-        "symbols": opened.diagram.symbols_json(),
-        "nets": opened.diagram.nets_json(),
-    })
+/// Converts a summary into a JSON value.
+pub(super) fn value_of(summary: &impl Serialize) -> Value {
+    serde_json::to_value(summary).expect("numbers, texts and lists have a JSON value")
 }
 
-impl Diagram {
-    /// Returns the symbols in the order of the diagram.
-    fn symbols_json(&self) -> Value {
-        self.symbols.iter().map(symbol).collect()
-    }
+/// The content of a schematic.
+#[derive(Serialize)]
+struct SchematicSummary<'a> {
+    /// The width of the sheet in pixels.
+    width: f64,
+    /// The height of the sheet in pixels.
+    height: f64,
+    /// The symbols of the main diagram, in its order.
+    symbols: Vec<SymbolSummary<'a>>,
+    /// The nets of the main diagram, in its order.
+    nets: Vec<NetSummary<'a>>,
+    /// Every macro of the circuit, opened once; empty if all instances are expanded.
+    macros: Vec<MacroSummary<'a>>,
+}
 
-    /// Returns the nets in the order of the diagram.
-    fn nets_json(&self) -> Value {
-        self.nets.iter().map(|net| self.net(net)).collect()
-    }
+/// An opened macro.
+#[derive(Serialize)]
+struct MacroSummary<'a> {
+    /// The name of the macro.
+    name: &'a str,
+    /// The instance whose settings, signals and voltages are shown.
+    instance: &'a str,
+    /// The symbols, with their names in the macro.
+    symbols: Vec<SymbolSummary<'a>>,
+    /// The nets inside the macro.
+    nets: Vec<NetSummary<'a>>,
+}
 
-    /// Returns a net: the output that drives it, the connected inputs, the lines and the dots.
-    ///
-    /// A jack has the key that it has in the patch file. `port` is empty unless the source is an instance of a macro.
-    fn net(&self, net: &Net) -> Value {
-        let to = net.to.iter().map(|(reader, jack)| {
-            let reader = &self.symbols[*reader];
-            json!({"name": reader.symbol.name, "jack": jack_name(reader, *jack), "at": point(reader.inputs[*jack])})
+/// A symbol with its position.
+#[derive(Serialize)]
+struct SymbolSummary<'a> {
+    /// The name of the element, instance or port.
+    name: &'a str,
+    /// The kind of the element, such as "summer", or the name of the macro.
+    kind: &'a str,
+    /// The name of the shape, such as "amplifier".
+    symbol: &'a str,
+    /// The anchor in pixels.
+    at: Point,
+    /// The area with all texts in pixels: left, top, right, bottom.
+    area: [f64; 4],
+    /// The switching position; `None` if the element does not switch or voltages are not drawn.
+    position: Option<&'a str>,
+    /// The outputs from the top down.
+    outputs: Vec<OutputSummary<'a>>,
+    /// The names of signals at elements inside an instance that are not among its outputs.
+    inside: &'a [String],
+    /// All texts of the symbol, in the order in which they are drawn.
+    texts: Vec<&'a str>,
+}
+
+/// An output of a symbol.
+#[derive(Serialize)]
+struct OutputSummary<'a> {
+    /// The name of the output port; empty if there is one output only.
+    port: &'a str,
+    /// The start of the cord in pixels.
+    at: Point,
+    /// The names of the signals at the output.
+    signals: &'a [String],
+    /// The voltage in volts of the machine; `None` if voltages are not drawn.
+    volts: Option<f64>,
+}
+
+/// A net: the output that drives it, and the connected inputs.
+#[derive(Serialize)]
+struct NetSummary<'a> {
+    /// The output that drives the net.
+    from: NetSource<'a>,
+    /// The connected inputs.
+    to: Vec<NetReader<'a>>,
+    /// The horizontal and vertical lines, each with its two ends in pixels.
+    lines: &'a [[Point; 2]],
+    /// The points at which the net branches, in pixels.
+    dots: &'a [Point],
+}
+
+/// The output that drives a net.
+#[derive(Serialize)]
+struct NetSource<'a> {
+    /// The name of the symbol.
+    name: &'a str,
+    /// The name of the output port; empty unless the symbol is an instance of a macro.
+    port: &'a str,
+    /// The start of the cord in pixels.
+    at: Point,
+}
+
+/// An input that is connected to a net.
+#[derive(Serialize)]
+struct NetReader<'a> {
+    /// The name of the symbol.
+    name: &'a str,
+    /// The key of the jack in the patch file, such as `x10`.
+    jack: String,
+    /// The end of the cord in pixels.
+    at: Point,
+}
+
+impl<'a> MacroSummary<'a> {
+    /// Returns the summary of an opened macro.
+    fn new(opened: &'a OpenedMacro) -> MacroSummary<'a> {
+        MacroSummary {
+            name: &opened.of,
+            instance: &opened.instance,
+            symbols: symbols(&opened.diagram),
+            nets: nets(&opened.diagram),
+        }
+    }
+}
+
+impl<'a> SymbolSummary<'a> {
+    /// Returns the summary of a symbol.
+    fn new(placed: &'a PlacedSymbol) -> SymbolSummary<'a> {
+        let (symbol, area) = (&placed.symbol, placed.area);
+        let outputs = symbol.outputs.iter().zip(&placed.outputs).map(|(output, at)| OutputSummary {
+            port: &output.port,
+            at: *at,
+            signals: &output.signals,
+            volts: output.volts,
         });
-        let from = &self.symbols[net.from];
-        let port = &from.symbol.outputs[net.output].port;
-        json!({
-            "from": {"name": from.symbol.name, "port": port, "at": point(from.outputs[net.output])},
-            "to": to.collect::<Value>(),
-            "lines": net.route.lines.iter().map(|line| json!([point(line[0]), point(line[1])])).collect::<Value>(),
-            "dots": net.route.dots.iter().map(|dot| point(*dot)).collect::<Value>(),
-        })
+        SymbolSummary {
+            name: &symbol.name,
+            kind: &symbol.kind,
+            symbol: symbol.shape,
+            at: placed.at,
+            area: [area.left, area.top, area.right, area.bottom],
+            position: symbol.position,
+            outputs: outputs.collect(),
+            inside: &symbol.inside,
+            texts: placed.labels().map(|label| label.text.as_str()).collect(),
+        }
     }
 }
 
-/// Returns a symbol with its anchor `at` and its `area` as `[left, top, right, bottom]`.
-///
-/// `position` and `volts` are null if no voltages are drawn. `texts` are all texts of the symbol, in the order in which
-/// they are drawn.
-fn symbol(placed: &PlacedSymbol) -> Value {
-    let symbol = &placed.symbol;
-    let output = |(output, at): (&SymbolOutput, &Point)| json!({"port": output.port, "at": point(*at), "signals": output.signals, "volts": output.volts});
-    json!({
-        "name": symbol.name,
-        "kind": symbol.kind,
-        "symbol": symbol.shape,
-        "at": point(placed.at),
-        "area": [placed.area.left, placed.area.top, placed.area.right, placed.area.bottom],
-        "position": symbol.position,
-        "outputs": symbol.outputs.iter().zip(&placed.outputs).map(output).collect::<Value>(),
-        "inside": symbol.inside,
-        "texts": placed.labels().map(|label| json!(label.text)).collect::<Value>(),
-    })
+/// Returns the symbols of a diagram in its order.
+fn symbols(diagram: &Diagram) -> Vec<SymbolSummary<'_>> {
+    diagram.symbols.iter().map(SymbolSummary::new).collect()
+}
+
+/// Returns the nets of a diagram in its order.
+fn nets(diagram: &Diagram) -> Vec<NetSummary<'_>> {
+    diagram.nets.iter().map(|net| net_summary(diagram, net)).collect()
+}
+
+/// Returns a net with the names and the jacks of its symbols.
+fn net_summary<'a>(diagram: &'a Diagram, net: &'a Net) -> NetSummary<'a> {
+    let from = &diagram.symbols[net.from];
+    let reader = |(reader, jack): &(usize, usize)| {
+        let reader = &diagram.symbols[*reader];
+        NetReader { name: &reader.symbol.name, jack: jack_key(reader, *jack), at: reader.inputs[*jack] }
+    };
+    NetSummary {
+        from: NetSource {
+            name: &from.symbol.name,
+            port: &from.symbol.outputs[net.output].port,
+            at: from.outputs[net.output],
+        },
+        to: net.to.iter().map(reader).collect(),
+        lines: &net.route.lines,
+        dots: &net.route.dots,
+    }
 }
 
 /// Returns the key of a jack in the patch file, such as `x10`.
-fn jack_name(placed: &PlacedSymbol, jack: usize) -> String {
+fn jack_key(placed: &PlacedSymbol, jack: usize) -> String {
     let jack = &placed.symbol.jacks[jack];
-    jack.gain.map_or_else(|| jack.input.to_owned(), |gain| format!("{}{gain}", jack.input))
-}
-
-/// Returns a position as `[x, y]`.
-fn point(at: Point) -> Value {
-    json!([at.0, at.1])
+    jack.gain.map_or_else(|| jack.input.clone(), |gain| format!("{}{gain}", jack.input))
 }

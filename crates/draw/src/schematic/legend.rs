@@ -1,12 +1,12 @@
 //! All symbols on one sheet.
 
+use super::number_text::{format_four_digits, format_fraction, format_volts};
 use super::shapes::{self, PRINT};
-use super::symbol::{
-    CordSource, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting, format_fraction, format_number,
-    format_volts,
-};
+use super::symbol::{CordSource, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting};
 use crate::plot::{Align, Drawing, Ink, Label, Primitive};
-use patchcord_core::elements::{Default, Family, Jacks, Kind, Measure, REGISTRY, Setting as SettingRow};
+use patchcord_core::elements::{
+    Family, Jacks, Kind, REGISTRY, Setting as SettingRow, SettingDefault, SettingQuantity,
+};
 
 /// The number of symbols in a row.
 const COLUMNS: usize = 6;
@@ -22,12 +22,11 @@ const MARGIN: f64 = 10.0;
 /// # Examples
 ///
 /// ```
-/// use patchcord_draw::plot::Primitive;
 /// use patchcord_draw::schematic::legend;
 ///
 /// let drawing = legend();
-/// let is_name = |primitive: &Primitive| matches!(primitive, Primitive::Text(label) if label.text == "summer");
-/// assert!(drawing.primitives.iter().any(is_name));
+/// let mut labels = drawing.primitives.iter().filter_map(|primitive| primitive.label());
+/// assert!(labels.any(|label| label.text == "summer"));
 /// ```
 pub fn legend() -> Drawing {
     let rows = REGISTRY.len().div_ceil(COLUMNS);
@@ -46,13 +45,9 @@ pub fn legend() -> Drawing {
             (top + (CELL.1 - 24.0) / 2.0 - (area.top + area.bottom) / 2.0).round(),
         );
         drawing.primitives.extend(art.primitives.into_iter().map(|primitive| primitive.moved(by)));
-        drawing.primitives.push(Primitive::Text(Label {
-            text: kind.name.to_owned(),
-            at: (left + CELL.0 / 2.0, top + CELL.1 - 8.0),
-            size: PRINT,
-            align: Align::Middle,
-            ink: Ink::Signal,
-        }));
+        let at = (left + CELL.0 / 2.0, top + CELL.1 - 8.0);
+        let name = Label::new(kind.name, at, PRINT, Align::Middle, Ink::Signal);
+        drawing.primitives.push(Primitive::Text(name));
     }
     drawing
 }
@@ -92,20 +87,24 @@ fn example(kind: &'static Kind) -> Symbol {
 /// A required lower level is -10 V, another required voltage is 10 V, and any other required number is 0.25.
 fn setting(row: &SettingRow) -> Option<SymbolSetting> {
     let number = match (row.default, row.name.contains("lower") || row.name == "drop_out") {
-        (Default::Absent, _) => return None,
-        (Default::Number(number), _) => number,
-        (Default::Required, true) => -10.0,
-        (Default::Required, false) if row.measure == Measure::Volts => 10.0,
-        (Default::Required, false) => 0.25,
+        (SettingDefault::Absent, _) => return None,
+        (SettingDefault::Number(number), _) => number,
+        (SettingDefault::Required, true) => -10.0,
+        (SettingDefault::Required, false) if row.quantity == SettingQuantity::Volts => 10.0,
+        (SettingDefault::Required, false) => 0.25,
     };
-    let (value, shown) = match row.measure {
-        Measure::Flag => (SettingValue::Flag(number != 0.0), String::new()),
-        Measure::Choice(words) => (SettingValue::Word(words.get(number as usize)?), String::new()),
-        Measure::Fraction => (SettingValue::Number(number), format_fraction(number)),
-        Measure::Volts => (SettingValue::Number(number), format_volts(number)),
-        Measure::MachineSeconds => (SettingValue::Number(number), format!("{} s", format_number(number))),
-        Measure::Points | Measure::Curve(_) => (SettingValue::Points(CURVE.to_vec()), String::new()),
-        _ => (SettingValue::Number(number), format_number(number)),
+    let (value, shown) = match row.quantity {
+        SettingQuantity::Flag => (SettingValue::Flag(number != 0.0), String::new()),
+        SettingQuantity::Choice(words) => (SettingValue::Word(words.get(number as usize)?), String::new()),
+        SettingQuantity::Fraction => (SettingValue::Number(number), format_fraction(number)),
+        SettingQuantity::Volts => (SettingValue::Number(number), format_volts(number)),
+        SettingQuantity::MachineSeconds => {
+            (SettingValue::Number(number), format!("{} s", format_four_digits(number)))
+        }
+        SettingQuantity::Points | SettingQuantity::Curve(_) => {
+            (SettingValue::Points(CURVE.to_vec()), String::new())
+        }
+        _ => (SettingValue::Number(number), format_four_digits(number)),
     };
     Some(SymbolSetting { name: row.name.to_owned(), formula: None, value, shown, is_given: true })
 }

@@ -180,11 +180,11 @@ pub(super) fn draw(lists: &[List], (left, top): Point, width: f64) -> (Vec<Primi
         bottom = bottom.max(y);
         x += column_width(&column) + COLUMN_GAP;
     }
-    primitives.retain(|primitive| !matches!(primitive, Primitive::Text(label) if label.text.is_empty()));
+    primitives.retain(|primitive| primitive.label().is_none_or(|label| !label.text.is_empty()));
     (primitives, bottom)
 }
 
 /// Returns a text that starts at a point.
 fn text(text: &str, at: Point, size: f64, ink: Ink) -> Primitive {
-    Primitive::Text(Label { text: text.to_owned(), at, size, align: Align::Start, ink })
+    Primitive::Text(Label::new(text, at, size, Align::Start, ink))
 }

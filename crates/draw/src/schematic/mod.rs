@@ -13,6 +13,8 @@ mod json;
 mod layout;
 mod legend;
 mod lists;
+mod number_text;
+mod settings;
 mod shapes;
 mod sheet;
 mod symbol;

@@ -75,23 +75,24 @@ pub struct OpenedMacro {
 
 /// The reasons why a schematic or patch panel cannot be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DrawError {
     /// The sheet would have more than [`Schematic::MAX_SYMBOLS`] symbols.
-    #[error("{count} symbols are too many for one sheet; the maximum is {most}", most = Schematic::MAX_SYMBOLS)]
+    #[error("{count} symbols are too many for one sheet; the maximum is {max}", max = Schematic::MAX_SYMBOLS)]
     TooManySymbols {
         /// The number of symbols.
         count: usize,
     },
     /// The panel would have more than [`Board::MAX_CORDS`] cords.
-    #[error("{count} cords are too many for one panel; the maximum is {most}", most = Board::MAX_CORDS)]
+    #[error("{count} cords are too many for one panel; the maximum is {max}", max = Board::MAX_CORDS)]
     TooManyCords {
         /// The number of cords.
         count: usize,
     },
     /// The sheet would be higher than [`Drawing::MAX_SIDE`].
     #[error(
-        "the drawing would be at least {height:.0} pixels high: a side has at most {most} pixels",
-        most = Drawing::MAX_SIDE
+        "the drawing would be at least {height:.0} pixels high: a side has at most {max} pixels",
+        max = Drawing::MAX_SIDE
     )]
     TooTall {
         /// A lower bound of the height, in pixels.

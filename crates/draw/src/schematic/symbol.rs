@@ -1,6 +1,4 @@
-//! The symbols of a drawing before layout, with their jacks and settings, and the format of numbers.
-
-use patchcord_analysis::format::QuantityFormat;
+//! The symbols of a drawing before layout, with their jacks and settings.
 
 /// The symbol of an element, a drive, a macro instance or a port.
 ///
@@ -57,14 +55,14 @@ pub struct SymbolOutput {
     pub port: String,
     /// The names of the signals at the output.
     pub signals: Vec<String>,
-    /// The voltage; `None` if voltages are not drawn.
+    /// The voltage in volts of the machine; `None` if voltages are not drawn.
     pub volts: Option<f64>,
 }
 
 /// The state of an element at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementState {
-    /// The voltage at the output.
+    /// The voltage at the output, in volts of the machine.
     pub volts: f64,
     /// The switching position, such as "pulled-in"; `None` if the element does not switch.
     pub position: Option<&'static str>,
@@ -107,6 +105,7 @@ pub struct SymbolSetting {
 
 /// The value of a setting.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum SettingValue {
     /// A number in the unit of the setting.
     Number(f64),
@@ -151,69 +150,5 @@ impl Symbol {
             Some(SettingValue::Points(points)) => points,
             _ => &[],
         }
-    }
-}
-
-/// Formats a fraction such as the setting of a potentiometer.
-///
-/// The text has four decimals, or four significant digits if the value is below 0.01.
-///
-/// Examples: 0.25 gives `0.2500`, and 0.001 gives `0.0010`.
-pub fn format_fraction(value: f64) -> String {
-    match value.abs() {
-        small if small > 0.0 && small < 1e-4 => format_number(value),
-        small if small > 0.0 && small < 0.01 => format!("{:0<6}", format_number(value)),
-        _ => format!("{value:.4}").replace('-', "−"),
-    }
-}
-
-/// Formats a value with its unit; the prefix of the unit is chosen so that the text is short.
-pub fn format_quantity(unit: &str, value: f64) -> String {
-    QuantityFormat::new(unit, value).text(value).replace('-', "−")
-}
-
-/// Formats a voltage with its unit; below 1 mV the unit has a prefix.
-///
-/// Examples: 12.5 gives `12.5 V`, and 2e-4 gives `200 µV`.
-pub fn format_volts(value: f64) -> String {
-    match value.abs() {
-        small if small > 0.0 && small < 1e-3 => format_quantity("V", value),
-        _ => format!("{} V", format_number(value)),
-    }
-}
-
-/// Formats a number with four significant digits: `12.35`, `2e5`, `1.235e−5`.
-pub fn format_number(value: f64) -> String {
-    let magnitude = value.abs();
-    if value != 0.0 && !(1e-4..1e5).contains(&magnitude) {
-        let text = format!("{value:.3e}");
-        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-        let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
-        return format!("{mantissa}e{exponent}").replace('-', "−");
-    }
-    let decimals = if value == 0.0 { 0.0 } else { 3.0 - magnitude.log10().floor() };
-    format_decimals(value, decimals.max(0.0) as usize)
-}
-
-/// Formats a number with at most this many decimals; trailing zeros are omitted.
-fn format_decimals(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    text.replace('-', "−")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        let shown = [0.0, 0.25, 1.0, -50.0, 12.345_67, 99.996, 2e5, -0.1, 1234.5].map(format_number);
-        assert_eq!(shown, ["0", "0.25", "1", "−50", "12.35", "100", "2e5", "−0.1", "1234"]);
-        let shown = [0.0, 0.25, 0.004, 0.002_345_6, 1.0, 0.123_456, 4e-7, 1.234_56e-5].map(format_fraction);
-        assert_eq!(shown, ["0.0000", "0.2500", "0.0040", "0.002346", "1.0000", "0.1235", "4e−7", "1.235e−5"]);
-        assert_eq!(format_quantity("m/s", -0.5), "−500 mm/s");
-        let shown = [0.0, -50.0, 0.001, 1e-6, -2.5e-4].map(format_volts);
-        assert_eq!(shown, ["0 V", "−50 V", "0.001 V", "1 µV", "−250 µV"]);
     }
 }

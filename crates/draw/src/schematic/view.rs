@@ -56,7 +56,7 @@ impl<'a> View<'a> {
     ///
     /// The order is that of the document, with the input ports before and the output ports after the elements.
     /// An instance that is a box takes the place of its first element.
-    pub fn new(circuit: &'a Circuit, scope: ViewScope<'a>) -> View<'a> {
+    pub(super) fn new(circuit: &'a Circuit, scope: ViewScope<'a>) -> View<'a> {
         let elements = circuit.elements();
         let (enclosing, prefix) = match scope {
             ViewScope::Inside(name) => (circuit.patch().instances.get(name), format!("{name}.")),
@@ -104,27 +104,28 @@ impl<'a> View<'a> {
     }
 
     /// Returns a name without the prefix of the opened instance.
-    pub fn local<'n>(&self, name: &'n str) -> &'n str {
+    pub(super) fn local<'n>(&self, name: &'n str) -> &'n str {
         name.strip_prefix(self.prefix.as_str()).unwrap_or(name)
     }
 
     /// Returns the cords into an element with their sources, in the order of the inputs.
-    pub fn cords(&self, element: usize) -> Vec<(Cord, CordSource)> {
+    pub(super) fn cords(&self, element: usize) -> Vec<(Cord, CordSource)> {
         let name = &self.circuit.element(element).name;
         let mut cords = self.circuit.cords(element);
         cords.sort_by_key(|(_, cord)| cord.input);
-        let inlets = self.enclosing.into_iter().flat_map(|enclosing| enclosing.inputs.values().enumerate());
-        let mut fed: Vec<(usize, &InstanceInput, &str)> = inlets
-            .flat_map(|(port, inlet)| inlet.driven_jacks.iter().map(move |feed| (port, inlet, feed)))
-            .filter(|(.., feed)| feed.element == *name)
-            .map(|(port, inlet, feed)| (port, inlet, feed.jack.as_str()))
+        let ports = self.enclosing.into_iter().flat_map(|enclosing| enclosing.inputs.values().enumerate());
+        let mut driven: Vec<(usize, &InstanceInput, &str)> = ports
+            .flat_map(|(port, input)| input.driven_jacks.iter().map(move |jack| (port, input, jack)))
+            .filter(|(.., jack)| jack.element == *name)
+            .map(|(port, input, jack)| (port, input, jack.jack.as_str()))
             .collect();
         let source = |(from, cord): (usize, Cord)| {
             let driver = &self.circuit.element(from).name;
             let jack = self.jack_name(element, cord);
-            let is_fed =
-                |(_, inlet, fed): &(usize, &InstanceInput, &str)| drives(inlet, driver) && *fed == jack;
-            let port = fed.iter().position(is_fed).map(|at| CordSource::Output(fed.swap_remove(at).0, 0));
+            let is_driven =
+                |(_, input, key): &(usize, &InstanceInput, &str)| drives(input, driver) && *key == jack;
+            let index = driven.iter().position(is_driven);
+            let port = index.map(|index| CordSource::Output(driven.swap_remove(index).0, 0));
             Some((cord, port.or_else(|| self.source(from))?))
         };
         cords.into_iter().filter_map(source).collect()
@@ -140,21 +141,21 @@ impl<'a> View<'a> {
     }
 
     /// Returns the sources of the input ports of an instance in order; ports without a cord are omitted.
-    pub fn port_sources(&self, instance: &'a Instance) -> impl Iterator<Item = (&'a str, CordSource)> {
-        instance.inputs.iter().filter_map(|(port, inlet)| Some((port.as_str(), self.port_source(inlet)?)))
+    pub(super) fn port_sources(&self, instance: &'a Instance) -> impl Iterator<Item = (&'a str, CordSource)> {
+        instance.inputs.iter().filter_map(|(port, input)| Some((port.as_str(), self.port_source(input)?)))
     }
 
     /// Returns the source of an input port of an instance: a port of the opened instance or an output.
-    fn port_source(&self, inlet: &InstanceInput) -> Option<CordSource> {
-        let outer = self.enclosing.zip(inlet.outer_port.as_ref());
+    fn port_source(&self, input: &InstanceInput) -> Option<CordSource> {
+        let outer = self.enclosing.zip(input.outer_port.as_ref());
         match outer.and_then(|(enclosing, port)| enclosing.inputs.get_index_of(port)) {
             Some(port) => Some(CordSource::Output(port, 0)),
-            None => self.source_named(inlet.driver.as_ref()?),
+            None => self.source_named(input.driver.as_ref()?),
         }
     }
 
     /// Returns the source that an element is in this drawing; `None` if it is unknown.
-    pub fn source_named(&self, element: &str) -> Option<CordSource> {
+    pub(super) fn source_named(&self, element: &str) -> Option<CordSource> {
         self.source(*self.index_of.get(element)?)
     }
 
@@ -173,7 +174,7 @@ impl<'a> View<'a> {
             return Some(CordSource::Output(item, output));
         }
         let mut ports = self.enclosing.into_iter().flat_map(|enclosing| enclosing.inputs.values());
-        match ports.position(|inlet| drives(inlet, &from.name)) {
+        match ports.position(|input| drives(input, &from.name)) {
             Some(port) => Some(CordSource::Output(port, 0)),
             None => Some(CordSource::Reference(reference(&from.name))),
         }
@@ -181,8 +182,8 @@ impl<'a> View<'a> {
 }
 
 /// Whether an element drives an input port of an instance from outside.
-fn drives(inlet: &InstanceInput, driver: &str) -> bool {
-    inlet.driver.as_deref() == Some(driver)
+fn drives(input: &InstanceInput, driver: &str) -> bool {
+    input.driver.as_deref() == Some(driver)
 }
 
 /// Returns the instance that contains each element in a box.

@@ -6,7 +6,7 @@ use patchcord_draw::schematic::{Diagram, Net, PlacedSymbol};
 const ROW_DISTANCE: f64 = 24.0;
 
 /// Checks every cord that leads to the left.
-pub fn check(diagram: &Diagram, case: &str) {
+pub(super) fn check(diagram: &Diagram, case: &str) {
     let rows = rows(diagram);
     for net in &diagram.nets {
         let from = &diagram.symbols[net.from];
@@ -44,6 +44,7 @@ fn rows(diagram: &Diagram) -> Vec<(f64, f64)> {
     rows
 }
 
+/// Returns the row that contains a symbol.
 fn row_of(placed: &PlacedSymbol, rows: &[(f64, f64)]) -> usize {
     rows.iter().position(|(top, bottom)| (*top..=*bottom).contains(&placed.area.top)).unwrap()
 }

@@ -7,7 +7,7 @@ use patchcord_draw::plot::{Area, Label, Primitive};
 use patchcord_draw::schematic::{Diagram, Net, Point, Schematic};
 
 /// Checks the dots and arrows of a diagram.
-pub fn check(diagram: &Diagram, case: &str) {
+pub(crate) fn check(diagram: &Diagram, case: &str) {
     for net in &diagram.nets {
         let from = &diagram.symbols[net.from].symbol.name;
         assert_eq!(
@@ -33,7 +33,7 @@ pub fn check(diagram: &Diagram, case: &str) {
     }
 }
 
-/// Points in hundredths of a pixel, as keys of a set.
+/// Rounds points to hundredths of a pixel, as keys of a set.
 fn rounded(points: &[Point]) -> BTreeSet<(i64, i64)> {
     points.iter().map(|at| ((at.0 * 100.0) as i64, (at.1 * 100.0) as i64)).collect()
 }
@@ -47,7 +47,7 @@ fn branch_points(net: &Net) -> Vec<Point> {
     points.filter(|at| directions(*at, lines) > 2).collect()
 }
 
-/// The number of directions in which lines continue from a point.
+/// Returns the number of directions in which lines continue from a point.
 fn directions(at: Point, lines: &[[Point; 2]]) -> usize {
     let near = [(-0.25, 0.0), (0.25, 0.0), (0.0, -0.25), (0.0, 0.25)];
     let continues = |by: &(f64, f64)| {
@@ -58,13 +58,9 @@ fn directions(at: Point, lines: &[[Point; 2]]) -> usize {
 }
 
 /// Checks that no line, edge, flag, dot or arrow crosses a text of the sheet.
-pub fn nothing_crosses_texts(schematic: &Schematic, case: &str) {
+pub(crate) fn nothing_crosses_texts(schematic: &Schematic, case: &str) {
     let primitives = schematic.drawing().primitives;
-    let labels = primitives.iter().filter_map(|primitive| match primitive {
-        Primitive::Text(label) if !label.text.is_empty() => Some(label),
-        _ => None,
-    });
-    for label in labels {
+    for label in primitives.iter().filter_map(Primitive::label).filter(|label| !label.text.is_empty()) {
         let crossing = primitives.iter().find(|primitive| crosses_text(primitive, label));
         assert!(crossing.is_none(), "{case}: \"{}\" is crossed by {crossing:?}", label.text);
     }
@@ -83,19 +79,10 @@ fn crosses_text(primitive: &Primitive, label: &Label) -> bool {
         Primitive::Line { points, .. } => cut(points),
         Primitive::Area { corners, .. } => cut(&[corners.as_slice(), &corners[..1]].concat()),
         Primitive::Disc { centre, radius, .. } if *radius < 5.0 => {
-            overlap(&square_around(*centre, *radius), &area)
+            overlap(&Area::around(*centre, *radius), &area)
         }
-        Primitive::Disc { .. } | Primitive::Text(_) => false,
         Primitive::Ring { centre, radius, .. } => circle_crosses(*centre, *radius, &area),
-    }
-}
-
-fn square_around(centre: Point, radius: f64) -> Area {
-    Area {
-        left: centre.0 - radius,
-        top: centre.1 - radius,
-        right: centre.0 + radius,
-        bottom: centre.1 + radius,
+        _ => false,
     }
 }
 
@@ -128,7 +115,7 @@ fn cuts(from: Point, to: Point, area: &Area) -> bool {
 const SQUARE: f64 = 40.0;
 
 /// Returns the fraction of the squares of a diagram that are used.
-pub fn used_fraction(diagram: &Diagram) -> f64 {
+pub(crate) fn used_fraction(diagram: &Diagram) -> f64 {
     let lines = diagram.nets.iter().flat_map(|net| &net.route.lines);
     let lines = lines.map(|[from, to]| Area { left: from.0, top: from.1, right: to.0, bottom: to.1 });
     let areas: Vec<Area> = diagram.symbols.iter().map(|placed| placed.area).chain(lines).collect();

@@ -4,14 +4,12 @@
 
 use std::collections::BTreeMap;
 
+use super::{CordKey, cords_of};
 use patchcord_core::circuit::Circuit;
 use patchcord_draw::schematic::{CordSource, Diagram, Jack, Schematic, Symbol};
 
-/// A cord: the driving element, the reading element, and the jack with its gain.
-type Cord = (String, String, String);
-
 /// Checks the boxes of a schematic against the circuit; `case` names the case in failures.
-pub fn check(schematic: &Schematic, circuit: &Circuit, case: &str) {
+pub(super) fn check(schematic: &Schematic, circuit: &Circuit, case: &str) {
     let mut cords = Vec::new();
     BoxExpander { schematic }.open(&schematic.main, "", &BTreeMap::new(), &mut cords);
     cords.sort();
@@ -19,22 +17,9 @@ pub fn check(schematic: &Schematic, circuit: &Circuit, case: &str) {
     every_signal_is_shown(schematic, circuit, case);
 }
 
-/// The cords of a circuit in ascending order.
-fn cords_of(circuit: &Circuit) -> Vec<Cord> {
-    let mut cords = Vec::new();
-    for (index, element) in circuit.elements().into_iter().enumerate() {
-        for (from, cord) in circuit.cords(index) {
-            let from = circuit.element(from).name.clone();
-            let jack = format!("{} {}", element.kind.inputs[cord.input].name, cord.gain);
-            cords.push((from, element.name.clone(), jack));
-        }
-    }
-    cords.sort();
-    cords
-}
-
 /// Replaces boxes by the diagrams of their macros.
 struct BoxExpander<'a> {
+    /// The schematic with the diagrams of the macros.
     schematic: &'a Schematic,
 }
 
@@ -42,7 +27,13 @@ impl BoxExpander<'_> {
     /// Collects the cords of a diagram.
     ///
     /// Names get the prefix, and `ports` contains the drivers of the input ports.
-    fn open(&self, diagram: &Diagram, prefix: &str, ports: &BTreeMap<String, String>, cords: &mut Vec<Cord>) {
+    fn open(
+        &self,
+        diagram: &Diagram,
+        prefix: &str,
+        ports: &BTreeMap<String, String>,
+        cords: &mut Vec<CordKey>,
+    ) {
         for placed in &diagram.symbols {
             let symbol = &placed.symbol;
             let driver = |jack: &Jack| self.driver(diagram, jack.from, prefix, ports);
@@ -54,20 +45,20 @@ impl BoxExpander<'_> {
                 }
                 "port-in" | "port-out" => (),
                 _ => cords.extend(symbol.jacks.iter().map(|jack| {
-                    let gain = jack.gain.unwrap_or(1.0);
-                    (driver(jack), format!("{prefix}{}", symbol.name), format!("{} {gain}", jack.input))
+                    let gain = jack.gain.map(|gain| gain.to_string());
+                    (driver(jack), format!("{prefix}{}", symbol.name), jack.input.clone(), gain)
                 })),
             }
         }
     }
 
-    /// The diagram of the macro of a box.
+    /// Returns the diagram of the macro of a box.
     fn inside(&self, symbol: &Symbol) -> &Diagram {
         let opened = self.schematic.macros.iter().find(|opened| opened.of == symbol.kind);
         &opened.unwrap_or_else(|| panic!("{} is not opened", symbol.kind)).diagram
     }
 
-    /// The name of the element that drives a jack from this source.
+    /// Returns the name of the element that drives a jack from this source.
     fn driver(
         &self,
         diagram: &Diagram,
@@ -95,7 +86,7 @@ impl BoxExpander<'_> {
     }
 }
 
-/// Every signal of an element or a drive is shown at an output or at the box that contains it.
+/// Checks that every signal of an element or a drive is shown at an output or at the box that contains it.
 fn every_signal_is_shown(schematic: &Schematic, circuit: &Circuit, case: &str) {
     let mut shown: Vec<&String> = Vec::new();
     for placed in &schematic.main.symbols {

@@ -1,34 +1,53 @@
-//! Checks for every schematic: every element and every cord is drawn, and nothing overlaps.
+//! Checks of one schematic: every element and every cord is drawn, and nothing overlaps.
 
 #![allow(dead_code, reason = "no test binary uses all helpers")]
 
 mod directions;
-pub mod legibility;
+pub(crate) mod legibility;
 mod macro_boxes;
 
 use std::collections::BTreeSet;
 
 use patchcord_core::circuit::Circuit;
+use patchcord_core::elements::Jacks;
 use patchcord_draw::plot::{Area, Label, Primitive};
 use patchcord_draw::schematic::{
     CordSource, Diagram, ElementState, Net, PlacedSymbol, Point, Schematic, SettingValue,
 };
 
+/// A cord: the driving element, the reading element, the input, and the gain if the input has gains.
+pub(crate) type CordKey = (String, String, String, Option<String>);
+
+/// Returns the cords of a circuit in ascending order.
+pub(crate) fn cords_of(circuit: &Circuit) -> Vec<CordKey> {
+    let mut cords = Vec::new();
+    for (index, element) in circuit.elements().into_iter().enumerate() {
+        for (from, cord) in circuit.cords(index) {
+            let from = circuit.element(from).name.clone();
+            let input = &element.kind.inputs[cord.input];
+            let gain = (input.jacks == Jacks::Gains).then(|| cord.gain.to_string());
+            cords.push((from, element.name.clone(), input.name.to_owned(), gain));
+        }
+    }
+    cords.sort();
+    cords
+}
+
 /// The state that is printed at every output.
 const STATE: ElementState = ElementState { volts: -12.34, position: None };
 
 /// Returns the schematic of a circuit with a voltage at every output.
-pub fn schematic(circuit: &Circuit) -> Schematic {
+pub(crate) fn schematic(circuit: &Circuit) -> Schematic {
     Schematic::new(circuit, "", "", &|_| Some(STATE)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Returns the same schematic with every macro instance replaced by its elements.
-pub fn expanded(circuit: &Circuit) -> Schematic {
+pub(crate) fn expanded(circuit: &Circuit) -> Schematic {
     Schematic::expanded(circuit, "", "", &|_| Some(STATE)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Draws a circuit and checks all rules; `case` names the circuit in failures.
-pub fn check(circuit: &Circuit, case: &str) {
+pub(crate) fn check(circuit: &Circuit, case: &str) {
     let schematic = schematic(circuit);
     for schematic in [&schematic, &expanded(circuit)] {
         diagrams(schematic).for_each(|diagram| check_diagram(diagram, case));
@@ -44,7 +63,7 @@ pub fn check(circuit: &Circuit, case: &str) {
 }
 
 /// Returns the main diagram and those of the macros.
-pub fn diagrams(schematic: &Schematic) -> impl Iterator<Item = &Diagram> {
+pub(crate) fn diagrams(schematic: &Schematic) -> impl Iterator<Item = &Diagram> {
     std::iter::once(&schematic.main).chain(schematic.macros.iter().map(|opened| &opened.diagram))
 }
 
@@ -69,22 +88,15 @@ fn every_given_setting_is_shown(schematic: &Schematic, circuit: &Circuit, case: 
                 names.contains(&listed.name)
                     && (contains_word(&listed.value, &text) || contains_word(&listed.text, &text))
             });
-            assert!(
-                at_symbol || listed,
-                "{case}: {} of {} is nowhere shown as {text}",
-                row.name,
-                element.name
-            );
-            let on_sheet = drawing.primitives.iter().any(|primitive| match primitive {
-                Primitive::Text(label) => label.text.contains('…') || contains_word(&label.text, &text),
-                _ => false,
-            });
+            assert!(at_symbol || listed, "{case}: {} of {} is not shown as {text}", row.name, element.name);
+            let mut labels = drawing.primitives.iter().filter_map(Primitive::label);
+            let on_sheet = labels.any(|label| label.text.contains('…') || contains_word(&label.text, &text));
             assert!(on_sheet, "{case}: {text}");
         }
     }
 }
 
-/// Returns the text to look for: the number without its unit, a word, or the first point.
+/// Returns the text to search for: the number without its unit, a word, or the first point.
 fn searched_text(shown: &str, value: &SettingValue) -> String {
     match value {
         SettingValue::Flag(true) => "closed".to_owned(),
@@ -92,9 +104,7 @@ fn searched_text(shown: &str, value: &SettingValue) -> String {
         SettingValue::Word("product") => "b/100".to_owned(),
         SettingValue::Word("sum-of-squares") => "b²)/100".to_owned(),
         SettingValue::Word(word) => (*word).to_owned(),
-        SettingValue::Number(_) | SettingValue::Points(_) => {
-            shown.split(' ').next().unwrap_or_default().to_owned()
-        }
+        _ => shown.split(' ').next().unwrap_or_default().to_owned(),
     }
 }
 
@@ -149,7 +159,7 @@ fn every_cord_leads_from_output_to_jack(diagram: &Diagram, case: &str) {
             let expected = CordSource::Output(net.from, net.output);
             assert_eq!(reader_symbol.symbol.jacks[*jack].from, expected, "{case}: {name}");
             assert!(arrives_from_the_left(net, reader_symbol.inputs[*jack]), "{case}: from {name}");
-            assert!(driven.insert((*reader, *jack)), "{case}: two cords in first jack");
+            assert!(driven.insert((*reader, *jack)), "{case}: two cords in one jack");
         }
         assert!(is_connected(net), "{case}: the cord from {name} is not connected");
     }
@@ -158,10 +168,12 @@ fn every_cord_leads_from_output_to_jack(diagram: &Diagram, case: &str) {
     assert_eq!(driven.len(), expected, "{case}");
 }
 
+/// Whether a line of a net starts at a point and runs to the right.
 fn starts_to_the_right(net: &Net, at: Point) -> bool {
     net.route.lines.iter().any(|[from, to]| *from == at && to.1 == at.1 && to.0 > at.0)
 }
 
+/// Whether a line of a net ends at a point and comes from the left.
 fn arrives_from_the_left(net: &Net, at: Point) -> bool {
     net.route.lines.iter().any(|[from, to]| *to == at && from.1 == at.1 && from.0 < at.0)
 }
@@ -192,6 +204,7 @@ fn touch(first: &[Point; 2], other: &[Point; 2]) -> bool {
     first.iter().any(|at| is_on(*at, other)) || other.iter().any(|at| is_on(*at, first))
 }
 
+/// Whether a point is on a horizontal or vertical line.
 fn is_on(at: Point, line: &[Point; 2]) -> bool {
     (line[0].0..=line[1].0).contains(&at.0) && (line[0].1..=line[1].1).contains(&at.1)
 }
@@ -233,10 +246,12 @@ fn no_cord_runs_through_a_symbol_or_a_text(diagram: &Diagram, case: &str) {
     }
 }
 
+/// Whether a horizontal or vertical line passes through an area.
 fn crosses(line: &[Point; 2], area: &Area) -> bool {
     line[0].0 < area.right && line[1].0 > area.left && line[0].1 < area.bottom && line[1].1 > area.top
 }
 
+/// Whether two areas have a point in common that is not on an edge.
 fn overlap(first: &Area, other: &Area) -> bool {
     first.left < other.right
         && other.left < first.right
@@ -247,14 +262,7 @@ fn overlap(first: &Area, other: &Area) -> bool {
 /// Checks that texts are on the sheet, large enough and separate from each other.
 fn no_texts_overlap(schematic: &Schematic, case: &str) {
     let drawing = schematic.drawing();
-    let labels: Vec<&Label> = drawing
-        .primitives
-        .iter()
-        .filter_map(|primitive| match primitive {
-            Primitive::Text(label) => Some(label),
-            _ => None,
-        })
-        .collect();
+    let labels: Vec<&Label> = drawing.primitives.iter().filter_map(Primitive::label).collect();
     for (index, first) in labels.iter().enumerate() {
         let area = first.area();
         assert!(

@@ -10,8 +10,9 @@ use super::callee::Callee;
 use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
 use super::scope::{Scope, missing_property};
-use super::wording::{excerpt, format_number, name_values, operand_values};
+use super::wording::{excerpt, name_values, operand_values};
 use crate::function::Function;
+use crate::number_text::format_shortest;
 
 /// Returns the value of a node. The value is always finite.
 pub(super) fn value(text: &str, node: &Node, scope: &dyn Scope) -> Result<f64, FormulaError> {
@@ -30,7 +31,7 @@ impl Evaluator<'_> {
     /// Returns the value of a node. A literal number is checked too, because a constant can be NaN.
     fn value(&self, node: &Node) -> Result<f64, FormulaError> {
         match &node.expression {
-            Expression::Number(value) => finite(&format_number(*value), *value, &node.range),
+            Expression::Number(value) => finite(&format_shortest(*value), *value, &node.range),
             Expression::Name(name) => self.named(name, &node.range),
             Expression::Negate(inner) => Ok(-self.value(inner)?),
             Expression::Binary(operator, left, right) => self.binary(node, *operator, left, right),

@@ -22,6 +22,9 @@ pub use scope::Scope;
 pub use unit_check::FormulaDimension;
 
 use std::fmt;
+use std::str::FromStr;
+
+use crate::number_text::format_shortest;
 
 /// A parsed expression together with its text.
 ///
@@ -35,9 +38,10 @@ use std::fmt;
 /// ```
 /// use patchcord_expr::Formula;
 ///
-/// let formula = Formula::parse("2 * K * position")?;
+/// let formula: Formula = "2 * K * position".parse()?;
 /// assert_eq!(formula.names(), ["K", "position"]);
 /// assert_eq!(formula.to_string(), "2 * K * position");
+/// assert_eq!(formula, Formula::parse("2 * K * position")?);
 ///
 /// let error = Formula::parse("2 *").unwrap_err();
 /// assert_eq!(error.message, "a number, a name or a parenthesis is missing here");
@@ -75,7 +79,7 @@ impl Formula {
     /// assert!(Formula::constant(0.5).names().is_empty());
     /// ```
     pub fn constant(value: f64) -> Self {
-        let text = wording::format_number(value);
+        let text = format_shortest(value);
         let root = Node { expression: Expression::Number(value), range: 0..text.len() };
         Self { text, root }
     }
@@ -186,6 +190,15 @@ impl Formula {
     /// ```
     pub fn dimension(&self, scope: &dyn Scope) -> Result<FormulaDimension, FormulaError> {
         unit_check::dimension(&self.text, &self.root, scope)
+    }
+}
+
+impl FromStr for Formula {
+    type Err = FormulaError;
+
+    /// Parses a formula, see [`Formula::parse`].
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Self::parse(text)
     }
 }
 

@@ -56,7 +56,7 @@ pub trait Scope {
 
 /// The empty scope, for formulas without names.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct NoNames;
+pub(super) struct NoNames;
 
 impl Scope for NoNames {
     fn value(&self, _name: &str) -> Option<f64> {

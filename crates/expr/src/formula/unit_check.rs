@@ -11,8 +11,9 @@ use super::error::FormulaError;
 use super::evaluate;
 use super::expression::{Expression, Node, Operator};
 use super::scope::{NoNames, Scope, missing_property};
-use super::wording::{excerpt, format_number};
+use super::wording::excerpt;
 use crate::function::Function;
+use crate::number_text::format_shortest;
 use crate::units::Dimension;
 
 /// The maximum exponent of a quantity that has a unit, as in the unit syntax (`m^12`).
@@ -38,7 +39,7 @@ impl FormulaDimension {
 
     /// Whether the value has no unit.
     fn is_pure_number(self) -> bool {
-        self.or_dimensionless().is_none()
+        self.or_dimensionless().is_dimensionless()
     }
 
     /// Returns the dimension changed by `change`. A literal stays a literal.
@@ -201,7 +202,7 @@ impl UnitChecker<'_> {
         }
         let power = evaluate::value(self.text, exponent, &NoNames)?;
         if power.abs() > MAX_EXPONENT {
-            let power = format_number(power);
+            let power = format_shortest(power);
             let reason = format!("so its exponent can be at most {MAX_EXPONENT}, not {power}");
             return Err(refusal(reason));
         }

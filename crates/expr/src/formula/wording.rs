@@ -2,17 +2,10 @@
 
 use super::expression::{Expression, Node};
 use super::scope::Scope;
+use crate::number_text::format_shortest;
 
 /// The maximum length of an excerpt, in characters; longer excerpts end in ` ...`.
 const MAX_EXCERPT: usize = 40;
-
-/// Formats a number in the syntax of formulas. Parsing the text gives the same number again.
-pub(super) fn format_number(value: f64) -> String {
-    match value.abs() {
-        0.0 | 1e-4..1e7 => value.to_string(),
-        _ => format!("{value:e}"),
-    }
-}
 
 /// Returns the text of a node, shortened if it is longer than [`MAX_EXCERPT`].
 pub(super) fn excerpt(text: &str, node: &Node) -> String {
@@ -56,6 +49,6 @@ fn is_literal(node: &Node) -> bool {
 /// Joins names and values to the end of a message. The text is empty if there are no values.
 fn format_values(values: impl Iterator<Item = (String, f64)>) -> String {
     let sentences: Vec<String> =
-        values.map(|(name, value)| format!("{name} is {}", format_number(value))).collect();
+        values.map(|(name, value)| format!("{name} is {}", format_shortest(value))).collect();
     if sentences.is_empty() { String::new() } else { format!(": {}", sentences.join(" and ")) }
 }

@@ -49,7 +49,7 @@ const NAMED: [(&str, Dimension); 18] = [
 /// assert_eq!(speed.to_string(), "m/s");
 /// assert_eq!(Dimension::MASS.times(speed.power(2.0)), Dimension::ENERGY);
 /// assert_eq!(Dimension::FORCE.power(0.5).power(2.0), Dimension::FORCE);
-/// assert!(speed.over(speed).is_none());
+/// assert!(speed.over(speed).is_dimensionless());
 /// assert_eq!(Dimension::NONE.to_string(), "a pure number");
 /// ```
 #[derive(Debug, Clone, Copy)]
@@ -119,7 +119,7 @@ impl Dimension {
     }
 
     /// Whether this is the dimension of a pure number.
-    pub fn is_none(self) -> bool {
+    pub fn is_dimensionless(self) -> bool {
         self == Self::NONE
     }
 
@@ -139,7 +139,7 @@ impl PartialEq for Dimension {
 
 impl fmt::Display for Dimension {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_none() {
+        if self.is_dimensionless() {
             return out.pad("a pure number");
         }
         match NAMED.iter().find(|(_, dimension)| dimension == self) {

@@ -35,12 +35,12 @@ pub(super) struct Factor {
 
 impl Factor {
     /// Returns the prefix and symbol without the power: `mm`.
-    pub fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         format!("{}{}", self.prefix.name, self.symbol.name)
     }
 
     /// Returns the factor raised to a power.
-    pub fn raised(self, power: f64) -> Self {
+    pub(super) fn raised(self, power: f64) -> Self {
         Self { power: self.power * power, ..self }
     }
 }

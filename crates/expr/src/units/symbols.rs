@@ -175,14 +175,14 @@ pub(super) fn suggestions(unknown: &str) -> Vec<String> {
     let near = nearest(unknown, names.iter().map(String::as_str)).map(str::to_owned);
     match as_product(unknown) {
         Some(product) => {
-            near.filter(|name| differs_only_in_case(name, unknown)).into_iter().chain([product]).collect()
+            near.filter(|name| is_equal_ignoring_case(name, unknown)).into_iter().chain([product]).collect()
         }
         None => near.into_iter().collect(),
     }
 }
 
 /// Whether two names are equal without regard to upper and lower case.
-fn differs_only_in_case(name: &str, unknown: &str) -> bool {
+fn is_equal_ignoring_case(name: &str, unknown: &str) -> bool {
     name.to_lowercase() == unknown.to_lowercase()
 }
 

@@ -1,6 +1,7 @@
 //! A unit of measurement with its size in SI units.
 
 use std::fmt;
+use std::str::FromStr;
 
 use super::dimension::Dimension;
 use super::error::UnitError;
@@ -17,7 +18,8 @@ use super::symbols::{MAX_EXACT_POWER_OF_TEN, NO_PREFIX, SECOND, power_of_ten};
 /// ```
 /// use patchcord_expr::{Dimension, Unit};
 ///
-/// let length = Unit::parse("mm")?;
+/// let length: Unit = "mm".parse()?;
+/// assert_eq!(length, Unit::parse("mm")?);
 /// assert_eq!(length.factor(), 1e-3);
 /// assert_eq!(length.dimension(), Dimension::LENGTH);
 /// assert_eq!(length.to_si(2.0), 0.002);
@@ -174,6 +176,15 @@ impl Unit {
     /// Returns the factors in the order of the text.
     pub(super) fn factors(&self) -> &[Factor] {
         &self.factors
+    }
+}
+
+impl FromStr for Unit {
+    type Err = UnitError;
+
+    /// Parses a unit, see [`Unit::parse`].
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Self::parse(text)
     }
 }
 

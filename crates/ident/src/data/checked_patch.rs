@@ -34,7 +34,7 @@ impl CheckedPatch {
     /// # Errors
     /// If the patch cannot be read or has errors. The error is the report of the patch, or None if there is no report
     /// because the file cannot be read.
-    pub fn read(
+    pub(crate) fn read(
         folder: &Path,
         named: &Placed<String>,
         findings: &mut Findings,
@@ -55,12 +55,12 @@ impl CheckedPatch {
     }
 
     /// The patch as written.
-    pub fn patch(&self) -> &Patch {
+    pub(crate) fn patch(&self) -> &Patch {
         self.circuit.patch()
     }
 
     /// Returns the drive that a column feeds. None, with a finding, if the patch does not have it.
-    pub fn drive(&self, binding: &ColumnBinding, findings: &mut Findings) -> Option<BindingTarget> {
+    pub(crate) fn drive(&self, binding: &ColumnBinding, findings: &mut Findings) -> Option<BindingTarget> {
         let patch = self.patch();
         let Some(drive) = patch.drives.get(&binding.name.value) else {
             let known: Vec<_> = patch.drives.keys().map(String::as_str).collect();
@@ -72,7 +72,7 @@ impl CheckedPatch {
     }
 
     /// Returns the signal that a column measures. None, with a finding, if the patch does not have it.
-    pub fn signal(&self, binding: &ColumnBinding, findings: &mut Findings) -> Option<BindingTarget> {
+    pub(crate) fn signal(&self, binding: &ColumnBinding, findings: &mut Findings) -> Option<BindingTarget> {
         let name = self.circuit.recorded_name(&binding.name.value);
         let signal = name.and_then(|name| self.circuit.signals().iter().find(|signal| signal.name == name));
         let Some(signal) = signal else {

@@ -1,33 +1,18 @@
-//! The diagnostic codes of experiments. Those of patches are constants of [`Code`].
+//! The diagnostic codes of experiments. Those of patches are constants of
+//! [`Code`](patchcord_core::document::Code).
 
-use patchcord_core::document::{Code, CodeEntry, Severity};
+use patchcord_core::diagnostic_codes;
 
-/// Makes the constants and the list of all from a table.
-macro_rules! codes {
-    ($($name:ident $text:literal $severity:ident $meaning:literal $advice:literal;)*) => {
-        /// All codes of experiments, in the order of the reference page.
-        pub const ALL: &[Code] = &[$($name),*];
-
-        $(
-            #[doc = $meaning]
-            pub const $name: Code = Code::new(&CodeEntry {
-                text: $text,
-                severity: Severity::$severity,
-                meaning: $meaning,
-                advice: $advice,
-            });
-        )*
-    };
-}
-
-codes! {
+diagnostic_codes! {
+    /// All codes of experiments, in the order of the reference page.
+    self::ALL;
     BAD_PATCH "bad-patch" Error "The patch of an experiment cannot be read or has errors."
         "`patchcord check` lists the errors of a patch";
     BAD_DATA "bad-data" Error "A file of measured data cannot be read or does not contain the required data."
         "data are a CSV file: a line of names, and a line of numbers for every sample";
     UNEVEN_SAMPLING "uneven-sampling" Error "The samples are not evenly spaced."
         "interpolate the data to even times; whole rows may be missing";
-    TOO_FEW_SAMPLES "too-few-samples" Error "There are too few samples for training or test."
+    TOO_FEW_SAMPLES "too-few-samples" Error "There are too few samples for training or validation."
         "record for a longer time or at a higher rate, or widen the range";
     CONSTANT_COLUMN "constant-column" Error "A column is constant and so contains no information."
         "check the name of the column";
@@ -37,13 +22,13 @@ codes! {
         the machine would cut them off."
         "increase per_volt of the scale, correct the \"unit\" of the column, or remove rows with recording errors";
     DRIVE_RESTARTS "drive-begins-anew" Error "A drive without a column starts at time 0, but its record starts later."
-        "feed the drive from a column; or use records for training and test that start with the drive; or let its \
+        "feed the drive from a column; or use training and validation records that start with the drive; or let its \
         formulas use a parameter record_start in s, which is set to the start of the record";
     SAMPLING_GAP "sampling-gap" Warning "Rows are missing between other rows."
         "check whether the recorder lost them; this time is ignored";
-    SHARED_SAMPLES "shared-samples" Warning "Samples are used for both training and test, or are listed twice."
-        "separate the two: a test on training samples does not validate the model";
-    STILL_PART "still-part" Warning "A column is constant in the samples for training or test."
+    SHARED_SAMPLES "shared-samples" Warning "Samples are used for both training and validation, or are listed twice."
+        "separate the two: training samples do not validate the model";
+    STILL_PART "still-part" Warning "A column is constant in the samples for training or validation."
         "choose samples in which it changes";
     WILD_SAMPLE "wild-sample" Warning "Samples of a column differ strongly from their neighbours."
         "look at them, and remove rows with recording errors: removed rows count as missing";

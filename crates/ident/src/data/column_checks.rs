@@ -54,7 +54,7 @@ struct ScaledColumn<'a> {
     per_volt: f64,
     unit: &'a Unit,
     train: SampleExtremes,
-    test: SampleExtremes,
+    validation: SampleExtremes,
     /// The fraction of samples beyond [`OFF_SCALE_RATIO`] times full scale.
     off_scale_fraction: f64,
 }
@@ -74,12 +74,12 @@ const MIN_SCALE_RATIO: f64 = 1e-3;
 /// the same order as the drives and outputs of the experiment.
 pub(crate) fn check_columns(experiment: &Experiment, document: &ExperimentDocument, findings: &mut Findings) {
     let column = |(binding, noun), per_volt, unit, samples: &dyn for<'r> Fn(&'r Record) -> &'r [f64]| {
-        let [train, test] =
-            [&experiment.train, &experiment.test].map(|records| SampleExtremes::of(records, samples));
-        let all_samples = experiment.train.iter().chain(&experiment.test).flat_map(samples);
+        let [train, validation] =
+            [&experiment.train, &experiment.validation].map(|records| SampleExtremes::of(records, samples));
+        let all_samples = experiment.train.iter().chain(&experiment.validation).flat_map(samples);
         let limit = OFF_SCALE_RATIO * REFERENCE * f64::abs(per_volt);
         let off_scale_fraction = fraction(all_samples, |sample| sample.abs() > limit);
-        ScaledColumn { binding, noun, per_volt, unit, train, test, off_scale_fraction }
+        ScaledColumn { binding, noun, per_volt, unit, train, validation, off_scale_fraction }
     };
     let mut bindings = document.bindings();
     let drives =
@@ -112,7 +112,8 @@ fn wild_sample_warnings(experiment: &Experiment, document: &ExperimentDocument) 
             let wild = wild_samples(samples, noise).into_iter();
             wild.map(move |sample| format!("{} s in {name}", format_number(begin + sample as f64 * interval)))
         };
-        let all: Vec<String> = experiment.train.iter().chain(&experiment.test).flat_map(wild_times).collect();
+        let all: Vec<String> =
+            experiment.train.iter().chain(&experiment.validation).flat_map(wild_times).collect();
         let column = &binding.column;
         let more = match all.len() {
             count if count > MAX_LISTED_SAMPLES => format!(", {count} in total"),
@@ -171,29 +172,29 @@ fn unknown_noise(experiment: &Experiment, document: &ExperimentDocument) -> Vec<
 }
 
 impl ScaledColumn<'_> {
-    /// Reports a column that is constant everywhere, or in the training or test data. A drive may be constant in the
-    /// test data.
+    /// Reports a column that is constant everywhere, or in the training or validation data. A drive may be constant
+    /// in the validation data.
     fn constant_fault(&self) -> Option<Diagnostic> {
         let is_drive = self.noun == "drive";
         let warning = |message| Some(Diagnostic::at(codes::STILL_PART, self.binding.column.span, message));
-        match [self.train.is_moving(), self.test.is_moving()] {
-            _ if !self.train.union(self.test).is_moving() => Some(self.constant_everywhere()),
-            [false, _] if is_drive => warning(self.constant_message(self.train, "train on")),
+        match [self.train.is_moving(), self.validation.is_moving()] {
+            _ if !self.train.union(self.validation).is_moving() => Some(self.constant_everywhere()),
+            [false, _] if is_drive => warning(self.constant_message(self.train, "training")),
             [false, _] => {
-                let constant = self.constant_message(self.train, "train on");
+                let constant = self.constant_message(self.train, "training");
                 let message = format!("{constant}: nothing can be fitted to it");
                 let finding = Diagnostic::at(codes::CONSTANT_COLUMN, self.binding.column.span, message);
                 Some(finding.hint("train on a range in which it changes, or remove it"))
             }
-            [true, false] if !is_drive => warning(self.constant_message(self.test, "test on")),
+            [true, false] if !is_drive => warning(self.constant_message(self.validation, "validation")),
             [true, _] => None,
         }
     }
 
-    /// Formats a message about a column that is constant in some of the data. `purpose` is "train on" or "test on".
+    /// Formats a message about a column that is constant in some of the data. `purpose` is "training" or "validation".
     fn constant_message(&self, extremes: SampleExtremes, purpose: &str) -> String {
         let (column, value) = (&self.binding.column.value, self.format_minimum(extremes));
-        format!("the column {column} is constantly {value} in the data to {purpose}")
+        format!("the column {column} is constantly {value} in the {purpose} data")
     }
 
     /// Formats the minimum with its unit.
@@ -221,7 +222,7 @@ impl ScaledColumn<'_> {
     fn scale_fault(&self) -> Option<Diagnostic> {
         let ColumnBinding { name, column, .. } = self.binding;
         let (magnitude, full_scale) =
-            (self.train.union(self.test).magnitude(), REFERENCE * self.per_volt.abs());
+            (self.train.union(self.validation).magnitude(), REFERENCE * self.per_volt.abs());
         let is_off_scale =
             self.off_scale_fraction > MAX_OFF_SCALE_FRACTION || magnitude > ABSURD_RATIO * full_scale;
         let (code, verb) = match magnitude {

@@ -15,7 +15,7 @@ use patchcord_expr::Formula;
 
 /// The parameter that every run sets to the start of its record, in seconds from the first sample of the file. Drives
 /// with formulas of this parameter are in phase with the record.
-pub const RECORD_START: &str = "record_start";
+pub(crate) const RECORD_START: &str = "record_start";
 
 /// A step at most this many seconds after the start counts as a constant drive. Grafted effects contain such steps.
 const STEP_AT_START: f64 = 1e-6;

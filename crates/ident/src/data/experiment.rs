@@ -9,6 +9,22 @@ use patchcord_core::patch::{EditError, Patch, PatchEditor};
 use patchcord_expr::Unit;
 
 /// A patch and the data measured on the system that it models.
+///
+/// [`Experiment::read`] reads it from a file, and [`Experiment::parse_in`] from a text. An experiment that was read is
+/// consistent: the patch has all drives, outputs and parameters that the experiment names, and all records have data.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::Experiment;
+///
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// assert!(experiment.drives.is_empty());
+/// assert_eq!(experiment.outputs[0].signal, "x");
+/// let records = [&experiment.train[0], &experiment.validation[0]];
+/// assert!(records.iter().all(|record| record.missing() == 0 && record.outputs.len() == 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Experiment {
     /// The path of the experiment file as the caller specified it.
@@ -23,13 +39,13 @@ pub struct Experiment {
     pub outputs: Vec<MeasuredOutput>,
     /// The names of the parameters to fit; each has a range.
     pub fit: Vec<String>,
-    /// The records to fit.
+    /// The training records, to which the parameters are fitted.
     pub train: Vec<Record>,
-    /// The records to test on. No fit uses them.
-    pub test: Vec<Record>,
+    /// The validation records. No parameter is fitted to them.
+    pub validation: Vec<Record>,
     /// The data files of all records.
     pub files: Vec<PathBuf>,
-    /// The duration in seconds of the pieces into which records are split; every piece is a run of its own. None if
+    /// The duration in seconds of the pieces into which records are split; every piece is a separate run. None if
     /// records are not split.
     pub piece_duration: Option<f64>,
     /// Warnings that the user should read. The experiment can be used nevertheless.
@@ -70,19 +86,6 @@ pub struct MeasuredOutput {
     pub per_volt: f64,
 }
 
-impl Experiment {
-    /// Returns the patch with a table of one point, zero, in place of every drive that a column feeds. The samples of a
-    /// record then go into the tables with [`solve::set_drive_table`](patchcord_core::solve::set_drive_table).
-    ///
-    /// # Errors
-    /// If the patch does not have one of the drives. The drives of an experiment that was read from a file exist.
-    pub fn patch_with_drive_tables(&self) -> Result<Patch, EditError> {
-        let mut editor = self.patch.edit();
-        replace_with_tables(&mut editor, &self.drives)?;
-        editor.finish(self.patch.file())
-    }
-}
-
 /// Replaces every drive that a column feeds by a table of one point, zero, with the drive's hold.
 ///
 /// # Errors
@@ -92,4 +95,29 @@ pub(crate) fn replace_with_tables(
     drives: &[MeasuredDrive],
 ) -> Result<(), EditError> {
     drives.iter().try_for_each(|entry| editor.put_table_drive(&entry.drive, entry.hold.table_hold()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fed_drive_becomes_a_table_with_its_scale_and_hold() {
+        let file = "tests/base.json";
+        let patch = Patch::parse(file, &std::fs::read_to_string(file).unwrap()).unwrap();
+        let force = MeasuredDrive {
+            drive: "F".to_owned(),
+            column: "F".to_owned(),
+            hold: Hold::Previous,
+            sigma: None,
+            unit: Unit::parse("N").unwrap(),
+            per_volt: 0.1,
+        };
+        let mut editor = patch.edit();
+        replace_with_tables(&mut editor, &[force]).unwrap();
+        let fed = editor.finish(file).unwrap();
+        assert_eq!((patch.drives["F"].kind.name, fed.drives["F"].kind.name), ("step", "table"));
+        assert_eq!(fed.drives["F"].scale.as_ref().map(|scale| scale.value.as_str()), Some("force"));
+        assert_eq!(fed.value()["drives"]["F"]["hold"], "previous");
+    }
 }

@@ -13,6 +13,7 @@ use patchcord_core::document::{
 
 /// Why an experiment cannot be read.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum ExperimentError {
     /// The file of the experiment cannot be opened or read.
     File(DocumentError),
@@ -56,9 +57,9 @@ impl Experiment {
     /// assert_eq!(experiment.fit, ["k"]);
     /// assert_eq!(experiment.outputs[0].unit.text(), "mm");
     ///
-    /// // The first three quarters of the record are for training, the rest is for testing.
+    /// // The first three quarters of the record are for training, the rest is for validation.
     /// assert!((experiment.train[0].interval - 0.02).abs() < 1e-9);
-    /// assert!(experiment.train[0].len() > experiment.test[0].len());
+    /// assert!(experiment.train[0].len() > experiment.validation[0].len());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(path: impl AsRef<Path>) -> Result<Experiment, ExperimentError> {
@@ -79,23 +80,23 @@ impl Experiment {
     ///
     /// # Examples
     ///
-    /// The error has the place of every fault in the text:
+    /// The error has the position of every fault in the text:
     ///
     /// ```
-    /// use std::path::Path;
-    ///
     /// use patchcord_ident::Experiment;
     ///
     /// let text = r#"{"patch": "absent.json", "data": "train.csv", "outputs": {"x": "x"}}"#;
-    /// let error = Experiment::parse_in(Path::new("."), "trial.experiment.json", text).unwrap_err();
+    /// let error = Experiment::parse_in(".", "trial.experiment.json", text).err().ok_or("the patch is absent")?;
     /// assert!(error.to_string().contains("absent.json"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn parse_in(folder: &Path, file: &str, text: &str) -> Result<Experiment, ExperimentError> {
+    pub fn parse_in(folder: impl AsRef<Path>, file: &str, text: &str) -> Result<Experiment, ExperimentError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut findings = Findings::new();
         let document = document_of(text, &mut findings);
         let built = document.map(|document| {
-            ExperimentBuilder { folder, document: &document, findings: &mut findings }.build()
+            ExperimentBuilder { folder: folder.as_ref(), document: &document, findings: &mut findings }
+                .build()
         });
         let (experiment, patch) = match built {
             Some(Ok(experiment)) => (Some(experiment), None),

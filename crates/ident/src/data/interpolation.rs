@@ -1,10 +1,28 @@
-//! The points of the drive tables that represent the samples of a drive.
+//! Interpolation of samples: in gaps of a column, and between the samples of a drive.
 //!
-//! A table connects its points by straight lines or by steps. That is exact for linear and previous-sample holds. For
-//! a smooth hold, extra points between the samples follow an interpolating polynomial.
+//! [`fill_gaps`] replaces missing samples. [`table_points`] gives the points of the drive table that represents the
+//! samples of a drive. A table connects its points by straight lines or by steps. That is exact for linear and
+//! previous-sample holds. For a smooth hold, extra points between the samples follow an interpolating polynomial.
 
 use crate::data::experiment_document::Hold;
 use crate::statistics::projection::dot;
+
+/// Replaces NaN between two samples by an interpolated value: a linear one, or the previous sample if the hold is
+/// `Previous`. NaN before the first or after the last sample remains.
+pub(crate) fn fill_gaps(samples: &mut [f64], hold: Hold) {
+    let present: Vec<usize> = (0..samples.len()).filter(|index| !samples[*index].is_nan()).collect();
+    for pair in present.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (previous, next) = (samples[from], samples[to]);
+        for (steps, sample) in samples[from..to].iter_mut().enumerate().skip(1) {
+            let fraction = steps as f64 / (to - from) as f64;
+            *sample = match hold {
+                Hold::Linear | Hold::Smooth => previous + fraction * (next - previous),
+                Hold::Previous => previous,
+            };
+        }
+    }
+}
 
 /// Table points per sample of a smooth drive. A chosen number: the straight lines between the points must follow the
 /// interpolating polynomial closely.

@@ -2,9 +2,9 @@
 //!
 //! `experiment_file` reads the text and `experiment_document` turns it into typed entries. `experiment_builder` then
 //! combines the entries with the patch (`checked_patch`) and with the CSV files (`measured_file`). `record_split`
-//! divides each file into training and test data, and `record` extracts the samples. `fittable` selects the parameters
-//! to fit. Finally, `column_checks` compares every column with the scale of its drive or signal. All faults are
-//! collected, so that one run reports all of them.
+//! divides each file into training and validation data, and `record` extracts the samples. `fittable` selects the
+//! parameters to fit. Finally, `column_checks` compares every column with the scale of its drive or signal. All faults
+//! are collected, so that one run reports all of them.
 //!
 //! `examine` and `noise_level` describe samples without any model. `drive_timing` and `interpolation` specify what the
 //! drives do between records and between samples.

@@ -7,10 +7,11 @@
 use std::ops::Range;
 
 use crate::data::experiment_document::Hold;
+use crate::data::interpolation::fill_gaps;
 use crate::data::measured_file::MeasuredFile;
 
-/// The least number of samples of a record to train or to test on. A chosen limit. Missing samples do not count when an
-/// experiment is read, but they count when a record is split.
+/// The least number of samples of a training or validation record. A chosen limit. Missing samples do not count when an
+/// experiment is read, but they count when a record is split into pieces.
 pub const MIN_RECORD_SAMPLES: usize = 10;
 
 /// Evenly sampled data of one experiment or of a part of it.
@@ -121,22 +122,6 @@ impl Record {
     /// The time from the first sample to the last, in seconds. Zero for an empty record.
     pub fn duration(&self) -> f64 {
         self.interval * self.len().saturating_sub(1) as f64
-    }
-}
-
-/// Replaces NaN between two samples by an interpolated value. NaN before the first or after the last sample remains.
-fn fill_gaps(samples: &mut [f64], hold: Hold) {
-    let present: Vec<usize> = (0..samples.len()).filter(|index| !samples[*index].is_nan()).collect();
-    for pair in present.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let (previous, next) = (samples[from], samples[to]);
-        for (steps, sample) in samples[from..to].iter_mut().enumerate().skip(1) {
-            let fraction = steps as f64 / (to - from) as f64;
-            *sample = match hold {
-                Hold::Linear | Hold::Smooth => previous + fraction * (next - previous),
-                Hold::Previous => previous,
-            };
-        }
     }
 }
 

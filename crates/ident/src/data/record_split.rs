@@ -1,12 +1,12 @@
-//! The split of a data file into samples to train on and samples to test on.
+//! The split of a data file into training samples and validation samples.
 //!
-//! The ranges of "train" and "test" in the experiment decide. If only one of them is given, the other part is what
-//! remains. If neither is given, the first three quarters are training data. All ranges are ranges of indices into the
-//! even times of the file.
+//! The ranges under the keys "train" and "test" of the experiment decide; "test" specifies the validation data. If only
+//! one of them is given, the other part is what remains. If neither is given, the first three quarters are training
+//! data. All ranges are ranges of indices into the even times of the file.
 
 use std::ops::Range;
 
-use crate::data::experiment_document::TestData;
+use crate::data::experiment_document::ValidationData;
 use crate::data::measured_file::MeasuredFile;
 use crate::data::record::MIN_RECORD_SAMPLES;
 use patchcord_core::document::{Placed, Span};
@@ -14,10 +14,10 @@ use patchcord_core::document::{Placed, Span};
 /// What the samples of a range are used for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum RecordPurpose {
-    /// The fit uses them.
-    Train,
-    /// They test the fitted model.
-    Test,
+    /// The parameters are fitted to them.
+    Training,
+    /// The fitted model is compared with them.
+    Validation,
 }
 
 /// A range of samples and its purpose.
@@ -27,7 +27,7 @@ pub(crate) struct RecordRange {
     pub samples: Range<usize>,
     /// What the samples are used for.
     pub purpose: RecordPurpose,
-    /// The place in the experiment that specifies the range.
+    /// The position in the experiment that specifies the range.
     pub span: Span,
 }
 
@@ -42,13 +42,13 @@ pub(crate) struct RecordSplit<'a> {
     pub unit_seconds: f64,
     /// The part of the file that is the record. None if it is the whole file.
     pub range: Option<&'a Placed<(f64, f64)>>,
-    /// The place in the experiment that names the file.
+    /// The position in the experiment that names the file.
     pub span: Span,
 }
 
 impl RecordSplit<'_> {
     /// Returns all samples of the record.
-    pub fn all_samples(&self) -> Range<usize> {
+    pub(crate) fn all_samples(&self) -> Range<usize> {
         self.range.map_or(0..self.measured.len(), |range| self.samples_within(range))
     }
 
@@ -66,44 +66,50 @@ impl RecordSplit<'_> {
     }
 
     /// Returns the whole record for one purpose.
-    pub fn whole_record(&self, purpose: RecordPurpose) -> RecordRange {
+    pub(crate) fn whole_record(&self, purpose: RecordPurpose) -> RecordRange {
         let span = self.range.map_or(self.span, |range| range.span);
         RecordRange { samples: self.all_samples(), purpose, span }
     }
 
-    /// Returns the range to train on and the range to test on, in this order. If "test" lists separate records, only
-    /// the range to train on is returned. The ranges may overlap if the experiment specifies both.
-    pub fn split(&self, train: Option<&Placed<(f64, f64)>>, test: &TestData) -> Vec<RecordRange> {
+    /// Returns the training range and the validation range, in this order. If `validation` lists separate records, only
+    /// the training range is returned. The ranges may overlap if the experiment specifies both.
+    pub(crate) fn split(
+        &self,
+        train: Option<&Placed<(f64, f64)>>,
+        validation: &ValidationData,
+    ) -> Vec<RecordRange> {
         let all = self.all_samples();
-        let training = train.map(|range| self.range_within(range, RecordPurpose::Train));
-        let testing = match test {
-            TestData::Records(_) => {
-                return vec![training.unwrap_or_else(|| self.whole_record(RecordPurpose::Train))];
+        let training = train.map(|range| self.range_within(range, RecordPurpose::Training));
+        let validation = match validation {
+            ValidationData::Records(_) => {
+                return vec![training.unwrap_or_else(|| self.whole_record(RecordPurpose::Training))];
             }
-            TestData::Range(range) => Some(self.range_within(range, RecordPurpose::Test)),
-            TestData::Remainder => None,
+            ValidationData::Range(range) => Some(self.range_within(range, RecordPurpose::Validation)),
+            ValidationData::Remainder => None,
         };
-        let (training, testing) = match (training, testing) {
-            (Some(training), Some(testing)) => (training, testing),
+        let (training, validation) = match (training, validation) {
+            (Some(training), Some(validation)) => (training, validation),
             (Some(training), None) => {
                 let samples = training.samples.end..all.end;
-                let testing = RecordRange { samples, purpose: RecordPurpose::Test, span: training.span };
-                (training, testing)
+                let validation =
+                    RecordRange { samples, purpose: RecordPurpose::Validation, span: training.span };
+                (training, validation)
             }
-            (None, Some(testing)) => {
-                let before = all.start..testing.samples.start;
-                let after = testing.samples.end..all.end;
-                let samples = if before.len() < MIN_RECORD_SAMPLES { after } else { before };
-                (RecordRange { samples, purpose: RecordPurpose::Train, span: testing.span }, testing)
+            (None, Some(validation)) => {
+                let before = all.start..validation.samples.start;
+                let after = validation.samples.end..all.end;
+                let has_enough_rows = self.measured.rows_in(&before).len() >= MIN_RECORD_SAMPLES;
+                let samples = if has_enough_rows { before } else { after };
+                (RecordRange { samples, purpose: RecordPurpose::Training, span: validation.span }, validation)
             }
             (None, None) => {
                 let boundary = all.start + all.len() * TRAINING_QUARTERS / 4;
                 let range = |samples, purpose| RecordRange { samples, purpose, span: self.span };
-                let training = range(all.start..boundary, RecordPurpose::Train);
-                (training, range(boundary..all.end, RecordPurpose::Test))
+                let training = range(all.start..boundary, RecordPurpose::Training);
+                (training, range(boundary..all.end, RecordPurpose::Validation))
             }
         };
-        vec![training, testing]
+        vec![training, validation]
     }
 }
 
@@ -112,17 +118,17 @@ pub(crate) fn shared_samples(one: &Range<usize>, other: &Range<usize>) -> usize 
     one.end.min(other.end).saturating_sub(one.start.max(other.start))
 }
 
-/// Removes the sample at which a training range and a test range meet from the test range. Returns the number of
-/// samples that the ranges share afterwards: 0 if they only met, otherwise the ranges are unchanged.
-pub(crate) fn separate_test_range(training: &Range<usize>, testing: &mut Range<usize>) -> usize {
-    let shared = shared_samples(training, testing);
-    if shared != 1 || testing.len() < 2 {
+/// Removes the sample at which a training range and a validation range meet from the validation range. Returns the
+/// number of samples that the ranges share afterwards: 0 if they only met, otherwise the ranges are unchanged.
+pub(crate) fn separate_validation_range(training: &Range<usize>, validation: &mut Range<usize>) -> usize {
+    let shared = shared_samples(training, validation);
+    if shared != 1 || validation.len() < 2 {
         return shared;
     }
-    if testing.start + 1 == training.end {
-        testing.start += 1;
+    if validation.start + 1 == training.end {
+        validation.start += 1;
     } else {
-        testing.end -= 1;
+        validation.end -= 1;
     }
     0
 }

@@ -12,6 +12,9 @@ use std::cmp::Ordering;
 
 use crate::data::experiment::MeasuredDrive;
 use crate::data::record::Record;
+use crate::design::drive_proposal::{DriveLimits, DriveProposal, has_both_signs};
+use crate::effects::PlacedEffect;
+use crate::effects::candidate::Candidate;
 use crate::fit::estimate::Estimate;
 use crate::fit::fitted_model::FittedModel;
 use crate::fit::levenberg_marquardt::{FitProblem, stacked_column};
@@ -19,18 +22,10 @@ use crate::fit::model::{Model, ModelError, OutputTrajectory, RunValues};
 use crate::fit::problem::Problem;
 use crate::statistics::acceptance::RIVAL_Z;
 use crate::statistics::block_comparison::expected_advantage;
-use crate::statistics::descriptive::extremes;
 use crate::statistics::projection::{dot, orthonormal, remove_projections};
-use patchcord_core::machines::REFERENCE;
 
-/// Amplitudes that are tried, as multiples of the largest excursion of the drive in the training records.
-const AMPLITUDES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
-/// Number of periods that are tried. They form a geometric sequence from the length of the record down.
-const PERIOD_COUNT: i32 = 8;
-/// Shortest period that is tried, in samples.
-const SHORTEST_PERIOD: f64 = 10.0;
-/// Time of a step, as a fraction of the record.
-const STEP_TIME_FRACTION: f64 = 0.1;
+pub use crate::design::drive_proposal::Shape;
+
 /// Number of drives, those with the largest differences, for which the linearised fit is computed.
 const LINEARISED_DRIVES: usize = 16;
 /// Number of drives, the best ones of the linearised fits, for which the complete fit is computed.
@@ -39,53 +34,12 @@ const REFITTED_DRIVES: usize = 4;
 /// for chance.
 const DECISIVE_FACTOR: f64 = 1.5;
 
-/// The shape of a drive signal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
-    /// It jumps to the amplitude after a tenth of the record, and stays there.
-    Step,
-    /// It rises and falls at a constant rate.
-    Ramps,
-    /// A sine.
-    Sine,
-    /// A quarter of the period at the positive amplitude, a quarter at rest, a quarter at the negative amplitude, a
-    /// quarter at rest.
-    Reversals,
-}
-
-impl Shape {
-    /// The shapes with a period.
-    const PERIODIC: [Shape; 3] = [Shape::Ramps, Shape::Sine, Shape::Reversals];
-
-    /// The name of the shape in reports and documents.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Shape::Step => "step",
-            Shape::Ramps => "ramps",
-            Shape::Sine => "sine",
-            Shape::Reversals => "reversals",
-        }
-    }
-
-    /// The value, from -1 to 1, at this time in periods. The period of a step is the time before it.
-    fn at(self, periods: f64) -> f64 {
-        let part = periods.fract();
-        match self {
-            Shape::Step => f64::from(u8::from(periods >= 1.0)),
-            Shape::Sine => libm::sin(std::f64::consts::TAU * part),
-            Shape::Ramps if part < 0.25 => 4.0 * part,
-            Shape::Ramps if part < 0.75 => 2.0 - 4.0 * part,
-            Shape::Ramps => 4.0 * part - 4.0,
-            Shape::Reversals => [1.0, 0.0, -1.0, 0.0][(4.0 * part) as usize % 4],
-        }
-    }
-}
-
 /// A drive signal that distinguishes two effects, and the predictions of both patches.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct DiscriminatingExperiment {
-    /// The two effects, each with its place.
-    pub effects: [String; 2],
+    /// The two effects.
+    pub effects: [PlacedEffect; 2],
     /// The drive.
     pub drive: String,
     /// Unit of the drive.
@@ -107,7 +61,7 @@ pub struct DiscriminatingExperiment {
     /// The outputs, in the order of `difference_rms` and of the predictions.
     pub(crate) outputs: Vec<String>,
     /// The drives that the data feed, in the order of the record.
-    pub(crate) feeds: Vec<MeasuredDrive>,
+    pub(crate) drives: Vec<MeasuredDrive>,
     /// The record of the experiment: its drives and times. Its outputs are not meaningful.
     pub(crate) record: Record,
     /// The predictions of both patches for every output, in the order of `effects`.
@@ -119,28 +73,6 @@ impl DiscriminatingExperiment {
     pub fn is_decisive(&self) -> bool {
         self.standard_errors > DECISIVE_FACTOR * RIVAL_Z
     }
-}
-
-/// A proposed drive signal.
-#[derive(Debug, Clone, Copy)]
-struct DriveProposal {
-    /// Index of the drive among those that the data feed.
-    drive: usize,
-    shape: Shape,
-    /// In the unit of the drive.
-    amplitude: f64,
-    /// In seconds.
-    period: f64,
-}
-
-/// The rest value of a drive and its limits, in the unit of the drive.
-#[derive(Debug, Clone, Copy)]
-struct DriveLimits {
-    rest: f64,
-    /// Largest excursion from the rest value in the training records.
-    excursion: f64,
-    /// Least and largest value that the machine unit and the sign of the drive permit.
-    allowed: [f64; 2],
 }
 
 /// The difference of two predictions after the fit of one patch to the other.
@@ -159,8 +91,8 @@ struct ProposalRun {
 /// One of two effects that the data cannot distinguish.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rival<'a> {
-    /// The effect and its place, for example "leak at I2".
-    pub name: &'a str,
+    /// The effect.
+    pub candidate: &'a Candidate,
     /// The patch with the effect, fitted.
     pub model: &'a FittedModel,
 }
@@ -197,7 +129,7 @@ fn best_drive(
 ) -> Result<Option<DiscriminatingExperiment>, ModelError> {
     let Some(longest) = problem.train.iter().max_by_key(|record| record.len()) else { return Ok(None) };
     let limits: Vec<DriveLimits> =
-        (0..problem.drives.len()).map(|drive| limits_of(problem, drive, can_reverse)).collect();
+        (0..problem.drives.len()).map(|drive| DriveLimits::of(problem, drive, can_reverse)).collect();
     let proposals: Vec<DriveProposal> =
         limits.iter().enumerate().flat_map(|(drive, limits)| limits.proposals(drive, longest)).collect();
     let records: Vec<Record> = proposals.iter().map(|proposal| proposal.record(longest, &limits)).collect();
@@ -206,7 +138,7 @@ fn best_drive(
     Ok(best.map(|(difference, ProposalRun { proposal, predictions })| {
         let DriveProposal { drive, shape, amplitude, period } = proposals[proposal];
         DiscriminatingExperiment {
-            effects: rivals.map(|rival| rival.name.to_owned()),
+            effects: rivals.map(|rival| rival.candidate.placed_effect()),
             drive: problem.drives[drive].drive.clone(),
             unit: problem.drives[drive].unit.text().to_owned(),
             shape,
@@ -217,36 +149,11 @@ fn best_drive(
             difference_rms: difference.rms,
             standard_errors: difference.standard_errors,
             outputs: problem.outputs.clone(),
-            feeds: problem.drives.clone(),
+            drives: problem.drives.clone(),
             record: records[proposal].clone(),
             predictions,
         }
     }))
-}
-
-/// All samples of a drive in the training records.
-fn drive_values(problem: &Problem, drive: usize) -> impl Iterator<Item = f64> + '_ {
-    problem.train.iter().flat_map(move |record| &record.drives[drive]).copied()
-}
-
-/// Whether a drive has both signs in the training records.
-fn has_both_signs(problem: &Problem, drive: usize) -> bool {
-    let [least, most] = extremes(drive_values(problem, drive));
-    least < 0.0 && most > 0.0
-}
-
-/// The limits of a drive. With both signs it rests at zero and may use the full machine unit. With one sign it rests
-/// at its mean and keeps the sign.
-fn limits_of(problem: &Problem, drive: usize, can_reverse: bool) -> DriveLimits {
-    let [least, most] = extremes(drive_values(problem, drive));
-    let full = REFERENCE * problem.drives[drive].per_volt.abs();
-    let (rest, allowed) = if can_reverse || has_both_signs(problem, drive) {
-        (0.0, [-full, full])
-    } else {
-        let mean = drive_values(problem, drive).sum::<f64>() / drive_values(problem, drive).count() as f64;
-        (mean, if least < 0.0 { [-full, 0.0] } else { [0.0, full] })
-    };
-    DriveLimits { rest, excursion: (most - rest).max(rest - least), allowed }
 }
 
 /// The runs of the drives with the largest differences between both patches. Drives with which a patch cannot be run
@@ -355,11 +262,11 @@ impl Comparison<'_> {
         let (rival, outputs) = (self.rivals[fitted], run.predictions[1 - fitted].clone());
         let records = [Record { outputs, ..self.records[run.proposal].clone() }];
         let model = self.problem.model(&rival.model.variant, &records, &self.problem.outputs)?;
-        let task = self.problem.fit_problem(&model, &records, true);
+        let fit_problem = self.problem.fit_problem(&model, &records, true);
         let start = estimate_at_rest(rival, &model);
-        let fit = if is_complete { task.fit(&start) } else { None };
+        let fit = if is_complete { fit_problem.fit(&start) } else { None };
         let residual = fit.map_or_else(
-            || linearised_residual(&task, &start, &run.predictions[fitted]),
+            || linearised_residual(&fit_problem, &start, &run.predictions[fitted]),
             |fit| fit.residuals.into_iter().flatten().flatten().collect(),
         );
         let tracks: Vec<&[f64]> = residual.chunks(records[0].len()).collect();
@@ -370,13 +277,18 @@ impl Comparison<'_> {
 }
 
 /// The residual of a trajectory after a linearised fit of everything that is free.
-fn linearised_residual(task: &FitProblem<'_>, start: &Estimate, trajectory: &OutputTrajectory) -> Vec<f64> {
-    let at = task.coordinates(start);
-    let mut residual: Vec<f64> =
-        (0..trajectory.len()).flat_map(|output| task.residuals(&at, 0, output, trajectory)).collect();
-    let responses = task.jacobian(&at, 0, trajectory);
-    let free = (0..at.len()).filter(|index| task.is_free(*index));
-    let columns = free.map(|index| stacked_column(&responses, index, task.records[0].len()));
+fn linearised_residual(
+    fit_problem: &FitProblem<'_>,
+    start: &Estimate,
+    trajectory: &OutputTrajectory,
+) -> Vec<f64> {
+    let coordinates = fit_problem.coordinates(start);
+    let mut residual: Vec<f64> = (0..trajectory.len())
+        .flat_map(|output| fit_problem.residuals(&coordinates, 0, output, trajectory))
+        .collect();
+    let responses = fit_problem.jacobian(&coordinates, 0, trajectory);
+    let free = (0..coordinates.len()).filter(|index| fit_problem.is_free(*index));
+    let columns = free.map(|index| stacked_column(&responses, index, fit_problem.records[0].len()));
     remove_projections(&orthonormal(columns), &mut residual);
     residual
 }
@@ -386,100 +298,5 @@ fn estimate_at_rest(rival: Rival<'_>, model: &Model) -> Estimate {
     Estimate {
         parameters: rival.model.train.estimate.parameters.clone(),
         ..Estimate::nominal(model, rival.model.train.estimate.offsets.len())
-    }
-}
-
-impl DriveLimits {
-    /// Signals of every shape, amplitude and period that stay in the allowed range. `longest` is the longest training
-    /// record.
-    fn proposals(self, drive: usize, longest: &Record) -> Vec<DriveProposal> {
-        let length = longest.duration();
-        let shortest = (SHORTEST_PERIOD * longest.interval).min(length);
-        let period = |index: i32| {
-            length * libm::pow(shortest / length, f64::from(index) / f64::from(PERIOD_COUNT - 1))
-        };
-        let periodic = Shape::PERIODIC
-            .into_iter()
-            .flat_map(|shape| (0..PERIOD_COUNT).map(move |index| (shape, period(index))));
-        let shapes: Vec<(Shape, f64)> =
-            [(Shape::Step, STEP_TIME_FRACTION * length)].into_iter().chain(periodic).collect();
-        let proposals = AMPLITUDES.into_iter().flat_map(|multiple| {
-            let amplitude = multiple * self.excursion;
-            shapes.iter().map(move |(shape, period)| DriveProposal {
-                drive,
-                shape: *shape,
-                amplitude,
-                period: *period,
-            })
-        });
-        let is_allowed = |proposal: &DriveProposal| {
-            let below = if proposal.shape == Shape::Step { 0.0 } else { proposal.amplitude };
-            self.rest - below >= self.allowed[0] && self.rest + proposal.amplitude <= self.allowed[1]
-        };
-        proposals.filter(is_allowed).collect()
-    }
-}
-
-impl DriveProposal {
-    /// A record with this signal and all other drives at rest, with the length and the sampling interval of `like`.
-    fn record(self, like: &Record, limits: &[DriveLimits]) -> Record {
-        let value = |drive: usize, sample: usize| {
-            let time = sample as f64 * like.interval;
-            let excursion =
-                if drive == self.drive { self.amplitude * self.shape.at(time / self.period) } else { 0.0 };
-            limits[drive].rest + excursion
-        };
-        let drive = |drive: usize| (0..like.len()).map(|sample| value(drive, sample)).collect();
-        Record {
-            name: String::new(),
-            begin: 0.0,
-            start_in_file: 0.0,
-            jitter: 0.0,
-            drives: (0..limits.len()).map(drive).collect(),
-            ..like.clone()
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn periodic_shapes_reach_both_ends_and_have_zero_mean() {
-        for shape in Shape::PERIODIC {
-            let values: Vec<f64> = (0..100).map(|index| shape.at(0.005 + 0.03 * f64::from(index))).collect();
-            let ends = values
-                .iter()
-                .fold([0.0_f64; 2], |[least, most], value| [least.min(*value), most.max(*value)]);
-            assert!(ends[0] < -0.95 && ends[1] > 0.95, "{shape:?} {ends:?}");
-            assert!(values.iter().sum::<f64>().abs() < 4.0, "{shape:?}");
-        }
-        assert_eq!([0.5, 1.0, 7.3].map(|periods| Shape::Step.at(periods)), [0.0, 1.0, 1.0]);
-    }
-
-    #[test]
-    fn a_drive_of_one_sign_keeps_its_sign() {
-        let record = Record {
-            name: String::new(),
-            begin: 0.0,
-            start_in_file: 0.0,
-            interval: 0.1,
-            jitter: 0.0,
-            drives: vec![vec![0.0; 200]],
-            outputs: vec![vec![0.0; 200]],
-        };
-        let pump = DriveLimits { rest: 4.0, excursion: 3.0, allowed: [0.0, 10.0] };
-        let proposals = pump.proposals(0, &record);
-        assert!(proposals.iter().any(|proposal| proposal.shape == Shape::Step && proposal.amplitude == 6.0));
-        for proposal in &proposals {
-            let drive = proposal.record(&record, &[pump]).drives.remove(0);
-            assert_eq!(drive.len(), 200);
-            assert!(drive.iter().all(|value| (0.0..=10.0).contains(value)), "{proposal:?}");
-        }
-        let sines = proposals.iter().filter(|proposal| proposal.shape == Shape::Sine);
-        let periods: Vec<f64> = sines.map(|proposal| proposal.period).collect();
-        let [longest, shortest] = [periods[0], periods[7]];
-        assert!((longest - 19.9).abs() < 1e-9 && (shortest - 1.0).abs() < 1e-9, "{periods:?}");
     }
 }

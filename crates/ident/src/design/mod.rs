@@ -3,3 +3,4 @@
 
 pub mod detectability;
 pub mod discriminating_experiment;
+pub(crate) mod drive_proposal;

@@ -17,7 +17,7 @@ use patchcord_expr::Unit;
 ///
 /// ```
 /// use patchcord_core::patch::Patch;
-/// use patchcord_ident::effects::Library;
+/// use patchcord_ident::Library;
 /// use patchcord_ident::effects::attach::EffectPlacement;
 /// use patchcord_ident::effects::sites::Sites;
 ///
@@ -25,7 +25,7 @@ use patchcord_expr::Unit;
 /// let library = Library::shipped();
 /// let friction = library.get("viscous-friction").ok_or("a shipped effect")?;
 /// let placements = EffectPlacement::all(friction, &sites);
-/// assert_eq!((placements[0].junction(), placements[0].form_index()), ("A1", 0));
+/// assert_eq!((placements[0].site_name(), placements[0].form_index()), ("A1", 0));
 /// assert!(placements[0].read_names().is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -67,8 +67,8 @@ impl<'a> EffectPlacement<'a> {
         placements.collect()
     }
 
-    /// The name of the element that it acts on: an integrator, a drive or the carrier of a friction level.
-    pub fn junction(&self) -> &'a str {
+    /// The name of the element at which it acts: an integrator, a drive or the carrier of a friction level.
+    pub fn site_name(&self) -> &'a str {
         match &self.site {
             AttachmentSite::Junction { junction, .. } => &junction.integrator,
             AttachmentSite::Cord(signal) => &signal.element,
@@ -205,7 +205,7 @@ impl<'a> AttachmentSite<'a> {
 pub enum FormulaQuantity<'a> {
     /// The quantity of a signal or a drive.
     Signal(&'a ScaledSignal),
-    /// The rate of a junction's output. It takes the place of the sum if no signal names the sum.
+    /// The rate of a junction's output. It replaces the sum if no signal names the sum.
     Rate(&'a Junction),
 }
 

@@ -1,4 +1,4 @@
-//! A candidate: an effect wired into a patch at one site, in units, with the points from which its fits start.
+//! A candidate: an effect wired into a patch at one site, in units, with the starts of its fits.
 //!
 //! The reaches of the site turn the effect's ranges and start values into units. The first parameter is the strength of
 //! the effect, the others are its shape. Fits start without effect in several shapes, and from combinations of the
@@ -7,14 +7,14 @@
 use crate::effects::attach::EffectPlacement;
 use crate::effects::graft::{AddedParameter, Graft};
 use crate::effects::reach::{QuantitySize, evaluate_reach};
-use crate::effects::{EffectParameter, StartRule};
+use crate::effects::{EffectParameter, PlacedEffect, StartRule};
 use patchcord_core::patch::{EditError, Patch};
 
 /// Largest number of solver steps per sample that a short time constant of an effect may require.
 const MAX_STEPS_PER_SAMPLE: u32 = 4;
-/// Largest number of start points with effect. It bounds the time of a trial.
+/// Largest number of starts with effect. It bounds the time of a trial.
 const MAX_STARTS: usize = 24;
-/// Largest number of start points without effect: shapes with the strength at its null value.
+/// Largest number of starts without effect: shapes with the strength at its null value.
 const MAX_NULL_STARTS: usize = 12;
 /// Largest number of combinations of start values before they are thinned to the maximum. It bounds the memory.
 const MAX_COMBINATIONS: usize = 10_000;
@@ -32,8 +32,8 @@ const NEIGHBOUR_SHIFTS: [f64; 5] = [0.04, 0.1, 0.2, 0.35, 0.5];
 pub struct Candidate {
     /// The name of the effect.
     pub effect: String,
-    /// The name of the element that it acts on.
-    pub junction: String,
+    /// The name of the element at which it acts.
+    pub site: String,
     /// The index of its form in the effect's list.
     pub form: usize,
     /// The note of its form. Empty if the effect has only one form.
@@ -42,9 +42,9 @@ pub struct Candidate {
     pub reads: Vec<String>,
     /// The extended patch.
     pub graft: Graft,
-    /// Start points without effect: values of all its parameters, in units. Empty if the strength has no null value.
+    /// Starts without effect: values of all its parameters, in units. Empty if the strength has no null value.
     pub null_starts: Vec<Vec<f64>>,
-    /// Further start points: values of all its parameters, in units.
+    /// Further starts: values of all its parameters, in units.
     pub starts: Vec<Vec<f64>>,
     /// The value of the first parameter, in its unit, at which there is no effect. `None` if there is no such value.
     pub null_value: Option<f64>,
@@ -78,18 +78,18 @@ impl Candidate {
         let (strength, shape) =
             scaled.split_first().map_or((None, [].as_slice()), |(strength, shape)| (Some(strength), shape));
         let over_shapes = |strengths: Vec<f64>, max| {
-            let points = strengths.into_iter().map(|strength| vec![strength]).collect();
-            let combined = |points: Vec<Vec<f64>>, parameter: &ScaledParameter| {
-                let max_points = MAX_COMBINATIONS / parameter.starts.len().max(1);
-                each_with_starts(thinned(points, max_points), parameter)
+            let strengths = strengths.into_iter().map(|strength| vec![strength]).collect();
+            let combined = |starts: Vec<Vec<f64>>, parameter: &ScaledParameter| {
+                let max_starts = MAX_COMBINATIONS / parameter.starts.len().max(1);
+                each_with_starts(thinned(starts, max_starts), parameter)
             };
-            thinned(shape.iter().fold(points, combined), max)
+            thinned(shape.iter().fold(strengths, combined), max)
         };
         let null_value = strength.and_then(|strength| strength.null_value);
         let starts = strength.map(|strength| strength.starts.clone()).unwrap_or_default();
         Ok(Some(Candidate {
             effect: placement.effect.name.clone(),
-            junction: placement.junction().to_owned(),
+            site: placement.site_name().to_owned(),
             form: placement.form_index(),
             note: placement.form.note.clone(),
             reads: placement.read_names(),
@@ -102,22 +102,22 @@ impl Candidate {
         }))
     }
 
-    /// Points next to a fitted point: each grid parameter is shifted by shares of its spacing, within its range. Empty
-    /// if there is no grid parameter.
+    /// Values next to fitted ones: each grid parameter is shifted by shares of its spacing, within its range. Empty if
+    /// there is no grid parameter.
     pub fn neighbours(&self, fitted: &[f64]) -> Vec<Vec<f64>> {
         let grids =
             self.start_grid.iter().enumerate().filter_map(|(index, spacing)| Some((index, (*spacing)?)));
-        let points = grids.flat_map(|(index, spacing)| {
+        let neighbours = grids.flat_map(|(index, spacing)| {
             let [low, high] = self.graft.parameters[index].range;
             let shifts =
                 NEIGHBOUR_SHIFTS.into_iter().flat_map(move |share| [-share * spacing, share * spacing]);
             shifts.map(move |shift| {
-                let mut point = fitted.to_vec();
-                point[index] = (point[index] + shift).clamp(low, high);
-                point
+                let mut values = fitted.to_vec();
+                values[index] = (values[index] + shift).clamp(low, high);
+                values
             })
         });
-        points.collect()
+        neighbours.collect()
     }
 
     /// Values of its parameters, clamped to their ranges.
@@ -128,28 +128,28 @@ impl Candidate {
 
     /// Whether the other candidate acts on the same element and its effect is an alias of this one.
     pub fn has_alias(&self, other: &Candidate) -> bool {
-        self.junction == other.junction && self.aliases.contains(&other.effect)
+        self.site == other.site && self.aliases.contains(&other.effect)
     }
 
     /// Whether it is this placement: the same effect, form and element, with the same inputs.
     pub fn is_placed_as(&self, placement: &EffectPlacement<'_>) -> bool {
         let (form, reads) = (placement.form_index(), placement.read_names());
-        self.has_placement(&placement.effect.name, form, placement.junction(), &reads)
+        self.has_placement(&placement.effect.name, form, placement.site_name(), &reads)
     }
 
-    /// The effect and the element that it acts on: "viscous-friction at IV".
-    pub fn label(&self) -> String {
-        format!("{} at {}", self.effect, self.junction)
+    /// The names of the effect and of the element that it acts on.
+    pub fn placed_effect(&self) -> PlacedEffect {
+        PlacedEffect { effect: self.effect.clone(), site: self.site.clone() }
     }
 
     /// Whether another candidate has the same placement. The patches that they extend may differ.
     pub fn is_same(&self, other: &Candidate) -> bool {
-        self.has_placement(&other.effect, other.form, &other.junction, &other.reads)
+        self.has_placement(&other.effect, other.form, &other.site, &other.reads)
     }
 
     /// Whether its placement has these names.
-    fn has_placement(&self, effect: &str, form: usize, junction: &str, reads: &[String]) -> bool {
-        self.effect == effect && self.form == form && self.junction == junction && self.reads == reads
+    fn has_placement(&self, effect: &str, form: usize, site: &str, reads: &[String]) -> bool {
+        self.effect == effect && self.form == form && self.site == site && self.reads == reads
     }
 
     /// Solver steps per sample that keep a step shorter than the least time constant of its parameters, at most 4.
@@ -184,19 +184,19 @@ fn starts_near_end(
     Some(measured.into_iter().chain(visited).collect())
 }
 
-/// At most `max` of several points, at even intervals of the list.
-fn thinned(points: Vec<Vec<f64>>, max: usize) -> Vec<Vec<f64>> {
-    let every = points.len().div_ceil(max).max(1);
-    points.into_iter().step_by(every).collect()
+/// At most `max` of several starts, at even intervals of the list.
+fn thinned(starts: Vec<Vec<f64>>, max: usize) -> Vec<Vec<f64>> {
+    let every = starts.len().div_ceil(max).max(1);
+    starts.into_iter().step_by(every).collect()
 }
 
-/// Every point with every start value of one more parameter appended.
-fn each_with_starts(points: Vec<Vec<f64>>, parameter: &ScaledParameter) -> Vec<Vec<f64>> {
-    let extended = |point: Vec<f64>| {
+/// Every start with every start value of one more parameter appended.
+fn each_with_starts(starts: Vec<Vec<f64>>, parameter: &ScaledParameter) -> Vec<Vec<f64>> {
+    let extended = |values: Vec<f64>| {
         let starts = parameter.starts.iter();
-        starts.map(move |start| [point.as_slice(), &[*start]].concat()).collect::<Vec<_>>()
+        starts.map(move |start| [values.as_slice(), &[*start]].concat()).collect::<Vec<_>>()
     };
-    points.into_iter().flat_map(extended).collect()
+    starts.into_iter().flat_map(extended).collect()
 }
 
 /// A parameter of an effect with all values in its unit.

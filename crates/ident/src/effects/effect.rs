@@ -19,7 +19,8 @@ use patchcord_expr::{Formula, Unit};
 /// # Examples
 ///
 /// ```
-/// use patchcord_ident::effects::{Attachment, Library, StartRule};
+/// use patchcord_ident::effects::{Attachment, StartRule};
+/// use patchcord_ident::Library;
 ///
 /// let library = Library::shipped();
 /// let friction = library.get("viscous-friction").ok_or("a shipped effect")?;
@@ -116,12 +117,12 @@ impl Attachment {
 }
 
 impl Effect {
-    /// Whether the effect may act more than once at the same site, because each instance has a frequency of its own.
+    /// Whether the effect may act more than once at the same site, because each instance has its own frequency.
     ///
     /// # Examples
     ///
     /// ```
-    /// use patchcord_ident::effects::Library;
+    /// use patchcord_ident::Library;
     ///
     /// let library = Library::shipped();
     /// let is_repeatable = |name| library.get(name).is_some_and(|effect| effect.is_repeatable());

@@ -17,8 +17,7 @@ use patchcord_core::patch::Patch;
 ///
 /// ```
 /// use patchcord_core::patch::Patch;
-/// use patchcord_ident::effects::Library;
-/// use patchcord_ident::effects::effect_sites::EffectSites;
+/// use patchcord_ident::{EffectSites, Library};
 ///
 /// // A mass on a spring: A1 integrates the velocity, A2 the position.
 /// let patch = Patch::read("../../examples/05_missing_effect/spring.json")?;
@@ -50,7 +49,7 @@ impl EffectSites {
         let effects = library.iter().map(|effect| {
             let elements: IndexSet<String> = EffectPlacement::all(effect, &sites)
                 .iter()
-                .map(|placement| placement.junction().to_owned())
+                .map(|placement| placement.site_name().to_owned())
                 .collect();
             (effect.name.clone(), elements.into_iter().collect())
         });

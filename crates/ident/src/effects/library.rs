@@ -1,14 +1,14 @@
 //! The library of effects: the shipped effects, and those of a user's folder.
 //!
 //! The shipped files are part of the program, so that it needs no folder at run time. A file in a user's folder
-//! replaces a shipped effect of the same name. Its forms are also wired into a trial patch at once, so that faults are
-//! reported with their place in the file.
+//! replaces a shipped effect of the same name. Its forms are also wired into an example patch at once, so that faults
+//! are reported with their position in the file.
 
 use std::path::Path;
 
 use indexmap::IndexMap;
 
-use crate::effects::{Effect, trial_patch};
+use crate::effects::{Effect, wiring_check};
 use patchcord_core::document::Report;
 use patchcord_core::output::io_reason;
 
@@ -16,6 +16,18 @@ use patchcord_core::output::io_reason;
 static SHIPPED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/effects.rs"));
 
 /// A set of effects with unique names.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::Library;
+///
+/// let library = Library::shipped();
+/// let is_friction = |name: &&str| name.contains("friction");
+/// let frictions: Vec<&str> = library.iter().map(|effect| effect.name.as_str()).filter(is_friction).collect();
+/// assert!(frictions.contains(&"coulomb-friction") && frictions.contains(&"viscous-friction"));
+/// assert!(Library::default().iter().next().is_none());
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Library {
     /// The effects by name, in the order of listings.
@@ -26,6 +38,7 @@ pub struct Library {
 
 /// Why the effects of a folder cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EffectError {
     /// The file system returned an error.
     #[error("cannot read {file}: {}", io_reason(source))]
@@ -58,7 +71,7 @@ impl Library {
     /// # Examples
     ///
     /// ```
-    /// use patchcord_ident::effects::Library;
+    /// use patchcord_ident::Library;
     ///
     /// let library = Library::shipped();
     /// let friction = library.get("viscous-friction").ok_or("a shipped effect")?;
@@ -86,10 +99,10 @@ impl Library {
     /// # Examples
     ///
     /// ```
-    /// use patchcord_ident::effects::Library;
+    /// use patchcord_ident::Library;
     ///
     /// let folder = tempfile::tempdir()?;
-    /// let error = Library::shipped().with_folder(folder.path()).unwrap_err();
+    /// let error = Library::shipped().with_folder(folder.path()).err().ok_or("the folder is empty")?;
     /// assert!(error.to_string().ends_with("effects are files whose names end in .json"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -153,11 +166,11 @@ impl Library {
     }
 }
 
-/// Reads an effect and wires it into the trial patch.
+/// Reads an effect and wires it into the example patch.
 ///
 /// The two steps find different faults: the first those of the document, the second those of the wiring.
 fn read_and_wire(name: &str, text: &str) -> Result<Effect, Box<Report>> {
     let effect = Effect::parse(name, text)?;
-    trial_patch::check(name, text, &effect)?;
+    wiring_check::check(name, text, &effect)?;
     Ok(effect)
 }

@@ -4,9 +4,7 @@
 //! a fit to pieces of the records. `finish` then refines the solver steps and the validation.
 
 use crate::fit::estimate::Estimate;
-use crate::fit::estimation::FitStart;
-use crate::fit::estimation::fit_variant;
-use crate::fit::estimation::refit;
+use crate::fit::estimation::{FitStart, fit_variant, refit};
 use crate::fit::fitted_model::{FittedModel, ModelVariant};
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
@@ -26,6 +24,24 @@ const BETTER_CHI2_RATIO: f64 = 0.99;
 ///
 /// # Errors
 /// If the patch cannot be run along the records at all.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::{Experiment, Problem, fit_base};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let problem = Problem::of(&experiment)?;
+/// let fitted = fit_base(&problem, &experiment.patch, &experiment.fit, 1)?;
+/// let fitted = fitted.ok_or("the patch cannot be run from any start")?;
+///
+/// // The patch lacks the damping of the spring, so the residual is larger than the noise.
+/// assert_eq!(fitted.variant.fit, ["k"]);
+/// assert!(fitted.train.normalised_rms() > 1.0 && fitted.residuals_are_coloured());
+/// # Ok(())
+/// # }
+/// ```
 pub fn fit_base(
     problem: &Problem,
     patch: &Patch,
@@ -36,9 +52,9 @@ pub fn fit_base(
     let model = problem.model(&variant, &problem.train, &problem.outputs)?;
     let nominal = Estimate::nominal(&model, problem.outputs.len());
     let fit_problem = problem.fit_problem(&model, &problem.train, true);
-    let points = [nominal.clone()].into_iter().chain(random_starts(&model, &nominal, seed));
-    let settled = points.filter_map(|point| fit_problem.fit_initial(&point));
-    let starts: Vec<Estimate> = settled.chain([nominal.clone()]).collect();
+    let starts = [nominal.clone()].into_iter().chain(random_starts(&model, &nominal, seed));
+    let with_fitted_initial = starts.filter_map(|start| fit_problem.fit_initial(&start));
+    let starts: Vec<Estimate> = with_fitted_initial.chain([nominal.clone()]).collect();
     let start = FitStart::from_estimates(starts);
     let Some(mut fitted) = fit_variant(problem, variant, start, f64::INFINITY)? else { return Ok(None) };
     if !problem.is_cut && fitted.is_poor() {
@@ -66,12 +82,13 @@ fn refit_over_pieces(problem: &Problem, fitted: FittedModel) -> Result<FittedMod
         parameters: fitted.train.estimate.parameters.clone(),
         ..Estimate::nominal(&model, problem.outputs.len())
     };
-    let Some(settled) = problem.fit_problem(&model, &problem.pieces, true).fit_initial(&start) else {
+    let Some(with_fitted_initial) = problem.fit_problem(&model, &problem.pieces, true).fit_initial(&start)
+    else {
         return Ok(fitted);
     };
     let start = FitStart {
-        piece_starts: Some(Starts { required: vec![settled], ..Starts::default() }),
-        test_initial: Some(&fitted.test.estimate.initial),
+        piece_starts: Some(Starts { required: vec![with_fitted_initial], ..Starts::default() }),
+        validation_initial: Some(&fitted.validation.estimate.initial),
         ..FitStart::from_estimates(vec![fitted.train.estimate.clone()])
     };
     let repeated = fit_variant(problem, fitted.variant.clone(), start, f64::INFINITY)?;
@@ -84,19 +101,33 @@ fn refit_over_pieces(problem: &Problem, fitted: FittedModel) -> Result<FittedMod
 ///
 /// # Errors
 /// If the patch cannot be run along the records at all.
+///
+/// # Examples
+///
+/// ```no_run
+/// use patchcord_ident::fit::base_fit::refit_from_trial;
+/// use patchcord_ident::fit::fitted_model::FittedModel;
+/// use patchcord_ident::fit::model::ModelError;
+/// use patchcord_ident::Problem;
+///
+/// /// The better of two fits of the same patch: the present one, and one from the values of a trial.
+/// fn improved(problem: &Problem, fitted: FittedModel, trial: &FittedModel) -> Result<FittedModel, ModelError> {
+///     Ok(refit_from_trial(problem, &fitted, trial)?.unwrap_or(fitted))
+/// }
+/// ```
 pub fn refit_from_trial(
     problem: &Problem,
     fitted: &FittedModel,
     trial: &FittedModel,
 ) -> Result<Option<FittedModel>, ModelError> {
-    let (own, trial_estimate) = (&fitted.train.estimate, &trial.train.estimate);
+    let (estimate, trial_estimate) = (&fitted.train.estimate, &trial.train.estimate);
     let start = Estimate {
-        parameters: trial_estimate.parameters[..own.parameters.len()].to_vec(),
-        initial: own
+        parameters: trial_estimate.parameters[..estimate.parameters.len()].to_vec(),
+        initial: estimate
             .initial
             .iter()
             .zip(&trial_estimate.initial)
-            .map(|(own, trial)| trial[..own.len()].to_vec())
+            .map(|(voltages, trial_voltages)| trial_voltages[..voltages.len()].to_vec())
             .collect(),
         offsets: trial_estimate.offsets.clone(),
     };

@@ -13,6 +13,7 @@ pub struct ColouredResidual {
 
 /// The source of residuals that are not white although no effect is missing.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum ResidualSource {
     /// Coloured noise of the output, not larger than sigma.
     OutputNoise,

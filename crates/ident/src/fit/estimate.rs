@@ -70,8 +70,8 @@ impl FitResult {
     }
 
     /// The fit with the least sum of squares. `None` if there is no fit.
-    pub fn best_of(results: impl Iterator<Item = FitResult>) -> Option<FitResult> {
-        results.min_by(|a, b| a.chi2.total_cmp(&b.chi2))
+    pub fn best_of(results: impl IntoIterator<Item = FitResult>) -> Option<FitResult> {
+        results.into_iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2))
     }
 }
 

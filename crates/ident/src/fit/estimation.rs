@@ -21,7 +21,7 @@ pub(crate) struct FitStart<'a> {
     /// Starts for the pieces of the records. `None` if the pieces are not fitted first.
     pub(crate) piece_starts: Option<Starts>,
     /// For every validation record the initial voltages from an earlier fit, in V. They may lack the last states.
-    pub(crate) test_initial: Option<&'a [Vec<f64>]>,
+    pub(crate) validation_initial: Option<&'a [Vec<f64>]>,
     /// Results from the same starts in an earlier fit.
     pub(crate) caches: StartCaches,
     /// The effort of the fit.
@@ -35,7 +35,7 @@ impl FitStart<'_> {
         FitStart {
             starts,
             piece_starts: None,
-            test_initial: None,
+            validation_initial: None,
             caches: StartCaches::default(),
             effort: Effort::FULL,
         }
@@ -80,9 +80,9 @@ pub(crate) fn fit_variant(
         start.effort.best(&fit_problem, &starts, &mut caches.whole)
     });
     let Some(train) = best.and_then(|estimate| fit_problem.evaluate(&estimate)) else { return Ok(None) };
-    let test = validate(problem, &variant, &train.estimate, start.test_initial, start.effort)?;
-    Ok(test.map(|test| {
-        FittedModel::new(variant, [train, test], pieces_estimate, caches, start.effort.is_thorough)
+    let validation = validate(problem, &variant, &train.estimate, start.validation_initial, start.effort)?;
+    Ok(validation.map(|validation| {
+        FittedModel::new(variant, [train, validation], pieces_estimate, caches, start.effort.is_thorough)
     }))
 }
 
@@ -179,7 +179,7 @@ pub(crate) fn refit(
     start: Estimate,
 ) -> Result<Option<FittedModel>, ModelError> {
     let start = FitStart {
-        test_initial: Some(&fitted.test.estimate.initial),
+        validation_initial: Some(&fitted.validation.estimate.initial),
         ..FitStart::from_estimates(vec![start])
     };
     let repeated = fit_variant(problem, variant, start, f64::INFINITY)?;
@@ -191,5 +191,5 @@ pub(crate) fn refit(
 pub(crate) fn subsample_indices(records: &[Record]) -> Vec<usize> {
     let (count, samples) = (records.len(), records.iter().map(Record::len).sum::<usize>());
     let chosen_count = (SUBSAMPLE_SAMPLES * count / samples.max(1)).max(1).min(count);
-    (0..chosen_count).map(|place| place * count / chosen_count).collect()
+    (0..chosen_count).map(|number| number * count / chosen_count).collect()
 }

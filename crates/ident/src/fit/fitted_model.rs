@@ -66,13 +66,13 @@ impl ModelVariant {
     /// # Errors
     /// If the patch cannot be compiled for these drives.
     pub(crate) fn fit_program(&self, drives: &[MeasuredDrive]) -> Result<Arc<FitProgram>, ModelError> {
-        if let Some(kept) = self.program.get().filter(|kept| kept.has_drives(drives)) {
-            return Ok(Arc::clone(kept));
+        if let Some(cached) = self.program.get().filter(|cached| cached.has_drives(drives)) {
+            return Ok(Arc::clone(cached));
         }
         let compiled = Arc::new(FitProgram::new(&self.patch, drives)?);
         // Another thread may have stored its program in the meantime.
-        let kept = self.program.get_or_init(|| Arc::clone(&compiled));
-        Ok(if kept.has_drives(drives) { Arc::clone(kept) } else { compiled })
+        let cached = self.program.get_or_init(|| Arc::clone(&compiled));
+        Ok(if cached.has_drives(drives) { Arc::clone(cached) } else { compiled })
     }
 
     /// A measure of the time of one iteration: the number of runs for a Jacobian times the steps per sample. It is only
@@ -107,7 +107,7 @@ pub struct FittedModel {
     /// The best fit to the training records.
     pub train: FitResult,
     /// The result for the validation records: the same parameters, but fitted initial voltages and offsets.
-    pub test: FitResult,
+    pub validation: FitResult,
     /// The Ljung-Box statistic of the training residuals, in standard deviations from white noise ([`ljung_box_z`]).
     pub ljung_box_z: f64,
     /// The integrated autocorrelation time of the training residuals, in samples ([`integrated_autocorrelation_time`]).
@@ -129,7 +129,7 @@ impl FittedModel {
     /// A fitted model from the results for the training and the validation records, in this order.
     pub(crate) fn new(
         variant: ModelVariant,
-        [train, test]: [FitResult; 2],
+        [train, validation]: [FitResult; 2],
         pieces_estimate: Option<Estimate>,
         start_caches: StartCaches,
         is_thorough: bool,
@@ -140,7 +140,7 @@ impl FittedModel {
         FittedModel {
             variant,
             train,
-            test,
+            validation,
             ljung_box_z,
             autocorrelation_time,
             pieces_estimate,

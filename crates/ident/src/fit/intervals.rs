@@ -69,6 +69,24 @@ struct IntervalSearch<'a> {
 ///
 /// # Errors
 /// If the patch cannot be run along the records.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::fit::intervals::with_standard_errors;
+/// use patchcord_ident::{Experiment, Problem, fit_base};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let problem = Problem::of(&experiment)?;
+/// let fitted = fit_base(&problem, &experiment.patch, &experiment.fit, 1)?;
+/// let fitted = with_standard_errors(&problem, fitted.ok_or("the patch cannot be run")?)?;
+/// let stiffness = fitted.train.estimate.parameters[0];
+/// let [low, high] = fitted.uncertainty(0).interval;
+/// assert!(low <= stiffness && stiffness <= high);
+/// # Ok(())
+/// # }
+/// ```
 pub fn with_standard_errors(problem: &Problem, fitted: FittedModel) -> Result<FittedModel, ModelError> {
     let count = fitted.variant.fit.len();
     with_profile_intervals(problem, fitted, count)
@@ -279,6 +297,21 @@ impl IntervalSearch<'_> {
         }
     }
 
+    /// The optimum as the state of a complete fit.
+    fn optimum_state(&self) -> FitState {
+        let estimate = self.fit_problem.estimate(&self.optimum);
+        FitState { estimate, chi2: self.chi2, is_finished: true }
+    }
+
+    /// The coordinates, each moved into its range.
+    fn clamped(&self, mut coordinates: DVector<f64>) -> DVector<f64> {
+        for index in 0..coordinates.len() {
+            let [low, high] = self.fit_problem.bounds(index);
+            coordinates[index] = coordinates[index].clamp(low, high);
+        }
+        coordinates
+    }
+
     /// The profile-likelihood end of a parameter's interval: the lower one for side 0, the upper one for side 1.
     ///
     /// The parameter moves away from the optimum, first to the proportional end and then twice as far in each step. At
@@ -295,20 +328,12 @@ impl IntervalSearch<'_> {
         let expected_rise = (self.t_95 * self.errors[index] / self.white_errors[index]).powi(2);
         let direction = self.covariance.profile_direction(index);
         let mut step = self.t_95 * self.errors[index];
-        let (mut point, mut distance, mut last_rise) = (self.optimum.clone(), 0.0, 0.0_f64);
-        let mut best = FitState {
-            estimate: self.fit_problem.estimate(&self.optimum),
-            chi2: self.chi2,
-            is_finished: true,
-        };
+        let (mut coordinates, mut distance, mut last_rise) = (self.optimum.clone(), 0.0, 0.0_f64);
+        let mut best = self.optimum_state();
         for _ in 0..=MAX_DOUBLINGS {
             let next = (distance + step).min(max_distance);
-            let mut next_point = &point + &direction * (sign * (next - distance));
-            for coordinate in 0..next_point.len() {
-                let [low, high] = self.fit_problem.bounds(coordinate);
-                next_point[coordinate] = next_point[coordinate].clamp(low, high);
-            }
-            let Some(state) = profile.optimise(&self.fit_problem.estimate(&next_point)) else {
+            let next_coordinates = self.clamped(&coordinates + &direction * (sign * (next - distance)));
+            let Some(state) = profile.optimise(&self.fit_problem.estimate(&next_coordinates)) else {
                 distance = next;
                 break;
             };
@@ -327,7 +352,7 @@ impl IntervalSearch<'_> {
                 distance = next;
                 break;
             }
-            (point, step, distance, last_rise) =
+            (coordinates, step, distance, last_rise) =
                 (self.fit_problem.coordinates(&state.estimate), next, next, rise);
         }
         IntervalEnd { fraction: self.optimum[index] + sign * distance, best }

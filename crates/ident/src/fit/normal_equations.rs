@@ -33,9 +33,9 @@ impl NormalEquations {
 
     /// Adds the residuals of one output. Coordinates without a column do not affect it.
     pub(crate) fn add(&mut self, columns: &[JacobianColumn], residuals: &[f64]) {
-        for (place, (index, column)) in columns.iter().enumerate() {
+        for (row, (index, column)) in columns.iter().enumerate() {
             self.gradient[*index] += product_of_present(column, residuals, residuals);
-            for (other_index, other_column) in &columns[..=place] {
+            for (other_index, other_column) in &columns[..=row] {
                 let sum = product_of_present(column, other_column, residuals);
                 self.matrix[(*index, *other_index)] += sum;
                 if index != other_index {
@@ -61,7 +61,7 @@ impl NormalEquations {
     pub(crate) fn damped_step(&self, free: &[usize], damping: f64) -> DVector<f64> {
         let count = free.len();
         let (units, mut matrix) = self.scaled(free);
-        (0..count).for_each(|place| matrix[(place, place)] += damping + MIN_DAMPING);
+        (0..count).for_each(|row| matrix[(row, row)] += damping + MIN_DAMPING);
         let gradient = DVector::from_fn(count, |row, _| -self.gradient[free[row]] * units[row]);
         let step = matrix.cholesky().map(|cholesky| cholesky.solve(&gradient));
         let step = step.unwrap_or_else(|| gradient * (1.0 / (1.0 + damping)));
@@ -99,9 +99,9 @@ impl Covariance {
             let eigen = scaled.symmetric_eigen();
             let min_eigenvalue = MIN_EIGENVALUE_RATIO * eigen.eigenvalues.max();
             let directions = eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues);
-            for (place, (vector, value)) in directions.enumerate() {
+            for (column, (vector, value)) in directions.enumerate() {
                 if *value > min_eigenvalue {
-                    root.set_column(place, &(vector / value.sqrt()));
+                    root.set_column(column, &(vector / value.sqrt()));
                 } else {
                     let components = vector.iter().zip(&units).zip(&widths);
                     let length =
@@ -150,8 +150,8 @@ impl Covariance {
         let mut direction = DVector::zeros(self.count);
         if let Some(row) = self.sensitive.iter().position(|sensitive| *sensitive == index) {
             let shift = &self.root * self.root.row(row).transpose();
-            for (place, (sensitive, unit)) in self.sensitive.iter().zip(&self.units).enumerate() {
-                direction[*sensitive] = shift[place] * unit / (shift[row] * self.units[row]);
+            for (other_row, (sensitive, unit)) in self.sensitive.iter().zip(&self.units).enumerate() {
+                direction[*sensitive] = shift[other_row] * unit / (shift[row] * self.units[row]);
             }
         }
         direction

@@ -27,7 +27,8 @@ pub(crate) fn first_overload(
     problem: &Problem,
     fitted: &FittedModel,
 ) -> Result<Option<RecordOverload>, ModelError> {
-    let parts = [(&problem.train, &fitted.train.estimate), (&problem.test, &fitted.test.estimate)];
+    let parts =
+        [(&problem.train, &fitted.train.estimate), (&problem.validation, &fitted.validation.estimate)];
     for (records, estimate) in parts {
         let model = problem.model(&fitted.variant, records, &problem.outputs)?;
         let overloaded = records.iter().enumerate().find_map(|(index, record)| {

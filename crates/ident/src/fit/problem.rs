@@ -11,6 +11,23 @@ use crate::fit::levenberg_marquardt::{CONVERGENCE_RATIO, DampingSchedule, FitPro
 use crate::fit::model::{Model, ModelError};
 
 /// The data that a patch is compared with.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::{Experiment, Problem};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let problem = Problem::of(&experiment)?;
+/// assert_eq!(problem.outputs, ["x"]);
+///
+/// // The experiment does not specify the noise of x. It is 0.5 mm rms, and it is estimated from the samples.
+/// assert!((0.35..0.7).contains(&problem.sigma[0]));
+/// assert!(problem.drives.is_empty() && !problem.is_cut);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Problem {
     /// The drives that the records feed.
@@ -30,8 +47,8 @@ pub struct Problem {
     /// The number of pieces per training record, if the record is long enough.
     pub(crate) pieces_per_record: usize,
     /// The validation records: only initial voltages and offsets are fitted to them.
-    pub test: Vec<Record>,
-    /// Whether `train` and `test` are already cut into pieces, as the experiment specifies.
+    pub validation: Vec<Record>,
+    /// Whether `train` and `validation` are already cut into pieces, as the experiment specifies.
     pub is_cut: bool,
     /// Solver steps per sample that are sufficient for the patch as it is.
     pub steps: u32,

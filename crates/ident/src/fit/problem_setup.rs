@@ -34,10 +34,11 @@ impl Problem {
             })
         });
         let drive_sigma = experiment.drives.iter().enumerate();
-        let drive_sigma = drive_sigma
-            .map(|(index, feed)| feed.sigma.unwrap_or_else(|| max_over_records(drive_noise, records, index)));
+        let drive_sigma = drive_sigma.map(|(index, drive)| {
+            drive.sigma.unwrap_or_else(|| max_over_records(drive_noise, records, index))
+        });
         let mut restarting_drives = restarting_drives(&experiment.patch, |name| {
-            experiment.drives.iter().any(|feed| feed.drive == name)
+            experiment.drives.iter().any(|measured| measured.drive == name)
         });
         let pieces_per_record = if restarting_drives.next().is_some() { 1 } else { PIECES_PER_RECORD };
         let mut problem = Problem {
@@ -49,7 +50,7 @@ impl Problem {
             train: cut(&experiment.train),
             pieces: cut_records(&experiment.train, pieces_per_record),
             pieces_per_record,
-            test: cut(&experiment.test),
+            validation: cut(&experiment.validation),
             is_cut: experiment.piece_duration.is_some(),
             steps: 1,
         };

@@ -165,13 +165,13 @@ impl Effort {
                 false => survivors.into_iter().filter_map(advance).collect(),
             };
             survivors.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
-            // A finished fit takes no place of others: if the effect does not act, such as a stop that is never
+            // A finished fit does not displace others: if the effect does not act, such as a stop that is never
             // reached, the fit cannot move.
-            let mut places = rung.survivors;
+            let mut remaining = rung.survivors;
             survivors.retain(|state| {
-                let is_kept = places > 0;
-                places -= usize::from(is_kept && !state.is_finished);
-                is_kept
+                let survives = remaining > 0;
+                remaining -= usize::from(survives && !state.is_finished);
+                survives
             });
             last_fraction = rung.fraction;
         }

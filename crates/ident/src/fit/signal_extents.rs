@@ -41,6 +41,24 @@ const CROSSINGS_PER_RECORD: f64 = 20.0;
 ///
 /// # Errors
 /// If the patch cannot be run along the records.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_ident::fit::signal_extents::signal_extents;
+/// use patchcord_ident::{Experiment, Problem, fit_base};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let problem = Problem::of(&experiment)?;
+/// let fitted = fit_base(&problem, &experiment.patch, &experiment.fit, 1)?.ok_or("the patch cannot be run")?;
+/// let extents = signal_extents(&problem, &fitted)?;
+///
+/// // The residual of the spring without damping oscillates.
+/// assert!(!extents.residual_frequencies.is_empty());
+/// # Ok(())
+/// # }
+/// ```
 pub fn signal_extents(problem: &Problem, fitted: &FittedModel) -> Result<SignalExtents, ModelError> {
     let (names, trajectories) = all_trajectories(problem, fitted)?;
     let ends_of_signal = |signal: usize| {
@@ -71,14 +89,14 @@ impl SignalExtents {
         Some(self.extents[index])
     }
 
-    /// The largest values of the quantities that the formulas of an effect can name at a place.
-    pub fn largest_at(&self, place: &AttachmentSite<'_>) -> Vec<QuantitySize> {
-        let extent = |role: FormulaQuantity<'_>| match role {
-            FormulaQuantity::Signal(reading) => self.extent(&reading.signal),
+    /// The largest values of the quantities that the formulas of an effect can name at a site.
+    pub fn largest_at(&self, site: &AttachmentSite<'_>) -> Vec<QuantitySize> {
+        let extent = |quantity: FormulaQuantity<'_>| match quantity {
+            FormulaQuantity::Signal(scaled) => self.extent(&scaled.signal),
             FormulaQuantity::Rate(junction) => self
                 .extent(&junction.output.signal)
                 .map(|extent| extent.times(CROSSINGS_PER_RECORD / self.length)),
         };
-        place.quantity_sizes(extent, self.interval, self.length)
+        site.quantity_sizes(extent, self.interval, self.length)
     }
 }

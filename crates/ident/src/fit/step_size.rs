@@ -178,13 +178,13 @@ pub(crate) mod tests {
     use crate::fit::base_fit::fit_base;
 
     /// The rate of the decay, per sample.
-    pub const RATE: f64 = 2.0;
+    pub(crate) const RATE: f64 = 2.0;
     /// The amplitude of the decay, in V.
-    pub const AMPLITUDE: f64 = 50.0;
+    pub(crate) const AMPLITUDE: f64 = 50.0;
 
     /// A patch of a decay, its fitted parameter, and 20 samples without noise. `sigma` is the declared noise in V. The
     /// rate ranges from 0 to 10 per sample.
-    pub fn decay(sigma: f64, steps: u32) -> (Patch, Vec<String>, Problem) {
+    pub(crate) fn decay(sigma: f64, steps: u32) -> (Patch, Vec<String>, Problem) {
         let patch = r#"{
   "patchcord": 1,
   "parameters": {"rate": {"value": 1, "unit": "1", "range": [0, 10]}},
@@ -199,7 +199,7 @@ pub(crate) mod tests {
     }
 
     /// The problem of one record: the output of an element, in V, every 0.1 s, with declared noise `sigma`.
-    pub fn measured(element: &str, volts: Vec<f64>, sigma: f64, steps: u32) -> Problem {
+    pub(crate) fn measured(element: &str, volts: Vec<f64>, sigma: f64, steps: u32) -> Problem {
         let record = Record {
             name: String::new(),
             begin: 0.0,
@@ -219,7 +219,7 @@ pub(crate) mod tests {
             train: records.clone(),
             pieces: records.clone(),
             pieces_per_record: 1,
-            test: records,
+            validation: records,
             is_cut: false,
             steps,
         }

@@ -37,7 +37,7 @@ pub(crate) fn validate(
     initial: Option<&[Vec<f64>]>,
     effort: Effort,
 ) -> Result<Option<FitResult>, ModelError> {
-    let model = problem.model(variant, &problem.test, &problem.outputs)?;
+    let model = problem.model(variant, &problem.validation, &problem.outputs)?;
     let nominal = Estimate::nominal(&model, problem.outputs.len());
     let nominal =
         Estimate { parameters: estimate.parameters.clone(), offsets: estimate.offsets.clone(), ..nominal };
@@ -46,7 +46,8 @@ pub(crate) fn validate(
     let max_iterations = if effort.is_thorough { MAX_ITERATIONS } else { QUICK_VALIDATION_ITERATIONS };
     // Pieces begin with measured values, so that one start is sufficient.
     let start_count = if effort.is_thorough && !problem.is_cut { 2 } else { 1 };
-    let fit_problem = FitProblem { max_iterations, ..problem.fit_problem(&model, &problem.test, false) };
+    let fit_problem =
+        FitProblem { max_iterations, ..problem.fit_problem(&model, &problem.validation, false) };
     let starts = previous.into_iter().chain([nominal]).take(start_count);
     Ok(FitResult::best_of(starts.filter_map(|start| fit_problem.evaluate(&fit_problem.fit_initial(&start)?))))
 }
@@ -61,12 +62,12 @@ pub(crate) fn revalidate(problem: &Problem, fitted: &FittedModel) -> Result<Opti
     if problem.is_cut || !has_doubtful_initial(problem, fitted) {
         return Ok(None);
     }
-    let records = problem.test.iter().zip(&fitted.test.estimate.initial);
+    let records = problem.validation.iter().zip(&fitted.validation.estimate.initial);
     let searched = records.map(|(record, initial)| search_initial(problem, fitted, record, initial));
     let initial = searched.collect::<Result<Vec<_>, _>>()?;
     let repeated = validate(problem, &fitted.variant, &fitted.train.estimate, Some(&initial), Effort::FULL)?;
-    let better = repeated.filter(|repeated| repeated.chi2 < fitted.test.chi2);
-    Ok(better.map(|test| FittedModel { test, ..fitted.clone() }))
+    let better = repeated.filter(|repeated| repeated.chi2 < fitted.validation.chi2);
+    Ok(better.map(|validation| FittedModel { validation, ..fitted.clone() }))
 }
 
 /// Whether the initial voltages of the validation records may be wrong: the validation is much worse than the training,
@@ -74,7 +75,7 @@ pub(crate) fn revalidate(problem: &Problem, fitted: &FittedModel) -> Result<Opti
 fn has_doubtful_initial(problem: &Problem, fitted: &FittedModel) -> bool {
     let is_explained = !fitted.residuals_are_coloured();
     let is_much_worse =
-        fitted.test.normalised_rms() >= DOUBTFUL_RATIO * fitted.train.normalised_rms().max(1.0);
+        fitted.validation.normalised_rms() >= DOUBTFUL_RATIO * fitted.train.normalised_rms().max(1.0);
     is_much_worse || is_explained && is_any_validation_worse(problem, fitted)
 }
 
@@ -122,9 +123,9 @@ const WORSE_Z: f64 = 5.0;
 
 /// Whether the residuals of an output are significantly larger in validation than in training.
 pub(crate) fn is_validation_worse(fitted: &FittedModel, output: usize) -> bool {
-    let [train, test] =
-        [&fitted.train, &fitted.test].map(|result| squared_residuals(&result.residuals, output));
-    is_significantly_larger(&train, &test, fitted.autocorrelation_time)
+    let [training, validation] =
+        [&fitted.train, &fitted.validation].map(|result| squared_residuals(&result.residuals, output));
+    is_significantly_larger(&training, &validation, fitted.autocorrelation_time)
 }
 
 /// Whether the mean of squared residuals `after` is significantly larger than that of `before`, or than 1 if that is

@@ -6,6 +6,7 @@ use patchcord_core::patch::Patch;
 
 /// The unknown input that would explain the residuals if it acted at one junction.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Localisation {
     /// The name of the integrator.
     pub junction: String,
@@ -33,6 +34,7 @@ pub struct Localisation {
 
 /// An input over time in one record.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct EstimatedInput {
     /// The file of the record.
     pub data: String,
@@ -45,6 +47,7 @@ pub struct EstimatedInput {
 
 /// An input as a curve over a regressor.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct InputCurve {
     /// The name of the regressor.
     pub regressor: String,
@@ -58,16 +61,17 @@ pub struct InputCurve {
     pub explained_fraction: f64,
     /// The same fraction in the validation records, with the curve wired in as a function generator. `None` if it was
     /// not wired in.
-    pub held_out: Option<f64>,
+    pub validation_fraction: Option<f64>,
     /// Logarithm of the marginal likelihood, relative to that without an input.
     pub evidence: f64,
     /// Pairs of regressor and input at the knots of the input over time.
     pub scatter: Vec<[f64; 2]>,
 }
 
-/// Least difference of evidence at which two junctions can be distinguished. A difference of 10 is a likelihood ratio
-/// of 2e4, which is decisive on the usual scales (H. Jeffreys, Theory of Probability, 1961).
-const DECISIVE_EVIDENCE: f64 = 10.0;
+/// Least difference of evidence at which two junctions can be distinguished, and by which a later regressor, more knots
+/// of a curve, or a curve for each direction is preferred. A difference of 10 is a likelihood ratio of 2e4, which is
+/// decisive on the usual scales (H. Jeffreys, Theory of Probability, 1961).
+pub(super) const DECISIVE_EVIDENCE: f64 = 10.0;
 
 /// The evidence of the most likely junction, at least 0. `localisations` are in order of evidence, the largest first.
 pub(crate) fn largest_evidence(localisations: &[Localisation]) -> f64 {
@@ -92,7 +96,7 @@ impl Localisation {
     /// The curve of the function generator in `recovered`. `None` if `recovered` has a table over time, because no
     /// curve describes the input or no voltage of the patch carries its regressor.
     pub fn wired_curve(&self) -> Option<&InputCurve> {
-        self.best_curve.map(|best| &self.curves[best]).filter(|curve| curve.held_out.is_some())
+        self.best_curve.map(|best| &self.curves[best]).filter(|curve| curve.validation_fraction.is_some())
     }
 
     /// The intervals of time, in seconds, in which the input acts, over all records.

@@ -2,15 +2,19 @@
 //!
 //! At each junction an input over time is estimated, jointly with everything that the patch leaves free
 //! (`unknown_input`, with the regularised least squares of `evidence`). The junctions are compared by the marginal
-//! likelihood of the data. Then the input is tested as a curve over signals of the patch (`regressor`). The best curve
-//! is wired in as a function generator and validated (`junction`, `recovered`).
+//! likelihood of the data. Then the input is tested as a curve over signals of the patch (`regressor`,
+//! `candidate_curve`). The best curve is wired in as a function generator and validated (`wired_curve`, `recovered`).
 
+pub(crate) mod candidate_curve;
+pub(crate) mod diagonal_problem;
 pub(crate) mod evidence;
+pub(crate) mod input_basis;
 pub(crate) mod junction;
 pub(crate) mod localisation;
 pub(crate) mod recovered;
 pub(crate) mod regressor;
 pub(crate) mod unknown_input;
+pub(crate) mod wired_curve;
 
 use crate::effects::sites::Junction;
 use crate::fit::extended_model::find_sites;

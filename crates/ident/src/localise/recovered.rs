@@ -3,13 +3,14 @@
 //! The input is wired in like an effect of the library, as a graft. Its effect is made here, with one element or drive.
 
 use indexmap::IndexMap;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Map, Value};
 
 use crate::effects::attach::{AttachmentSite, EffectPlacement};
 use crate::effects::graft::Graft;
 use crate::effects::sites::{Junction, ScaledSignal};
 use crate::effects::{Attachment, Effect, Form, InputRole, OutputRole};
-use crate::localise::unknown_input::InputBasis;
+use crate::localise::input_basis::InputBasis;
 use patchcord_core::patch::{EditError, Patch};
 
 /// Full scale, in volts. Beyond its outermost knots a function generator is constant up to here.
@@ -20,15 +21,15 @@ const FULL_SCALE: f64 = 100.0;
 ///
 /// # Errors
 /// If the drive cannot be wired to the junction.
-pub fn with_table(
+pub(crate) fn with_table(
     patch: &Patch,
     junction: &Junction,
     points: &[[f64; 2]],
 ) -> Result<(Patch, String), EditError> {
     let law = "F = F(t), a table";
     let note = "recovered force over time";
-    let drives = json!({"D1": {"kind": "table", "scale": "sum", "points": points, "note": note}});
-    let elements = json!({"B1": {"kind": "inverter", "in": "D1", "note": "- recovered force"}});
+    let drives = entry("D1", &TableDrive { kind: "table", scale: "sum", points, note });
+    let elements = entry("B1", &Inverter { kind: "inverter", input: "D1", note: "- recovered force" });
     let form = form(Vec::new(), (OutputRole::Subtract, "B1"), drives, elements);
     let graft = graft(patch, law, form, junction, None)?;
     let drive = graft.patch.drives.keys().find(|name| !patch.drives.contains_key(*name)).cloned();
@@ -40,7 +41,7 @@ pub fn with_table(
 ///
 /// # Errors
 /// If the function generator cannot be wired to the junction.
-pub fn with_function(
+pub(crate) fn with_function(
     patch: &Patch,
     junction: &Junction,
     signal: &ScaledSignal,
@@ -50,9 +51,10 @@ pub fn with_function(
     let points: Vec<[f64; 2]> =
         points.iter().map(|point| point.map(|volts| volts.clamp(-FULL_SCALE, FULL_SCALE))).collect();
     let note = format!("recovered force over {}", signal.signal);
-    let elements =
-        json!({"G1": {"kind": "function-generator", "in": "position", "points": points, "note": note}});
-    let form = form(vec![InputRole::Position], (OutputRole::Add, "G1"), json!({}), elements);
+    let generator =
+        FunctionGenerator { kind: "function-generator", input: "position", points: &points, note: &note };
+    let (reads, gives) = (vec![InputRole::Position], (OutputRole::Add, "G1"));
+    let form = form(reads, gives, Map::new(), entry("G1", &generator));
     let graft = graft(patch, &law, form, junction, Some(signal))?;
     let instance = graft.patch.instances.keys().find(|name| !patch.instances.contains_key(*name));
     let name = format!("{}.G1", instance.cloned().unwrap_or_default());
@@ -61,7 +63,7 @@ pub fn with_function(
 
 /// The basis of a curve as points of a function generator, in volts. The coefficients are the input at `knots`, in
 /// units. Beyond the outermost knots the curve is constant up to full scale. The points are the same for all records.
-pub fn function_basis(
+pub(crate) fn function_basis(
     knots: &[f64],
     junction: &Junction,
     signal: &ScaledSignal,
@@ -82,8 +84,46 @@ pub fn function_basis(
     InputBasis { groups: vec![knots.len()], records: vec![points; record_count] }
 }
 
+/// A table drive in the document of a fragment.
+#[derive(Serialize)]
+struct TableDrive<'a> {
+    kind: &'static str,
+    scale: &'static str,
+    points: &'a [[f64; 2]],
+    note: &'static str,
+}
+
+/// An inverter in the document of a fragment.
+#[derive(Serialize)]
+struct Inverter {
+    kind: &'static str,
+    #[serde(rename = "in")]
+    input: &'static str,
+    note: &'static str,
+}
+
+/// A function generator in the document of a fragment.
+#[derive(Serialize)]
+struct FunctionGenerator<'a> {
+    kind: &'static str,
+    #[serde(rename = "in")]
+    input: &'static str,
+    points: &'a [[f64; 2]],
+    note: &'a str,
+}
+
+/// A JSON object with one entry.
+fn entry(name: &str, value: &impl Serialize) -> Map<String, Value> {
+    Map::from_iter([(name.to_owned(), serde_json::to_value(value).unwrap_or_default())])
+}
+
 /// A form without parameters that adds to the sum of an integrator.
-fn form(reads: Vec<InputRole>, gives: (OutputRole, &str), drives: Value, elements: Value) -> Form {
+fn form(
+    reads: Vec<InputRole>,
+    gives: (OutputRole, &str),
+    drives: Map<String, Value>,
+    elements: Map<String, Value>,
+) -> Form {
     Form {
         note: String::new(),
         attachment: Attachment::Sum,
@@ -91,19 +131,11 @@ fn form(reads: Vec<InputRole>, gives: (OutputRole, &str), drives: Value, element
         reads,
         gives: vec![(gives.0, gives.1.to_owned())],
         gains: IndexMap::new(),
-        drives: object(drives),
-        elements: object(elements),
+        drives,
+        elements,
         output_gain: 1.0,
         free_states: Vec::new(),
         parameters: Vec::new(),
-    }
-}
-
-/// The entries of a JSON object; empty for any other value.
-fn object(value: Value) -> Map<String, Value> {
-    match value {
-        Value::Object(entries) => entries,
-        _ => Map::new(),
     }
 }
 

@@ -7,12 +7,12 @@
 use nalgebra::DMatrix;
 
 use crate::effects::sites::ScaledSignal;
-use crate::localise::unknown_input::{BasisPoint, InputBasis};
+use crate::localise::input_basis::{BasisPoint, InputBasis};
 use crate::statistics::descriptive::extremes;
 
 /// A quantity on which an input may depend, with its values in every record.
 #[derive(Debug, Clone)]
-pub struct Regressor {
+pub(crate) struct Regressor {
     /// The name of the signal or drive, or "time at rest".
     pub name: String,
     /// The unit of the values.
@@ -37,7 +37,7 @@ const MIN_RELATIVE_RANGE: f64 = 1e-9;
 impl Regressor {
     /// The time, in seconds, for which a velocity has been at rest; 0 in motion. `intervals` are the sampling intervals
     /// of the records. `None` if there is no rest in any record.
-    pub fn time_at_rest(velocity: &Regressor, intervals: &[f64]) -> Option<Regressor> {
+    pub(crate) fn time_at_rest(velocity: &Regressor, intervals: &[f64]) -> Option<Regressor> {
         let fastest =
             velocity.trajectories.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
         let rest_times = |(trajectory, interval): (&Vec<f64>, &f64)| {
@@ -57,7 +57,7 @@ impl Regressor {
 
     /// `count` evenly spaced knots over the regressor's range. If a curve may jump, two knots close to zero replace
     /// those next to zero. `None` if the regressor is constant.
-    pub fn knots(&self, count: usize) -> Option<Vec<f64>> {
+    pub(crate) fn knots(&self, count: usize) -> Option<Vec<f64>> {
         let [low, high] = extremes(self.trajectories.iter().flatten().copied());
         let range = high - low;
         if range.is_nan() || range <= MIN_RELATIVE_RANGE * low.abs().max(high.abs()) {
@@ -77,7 +77,7 @@ impl Regressor {
     /// The matrix that maps the values of a curve at its knots to the coefficients of an input over time. Each row is
     /// the weighted mean over the samples near the coefficient's time. If `by_direction`, there are two curves, first
     /// for rising and then for falling values of the regressor, with a column per knot of each.
-    pub fn curve_weights(
+    pub(crate) fn curve_weights(
         &self,
         basis: &InputBasis,
         knots: &[f64],
@@ -106,7 +106,7 @@ impl Regressor {
     }
 
     /// The value at a time of a record, in seconds from its start: that of the nearest sample.
-    pub fn value_at(&self, record: usize, time: f64, interval: f64) -> f64 {
+    pub(crate) fn value_at(&self, record: usize, time: f64, interval: f64) -> f64 {
         let trajectory = &self.trajectories[record];
         trajectory[((time / interval).round() as usize).min(trajectory.len() - 1)]
     }

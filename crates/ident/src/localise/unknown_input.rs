@@ -13,75 +13,12 @@ use crate::fit::levenberg_marquardt::{DERIVATIVE_STEP, FitProblem, RECORD_BATCH,
 use crate::fit::model::{OutputTrajectory, ReplacedTable, RunValues};
 use crate::fit::schedule::RecordBeginnings;
 use crate::localise::evidence::{InputNormalEquations, InputPosterior, NuisancePrior, SmoothnessPrior};
+use crate::localise::input_basis::InputBasis;
 use patchcord_analysis::parallel;
 
-/// The map from the coefficients to the input of every record. The input is piecewise linear between given points.
-#[derive(Debug, Clone)]
-pub struct InputBasis {
-    /// The number of coefficients in each group. Neighbours in a group are expected to be alike.
-    pub groups: Vec<usize>,
-    /// The points of the input, for every record, in increasing order.
-    pub records: Vec<Vec<BasisPoint>>,
-}
-
-/// A point of an input: the time in seconds (for a curve, the voltage), and pairs of a coefficient's index and its
-/// weight. The value of the input there is the weighted sum.
-pub type BasisPoint = (f64, Vec<(usize, f64)>);
-
-impl InputBasis {
-    /// The input of a record, as points of a table.
-    pub fn points(&self, record: usize, coefficients: &[f64]) -> Vec<[f64; 2]> {
-        let value = |terms: &Vec<(usize, f64)>| {
-            terms.iter().map(|(index, weight)| weight * coefficients[*index]).sum()
-        };
-        self.records[record].iter().map(|(time, terms)| [*time, value(terms)]).collect()
-    }
-
-    /// A coarser basis: only the coefficients `kept` remain, and the others are interpolated linearly between them. It
-    /// is for a basis with one group.
-    pub fn coarsened(&self, kept: &[usize]) -> InputBasis {
-        let coarse = |(index, weight): &(usize, f64)| {
-            interpolation_weights(kept, *index).map(|(coarse, share)| (coarse, share * weight))
-        };
-        let point = |(time, terms): &BasisPoint| (*time, terms.iter().flat_map(coarse).collect());
-        let records = self.records.iter().map(|points| points.iter().map(point).collect());
-        InputBasis { groups: vec![kept.len()], records: records.collect() }
-    }
-
-    /// The number of coefficients.
-    pub fn coefficient_count(&self) -> usize {
-        self.groups.iter().sum()
-    }
-
-    /// The coefficients on which the input of a record depends, in increasing order.
-    fn coefficients_of(&self, record: usize) -> Vec<usize> {
-        let mut indices: Vec<usize> =
-            self.records[record].iter().flat_map(|(_, terms)| terms.iter().map(|term| term.0)).collect();
-        indices.sort_unstable();
-        indices.dedup();
-        indices
-    }
-}
-
-/// All `count` coefficients from those of a coarser basis: `values` are the coefficients with the indices `kept`.
-pub fn interpolated(kept: &[usize], values: &[f64], count: usize) -> Vec<f64> {
-    let value = |index| {
-        interpolation_weights(kept, index).iter().map(|(coarse, share)| share * values[*coarse]).sum()
-    };
-    (0..count).map(value).collect()
-}
-
-/// The weights of linear interpolation at `index`: positions in `kept` of its two neighbours, and the share of each.
-fn interpolation_weights(kept: &[usize], index: usize) -> [(usize, f64); 2] {
-    let next = kept.partition_point(|other| *other < index).clamp(1, kept.len() - 1);
-    let [from, to] = [next - 1, next].map(|position| kept[position] as f64);
-    let share = (index as f64 - from) / (to - from);
-    [(next - 1, 1.0 - share), (next, share)]
-}
-
-/// The estimation problem of one unknown input.
+/// The estimation of one unknown input.
 #[derive(Clone, Copy)]
-pub struct InputProblem<'a> {
+pub(crate) struct InputEstimation<'a> {
     /// The patch with a table for the input, and the records.
     pub fit_problem: FitProblem<'a>,
     /// The table.
@@ -101,7 +38,7 @@ pub struct InputProblem<'a> {
 }
 
 /// The point from which the estimation of an input starts.
-pub struct InputStart<'a> {
+pub(crate) struct InputStart<'a> {
     /// Parameters, initial voltages and offsets.
     pub estimate: &'a Estimate,
     /// The coefficients. `None` if all are 0.
@@ -110,7 +47,7 @@ pub struct InputStart<'a> {
 
 /// An estimated input.
 #[derive(Debug, Clone)]
-pub struct InputFit {
+pub(crate) struct InputFit {
     /// Parameters, initial voltages and offsets, estimated jointly.
     pub estimate: Estimate,
     /// The coefficients of the input.
@@ -156,9 +93,9 @@ struct Iterate {
     coefficients: DVector<f64>,
 }
 
-impl InputProblem<'_> {
+impl InputEstimation<'_> {
     /// Estimates the input from a start. `None` if the patch cannot be run, or no input is better than none.
-    pub fn solve(&self, start: &InputStart<'_>) -> Option<InputFit> {
+    pub(crate) fn solve(&self, start: &InputStart<'_>) -> Option<InputFit> {
         let is_better = |chi2: f64| chi2 < self.baseline_chi2;
         let zero = DVector::zeros(self.basis.coefficient_count());
         let coefficients = start.coefficients.map_or(zero, DVector::from_column_slice);
@@ -196,21 +133,22 @@ impl InputProblem<'_> {
     /// Estimates the input from growing beginnings of the records. Each estimate starts from the one before. A model
     /// with feedback that is wrong near the end of a record would otherwise be out of phase there, and could not
     /// converge.
-    pub fn solve_progressively(&self, fractions: &[f64]) -> Option<InputFit> {
+    pub(crate) fn solve_progressively(&self, fractions: &[f64]) -> Option<InputFit> {
         let mut fit: Option<InputFit> = None;
         for fraction in fractions {
             let beginnings = RecordBeginnings::new(&self.fit_problem, *fraction);
-            let fit_problem =
-                beginnings.as_ref().map_or(self.fit_problem, |part| part.fit_problem(&self.fit_problem));
+            let fit_problem = beginnings
+                .as_ref()
+                .map_or(self.fit_problem, |beginnings| beginnings.fit_problem(&self.fit_problem));
             let zero = Iterate {
                 coordinates: fit_problem.coordinates(self.reference),
                 coefficients: DVector::zeros(self.basis.coefficient_count()),
             };
-            let baseline_chi2 = InputProblem { fit_problem, ..*self }.chi2(&zero)?;
+            let baseline_chi2 = InputEstimation { fit_problem, ..*self }.chi2(&zero)?;
             let estimate = fit.as_ref().map_or(self.reference, |fit| &fit.estimate);
             let coefficients = fit.as_ref().map(|fit| fit.coefficients.as_slice());
-            let problem = InputProblem { fit_problem, baseline_chi2, ..*self };
-            fit = Some(problem.solve(&InputStart { estimate, coefficients })?);
+            let estimation = InputEstimation { fit_problem, baseline_chi2, ..*self };
+            fit = Some(estimation.solve(&InputStart { estimate, coefficients })?);
         }
         fit
     }
@@ -243,7 +181,7 @@ impl InputProblem<'_> {
     }
 
     /// The nuisance parameters that belong to a posterior of a curve, solved from the normal equations of `fit`.
-    pub fn nuisance_estimate(&self, fit: &InputFit, posterior: &InputPosterior) -> Estimate {
+    pub(crate) fn nuisance_estimate(&self, fit: &InputFit, posterior: &InputPosterior) -> Estimate {
         let iterate =
             Iterate { coordinates: fit.linearised_at.clone(), coefficients: posterior.coefficients.clone() };
         self.fit_problem.estimate(&self.moved(&iterate, posterior, 1.0).coordinates)
@@ -393,120 +331,4 @@ impl InputProblem<'_> {
 pub(super) const PERTURBATION: f64 = 1e-3;
 
 #[cfg(test)]
-mod tests {
-    use serde_json::json;
-
-    use super::*;
-    use crate::fit::fitted_model::ModelVariant;
-    use crate::fit::step_size::tests::measured;
-    use crate::localise::unknown_input::PERTURBATION;
-    use patchcord_core::circuit::Circuit;
-    use patchcord_core::ir::Program;
-    use patchcord_core::patch::Patch;
-    use patchcord_core::solve::{self, RunSettings};
-
-    const SAMPLES: usize = 201;
-    const INTERVAL: f64 = 0.01;
-    const STEPS: u32 = 4;
-    const KNOTS: usize = 11;
-    /// The force at the knots. It moves the mass through its play and far beyond.
-    const FORCE: [f64; KNOTS] = [2.0, 30.0, -20.0, 10.0, 40.0, -50.0, 0.0, 25.0, -30.0, 5.0, 1.0];
-
-    fn knot_time(knot: usize) -> f64 {
-        knot as f64 * (SAMPLES - 1) as f64 * INTERVAL / (KNOTS - 1) as f64
-    }
-
-    /// A mass with play in its spring and quadratic friction. A second force, of 1 V at one knot and linear to 0 at the
-    /// neighbouring knots, acts through a pot with the setting p.
-    fn mass(knot: usize) -> Patch {
-        let table = |height: &dyn Fn(usize) -> f64| {
-            let points: Vec<_> = (0..KNOTS).map(|index| [knot_time(index), height(index)]).collect();
-            json!({"kind": "table", "scale": "volt", "points": points})
-        };
-        let text = json!({
-            "patchcord": 1,
-            "parameters": {"p": {"value": 0, "unit": "1", "range": [0, 1]}},
-            "scales": {"volt": {"unit": "V", "per_volt": 1}},
-            "drives": {
-                "force": table(&|index| FORCE[index]),
-                "further": table(&|index| f64::from(index == knot)),
-            },
-            "elements": {
-                "P1": {"kind": "pot", "in": "further", "setting": "p"},
-                "Z1": {"kind": "dead-zone", "in": "A2", "lower": -3, "upper": 5},
-                "B1": {"kind": "inverter", "in": "Z1"},
-                "U1": {"kind": "absolute", "in": "A1"},
-                "M1": {"kind": "multiplier", "mode": "product", "a": "A1", "b": "U1"},
-                "A1": {"kind": "integrator", "in": {"x10": ["force", "P1", "B1"], "x1": ["M1"]}},
-                "A2": {"kind": "integrator", "in": {"x10": ["A1"]}},
-            },
-            "signals": {"x": {"at": "A2", "scale": "volt"}, "v": {"at": "A1", "scale": "volt"}},
-            "run": {"for": 2, "step": 0.0025}
-        });
-        Patch::parse("mass.json", &text.to_string()).unwrap_or_else(|report| panic!("{report}"))
-    }
-
-    /// The derivatives of x and v by the setting of the pot, sample by sample, from the sensitivity equations.
-    fn exact_derivatives(patch: &Patch) -> [Vec<f64>; 2] {
-        let circuit = Circuit::new(patch).unwrap();
-        let settings = RunSettings {
-            step: INTERVAL / f64::from(STEPS),
-            every: INTERVAL,
-            record: vec!["x".to_owned(), "v".to_owned()],
-            sensitivities: vec!["p".to_owned()],
-            ..RunSettings::of(&circuit).unwrap()
-        };
-        let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
-        ["x", "v"].map(|signal| trace.derivative(signal, "p").unwrap().values().collect())
-    }
-
-    /// The derivatives of both outputs by the pot and by the force at a knot, from the finite differences of the
-    /// estimation.
-    fn finite_differences(patch: &Patch, knot: usize) -> Vec<DMatrix<f64>> {
-        let mut problem = measured("x", vec![0.0; SAMPLES], 1.0, STEPS);
-        problem.outputs.push("v".to_owned());
-        problem.sigma.push(1.0);
-        problem.has_offset.push(false);
-        problem.train[0].interval = INTERVAL;
-        problem.train[0].outputs.push(vec![0.0; SAMPLES]);
-        let fit = vec!["p".to_owned()];
-        let variant = ModelVariant::new(patch.clone(), fit, Vec::new(), STEPS);
-        let model = problem.model(&variant, &problem.train, &problem.outputs).unwrap();
-        let fit_problem = problem.fit_problem(&model, &problem.train, true);
-        let points = (0..KNOTS).map(|index| (knot_time(index), vec![(index, 1.0)])).collect();
-        let basis = InputBasis { groups: vec![KNOTS], records: vec![points] };
-        let reference =
-            Estimate { parameters: vec![0.0], initial: vec![vec![0.0; 2]], offsets: vec![0.0; 2] };
-        let input_problem = InputProblem {
-            fit_problem,
-            table: ReplacedTable::Drive("force"),
-            perturbation: PERTURBATION,
-            basis: &basis,
-            reference: &reference,
-            baseline_chi2: f64::INFINITY,
-            has_feedback: false,
-            nuisance_spread: 0.1,
-        };
-        let iterate = Iterate {
-            coordinates: fit_problem.coordinates(&reference),
-            coefficients: DVector::from_column_slice(&FORCE),
-        };
-        let columns = input_problem.columns(0, &iterate, &[0]).unwrap();
-        columns.iter().map(|output| output.select_columns(&[0, 1 + knot])).collect()
-    }
-
-    #[test]
-    fn finite_differences_agree_with_the_sensitivity_equations() {
-        for knot in [0, 3, 7] {
-            let patch = mass(knot);
-            let exact = exact_derivatives(&patch);
-            for (exact, columns) in exact.iter().zip(finite_differences(&patch, knot)) {
-                let exact = DVector::from_column_slice(exact);
-                for column in columns.column_iter() {
-                    let error = (column - &exact).amax() / exact.amax();
-                    assert!(error < 1e-4, "{knot}: {error}");
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -6,11 +6,10 @@
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::design::detectability::detection_limit::DetectionLimit;
+use crate::design::detectability::detection_limit::{DetectionLimit, best_sites};
 use crate::effects::Library;
-use crate::report::values::{ValueDocument, value_documents};
-use patchcord_analysis::format::number;
-use patchcord_core::document::unit_suffix;
+use crate::report::labels::label;
+use crate::report::values::{ValueDocument, parameter_values_text, value_documents, value_text};
 
 /// A detection limit as a JSON document.
 ///
@@ -54,7 +53,7 @@ impl From<&DetectionLimit> for DetectionLimitDocument {
         let is_detectable = limit.is_detectable();
         DetectionLimitDocument {
             name: limit.effect.clone(),
-            junction: limit.junction.clone(),
+            junction: limit.site.clone(),
             reads: limit.reads.clone(),
             parameter: limit.parameter.clone(),
             seen: is_detectable,
@@ -65,15 +64,36 @@ impl From<&DetectionLimit> for DetectionLimitDocument {
     }
 }
 
+/// The effect of a limit at its site, for example "leak at I2".
+pub fn limit_label(limit: &DetectionLimit) -> String {
+    label(&limit.effect, &limit.site)
+}
+
 /// The limit as a sentence. None if no strength of the effect is detectable.
 pub fn limit_sentence(limit: &DetectionLimit) -> Option<String> {
     let value = limit_text(limit)?;
-    Some(format!("the smallest detectable {} has {} = {value}", limit.label(), limit.parameter))
+    Some(format!("the smallest detectable {} has {} = {value}", limit_label(limit), limit.parameter))
 }
 
 /// The limit with its unit, for example "0.12 N". None if no strength of the effect is detectable.
 pub fn limit_text(limit: &DetectionLimit) -> Option<String> {
-    limit.value.map(|value| format!("{}{}", number(value), unit_suffix(&limit.unit)))
+    limit.value.map(|value| value_text(value, &limit.unit))
+}
+
+/// What the table of detection limits shows after a search that named no effect, as a heading without a full stop.
+pub const DETECTION_LIMITS_INTRODUCTION: &str = "weakest effects that these data would have shown, each at the place and values where it is easiest to detect";
+
+/// Headings of the table of detection limits.
+pub const DETECTION_LIMIT_HEADINGS: [&str; 5] = ["effect", "at", "parameter", "weakest detectable", "with"];
+
+/// The rows of the table of detection limits, one per effect: the site at which it is most detectable.
+pub fn detection_limit_rows(limits: &[DetectionLimit]) -> Vec<[String; 5]> {
+    let row = |limit: &DetectionLimit| {
+        let value = limit_text(limit).unwrap_or_else(|| "not detectable".to_owned());
+        let (effect, site, parameter) = (limit.effect.clone(), limit.site.clone(), limit.parameter.clone());
+        [effect, site, parameter, value, parameter_values_text(&limit.other_parameters)]
+    };
+    best_sites(limits).into_iter().map(row).collect()
 }
 
 /// The data that the effect needs, for example "; needs: a drive with both signs". Empty if the library lacks the

@@ -11,12 +11,13 @@ use serde::Serialize;
 
 use crate::data::experiment::MeasuredOutput;
 use crate::design::discriminating_experiment::{DiscriminatingExperiment, Shape};
-use patchcord_analysis::format::number;
+use crate::report::labels::effect_label;
+use crate::report::values::format_pure_number;
 
 /// An experiment that distinguishes two effects, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DiscriminatingExperimentDocument {
-    /// The two effects, each at its place.
+    /// The two effects, each at its site.
     pub from: [String; 2],
     /// Whether the experiment is expected to decide between them.
     pub tells: bool,
@@ -46,7 +47,7 @@ impl From<&DiscriminatingExperiment> for DiscriminatingExperimentDocument {
     /// The frequency is 1 / period; a step has none.
     fn from(experiment: &DiscriminatingExperiment) -> Self {
         DiscriminatingExperimentDocument {
-            from: experiment.effects.clone(),
+            from: experiment.effects.each_ref().map(effect_label),
             tells: experiment.is_decisive(),
             drive: experiment.drive.clone(),
             shape: experiment.shape.as_str(),
@@ -72,8 +73,8 @@ impl From<&DiscriminatingExperiment> for DiscriminatingExperimentDocument {
 /// The difference is the rms of the output that differs most, in multiples of its noise. The standard errors are
 /// rounded to one decimal.
 pub fn experiment_sentence(experiment: &DiscriminatingExperiment) -> String {
-    let most = number(experiment.difference_rms.iter().copied().fold(0.0, f64::max));
-    let errors = number((10.0 * experiment.standard_errors).round() / 10.0);
+    let most = format_pure_number(experiment.difference_rms.iter().copied().fold(0.0, f64::max));
+    let errors = format_pure_number((10.0 * experiment.standard_errors).round() / 10.0);
     let difference = format!("{most} times the noise, or {errors} standard errors over a record");
     match experiment.is_decisive() {
         true if experiment.reverses_sign => format!(
@@ -101,13 +102,13 @@ fn drive_text(experiment: &DiscriminatingExperiment) -> String {
     };
     let rest = match experiment.rest {
         0.0 => String::new(),
-        rest => format!(" about {}", number(rest)),
+        rest => format!(" about {}", format_pure_number(rest)),
     };
     let time = match experiment.shape {
-        Shape::Step => format!("after {} s", number(experiment.period)),
-        _ => format!("at {} Hz", number(1.0 / experiment.period)),
+        Shape::Step => format!("after {} s", format_pure_number(experiment.period)),
+        _ => format!("at {} Hz", format_pure_number(1.0 / experiment.period)),
     };
-    let (amplitude, unit) = (number(experiment.amplitude), &experiment.unit);
+    let (amplitude, unit) = (format_pure_number(experiment.amplitude), &experiment.unit);
     format!("{shape} of {amplitude}{rest} {unit} {time} on {}", experiment.drive)
 }
 
@@ -129,13 +130,14 @@ fn drive_text(experiment: &DiscriminatingExperiment) -> String {
 pub fn experiment_csv(experiment: &DiscriminatingExperiment, outputs: &[MeasuredOutput]) -> String {
     let purpose =
         if experiment.is_decisive() { "drives that distinguish" } else { "drives that best distinguish" };
-    let [one, other] = &experiment.effects;
+    let effects = experiment.effects.each_ref().map(effect_label);
+    let [one, other] = &effects;
     let mut text = format!("# {purpose} {one} from {other}, and both predictions\n");
-    let drives = experiment.feeds.iter().map(|feed| (feed.drive.clone(), feed.unit.text()));
+    let drives = experiment.drives.iter().map(|drive| (drive.drive.clone(), drive.unit.text()));
     let unit = |name: &String| {
         outputs.iter().find(|output| output.signal == *name).map_or("V", |output| output.unit.text())
     };
-    let predicted = experiment.effects.iter().flat_map(|effect| {
+    let predicted = effects.iter().flat_map(|effect| {
         experiment.outputs.iter().map(move |output| (format!("{output} with {effect}"), unit(output)))
     });
     let columns: Vec<_> = [("t".to_owned(), "s")].into_iter().chain(drives).chain(predicted).collect();

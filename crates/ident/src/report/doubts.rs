@@ -8,18 +8,17 @@ use crate::effects::candidate::Candidate;
 use crate::fit::estimate::normalised_output_rms;
 use crate::fit::fitted_model::FittedModel;
 use crate::fit::validation::is_validation_worse;
+use crate::report::effect_sites::unscaled_integrator_sentences;
 use crate::report::fit_quality::{overload_sentence, steps_sentence};
-use crate::report::places::nameless_sentences;
+use crate::report::labels::candidate_label;
 use crate::report::ranges::extension_sentence;
 use crate::report::reasons::coloured_sentence;
-use crate::report::values::estimate_text;
+use crate::report::values::{estimate_with_unit_text, format_pure_number, residual_texts};
 use crate::search::inconclusive::MAX_NOISE_RATIO;
 use crate::search::outcome::Outcome;
 use crate::search::range_extension::RangeExtension;
 use crate::search::refinement::can_be_zero;
 use crate::search::verdict::Verdict;
-use patchcord_analysis::format::number;
-use patchcord_core::document::unit_suffix;
 
 /// Residual rms over the specified noise below which that noise is too large. So low a value does not occur by
 /// chance.
@@ -45,14 +44,14 @@ pub fn doubts(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
     let refinement = &outcome.step_refinement;
     let coarse_steps = (!refinement.is_sufficient()).then(|| steps_sentence(refinement));
     let noise = excessive_noise(outcome, experiment).into_iter().chain(loud_residuals(outcome, experiment));
-    let nameless = nameless_sentences(&outcome.places);
+    let unscaled = unscaled_integrator_sentences(&outcome.effect_sites);
     parameters_at_ends(outcome)
         .into_iter()
         .chain(outcome.overload.iter().map(overload_sentence))
         .chain(unmentioned_residual(outcome))
         .chain(uncertain_effects(outcome))
         .chain(noise)
-        .chain(nameless)
+        .chain(unscaled)
         .chain(coarse_steps)
         .chain(warnings)
         .collect()
@@ -64,9 +63,9 @@ pub fn doubts(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
 /// The sentence depends on the verdict. If an effect is missing, a value beyond the range may explain the data without
 /// it. Otherwise the value may hide an effect. Parameters that a range extension reports are left out here.
 fn parameters_at_ends(outcome: &Outcome) -> Vec<String> {
-    let at_end = |model: &FittedModel, place: usize| {
-        let (name, value) = (&model.variant.fit[place], estimate_text(model, place));
-        format!("{name} at the end of its range, {value}{}", unit_suffix(model.unit(place)))
+    let at_end = |model: &FittedModel, index: usize| {
+        let (name, value) = (&model.variant.fit[index], estimate_with_unit_text(model, index));
+        format!("{name} at the end of its range, {value}")
     };
     let is_missing = outcome.verdict.has_names() || outcome.verdict == Verdict::UnknownEffect;
     let outside =
@@ -75,19 +74,19 @@ fn parameters_at_ends(outcome: &Outcome) -> Vec<String> {
     let doubted = outcome
         .base
         .indices_at_range_end()
-        .filter(|place| is_missing || outcome.base.train.estimate.parameters[*place] != 0.0);
-    let doubted = doubted.filter(|place| !outside.contains(place));
-    let original = doubted.map(|place| {
-        let at = at_end(&outcome.base, place);
-        match (is_missing, outcome.base.train.estimate.parameters[place] == 0.0) {
+        .filter(|index| is_missing || outcome.base.train.estimate.parameters[*index] != 0.0);
+    let doubted = doubted.filter(|index| !outside.contains(index));
+    let original = doubted.map(|index| {
+        let at_end = at_end(&outcome.base, index);
+        match (is_missing, outcome.base.train.estimate.parameters[index] == 0.0) {
             (false, _) => format!(
-                "The best fit of the patch has {at}: this value may compensate for a missing effect."
+                "The best fit of the patch has {at_end}: this value may compensate for a missing effect."
             ),
             (true, false) => format!(
-                "The best fit of the original patch has {at}: a value beyond the range may explain the data without a missing effect."
+                "The best fit of the original patch has {at_end}: a value beyond the range may explain the data without a missing effect."
             ),
             (true, true) => format!(
-                "The best fit of the original patch has {at}: a wrong sign in the patch may explain the data without a missing effect."
+                "The best fit of the original patch has {at_end}: a wrong sign in the patch may explain the data without a missing effect."
             ),
         }
     });
@@ -95,9 +94,9 @@ fn parameters_at_ends(outcome: &Outcome) -> Vec<String> {
         .final_model
         .indices_newly_at_range_end(&outcome.base)
         .filter(|_| outcome.verdict.has_names())
-        .map(|place| {
-            let at = at_end(&outcome.final_model, place);
-            format!("With the named effects, the best fit has {at}: the real law may be different.")
+        .map(|index| {
+            let at_end = at_end(&outcome.final_model, index);
+            format!("With the named effects, the best fit has {at_end}: the real law may be different.")
         });
     let named = outcome.effects.iter().filter(|_| outcome.verdict.has_names());
     let of_effects = named.flat_map(|effect| effect_at_ends(outcome, effect));
@@ -116,12 +115,12 @@ fn uncertain_effects(outcome: &Outcome) -> impl Iterator<Item = String> + '_ {
             .final_model
             .effect_parameters(effect)
             .next()
-            .is_some_and(|(_, _, known)| known.error.is_finite())
+            .is_some_and(|(_, _, uncertainty)| uncertainty.error.is_finite())
     };
     named.filter(is_determined).filter(|effect| can_be_zero(effect, &outcome.final_model)).map(|effect| {
         format!(
             "The interval of {} includes zero strength: it is named because the fit is better with it.",
-            effect.label()
+            candidate_label(effect)
         )
     })
 }
@@ -137,15 +136,15 @@ fn unmentioned_residual(outcome: &Outcome) -> Option<String> {
     if is_mentioned || !exceeds_noise {
         return None;
     }
-    // Noise of the drives, and their course between samples, are no missing effects.
-    let of_drives =
+    // Noise of the drives, and their values between samples, are no missing effects.
+    let from_drives =
         model.coloured_residual.get().and_then(Option::as_ref).filter(|residual| residual.is_from_drives());
-    if let Some(residual) = of_drives {
+    if let Some(residual) = from_drives {
         return Some(format!("With the named effects, {}.", coloured_sentence(residual)));
     }
-    let [train, test] = [&model.train, &model.test].map(|fitted| number(fitted.normalised_rms()));
+    let [train, validation] = residual_texts(model);
     Some(format!(
-        "The residual is {train} times the noise in the training data and {test} in the validation data, and is not noise: a smaller effect is missing as well, or the law of a named effect is different."
+        "The residual is {train} times the noise in the training data and {validation} in the validation data, and is not noise: a smaller effect is missing as well, or the law of a named effect is different."
     ))
 }
 
@@ -163,8 +162,8 @@ fn is_in_verdict(outcome: &Outcome, extension: &RangeExtension) -> bool {
 fn effect_at_ends(outcome: &Outcome, effect: &Candidate) -> Vec<String> {
     let FittedModel { variant, train, .. } = &outcome.final_model;
     let at_end =
-        outcome.final_model.indices_at_range_end().filter(|place| train.estimate.parameters[*place] != 0.0);
-    let names: Vec<&str> = at_end.map(|place| variant.fit[place].as_str()).collect();
+        outcome.final_model.indices_at_range_end().filter(|index| train.estimate.parameters[*index] != 0.0);
+    let names: Vec<&str> = at_end.map(|index| variant.fit[index].as_str()).collect();
     let parameters =
         effect.graft.parameters.iter().filter(|parameter| names.contains(&parameter.name.as_str()));
     let sentences = parameters.map(|parameter| {
@@ -181,14 +180,14 @@ fn effect_at_ends(outcome: &Outcome, effect: &Candidate) -> Vec<String> {
 /// Only outputs whose "sigma" is in the experiment are examined. Estimated noise cannot be too large in this way.
 fn excessive_noise(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
     let specified = experiment.outputs.iter().enumerate().filter(|(_, output)| output.sigma.is_some());
-    let residuals = specified.map(|(place, output)| {
-        (&output.signal, normalised_output_rms(&outcome.reported_model().train, place))
+    let residuals = specified.map(|(index, output)| {
+        (&output.signal, normalised_output_rms(&outcome.reported_model().train, index))
     });
     let too_small = residuals.filter(|(_, rms)| *rms < MIN_NOISE_RATIO);
     let sentences = too_small.map(|(signal, rms)| {
         format!(
             "The residual of {signal} is {} times the noise that the experiment specifies: with a \"sigma\" as small as the real noise, smaller effects are detectable.",
-            number(rms)
+            format_pure_number(rms)
         )
     });
     sentences.collect()
@@ -204,13 +203,14 @@ fn loud_residuals(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
     if !is_conclusive || model.residuals_are_coloured() {
         return Vec::new();
     }
-    let sentences = |(place, output): (usize, &MeasuredOutput)| {
-        let [train, test] = [&model.train, &model.test].map(|fitted| normalised_output_rms(fitted, place));
+    let sentences = |(index, output): (usize, &MeasuredOutput)| {
+        let [train, validation] =
+            [&model.train, &model.validation].map(|fitted| normalised_output_rms(fitted, index));
         let loud = (train > MAX_NOISE_RATIO).then(|| {
             format!(
                 "The residual of {} is {} times its noise, although it looks like noise: the data have more noise than specified, or a disturbance that is faster than the sampling.",
                 output.signal,
-                number(train)
+                format_pure_number(train)
             )
         });
         // With this verdict, a fit to both parts explains both.
@@ -222,12 +222,12 @@ fn loud_residuals(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
                 "the system has changed, an effect acts only there, or a law differs from the one fitted in training"
             }
         };
-        let changed = is_validation_worse(model, place).then(|| {
+        let changed = is_validation_worse(model, index).then(|| {
             format!(
                 "The residual of {} is {} times its noise in the validation data and {} times in the training data: {why}.",
                 output.signal,
-                number(test),
-                number(train)
+                format_pure_number(validation),
+                format_pure_number(train)
             )
         });
         loud.into_iter().chain(changed)

@@ -12,7 +12,7 @@ use patchcord_core::elements::markdown_table as table;
 /// # Examples
 ///
 /// ```
-/// use patchcord_ident::effects::Library;
+/// use patchcord_ident::Library;
 /// use patchcord_ident::report::effect_page::EffectPage;
 ///
 /// let library = Library::shipped();

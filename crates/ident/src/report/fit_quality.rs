@@ -4,13 +4,13 @@
 //! solver small compared with the noise? Do all amplifiers stay in their range with the drives of the records?
 
 use indexmap::IndexMap;
+use patchcord_core::document::plural;
 use serde::Serialize;
 
 use crate::fit::overload::RecordOverload;
 use crate::fit::starts::StartAgreement;
 use crate::fit::step_size::StepRefinement;
-use crate::report::values::{ValueDocument, parameter_values_text, value_documents};
-use patchcord_analysis::format::number;
+use crate::report::values::{ValueDocument, format_pure_number, parameter_values_text, value_documents};
 
 /// Fits from other starts as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,7 +66,7 @@ impl From<&StepRefinement> for StepsDocument {
 /// A better optimum is the most important case: the values are listed, so that the reader can put them into the patch.
 pub fn starts_sentence(agreement: &StartAgreement) -> String {
     let data = if agreement.uses_pieces { " in the pieces that are fitted first" } else { "" };
-    let residual = format!("{} times the noise{data}", number(agreement.normalised_rms));
+    let residual = format!("{} times the noise{data}", format_pure_number(agreement.normalised_rms));
     match (agreement.is_reproduced, agreement.tried) {
         (true, 1) => "a fit from another start reaches the same optimum".to_owned(),
         (true, tried) => format!("one of {tried} fits from other starts reaches the same optimum"),
@@ -83,18 +83,17 @@ pub fn starts_sentence(agreement: &StartAgreement) -> String {
 
 /// The number of steps of the solver and their error, in a sentence or two.
 pub fn steps_sentence(refinement: &StepRefinement) -> String {
-    let steps =
-        if refinement.steps == 1 { "1 step".to_owned() } else { format!("{} steps", refinement.steps) };
+    let steps = plural(refinement.steps as usize, "step");
     let takes = format!("The solver takes {steps} from sample to sample.");
     if refinement.error.is_infinite() {
         return format!(
             "{takes} Its error is unknown, because the patch cannot be run with twice as many steps."
         );
     }
-    let error = format!("{takes} Its error is {} times the noise, rms", number(refinement.error));
+    let error = format!("{takes} Its error is {} times the noise, rms", format_pure_number(refinement.error));
     match refinement.is_sufficient() {
         true => format!("{error}."),
-        false => format!("{error}; it should be below {}.", number(refinement.limit)),
+        false => format!("{error}; it should be below {}.", format_pure_number(refinement.limit)),
     }
 }
 
@@ -103,8 +102,8 @@ pub fn overload_sentence(overload: &RecordOverload) -> String {
     let RecordOverload { record, element, time, peak } = overload;
     format!(
         "With {record}, the amplifier {element} overloads at {} s, with a demanded output of {} V: beyond 100 V the patch does not represent the real system. Change its scale so that one volt represents more, and search again.",
-        number(*time),
-        number(*peak)
+        format_pure_number(*time),
+        format_pure_number(*peak)
     )
 }
 

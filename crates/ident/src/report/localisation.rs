@@ -10,7 +10,7 @@
 use serde::Serialize;
 
 use crate::localise::localisation::{EstimatedInput, InputCurve, Localisation, indistinguishable_junctions};
-use patchcord_analysis::format::QuantityFormat;
+use crate::report::values::{format_pure_number, percent_text};
 
 /// The force that closes the gap at a junction, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -84,7 +84,8 @@ pub struct CurveDocument {
     /// The share of the gap that the curve closes in training, in squares.
     pub explains: f64,
     /// The same in the validation data, with the curve wired in; null if it cannot be wired in.
-    pub held_out: Option<f64>,
+    #[serde(rename = "held_out")]
+    pub validation_explains: Option<f64>,
     /// Logarithm of its marginal likelihood, above that of no force.
     pub evidence: f64,
     /// Value, force, standard error.
@@ -101,12 +102,12 @@ impl From<&InputCurve> for CurveDocument {
     /// `rising` and `falling` are both null, or both lists.
     fn from(curve: &InputCurve) -> Self {
         let [rising, falling] =
-            [0, 1].map(|place| curve.by_direction.as_ref().map(|branches| branches[place].clone()));
+            curve.by_direction.clone().map_or([None, None], |branches| branches.map(Some));
         CurveDocument {
             against: curve.regressor.clone(),
             unit: curve.unit.clone(),
             explains: curve.explained_fraction,
-            held_out: curve.held_out,
+            validation_explains: curve.validation_fraction,
             evidence: curve.evidence,
             curve: curve.points.clone(),
             rising,
@@ -139,6 +140,15 @@ pub fn localisation_sentence(localisations: &[Localisation]) -> Option<String> {
     ))
 }
 
+/// The quantity on which a force depends, and what a curve over that quantity explains.
+pub fn dependence_text(localisation: &Localisation) -> String {
+    let share = localisation.best_curve.map(|best| {
+        let explained = localisation.curves[best].explained_fraction;
+        format!(", which explains {}", percent_text(100.0 * explained))
+    });
+    localisation.best_regressor().to_owned() + &share.unwrap_or_default()
+}
+
 /// The longest time for which a force acts, and the number of other times. Empty if it never stands out.
 fn times_text(localisation: &Localisation) -> String {
     let windows: Vec<[f64; 2]> = localisation.windows().collect();
@@ -148,8 +158,7 @@ fn times_text(localisation: &Localisation) -> String {
         count => format!(" and at {} other times", count - 1),
     };
     let longest = windows.into_iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-    let seconds = |time: f64| QuantityFormat::new("", 1.0).number(time);
     longest.map_or_else(String::new, |[from, to]| {
-        format!(", between t = {} and {} s{others}", seconds(from), seconds(to))
+        format!(", between t = {} and {} s{others}", format_pure_number(from), format_pure_number(to))
     })
 }

@@ -7,23 +7,28 @@
 //! Where a result appears:
 //!
 //! * `patchcord gap` prints [`Report::sentence`], tables, [`Report::doubts`] and the round sentences.
-//! * `report.json` is [`Report::json`], with the experiment and the doubts added by the command line.
+//! * `report.json` is [`Report::json`], to which the command line adds the patches or the paths of their files.
 //! * `report.html` is [`Report::page`]. It uses the same sentences as the terminal.
 //! * `fitted.json`, `augmented.json` and `recovered.json` are patches ([`provenance`]), `separate.csv` is the table of
 //!   [`discriminating_experiment`].
+//! * `patchcord gap --check` prints a [`CheckReport`](check::CheckReport), which needs no search.
 //!
 //! Keys of JSON documents and verdict words are stable, because scripts read them. Some keys are older than the names
 //! in the code, such as `tells` for "is decisive".
 
+pub mod check;
+pub mod check_document;
 pub mod detection_limits;
 pub mod discriminating_experiment;
 pub mod document;
 pub mod doubts;
 pub mod effect_page;
+pub mod effect_sites;
+pub mod experiment_summary;
 pub mod fit_quality;
+pub mod labels;
 pub mod localisation;
 mod page;
-pub mod places;
 pub mod provenance;
 pub mod ranges;
 pub mod reasons;
@@ -32,7 +37,7 @@ pub mod search_log;
 pub mod sentence;
 pub mod values;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::data::experiment::Experiment;
 use crate::effects::Library;
@@ -51,17 +56,14 @@ use patchcord_draw::plot::PlotError;
 ///
 /// # Examples
 ///
+/// A search takes some seconds, so this example is only compiled:
+///
 /// ```no_run
-/// use patchcord_ident::Experiment;
-/// use patchcord_ident::effects::Library;
-/// use patchcord_ident::fit::problem::Problem;
-/// use patchcord_ident::report::Report;
-/// use patchcord_ident::search::{SearchSettings, search};
+/// use patchcord_ident::{Experiment, Library, Problem, Report, SearchSettings, search};
 ///
 /// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
 /// let (problem, library) = (Problem::of(&experiment)?, Library::shipped());
-/// let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-/// let outcome = search(&problem, &experiment.patch, &experiment.fit, &settings, |_| ())?;
+/// let outcome = search(&experiment, &problem, &SearchSettings::new(&library), |_| ())?;
 /// let outcome = outcome.ok_or("the patch cannot be run from any start")?;
 ///
 /// let report = Report::new(&experiment, &problem, &outcome);
@@ -98,14 +100,15 @@ impl<'a> Report<'a> {
         doubts(self.outcome, self.experiment)
     }
 
-    /// The complete result as a document.
+    /// The complete result as a document, with the doubts and the experiment.
     pub fn document(&self) -> SearchDocument {
-        SearchDocument::of(self.problem, self.outcome)
+        SearchDocument::of(self.experiment, self.problem, self.outcome)
     }
 
     /// The same as a JSON value, for callers that add members or look some up.
     pub fn json(&self) -> Value {
-        json!(self.document())
+        // All keys are strings, so that the conversion cannot fail.
+        serde_json::to_value(self.document()).unwrap_or_default()
     }
 
     /// The original patch with fitted values. `file` is the path of the new patch.

@@ -14,10 +14,10 @@ use crate::effects::candidate::Candidate;
 use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::{ModelError, with_initial_voltages};
 use crate::localise::localisation::Localisation;
-use crate::report::values::{interval_text, number_text};
+use crate::report::labels::candidate_label;
+use crate::report::values::{interval_text, number_text, percent_text, residual_texts};
 use crate::search::outcome::Outcome;
 use crate::search::round::Round;
-use patchcord_analysis::format::number;
 use patchcord_core::document::unit_suffix;
 use patchcord_core::patch::Patch;
 
@@ -60,9 +60,9 @@ pub fn recovered_patch(
     let Some(force) = outcome.unknown_force() else { return Ok(None) };
     let (description, before) = (force_text(force), residual_text(&outcome.base));
     let explains = force.wired_curve().map_or(force.explained_fraction, |curve| curve.explained_fraction);
-    let share = number(100.0 * explains);
+    let share = percent_text(100.0 * explains);
     let changes = format!(
-        "with a force {description}. Before: {before} The force explains {share} % of the gap in the training data."
+        "with a force {description}. Before: {before} The force explains {share} of the gap in the training data."
     );
     finish_patch(&force.recovered, experiment, &changes, file).map(Some)
 }
@@ -73,20 +73,20 @@ fn effects_text(outcome: &Outcome) -> String {
     taken.map(|(effect, round)| effect_text(outcome, effect, round)).collect::<Vec<_>>().join("; and ")
 }
 
-/// An effect with its place, its best rival and its parameters with their intervals.
+/// An effect with its site, its best rival and its parameters with their intervals.
 ///
 /// Example: "leak at I2, k = 0.2 1/s (95 %: 0.19 ... 0.21)". A rival follows the label in parentheses.
 fn effect_text(outcome: &Outcome, effect: &Candidate, round: &Round) -> String {
-    let parameters = outcome.final_model.effect_parameters(effect).map(|(parameter, value, known)| {
-        let (value, interval) = (number_text(known, value), interval_text(known));
+    let parameters = outcome.final_model.effect_parameters(effect).map(|(parameter, value, uncertainty)| {
+        let (value, interval) = (number_text(uncertainty, value), interval_text(uncertainty));
         format!("{} = {value}{} (95 %: {interval})", parameter.name, unit_suffix(&parameter.unit))
     });
     let parameters: Vec<String> = parameters.collect();
     let rival = round
         .rival()
-        .map(|rival| format!(" (or {}: the data cannot distinguish them)", rival.label()))
+        .map(|rival| format!(" (or {}: the data cannot distinguish them)", candidate_label(&rival.candidate)))
         .unwrap_or_default();
-    format!("{}{rival}, {}", effect.label(), parameters.join(", "))
+    format!("{}{rival}, {}", candidate_label(effect), parameters.join(", "))
 }
 
 /// The patch of a model with its fitted parameters and the initial voltages of the first training record.
@@ -188,8 +188,10 @@ fn training_files(experiment: &Experiment) -> String {
 
 /// The residual of a model in the training and validation data, as a sentence.
 fn residual_text(model: &FittedModel) -> String {
-    let [train, test] = [&model.train, &model.test].map(|fitted| number(fitted.normalised_rms()));
-    format!("the residual is {train} times the noise in the training data and {test} in the validation data.")
+    let [train, validation] = residual_texts(model);
+    format!(
+        "the residual is {train} times the noise in the training data and {validation} in the validation data."
+    )
 }
 
 /// Where a force acts, and how it is represented in the patch.

@@ -5,12 +5,12 @@
 
 use crate::fit::coloured_residual::{ColouredResidual, ResidualSource};
 use crate::report::ranges::extension_text;
+use crate::report::values::format_pure_number;
 use crate::residuals::divergence::Divergence;
 use crate::residuals::misspecification::{Misspecification, Respecification};
 use crate::residuals::residual_analysis::{DRIVE_NOISE_RATIO, SlowNoise};
 use crate::search::inconclusive::Inconclusive;
 use crate::search::range_extension::RangeExtension;
-use patchcord_analysis::format::number;
 
 /// Advice for a fit that diverges.
 const DIVERGENCE_ADVICE: &str = "check the signs in the loops of the patch, or write \"pieces\" in the experiment if the real system is unstable";
@@ -24,15 +24,15 @@ pub fn inconclusive_sentence(reason: &Inconclusive, extension: Option<&RangeExte
         Inconclusive::NoMotion => "the outputs do not move beyond the noise".to_owned(),
         Inconclusive::LoudResidual(output, rms) => format!(
             "the residual of {output} is {} times its noise, although it looks like noise: the data have outliers, more noise than specified, or a disturbance that is faster than the sampling",
-            number(*rms)
+            format_pure_number(*rms)
         ),
         Inconclusive::ColouredResidual(residual) => coloured_sentence(residual),
         Inconclusive::SlowSensorNoise(noise) => slow_noise_sentence(noise),
         Inconclusive::ValidationMismatch(rms) => format!(
             "the fit to the training data does not explain the validation data, which leave {} times the noise: the system has changed, or an effect acts only there",
-            number(*rms)
+            format_pure_number(*rms)
         ),
-        Inconclusive::NoPlaces => {
+        Inconclusive::NoSites => {
             "no effect fits the patch: its integrators must give signals with scales".to_owned()
         }
         Inconclusive::NothingDetectable => {
@@ -42,22 +42,22 @@ pub fn inconclusive_sentence(reason: &Inconclusive, extension: Option<&RangeExte
             "the patch alone explains the data with {}: widen the range if this value is plausible; otherwise an effect is missing",
             extension.map(extension_text).unwrap_or_default()
         ),
-        Inconclusive::Misspecification(wrong) => misspecification_sentence(wrong),
+        Inconclusive::Misspecification(misspecification) => misspecification_sentence(misspecification),
         Inconclusive::Divergence(divergence) => divergence_sentence(divergence),
     }
 }
 
 /// Why a residual is coloured although nothing is missing.
 ///
-/// Four sources are distinguished: noise of drives, a fit that diverges, the course of drives between samples, and slow
+/// Four sources are distinguished: noise of drives, a fit that diverges, the values of drives between samples, and slow
 /// noise of the output itself.
 pub fn coloured_sentence(residual: &ColouredResidual) -> String {
-    let (output, rms) = (&residual.output, number(residual.normalised_rms));
+    let (output, rms) = (&residual.output, format_pure_number(residual.normalised_rms));
     match &residual.source {
         ResidualSource::DriveNoise(drives, mean_rms) => format!(
             "the residual of {output}, {rms} times its noise, does not exceed what noise of {} can cause, {} times: measure these drives better, or specify their \"sigma\" (0 for a drive that is set and not measured)",
             drives.join(", "),
-            number((1.0 + DRIVE_NOISE_RATIO * mean_rms * mean_rms).sqrt())
+            format_pure_number((1.0 + DRIVE_NOISE_RATIO * mean_rms * mean_rms).sqrt())
         ),
         ResidualSource::Divergence(drives) => format!(
             "the fit diverges: the residual of {output}, {rms} times its noise, exceeds the motion of the output, and noise of {} would grow as far: {DIVERGENCE_ADVICE}",
@@ -66,7 +66,7 @@ pub fn coloured_sentence(residual: &ColouredResidual) -> String {
         ResidualSource::Intersample(drives, smooth_rms) => format!(
             "the residual of {output}, {rms} times its noise, is caused by straight lines between the samples of {}; with smooth curves it is {} times: write \"hold\": \"smooth\" if the drive is smooth, or sample faster",
             drives.join(", "),
-            number(*smooth_rms)
+            format_pure_number(*smooth_rms)
         ),
         ResidualSource::OutputNoise => format!(
             "the residual of {output} does not exceed its noise, {rms} times, but is not white: the noise is slow, or smaller than its \"sigma\""
@@ -79,15 +79,16 @@ pub fn slow_noise_sentence(noise: &SlowNoise) -> String {
     format!(
         "the residual of {} is better explained by slow noise of its sensor, with a correlation time of about {} s, than by a force at any junction",
         noise.output,
-        number(noise.correlation_time)
+        format_pure_number(noise.correlation_time)
     )
 }
 
 /// Which specification is wrong, the residual with and without the correction, and where to look.
-pub fn misspecification_sentence(wrong: &Misspecification) -> String {
+pub fn misspecification_sentence(misspecification: &Misspecification) -> String {
+    let Misspecification { respecification, normalised_rms } = misspecification;
     let ([before, after], correction) =
-        (wrong.normalised_rms.map(number), correction_text(&wrong.respecification));
-    let advice = correction_advice(&wrong.respecification);
+        (normalised_rms.map(format_pure_number), correction_text(respecification));
+    let advice = correction_advice(respecification);
     format!("with {correction} the patch leaves {after} times the noise instead of {before}: {advice}")
 }
 
@@ -120,8 +121,9 @@ fn correction_advice(correction: &Respecification) -> &'static str {
 /// How far a fit diverges from the data, and what to do about it.
 pub fn divergence_sentence(divergence: &Divergence) -> String {
     let Divergence { output, normalised_rms, normalised_motion, growth } = divergence;
-    let [left, moves, growth] = [normalised_rms, normalised_motion, growth].map(|value| number(*value));
+    let [residual, motion, growth] =
+        [normalised_rms, normalised_motion, growth].map(|value| format_pure_number(*value));
     format!(
-        "the fit diverges: it leaves {left} times the noise of {output}, which moves by {moves}, and a change of the initial voltages grows more than {growth} times: {DIVERGENCE_ADVICE}"
+        "the fit diverges: it leaves {residual} times the noise of {output}, which moves by {motion}, and a change of the initial voltages grows more than {growth} times: {DIVERGENCE_ADVICE}"
     )
 }

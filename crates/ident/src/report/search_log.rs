@@ -5,7 +5,8 @@
 
 use serde::Serialize;
 
-use crate::report::ranges::LeftOverDocument;
+use crate::report::labels::{effect_label, effect_labels};
+use crate::report::ranges::RemainingResidualSummary;
 use crate::search::search_log::{Action, LogEntry};
 
 /// An entry of the log as a JSON document.
@@ -13,20 +14,20 @@ use crate::search::search_log::{Action, LogEntry};
 pub struct SearchLogDocument {
     /// The action, as text.
     pub did: String,
-    /// The effects in the patch after the action, each with its place.
+    /// The effects in the patch after the action, each at its site.
     pub effects: Vec<String>,
     /// The residual of the patch with these effects.
-    pub left: LeftOverDocument,
+    pub left: RemainingResidualSummary,
 }
 
 impl From<&LogEntry> for SearchLogDocument {
     /// The residual is that after the action, rms over the noise.
     fn from(entry: &LogEntry) -> Self {
-        let [train, test] = entry.residual_rms;
+        let [train, validation] = entry.residual_rms;
         SearchLogDocument {
             did: action_text(&entry.action),
-            effects: entry.effects.clone(),
-            left: LeftOverDocument { train, test },
+            effects: effect_labels(&entry.effects),
+            left: RemainingResidualSummary { train, validation },
         }
     }
 }
@@ -35,12 +36,15 @@ impl From<&LogEntry> for SearchLogDocument {
 pub fn action_text(action: &Action) -> String {
     match action {
         Action::FitPatch => "the original patch is fitted".to_owned(),
-        Action::Take(effect) => format!("{effect} is taken"),
+        Action::Take(effect) => format!("{} is taken", effect_label(effect)),
         Action::ContinueUnconfirmed(effect) => {
-            format!("{effect} is added, although it is not confirmed by itself")
+            format!("{} is added, although it is not confirmed by itself", effect_label(effect))
         }
         Action::TryInPair(effect) => {
-            format!("{effect} is added for a pair, because one of two effects may hide the other")
+            format!(
+                "{} is added for a pair, because one of two effects may hide the other",
+                effect_label(effect)
+            )
         }
         Action::BacktrackFromMore => {
             "the search returns, because the additional effects are not confirmed".to_owned()
@@ -52,8 +56,12 @@ pub fn action_text(action: &Action) -> String {
             "the same effects are fitted better, from the estimate of a trial".to_owned()
         }
         Action::RestoreFit => "the earlier fit of the same effects is restored".to_owned(),
-        Action::Drop(effect) => format!("{effect} is dropped"),
-        Action::Keep(effect) => format!("{effect} is tried again with the others, and kept"),
-        Action::Replace { by, replaced } => format!("{by} replaces {replaced}"),
+        Action::Drop(effect) => format!("{} is dropped", effect_label(effect)),
+        Action::Keep(effect) => {
+            format!("{} is tried again with the others, and kept", effect_label(effect))
+        }
+        Action::Replace { by, replaced } => {
+            format!("{} replaces {}", effect_label(by), effect_label(replaced))
+        }
     }
 }

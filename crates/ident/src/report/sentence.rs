@@ -5,16 +5,17 @@
 
 use std::collections::BTreeSet;
 
-use crate::design::detectability::detection_limit::best_places;
+use crate::design::detectability::detection_limit::best_sites;
 use crate::localise::localisation::indistinguishable_junctions;
 use crate::report::detection_limits::limit_sentence;
 use crate::report::discriminating_experiment::experiment_sentence;
+use crate::report::labels::candidate_label;
 use crate::report::ranges::extension_text;
 use crate::report::reasons::inconclusive_sentence;
+use crate::report::values::percent_text;
 use crate::search::outcome::{Outcome, taken_rounds};
 use crate::search::round::{Round, Trial};
 use crate::search::verdict::Verdict;
-use patchcord_analysis::format::number;
 
 /// The verdict as a sentence without a full stop, for example "saturation at u is missing".
 pub fn verdict_sentence(outcome: &Outcome) -> String {
@@ -22,7 +23,7 @@ pub fn verdict_sentence(outcome: &Outcome) -> String {
         Verdict::Named => format!("{}{}", missing_text(outcome), remainder_text(outcome)),
         Verdict::Ambiguous => ambiguous_sentence(outcome),
         Verdict::NothingMissing => {
-            let least = best_places(&outcome.detection_limits).into_iter().find_map(limit_sentence);
+            let least = best_sites(&outcome.detection_limits).into_iter().find_map(limit_sentence);
             let least = least.map(|least| format!("; {least}")).unwrap_or_default();
             format!("no missing effect is detectable in these data{least}")
         }
@@ -71,32 +72,33 @@ fn ambiguous_sentence(outcome: &Outcome) -> String {
 /// If the library has effects that explain a part, they are named after the junction with the share that remains.
 fn unknown_sentence(outcome: &Outcome) -> String {
     let junctions = indistinguishable_junctions(&outcome.localisations).join(" or ");
-    let place = if junctions.is_empty() { junctions } else { format!(" at {junctions}") };
-    let unknown = format!("something is missing{place} that the library does not have");
+    let at_junctions = if junctions.is_empty() { junctions } else { format!(" at {junctions}") };
+    let unknown = format!("something is missing{at_junctions} that the library does not have");
     match list(&effects_by_round(outcome)).as_str() {
         "" => unknown,
         effects => {
-            let remaining = number(100.0 * outcome.remaining_fraction);
-            format!("{unknown}: with {effects}, {remaining} % of the gap is left, which is not noise")
+            let remaining = percent_text(100.0 * outcome.remaining_fraction);
+            format!("{unknown}: with {effects}, {remaining} of the gap is left, which is not noise")
         }
     }
 }
 
 /// For each taken round, its best effect and those that the data cannot distinguish from it.
 ///
-/// The best effect and one rival are named. Further rivals are only counted, each effect and place once.
+/// The best effect and one rival are named. Further rivals are only counted, each effect and site once.
 fn effects_by_round(outcome: &Outcome) -> Vec<String> {
-    let best: Vec<String> = taken_rounds(&outcome.rounds).map(|round| round.trials[0].label()).collect();
-    // An effect that occurs twice at a place has two forms, which the note distinguishes.
-    let name = |trial: &Trial| match best.iter().filter(|best| **best == trial.label()).count() {
-        0..=1 => trial.label(),
-        _ => format!("{} ({})", trial.label(), trial.candidate.note),
+    let best: Vec<String> =
+        taken_rounds(&outcome.rounds).map(|round| trial_label(&round.trials[0])).collect();
+    // An effect that occurs twice at a site has two forms, which the note distinguishes.
+    let name = |trial: &Trial| match best.iter().filter(|best| **best == trial_label(trial)).count() {
+        0..=1 => trial_label(trial),
+        _ => format!("{} ({})", trial_label(trial), trial.candidate.note),
     };
     let describe = |round: &Round| {
         let named: Vec<&Trial> = round.trials.iter().take(1).chain(round.rival()).collect();
         // Other forms of a named effect do not count as further effects.
-        let is_other = |trial: &&Trial| named.iter().all(|named| named.label() != trial.label());
-        let more: BTreeSet<String> = round.rivals().filter(is_other).map(Trial::label).collect();
+        let is_other = |trial: &&Trial| named.iter().all(|named| trial_label(named) != trial_label(trial));
+        let more: BTreeSet<String> = round.rivals().filter(is_other).map(trial_label).collect();
         let named = named.into_iter().map(name).collect::<Vec<_>>().join(" or ");
         match more.len() {
             0 => named,
@@ -112,12 +114,19 @@ fn remainder_text(outcome: &Outcome) -> String {
     if !outcome.has_substantial_residual() {
         return String::new();
     }
-    let validation =
-        (outcome.final_model.test.excess_reduced_chi2() / outcome.base.test.excess_reduced_chi2()).sqrt();
-    let [train, test] = [outcome.remaining_fraction, validation].map(|share| number(100.0 * share));
+    let validation = (outcome.final_model.validation.excess_reduced_chi2()
+        / outcome.base.validation.excess_reduced_chi2())
+    .sqrt();
+    let [train, validation] =
+        [outcome.remaining_fraction, validation].map(|share| percent_text(100.0 * share));
     format!(
-        "; {train} % of the gap is left, and {test} % in the validation data, which is not noise: the real law may be different"
+        "; {train} of the gap is left, and {validation} in the validation data, which is not noise: the real law may be different"
     )
+}
+
+/// The label of the effect of a trial.
+fn trial_label(trial: &Trial) -> String {
+    candidate_label(&trial.candidate)
 }
 
 /// "A", "A, and B" or "A, B, and C". The parts may contain "or".

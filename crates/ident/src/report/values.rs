@@ -1,7 +1,8 @@
 //! Fitted values as text and as JSON documents.
 //!
-//! Numbers have four significant digits. A value has more if its interval is so narrow that its ends would otherwise
-//! be printed as the same number. Units follow the value after a space, and dimensionless values have none.
+//! All texts of reports take their numbers from here. Numbers have four significant digits. A value has more if its
+//! interval is so narrow that its ends would otherwise be printed as the same number. Units follow the value after a
+//! space, and dimensionless values have none.
 
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -10,9 +11,26 @@ use crate::effects::candidate::Candidate;
 use crate::fit::fitted_model::FittedModel;
 use crate::fit::parameter_values::ParameterValues;
 use crate::fit::uncertainty::Uncertainty;
+use crate::report::labels::candidate_label;
 use crate::search::outcome::Outcome;
-use patchcord_analysis::format::number;
 use patchcord_core::document::unit_suffix;
+
+pub use patchcord_analysis::format::{QuantityFormat, format_pure_number, format_quantity};
+
+/// A value followed by its unit, for example "0.12 N". A dimensionless value has none.
+pub fn value_text(value: f64, unit: &str) -> String {
+    format!("{}{}", format_pure_number(value), unit_suffix(unit))
+}
+
+/// A percentage, for example "32 %".
+pub fn percent_text(percent: f64) -> String {
+    format!("{} %", format_pure_number(percent))
+}
+
+/// The residuals of a model in the training and in the validation data, rms over the noise.
+pub fn residual_texts(model: &FittedModel) -> [String; 2] {
+    [&model.train, &model.validation].map(|fitted| format_pure_number(fitted.normalised_rms()))
+}
 
 /// A value with its unit, as a JSON document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,18 +51,16 @@ pub fn value_documents(values: &ParameterValues) -> IndexMap<String, ValueDocume
 
 /// Parameters with their values, for example "k = 500 N/m, c = 5 N s/m".
 pub fn parameter_values_text(values: &ParameterValues) -> String {
-    let assignments = values
-        .0
-        .iter()
-        .map(|(name, value, unit)| format!("{name} = {}{}", number(*value), unit_suffix(unit)));
+    let assignments =
+        values.0.iter().map(|(name, value, unit)| format!("{name} = {}", value_text(*value, unit)));
     assignments.collect::<Vec<_>>().join(", ")
 }
 
 /// The 95 % interval of a value, for example "1.5 ... 2.25", or "any value" if the data do not determine it.
-pub fn interval_text(known: Uncertainty) -> String {
-    let [low, high] = known.interval;
-    match known.error.is_finite() {
-        true => format!("{} ... {}", number_text(known, low), number_text(known, high)),
+pub fn interval_text(uncertainty: Uncertainty) -> String {
+    let [low, high] = uncertainty.interval;
+    match uncertainty.error.is_finite() {
+        true => format!("{} ... {}", number_text(uncertainty, low), number_text(uncertainty, high)),
         false => "any value".to_owned(),
     }
 }
@@ -53,10 +69,10 @@ pub fn interval_text(known: Uncertainty) -> String {
 ///
 /// Example: an interval of 1.00012 ... 1.00018 has two ends that are equal to four digits. They are then printed with
 /// two digits of their difference. Very small values use a power of ten.
-pub fn number_text(known: Uncertainty, value: f64) -> String {
-    let [low, high] = known.interval;
+pub fn number_text(uncertainty: Uncertainty, value: f64) -> String {
+    let [low, high] = uncertainty.interval;
     let width = high - low;
-    match number(low) == number(high) && width > 0.0 {
+    match format_pure_number(low) == format_pure_number(high) && width > 0.0 {
         true => {
             let decimals = 1.0 - width.log10().floor();
             let magnitude = value.abs().log10().floor();
@@ -65,29 +81,30 @@ pub fn number_text(known: Uncertainty, value: f64) -> String {
                 false => format!("{value:.*}", decimals.clamp(0.0, 15.0) as usize),
             }
         }
-        false => number(value),
+        false => format_pure_number(value),
     }
 }
 
-/// The value of a fitted parameter, with as many digits as its interval requires. `place` is its index.
-pub fn estimate_text(model: &FittedModel, place: usize) -> String {
-    number_text(model.uncertainty(place), model.train.estimate.parameters[place])
+/// The value of the fitted parameter with this index, with as many digits as its interval requires.
+pub fn estimate_text(model: &FittedModel, parameter_index: usize) -> String {
+    number_text(model.uncertainty(parameter_index), model.train.estimate.parameters[parameter_index])
 }
 
-/// A fitted parameter with its value, for example "M = 2 kg". `place` is its index.
-pub fn assignment_text(model: &FittedModel, place: usize) -> String {
-    format!(
-        "{} = {}{}",
-        model.variant.fit[place],
-        estimate_text(model, place),
-        unit_suffix(model.unit(place))
-    )
+/// The value of the fitted parameter with this index, followed by its unit, for example "2 kg".
+pub fn estimate_with_unit_text(model: &FittedModel, parameter_index: usize) -> String {
+    format!("{}{}", estimate_text(model, parameter_index), unit_suffix(model.unit(parameter_index)))
 }
 
-/// The standard error of a fitted parameter, or "unknown". `place` is its index.
-pub fn error_text(model: &FittedModel, place: usize) -> String {
-    let error = model.uncertainty(place).error;
-    if error.is_finite() { number(error) } else { "unknown".to_owned() }
+/// The fitted parameter with this index and its value, for example "M = 2 kg".
+pub fn assignment_text(model: &FittedModel, parameter_index: usize) -> String {
+    let name = &model.variant.fit[parameter_index];
+    format!("{name} = {}", estimate_with_unit_text(model, parameter_index))
+}
+
+/// The standard error of the fitted parameter with this index, or "unknown".
+pub fn error_text(model: &FittedModel, parameter_index: usize) -> String {
+    let error = model.uncertainty(parameter_index).error;
+    if error.is_finite() { format_pure_number(error) } else { "unknown".to_owned() }
 }
 
 /// The parameters that the data do not determine, as a sentence. None if the data determine all.
@@ -97,7 +114,7 @@ pub fn undetermined_sentence(model: &FittedModel) -> Option<String> {
         .fit
         .iter()
         .enumerate()
-        .filter(|(place, _)| !model.uncertainty(*place).error.is_finite());
+        .filter(|(index, _)| !model.uncertainty(*index).error.is_finite());
     let names: Vec<&str> = undetermined.map(|(_, name)| name.as_str()).collect();
     let why = match names.as_slice() {
         [] => return None,
@@ -107,12 +124,12 @@ pub fn undetermined_sentence(model: &FittedModel) -> Option<String> {
     Some(format!("These data do not determine {}: {why}.", names.join(", ")))
 }
 
-/// The owner of a fitted parameter: an effect at its place, as in "leak at I2", or "the patch".
+/// The owner of a fitted parameter: an effect at its site, as in "leak at I2", or "the patch".
 ///
 /// Parameters that an effect adds belong to it; all others belong to the patch.
 pub fn owner(outcome: &Outcome, parameter: &str) -> String {
     let is_owner = |effect: &&Candidate| effect.graft.parameters.iter().any(|added| added.name == parameter);
-    outcome.effects.iter().find(is_owner).map_or_else(|| "the patch".to_owned(), Candidate::label)
+    outcome.effects.iter().find(is_owner).map_or_else(|| "the patch".to_owned(), candidate_label)
 }
 
 #[cfg(test)]

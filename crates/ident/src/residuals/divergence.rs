@@ -8,8 +8,7 @@ use crate::fit::levenberg_marquardt::FitProblem;
 use crate::fit::model::ModelError;
 use crate::fit::normal_equations::JacobianColumn;
 use crate::fit::problem::Problem;
-use crate::residuals::output_motion::UNEXPLAINED_RATIO;
-use crate::residuals::output_motion::normalised_motion;
+use crate::residuals::output_motion::{UNEXPLAINED_RATIO, normalised_motion};
 use crate::statistics::descriptive::rms_about_means;
 
 /// Least growth of the response to an initial voltage in a diverging fit. It is measured from a first part of the

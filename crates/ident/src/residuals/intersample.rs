@@ -20,14 +20,15 @@ pub(crate) fn refit_smoothly(
     problem: &Problem,
     fitted: &FittedModel,
 ) -> Result<Option<(FittedModel, Vec<String>)>, ModelError> {
-    let is_linear = |feed: &&MeasuredDrive| feed.hold == Hold::Linear;
-    let names: Vec<String> = problem.drives.iter().filter(is_linear).map(|feed| feed.drive.clone()).collect();
+    let is_linear = |drive: &&MeasuredDrive| drive.hold == Hold::Linear;
+    let names: Vec<String> =
+        problem.drives.iter().filter(is_linear).map(|drive| drive.drive.clone()).collect();
     if names.is_empty() {
         return Ok(None);
     }
-    let with_smooth_hold = |feed: &MeasuredDrive| match feed.hold {
-        Hold::Linear => MeasuredDrive { hold: Hold::Smooth, ..feed.clone() },
-        Hold::Smooth | Hold::Previous => feed.clone(),
+    let with_smooth_hold = |drive: &MeasuredDrive| match drive.hold {
+        Hold::Linear => MeasuredDrive { hold: Hold::Smooth, ..drive.clone() },
+        Hold::Smooth | Hold::Previous => drive.clone(),
     };
     let smooth_problem =
         Problem { drives: problem.drives.iter().map(with_smooth_hold).collect(), ..problem.clone() };

@@ -24,6 +24,7 @@ const PREFIX_RATIO: f64 = 1e3;
 
 /// Another specification of the same data.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Respecification {
     /// These outputs have the opposite sign.
     SignFlip(Vec<String>),
@@ -99,8 +100,8 @@ fn with_subsample(problem: &Problem) -> Problem {
     let choose = |records: &[Record]| -> Vec<Record> {
         subsample_indices(records).into_iter().map(|index| records[index].clone()).collect()
     };
-    let (train, test) = (choose(&problem.train), choose(&problem.test));
-    Problem { pieces: cut_records(&train, problem.pieces_per_record), train, test, ..problem.clone() }
+    let (train, validation) = (choose(&problem.train), choose(&problem.validation));
+    Problem { pieces: cut_records(&train, problem.pieces_per_record), train, validation, ..problem.clone() }
 }
 
 /// A respecification for each output, and one for all outputs together if there are several.
@@ -157,6 +158,6 @@ fn with_scaled_outputs(problem: &Problem, names: &[String], factor: f64) -> Prob
 /// The same problem with every record changed by a function.
 fn with_changed_records(problem: &Problem, change: impl Fn(&mut Record)) -> Problem {
     let mut changed = problem.clone();
-    changed.train.iter_mut().chain(&mut changed.pieces).chain(&mut changed.test).for_each(change);
+    changed.train.iter_mut().chain(&mut changed.pieces).chain(&mut changed.validation).for_each(change);
     changed
 }

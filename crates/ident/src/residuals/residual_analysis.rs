@@ -93,7 +93,7 @@ fn find_noise_source(
     let drive_noise = drive_noise_in_outputs(problem, fitted)?;
     let is_noise =
         |output: usize| output_rms(output).powi(2) <= 1.0 + DRIVE_NOISE_RATIO * drive_noise[output];
-    let drives = || noisy_drives(problem).map(|feed| feed.drive.clone()).collect();
+    let drives = || noisy_drives(problem).map(|drive| drive.drive.clone()).collect();
     let source = |output: usize| match output_rms(output) {
         rms if rms <= 1.0 => ResidualSource::OutputNoise,
         rms if rms > normalised_motion(problem, output) => ResidualSource::Divergence(drives()),
@@ -118,7 +118,7 @@ fn worst_output(problem: &Problem, fitted: &FittedModel) -> Option<usize> {
 
 /// The drives whose columns have noise.
 fn noisy_drives(problem: &Problem) -> impl Iterator<Item = &MeasuredDrive> {
-    problem.drives.iter().zip(&problem.drive_sigma).filter(|(_, sigma)| **sigma > 0.0).map(|(feed, _)| feed)
+    problem.drives.iter().zip(&problem.drive_sigma).filter(|(_, sigma)| **sigma > 0.0).map(|(drive, _)| drive)
 }
 
 /// The mean squared residual of every output that noise of the drives causes, in units of sigma squared. Zeros if no
@@ -284,7 +284,7 @@ mod tests {
             Edit::new("elements/PK/in", json!("BX")),
         ];
         experiment.patch = experiment.patch.with_edits("turned.json", &wrong_sign).unwrap();
-        for (record, seed) in experiment.train.iter_mut().chain(&mut experiment.test).zip(0..) {
+        for (record, seed) in experiment.train.iter_mut().chain(&mut experiment.validation).zip(0..) {
             record.drives.iter_mut().chain(&mut record.outputs).for_each(|column| column.truncate(400));
             let noise = standard_normal(seed, 400);
             record.drives[0].iter_mut().zip(noise).for_each(|(force, noise)| *force += 0.05 * noise);

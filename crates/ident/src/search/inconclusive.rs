@@ -19,6 +19,7 @@ use crate::statistics::whiteness::ljung_box_z;
 
 /// Why data are inconclusive.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Inconclusive {
     /// There are at most as many samples as fitted numbers.
     TooFewSamples,
@@ -33,8 +34,8 @@ pub enum Inconclusive {
     /// The fit to the training records does not explain the validation records, where the rms residual is this
     /// multiple of the noise.
     ValidationMismatch(f64),
-    /// No effect fits any place of the patch.
-    NoPlaces,
+    /// The patch has no site for any effect.
+    NoSites,
     /// None of the effects would be detected in these data, at any strength in its range.
     NothingDetectable,
     /// The patch explains the data with parameter values outside their ranges.
@@ -72,17 +73,17 @@ pub(crate) fn why_inconclusive(
         .outputs
         .iter()
         .enumerate()
-        .map(|(place, name)| (name, normalised_output_rms(&base.train, place)));
+        .map(|(index, name)| (name, normalised_output_rms(&base.train, index)));
     if let Some((output, rms)) =
         rms.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, rms)| *rms > MAX_NOISE_RATIO)
     {
         return Ok(Some(Inconclusive::LoudResidual(output.clone(), rms)));
     }
     if is_any_validation_worse(problem, base) && !is_joint_fit_sufficient(problem, base)? {
-        return Ok(Some(Inconclusive::ValidationMismatch(base.test.normalised_rms())));
+        return Ok(Some(Inconclusive::ValidationMismatch(base.validation.normalised_rms())));
     }
     if rounds.iter().all(|round| round.trials.is_empty()) {
-        return Ok(Some(Inconclusive::NoPlaces));
+        return Ok(Some(Inconclusive::NoSites));
     }
     let is_any_detectable = limits.iter().any(DetectionLimit::is_detectable);
     Ok((!is_any_detectable).then_some(Inconclusive::NothingDetectable))
@@ -104,15 +105,15 @@ pub(crate) fn is_noise_only(problem: &Problem) -> bool {
 /// Whether the patch explains all records if it is fitted to all of them. The training records may leave a parameter
 /// open that the validation records depend on, for example if motion sticks in training.
 fn is_joint_fit_sufficient(problem: &Problem, base: &FittedModel) -> Result<bool, ModelError> {
-    let records = [problem.train.as_slice(), &problem.test].concat();
-    let initial = [base.train.estimate.initial.as_slice(), &base.test.estimate.initial].concat();
+    let records = [problem.train.as_slice(), &problem.validation].concat();
+    let initial = [base.train.estimate.initial.as_slice(), &base.validation.estimate.initial].concat();
     let model = problem.model(&base.variant, &records, &problem.outputs)?;
     let start = Estimate { initial, ..base.train.estimate.clone() };
     let Some(fitted) = problem.fit_problem(&model, &records, true).fit(&start) else { return Ok(false) };
-    let (train, test) = fitted.residuals.split_at(problem.train.len());
+    let (train, validation) = fitted.residuals.split_at(problem.train.len());
     let is_explained = |output: usize| {
         let before = squared_residuals(&base.train.residuals, output);
-        let parts = [train, test].map(|part| squared_residuals(part, output));
+        let parts = [train, validation].map(|part| squared_residuals(part, output));
         parts.iter().all(|after| !is_significantly_larger(&before, after, base.autocorrelation_time))
     };
     Ok((0..problem.outputs.len()).all(is_explained))

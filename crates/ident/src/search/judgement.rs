@@ -21,9 +21,9 @@ use crate::search::inconclusive::Inconclusive;
 use crate::search::inconclusive::why_inconclusive;
 use crate::search::outcome::{Outcome, is_residual_substantial, taken_rounds};
 use crate::search::progress::{Progress, SearchPhase};
-use crate::search::range_extension::extend_ranges;
+use crate::search::range_extension::{RangeExtension, extend_ranges};
 use crate::search::refinement::backward_eliminate;
-use crate::search::round::{Round, Trial};
+use crate::search::round::Round;
 use crate::search::settings::SearchSettings;
 use crate::search::state::SearchState;
 use crate::search::verdict::Verdict;
@@ -51,46 +51,69 @@ pub(crate) fn judge(
 ) -> Result<Outcome, ModelError> {
     let SearchState { mut rounds, effects, model: final_model, search_log } =
         backward_eliminate(problem, &base, state, settings)?;
-    let remaining_fraction = final_model.excess_rms() / base.excess_rms();
     // Detection limits are needed only if no effect was found.
     let empty_round = rounds.first().filter(|_| effects.is_empty());
     let limits = empty_round.map(|round| limits_of_round(problem, round)).transpose()?;
     let detection_limits = limits.unwrap_or_default();
-    let (mut verdict, inconclusive, localisations) =
-        conclude(problem, &base, &final_model, &rounds, &detection_limits, progress)?;
+    let conclusion = conclude(problem, &base, &final_model, &rounds, &detection_limits, progress)?;
     let range_extension = extend_ranges(problem, &base, &final_model)?;
-    let sufficient_extension = range_extension.as_ref().filter(|extension| extension.has_white_residual());
-    let inconclusive = sufficient_extension.map(|_| Inconclusive::RangeExtension).or(inconclusive);
-    if let Some(extension) = &range_extension {
-        verdict = extension.adjust_verdict(verdict);
-    }
+    let Conclusion { verdict, inconclusive, localisations } =
+        conclusion.considering(range_extension.as_ref());
     let is_ambiguous = verdict == Verdict::Ambiguous;
     let discriminating_experiment = if is_ambiguous { discriminate(problem, &rounds)? } else { None };
-    for round in &mut rounds {
-        if let Some(rival) = round.rival_index() {
-            round.trials[rival].model = with_standard_errors(problem, round.trials[rival].model.clone())?;
-        }
-    }
+    add_errors_of_rivals(problem, &mut rounds)?;
     let reported = if verdict.has_names() { &final_model } else { &base };
     Ok(Outcome {
         verdict,
+        seed: settings.seed,
         step_refinement: step_refinement(problem, reported)?,
         overload: first_overload(problem, reported)?,
         agreement: agreement_of_starts(problem, &base, settings.seed)?,
         correlations: residual_correlations(problem, &base)?,
-        places: EffectSites::of(base.variant.patch(), &problem.drives, settings.library)?,
+        effect_sites: EffectSites::of(base.variant.patch(), &problem.drives, settings.library)?,
+        remaining_fraction: final_model.excess_rms() / base.excess_rms(),
         base: with_standard_errors(problem, base)?,
         rounds,
         effects,
         search_log,
         final_model,
-        remaining_fraction,
         localisations,
         detection_limits,
         range_extension,
-        inconclusive: inconclusive.filter(|_| verdict == Verdict::CannotJudge),
+        inconclusive,
         discriminating_experiment,
     })
+}
+
+/// Computes the standard errors of the best rival of every round.
+fn add_errors_of_rivals(problem: &Problem, rounds: &mut [Round]) -> Result<(), ModelError> {
+    for round in rounds {
+        if let Some(rival) = round.rival_index() {
+            round.trials[rival].model = with_standard_errors(problem, round.trials[rival].model.clone())?;
+        }
+    }
+    Ok(())
+}
+
+/// A verdict with its reasons.
+struct Conclusion {
+    verdict: Verdict,
+    /// Why the data are inconclusive. It is a reason to doubt the data even if the verdict is another.
+    inconclusive: Option<Inconclusive>,
+    /// The missing force at every junction. Empty if nothing is missing.
+    localisations: Vec<Localisation>,
+}
+
+impl Conclusion {
+    /// The conclusion if the fit with wider ranges is considered as well. It has a reason only if its verdict is that
+    /// the data are inconclusive.
+    fn considering(self, extension: Option<&RangeExtension>) -> Conclusion {
+        let sufficient = extension.filter(|extension| extension.has_white_residual());
+        let inconclusive = sufficient.map(|_| Inconclusive::RangeExtension).or(self.inconclusive);
+        let verdict = extension.map_or(self.verdict, |extension| extension.adjust_verdict(self.verdict));
+        let inconclusive = inconclusive.filter(|_| verdict == Verdict::CannotJudge);
+        Conclusion { verdict, inconclusive, localisations: self.localisations }
+    }
 }
 
 /// The verdict of the rounds, the reason why the data are inconclusive if they are, and the missing forces if one is
@@ -102,7 +125,7 @@ fn conclude(
     rounds: &[Round],
     limits: &[DetectionLimit],
     progress: &mut (impl FnMut(Progress) + Send),
-) -> Result<(Verdict, Option<Inconclusive>, Vec<Localisation>), ModelError> {
+) -> Result<Conclusion, ModelError> {
     let remaining_fraction = final_model.excess_rms() / base.excess_rms();
     let coloured = coloured_residual(problem, final_model)?;
     let is_noise = !final_model.residuals_are_coloured() || coloured.is_some();
@@ -114,7 +137,7 @@ fn conclude(
     };
     let verdict = verdict_of(rounds, remaining_fraction, is_noise, inconclusive.is_some());
     if matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
-        return Ok((verdict, inconclusive, Vec::new()));
+        return Ok(Conclusion { verdict, inconclusive, localisations: Vec::new() });
     }
     progress(Progress::of(SearchPhase::Localisation));
     let localisations = localise(problem, base)?;
@@ -123,29 +146,30 @@ fn conclude(
         false => None,
     };
     if let Some(noise) = slow_noise {
-        return Ok((Verdict::CannotJudge, Some(Inconclusive::SlowSensorNoise(noise)), Vec::new()));
+        let inconclusive = Some(Inconclusive::SlowSensorNoise(noise));
+        return Ok(Conclusion { verdict: Verdict::CannotJudge, inconclusive, localisations: Vec::new() });
     }
     let is_substantial = is_residual_substantial(final_model, remaining_fraction);
     let is_doubtful = verdict.has_names() && !is_noise && (taken > 1 || is_substantial);
     let is_unknown = is_doubtful
         && !is_convincing(base, final_model, rounds)
         && is_curve_far_better(&localisations, remaining_fraction);
-    Ok((if is_unknown { Verdict::UnknownEffect } else { verdict }, inconclusive, localisations))
+    let verdict = if is_unknown { Verdict::UnknownEffect } else { verdict };
+    Ok(Conclusion { verdict, inconclusive, localisations })
 }
 
 /// The detection limits of all effects that a round tried, the most detectable first.
 fn limits_of_round(problem: &Problem, round: &Round) -> Result<Vec<DetectionLimit>, ModelError> {
     let tried: Vec<_> = round.trials.iter().map(|trial| (&trial.candidate, &trial.model.variant)).collect();
-    detection_limits(problem, &round.before, round.bar(), &tried)
+    detection_limits(problem, &round.before, round.acceptance_criterion(), &tried)
 }
 
 /// The experiment that distinguishes the best trial from its best rival, in the first taken round with a rival.
 fn discriminate(problem: &Problem, rounds: &[Round]) -> Result<Option<DiscriminatingExperiment>, ModelError> {
     let tied = taken_rounds(rounds).find_map(|round| Some((round, [&round.trials[0], round.rival()?])));
     let Some((round, trials)) = tied else { return Ok(None) };
-    let labels = trials.map(Trial::label);
-    let rivals = [0, 1].map(|index| Rival { name: &labels[index], model: &trials[index].model });
-    discriminating_experiment(problem, rivals, round.bar().effective_variance())
+    let rivals = trials.map(|trial| Rival { candidate: &trial.candidate, model: &trial.model });
+    discriminating_experiment(problem, rivals, round.acceptance_criterion().effective_variance())
 }
 
 /// The outcome for data in which no effect is searched, with the reason for this.
@@ -161,6 +185,7 @@ pub(crate) fn inconclusive_outcome(
     let base = with_standard_errors(problem, base)?;
     Ok(Outcome {
         verdict: Verdict::CannotJudge,
+        seed,
         step_refinement: step_refinement(problem, &base)?,
         overload: first_overload(problem, &base)?,
         agreement: agreement_of_starts(problem, &base, seed)?,
@@ -176,7 +201,7 @@ pub(crate) fn inconclusive_outcome(
         range_extension: None,
         inconclusive: Some(reason),
         discriminating_experiment: None,
-        places: EffectSites::default(),
+        effect_sites: EffectSites::default(),
     })
 }
 

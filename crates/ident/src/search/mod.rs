@@ -1,8 +1,8 @@
 //! The search for missing effects.
 //!
-//! 1. The patch as it is is fitted. The search ends if the data are only noise, the fit diverges, or a sign or unit
-//!    is wrong.
-//! 2. A round tries every effect of the library at every place, and fits each extended patch (module `trials`).
+//! 1. The patch is fitted without any effect. The search ends if the data are only noise, the fit diverges, or a sign
+//!    or unit is wrong.
+//! 2. A round tries every effect of the library at every site, and fits each extended patch (module `trials`).
 //! 3. The best trial is accepted if its `delta_bic` is large enough and the validation records confirm it
 //!    (module `round`).
 //! 4. Rounds repeat until the residual looks like noise, no trial is accepted, or three effects are found.
@@ -25,18 +25,16 @@ pub(crate) mod state;
 pub(crate) mod trials;
 pub mod verdict;
 
-use crate::fit::base_fit::fit_base;
-use crate::fit::base_fit::refit_from_trial;
+use crate::data::experiment::Experiment;
+use crate::fit::base_fit::{fit_base, refit_from_trial};
 use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::residuals::divergence::find_divergence;
 use crate::residuals::misspecification::find_misspecification;
 use crate::residuals::residual_analysis::is_drive_noise;
-use crate::search::inconclusive::Inconclusive;
-use crate::search::inconclusive::is_noise_only;
-use crate::search::judgement::inconclusive_outcome;
-use crate::search::judgement::judge;
+use crate::search::inconclusive::{Inconclusive, is_noise_only};
+use crate::search::judgement::{inconclusive_outcome, judge};
 use crate::search::pairs::search_pairs;
 use crate::search::progress::{Progress, SearchPhase};
 use crate::search::refinement::refine;
@@ -44,7 +42,6 @@ use crate::search::round::Round;
 use crate::search::state::SearchState;
 use crate::search::trials::run_round;
 use patchcord_analysis::parallel;
-use patchcord_core::patch::Patch;
 
 pub use outcome::Outcome;
 pub use settings::SearchSettings;
@@ -58,7 +55,7 @@ const MAX_REFITS: usize = 3;
 /// Maximum number of missing effects that a search looks for.
 const MAX_EFFECTS: usize = 3;
 
-/// Searches for the effects that a patch lacks. `fit` has the names of the parameters that are fitted, and `progress`
+/// Searches for the effects that the patch of an experiment lacks. `problem` is that of the experiment, and `progress`
 /// is called before and during each phase. Returns None if the patch can be run from none of the starts.
 ///
 /// # Errors
@@ -67,40 +64,35 @@ const MAX_EFFECTS: usize = 3;
 /// # Examples
 ///
 /// ```no_run
-/// use patchcord_ident::Experiment;
-/// use patchcord_ident::effects::Library;
-/// use patchcord_ident::fit::problem::Problem;
-/// use patchcord_ident::search::{SearchSettings, search};
+/// use patchcord_ident::{Experiment, Library, Problem, SearchSettings, search};
 ///
 /// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
 /// let (problem, library) = (Problem::of(&experiment)?, Library::shipped());
-/// let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
-/// let show = |progress: patchcord_ident::search::progress::Progress| println!("{progress:?}");
-/// let outcome = search(&problem, &experiment.patch, &experiment.fit, &settings, show)?;
+/// let settings = SearchSettings::new(&library).with_threads(2);
+/// let outcome = search(&experiment, &problem, &settings, |progress| println!("{progress:?}"))?;
 /// let outcome = outcome.ok_or("the patch cannot be run from any start")?;
 /// assert_eq!(outcome.verdict.as_str(), "named");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn search(
+    experiment: &Experiment,
     problem: &Problem,
-    patch: &Patch,
-    fit: &[String],
     settings: &SearchSettings<'_>,
     mut progress: impl FnMut(Progress) + Send,
 ) -> Result<Option<Outcome>, ModelError> {
     parallel::with_threads(settings.threads, || {
-        search_on_threads(problem, patch, fit, settings, &mut progress)
+        search_on_threads(experiment, problem, settings, &mut progress)
     })
 }
 
 /// The search itself, on the threads that [`search`] provides.
 fn search_on_threads(
+    experiment: &Experiment,
     problem: &Problem,
-    patch: &Patch,
-    fit: &[String],
     settings: &SearchSettings<'_>,
     progress: &mut (impl FnMut(Progress) + Send),
 ) -> Result<Option<Outcome>, ModelError> {
+    let Experiment { patch, fit, .. } = experiment;
     progress(Progress::of(SearchPhase::Base));
     let Some(base) = fit_base(problem, patch, fit, settings.seed)? else { return Ok(None) };
     if is_noise_only(problem) {
@@ -110,8 +102,8 @@ fn search_on_threads(
         let reason = Inconclusive::Divergence(divergence);
         return inconclusive_outcome(problem, base, reason, settings.seed).map(Some);
     }
-    if let Some(wrong) = find_misspecification(problem, &base, patch, fit, settings.seed)? {
-        let reason = Inconclusive::Misspecification(wrong);
+    if let Some(misspecification) = find_misspecification(problem, &base, patch, fit, settings.seed)? {
+        let reason = Inconclusive::Misspecification(misspecification);
         return inconclusive_outcome(problem, base, reason, settings.seed).map(Some);
     }
     let (base, state, before_tentative) = run_rounds(problem, base, settings, progress)?;

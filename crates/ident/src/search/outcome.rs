@@ -22,10 +22,32 @@ use crate::search::verdict::Verdict;
 const SUBSTANTIAL_FRACTION: f64 = 0.1;
 
 /// The outcome of a search.
+///
+/// # Examples
+///
+/// A search takes some seconds, so this example is only compiled:
+///
+/// ```no_run
+/// use patchcord_ident::{Experiment, Library, Problem, SearchSettings, search};
+///
+/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+/// let (problem, library) = (Problem::of(&experiment)?, Library::shipped());
+/// let outcome = search(&experiment, &problem, &SearchSettings::new(&library), |_| ())?;
+/// let outcome = outcome.ok_or("the patch cannot be run from any start")?;
+///
+/// assert_eq!(outcome.verdict.as_str(), "named");
+/// assert_eq!(outcome.effects[0].effect, "viscous-friction");
+/// let model = outcome.reported_model();
+/// assert!(model.train.normalised_rms() < outcome.base.train.normalised_rms());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Outcome {
     /// The verdict.
     pub verdict: Verdict,
+    /// The seed of the search.
+    pub seed: u64,
     /// The patch as it was, fitted.
     pub base: FittedModel,
     /// Whether fits of the patch from other starts reproduce its fit.
@@ -56,8 +78,8 @@ pub struct Outcome {
     /// The experiment that distinguishes two tied effects. None if there are none, or if no such experiment can be
     /// run.
     pub discriminating_experiment: Option<DiscriminatingExperiment>,
-    /// The places of the patch where effects can be attached. Empty if no effect was tried.
-    pub places: EffectSites,
+    /// The sites of the patch at which effects can be attached. Empty if no effect was tried.
+    pub effect_sites: EffectSites,
     /// The number of solver steps of the reported model, and the solver's error.
     pub step_refinement: StepRefinement,
 }

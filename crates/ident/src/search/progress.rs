@@ -2,10 +2,11 @@
 
 /// A phase of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SearchPhase {
-    /// The patch as it is is fitted.
+    /// The patch is fitted without any effect.
     Base,
-    /// Every effect is fitted quickly at every place.
+    /// Every effect is fitted quickly at every site.
     Quick,
     /// The best trials are fitted completely.
     Full,
@@ -17,6 +18,7 @@ pub enum SearchPhase {
 
 /// The current phase of a search, and its completed work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Progress {
     /// Number of the effect that is searched for, from 1. Zero outside rounds.
     pub round: usize,

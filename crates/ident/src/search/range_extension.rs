@@ -70,13 +70,13 @@ pub(crate) fn extend_ranges(
         editor.set_range(name, range)?;
     }
     let patch = editor.finish(base.variant.patch().file())?;
-    let version = base.variant.with_patch(patch);
-    let Some(model) = refit(problem, base, version, base.train.estimate.clone())? else { return Ok(None) };
+    let variant = base.variant.with_patch(patch);
+    let Some(model) = refit(problem, base, variant, base.train.estimate.clone())? else { return Ok(None) };
     let outside: Vec<usize> = model.indices_outside(&original).collect();
-    let compare = |part: fn(&FittedModel) -> &FitResult| {
-        advantage(&part(&model).residuals, &part(final_model).residuals)
+    let compare = |fit_of: fn(&FittedModel) -> &FitResult| {
+        advantage(&fit_of(&model).residuals, &fit_of(final_model).residuals)
     };
-    let final_advantage = compare(|model| &model.train).combined(compare(|model| &model.test));
+    let final_advantage = compare(|model| &model.train).combined(compare(|model| &model.validation));
     let is_rival = final_advantage.z_score() < RIVAL_Z;
     Ok((!outside.is_empty()).then_some(RangeExtension { model, outside, is_rival }))
 }

@@ -100,8 +100,9 @@ pub(crate) fn backward_eliminate(
 /// The effect whose removal increases chi2 least, among those whose interval includes zero strength. Returns its
 /// index, the other effects, and the patch with these.
 ///
-/// An effect does not count if the residual is white only with it. Nor does it count if it has no rival and explains more
-/// than half of the excess that the others leave. Returns None if no effect can be dropped, or if there is only one.
+/// An effect does not count if the residual is white only with it. Nor does it count if it has no rival and explains
+/// more than half of the excess that the others leave. Returns None if no effect can be dropped, or if there is only
+/// one.
 fn least_significant(
     problem: &Problem,
     base: &FittedModel,
@@ -152,18 +153,18 @@ fn fit_effects(
     for effect in effects {
         let sites = find_sites(problem, &model)?;
         let all = library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
-        let Some(attached) = all.into_iter().find(|attached| effect.is_placed_as(attached)) else {
+        let Some(placement) = all.into_iter().find(|placement| effect.is_placed_as(placement)) else {
             return Ok(None);
         };
         let peaks = signal_extents(problem, &model)?;
         let known = PreviousFit::new(effect, previous).values;
-        let asked = TrialRequest {
+        let request = TrialRequest {
             effort: Effort::FULL,
             target_chi2: model.train.chi2,
             previous: None,
             effect_values: Some(&known),
         };
-        match fit_trial(problem, &model, &attached, &peaks, asked) {
+        match fit_trial(problem, &model, &placement, &peaks, request) {
             Ok((candidate, next)) => {
                 candidates.push(candidate);
                 model = next;
@@ -182,9 +183,9 @@ pub(crate) fn can_be_zero(effect: &Candidate, model: &FittedModel) -> bool {
     let parameters = &effect.graft.parameters;
     let Some((zero, first)) = effect.null_value.zip(parameters.first()) else { return false };
     parameters.iter().filter(|parameter| parameter.unit == first.unit).all(|parameter| {
-        let place = model.variant.fit.iter().position(|name| *name == parameter.name);
-        let known = place.and_then(|place| model.uncertainties.get(place));
-        known.is_some_and(|known| known.interval[0] <= zero && zero <= known.interval[1])
+        let index = model.variant.fit.iter().position(|name| *name == parameter.name);
+        let uncertainty = index.and_then(|index| model.uncertainties.get(index));
+        uncertainty.is_some_and(|known| known.interval[0] <= zero && zero <= known.interval[1])
     })
 }
 
@@ -200,7 +201,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/hidden/bias/experiment.json");
         let experiment = Experiment::read(path).unwrap();
         let (problem, library) = (Problem::of(&experiment).unwrap(), Library::shipped());
-        let settings = SearchSettings { library: &library, threads: 2, seed: 1 };
+        let settings = SearchSettings::new(&library).with_threads(2);
         let base = fit_base(&problem, &experiment.patch, &experiment.fit, 1).unwrap().unwrap();
         let mut state = SearchState::new(base.clone());
         for _ in 0..2 {

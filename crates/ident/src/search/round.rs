@@ -6,6 +6,7 @@
 
 use std::mem;
 
+use crate::effects::PlacedEffect;
 use crate::effects::candidate::Candidate;
 use crate::fit::estimate::FitResult;
 use crate::fit::extended_model::SkippedTrial;
@@ -15,8 +16,9 @@ use crate::statistics::block_comparison::{Advantage, advantage};
 
 /// A patch extended by one effect, fitted.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Trial {
-    /// The effect at its place.
+    /// The effect at its site.
     pub candidate: Candidate,
     /// The patch with the effect, fitted.
     pub model: FittedModel,
@@ -33,15 +35,15 @@ pub struct Trial {
 
 /// The trials of one round on one patch.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Round {
     /// The patch without the effects of this round.
     pub before: FittedModel,
-    /// Effects of other rounds in that patch, with their places. Empty in the first round, until the refinement
-    /// repeats it.
-    pub other_effects: Vec<String>,
+    /// Effects of other rounds in that patch. Empty in the first round, until the refinement repeats it.
+    pub other_effects: Vec<PlacedEffect>,
     /// All trials, the best first.
     pub trials: Vec<Trial>,
-    /// Effects and places that could not be tried.
+    /// Effects that could not be tried at a site.
     pub skipped: Vec<SkippedTrial>,
     /// Advantage of the best trial over `before` on the validation records.
     pub validation_advantage: Advantage,
@@ -78,9 +80,9 @@ const MAX_TENTATIVE: usize = 3;
 const DISTINCT_EXCESS_RATIO: f64 = 3.0;
 
 impl Trial {
-    /// The effect and its place, for example "leak at I2".
-    pub fn label(&self) -> String {
-        self.candidate.label()
+    /// The names of the effect and of the element that it acts on.
+    pub fn placed_effect(&self) -> PlacedEffect {
+        self.candidate.placed_effect()
     }
 
     /// Number of fitted parameters.
@@ -90,7 +92,7 @@ impl Trial {
 
     /// Whether the residual is white and the validation records leave no more than noise.
     fn predicts_validation(&self) -> bool {
-        !self.model.residuals_are_coloured() && self.model.test.reduced_chi2() < MAX_VALIDATION_CHI2
+        !self.model.residuals_are_coloured() && self.model.validation.reduced_chi2() < MAX_VALIDATION_CHI2
     }
 
     /// Whether `other` is an alias with fewer parameters that is about as good, given this trial's advantage over it
@@ -109,7 +111,8 @@ impl Trial {
     /// records favour it too.
     fn advantage_of(&self, other: &Trial) -> Advantage {
         let train = advantage(&self.model.train.residuals, &other.model.train.residuals);
-        let all = train.combined(advantage(&self.model.test.residuals, &other.model.test.residuals));
+        let all =
+            train.combined(advantage(&self.model.validation.residuals, &other.model.validation.residuals));
         let is_fair =
             other.parameter_count() <= self.parameter_count() && other.model.residuals_are_coloured();
         if is_fair && all.sum > 0.0 && train.z_score() > all.z_score() { train } else { all }
@@ -120,14 +123,15 @@ impl Round {
     /// A round with trials on the patch `before`, compared and judged.
     pub(crate) fn new(
         before: &FittedModel,
-        other_effects: Vec<String>,
+        other_effects: Vec<PlacedEffect>,
         tried: Vec<(Candidate, FittedModel)>,
     ) -> Round {
-        let (variance, memory) = score_unit(tried.iter().map(|(_, model)| model));
-        let per_parameter = libm::log(before.train.data_count as f64 / memory);
+        let (variance, autocorrelation_time) = score_unit(tried.iter().map(|(_, model)| model));
+        let per_parameter = libm::log(before.train.data_count as f64 / autocorrelation_time);
         let delta_bic = |model: &FittedModel| {
             let parameters = (model.variant.fit.len() - before.variant.fit.len()) as f64;
-            (before.train.chi2 - model.train.chi2) / (variance * memory) - parameters * per_parameter
+            (before.train.chi2 - model.train.chi2) / (variance * autocorrelation_time)
+                - parameters * per_parameter
         };
         let no_advantage = Advantage { sum: 0.0, standard_error: 0.0, degrees_of_freedom: 0 };
         let trial = |(candidate, model): (Candidate, FittedModel)| Trial {
@@ -150,7 +154,7 @@ impl Round {
             tied: 0,
             taken: false,
             tentative: false,
-            chi2_per_parameter: variance * memory * per_parameter,
+            chi2_per_parameter: variance * autocorrelation_time * per_parameter,
         };
         round.judge();
         round
@@ -217,7 +221,7 @@ impl Round {
     }
 
     /// The variance and autocorrelation time in `delta_bic`, and its required value.
-    pub(crate) fn bar(&self) -> AcceptanceCriterion {
+    pub(crate) fn acceptance_criterion(&self) -> AcceptanceCriterion {
         let (noise_variance, autocorrelation_time) = score_unit(self.trials.iter().map(|trial| &trial.model));
         AcceptanceCriterion {
             noise_variance,
@@ -230,9 +234,9 @@ impl Round {
     fn judge(&mut self) {
         self.update_advantages();
         // A trial that explains the training and validation records better is better than its delta_bic says.
-        let ahead = (1..self.trials.len()).filter(|index| self.is_better_overall(&self.trials[*index]));
+        let better = (1..self.trials.len()).filter(|index| self.is_better_overall(&self.trials[*index]));
         let ratio = |index: &usize| self.trials[*index].best_advantage.z_score();
-        self.move_to_front(ahead.min_by(|a, b| ratio(a).total_cmp(&ratio(b))));
+        self.move_to_front(better.min_by(|a, b| ratio(a).total_cmp(&ratio(b))));
         // A trial with fewer parameters that is no worse on all records is preferred.
         let simpler = (1..self.trials.len()).find(|index| self.is_simpler(&self.trials[*index]));
         self.move_to_front(simpler);
@@ -240,7 +244,8 @@ impl Round {
         let validated = (1..self.trials.len()).find(|index| self.is_better_validated(&self.trials[*index]));
         self.move_to_front(validated);
         let Some(best) = self.trials.first() else { return };
-        self.validation_advantage = advantage(&self.before.test.residuals, &best.model.test.residuals);
+        self.validation_advantage =
+            advantage(&self.before.validation.residuals, &best.model.validation.residuals);
         let is_visible = best.delta_bic > self.required_delta_bic && self.has_sufficient_effect();
         let is_predicted = best.predicts_validation()
             && self.validation_advantage.sum > self.required_delta_bic * best.model.autocorrelation_time;
@@ -321,11 +326,11 @@ impl Round {
         let is_near = best.delta_bic - trial.delta_bic < TIE_DELTA_BIC && is_worth_parameters || is_simple;
         let is_near = is_near && trial.best_advantage.z_score() < RIVAL_Z;
         // A trial is no rival if its residual is coloured and that of the best one is white or far smaller.
-        let leaves_far_more = |part: fn(&FittedModel) -> &FitResult| {
-            part(&trial.model).excess_reduced_chi2()
-                > DISTINCT_EXCESS_RATIO * part(&best.model).excess_reduced_chi2()
+        let leaves_far_more = |fit_of: fn(&FittedModel) -> &FitResult| {
+            fit_of(&trial.model).excess_reduced_chi2()
+                > DISTINCT_EXCESS_RATIO * fit_of(&best.model).excess_reduced_chi2()
         };
-        let is_far = leaves_far_more(|model| &model.train) && leaves_far_more(|model| &model.test);
+        let is_far = leaves_far_more(|model| &model.train) && leaves_far_more(|model| &model.validation);
         let is_as_good =
             !trial.model.residuals_are_coloured() || best.model.residuals_are_coloured() && !is_far;
         let is_as_good = is_as_good && !trial.is_redundant_alias(best, -trial.best_advantage.z_score());
@@ -334,8 +339,8 @@ impl Round {
     }
 }
 
-/// Whether `best`, the best of this number of trials, could reach the required `delta_bic` if its residual were white and
-/// its additional parameters cost nothing.
+/// Whether `best`, the best of this number of trials, could reach the required `delta_bic` if its residual were white
+/// and its additional parameters cost nothing.
 pub(crate) fn can_be_visible(before: &FittedModel, best: &FittedModel, trials: usize) -> bool {
     before.train.chi2 - best.train.chi2 > required_delta_bic(trials) * best.train.reduced_chi2()
 }
@@ -350,142 +355,4 @@ fn score_unit<'m>(models: impl Iterator<Item = &'m FittedModel>) -> (f64, f64) {
 }
 
 #[cfg(test)]
-mod tests {
-    use crate::effects::attach::EffectPlacement;
-    use crate::fit::base_fit::fit_base;
-    use crate::fit::extended_model::find_sites;
-    use crate::fit::extended_model::fit_trial;
-    use crate::fit::signal_extents::signal_extents;
-    use std::path::Path;
-
-    use super::*;
-    use crate::Experiment;
-    use crate::effects::Library;
-    use crate::fit::extended_model::TrialRequest;
-    use crate::fit::problem::Problem;
-    use crate::fit::schedule::Effort;
-
-    /// A quickly fitted trial of a saturation, on data in which a saturation is missing. The tests change copies of
-    /// it.
-    fn template() -> (Candidate, FittedModel) {
-        let path = Path::new("tests/hidden/saturation/experiment.json");
-        let experiment = Experiment::read(path).unwrap_or_else(|error| panic!("{error}"));
-        let problem = Problem::of(&experiment).unwrap();
-        let base = fit_base(&problem, &experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        let (sites, peaks) = (find_sites(&problem, &base).unwrap(), signal_extents(&problem, &base).unwrap());
-        let library = Library::shipped();
-        let mut all = library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
-        let saturation = all.find(|attached| attached.effect.name == "saturation").unwrap();
-        let asked = TrialRequest {
-            effort: Effort::QUICK,
-            target_chi2: f64::INFINITY,
-            previous: None,
-            effect_values: None,
-        };
-        fit_trial(&problem, &base, &saturation, &peaks, asked).unwrap()
-    }
-
-    /// A trial with this number of parameters whose residual is a sine. Its amplitude is `train` in training and alternates
-    /// between the two values of `test` in validation.
-    fn trial(
-        template: &(Candidate, FittedModel),
-        name: &str,
-        parameters: usize,
-        train: f64,
-        test: [f64; 2],
-    ) -> (Candidate, FittedModel) {
-        let (mut candidate, mut model) = template.clone();
-        name.clone_into(&mut candidate.effect);
-        model.variant.fit = (0..parameters).map(|number| format!("p{number}")).collect();
-        for (fitted, amplitudes) in [(&mut model.train, [train; 2]), (&mut model.test, test)] {
-            let wave = (0..2000_u32).map(|k| amplitudes[(k / 100 % 2) as usize] * (0.2 * f64::from(k)).sin());
-            fitted.residuals = vec![vec![wave.collect()]];
-            fitted.chi2 = fitted.residuals[0][0].iter().map(|value| value * value).sum();
-            fitted.data_count = 2000;
-        }
-        (model.ljung_box_z, model.autocorrelation_time) = (100.0, 20.0);
-        (candidate, model)
-    }
-
-    /// The best effect of a round, and the number of tied trials.
-    fn judged(template: &(Candidate, FittedModel), tried: Vec<(Candidate, FittedModel)>) -> (String, usize) {
-        let (_, before) = trial(template, "", 2, 100.0, [100.0; 2]);
-        let round = Round::new(&before, Vec::new(), tried);
-        (round.trials[0].candidate.effect.clone(), round.tied)
-    }
-
-    #[test]
-    fn a_simpler_trial_is_preferred_to_a_coloured_one_that_is_no_better() {
-        let template = template();
-        let compare = |simple: &str, test: [f64; 2], colour: f64| {
-            let mut rich = trial(&template, "rich", 4, 9.0, test);
-            rich.1.ljung_box_z = colour;
-            judged(&template, vec![trial(&template, simple, 3, 10.0, [20.0; 2]), rich])
-        };
-        let with_other = |test: [f64; 2], colour: f64| compare("simple", test, colour);
-        assert_eq!(with_other([28.6, 5.0], 100.0), ("simple".to_owned(), 1));
-        // A trial that is better, even if not significantly, or has a white residual stays in front.
-        assert_eq!(with_other([28.0, 5.0], 100.0), ("rich".to_owned(), 2));
-        assert_eq!(with_other([28.6, 5.0], 0.0), ("rich".to_owned(), 1));
-        // A trial counts as its alias unless it is clearly better.
-        let with_alias = |test: [f64; 2]| compare(&template.0.aliases[0], test, 100.0);
-        assert_eq!(with_alias([28.0, 5.0]), ("overflow".to_owned(), 1));
-        assert_eq!(with_alias([24.0, 5.0]), ("rich".to_owned(), 2));
-    }
-
-    #[test]
-    fn a_better_fit_is_rejected_if_it_makes_a_taken_effect_tentative() {
-        let template = template();
-        let (_, before) = trial(&template, "", 2, 100.0, [100.0; 2]);
-        let rejudge = |test: [f64; 2], better: [f64; 2]| {
-            let with = |train, test| trial(&template, "a", 3, train, test);
-            let mut round = Round::new(&before, Vec::new(), vec![with(9.0, test)]);
-            let original = (round.taken, round.tentative);
-            (original, round.rejudge(with(8.9, better).1).map(|_| (round.taken, round.tentative)))
-        };
-        let (taken, tentative) = ((true, false), (false, true));
-        assert_eq!(rejudge([0.0, 110.0], [0.0, 109.0]), (taken, Some(taken)));
-        assert_eq!(rejudge([0.0, 110.0], [0.0, 122.0]), (taken, None));
-        assert_eq!(rejudge([0.0, 122.0], [0.0, 121.0]), (tentative, Some(tentative)));
-        assert_eq!(rejudge([0.0, 122.0], [0.0, 110.0]), (tentative, Some(taken)));
-    }
-
-    #[test]
-    fn a_decrease_of_chi2_below_the_required_delta_bic_is_not_visible() {
-        let template = template();
-        let with = |amplitude: f64| trial(&template, "", 3, amplitude, [1.0; 2]).1;
-        // Noise of 2000 samples. The best of 40 trials needs a decrease of chi2 by 11.
-        let is_visible = |amplitude: f64| can_be_visible(&with(1.414), &with(amplitude), 40);
-        assert!(is_visible(1.409) && !is_visible(1.411));
-    }
-
-    #[test]
-    fn among_equal_trials_one_that_predicts_the_validation_records_is_preferred() {
-        let template = template();
-        let best_with = |train: f64, test: [f64; 2]| {
-            let mut best = trial(&template, "best", 3, 1.4, [0.2, 3.0]);
-            let mut rival = trial(&template, "rival", 3, train, test);
-            (best.1.ljung_box_z, rival.1.ljung_box_z) = (0.0, 0.0);
-            judged(&template, vec![best, rival]).0
-        };
-        assert_eq!(best_with(1.402, [1.5, 1.5]), "rival");
-        // Its delta_bic is too low, or it does not predict the validation records either.
-        assert_eq!(best_with(1.8, [1.5, 1.5]), "best");
-        assert_eq!(best_with(1.402, [1.6, 1.6]), "best");
-    }
-
-    #[test]
-    fn training_distinguishes_coloured_trials_that_validation_does_not() {
-        let template = template();
-        let with_rival = |rival: [f64; 2], colour: f64| {
-            let mut best = trial(&template, "best", 3, 10.0, [30.0, 10.0]);
-            let mut rival = trial(&template, "rival", 3, 12.0, rival);
-            (best.1.ljung_box_z, rival.1.ljung_box_z) = (colour, colour);
-            judged(&template, vec![best, rival])
-        };
-        assert_eq!(with_rival([10.0, 30.0], 100.0), ("best".to_owned(), 1));
-        // Validation favours the rival, or the residuals are white.
-        assert_eq!(with_rival([10.0, 28.0], 100.0), ("best".to_owned(), 2));
-        assert_eq!(with_rival([10.0, 30.0], 0.0), ("best".to_owned(), 2));
-    }
-}
+mod tests;

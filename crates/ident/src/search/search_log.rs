@@ -1,19 +1,21 @@
 //! The log of a search: every change of the effects in the patch, and the residual after it.
 
+use crate::effects::PlacedEffect;
 use crate::effects::candidate::Candidate;
 use crate::fit::fitted_model::FittedModel;
 
-/// One action of a search. Names of effects include their places, as in "leak at I2".
+/// One action of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Action {
     /// The patch as it was is fitted: the first entry of every log.
     FitPatch,
     /// The best effect of a round is taken.
-    Take(String),
+    Take(PlacedEffect),
     /// The search continues with the best effect of a round, which is not confirmed by itself.
-    ContinueUnconfirmed(String),
+    ContinueUnconfirmed(PlacedEffect),
     /// The search continues with an effect because one of two effects may hide the other.
-    TryInPair(String),
+    TryInPair(PlacedEffect),
     /// The search returns to an earlier state because the larger set of effects is not confirmed.
     BacktrackFromMore,
     /// The search returns to an earlier state because no pair is both confirmed and leaves only noise.
@@ -23,15 +25,15 @@ pub enum Action {
     /// The fit from before the refinement is restored, because it has the same effects and a smaller residual.
     RestoreFit,
     /// An effect is dropped.
-    Drop(String),
+    Drop(PlacedEffect),
     /// An effect is tried again with the others in the patch, and kept.
-    Keep(String),
+    Keep(PlacedEffect),
     /// An effect replaces another.
     Replace {
         /// The new effect.
-        by: String,
+        by: PlacedEffect,
         /// The effect that it replaces.
-        replaced: String,
+        replaced: PlacedEffect,
     },
 }
 
@@ -40,8 +42,8 @@ pub enum Action {
 pub struct LogEntry {
     /// The action.
     pub action: Action,
-    /// The effects in the patch after the action, with their places.
-    pub effects: Vec<String>,
+    /// The effects in the patch after the action.
+    pub effects: Vec<PlacedEffect>,
     /// Rms residual over the noise after the action: of the training records, then of the validation records.
     pub residual_rms: [f64; 2],
 }
@@ -49,8 +51,8 @@ pub struct LogEntry {
 impl LogEntry {
     /// The entry for an action that leads to `effects` and `model`.
     pub(crate) fn new(action: Action, effects: &[Candidate], model: &FittedModel) -> LogEntry {
-        let effects = effects.iter().map(Candidate::label).collect();
-        let residual_rms = [&model.train, &model.test].map(|fitted| fitted.normalised_rms());
+        let effects = effects.iter().map(Candidate::placed_effect).collect();
+        let residual_rms = [&model.train, &model.validation].map(|fitted| fitted.normalised_rms());
         LogEntry { action, effects, residual_rms }
     }
 }

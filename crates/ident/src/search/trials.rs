@@ -1,6 +1,6 @@
 //! The trials of a round.
 //!
-//! Every effect is first fitted quickly at every place. The best trials are then fitted completely, and with them
+//! Every effect is first fitted quickly at every site. The best trials are then fitted completely, and with them
 //! other forms and simpler effects that may overtake the best. If all residuals are large, the best trials are also
 //! fitted to growing parts of the records. At the end the solver steps and the validation of the trials near the best
 //! are checked.
@@ -39,12 +39,12 @@ const NEAR_CHI2_RATIO: f64 = 1.5;
 
 /// An effect wired in, and the patch with it, fitted.
 type FittedTrial = (Candidate, FittedModel);
-/// A fitted trial. None if the effect cannot be tried at its place.
+/// A fitted trial. None if the effect cannot be tried at its site.
 type TrialSlot = Option<FittedTrial>;
 /// Receives the phase, the number of completed trials and the number of all trials of the phase.
 type ReportProgress<'p> = dyn FnMut(SearchPhase, u64, usize) + Send + 'p;
 
-/// Fits every effect at every place to one patch.
+/// Fits every effect at every site to one patch.
 pub(crate) struct TrialRunner<'a> {
     /// The data.
     pub problem: &'a Problem,
@@ -52,18 +52,18 @@ pub(crate) struct TrialRunner<'a> {
     pub model: &'a FittedModel,
     /// Largest values of the signals, by which effects are scaled.
     pub peaks: &'a SignalExtents,
-    /// Every effect at every place. Trials are identified by their index in this list.
-    pub attached: &'a [EffectPlacement<'a>],
+    /// Every effect at every site. Trials are identified by their index in this list.
+    pub placements: &'a [EffectPlacement<'a>],
     /// An earlier fit of one of the effects, if this round repeats the search for it.
     pub previous: Option<&'a PreviousFit<'a>>,
 }
 
 impl TrialRunner<'_> {
-    /// Runs all trials. Returns the fitted ones in the order of `attached`, and the effects that could not be tried.
+    /// Runs all trials. Returns the fitted ones in the order of `placements`, and the effects that could not be tried.
     ///
     /// # Errors
     /// If the patch cannot be simulated with the drives of the records.
-    pub fn run(
+    pub(crate) fn run(
         &self,
         report: &mut ReportProgress<'_>,
     ) -> Result<(Vec<FittedTrial>, Vec<SkippedTrial>), ModelError> {
@@ -87,16 +87,17 @@ impl TrialRunner<'_> {
         Ok((self.finish_near_best(slots.into_iter().flatten().collect())?, skipped))
     }
 
-    fn fit(&self, trial: usize, asked: TrialRequest<'_>) -> Result<FittedTrial, SkipReason> {
-        fit_trial(self.problem, self.model, &self.attached[trial], self.peaks, asked)
+    fn fit(&self, trial: usize, request: TrialRequest<'_>) -> Result<FittedTrial, SkipReason> {
+        fit_trial(self.problem, self.model, &self.placements[trial], self.peaks, request)
     }
 
     /// Fits all trials quickly.
     fn fit_quickly(&self, report: &mut ReportProgress<'_>) -> (Vec<TrialSlot>, Vec<SkippedTrial>) {
-        let trials: Vec<usize> = (0..self.attached.len()).collect();
+        let trials: Vec<usize> = (0..self.placements.len()).collect();
         let target_chi2 = self.model.train.chi2;
         let fit = |trial: &usize| {
-            let effect_values = self.previous.and_then(|previous| previous.values_of(&self.attached[*trial]));
+            let effect_values =
+                self.previous.and_then(|previous| previous.values_of(&self.placements[*trial]));
             self.fit(
                 *trial,
                 TrialRequest { effort: Effort::QUICK, target_chi2, previous: None, effect_values },
@@ -105,18 +106,19 @@ impl TrialRunner<'_> {
         let results = parallel::map(&trials, fit, |done| {
             report(SearchPhase::Quick, done, trials.len());
         });
-        let pairs = self.attached.iter().zip(&results);
-        let skipped =
-            pairs.filter_map(|(attached, result)| Some(SkippedTrial::new(attached, result.as_ref().err()?)));
-        let skipped = skipped.collect();
-        (results.into_iter().map(Result::ok).collect(), skipped)
+        let mut skipped = Vec::new();
+        let slots = self.placements.iter().zip(results).map(|(placement, result)| {
+            result.map_err(|reason| skipped.push(SkippedTrial::new(placement, reason))).ok()
+        });
+        let slots = slots.collect();
+        (slots, skipped)
     }
 
     /// The `count` best trials, and the trial of the previous fit in addition.
     fn survivors(&self, slots: &[TrialSlot], count: usize) -> Vec<usize> {
         let mut best = best_trials(slots, count);
-        let is_previous = |attached| self.previous.is_some_and(|previous| previous.is_of(attached));
-        let previous = self.attached.iter().position(is_previous);
+        let is_previous = |placement| self.previous.is_some_and(|previous| previous.is_of(placement));
+        let previous = self.placements.iter().position(is_previous);
         best.extend(previous.filter(|trial| !best.contains(trial) && slots[*trial].is_some()));
         best
     }
@@ -134,14 +136,14 @@ impl TrialRunner<'_> {
         let first = best_trials(slots, 1).first().copied();
         // A fit that cannot reach the chi2 of the best trial may stop early.
         let best = first.and_then(|trial| slots[trial].as_ref());
-        let least = best.map_or(without, |(_, model)| model.train.chi2.min(without));
+        let smallest = best.map_or(without, |(_, model)| model.train.chi2.min(without));
         // The longest fits run first, so that no thread waits for one at the end.
         let mut order = trials.to_vec();
         order.sort_by_key(|trial| {
             Reverse(slots[*trial].as_ref().map_or(0, |(_, model)| model.variant.cost()))
         });
         let fit = |trial: &usize| {
-            let target_chi2 = if Some(*trial) == first { without } else { least };
+            let target_chi2 = if Some(*trial) == first { without } else { smallest };
             let previous = slots[*trial].as_ref().map(|(_, model)| model);
             self.fit(*trial, TrialRequest { effort, target_chi2, previous, effect_values: None }).ok()
         };
@@ -157,25 +159,25 @@ impl TrialRunner<'_> {
     /// best: other forms of effects near the best at the same junction, and effects with fewer parameters than the
     /// best. Empty if even the best trial improves the fit too little to be visible.
     fn overlooked(&self, slots: &[TrialSlot], fitted: &[usize]) -> Vec<usize> {
-        let trial_at = |trial: usize| Some((&self.attached[trial], &slots[trial].as_ref()?.1));
+        let trial_at = |trial: usize| Some((&self.placements[trial], &slots[trial].as_ref()?.1));
         let best = best_trials(slots, 1).first().and_then(|best| trial_at(*best));
         let best = best.filter(|(_, model)| can_be_visible(self.model, model, slots.len()));
         let Some((_, best)) = best else { return Vec::new() };
         let is_within = |model: &FittedModel, ratio: f64| model.train.chi2 < ratio * best.train.chi2;
         let near = fitted.iter().filter_map(|trial| trial_at(*trial));
         let near = near.filter(|(_, model)| is_within(model, NEAR_CHI2_RATIO));
-        let near: Vec<&EffectPlacement<'_>> = near.map(|(attached, _)| attached).collect();
+        let near: Vec<&EffectPlacement<'_>> = near.map(|(placement, _)| placement).collect();
         let may_overtake = |trial: &usize| {
-            let Some((attached, model)) = trial_at(*trial).filter(|_| !fitted.contains(trial)) else {
+            let Some((placement, model)) = trial_at(*trial).filter(|_| !fitted.contains(trial)) else {
                 return false;
             };
             let is_form_of = |near: &&EffectPlacement<'_>| {
-                attached.effect.name == near.effect.name && attached.junction() == near.junction()
+                placement.effect.name == near.effect.name && placement.site_name() == near.site_name()
             };
             let has_fewer = model.variant.fit.len() < best.variant.fit.len();
             near.iter().any(is_form_of) || has_fewer && is_within(model, SIMPLER_CHI2_RATIO)
         };
-        (0..self.attached.len()).filter(may_overtake).collect()
+        (0..self.placements.len()).filter(may_overtake).collect()
     }
 
     /// Refines the solver steps and repeats the validation of the trials near the best, if necessary.
@@ -220,18 +222,18 @@ pub(crate) fn run_round(
 ) -> Result<Round, ModelError> {
     let sites = find_sites(problem, model)?;
     let peaks = signal_extents(problem, model)?;
-    let is_new = |attached: &EffectPlacement<'_>| {
-        attached.effect.is_repeatable() || effects.iter().all(|effect| !effect.is_placed_as(attached))
+    let is_new = |placement: &EffectPlacement<'_>| {
+        placement.effect.is_repeatable() || effects.iter().all(|effect| !effect.is_placed_as(placement))
     };
-    let attached = settings.library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
-    let attached: Vec<EffectPlacement<'_>> = attached.filter(is_new).collect();
+    let placements = settings.library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
+    let placements: Vec<EffectPlacement<'_>> = placements.filter(is_new).collect();
     let number = effects.len() + 1;
     let mut report = |phase, done, total: usize| {
         progress(Progress { round: number, phase, done, total: total as u64 });
     };
-    let runner = TrialRunner { problem, model, peaks: &peaks, attached: &attached, previous };
+    let runner = TrialRunner { problem, model, peaks: &peaks, placements: &placements, previous };
     let (trials, skipped) = runner.run(&mut report)?;
-    let mut round = Round::new(model, effects.iter().map(Candidate::label).collect(), trials);
+    let mut round = Round::new(model, effects.iter().map(Candidate::placed_effect).collect(), trials);
     round.skipped = skipped;
     Ok(round)
 }
@@ -249,13 +251,13 @@ impl<'a> PreviousFit<'a> {
         PreviousFit { effect, values: model.effect_parameters(effect).map(|(_, value, _)| value).collect() }
     }
 
-    /// Whether this is a fit of the same effect in the same form at the same place.
-    pub fn is_of(&self, attached: &EffectPlacement<'_>) -> bool {
-        self.effect.is_placed_as(attached)
+    /// Whether this is a fit of the same effect in the same form at the same site.
+    pub(crate) fn is_of(&self, placement: &EffectPlacement<'_>) -> bool {
+        self.effect.is_placed_as(placement)
     }
 
     /// The values if the effect is the same. None otherwise.
-    pub fn values_of(&self, attached: &EffectPlacement<'_>) -> Option<&[f64]> {
-        self.is_of(attached).then_some(&*self.values)
+    pub(crate) fn values_of(&self, placement: &EffectPlacement<'_>) -> Option<&[f64]> {
+        self.is_of(placement).then_some(&*self.values)
     }
 }

@@ -5,12 +5,13 @@
 /// # Examples
 ///
 /// ```
-/// use patchcord_ident::search::Verdict;
+/// use patchcord_ident::Verdict;
 ///
 /// assert_eq!(Verdict::UnknownEffect.as_str(), "unknown-effect");
 /// assert!(Verdict::Ambiguous.has_names() && !Verdict::CannotJudge.has_names());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Verdict {
     /// The named effects are missing.
     Named,

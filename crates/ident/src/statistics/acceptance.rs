@@ -1,7 +1,7 @@
 //! The limits that decide whether an effect is accepted, so that chance alone is not sufficient.
 //!
-//! An effect must decrease the Bayesian information criterion by [`required_delta_bic`]. In addition, the test data
-//! must confirm it. The limits are chosen, not derived.
+//! An effect must decrease the Bayesian information criterion by [`required_delta_bic`]. In addition, the validation
+//! data must confirm it. The limits are chosen, not derived.
 
 /// The criterion by which the effects of one round are accepted.
 #[derive(Debug, Clone, Copy)]
@@ -36,8 +36,8 @@ const BASE_DELTA_BIC: f64 = 4.0;
 /// The increase of the required `delta_bic` with the natural logarithm of the number of trials. The best of n trials
 /// without effect decreases chi2 by about 2 ln(n) by chance.
 const DELTA_BIC_PER_LOG_TRIAL: f64 = 2.0;
-/// The standard errors by which the test data must be fitted better with an effect. A chosen limit: chance exceeds it
-/// in about 2 % of the cases.
+/// The standard errors by which the validation data must be fitted better with an effect. A chosen limit: chance
+/// exceeds it in about 2 % of the cases.
 pub(crate) const CONFIRMATION_Z: f64 = 2.0;
 
 /// The standard errors from which the data distinguish a rival from the best trial. A chosen limit: chance exceeds it

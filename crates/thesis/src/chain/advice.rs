@@ -9,7 +9,7 @@ use super::predictions::{Prediction, stability};
 use super::settings::Settings;
 use super::simulation::Simulation;
 use crate::slideway::design::{Design, DesignEquation};
-use patchcord_analysis::instruments::{CriticalVelocity, NoCriticalVelocity, REST_WINDOWS};
+use patchcord_analysis::instruments::{CriticalVelocity, CriticalVelocityError, REST_WINDOWS};
 use patchcord_analysis::parallel;
 
 /// A design rule of section 9.5 and the result of its test.
@@ -49,6 +49,7 @@ pub struct AdviceOutcome {
 /// The critical velocity of the rising command is compared with the threshold, with half of it and with twice of it.
 /// Only those thresholds count at which the unchanged design oscillates. The rule must hold at all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AdviceVerdict {
     /// The critical velocity falls by more than the resolution, or oscillation disappears. If oscillation of the
     /// unchanged design has not ended, the command at which it last may have been at rest counts as its critical
@@ -91,8 +92,11 @@ impl AdviceVerdict {
 
 /// A design rule before its test.
 struct Rule {
+    /// Letter of the rule in section 9.5.
     letter: char,
+    /// The change of the design, in words.
     text: &'static str,
+    /// The changed quantity.
     quantity: &'static str,
     /// Whether the quantity is increased.
     rises: bool,
@@ -196,7 +200,7 @@ fn outcome(design: &Design, settings: &Settings) -> Result<AdviceOutcome, ChainE
 
 fn verdict(before: &Simulation, after: Option<&AdviceOutcome>) -> AdviceVerdict {
     let Some(after) = after else { return AdviceVerdict::NotRun };
-    if before.critical.rising == Err(NoCriticalVelocity::NoOscillation) {
+    if before.critical.rising == Err(CriticalVelocityError::NoOscillation) {
         return AdviceVerdict::NothingToLower;
     }
     if before.is_ringing_only() {
@@ -211,14 +215,14 @@ fn verdict(before: &Simulation, after: Option<&AdviceOutcome>) -> AdviceVerdict 
     let afters =
         [after.critical].into_iter().chain(after.nearby_thresholds).map(|critical| rising(&critical));
     let oscillating =
-        befores.zip(afters).filter(|(before, _)| *before != Err(NoCriticalVelocity::NoOscillation));
+        befores.zip(afters).filter(|(before, _)| *before != Err(CriticalVelocityError::NoOscillation));
     combined(oscillating.map(|(one, other)| compare(one, other, before.resolution())))
 }
 
 /// Compares the critical velocities without and with a rule at one threshold. `resolution` is their accuracy in m/s.
 fn compare(
-    before: Result<f64, NoCriticalVelocity>,
-    after: Result<f64, NoCriticalVelocity>,
+    before: Result<f64, CriticalVelocityError>,
+    after: Result<f64, CriticalVelocityError>,
     resolution: f64,
 ) -> AdviceVerdict {
     let [Some(before), Some(after)] = [before, after].map(|read| possible_range(read, resolution)) else {
@@ -235,13 +239,13 @@ fn compare(
 
 /// The minimum and the maximum critical velocity that agree with a reading, in m/s. `None` if nothing can be read.
 ///
-/// Oscillation counts as ended only after a rest of [`REST`] windows. So oscillation that has not ended may in truth
-/// have ended up to this time before the turn, or at any higher command.
-fn possible_range(read: Result<f64, NoCriticalVelocity>, resolution: f64) -> Option<[f64; 2]> {
+/// Oscillation counts as ended only after a rest of [`REST_WINDOWS`] windows. So oscillation that has not ended may in
+/// truth have ended up to this time before the turn, or at any higher command.
+fn possible_range(read: Result<f64, CriticalVelocityError>, resolution: f64) -> Option<[f64; 2]> {
     match read {
         Ok(velocity) => Some([velocity; 2]),
-        Err(NoCriticalVelocity::NoOscillation) => Some([f64::NEG_INFINITY; 2]),
-        Err(NoCriticalVelocity::NotEnded(top)) => {
+        Err(CriticalVelocityError::NoOscillation) => Some([f64::NEG_INFINITY; 2]),
+        Err(CriticalVelocityError::NotEnded(top)) => {
             Some([top - (REST_WINDOWS + 1) as f64 * resolution, f64::INFINITY])
         }
         Err(_) => None,
@@ -267,16 +271,16 @@ mod tests {
     #[test]
     fn verdict_requires_every_threshold() {
         use AdviceVerdict::*;
-        let quiet = Err(NoCriticalVelocity::NoOscillation);
+        let quiet = Err(CriticalVelocityError::NoOscillation);
         let verdict = |before, after| compare(before, after, 0.1);
         assert_eq!(verdict(Ok(5.0), Ok(4.8)), Confirmed);
         assert_eq!(verdict(Ok(5.0), quiet), Confirmed);
         assert_eq!(verdict(Ok(0.05), quiet), Confirmed, "oscillation disappears");
         assert_eq!(verdict(Ok(5.0), Ok(5.05)), TooClose);
         assert_eq!(verdict(Ok(5.0), Ok(5.2)), NotConfirmed);
-        assert_eq!(verdict(Ok(5.0), Err(NoCriticalVelocity::NotEnded(9.0))), NotConfirmed);
-        assert_eq!(verdict(Ok(5.0), Err(NoCriticalVelocity::CommandTooFast(0.3))), TooFast);
-        let not_ended = |top| Err(NoCriticalVelocity::NotEnded(top));
+        assert_eq!(verdict(Ok(5.0), Err(CriticalVelocityError::NotEnded(9.0))), NotConfirmed);
+        assert_eq!(verdict(Ok(5.0), Err(CriticalVelocityError::CommandTooFast(0.3))), TooFast);
+        let not_ended = |top| Err(CriticalVelocityError::NotEnded(top));
         assert_eq!(verdict(not_ended(9.0), Ok(5.0)), Confirmed, "the critical velocity before was above 8.5");
         assert_eq!(verdict(not_ended(9.0), quiet), Confirmed);
         assert_eq!(

@@ -5,17 +5,20 @@
 
 use std::sync::LazyLock;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::error::{ChainError, RangeViolation};
 use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
-use patchcord_core::patch::Patch;
+use super::simulation::{COMMAND, VELOCITY};
+use patchcord_core::patch::{Patch, PictureEntry};
+use patchcord_expr::round_significant;
 
+/// The shipped patch of Fig 8.16.
 static FIG_8_16: LazyLock<Patch> = LazyLock::new(|| {
     let text = include_str!("../../../../patches/thesis/fig-8-16.json");
-    Patch::parse("fig-8-16.json", text).expect("the circuit of the study is a document")
+    Patch::parse("fig-8-16.json", text).expect("the circuit of the thesis is a document")
 });
 
 /// The factors by which the scales of Fig 8.16 (scale set B) may be multiplied, in ascending order. One factor
@@ -31,17 +34,17 @@ const SCALED: [&str; 4] = ["Fs", "VcL", "v_start", "x_step"];
 /// Maximum voltage of the velocity command in V. The rest of the 100 V is for the overshoot of velocity.
 const MAX_COMMAND_VOLTS: f64 = 90.0;
 
-/// The study's circuit.
+/// The thesis's circuit.
 pub(super) fn template() -> &'static Patch {
     &FIG_8_16
 }
 
-/// The value of a parameter in the study's circuit. NaN if there is no such parameter.
+/// The value of a parameter in the thesis's circuit. NaN if there is no such parameter.
 pub(super) fn default_of(template: &Patch, name: &str) -> f64 {
     template.parameters.get(name).map_or(f64::NAN, |parameter| parameter.value)
 }
 
-/// The quantity that one volt of a scale represents in the study's circuit, in SI units.
+/// The quantity that one volt of a scale represents in the thesis's circuit, in SI units.
 fn per_volt(template: &Patch, scale: &str) -> f64 {
     template.value()["scales"][scale]["per_volt"].as_f64().unwrap_or(f64::NAN)
 }
@@ -68,15 +71,15 @@ fn json_number(value: f64) -> Value {
     if is_whole { (value as i64).into() } else { value.into() }
 }
 
-/// A number rounded to six digits. A potentiometer cannot be set more finely.
+/// A number rounded to six significant digits. A potentiometer cannot be set more finely.
 pub(super) fn rounded(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
+    round_significant(value, 6)
 }
 
 /// The parameters, command and settings for which a patch is made.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PatchRequest<'a> {
-    /// The study's circuit.
+    /// The thesis's circuit.
     pub template: &'a Patch,
     /// Title of the patch.
     pub title: &'a str,
@@ -90,7 +93,7 @@ pub(super) struct PatchRequest<'a> {
 
 impl PatchRequest<'_> {
     /// The smallest scales with which no value is too large, as an index into [`MULTIPLES`].
-    pub fn first_scale(&self) -> usize {
+    pub(super) fn first_scale(&self) -> usize {
         let velocity = per_volt(self.template, "velocity");
         let is_sufficient = |multiple: &f64| {
             let fits = self.ramp.top() <= MAX_COMMAND_VOLTS * velocity * multiple;
@@ -104,21 +107,21 @@ impl PatchRequest<'_> {
     ///
     /// # Errors
     /// If a value is out of its range with these scales.
-    pub fn patch(&self, multiple: f64) -> Result<Patch, ChainError> {
+    pub(super) fn patch(&self, multiple: f64) -> Result<Patch, ChainError> {
         self.check(multiple)?;
         let mut editor = self.template.edit();
         editor.set_title(self.title);
         editor.set_source(&format!("Thesis Fig 8.16; scale set B times {multiple}"));
-        editor.put(&["run"], self.run());
-        editor.put(&["pictures"], pictures());
+        editor.put(["run"], self.run());
+        editor.put(["pictures"], pictures());
         for scale in SCALES {
             let enlarged = rounded(per_volt(self.template, scale) * multiple);
-            editor.put(&["scales", scale, "per_volt"], json_number(enlarged));
+            editor.put(["scales", scale, "per_volt"], json_number(enlarged));
         }
         for (name, value) in self.values() {
             let range = range(self.template, name, multiple).map(json_number);
-            editor.put(&["parameters", name, "value"], json_number(value));
-            editor.put(&["parameters", name, "range"], json!(range));
+            editor.put(["parameters", name, "value"], json_number(value));
+            editor.put(["parameters", name, "range"], range);
         }
         Ok(editor.finish("slideway.json")?)
     }
@@ -127,7 +130,7 @@ impl PatchRequest<'_> {
     ///
     /// # Errors
     /// If a value is outside one of these ranges.
-    pub fn check(&self, multiple: f64) -> Result<(), ChainError> {
+    pub(super) fn check(&self, multiple: f64) -> Result<(), ChainError> {
         if let Some(violation) = self.range_violation(|name| widest_range(self.template, name)) {
             return Err(ChainError::OutsideCircuitRange(violation));
         }
@@ -148,12 +151,12 @@ impl PatchRequest<'_> {
     /// Names and values of all parameters of the circuit. A value comes from the slideway, the command, the settings
     /// or the template, in this order of precedence.
     fn values(&self) -> impl Iterator<Item = (&str, f64)> {
-        let own = self.parameters.named();
+        let of_slideway = self.parameters.named();
         self.template.parameters.keys().map(move |name| {
-            let own = own.iter().find(|(own, _)| own == name).map(|(_, value)| *value);
+            let parameter = of_slideway.iter().find(|(parameter, _)| parameter == name);
             let turn = (name == "v_turn").then_some(self.ramp.turn);
-            let set = || self.settings.value(name).unwrap_or_else(|| default_of(self.template, name));
-            (name.as_str(), own.or(turn).unwrap_or_else(set))
+            let setting = || self.settings.value(name).unwrap_or_else(|| default_of(self.template, name));
+            (name.as_str(), parameter.map(|(_, value)| *value).or(turn).unwrap_or_else(setting))
         })
     }
 
@@ -175,11 +178,13 @@ impl PatchRequest<'_> {
     }
 }
 
+/// The pictures of a patch: the velocity profile, and the loops of spring force against velocity.
 fn pictures() -> Value {
-    json!([
-        {"title": "System velocity profile", "x": "v_i", "y": ["v_o"]},
-        {"title": "Error force against output velocity", "x": "v_o", "y": ["spring_force"]},
-    ])
+    let pictures = [
+        PictureEntry::new("System velocity profile", COMMAND, [VELOCITY]),
+        PictureEntry::new("Error force against output velocity", VELOCITY, ["spring_force"]),
+    ];
+    serde_json::to_value(pictures).expect("texts can be converted to JSON")
 }
 
 #[cfg(test)]

@@ -3,13 +3,14 @@
 use super::inputs::Input;
 use crate::slideway::SlidewayError;
 use patchcord_analysis::format::{QuantityFormat, format_quantity};
-use patchcord_analysis::instruments::NoCriticalVelocity;
+use patchcord_analysis::instruments::CriticalVelocityError;
 use patchcord_core::document::{Report, format_number};
 use patchcord_core::patch::EditError;
 use patchcord_core::solve::RunError;
 
 /// The reason why a chain has no result.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ChainError {
     /// A law does not hold for the inputs.
     #[error(transparent)]
@@ -85,7 +86,7 @@ pub enum ChainError {
     },
     /// The critical velocity cannot be read from the run.
     #[error("the critical velocity cannot be read: {}", .0.message_in("m/s"))]
-    Unread(NoCriticalVelocity),
+    Unread(CriticalVelocityError),
     /// The circuit cannot be set to these values.
     #[error("{0}")]
     Circuit(Box<Report>),

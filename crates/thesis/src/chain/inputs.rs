@@ -20,7 +20,7 @@ const PRESSURE: Range = Range::new("weight / area", "kgf/cm2", 1e-4, 8.0);
 const RIDGE_WIDTH: Range = Range::new("width of a ridge", "um", 1e-3, 1e5);
 const RIDGE_HEIGHT: Range = Range::new("height of a ridge", "um", 1e-3, 1e5);
 
-/// Viscosities, weights and stiffnesses for which the study has measurements.
+/// Viscosities, weights and stiffnesses for which the thesis has measurements.
 const MEASURED_VISCOSITY: Range = Range::new("oil", "P", 0.13, 0.595);
 const MEASURED_WEIGHT: Range = Range::new("table", "kgf", 450.0, 850.0);
 const MEASURED_STIFFNESS: Range = Range::new("drive", "kN/mm", 11.0, 45.0);
@@ -50,7 +50,7 @@ pub enum Input {
 /// use patchcord_thesis::chain::{Inputs, Parameters};
 /// use patchcord_thesis::slideway::units::{KGF, KGF_PER_CM2, POISE};
 ///
-/// let inputs = Inputs::of_study(0.34 * POISE, 450.0 * KGF, 27.6e6);
+/// let inputs = Inputs::of_thesis(0.34 * POISE, 450.0 * KGF, 27.6e6);
 /// assert!((inputs.pressure() / KGF_PER_CM2 - 450.0 / 697.0).abs() < 1e-9);
 /// assert!(inputs.title().starts_with("Slideway: oil of 0.34 P, 450 kgf on 697 cm2"));
 ///
@@ -76,10 +76,10 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// A table on the study's slideway: 697 cm2 of ground cast iron, oil without polar additive (9.3).
+    /// A table on the thesis's slideway: 697 cm2 of ground cast iron, oil without polar additive (9.3).
     ///
     /// The viscosity is in Pa s, the weight in N, the stiffness in N/m.
-    pub const fn of_study(viscosity: f64, weight: f64, stiffness: f64) -> Self {
+    pub const fn of_thesis(viscosity: f64, weight: f64, stiffness: f64) -> Self {
         let area = Interface::MODEL.area;
         Inputs { viscosity, polar: false, weight, area, stiffness, ridge: Ridge::GROUND }
     }
@@ -95,7 +95,7 @@ impl Inputs {
     /// ranges of ridges just touch (eq 139-7).
     ///
     /// # Errors
-    /// If an input is out of its range. The message uses the units of the study.
+    /// If an input is out of its range. The message uses the units of the thesis.
     pub fn design(&self) -> Result<Design, ChainError> {
         let checks: [(_, _, &'static [Input]); 7] = [
             (VISCOSITY, self.viscosity / POISE, &[Input::Viscosity]),
@@ -111,7 +111,7 @@ impl Inputs {
         }
         let of_ridges = |error| ChainError::Input { inputs: &[Input::RidgeWidth, Input::RidgeHeight], error };
         let polar = if self.polar { POLAR_ADDITIVE } else { NON_POLAR };
-        let profile = RangeProfile { ridge: self.ridge, ..RangeProfile::OF_STUDY };
+        let profile = RangeProfile { ridge: self.ridge, ..RangeProfile::OF_THESIS };
         let lift = profile.touching_gap().and_then(|lift| LIFT.check(lift)).map_err(of_ridges)?;
         let interface = Interface { area: self.area, polar, flank: self.ridge.climb().map_err(of_ridges)? };
         Ok(Design {

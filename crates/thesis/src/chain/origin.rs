@@ -23,7 +23,7 @@ pub struct Origin {
     pub unit: &'static str,
     /// The law that gave the value, or "set" if the user set it.
     pub from: String,
-    /// The value by another law. `None` if the study has no other law for it.
+    /// The value by another law. `None` if the thesis has no other law for it.
     pub other: Option<AlternativeValue>,
 }
 
@@ -56,7 +56,7 @@ fn law(name: &str) -> &'static str {
     match name {
         "M" => "the weight",
         "K" => "the drive",
-        "f" => "the study's simulation (8.4)",
+        "f" => "the thesis's simulation (8.4)",
         "Fs" => "eq 12-9",
         "VcL" => "eq 11-9",
         _ => "eq 17-9 and 20-9, by weight",
@@ -76,7 +76,7 @@ fn alternative(name: &str, inputs: &Inputs, design: &Design) -> Option<Alternati
 }
 
 fn joint(inputs: &Inputs) -> Result<Joint, SlidewayError> {
-    Joint::of_surfaces(inputs.ridge, Material::GRADE_17_IRON, 2.0 * RangeProfile::OF_STUDY.fall)
+    Joint::of_surfaces(inputs.ridge, Material::GRADE_17_IRON, 2.0 * RangeProfile::OF_THESIS.fall)
 }
 
 fn static_friction(inputs: &Inputs) -> Result<f64, SlidewayError> {
@@ -85,12 +85,12 @@ fn static_friction(inputs: &Inputs) -> Result<f64, SlidewayError> {
 }
 
 fn limit(inputs: &Inputs) -> Result<f64, SlidewayError> {
-    let gap = RangeProfile { ridge: inputs.ridge, ..RangeProfile::OF_STUDY }.touching_gap()?;
+    let gap = RangeProfile { ridge: inputs.ridge, ..RangeProfile::OF_THESIS }.touching_gap()?;
     Oil::of_viscosity(inputs.viscosity)?.velocity(gap, inputs.pressure())
 }
 
 fn dry_memory(inputs: &Inputs) -> Result<f64, SlidewayError> {
-    DryFriction::of_study(joint(inputs)?, inputs.pressure()).time_constant()
+    DryFriction::of_thesis(joint(inputs)?, inputs.pressure()).time_constant()
 }
 
 /// The viscous coefficient of the oil film in N s/m: its drag over the whole area divided by velocity. The drag is

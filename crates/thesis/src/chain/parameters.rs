@@ -28,8 +28,8 @@ pub struct Parameters {
 impl Parameters {
     /// The parameters of a design by chapter 9: Fs by eq 12-9, VcL by eq 11-9, Tc by eq 17-9 and 20-9.
     ///
-    /// The three belong together, because the study calculated Tc from measured critical velocities with this Fs and
-    /// VcL. The viscous coefficient is that of the study's simulation. The slope at which oscillation ceases was
+    /// The three belong together, because the thesis calculated Tc from measured critical velocities with this Fs and
+    /// VcL. The viscous coefficient is that of the thesis's simulation. The slope at which oscillation ceases was
     /// found with it.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The critical velocity by the equations of the study.
+//! The critical velocity by the equations of the thesis.
 
 use super::parameters::Parameters;
 use crate::slideway::describing::{Oscillation, end_of_sticking};
@@ -8,14 +8,30 @@ use crate::slideway::{SlidewayError, simulated};
 /// A critical velocity by an equation in m/s, or the reason why there is none.
 pub type Prediction = Result<f64, SlidewayError>;
 
-/// The critical velocity by every equation of the study.
+/// The critical velocity by every equation of the thesis.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::chain::{Inputs, Parameters, Predictions};
+/// use patchcord_thesis::slideway::units::{KGF, POISE};
+///
+/// let design = Inputs::of_thesis(0.34 * POISE, 450.0 * KGF, 20e6).design()?;
+/// let parameters = Parameters::of_design(&design)?;
+/// let predictions = Predictions::new(&design, &parameters);
+///
+/// // Every critical velocity is below VcL, at which solid friction vanishes.
+/// assert!(predictions.fitted? < parameters.limit && predictions.derived? < parameters.limit);
+/// assert_eq!(predictions.critical_slope?, parameters.table().critical_slope()?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predictions {
     /// Eq 93-9 with the constants as printed.
     pub printed: Prediction,
     /// Eq 93-9 with the constants that follow from eq 11-9, 12-9 and 18-9.
     pub derived: Prediction,
-    /// By eq 7-9: the slope of friction equals the slope at which oscillation ceased in the study's simulation. With
+    /// By eq 7-9: the slope of friction equals the slope at which oscillation ceased in the thesis's simulation. With
     /// the Tc of 450 kgf this is eq 18-9, with that of 850 kgf eq 21-9.
     pub fitted: Prediction,
     /// By Routh-Hurwitz: the slope of friction equals the critical slope (eq 32-9).

@@ -34,8 +34,8 @@ const TOP_FACTOR: f64 = 1.25;
 const TOP_MARGIN: f64 = 4e-3;
 /// Factor by which the rise is extended if oscillation has not ended.
 const EXTENSION_FACTOR: f64 = 1.5;
-/// The turning time is rounded up to 1 / this, in s.
-const TENTHS: f64 = 10.0;
+/// Number of steps per second to which the turning time is rounded up: tenths.
+const PER_SECOND: f64 = 10.0;
 
 impl Ramp {
     /// The first command to run. It is the only one if `v_turn` is set.
@@ -49,15 +49,15 @@ impl Ramp {
     ) -> Result<Self, ChainError> {
         let or_default = |name| settings.value(name).unwrap_or_else(|| default_of(template, name));
         let (start, rate) = (or_default("v_start"), or_default("v_rate"));
-        let enough = (TOP_FACTOR * expected(parameters) + TOP_MARGIN) / rate;
-        let turn = settings.value("v_turn").unwrap_or_else(|| whole_tenths(enough));
-        let rises = start >= 0.0 && rate > 0.0 && turn > 0.0;
-        if rises { Ok(Ramp { start, rate, turn }) } else { Err(ChainError::NoRise { start, rate, turn }) }
+        let sufficient = (TOP_FACTOR * expected_critical_velocity(parameters) + TOP_MARGIN) / rate;
+        let turn = settings.value("v_turn").unwrap_or_else(|| round_up_to_tenths(sufficient));
+        let is_valid = start >= 0.0 && rate > 0.0 && turn > 0.0;
+        if is_valid { Ok(Ramp { start, rate, turn }) } else { Err(ChainError::NoRise { start, rate, turn }) }
     }
 
     /// The command with a longer rise.
     pub(super) fn extended(self) -> Self {
-        Ramp { turn: whole_tenths(EXTENSION_FACTOR * self.turn), ..self }
+        Ramp { turn: round_up_to_tenths(EXTENSION_FACTOR * self.turn), ..self }
     }
 
     /// The turning time after a number of extensions, in s.
@@ -76,11 +76,12 @@ impl Ramp {
     }
 }
 
-fn whole_tenths(seconds: f64) -> f64 {
-    (TENTHS * seconds).ceil() / TENTHS
+/// Rounds a time in s up to tenths of a second.
+fn round_up_to_tenths(seconds: f64) -> f64 {
+    (PER_SECOND * seconds).ceil() / PER_SECOND
 }
 
 /// The higher of the critical velocities by Routh-Hurwitz and by eq 7-9, in m/s; 0 if neither gives one.
-fn expected(parameters: &Parameters) -> f64 {
+fn expected_critical_velocity(parameters: &Parameters) -> f64 {
     [stability(parameters), fitted(parameters)].into_iter().flatten().fold(0.0, f64::max)
 }

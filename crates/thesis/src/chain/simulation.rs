@@ -12,7 +12,7 @@ use super::ramp::Ramp;
 use super::settings::Settings;
 use patchcord_analysis::format::format_quantity;
 use patchcord_analysis::instruments::{
-    AbsenceReason, Criterion, CriticalVelocity, NoCriticalVelocity, ProfileCriterion, RampDirection,
+    Criterion, CriticalVelocity, CriticalVelocityError, MissingPointError, ProfileCriterion, RampDirection,
     critical_velocity, velocity_profile,
 };
 use patchcord_core::circuit::{Circuit, Element};
@@ -23,6 +23,24 @@ use patchcord_core::trace::Trace;
 
 /// A slideway on the machine: its circuit, the run under a velocity command that rises and falls, and the critical
 /// velocities read from it.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::chain::{Inputs, Parameters, Settings, Simulation};
+/// use patchcord_thesis::slideway::units::{KGF, POISE};
+///
+/// let inputs = Inputs::of_thesis(0.34 * POISE, 450.0 * KGF, 20e6);
+/// let parameters = Parameters::of_design(&inputs.design()?)?;
+/// let simulation = Simulation::new(&inputs.title(), &parameters, &Settings::default())?;
+///
+/// // Oscillation ends at a higher command than the one at which it begins again.
+/// assert!(simulation.critical.rising? > simulation.critical.falling?);
+/// // The patch can be run alone, and its settings are those of the potentiometers.
+/// assert_eq!(simulation.patch().file(), "slideway.json");
+/// assert!(simulation.pots().iter().all(|pot| (0.0..=1.0).contains(&pot.setting)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Simulation {
     /// The parameters of the circuit.
@@ -82,7 +100,7 @@ impl Simulation {
             let simulation = Simulation::at_scale(&request, MULTIPLES[scale])?;
             match simulation.critical.rising {
                 _ if simulation.is_overloaded() => scale = simulation.larger_scale(&request, scale)?,
-                Err(NoCriticalVelocity::NotEnded(_))
+                Err(CriticalVelocityError::NotEnded(_))
                     if settings.value("v_turn").is_none()
                         && ramp.turn + simulation.min_decay_time() < ramp.turn_after(extensions_left) =>
                 {
@@ -99,8 +117,7 @@ impl Simulation {
         let circuit = Circuit::new(&request.patch(multiple)?)?;
         // The run holds at an overload: results after it are invalid, and amplifiers at their limits are slow to
         // simulate.
-        let run =
-            RunSettings { backend: settings.backend, hold_on_overload: true, ..RunSettings::of(&circuit)? };
+        let run = RunSettings::of(&circuit)?.with_backend(settings.backend).with_hold_on_overload();
         let trace = solve::run(&Program::new(&circuit)?, &run).map_err(|stopped| stopped.error)?;
         let criterion = settings.criterion(parameters)?;
         let read =
@@ -137,7 +154,9 @@ impl Simulation {
     /// The simulation, if its rising critical velocity is known: a value, no oscillation, or no end before the turn.
     fn require_reading(self) -> Result<Self, ChainError> {
         match self.critical.rising {
-            Ok(_) | Err(NoCriticalVelocity::NoOscillation | NoCriticalVelocity::NotEnded(_)) => Ok(self),
+            Ok(_) | Err(CriticalVelocityError::NoOscillation | CriticalVelocityError::NotEnded(_)) => {
+                Ok(self)
+            }
             Err(error) => Err(ChainError::Unread(error)),
         }
     }
@@ -169,7 +188,7 @@ impl Simulation {
         let criterion = ProfileCriterion::usual(self.criterion);
         let profile =
             velocity_profile(&self.trace.time, &command, &velocity, criterion, RampDirection::Rising);
-        let only_rings = profile.is_ok_and(|profile| profile.points[4] == Err(AbsenceReason::RingsOnly));
+        let only_rings = profile.is_ok_and(|profile| profile.points[4] == Err(MissingPointError::RingsOnly));
         only_rings && self.critical.rising.is_ok()
     }
 
@@ -202,7 +221,7 @@ impl Simulation {
                         the command at which this ringing ends";
             return Some(note.to_owned());
         }
-        let Err(NoCriticalVelocity::NotEnded(top)) = self.critical.rising else { return None };
+        let Err(CriticalVelocityError::NotEnded(top)) = self.critical.rising else { return None };
         let (top, damping) = (format_quantity(top, "m/s"), format_quantity(self.parameters.damping, "N s/m"));
         let time = self.min_decay_time();
         let decay = match time {
@@ -235,6 +254,7 @@ impl Simulation {
         elements.into_iter().filter_map(|element| self.pot(element)).collect()
     }
 
+    /// The setting of an element. `None` if the element has no setting that is a formula.
     fn pot(&self, element: &Element) -> Option<PotSetting> {
         let rows = element.kind.settings.iter().zip(&element.settings);
         let (_, value) = rows.into_iter().find(|(row, _)| row.name == "setting")?;
@@ -248,6 +268,7 @@ impl Simulation {
     }
 }
 
+/// The critical velocities of a trace of [`COMMAND`] and [`VELOCITY`].
 fn read(trace: &Trace, criterion: Criterion) -> CriticalVelocity {
     let values = |name| trace.values(name).unwrap_or_default();
     critical_velocity(&trace.time, &values(COMMAND), &values(VELOCITY), criterion)

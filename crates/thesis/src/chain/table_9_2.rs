@@ -1,4 +1,4 @@
-//! Table T9-2: twelve measured critical velocities compared with the study's equation, Routh-Hurwitz and runs.
+//! Table T9-2: twelve measured critical velocities compared with the thesis's equation, Routh-Hurwitz and runs.
 
 use super::error::ChainError;
 use super::parameters::Parameters;
@@ -34,7 +34,7 @@ pub struct MeasurementComparison {
     /// The critical velocity of the same run with half the threshold and with twice the threshold.
     pub nearby_thresholds: [CriticalVelocity; 2],
     /// The critical velocity of a run with the cell's own Tc. With this Tc eq 7-9 gives the measured velocity.
-    pub own_memory: CriticalVelocity,
+    pub with_cell_memory: CriticalVelocity,
 }
 
 /// Compares the twelve cells, in the order of [`TABLE_9_2`].
@@ -43,16 +43,30 @@ pub struct MeasurementComparison {
 ///
 /// # Errors
 /// If a run fails.
+///
+/// # Examples
+///
+/// The comparison makes 24 runs, which take some seconds:
+///
+/// ```no_run
+/// use patchcord_thesis::chain::{Settings, table_9_2};
+///
+/// for row in table_9_2(&Settings::default())? {
+///     println!("measured {} m/s, by the run {} m/s", row.measured, row.run.rising?);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn table_9_2(settings: &Settings) -> Result<Vec<MeasurementComparison>, ChainError> {
     let compare = |cell: &Measurement| compare(cell, settings);
     let compared = parallel::with_threads(settings.threads, || parallel::map(&TABLE_9_2, compare, |_| ()));
     compared.into_iter().collect()
 }
 
+/// Compares one cell.
 fn compare(cell: &Measurement, settings: &Settings) -> Result<MeasurementComparison, ChainError> {
     let parameters = parameters(cell)?;
     let run = |parameters: &Parameters| Simulation::new("", parameters, settings);
-    let own = Parameters { memory: cell.memory, ..parameters };
+    let with_cell_memory = Parameters { memory: cell.memory, ..parameters };
     let simulation = run(&parameters)?;
     Ok(MeasurementComparison {
         cell: *cell,
@@ -62,10 +76,11 @@ fn compare(cell: &Measurement, settings: &Settings) -> Result<MeasurementCompari
         stability: stability(&parameters),
         run: simulation.critical,
         nearby_thresholds: simulation.nearby_thresholds,
-        own_memory: run(&own)?.critical,
+        with_cell_memory: run(&with_cell_memory)?.critical,
     })
 }
 
+/// The parameters of the circuit for a cell, with the Tc of its oil by eq 17-9.
 fn parameters(cell: &Measurement) -> Result<Parameters, SlidewayError> {
     Ok(Parameters {
         mass: WEIGHT / GRAVITY,

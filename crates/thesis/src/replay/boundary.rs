@@ -5,9 +5,9 @@
 //!
 //! A ramp reads its critical velocity while the command rises: where the swings above 0.25 mm/s within 0.04 s end.
 //!
-//! Three results are cached for the process, because several figures and claims need them: the sweep of [`sweep`], and
-//! the VcL with the highest critical velocity of each time constant ([`tops`]). The sweep has 200 runs, each of which
-//! covers the whole ramp.
+//! Two results are cached for the process, because several figures and claims need them: the sweep of [`sweep`], and
+//! the VcL with the highest critical velocity of each time constant ([`worst_limits`]). The sweep has 200 runs, each of
+//! which covers the whole ramp.
 
 use std::sync::LazyLock;
 
@@ -15,18 +15,18 @@ use super::recipe::{BoxError, Recipe};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::units::{N_PER_MM, N_S_PER_MM};
-use patchcord_analysis::instruments::{Criterion, NoCriticalVelocity};
+use patchcord_analysis::instruments::{Criterion, CriticalVelocityError};
 
-/// Time constants of the sweep in s: those that the study names, 6 ... 25 ms (8.4), and some values between them.
+/// Time constants of the sweep in s: those that the thesis names, 6 ... 25 ms (8.4), and some values between them.
 pub(super) const MEMORIES: [f64; 10] =
     [0.006, 0.0065, 0.0071, 0.0075, 0.008, 0.010, 0.0125, 0.015, 0.020, 0.025];
 
-/// Number of values of VcL in the sweep. They divide the study's range of 1.27 ... 25.4 mm/s into equal steps.
+/// Number of values of VcL in the sweep. They divide the thesis's range of 1.27 ... 25.4 mm/s into equal steps.
 pub(super) const LIMIT_COUNT: usize = 20;
 /// The smallest VcL and the step of the sweep, in units of 10 um/s. In this unit all values are whole numbers.
 const LIMIT_STEP: usize = 127;
 
-/// The study's rate of the velocity command, in m/s2 (8.5).
+/// The thesis's rate of the velocity command, in m/s2 (8.5).
 pub(super) const RATE: f64 = 1.2e-3;
 
 /// The command at the end of a ramp, in m/s. It exceeds every critical velocity of the sweep; a higher one would not
@@ -41,13 +41,13 @@ pub(super) struct RampResult {
     /// VcL, the velocity at which solid friction vanishes, in m/s.
     pub limit: f64,
     /// The command at which oscillation ended, in m/s, or the reason why none was read.
-    pub velocity: Result<f64, NoCriticalVelocity>,
+    pub velocity: Result<f64, CriticalVelocityError>,
 }
 
 impl RampResult {
     /// Returns the slope by which solid friction falls at that command, in N s/mm. `None` if no command was read, or
     /// if friction does not fall there.
-    pub fn slope(&self) -> Option<f64> {
+    pub(super) fn slope(&self) -> Option<f64> {
         let slope = FallingFriction::simulated(self.limit).slope(self.velocity.ok()?).ok()?;
         (slope > 0.0).then_some(slope / N_S_PER_MM)
     }
@@ -88,7 +88,7 @@ pub(super) fn limits() -> Vec<f64> {
     (1..=LIMIT_COUNT).map(|count| (count * LIMIT_STEP) as f64 / 1e5).collect()
 }
 
-/// The sweep of Fig 8.30: every time constant with every VcL, at the study's rate and the usual threshold. It is run
+/// The sweep of Fig 8.30: every time constant with every VcL, at the thesis's rate and the usual threshold. It is run
 /// once and cached.
 pub(super) fn sweep() -> Result<&'static [RampResult], BoxError> {
     static SWEEP: LazyLock<Result<Vec<RampResult>, String>> = LazyLock::new(|| {
@@ -116,64 +116,67 @@ fn slopes(results: impl Iterator<Item = RampResult>) -> Result<Slopes, BoxError>
     Ok((points, law))
 }
 
-/// Returns each time constant in s with the VcL in m/s at which its critical velocity is highest. Curves are flat at
-/// the top, so the centre of the range within 1 % of the maximum is taken. The result is computed once and cached.
-pub(super) fn tops() -> Result<&'static [(f64, f64)], BoxError> {
-    static TOPS: LazyLock<Result<Vec<(f64, f64)>, String>> = LazyLock::new(|| {
-        let found = MEMORIES.iter().map(|memory| Ok((*memory, middle_of_top(*memory)?)));
+/// Returns each time constant in s with its worst VcL in m/s, at which its critical velocity is highest. Curves are
+/// flat near the maximum, so the centre of the range within 1 % of it is taken. The result is computed once and cached.
+pub(super) fn worst_limits() -> Result<&'static [(f64, f64)], BoxError> {
+    static WORST_LIMITS: LazyLock<Result<Vec<(f64, f64)>, String>> = LazyLock::new(|| {
+        let found = MEMORIES.iter().map(|memory| Ok((*memory, worst_limit(*memory)?)));
         found.collect::<Result<_, BoxError>>().map_err(|problem| problem.to_string())
     });
-    TOPS.as_deref().map_err(|problem| problem.clone().into())
+    WORST_LIMITS.as_deref().map_err(|problem| problem.clone().into())
 }
 
 /// Number of values of VcL that refine a curve near the maximum of the sweep.
-const POINTS_AROUND_TOP: usize = 40;
+const REFINEMENT_POINTS: usize = 40;
 
-/// Returns the VcL in m/s at the centre of the top of one curve. The sweep gives the maximum coarsely; ramps within
-/// one step on each side refine it.
-fn middle_of_top(memory: f64) -> Result<f64, BoxError> {
+/// Returns the VcL in m/s at the maximum of one curve: the centre of the range within 1 % of it. The sweep gives the
+/// maximum coarsely; ramps within one step on each side refine it.
+fn worst_limit(memory: f64) -> Result<f64, BoxError> {
     let height =
         |result: &&RampResult| if result.slope().is_some() { result.velocity.unwrap_or(0.0) } else { 0.0 };
     let highest = |results: &[RampResult]| results.iter().map(|result| height(&result)).fold(0.0, f64::max);
     let coarse: Vec<_> = with_memory(sweep()?, memory).copied().collect();
-    let peak = coarse.iter().find(|result| height(result) == highest(&coarse)).ok_or("no curve has a top")?;
+    let peak = coarse
+        .iter()
+        .find(|result| height(result) == highest(&coarse))
+        .ok_or("no ramp has a critical velocity")?;
     let step = coarse[0].limit;
-    let around = (1..=POINTS_AROUND_TOP)
-        .map(|count| peak.limit + step * (2.0 * count as f64 / POINTS_AROUND_TOP as f64 - 1.0));
+    let around = (1..=REFINEMENT_POINTS)
+        .map(|count| peak.limit + step * (2.0 * count as f64 / REFINEMENT_POINTS as f64 - 1.0));
     let settings: Vec<_> = around.map(|limit| (memory, limit.max(1e-3))).collect();
     let fine = ramps(&settings, RATE, &[Criterion::USUAL.threshold])?.remove(0);
-    let top: Vec<_> = fine.iter().filter(|result| height(result) >= 0.99 * highest(&fine)).collect();
-    Ok(top.iter().map(|result| result.limit).sum::<f64>() / top.len() as f64)
+    let near_peak: Vec<_> = fine.iter().filter(|result| height(result) >= 0.99 * highest(&fine)).collect();
+    Ok(near_peak.iter().map(|result| result.limit).sum::<f64>() / near_peak.len() as f64)
 }
 
-/// Returns the highest critical velocity of each time constant, in m/s, by ramps at the study's rate.
-pub(super) fn top_velocities() -> Result<Vec<f64>, BoxError> {
-    let read = ramps(tops()?, RATE, &[Criterion::USUAL.threshold])?.remove(0);
+/// Returns the highest critical velocity of each time constant, in m/s, by ramps at the thesis's rate.
+pub(super) fn max_critical_velocities() -> Result<Vec<f64>, BoxError> {
+    let read = ramps(worst_limits()?, RATE, &[Criterion::USUAL.threshold])?.remove(0);
     read.into_iter().map(|result| Ok(result.velocity?)).collect()
 }
 
-/// Returns the slopes at the tops, by ramps at the study's rate and the usual threshold.
-pub(super) fn slopes_at_tops() -> Result<Slopes, BoxError> {
+/// Returns the slopes at the worst VcL of each time constant, by ramps at the thesis's rate and the usual threshold.
+pub(super) fn slopes_at_worst_limits() -> Result<Slopes, BoxError> {
     Ok(slopes_at_rate(RATE, &[Criterion::USUAL.threshold])?.remove(0))
 }
 
-/// Returns the slopes at which ramps at another rate end oscillation, at the VcL of the tops. There is one result per
-/// threshold (in m/s).
+/// Returns the slopes at which ramps at another rate end oscillation, at the worst VcL of each time constant. There is
+/// one result per threshold (in m/s).
 pub(super) fn slopes_at_rate(rate: f64, thresholds: &[f64]) -> Result<Vec<Slopes>, BoxError> {
-    ramps(tops()?, rate, thresholds)?.into_iter().map(|result| slopes(result.into_iter())).collect()
+    ramps(worst_limits()?, rate, thresholds)?.into_iter().map(|result| slopes(result.into_iter())).collect()
 }
 
-/// VcL in m/s and Tc in s of the study's tests with other stiffnesses (Fig 8.35).
+/// VcL in m/s and Tc in s of the thesis's tests with other stiffnesses (Fig 8.35).
 const STIFFNESS_TESTS: (f64, f64) = (40e-3, 0.0071);
 
 /// The circuit of the tests with other stiffnesses. Its scales are doubled, because the table moves up to twice as
-/// fast as the command and would overload the scales of the study.
+/// fast as the command and would overload the scales of the thesis.
 pub(super) fn stiffness_test_circuit() -> Recipe {
     let (limit, memory) = STIFFNESS_TESTS;
     Recipe::new("fig-8-16").set("VcL", limit).set("Tc", memory).scale_by(2.0)
 }
 
-/// The circuit of those tests with a command that rises at the study's rate up to VcL.
+/// The circuit of those tests with a command that rises at the thesis's rate up to VcL.
 pub(super) fn stiffness_test_ramp() -> Recipe {
     stiffness_test_circuit().set("v_rate", RATE).run_time(STIFFNESS_TESTS.0 / RATE)
 }
@@ -183,12 +186,12 @@ pub(super) fn stiffness_test_friction() -> FallingFriction {
     FallingFriction::simulated(STIFFNESS_TESTS.0)
 }
 
-/// Returns the critical velocity in m/s for each stiffness in N/m, with a command that rises at the study's rate up
+/// Returns the critical velocity in m/s for each stiffness in N/m, with a command that rises at the thesis's rate up
 /// to VcL. A stiffness without oscillation is omitted.
 pub(super) fn velocities_by_stiffness(stiffnesses: &[f64]) -> Result<Vec<(f64, f64)>, BoxError> {
     let recipe = stiffness_test_ramp().record(&["v_i", "v_o"]);
     let read = recipe.run_values("K", stiffnesses, |run| match run.critical_velocity()?.rising {
-        Err(NoCriticalVelocity::NoOscillation) => Ok(None),
+        Err(CriticalVelocityError::NoOscillation) => Ok(None),
         velocity => Ok(Some(velocity?)),
     })?;
     Ok(read.into_iter().filter_map(|(stiffness, velocity)| Some((stiffness, velocity?))).collect())

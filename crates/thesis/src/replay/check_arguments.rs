@@ -1,6 +1,6 @@
 //! The arguments of a check, as a row of the ledger writes them: "Tc=0.0065 K=45e6".
 //!
-//! Values are in SI units, or in the units of the study (kgf, um, cm/s) if the check says so. A check reads its
+//! Values are in SI units, or in the units of the thesis (kgf, um, cm/s) if the check says so. A check reads its
 //! arguments by name. Arguments that no check reads are an error, because they are probably misspelt.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,6 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// An error in the arguments of a check.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ArgumentError {
     /// A word that is not `name=value`.
     #[error("\"{0}\" is not an argument: write name=value")]
@@ -64,13 +65,13 @@ impl CheckArguments {
     /// # Examples
     ///
     /// ```
-    /// use patchcord_thesis::replay::CheckArguments;
+    /// use patchcord_thesis::replay::{ArgumentError, CheckArguments};
     ///
     /// let arguments = CheckArguments::parse("Tc=0.0065 V=1;2.5 oil=polar")?;
     /// assert_eq!(arguments.number("Tc")?, 0.0065);
     /// assert_eq!(arguments.numbers("V")?, [1.0, 2.5]);
     /// assert_eq!(arguments.choice("oil", &[("plain", 70), ("polar", 120)])?, 120);
-    /// assert_eq!(arguments.number("K").unwrap_err().to_string(), "argument K is missing");
+    /// assert_eq!(arguments.number("K"), Err(ArgumentError::Missing("K".to_owned())));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, ArgumentError> {

@@ -1,4 +1,4 @@
-//! A claim of the study, and the verdict on it.
+//! A claim of the thesis, and the verdict on it.
 //!
 //! A claim is examined in two steps. Its check computes a finding. The finding is then compared with the printed
 //! number or statement, which gives the verdict. The ledger states the expected verdict, and a test compares both.
@@ -14,13 +14,14 @@ use super::finding::{Finding, PrintedNumber, Tolerance};
 /// # Examples
 ///
 /// ```
-/// use patchcord_thesis::replay::Verdict;
+/// use patchcord_thesis::replay::ClaimVerdict;
 ///
-/// assert_eq!(Verdict::Shape.ledger_word(), "shape");
-/// assert_eq!(Verdict::Shape.to_string(), "reproduced in shape");
+/// assert_eq!(ClaimVerdict::Shape.ledger_word(), "shape");
+/// assert_eq!(ClaimVerdict::Shape.to_string(), "reproduced in shape");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Verdict {
+#[non_exhaustive]
+pub enum ClaimVerdict {
     /// Our result agrees with the text within the tolerance that the text itself states.
     Reproduced,
     /// Our result has the stated shape: the order, the sign or the trend. Sizes are not compared.
@@ -31,33 +32,33 @@ pub enum Verdict {
     Unknowable,
 }
 
-impl Verdict {
+impl ClaimVerdict {
     /// All verdicts, best first, each with the word that the ledger files use.
-    pub const ALL: [(&str, Verdict); 4] = [
-        ("reproduced", Verdict::Reproduced),
-        ("shape", Verdict::Shape),
-        ("differs", Verdict::Differs),
-        ("unknowable", Verdict::Unknowable),
+    pub const ALL: [(&str, ClaimVerdict); 4] = [
+        ("reproduced", ClaimVerdict::Reproduced),
+        ("shape", ClaimVerdict::Shape),
+        ("differs", ClaimVerdict::Differs),
+        ("unknowable", ClaimVerdict::Unknowable),
     ];
 
     /// Returns the word that the ledger files use, such as "shape". The long form for readers is `Display`.
     pub fn ledger_word(self) -> &'static str {
-        Verdict::ALL.iter().find(|(_, verdict)| *verdict == self).map_or("", |(word, _)| word)
+        ClaimVerdict::ALL.iter().find(|(_, verdict)| *verdict == self).map_or("", |(word, _)| word)
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for ClaimVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Verdict::Reproduced => "reproduced",
-            Verdict::Shape => "reproduced in shape",
-            Verdict::Differs => "differs",
-            Verdict::Unknowable => "cannot be known from the scan",
+            ClaimVerdict::Reproduced => "reproduced",
+            ClaimVerdict::Shape => "reproduced in shape",
+            ClaimVerdict::Differs => "differs",
+            ClaimVerdict::Unknowable => "cannot be known from the scan",
         })
     }
 }
 
-/// A number or statement of the study that can be checked: one row of the ledger.
+/// A number or statement of the thesis that can be checked: one row of the ledger.
 #[derive(Debug, Clone)]
 pub struct Claim {
     /// The title of its chapter, such as "Chapter 7: surfaces and friction".
@@ -81,7 +82,7 @@ pub struct Claim {
     /// The arguments of the check.
     pub arguments: CheckArguments,
     /// The expected verdict. A test fails if the check gives another one.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
     /// The reason for a verdict other than "reproduced"; empty if the claim is reproduced.
     pub reason: String,
 }
@@ -92,7 +93,7 @@ pub struct ClaimOutcome {
     /// The finding of the check. `None` if the claim has no check.
     pub finding: Option<Finding>,
     /// The verdict that follows from the finding.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
 }
 
 impl Claim {
@@ -105,21 +106,23 @@ impl Claim {
             Some(name) => Some(checks::run(name, &self.arguments)?),
             None => None,
         };
-        let verdict = finding.as_ref().map_or(Verdict::Unknowable, |finding| self.judge(finding));
+        let verdict = finding.as_ref().map_or(ClaimVerdict::Unknowable, |finding| self.judge(finding));
         Ok(ClaimOutcome { finding, verdict })
     }
 
     /// Derives the verdict from a finding. A number without a printed number to compare with is
-    /// [`Verdict::Unknowable`].
-    fn judge(&self, finding: &Finding) -> Verdict {
+    /// [`ClaimVerdict::Unknowable`].
+    fn judge(&self, finding: &Finding) -> ClaimVerdict {
         let (holds, best) = match finding {
-            Finding::Truth { holds, .. } => (*holds, Verdict::Reproduced),
-            Finding::Shape { holds, .. } => (*holds, Verdict::Shape),
+            Finding::Truth { holds, .. } => (*holds, ClaimVerdict::Reproduced),
+            Finding::Shape { holds, .. } => (*holds, ClaimVerdict::Shape),
             Finding::Number(got) => match (&self.value, &self.tolerance) {
-                (Some(printed), Some(tolerance)) => (tolerance.accepts(*got, printed), Verdict::Reproduced),
-                _ => return Verdict::Unknowable,
+                (Some(printed), Some(tolerance)) => {
+                    (tolerance.accepts(*got, printed), ClaimVerdict::Reproduced)
+                }
+                _ => return ClaimVerdict::Unknowable,
             },
         };
-        if holds { best } else { Verdict::Differs }
+        if holds { best } else { ClaimVerdict::Differs }
     }
 }

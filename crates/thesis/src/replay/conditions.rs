@@ -8,9 +8,11 @@
 //! change belongs to that condition alone.
 
 use super::number_table::NumberTable;
-use super::recipe::{BoxError, Recipe, RunRecord};
+use super::recipe::{BoxError, Recipe};
+use super::run_record::RunRecord;
 use crate::slideway::units::MM_PER_S;
-use patchcord_analysis::instruments::{Criterion, CriticalVelocity, NoCriticalVelocity};
+use patchcord_analysis::instruments::{Criterion, CriticalVelocity, CriticalVelocityError};
+use patchcord_expr::format_decimals;
 
 /// Lists of conditions. Every combination is run.
 #[derive(Debug, Clone, Copy)]
@@ -83,7 +85,10 @@ impl ReadingConditions {
     ///
     /// Returns one entry per combination of conditions, with one result per row. The threshold changes fastest, then
     /// the noise, then the rate.
-    pub fn profiles(
+    ///
+    /// # Errors
+    /// If a run fails, or if an amplifier is overloaded. The error states the values of that run.
+    pub(super) fn profiles(
         &self,
         recipe: &Recipe,
         highest: f64,
@@ -115,7 +120,7 @@ impl ReadingConditions {
     ///
     /// `case` and `quantity` are column headings. `readings` has the order of [`ReadingConditions::profiles`], case
     /// by case.
-    pub fn table(
+    pub(super) fn table(
         &self,
         reason: &'static str,
         (case, quantity): (&str, &str),
@@ -135,7 +140,7 @@ impl ReadingConditions {
         };
         for row in readings.chunks(self.thresholds.len()) {
             let Condition { rate, noise, .. } = row[0].condition;
-            let in_mm = |value: f64| ((value / MM_PER_S * 1e6).round() / 1e6).to_string();
+            let in_mm = |value: f64| format_decimals(value / MM_PER_S, 6);
             let cells = [row[0].case.clone(), in_mm(rate), in_mm(noise)].into_iter();
             let rising = row.iter().map(|reading| text(reading.rising));
             let falling = row.iter().map(|reading| text(reading.falling));
@@ -149,11 +154,11 @@ impl ReadingConditions {
 ///
 /// # Errors
 /// If the run is not a velocity profile.
-pub(super) fn read_number(velocity: Result<f64, NoCriticalVelocity>) -> Result<ReadNumber, BoxError> {
+pub(super) fn read_number(velocity: Result<f64, CriticalVelocityError>) -> Result<ReadNumber, BoxError> {
     Ok(match velocity {
         Ok(velocity) => Ok(velocity),
-        Err(NoCriticalVelocity::NotEnded(_) | NoCriticalVelocity::NotBegun) => Err(NoNumber::Continues),
-        Err(NoCriticalVelocity::NoOscillation) => Err(NoNumber::Quiet),
+        Err(CriticalVelocityError::NotEnded(_) | CriticalVelocityError::NotBegun) => Err(NoNumber::Continues),
+        Err(CriticalVelocityError::NoOscillation) => Err(NoNumber::Quiet),
         Err(error) => return Err(error.into()),
     })
 }

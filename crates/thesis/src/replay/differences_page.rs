@@ -1,4 +1,4 @@
-//! Formats the page docs/differences.md, which shows what the differences from the study depend on.
+//! Formats the page docs/differences.md, which shows what the differences from the thesis depend on.
 //!
 //! Only figures with a table of numbers are on the page. A section holds the place in the text, the reading of the
 //! figure, an explanation, the table, and the command that repeats the runs.
@@ -15,14 +15,27 @@ pub(super) const READING_NOTE: &str = "Noise is a random number that is added to
 /// The beginning of the page.
 const HEAD: &str = "# What the differences depend on
 
-The ideal circuit contradicts some statements of the study. This page lists the size of each difference and what it
+The ideal circuit contradicts some statements of the thesis. This page lists the size of each difference and what it
 depends on: the rate and the direction of the command, the noise on it, the threshold, and the settings of the circuit.
 
 `patchcord replay difference-1 --plot d.png` draws figure D1. This page is generated from the same runs
-(`PATCHCORD_BLESS=1 cargo test -p patchcord replay`).
+(`PATCHCORD_BLESS=1 cargo test --tests -- --ignored replay`).
 ";
 
 /// Returns the page in Markdown, with a section for each figure that has a table. Figures keep their order.
+///
+/// # Examples
+///
+/// Figure D1 takes some seconds to draw:
+///
+/// ```no_run
+/// use patchcord_thesis::replay::{differences_page, figures};
+///
+/// let figure = figures().find(|figure| figure.id == "difference-1").ok_or("a figure of the thesis")?;
+/// let drawn = figure.draw()?;
+/// println!("{}", differences_page([(figure, &drawn)]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn differences_page<'a>(figures: impl IntoIterator<Item = (&'a Figure, &'a DrawnFigure)>) -> String {
     let sections = figures.into_iter().filter_map(|(figure, drawn)| {
         let table = drawn.table.as_ref()?;

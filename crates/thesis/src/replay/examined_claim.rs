@@ -2,13 +2,21 @@
 
 use std::borrow::Cow;
 
-use serde_json::{Value, json};
+use serde::{Serialize, Serializer};
 
 use super::checks::CheckError;
 use super::claim::{Claim, ClaimOutcome};
 use super::finding::Finding;
+use patchcord_core::document::unit_suffix;
+use patchcord_expr::format_significant;
+
+/// Significant digits of a computed number in the texts of a claim.
+const RESULT_DIGITS: usize = 5;
 
 /// A claim with its result.
+///
+/// It serialises as an object of texts with the keys `id`, `where`, `says`, `printed`, `within`, `got`, `difference`,
+/// `verdict` and `why`.
 ///
 /// # Examples
 ///
@@ -42,8 +50,8 @@ impl ExaminedClaim {
 
     /// Returns the printed number with its unit; empty if the claim is a statement.
     pub fn printed_text(&self) -> String {
-        let printed = self.claim.value.as_ref().map_or("", |value| value.text.as_str());
-        if printed.is_empty() { String::new() } else { with_unit(printed, &self.claim.unit) }
+        let printed = self.claim.value.as_ref();
+        printed.map_or_else(String::new, |printed| printed.text.clone() + &unit_suffix(&self.claim.unit))
     }
 
     /// Returns the result as text: a number with its unit, or the words of the check. It is empty if the claim has no
@@ -51,7 +59,9 @@ impl ExaminedClaim {
     pub fn result_text(&self) -> Cow<'_, str> {
         match &self.outcome.finding {
             None => Cow::Borrowed(""),
-            Some(Finding::Number(number)) => Cow::Owned(with_unit(&format_number(*number), &self.claim.unit)),
+            Some(Finding::Number(number)) => {
+                Cow::Owned(format_significant(*number, RESULT_DIGITS) + &unit_suffix(&self.claim.unit))
+            }
             Some(Finding::Truth { found, .. } | Finding::Shape { found, .. }) => Cow::Borrowed(found),
         }
     }
@@ -69,54 +79,53 @@ impl ExaminedClaim {
             _ => String::new(),
         }
     }
+}
 
-    /// Returns the claim and its result as a JSON object.
-    pub fn to_json(&self) -> Value {
+/// The JSON form of a claim with its result. All values are texts for readers.
+#[derive(Serialize)]
+struct ClaimSummary<'a> {
+    id: &'a str,
+    r#where: &'a str,
+    says: &'a str,
+    printed: String,
+    within: &'a str,
+    got: Cow<'a, str>,
+    difference: String,
+    verdict: String,
+    why: &'a str,
+}
+
+impl Serialize for ExaminedClaim {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let claim = &self.claim;
-        json!({
-            "id": claim.id,
-            "where": claim.place,
-            "says": claim.statement,
-            "printed": self.printed_text(),
-            "within": claim.tolerance_text,
-            "got": self.result_text(),
-            "difference": self.difference(),
-            "verdict": self.outcome.verdict.to_string(),
-            "why": claim.reason,
-        })
-    }
-}
-
-/// Appends a unit, if there is one.
-fn with_unit(number: &str, unit: &str) -> String {
-    format!("{number} {unit}").trim_end().to_owned()
-}
-
-/// Formats a number with five significant digits. Very small and very large numbers get a power of ten.
-fn format_number(number: f64) -> String {
-    let short: f64 = format!("{number:.4e}").parse().unwrap_or(number);
-    match short.abs() {
-        0.0 => "0".to_owned(),
-        1e-4..1e7 => short.to_string(),
-        _ => format!("{short:e}"),
+        let summary = ClaimSummary {
+            id: &claim.id,
+            r#where: &claim.place,
+            says: &claim.statement,
+            printed: self.printed_text(),
+            within: &claim.tolerance_text,
+            got: self.result_text(),
+            difference: self.difference(),
+            verdict: self.outcome.verdict.to_string(),
+            why: &claim.reason,
+        };
+        summary.serialize(serializer)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replay::ledger;
 
     #[test]
-    fn numbers_have_five_digits() {
-        let cases = [
-            (0.0, "0"),
-            (0.126_254, "0.12625"),
-            (-45.000_01, "-45"),
-            (1.234_56e-7, "1.2346e-7"),
-            (2e9, "2e9"),
-        ];
-        for (number, text) in cases {
-            assert_eq!(format_number(number), text);
-        }
+    fn json_has_the_texts_of_the_page() {
+        let claims = ledger().unwrap();
+        let yielding = claims.iter().find(|claim| claim.id == "7-028").unwrap();
+        let document = serde_json::to_value(ExaminedClaim::new(yielding).unwrap()).unwrap();
+        let keys: Vec<_> = document.as_object().unwrap().keys().map(String::as_str).collect();
+        let expected = ["id", "where", "says", "printed", "within", "got", "difference", "verdict", "why"];
+        assert_eq!(keys, expected);
+        assert_eq!((&document["got"], &document["verdict"]), (&"132 kgf/mm2".into(), &"reproduced".into()));
     }
 }

@@ -5,6 +5,7 @@
 
 /// The finding of a check.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Finding {
     /// A number, in the unit of the claim.
     Number(f64),
@@ -74,6 +75,7 @@ impl PrintedNumber {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Tolerance {
     /// Equal except for rounding in double precision.
     Exact,

@@ -3,7 +3,9 @@
 //! The caption of Fig 8.34 prints a frequency, a command and a VcL that do not agree. This module computes the
 //! frequency for a range of VcL. It then finds each VcL at which the stated frequency occurs.
 
-use super::recipe::{BoxError, Recipe, RunRecord};
+use super::recipe::{BoxError, Recipe};
+use super::run_record::RunRecord;
+use super::series::min_max;
 use crate::slideway::units::MM_PER_S;
 
 /// The final circuit at a constant command in m/s. A run takes 4 s, which is long enough for the oscillation to
@@ -19,9 +21,9 @@ pub(super) struct VelocitySwing {
     /// velocity.
     pub frequency: Option<f64>,
     /// The smallest velocity, in m/s.
-    pub least: f64,
+    pub min: f64,
     /// The largest velocity, in m/s.
-    pub most: f64,
+    pub max: f64,
 }
 
 /// A table slides if its peak-to-peak swing is below this share of the mean of smallest and largest velocity.
@@ -33,13 +35,10 @@ const MIN_SWING_SHARE: f64 = 0.05;
 /// If `v_o` is not recorded, if an amplifier was overloaded, or if no frequency can be read.
 pub(super) fn read_swing(run: &RunRecord) -> Result<VelocitySwing, BoxError> {
     let velocity = run.values("v_o")?;
-    let settled = velocity[3 * velocity.len() / 4..].iter();
-    let (least, most) = settled.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
-        (f64::min(least, *value), f64::max(most, *value))
-    });
-    let oscillates = most - least > MIN_SWING_SHARE * 0.5 * (most + least).abs();
+    let (min, max) = min_max(velocity[3 * velocity.len() / 4..].iter().copied());
+    let oscillates = max - min > MIN_SWING_SHARE * 0.5 * (max + min).abs();
     let frequency = oscillates.then(|| run.measure("frequency:v_o,last=1")).transpose()?;
-    Ok(VelocitySwing { frequency, least, most })
+    Ok(VelocitySwing { frequency, min, max })
 }
 
 /// Runs the final circuit at a command in m/s with VcL from 1.5 to 27 mm/s in steps of 0.5 mm/s. Returns each VcL in
@@ -73,7 +72,7 @@ mod tests {
 
     #[test]
     fn a_frequency_is_found_between_two_others() {
-        let swing = |frequency| VelocitySwing { frequency, least: 0.0, most: 1.0 };
+        let swing = |frequency| VelocitySwing { frequency, min: 0.0, max: 1.0 };
         let between = |one, next| crossing([(1.0, swing(one)), (2.0, swing(next))], 33.0);
         assert_eq!(between(Some(32.0), Some(36.0)), Some(1.25));
         assert_eq!(between(Some(34.0), Some(32.0)), Some(1.5));

@@ -4,7 +4,7 @@
 //! The page begins with a summary and a table of contents. It continues with one section per figure: picture,
 //! settings, commands, numbers and claims. It ends with the claims that belong to no figure.
 
-use super::claim::Verdict;
+use super::claim::ClaimVerdict;
 use super::claims_page::table_cells_summary;
 use super::differences_page::READING_NOTE;
 use super::examined_claim::ExaminedClaim;
@@ -39,28 +39,41 @@ impl<'a> GalleryFigure<'a> {
 }
 
 /// Returns the page of these figures. Claims that belong to none of them are at its end.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::replay::{GalleryFigure, figures, gallery};
+///
+/// let figure = figures().find(|figure| figure.id == "fig-2-02").ok_or("a figure of the thesis")?;
+/// let drawn = figure.draw()?;
+/// let entry = GalleryFigure::new(figure, &drawn, &[]);
+/// assert_eq!(entry.picture(), "fig-2-02.svg");
+/// assert!(gallery(&[entry], &[]).contains("Fig 2.2: size of stick-slip by sliding velocity"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn gallery(entries: &[GalleryFigure<'_>], claims: &[ExaminedClaim]) -> String {
     let shown = |row: &&ExaminedClaim| entries.iter().any(|entry| entry.figure.is_related_to(&row.claim));
-    let rest: Vec<_> = claims.iter().filter(|row| !shown(row)).collect();
+    let remaining: Vec<_> = claims.iter().filter(|row| !shown(row)).collect();
     let body = html! {
         (header(entries.len(), claims))
         (contents(entries))
         main {
             @for entries in chapters(entries) { (chapter(entries)) }
-            (others(&rest))
+            (remaining_claims(&remaining))
         }
         "\n"
     };
-    patchcord_draw::html::page("The study, replayed", body)
+    patchcord_draw::html::page("The thesis, replayed", body)
 }
 
 /// Formats the introduction and the summary of all verdicts.
 fn header(figure_count: usize, claims: &[ExaminedClaim]) -> Markup {
     html! {
         header {
-            h1 { "The study, replayed" }
+            h1 { "The thesis, replayed" }
             p {
-                "This page shows " (figure_count) " figures of the study, drawn again from runs of patches and from \
+                "This page shows " (figure_count) " figures of the thesis, drawn again from runs of patches and from \
                 theory. Next to each figure are the claims of the text and our results. The patches that are named \
                 under a picture are in the folder of this page. The command under the picture repeats the run."
             }
@@ -142,7 +155,7 @@ fn commands(drawn: &DrawnFigure) -> Markup {
         @if drawn.commands.is_empty() { "from theory" }
         @for (index, command) in drawn.commands.iter().enumerate() {
             @if index > 0 { br; }
-            (linked(command, &drawn.patches))
+            (linked_command(command, &drawn.patches))
         }
     }
 }
@@ -167,7 +180,7 @@ fn numbers(table: &NumberTable) -> Markup {
 }
 
 /// Formats a command. Names of patches become links to their files.
-fn linked(command: &str, patches: &[Patch]) -> Markup {
+fn linked_command(command: &str, patches: &[Patch]) -> Markup {
     html! {
         @for (index, word) in command.split(' ').enumerate() {
             @if index > 0 { " " }
@@ -206,13 +219,13 @@ fn claim_table(claims: &[&ExaminedClaim]) -> Markup {
         table {
             tr { th { "id" } th { "the text says" } th { "printed" } th { "we get" } th { "verdict" } }
             "\n"
-            @for row in claims { (line(row)) }
+            @for row in claims { (claim_row(row)) }
         }
     }
 }
 
 /// Formats one claim as a row of a table.
-fn line(row: &ExaminedClaim) -> Markup {
+fn claim_row(row: &ExaminedClaim) -> Markup {
     let (claim, difference, verdict) = (&row.claim, row.difference(), row.outcome.verdict);
     html! {
         tr {
@@ -233,7 +246,7 @@ fn line(row: &ExaminedClaim) -> Markup {
 }
 
 /// Formats the claims that belong to no figure, chapter by chapter.
-fn others(claims: &[&ExaminedClaim]) -> Markup {
+fn remaining_claims(claims: &[&ExaminedClaim]) -> Markup {
     html! {
         @if !claims.is_empty() { h2 { "Claims without a figure" } "\n" }
         @for rows in claims.chunk_by(|one, next| one.claim.chapter == next.claim.chapter) {
@@ -248,7 +261,7 @@ fn others(claims: &[&ExaminedClaim]) -> Markup {
 
 /// Lists the number of claims with each verdict: "3 reproduced, 1 differs". Verdicts without claims are omitted.
 fn verdicts<'a>(claims: impl Iterator<Item = &'a ExaminedClaim> + Clone) -> String {
-    let counts = Verdict::ALL.iter().filter_map(|(_, verdict)| {
+    let counts = ClaimVerdict::ALL.iter().filter_map(|(_, verdict)| {
         let count = claims.clone().filter(|row| row.outcome.verdict == *verdict).count();
         (count > 0).then(|| format!("{count} {verdict}"))
     });
@@ -257,11 +270,11 @@ fn verdicts<'a>(claims: impl Iterator<Item = &'a ExaminedClaim> + Clone) -> Stri
 
 /// Formats the summary of all verdicts.
 fn tally(claims: &[ExaminedClaim]) -> Markup {
-    let count = |verdict: Verdict| claims.iter().filter(|row| row.outcome.verdict == verdict).count();
+    let count = |verdict: ClaimVerdict| claims.iter().filter(|row| row.outcome.verdict == verdict).count();
     html! {
         p.tally {
             (claims.len()) " claims: "
-            @for (word, verdict) in Verdict::ALL { span.(word) { (count(verdict)) " " (verdict) } " " }
+            @for (word, verdict) in ClaimVerdict::ALL { span.(word) { (count(verdict)) " " (verdict) } " " }
         }
         "\n"
         p { (table_cells_summary(claims)) }

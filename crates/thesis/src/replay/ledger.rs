@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use csv::{ReaderBuilder, StringRecord};
 
 use super::check_arguments::CheckArguments;
-use super::claim::{Claim, Verdict};
+use super::claim::{Claim, ClaimVerdict};
 use super::finding::{PrintedNumber, Tolerance};
 
 /// The chapters: title, file name and text of the file.
@@ -50,12 +50,12 @@ pub struct LedgerError {
 /// Claim 7-028: iron of hardness 220 flows at a peak pressure of 132 kgf/mm2.
 ///
 /// ```
-/// use patchcord_thesis::replay::{Verdict, ledger};
+/// use patchcord_thesis::replay::{ClaimVerdict, ledger};
 ///
 /// let claims = ledger()?;
 /// let yielding = claims.iter().find(|claim| claim.id == "7-028").ok_or("a claim of the ledger")?;
 /// assert_eq!((yielding.place.as_str(), yielding.unit.as_str()), ("7.2", "kgf/mm2"));
-/// assert_eq!(yielding.examine()?.verdict, Verdict::Reproduced);
+/// assert_eq!(yielding.examine()?.verdict, ClaimVerdict::Reproduced);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn ledger() -> Result<Vec<Claim>, LedgerError> {
@@ -125,14 +125,14 @@ fn optional<T>(column: &str, text: &str, parse: fn(&str) -> Option<T>) -> Result
 }
 
 /// Parses a verdict by the word that the files use.
-fn verdict_of(text: &str) -> Result<Verdict, String> {
-    let found = Verdict::ALL.iter().find(|(word, _)| *word == text).map(|(_, verdict)| *verdict);
+fn verdict_of(text: &str) -> Result<ClaimVerdict, String> {
+    let found = ClaimVerdict::ALL.iter().find(|(word, _)| *word == text).map(|(_, verdict)| *verdict);
     found.ok_or_else(|| format!("\"{text}\" is not a verdict"))
 }
 
 /// Checks the rules between the columns of a row.
 fn consistent(claim: &Claim) -> Result<(), String> {
-    let is_reproduced = claim.verdict == Verdict::Reproduced;
+    let is_reproduced = claim.verdict == ClaimVerdict::Reproduced;
     if claim.value.is_some() != claim.tolerance.is_some() {
         return Err("the columns value and within must be both empty or both filled".to_owned());
     }
@@ -142,7 +142,7 @@ fn consistent(claim: &Claim) -> Result<(), String> {
                 .to_owned(),
         );
     }
-    if claim.check.is_none() && claim.verdict != Verdict::Unknowable {
+    if claim.check.is_none() && claim.verdict != ClaimVerdict::Unknowable {
         return Err("without a check the verdict must be unknowable".to_owned());
     }
     Ok(())

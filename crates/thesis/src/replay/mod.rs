@@ -1,4 +1,4 @@
-//! The replay of the study: its figures drawn again, and its claims compared with our results.
+//! The replay of the thesis: its figures drawn again, and its claims compared with our results.
 //!
 //! A [`Claim`] is one row of `crates/thesis/src/replay/claims`. The row holds the place in the text, a short
 //! statement, the printed number with its tolerance, and the check with its arguments. A check is code in
@@ -8,7 +8,24 @@
 //!
 //! A [`Figure`] (`crates/thesis/src/replay/figures`) is drawn from runs of shipped patches with changed settings, or
 //! from theory. [`gallery`] shows figures with their claims. [`differences_page`] shows what the differences from the
-//! study depend on. [`run_all`] draws figures and examines claims on several threads.
+//! thesis depend on. [`run_all`] draws figures and examines claims on several threads.
+//!
+//! # Examples
+//!
+//! Fig 2.2 with the claims that it illustrates:
+//!
+//! ```
+//! use patchcord_thesis::replay::{ExaminedClaim, figures, ledger};
+//!
+//! let figure = figures().find(|figure| figure.id == "fig-2-02").ok_or("a figure of the thesis")?;
+//! println!("{}\n  {}", figure.heading(), figure.draw()?.reading);
+//! for claim in ledger()?.iter().filter(|claim| figure.is_related_to(claim)) {
+//!     let examined = ExaminedClaim::new(claim)?;
+//!     println!("  {} {}: {}", claim.id, claim.statement, examined.outcome.verdict);
+//!     assert_eq!(examined.outcome.verdict, claim.verdict);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod boundary;
 mod check_arguments;
@@ -27,10 +44,12 @@ mod number_table;
 mod recipe;
 mod reversal;
 mod run_all;
+mod run_record;
+mod series;
 
 pub use check_arguments::{ArgumentError, CheckArguments};
 pub use checks::CheckError;
-pub use claim::{Claim, ClaimOutcome, Verdict};
+pub use claim::{Claim, ClaimOutcome, ClaimVerdict};
 pub use claims_page::claims_page;
 pub use differences_page::differences_page;
 pub use examined_claim::ExaminedClaim;

@@ -4,26 +4,21 @@
 //! sweep of runs. The patch is complete, so a reader can repeat the run with it.
 //!
 //! The order of the edits matters where they touch the same value: a later one replaces an earlier one. Errors appear
-//! when the patch is made, not when an edit is added. A run with an overloaded amplifier does not obey the equations,
-//! so every reading of a number refuses it.
+//! when the patch is made, not when an edit is added.
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
+use super::run_record::{ReplayedRun, RunRecord};
+use super::series;
 use crate::slideway::scaling::Scales;
-use patchcord_analysis::format::QuantityFormat;
-use patchcord_analysis::instruments::{
-    Criterion, CriticalVelocity, Measure, MeasureValue, NoCriticalVelocity, critical_velocity, parameter_line,
-};
+use patchcord_analysis::instruments::parameter_line;
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::{Program, SignalInfo};
-use patchcord_core::patch::{Edit, Patch};
+use patchcord_core::ir::Program;
+use patchcord_core::patch::{Edit, ElementBuilder, Patch, PictureEntry};
 use patchcord_core::solve::{self, RunSettings};
-use patchcord_core::trace::Trace;
-use patchcord_draw::picture;
-use patchcord_draw::plot::Picture;
 
 /// Any error that prevents a figure or a check from being computed.
 pub(super) type BoxError = Box<dyn std::error::Error + Send + Sync>;
@@ -59,9 +54,7 @@ static PATCHES: LazyLock<HashMap<&str, Patch>> = LazyLock::new(|| {
 const POSITION_INTEGRATORS: [(&str, &str); 4] =
     [("fig-8-11", "A1"), ("fig-8-14", "A1"), ("fig-8-16", "A6"), ("fig-8-16-lag-last", "A6")];
 
-/// Number of runs of a sweep that are integrated together as one batch.
-///
-/// Runs of a batch share one compiled program and are integrated side by side.
+/// Number of runs that are integrated together as one batch. Runs of a batch share one compiled program.
 const RUNS_PER_BATCH: usize = 16;
 
 /// A shipped circuit, and the edits to it.
@@ -71,54 +64,58 @@ pub(super) struct Recipe {
     circuit: &'static str,
     /// The edits, in the order in which they were added.
     changes: Vec<Change>,
-    /// The pictures as the patch document writes them. If there are none, those of the circuit stay.
-    pictures: Vec<Value>,
+    /// The pictures. If there are none, those of the circuit stay.
+    pictures: Vec<PictureEntry>,
 }
 
 /// A change of a circuit.
 #[derive(Debug, Clone)]
 enum Change {
-    /// A parameter, in its unit.
+    /// The value of a parameter, in its unit.
     Parameter(String, f64),
+    /// An element that is added, or that replaces the element with its name.
+    Element(String, ElementBuilder),
+    /// A drive that is added, or that replaces the drive with its name.
+    Drive(String, ElementBuilder),
     /// A value at the end of a path of keys.
-    Put(Edit),
+    Value(Edit),
 }
 
 impl Recipe {
     /// Makes the recipe of a shipped circuit without changes.
-    pub fn new(circuit: &'static str) -> Recipe {
+    pub(super) fn new(circuit: &'static str) -> Recipe {
         Recipe { circuit, changes: Vec::new(), pictures: Vec::new() }
     }
 
     /// Sets a parameter, in its unit.
-    pub fn set(mut self, parameter: &str, value: f64) -> Recipe {
+    pub(super) fn set(mut self, parameter: &str, value: f64) -> Recipe {
         self.changes.push(Change::Parameter(parameter.to_owned(), value));
         self
     }
 
     /// Sets several parameters, each in its unit.
-    pub fn set_all(self, parameters: &[(&str, f64)]) -> Recipe {
+    pub(super) fn set_all(self, parameters: &[(&str, f64)]) -> Recipe {
         parameters.iter().fold(self, |recipe, (name, value)| recipe.set(name, *value))
     }
 
     /// Sets the duration of the run, in seconds.
-    pub fn run_time(self, seconds: f64) -> Recipe {
+    pub(super) fn run_time(self, seconds: f64) -> Recipe {
         self.edit("run/for", seconds)
     }
 
     /// Sets the time between samples, in seconds.
-    pub fn sample_interval(self, seconds: f64) -> Recipe {
+    pub(super) fn sample_interval(self, seconds: f64) -> Recipe {
         self.edit("run/every", seconds)
     }
 
     /// Records these signals, instead of those of the circuit.
-    pub fn record(self, signals: &[&str]) -> Recipe {
-        self.edit("record", json!(signals))
+    pub(super) fn record(self, signals: &[&str]) -> Recipe {
+        self.edit("record", signals)
     }
 
-    /// Starts the machine in steady sliding at `v_start`, which must be below VcL, but with `times` the velocity.
-    /// That is a small disturbance of a circuit whose friction falls with the square of velocity.
-    pub fn disturbed_sliding(self, times: f64) -> Recipe {
+    /// Starts the machine in steady sliding at `v_start`, which must be below VcL, with `times` the velocity. For
+    /// `times` near 1 that is a small disturbance of a circuit whose friction falls with the square of velocity.
+    pub(super) fn disturbed_sliding(self, times: f64) -> Recipe {
         let error = "-(Fs * (1 - v_start / VcL)^2 + f * v_start) / K / position";
         let integrator = self.position_integrator();
         let recipe = self
@@ -138,8 +135,8 @@ impl Recipe {
     }
 
     /// Multiplies the scales of position, velocity and acceleration by `times`, for motion that exceeds the machine
-    /// range of the study. Only the pots change, not the gains of the inputs.
-    pub fn scale_by(self, times: f64) -> Recipe {
+    /// range of the thesis. Only the pots change, not the gains of the inputs.
+    pub(super) fn scale_by(self, times: f64) -> Recipe {
         let Scales { position, velocity, acceleration, .. } = Scales::B;
         [("position", position), ("velocity", velocity), ("acceleration", acceleration)]
             .into_iter()
@@ -150,35 +147,53 @@ impl Recipe {
 
     /// Adds noise to the velocity command: a random number every 5 ms, with `rms` in m/s. Faster noise would hardly
     /// move the table, whose natural frequency is about 50 Hz. The seed is fixed.
-    pub fn command_noise(self, rms: f64) -> Recipe {
+    pub(super) fn command_noise(self, rms: f64) -> Recipe {
         if rms == 0.0 {
             return self;
         }
-        let noise = json!({"kind": "noise", "scale": "velocity", "rms": rms, "every": 5e-3, "seed": 1});
+        let noise = ElementBuilder::new("noise").set("scale", "velocity").set("rms", rms);
+        let noise = noise.set("every", 5e-3).set("seed", 1);
         let inputs = format!("elements/{}/in/x10", self.position_integrator());
-        self.edit("drives/rough", noise).edit(&inputs, json!(["v_i", "A3", "rough"]))
+        self.drive("rough", noise).edit(&inputs, ["v_i", "A3", "rough"])
     }
 
     /// Raises the command from 0 to `highest` in m/s and lowers it to 0 again, at `rate` in m/s2.
-    pub fn triangle_command(self, highest: f64, rate: f64) -> Recipe {
+    pub(super) fn triangle_command(self, highest: f64, rate: f64) -> Recipe {
         let turn = highest / rate;
         self.set("v_rate", rate).set("v_turn", turn).run_time(2.0 * turn)
     }
 
     /// Keeps the command constant, at a velocity in m/s.
-    pub fn steady_command(self, velocity: f64) -> Recipe {
+    pub(super) fn steady_command(self, velocity: f64) -> Recipe {
         self.set("v_start", velocity).set("v_rate", 0.0)
     }
 
     /// Adds a picture. Pictures that are added replace those of the circuit.
-    pub fn add_picture(mut self, title: &str, x: &str, y: &[&str]) -> Recipe {
-        self.pictures.push(json!({"title": title, "x": x, "y": y}));
+    pub(super) fn add_picture(mut self, title: &str, x: &str, y: &[&str]) -> Recipe {
+        self.pictures.push(PictureEntry::new(title, x, y));
         self
     }
 
+    /// Adds an element, or replaces the element with this name.
+    pub(super) fn element(mut self, name: &str, element: ElementBuilder) -> Recipe {
+        self.changes.push(Change::Element(name.to_owned(), element));
+        self
+    }
+
+    /// Adds a drive, or replaces the drive with this name.
+    pub(super) fn drive(mut self, name: &str, drive: ElementBuilder) -> Recipe {
+        self.changes.push(Change::Drive(name.to_owned(), drive));
+        self
+    }
+
+    /// Replaces all cords into an element by cords into one of its summing inputs.
+    pub(super) fn cords(self, element: &str, jack: &str, from: &[&str]) -> Recipe {
+        self.edit(&format!("elements/{element}/in"), Value::from_iter([(jack, from)]))
+    }
+
     /// Adds an edit: the value at the end of a path of keys, such as "run/for".
-    pub fn edit(mut self, path: &str, value: impl Into<Value>) -> Recipe {
-        self.changes.push(Change::Put(Edit::new(path, value)));
+    pub(super) fn edit(mut self, path: &str, value: impl Into<Value>) -> Recipe {
+        self.changes.push(Change::Value(Edit::new(path, value)));
         self
     }
 
@@ -186,35 +201,40 @@ impl Recipe {
     ///
     /// # Errors
     /// If there is no such circuit, or if a change does not fit it.
-    pub fn patch(&self, name: &str, title: &str) -> Result<Patch, BoxError> {
+    pub(super) fn patch(&self, name: &str, title: &str) -> Result<Patch, BoxError> {
         let circuit =
             PATCHES.get(self.circuit).ok_or_else(|| format!("there is no circuit {}", self.circuit))?;
         let mut editor = circuit.edit();
         for change in &self.changes {
             match change {
                 Change::Parameter(name, value) => editor.set_parameter(name, *value)?,
-                Change::Put(edit) => {
-                    let path: Vec<&str> = edit.path().iter().map(String::as_str).collect();
-                    editor.put(&path, edit.value().clone());
-                }
+                Change::Element(name, element) => editor.put_element(name, element.clone()),
+                Change::Drive(name, drive) => editor.put_drive(name, drive.clone()),
+                Change::Value(edit) => editor.put(edit.path(), edit.value().clone()),
             }
         }
         editor.set_title(title);
         if !self.pictures.is_empty() {
-            editor.put(&["pictures"], self.pictures.clone());
+            editor.put(["pictures"], serde_json::to_value(&self.pictures)?);
         }
         Ok(editor.finish(&format!("{name}.json"))?)
     }
 
     /// Returns the parameters with their values in one line, without those that are varied.
-    pub fn settings(&self, varied: &[&str]) -> Result<String, BoxError> {
+    ///
+    /// # Errors
+    /// If there is no such circuit, or if a change does not fit it.
+    pub(super) fn settings(&self, varied: &[&str]) -> Result<String, BoxError> {
         let line = parameter_line(&self.circuit("settings", "")?);
         let is_varied = |setting: &&str| varied.iter().any(|name| setting.split(' ').next() == Some(name));
         Ok(line.split(", ").filter(|setting| !is_varied(setting)).collect::<Vec<_>>().join(", "))
     }
 
     /// Returns the circuit of the patch.
-    pub fn circuit(&self, name: &str, title: &str) -> Result<Circuit, BoxError> {
+    ///
+    /// # Errors
+    /// If there is no such circuit, or if the patch with the changes has a fault.
+    pub(super) fn circuit(&self, name: &str, title: &str) -> Result<Circuit, BoxError> {
         Ok(Circuit::new(&self.patch(name, title)?)?)
     }
 
@@ -223,7 +243,7 @@ impl Recipe {
     ///
     /// # Errors
     /// If a run fails or `read` fails. The error states the values of that run.
-    pub fn run_rows<T>(
+    pub(super) fn run_rows<T>(
         &self,
         vary: &[&str],
         rows: &[Vec<f64>],
@@ -236,17 +256,20 @@ impl Recipe {
             let programs = rows.iter().map(|row| with_parameter_values(&program, vary, row));
             let programs = programs.collect::<Result<Vec<_>, _>>()?;
             for (row, outcome) in rows.iter().zip(solve::run_batch(&programs, &settings)) {
-                let read = outcome
+                let result = outcome
                     .map_err(|stopped| stopped.error.into())
                     .and_then(|trace| read(&RunRecord::new(&program, trace)));
-                found.push(read.map_err(|problem| format!("{} = {row:?}: {problem}", vary.join(", ")))?);
+                found.push(result.map_err(|problem| format!("{} = {row:?}: {problem}", vary.join(", ")))?);
             }
         }
         Ok(found)
     }
 
     /// Runs the circuit for each value of one parameter. Returns each value with the result of `read`.
-    pub fn run_values<T>(
+    ///
+    /// # Errors
+    /// If a run fails or `read` fails. The error states the values of that run.
+    pub(super) fn run_values<T>(
         &self,
         parameter: &str,
         values: &[f64],
@@ -257,20 +280,23 @@ impl Recipe {
     }
 
     /// Runs the circuit once, with a name and a title for its patch.
-    pub fn run(&self, name: &str, title: &str) -> Result<ReplayedRun, BoxError> {
+    ///
+    /// # Errors
+    /// If there is no such circuit, if the patch has a fault, or if the run stops early.
+    pub(super) fn run(&self, name: &str, title: &str) -> Result<ReplayedRun, BoxError> {
         let circuit = self.circuit(name, title)?;
         let program = Program::new(&circuit)?;
         let trace = solve::run(&program, &RunSettings::of(&circuit)?).map_err(|stopped| stopped.error)?;
-        Ok(ReplayedRun { record: RunRecord::new(&program, trace), circuit })
+        Ok(ReplayedRun::new(circuit, RunRecord::new(&program, trace)))
     }
 }
 
 /// Returns the largest difference between the samples of one signal in two runs, in the unit of the signal.
 ///
 /// Both runs must record the signal at the same times.
-pub(super) fn max_difference([one, other]: [Recipe; 2], signal: &str) -> Result<f64, BoxError> {
+pub(super) fn max_run_difference([one, other]: [Recipe; 2], signal: &str) -> Result<f64, BoxError> {
     let [one, other] = [one, other].map(|recipe| recipe.run("one", "")?.record.values(signal));
-    Ok(one?.iter().zip(&other?).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max))
+    Ok(series::max_difference(&one?, &other?))
 }
 
 /// Returns a copy of a program with other values of some parameters.
@@ -278,134 +304,4 @@ fn with_parameter_values(program: &Program, vary: &[&str], values: &[f64]) -> Re
     let mut program = program.clone();
     program.set_parameters(vary.iter().copied().zip(values.iter().copied()))?;
     Ok(program)
-}
-
-/// A finished run with its circuit.
-#[derive(Debug)]
-pub(super) struct ReplayedRun {
-    circuit: Circuit,
-    /// The recorded signals.
-    pub record: RunRecord,
-}
-
-impl ReplayedRun {
-    /// The patch that was run.
-    pub fn patch(&self) -> &Patch {
-        self.circuit.patch()
-    }
-
-    /// Returns the parameters with their values in one line.
-    pub fn settings(&self) -> String {
-        parameter_line(&self.circuit)
-    }
-
-    /// Draws the pictures that the patch specifies, with the settings as a note.
-    pub fn pictures(&self) -> Result<Vec<Picture>, BoxError> {
-        let specs = &self.patch().pictures;
-        let drawn = specs.iter().map(|spec| picture(&self.record.trace, spec, Some(self.settings())));
-        Ok(drawn.collect::<Result<_, _>>()?)
-    }
-}
-
-impl ReplayedRun {
-    /// Returns the run.
-    ///
-    /// # Errors
-    /// If an amplifier was overloaded.
-    pub fn without_overload(self) -> Result<ReplayedRun, BoxError> {
-        self.record.reject_overload()?;
-        Ok(self)
-    }
-}
-
-/// The recorded signals of a run.
-#[derive(Debug)]
-pub(super) struct RunRecord {
-    /// Names and units of the signals, in the order of the program.
-    signals: Vec<SignalInfo>,
-    /// The samples, and the overloads.
-    pub trace: Trace,
-}
-
-impl RunRecord {
-    /// Keeps the signals of a program together with the trace, so that measures can be parsed by name.
-    fn new(program: &Program, trace: Trace) -> RunRecord {
-        RunRecord { signals: program.signals().to_vec(), trace }
-    }
-
-    /// Returns the samples of a signal in its unit. "t" is time, in s.
-    pub fn values(&self, signal: &str) -> Result<Vec<f64>, BoxError> {
-        if signal == "t" {
-            return Ok(self.trace.time.clone());
-        }
-        self.trace.values(signal).ok_or_else(|| format!("{signal} is not recorded").into())
-    }
-
-    /// Returns the points of one signal against another. Each signal is divided by the number next to its name, which
-    /// is the unit of its axis.
-    pub fn points(&self, along: (&str, f64), up: (&str, f64)) -> Result<Vec<(f64, f64)>, BoxError> {
-        let [along_values, up_values] = [self.values(along.0)?, self.values(up.0)?];
-        Ok(along_values.iter().zip(&up_values).map(|(x, y)| (x / along.1, y / up.1)).collect())
-    }
-
-    /// Returns the critical velocities of the profile in m/s, by the usual criterion: swings above 0.25 mm/s within
-    /// 0.04 s are oscillation.
-    ///
-    /// # Errors
-    /// If an amplifier was overloaded.
-    pub fn critical_velocity(&self) -> Result<CriticalVelocity, BoxError> {
-        self.critical_velocity_by(Criterion::USUAL)
-    }
-
-    /// Returns the critical velocities of the profile in m/s, by another criterion.
-    ///
-    /// The velocity command is `v_i` and the output velocity `v_o`; both must be recorded.
-    ///
-    /// # Errors
-    /// If an amplifier was overloaded.
-    pub fn critical_velocity_by(&self, criterion: Criterion) -> Result<CriticalVelocity, BoxError> {
-        self.reject_overload()?;
-        let (command, velocity) = (self.values("v_i")?, self.values("v_o")?);
-        Ok(critical_velocity(&self.trace.time, &command, &velocity, criterion))
-    }
-
-    /// Returns the number that a measure reads, such as "frequency:v_o,last=1". If it reads several, the first is
-    /// returned.
-    ///
-    /// # Errors
-    /// If the measure reads no number, or if an amplifier was overloaded. The error states the reason.
-    pub fn measure(&self, text: &str) -> Result<f64, BoxError> {
-        self.reject_overload()?;
-        let cells = Measure::parse(text, &self.signals)?.read(&self.trace);
-        match cells.into_iter().next() {
-            Some(Ok(MeasureValue::Number(number))) => Ok(number),
-            Some(Err(reason)) => Err(format!("{text}: {reason}").into()),
-            _ => Err(format!("{text} is not a number").into()),
-        }
-    }
-
-    /// Refuses runs with an overloaded amplifier. Their signals do not obey the equations, so no number may be read
-    /// from them.
-    fn reject_overload(&self) -> Result<(), BoxError> {
-        self.overload_text().map_or(Ok(()), |overload| Err(overload.into()))
-    }
-
-    /// Describes the overload lamps that lit. `None` if there was no overload.
-    pub fn overload_text(&self) -> Option<String> {
-        let first = self.trace.overloads().next()?;
-        let more = match self.trace.overloads().count() - 1 {
-            0 => String::new(),
-            more => format!(", and {more} more"),
-        };
-        Some(format!(
-            "overload: {} from {:.3} s on, up to {:.0} V{more}",
-            first.element, first.time, first.peak
-        ))
-    }
-}
-
-/// Formats a critical velocity, or the reason why there is none.
-pub(super) fn format_critical_velocity(velocity: Result<f64, NoCriticalVelocity>) -> String {
-    velocity
-        .map_or_else(|none| none.to_string(), |velocity| QuantityFormat::new("m/s", velocity).text(velocity))
 }

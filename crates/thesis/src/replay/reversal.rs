@@ -6,10 +6,11 @@
 //! command falls.
 
 use super::boundary::RATE;
-use super::recipe::{BoxError, Recipe, RunRecord};
+use super::recipe::{BoxError, Recipe};
+use super::run_record::RunRecord;
 use crate::slideway::falling::stable_limit;
 use crate::slideway::stability::DrivenTable;
-use patchcord_analysis::instruments::{CriticalVelocity, NoCriticalVelocity};
+use patchcord_analysis::instruments::{CriticalVelocity, CriticalVelocityError};
 
 /// The commands at which a profile turns back, in m/s. A setting that still oscillates at one of them is run up to
 /// the next.
@@ -43,8 +44,8 @@ impl ReversalTally {
         mut self,
         setting: &[f64],
         critical: &CriticalVelocity,
-    ) -> Result<ReversalTally, NoCriticalVelocity> {
-        use NoCriticalVelocity::{NoOscillation, NotBegun};
+    ) -> Result<ReversalTally, CriticalVelocityError> {
+        use CriticalVelocityError::{NoOscillation, NotBegun};
 
         self.settings += 1;
         match (critical.rising, critical.falling) {
@@ -78,7 +79,7 @@ fn ratio(critical: &CriticalVelocity) -> f64 {
 }
 
 /// Runs `settings` settings of the final circuit with noise on the command (rms in m/s), and counts the results.
-/// Scales are 2.5 times as large, because the motion exceeds the machine range of the study.
+/// Scales are 2.5 times as large, because the motion exceeds the machine range of the thesis.
 pub(super) fn count_reversals(settings: u64, noise: f64) -> Result<ReversalTally, BoxError> {
     let circuit = Recipe::new("fig-8-16").scale_by(2.5).command_noise(noise).record(&["v_i", "v_o"]);
     let mut pending = (0..settings).map(setting).collect::<Result<Vec<_>, _>>()?;
@@ -90,7 +91,7 @@ pub(super) fn count_reversals(settings: u64, noise: f64) -> Result<ReversalTally
         let mut not_ended = Vec::new();
         for (setting, critical) in pending.into_iter().zip(&critical) {
             match critical.rising {
-                Err(NoCriticalVelocity::NotEnded(_)) => not_ended.push(setting),
+                Err(CriticalVelocityError::NotEnded(_)) => not_ended.push(setting),
                 _ => tally = tally.add(&setting, critical)?,
             }
         }
@@ -111,10 +112,10 @@ const LIMIT_RANGE: (f64, f64) = (1.27e-3, 25.4e-3);
 fn setting(number: u64) -> Result<Vec<f64>, BoxError> {
     /// The root of x^7 = x + 1 that exceeds 1.
     const ROOT: f64 = 1.112_775_684_278_706;
-    let share = |place: usize| (0.5 + (number + 1) as f64 / ROOT.powi(place as i32 + 1)).fract();
-    let between = |(low, high): (f64, f64), place: usize| low + share(place) * (high - low);
+    let share = |index: usize| (0.5 + (number + 1) as f64 / ROOT.powi(index as i32 + 1)).fract();
+    let between = |(low, high): (f64, f64), index: usize| low + share(index) * (high - low);
     let [stiffness, damping, memory, friction, mass] =
-        [0, 1, 2, 3, 4].map(|place| between(RANGES[place], place));
+        [0, 1, 2, 3, 4].map(|index| between(RANGES[index], index));
     let table = DrivenTable { stiffness, damping, mass, ..DrivenTable::simulated(memory) };
     let limit = stable_limit(friction, table.critical_slope()?)?.min(LIMIT_RANGE.1);
     Ok(vec![stiffness, damping, memory, friction, mass, between((LIMIT_RANGE.0, limit), 5)])
@@ -127,19 +128,19 @@ mod tests {
     #[test]
     fn settings_fill_their_ranges_evenly() {
         let rows: Vec<_> = (0..200).map(|number| setting(number).unwrap()).collect();
-        for (place, (low, high)) in RANGES.into_iter().enumerate() {
-            let values = || rows.iter().map(|row| row[place]);
+        for (index, (low, high)) in RANGES.into_iter().enumerate() {
+            let values = || rows.iter().map(|row| row[index]);
             let fifth = 0.2 * (high - low);
             assert!(values().all(|value| (low..high).contains(&value)));
             let within = |from: f64| values().filter(|value| (from..from + fifth).contains(value)).count();
-            assert!((0..5).all(|part| (30..50).contains(&within(low + f64::from(part) * fifth))), "{place}");
+            assert!((0..5).all(|part| (30..50).contains(&within(low + f64::from(part) * fifth))), "{index}");
         }
         assert!(rows.iter().all(|row| (LIMIT_RANGE.0..LIMIT_RANGE.1).contains(&row[5])));
     }
 
     #[test]
     fn oscillation_only_as_the_command_falls_is_a_contradiction() {
-        let quiet = Err(NoCriticalVelocity::NoOscillation);
+        let quiet = Err(CriticalVelocityError::NoOscillation);
         let read = [(Ok(2.0), Ok(1.0)), (Ok(1.0), Ok(2.0)), (quiet, Ok(1.0)), (Ok(1.0), quiet)];
         let tally = read
             .into_iter()

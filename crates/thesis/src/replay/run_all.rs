@@ -11,6 +11,7 @@ use patchcord_analysis::parallel;
 
 /// The reason why a replay ends early.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReplayError {
     /// A figure cannot be drawn.
     #[error(transparent)]
@@ -35,7 +36,9 @@ enum WorkItem<'a> {
 
 /// The result of one item of work.
 enum ItemResult {
+    /// A drawn figure.
     Figure(DrawnFigure),
+    /// An examined claim.
     Claim(Box<ExaminedClaim>),
 }
 
@@ -44,6 +47,22 @@ enum ItemResult {
 ///
 /// # Errors
 /// If a figure cannot be drawn, or a claim cannot be examined. The first such error is returned.
+///
+/// # Examples
+///
+/// One figure and its claims, on two threads:
+///
+/// ```
+/// use patchcord_thesis::replay::{figures, ledger, run_all};
+///
+/// let figure = figures().find(|figure| figure.id == "fig-2-02").ok_or("a figure of the thesis")?;
+/// let claims: Vec<_> = ledger()?.into_iter().filter(|claim| figure.is_related_to(claim)).collect();
+/// let mut finished = 0;
+/// let (drawn, examined) = run_all(&[figure], &claims, 2, |done, _| finished = done)?;
+/// assert_eq!((drawn.len(), examined.len()), (1, claims.len()));
+/// assert_eq!(finished, 1 + claims.len() as u64);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run_all(
     figures: &[&'static Figure],
     claims: &[Claim],

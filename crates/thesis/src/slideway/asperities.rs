@@ -27,7 +27,7 @@ const LEVELS: Range = Range::new("levels", "", 1.0, 1000.0);
 /// use patchcord_thesis::slideway::asperities::AsperityRange;
 /// use patchcord_thesis::slideway::units::UM2;
 ///
-/// let pressed = AsperityRange::of_study()?.at_level(3)?;
+/// let pressed = AsperityRange::of_thesis()?.at_level(3)?;
 /// assert_eq!(pressed.contacts, 1.0 + 4.0 + 8.0);
 /// assert!((pressed.area / UM2 - 23.76).abs() < 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -54,14 +54,14 @@ pub struct RangeContact {
 }
 
 impl AsperityRange {
-    /// The study's range: ridges fall by hT = 0.03 um from one to the next, and its sums use steps of 2 hT = 0.06 um.
+    /// The thesis's range: ridges fall by hT = 0.03 um from one to the next, and its sums use steps of 2 hT = 0.06 um.
     ///
-    /// The gap of pair (i, j) is (|i| + |j|) hT, so the geometry gives a step of hT. The study's figures need 2 hT.
+    /// The gap of pair (i, j) is (|i| + |j|) hT, so the geometry gives a step of hT. The thesis's figures need 2 hT.
     ///
     /// # Errors
     /// None: all values are within the ranges.
-    pub fn of_study() -> Result<Self, SlidewayError> {
-        Ok(AsperityRange { crossing: Crossing::of_study()?, step: 2.0 * 0.03 * UM })
+    pub fn of_thesis() -> Result<Self, SlidewayError> {
+        Ok(AsperityRange { crossing: Crossing::of_thesis()?, step: 2.0 * 0.03 * UM })
     }
 
     /// Area, load and contacts at an overlap in m (eq 32-7 ... 36-7). Every contact is elastic up to its own yield
@@ -120,13 +120,13 @@ impl AsperityRange {
     fn sum(&self, first: u32, overlap: f64) -> RangeContact {
         let mut total = RangeContact { overlap, area: 0.0, load: 0.0, contacts: 0.0 };
         for level in first.. {
-            let left = overlap - f64::from(level - first) * self.step;
+            let level_overlap = overlap - f64::from(level - first) * self.step;
             // A level that just touches has no contact; its remainder is rounding.
-            if left <= 1e-9 * self.step {
+            if level_overlap <= 1e-9 * self.step {
                 return total;
             }
             let count = f64::from(if level == 0 { 1 } else { 4 * level });
-            let (area, load) = self.crossing.pressed(left);
+            let (area, load) = self.crossing.pressed(level_overlap);
             total.area += count * area;
             total.load += count * load;
             total.contacts += count;
@@ -154,7 +154,7 @@ pub type Levels = (u32, u32);
 impl ContactLaws {
     /// The levels over which the sums give the printed laws, in the order of the fields: N 2 ... 25 (1e-4 ... 8 kgf),
     /// 2 ... 8 (up to 0.057 kgf, all elastic), 2 ... 8, and 1 ... 10.
-    pub const LEVELS_OF_STUDY: [Levels; 4] = [(2, 25), (2, 8), (2, 8), (1, 10)];
+    pub const LEVELS_OF_THESIS: [Levels; 4] = [(2, 25), (2, 8), (2, 8), (1, 10)];
 
     /// Table T7.1 as printed.
     pub const PRINTED: ContactLaws = ContactLaws {
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     fn range() -> AsperityRange {
-        AsperityRange::of_study().unwrap()
+        AsperityRange::of_thesis().unwrap()
     }
 
     #[test]
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn table_t7_1_follows_from_the_sums() {
-        let laws = ContactLaws::fitted(&range(), ContactLaws::LEVELS_OF_STUDY).unwrap();
+        let laws = ContactLaws::fitted(&range(), ContactLaws::LEVELS_OF_THESIS).unwrap();
         let printed = ContactLaws::PRINTED;
         let assert_law = |got: PowerLaw, printed: PowerLaw, share: f64, exponent: f64| {
             assert!((got.factor / printed.factor - 1.0).abs() < share, "got {got:?}, printed {printed:?}");

@@ -43,19 +43,19 @@ pub struct BoundaryFilm {
 }
 
 impl BoundaryFilm {
-    /// Shear strength of the film that the study uses for all oils, 2.9 kgf/mm2. [`film_shear_strength`] gives 2.79
-    /// for the pressure of the study; 2.9 would need ko = 0.0143.
-    pub const STUDY_SHEAR: f64 = 2.9 * KGF_PER_MM2;
+    /// Shear strength of the film that the thesis uses for all oils, 2.9 kgf/mm2. [`film_shear_strength`] gives 2.79
+    /// for the pressure of the thesis; 2.9 would need ko = 0.0143.
+    pub const THESIS_SHEAR: f64 = 2.9 * KGF_PER_MM2;
     /// No film: metal on metal.
     pub const DRY: BoundaryFilm = BoundaryFilm { rupture: 0.0, shear_strength: 0.0 };
     /// Mineral oil without polar additive: Ko = 70 kgf/mm2 (7.3.ii).
-    pub const NON_POLAR: BoundaryFilm = BoundaryFilm::of_study(70.0);
+    pub const NON_POLAR: BoundaryFilm = BoundaryFilm::of_thesis(70.0);
     /// Mineral oil with polar additive: Ko = 120 kgf/mm2 (7.3.ii).
-    pub const POLAR: BoundaryFilm = BoundaryFilm::of_study(120.0);
+    pub const POLAR: BoundaryFilm = BoundaryFilm::of_thesis(120.0);
 
-    /// A film with Ko in kgf/mm2, as Fig 7.14 varies it, and the study's shear strength.
-    pub const fn of_study(rupture: f64) -> Self {
-        BoundaryFilm { rupture: rupture * KGF_PER_MM2, shear_strength: Self::STUDY_SHEAR }
+    /// A film with Ko in kgf/mm2, as Fig 7.14 varies it, and the thesis's shear strength.
+    pub const fn of_thesis(rupture: f64) -> Self {
+        BoundaryFilm { rupture: rupture * KGF_PER_MM2, shear_strength: Self::THESIS_SHEAR }
     }
 
     /// Pressure PoL in Pa at which a film of a thickness in m yields: Ko exp(-10 ho) + 0.06 kgf/mm2, ho in um (eq
@@ -85,7 +85,7 @@ impl BoundaryFilm {
     /// Strength KLP in Pa of the leading area: that of the metal where the film is ruptured, that of the film elsewhere
     /// (eq 84-7; eq 164-7 lost a square).
     ///
-    /// It is 23.0 kgf/mm2 without polar additive and 7.73 kgf/mm2 with it. The study prints 22.8 and 7.87.
+    /// It is 23.0 kgf/mm2 without polar additive and 7.73 kgf/mm2 with it. The thesis prints 22.8 and 7.87.
     ///
     /// # Errors
     /// If Ko or a strength is below 0, or a property of the metal is out of its range.
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn fig_7_14_is_reproduced() {
         let friction = |rupture: f64| {
-            let film = BoundaryFilm::of_study(rupture);
+            let film = BoundaryFilm::of_thesis(rupture);
             Joint::PRINTED.static_friction(0.65 * KGF_PER_CM2, &film).unwrap()
         };
         assert_close(friction(0.0), 0.373, 3e-3);

@@ -19,7 +19,7 @@ const LOAD: Range = Range::new("load of a contact", "N", 0.0, 1e9);
 /// use patchcord_thesis::slideway::crossing::Crossing;
 /// use patchcord_thesis::slideway::units::{KGF, MM, UM};
 ///
-/// let pair = Crossing::of_study()?;
+/// let pair = Crossing::of_thesis()?;
 /// let (major, minor) = pair.semi_axes(KGF)?;
 /// assert!((major / MM - 0.0237).abs() < 2e-4 && (major / minor - 1.0).abs() < 1e-3);
 /// assert!((pair.yield_overlap() / UM - 0.46).abs() < 0.01);
@@ -53,11 +53,11 @@ impl Crossing {
         })
     }
 
-    /// The study's pair: ground ridges of grade 17 iron at right angles.
+    /// The thesis's pair: ground ridges of grade 17 iron at right angles.
     ///
     /// # Errors
     /// None: all values are within the ranges.
-    pub fn of_study() -> Result<Self, SlidewayError> {
+    pub fn of_thesis() -> Result<Self, SlidewayError> {
         Crossing::new(&Ridge::GROUND, &Material::GRADE_17_IRON, FRAC_PI_2)
     }
 
@@ -104,7 +104,7 @@ impl Crossing {
         Ok(LOAD.check(load)?.cbrt() / self.area_factor)
     }
 
-    /// Overlap in m at which the pressure in the middle reaches the yield pressure: 0.46 um for the study's ridges
+    /// Overlap in m at which the pressure in the middle reaches the yield pressure: 0.46 um for the thesis's ridges
     /// (eq 42-7).
     pub fn yield_overlap(&self) -> f64 {
         let root = MEAN_TO_PEAK * self.yield_pressure * self.area_factor;
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn yield_overlaps_agree_with_the_study() {
+    fn yield_overlaps_agree_with_the_thesis() {
         assert_close(at(90.0).yield_overlap() / UM, 0.46, 3e-3);
         assert_close(at(30.0).yield_overlap() / UM, 0.51, 3e-3);
         let (area, load) = at(90.0).pressed(1.0 * UM);

@@ -4,9 +4,9 @@
 //! solid friction swings by the amplitude n, a quarter of a period apart. The force that accelerates the mass is E
 //! sin(t) - n cos(t), cut off below at -a. Here a = f v0 is the viscous friction; the drive does not push back.
 //!
-//! The sum of sine and cosine is one sine of the amplitude S = sqrt(E^2 + n^2). So both branches of the study (eq
+//! The sum of sine and cosine is one sine of the amplitude S = sqrt(E^2 + n^2). So both branches of the thesis (eq
 //! 65-9 ... 72-9 for n < a, eq 73-9 ... 80-9 for n > a) are one cut-off sine, with the gain g(S / a) of eq 56-9 and
-//! the angle of the sum. The time constant Tc, which the study omits here, multiplies n by 1 / (1 + j w Tc).
+//! the angle of the sum. The time constant Tc, which the thesis omits here, multiplies n by 1 / (1 + j w Tc).
 
 use std::f64::consts::PI;
 
@@ -53,7 +53,7 @@ pub fn dead_zone_gain(size: f64) -> f64 {
     1.0 - 2.0 / PI * (share.asin() + share * (1.0 - share.powi(2)).sqrt())
 }
 
-/// The amplitudes of the two forces, in units of the spare force a = f v0.
+/// The amplitudes of the two forces, in units of the viscous friction a = f v0 at the steady velocity v0.
 ///
 /// # Examples
 ///
@@ -120,7 +120,7 @@ impl Swing {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitCycle {
-    /// E/a: amplitude of the drive's force, in units of the spare force.
+    /// E/a: amplitude of the drive's force, in units of the viscous friction a.
     pub force_ratio: f64,
     /// n/E: ratio of the amplitude of solid friction to that of the drive's force (eq 85-9). n is the amplitude
     /// without the time constant.
@@ -227,8 +227,8 @@ impl LimitCycle {
         (Complex::new(1.0, 0.0) - Complex::new(0.0, self.friction_ratio) / lag).norm()
     }
 
-    /// n/a: amplitude of solid friction, in units of the spare force.
-    pub fn friction_by_spare(&self) -> f64 {
+    /// n/a: amplitude of solid friction, in units of the viscous friction a.
+    pub fn friction_amplitude(&self) -> f64 {
         self.friction_ratio * self.force_ratio
     }
 

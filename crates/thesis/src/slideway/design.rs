@@ -3,7 +3,7 @@
 //! It combines the slope that the simulation found with the laws for VcL and static friction. The result is an
 //! equation in oil, load, area, stiffness and surface.
 //!
-//! The constants are the study's. They were fitted to its simulation and to measurements by others on one pair of
+//! The constants are the thesis's. They were fitted to its simulation and to measurements by others on one pair of
 //! cast-iron slideways: two table weights (450 and 850 kgf), oils of 0.13 ... 0.595 P without polar additive, drives
 //! of 11 ... 45 kN/mm.
 
@@ -76,7 +76,7 @@ pub const NON_POLAR: f64 = 22.8 * KGF_PER_MM2;
 pub const POLAR_ADDITIVE: f64 = 7.87 * KGF_PER_MM2;
 
 impl Interface {
-    /// The study's model slideway with oil without polar additive: 697 cm2, tangent 0.05 (9.3).
+    /// The thesis's model slideway with oil without polar additive: 697 cm2, tangent 0.05 (9.3).
     pub const MODEL: Interface = Interface { area: 697.0 * CM2, polar: NON_POLAR, flank: 0.05 };
 
     fn checked(&self) -> Result<&Self, SlidewayError> {

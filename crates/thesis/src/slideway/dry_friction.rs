@@ -23,9 +23,9 @@ const VELOCITY: Range = Range::new("velocity", "m/s", 0.0, 100.0);
 ///
 /// ```
 /// use patchcord_thesis::slideway::dry_friction::DryFriction;
-/// use patchcord_thesis::slideway::joint::{Joint, STUDY_PRESSURE};
+/// use patchcord_thesis::slideway::joint::{Joint, THESIS_PRESSURE};
 ///
-/// let dry = DryFriction::of_study(Joint::PRINTED, STUDY_PRESSURE);
+/// let dry = DryFriction::of_thesis(Joint::PRINTED, THESIS_PRESSURE);
 /// assert!((dry.time_constant()? - 0.0318).abs() < 2e-4);
 /// let (slow, fast) = (dry.at_velocity(0.5e-3)?, dry.at_velocity(10e-3)?);
 /// assert!(fast.friction < slow.friction && fast.penetration < slow.penetration);
@@ -76,8 +76,8 @@ impl DrySliding {
 }
 
 impl DryFriction {
-    /// The study's values: alpha = 2.9 at VcL, Um = 8e10 P = 800 kgf s/mm2 (7.3.i).
-    pub fn of_study(joint: Joint, pressure: f64) -> Self {
+    /// The thesis's values: alpha = 2.9 at VcL, Um = 8e10 P = 800 kgf s/mm2 (7.3.i).
+    pub fn of_thesis(joint: Joint, pressure: f64) -> Self {
         DryFriction { joint, pressure, stiffening: 2.9, viscosity: 800.0 * KGF_PER_MM2 }
     }
 
@@ -104,7 +104,7 @@ impl DryFriction {
 
     /// The joint while its asperities are deformed at a frequency in rad/s.
     ///
-    /// Alpha is the modulus of the response. Only this choice reproduces the study's range of CE / KE.
+    /// Alpha is the modulus of the response. Only this choice reproduces the thesis's range of CE / KE.
     ///
     /// # Errors
     /// If the frequency is below 0, the pressure beyond the laws of the joint, or there is no time constant.
@@ -149,10 +149,10 @@ impl DryFriction {
         self.at_frequency(bisect(0.0, highest, is_slower))
     }
 
-    /// Velocity VcL in m/s from which friction is constant, as the study suggests it: three octaves above the corner
+    /// Velocity VcL in m/s from which friction is constant, as the thesis suggests it: three octaves above the corner
     /// 1/T with the maximum alpha (eq 132-7, whose power 0.4 is 0.41).
     ///
-    /// It is 13.4 mm/s for the study's joint. The study reads 11.0 mm/s from its own Fig 7.19.
+    /// It is 13.4 mm/s for the thesis's joint. The thesis reads 11.0 mm/s from its own Fig 7.19.
     ///
     /// # Errors
     /// As [`DryFriction::at_frequency`].
@@ -164,8 +164,8 @@ impl DryFriction {
 
     /// Alpha at which the pressure on the leading area is Px in Pa, by the law of the area itself (eq 92-7, 128-7).
     ///
-    /// It is 2.77 for the study's joint and 220 kgf/mm2. The study calculates it from the penetrations, which gives 2.9
-    /// (eq 111-7).
+    /// It is 2.77 for the thesis's joint and 220 kgf/mm2. The thesis calculates it from the penetrations, which gives
+    /// 2.9 (eq 111-7).
     ///
     /// # Errors
     /// If the mean pressure is beyond the laws of the joint, or alpha would not be above 1.
@@ -196,11 +196,11 @@ mod tests {
     use crate::slideway::units::{KGF, KGF_PER_CM2, MM_PER_S};
 
     fn model() -> DryFriction {
-        DryFriction::of_study(Joint::PRINTED, 0.65 * KGF_PER_CM2)
+        DryFriction::of_thesis(Joint::PRINTED, 0.65 * KGF_PER_CM2)
     }
 
     #[test]
-    fn figures_of_the_study_are_reproduced() {
+    fn figures_of_the_thesis_are_reproduced() {
         assert_close(model().time_constant().unwrap(), 0.0318, 5e-3);
         let at_rest = model().at_frequency(0.0).unwrap();
         assert_close(

@@ -5,13 +5,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::root::bisect;
 use super::{Range, SlidewayError};
 
-/// Permitted cross angles in radians: 30 ... 90 degrees. The table from which the study took its constants begins at
+/// Permitted cross angles in radians: 30 ... 90 degrees. The table from which the thesis took its constants begins at
 /// 30 degrees.
 pub(super) const CROSS_ANGLE: Range = Range::new("cross angle", "rad", PI / 6.0 - 1e-12, FRAC_PI_2 + 1e-12);
 
 /// Semi-axes of a Hertz contact, in units of (3/4 W Delta / (A + B))^(1/3) (eq 10-7, 11-7).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ellipse {
+pub(super) struct Ellipse {
     /// The longer semi-axis, m.
     pub major: f64,
     /// The shorter semi-axis, n.
@@ -27,7 +27,7 @@ impl Ellipse {
     ///
     /// # Errors
     /// If the angle is outside 30 ... 90 degrees.
-    pub fn at(angle: f64) -> Result<Self, SlidewayError> {
+    pub(super) fn at(angle: f64) -> Result<Self, SlidewayError> {
         let cosine = CROSS_ANGLE.check(angle)?.cos();
         // The cosine grows with the difference of the axes. Within the range the ratio of the axes is 0.18 ... 1.
         let ratio = bisect(0.1, 1.0, |ratio| cosine_of(ratio) > cosine);

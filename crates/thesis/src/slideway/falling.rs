@@ -9,7 +9,7 @@ const VELOCITY: Range = Range::finite("velocity", "m/s");
 const DAMPING: Range = Range::not_negative("viscous coefficient f", "N s/m");
 const SLOPE: Range = Range::not_negative("slope of friction Cn", "N s/m");
 
-/// Static friction of the study's simulation, in N (8.4).
+/// Static friction of the thesis's simulation, in N (8.4).
 pub const SIMULATED_STATIC: f64 = 771.0;
 
 /// The law of solid friction, given by static friction and the velocity from which solid friction is 0.
@@ -38,7 +38,7 @@ pub struct FallingFriction {
 }
 
 impl FallingFriction {
-    /// The friction of the study's simulation, 771 N (8.4), with a limit velocity in m/s. The study set 1.27 ... 25.4
+    /// The friction of the thesis's simulation, 771 N (8.4), with a limit velocity in m/s. The thesis set 1.27 ... 25.4
     /// mm/s, and 40 mm/s when it changed the stiffness (8.5).
     pub const fn simulated(limit: f64) -> Self {
         FallingFriction { static_friction: SIMULATED_STATIC, limit }
@@ -64,8 +64,8 @@ impl FallingFriction {
     /// # Errors
     /// If Fs or VcL is not above 0, or the velocity is not a number.
     pub fn solid(&self, velocity: f64) -> Result<f64, SlidewayError> {
-        let left = (self.limit - VELOCITY.check(velocity)?.abs()).max(0.0);
-        Ok(sign(velocity) * self.coefficient()? * left.powi(2))
+        let margin = (self.limit - VELOCITY.check(velocity)?.abs()).max(0.0);
+        Ok(sign(velocity) * self.coefficient()? * margin.powi(2))
     }
 
     /// Solid friction in N at a velocity in m/s by the straight line, Fs (1 - |v| / VcL) (eq 28-8, Fig 8.9).
@@ -73,8 +73,8 @@ impl FallingFriction {
     /// # Errors
     /// If Fs or VcL is not above 0, or the velocity is not a number.
     pub fn solid_straight(&self, velocity: f64) -> Result<f64, SlidewayError> {
-        let left = (1.0 - VELOCITY.check(velocity)?.abs() / self.checked()?.limit).max(0.0);
-        Ok(sign(velocity) * self.static_friction * left)
+        let share = (1.0 - VELOCITY.check(velocity)?.abs() / self.checked()?.limit).max(0.0);
+        Ok(sign(velocity) * self.static_friction * share)
     }
 
     /// Total friction in N at a steady velocity, N (VcL - v)^2 + f v (eq 11-4, 14-4, 31-8).
@@ -161,7 +161,7 @@ mod tests {
     use crate::slideway::units::{MM_PER_S, N_S_PER_MM};
 
     #[test]
-    fn figures_of_the_study_are_reproduced() {
+    fn figures_of_the_thesis_are_reproduced() {
         let friction = FallingFriction::simulated(2.54 * MM_PER_S);
         assert!((friction.coefficient().unwrap() * 1e-6 - 119.51).abs() < 0.01);
         assert_eq!(friction.solid(0.0), Ok(771.0));

@@ -1,4 +1,4 @@
-//! Theories of stick-slip before the study (chapter 2).
+//! Theories of stick-slip before the thesis (chapter 2).
 
 use std::f64::consts::PI;
 
@@ -279,7 +279,7 @@ pub fn dynamic_slope(largest_force: (f64, f64), largest_velocity: (f64, f64)) ->
 }
 
 /// Nakashima, Takata and Morita's friction for small motions, W a b0 / (s + b0) + T0 (eq 38.2), in the notation of
-/// the study.
+/// the thesis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NakashimaFriction {
     /// Weight W, in N.

@@ -18,8 +18,8 @@ use super::{Range, SlidewayError};
 pub(super) const PRESSURE: Range =
     Range::new("mean pressure Pw", "Pa", 1e-4 * KGF_PER_CM2, 8.0 * KGF_PER_CM2);
 
-/// Mean pressure under the study's table, 454 kgf on 697 cm2, in Pa (7.2).
-pub const STUDY_PRESSURE: f64 = 0.65 * KGF_PER_CM2;
+/// Mean pressure under the thesis's table, 454 kgf on 697 cm2, in Pa (7.2).
+pub const THESIS_PRESSURE: f64 = 0.65 * KGF_PER_CM2;
 
 /// A joint of two like surfaces.
 ///
@@ -29,9 +29,9 @@ pub const STUDY_PRESSURE: f64 = 0.65 * KGF_PER_CM2;
 ///
 /// ```
 /// use patchcord_thesis::slideway::boundary_film::BoundaryFilm;
-/// use patchcord_thesis::slideway::joint::{Joint, STUDY_PRESSURE};
+/// use patchcord_thesis::slideway::joint::{Joint, THESIS_PRESSURE};
 ///
-/// let friction = |film| Joint::PRINTED.static_friction(STUDY_PRESSURE, &film);
+/// let friction = |film| Joint::PRINTED.static_friction(THESIS_PRESSURE, &film);
 /// assert!((friction(BoundaryFilm::DRY)? - 0.375).abs() < 2e-3);
 /// assert!(friction(BoundaryFilm::POLAR)? < friction(BoundaryFilm::NON_POLAR)?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -52,10 +52,10 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// The study's joint with its constants as printed: ground grade 17 iron, hd = 0.92 Pw^0.22, Ac = 10460 Pw^0.82,
+    /// The thesis's joint with its constants as printed: ground grade 17 iron, hd = 0.92 Pw^0.22, Ac = 10460 Pw^0.82,
     /// AcL = 9707 Pw^0.82.
     ///
-    /// [`Joint::new`] with the printed laws gives 9528. The study's 51.44 of eq 53-7 is 1 / (0.072 x 0.27), and its
+    /// [`Joint::new`] with the printed laws gives 9528. The thesis's 51.44 of eq 53-7 is 1 / (0.072 x 0.27), and its
     /// table has 0.075.
     pub const PRINTED: Joint = Joint {
         ridge: Ridge::GROUND,
@@ -83,16 +83,16 @@ impl Joint {
     }
 
     /// The joint from geometry and metal alone. The ridges cross at right angles, and the levels of a range are a
-    /// step in m apart. The laws are fitted to the sums over the levels of the study.
+    /// step in m apart. The laws are fitted to the sums over the levels of the thesis.
     ///
-    /// These levels correspond to the loads of [`Joint::penetration`] on surfaces like the study's. Much softer,
+    /// These levels correspond to the loads of [`Joint::penetration`] on surfaces like the thesis's. Much softer,
     /// harder, rougher or smoother surfaces need other levels ([`ContactLaws::fitted`]).
     ///
     /// # Errors
     /// If a dimension of the ridge, a property of the metal, or the step is out of its range.
     pub fn of_surfaces(ridge: Ridge, material: Material, step: f64) -> Result<Self, SlidewayError> {
         let range = AsperityRange { crossing: Crossing::new(&ridge, &material, FRAC_PI_2)?, step };
-        let laws = ContactLaws::fitted(&range, ContactLaws::LEVELS_OF_STUDY)?;
+        let laws = ContactLaws::fitted(&range, ContactLaws::LEVELS_OF_THESIS)?;
         Ok(Joint::new(ridge, material, &laws))
     }
 
@@ -181,7 +181,7 @@ mod tests {
     const MODEL: f64 = 0.65 * KGF_PER_CM2;
 
     #[test]
-    fn dry_joint_of_the_study_is_reproduced() {
+    fn dry_joint_of_the_thesis_is_reproduced() {
         let joint = Joint::PRINTED;
         assert_close(joint.penetration(MODEL).unwrap() / UM, 0.8368, 1e-4);
         assert_close(joint.leading_share(MODEL).unwrap() * CM2 / UM2, 6820.0, 1e-3);

@@ -20,11 +20,11 @@ const VELOCITY: Range = Range::new("velocity", "m/s", 0.0, 10.0 * CM_PER_S);
 ///
 /// ```
 /// use patchcord_thesis::slideway::boundary_film::BoundaryFilm;
-/// use patchcord_thesis::slideway::joint::STUDY_PRESSURE;
+/// use patchcord_thesis::slideway::joint::THESIS_PRESSURE;
 /// use patchcord_thesis::slideway::lubricated::LubricatedJoint;
 /// use patchcord_thesis::slideway::oil::Oil;
 ///
-/// let joint = LubricatedJoint::of_study(Oil::ONE, BoundaryFilm::NON_POLAR, STUDY_PRESSURE)?;
+/// let joint = LubricatedJoint::of_thesis(Oil::ONE, BoundaryFilm::NON_POLAR, THESIS_PRESSURE)?;
 /// let limit = joint.limit_velocity()?;
 /// let (rest, fast) = (joint.at_velocity(0.0)?, joint.at_velocity(1.5 * limit)?);
 /// assert!((rest.total - joint.static_friction()?).abs() < 1e-12);
@@ -61,7 +61,7 @@ pub struct LubricatedSliding {
 }
 
 impl LubricatedSliding {
-    /// mu_T = mu_k + mu_0 as the study adds them (eq 179-7).
+    /// mu_T = mu_k + mu_0 as the thesis adds them (eq 179-7).
     ///
     /// The first term is relative to the weight, the second to the load that the oil carries. So the sum is up to
     /// 0.0074 too large below VcL, and correct from VcL on.
@@ -71,12 +71,12 @@ impl LubricatedSliding {
 }
 
 impl LubricatedJoint {
-    /// The study's surfaces with an oil, its film and a mean pressure in Pa.
+    /// The thesis's surfaces with an oil, its film and a mean pressure in Pa.
     ///
     /// # Errors
     /// None: all values are within the ranges. The pressure is checked when it is used.
-    pub fn of_study(oil: Oil, film: BoundaryFilm, pressure: f64) -> Result<Self, SlidewayError> {
-        let touching_gap = RangeProfile::OF_STUDY.touching_gap()?;
+    pub fn of_thesis(oil: Oil, film: BoundaryFilm, pressure: f64) -> Result<Self, SlidewayError> {
+        let touching_gap = RangeProfile::OF_THESIS.touching_gap()?;
         Ok(LubricatedJoint { joint: Joint::PRINTED, film, oil, touching_gap, pressure })
     }
 
@@ -99,7 +99,7 @@ impl LubricatedJoint {
 
     /// The joint at a velocity in m/s, 0 ... 10 cm/s (Fig 7.29 ... 7.33).
     ///
-    /// The term in CE is omitted, as in the study. The load on the ridges is Pw (1 - hs / hd)^4.55. This is eq 160-7
+    /// The term in CE is omitted, as in the thesis. The load on the ridges is Pw (1 - hs / hd)^4.55. This is eq 160-7
     /// without the rounding error of its terms at rest.
     ///
     /// # Errors
@@ -150,7 +150,7 @@ impl LubricatedJoint {
 /// curves of the model follow it up to 0.7 ... 0.8 VcL, and fall more steeply from there on.
 pub const FALL_EXPONENT: f64 = 2.18;
 
-/// Solid friction coefficient at a velocity in m/s by the study's law mu_s (1 - V / VcL)^2.18, 0 from VcL on (eq
+/// Solid friction coefficient at a velocity in m/s by the thesis's law mu_s (1 - V / VcL)^2.18, 0 from VcL on (eq
 /// 170-7).
 ///
 /// # Errors
@@ -171,7 +171,7 @@ mod tests {
     use crate::slideway::units::{KGF_PER_CM2, UM};
 
     fn joint(oil: Oil, film: BoundaryFilm) -> LubricatedJoint {
-        LubricatedJoint::of_study(oil, film, 0.65 * KGF_PER_CM2).unwrap()
+        LubricatedJoint::of_thesis(oil, film, 0.65 * KGF_PER_CM2).unwrap()
     }
 
     #[test]

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_of_the_study_are_reproduced() {
+    fn figures_of_the_thesis_are_reproduced() {
         let iron = Material::GRADE_17_IRON.checked().unwrap();
         assert!((iron.yield_pressure() / KGF_PER_MM2 - 132.0).abs() < 1e-9);
         assert!((iron.pair_compliance() * KGF_PER_MM2 - 1.4047e-4).abs() < 1e-8);

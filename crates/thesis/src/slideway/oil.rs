@@ -8,7 +8,7 @@ use super::{Range, SlidewayError};
 
 const VISCOSITY: Range = Range::new("viscosity", "Pa s", 1e-6, 1e3);
 const GAP: Range = Range::new("height of the gap H", "m", 1e-9, 1e-2);
-/// Velocities for which the study fitted its laws: up to 10 cm/s.
+/// Velocities for which the thesis fitted its laws: up to 10 cm/s.
 const VELOCITY: Range = Range::new("velocity", "m/s", 0.0, 10.0 * CM_PER_S);
 const PRESSURE: Range = Range::new("film pressure", "Pa", 1e-3, 1e9);
 
@@ -18,7 +18,7 @@ const GAP_EXPONENT: f64 = 2.478;
 /// kgf/cm2 is 98.07 kPa and not 100 kPa.
 const FILM_FACTOR: f64 = 30.0;
 
-/// An oil between the study's surfaces.
+/// An oil between the thesis's surfaces.
 ///
 /// # Examples
 ///
@@ -38,7 +38,7 @@ const FILM_FACTOR: f64 = 30.0;
 pub struct Oil {
     /// Viscosity eta, in Pa s.
     pub viscosity: f64,
-    /// V / Cv in cm/s against velocity in cm/s. The film pressure is proportional to it. Cv is the study's correction
+    /// V / Cv in cm/s against velocity in cm/s. The film pressure is proportional to it. Cv is the thesis's correction
     /// of Reynolds' equation.
     pub wedge_speed: PowerLaw,
 }
@@ -55,7 +55,7 @@ impl Oil {
     /// An oil of any viscosity in Pa s, interpolated between oil 1 and oil 2.
     ///
     /// The exponent of the law of V / Cv and the logarithm of its factor are linear in the logarithm of viscosity. This
-    /// interpolation is ours. The study interpolates with one exponent (eq 10-9).
+    /// interpolation is ours. The thesis interpolates with one exponent (eq 10-9).
     ///
     /// # Errors
     /// If the viscosity is outside 1e-6 ... 1e3 Pa s.
@@ -73,7 +73,7 @@ impl Oil {
     /// 155-7).
     ///
     /// The law was fitted for velocities up to 10 cm/s and gaps of 4.64 ... 9.2 um. Eq 149-7 and 150-7 were fitted
-    /// above VcL, and the study uses them from rest on.
+    /// above VcL, and the thesis uses them from rest on.
     ///
     /// # Errors
     /// If the viscosity is outside 1e-6 ... 1e3 Pa s, the gap of 1e-9 ... 1e-2 m, or the velocity of 0 ... 10 cm/s.
@@ -115,7 +115,7 @@ impl Oil {
     }
 }
 
-/// The study's correction of Reynolds' equation, Cv = slow + by_speed V with V in cm/s (eq 146-7 ... 148-7). It
+/// The thesis's correction of Reynolds' equation, Cv = slow + by_speed V with V in cm/s (eq 146-7 ... 148-7). It
 /// divides the pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {

@@ -1,10 +1,13 @@
 //! Ranges of quantities in which a law holds, and the error for values outside them.
 
+use patchcord_core::document::unit_suffix;
+
 /// The reason why a law gives no number.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SlidewayError {
     /// A quantity is outside the range in which the law holds.
-    #[error("{} must be {}, got {}", range.quantity, range.bounds(), range.with_unit(*value))]
+    #[error("{} must be {}, got {}", range.quantity, range.bounds(), value.to_string() + &unit_suffix(range.unit))]
     OutOfRange {
         /// The range that the value violates.
         range: Range,
@@ -30,7 +33,8 @@ pub enum SlidewayError {
 ///
 /// let overlap = Range::new("overlap", "m", 0.0, 1.0);
 /// assert_eq!(overlap.check(0.5), Ok(0.5));
-/// assert_eq!(overlap.check(2.0).unwrap_err().to_string(), "overlap must be within 0 ... 1, got 2 m");
+/// let message = overlap.check(2.0).map_err(|error| error.to_string());
+/// assert_eq!(message, Err("overlap must be within 0 ... 1, got 2 m".to_owned()));
 /// assert!(Range::positive("mass M", "kg").check(0.0).is_err());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,11 +77,6 @@ impl Range {
     /// All finite numbers.
     pub const fn finite(quantity: &'static str, unit: &'static str) -> Self {
         Range::new(quantity, unit, f64::MIN, f64::MAX)
-    }
-
-    /// A value with the unit of the range, if there is one.
-    fn with_unit(&self, value: f64) -> String {
-        format!("{value} {}", self.unit).trim_end().to_owned()
     }
 
     /// The permitted values in words, as they follow "must be".

@@ -31,7 +31,7 @@ pub struct Ridge {
 }
 
 impl Ridge {
-    /// The ridge of the study's ground cast iron: B = 50 um, Z = 2.5 um (7.2).
+    /// The ridge of the thesis's ground cast iron: B = 50 um, Z = 2.5 um (7.2).
     pub const GROUND: Ridge = Ridge { width: 50.0 * UM, height: 2.5 * UM };
 
     /// Permitted widths.
@@ -62,7 +62,7 @@ impl Ridge {
 
     /// The slope tan(theta) = Z / B that friction climbs, 0.05 for ground iron (eq 47-7).
     ///
-    /// The flank itself is twice as steep. The study uses the slope of the flank for the speed of approach (eq 104-7).
+    /// The flank itself is twice as steep. The thesis uses the slope of the flank for the speed of approach (eq 104-7).
     ///
     /// # Errors
     /// If width or height is outside 1e-9 ... 0.1 m.

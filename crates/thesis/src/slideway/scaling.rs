@@ -1,4 +1,4 @@
-//! Scales, gains and potentiometer settings of the slideway on the study's machine (8.2, 8.3).
+//! Scales, gains and potentiometer settings of the slideway on the thesis's machine (8.2, 8.3).
 
 use super::{Range, SlidewayError};
 
@@ -121,8 +121,8 @@ pub struct LagSetting {
 }
 
 impl LagSetting {
-    /// The longest time constant on the x1000 input, in s. Settings for longer ones would be below 0.05.
-    pub const LONGEST: f64 = 0.02;
+    /// The longest time constant on the x1000 input, in s. With a longer one the setting would be below 0.05.
+    pub const MAX_X1000: f64 = 0.02;
 
     /// The setting for a time constant in s: 0.001 / Tc on x1000 (eq 34-8), and 0.01 / Tc on x100 above 0.02 s (eq
     /// 35-8).
@@ -131,7 +131,7 @@ impl LagSetting {
     /// If the time constant is below 1 ms. The setting would exceed 1.
     pub fn new(memory: f64) -> Result<Self, SlidewayError> {
         let memory = Range::new("time constant Tc", "s", 1e-3, f64::MAX).check(memory)?;
-        let gain = if memory > Self::LONGEST { 100.0 } else { 1000.0 };
+        let gain = if memory > Self::MAX_X1000 { 100.0 } else { 1000.0 };
         Ok(LagSetting { setting: 1.0 / (gain * memory), gain })
     }
 
@@ -172,7 +172,7 @@ pub struct DeadZone {
     pub wiper: f64,
     /// Bias VB, in V.
     pub bias: f64,
-    /// Voltage drop of a diode, in V. The study's formulas omit it.
+    /// Voltage drop of a diode, in V. The thesis's formulas omit it.
     pub diode: f64,
 }
 

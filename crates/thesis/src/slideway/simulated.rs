@@ -1,4 +1,4 @@
-//! Power laws that the study fitted to its simulation (9.2, 9.3).
+//! Power laws that the thesis fitted to its simulation (9.2, 9.3).
 //!
 //! They give the slope at which oscillation ceased against time constant and stiffness, and the time constant against
 //! the viscosity of the oil.
@@ -24,7 +24,7 @@ pub const SLOPE_BY_STIFFNESS: PowerLaw = PowerLaw::new(16.0, 0.077);
 /// Factor of Tc^1.54 K^0.077 in eq 6-9, in N s/mm, s and N/mm.
 pub const JOINT_FACTOR: f64 = 3.3e4;
 
-/// The slope of solid friction in N s/m at which oscillation ceased in the study's simulation: 3.3e4 Tc^1.54 K^0.077
+/// The slope of solid friction in N s/m at which oscillation ceased in the thesis's simulation: 3.3e4 Tc^1.54 K^0.077
 /// N s/mm (eq 6-9).
 ///
 /// The arguments are a time constant in s and a stiffness in N/m. It was fitted over 6 ... 25 ms at 45 kN/mm and
@@ -57,7 +57,7 @@ pub fn memory_from_critical_velocity(
     Ok((slope / (JOINT_FACTOR * by_stiffness(stiffness)?)).powf(1.0 / SLOPE_BY_MEMORY.exponent))
 }
 
-/// The laws that the study fitted for one table weight.
+/// The laws that the thesis fitted for one table weight.
 ///
 /// # Examples
 ///
@@ -129,7 +129,7 @@ impl OilLaw {
     }
 }
 
-/// Weight of the lighter table for which the study fitted a time constant, in kgf.
+/// Weight of the lighter table for which the thesis fitted a time constant, in kgf.
 const LIGHT: f64 = 450.0;
 /// Weight of the heavier table, in kgf.
 const HEAVY: f64 = 850.0;
@@ -137,7 +137,7 @@ const HEAVY: f64 = 850.0;
 /// Time constant in s for a table weight in N and a viscosity in Pa s.
 ///
 /// It is that of eq 17-9 at 450 kgf and that of eq 20-9 at 850 kgf. For other weights it follows the power law of
-/// weight through both. This law is ours: the study says only that the constants of eq 25-9 fall with weight.
+/// weight through both. This law is ours: the thesis says only that the constants of eq 25-9 fall with weight.
 ///
 /// # Errors
 /// If the weight or the viscosity is not above 0.
@@ -154,7 +154,7 @@ mod tests {
     use crate::slideway::units::MM_PER_S;
 
     #[test]
-    fn figures_of_the_study_are_reproduced() {
+    fn figures_of_the_thesis_are_reproduced() {
         assert_close(SLOPE_BY_STIFFNESS.at(45e3), 36.5, 1e-3);
         assert_close(slope(0.0071, 45e6).unwrap(), 36.96e3, 1e-3);
         assert_close(OilLaw::AT_450_KGF.memory(0.013).unwrap(), 6.90e-3, 1e-3);

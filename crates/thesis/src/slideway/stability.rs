@@ -1,7 +1,7 @@
 //! Stability of small motions of a table whose solid friction lags behind velocity: Routh-Hurwitz (8.2, 9.4 (i)).
 //!
 //! Cn is the slope with which solid friction falls at the steady velocity. The characteristic equation of the table
-//! is M s^2 + f s - Cn s / (1 + Tc s) + K = 0. The study writes N for -Cn (eq 26-9 ... 32-9). Here Cn is positive
+//! is M s^2 + f s - Cn s / (1 + Tc s) + K = 0. The thesis writes N for -Cn (eq 26-9 ... 32-9). Here Cn is positive
 //! while friction falls, as in eq 40-8.
 
 use super::falling::FallingFriction;
@@ -15,15 +15,15 @@ const DAMPING: Range = Range::not_negative("viscous coefficient f", "N s/m");
 const MEMORY: Range = Range::not_negative("time constant Tc", "s");
 const SLOPE: Range = Range::finite("slope of friction Cn", "N s/m");
 
-/// The critical slope in N s/mm against time constant in s, as the study drew it for 433 kg, 45 kN/mm and 10.71 N
+/// The critical slope in N s/mm against time constant in s, as the thesis drew it for 433 kg, 45 kN/mm and 10.71 N
 /// s/mm (eq 37-9). It agrees with eq 32-9 to 4 % over 6 ... 25 ms.
 pub const PRINTED_BY_MEMORY: PowerLaw = PowerLaw::new(12.95e4, 1.55);
 
-/// The critical slope in N s/mm against stiffness in N/mm, as the study drew it for 433 kg, 10.71 N s/mm and 7.1 ms
+/// The critical slope in N s/mm against stiffness in N/mm, as the thesis drew it for 433 kg, 10.71 N s/mm and 7.1 ms
 /// (eq 38-9). It agrees with eq 32-9 to 7 % over 10 ... 45 kN/mm.
 pub const PRINTED_BY_STIFFNESS: PowerLaw = PowerLaw::new(0.0385, 0.685);
 
-/// Viscous coefficient of the study's simulation, in N s/m (8.4, 9.2). The time constants of the study were found
+/// Viscous coefficient of the thesis's simulation, in N s/m (8.4, 9.2). The time constants of the thesis were found
 /// with it.
 pub const SIMULATED_DAMPING: f64 = 10.7e3;
 
@@ -63,7 +63,7 @@ pub struct DrivenTable {
 pub struct Groups {
     /// A = K Tc^2 / M.
     pub stiffness: f64,
-    /// B = Cn Tc / M, positive while friction falls (negative in the study).
+    /// B = Cn Tc / M, positive while friction falls (negative in the thesis).
     pub slope: f64,
     /// C = f Tc / M.
     pub damping: f64,
@@ -77,8 +77,8 @@ impl Groups {
 }
 
 impl DrivenTable {
-    /// The table of the study's final simulation (8.4): M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm, with a time
-    /// constant in s. The study set 6 ... 25 ms.
+    /// The table of the thesis's final simulation (8.4): M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm, with a time
+    /// constant in s. The thesis set 6 ... 25 ms.
     pub const fn simulated(memory: f64) -> Self {
         DrivenTable { mass: 433.0, stiffness: 45e6, damping: SIMULATED_DAMPING, memory }
     }
@@ -136,7 +136,7 @@ impl DrivenTable {
     }
 
     /// Whether small motions decay at a slope of solid friction in N s/m: (M + f Tc)(K Tc + f - Cn) > M K Tc (eq
-    /// 27-9). The study writes "at least", which includes the boundary.
+    /// 27-9). The thesis writes "at least", which includes the boundary.
     ///
     /// # Errors
     /// If a quantity of the table is out of its range, or the slope is not a number.
@@ -221,7 +221,7 @@ mod tests {
     use crate::slideway::assert_close;
 
     #[test]
-    fn figures_of_the_study_are_reproduced() {
+    fn figures_of_the_thesis_are_reproduced() {
         let early = DrivenTable { mass: 454.0, stiffness: 17.86e6, damping: 17.86e3, memory: 0.0 };
         assert_close(early.natural_frequency().unwrap(), 198.34, 1e-4);
         assert_close(early.damping_ratio().unwrap(), 0.09917, 1e-4);

@@ -43,7 +43,7 @@ pub struct Tilt {
 }
 
 impl Tilt {
-    /// The example of the study (4.4): 50 kgf, 150 mm off the middle of a table of 450 mm.
+    /// The example of the thesis (4.4): 50 kgf, 150 mm off the middle of a table of 450 mm.
     pub const EXAMPLE: Tilt = Tilt {
         offset: 150.0 * MM,
         force: 50.0 * KGF,

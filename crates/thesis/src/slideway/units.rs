@@ -1,4 +1,4 @@
-//! Units of the study in SI. Its empirical formulas use kgf, mm, P and cm/s and are kept as printed.
+//! Units of the thesis in SI. Its empirical formulas use kgf, mm, P and cm/s and are kept as printed.
 
 /// Standard gravity in m/s2. With it the weight of one kilogram is one kgf.
 pub const GRAVITY: f64 = 9.80665;

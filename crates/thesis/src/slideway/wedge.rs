@@ -20,7 +20,7 @@ const SLOPE: Range = Range::new("slope of the wedge m", "", 1e-3, 1e3);
 /// use patchcord_thesis::slideway::units::UM;
 /// use patchcord_thesis::slideway::wedge::RangeProfile;
 ///
-/// let profile = RangeProfile::OF_STUDY;
+/// let profile = RangeProfile::OF_THESIS;
 /// assert!((profile.ridges()? - 200.0).abs() < 1e-6);
 /// assert!((profile.touching_gap()? / UM - 5.48).abs() < 0.01);
 /// assert!((profile.wedge(5.48 * UM)?.slope() - 0.5474).abs() < 1e-4);
@@ -37,10 +37,10 @@ pub struct RangeProfile {
 }
 
 impl RangeProfile {
-    /// The study's profile: ridges 50 um wide and 2.5 um high, one range per centimetre, hT = 0.03 um (7.2).
-    pub const OF_STUDY: RangeProfile = RangeProfile { ridge: Ridge::GROUND, spacing: CM, fall: 0.03 * UM };
+    /// The thesis's profile: ridges 50 um wide and 2.5 um high, one range per centimetre, hT = 0.03 um (7.2).
+    pub const OF_THESIS: RangeProfile = RangeProfile { ridge: Ridge::GROUND, spacing: CM, fall: 0.03 * UM };
 
-    /// The number of ridges in a range: 200 in the study (7.2).
+    /// The number of ridges in a range: 200 in the thesis (7.2).
     ///
     /// # Errors
     /// If a dimension of the profile is out of its range.
@@ -49,7 +49,7 @@ impl RangeProfile {
         Ok(SPACING.check(self.spacing)? / self.ridge.width)
     }
 
-    /// The depth of the outermost ridges below the middle, in m: 3 um in the study (7.2).
+    /// The depth of the outermost ridges below the middle, in m: 3 um in the thesis (7.2).
     ///
     /// # Errors
     /// If a dimension of the profile is out of its range.
@@ -68,7 +68,7 @@ impl RangeProfile {
         Ok((ranges + (2.0 * self.spacing - width) * height / 2.0) / 2.0)
     }
 
-    /// Height in m of a uniform gap that holds as much oil as two ranges that just touch: 2 he, 5.48 um in the study
+    /// Height in m of a uniform gap that holds as much oil as two ranges that just touch: 2 he, 5.48 um in the thesis
     /// (eq 139-7).
     ///
     /// # Errors
@@ -120,10 +120,10 @@ impl Wedge {
     }
 }
 
-/// Ks, the study's law for Kp against the gap in um (eq 151-7), for 4.64 ... 9.2 um.
+/// Ks, the thesis's law for Kp against the gap in um (eq 151-7), for 4.64 ... 9.2 um.
 pub const PRESSURE_FACTOR: PowerLaw = PowerLaw::new(0.05, -0.478);
 
-/// The study's law for Kf against the gap in um (eq 176-7), for 4.64 ... 9 um.
+/// The thesis's law for Kf against the gap in um (eq 176-7), for 4.64 ... 9 um.
 pub const DRAG_FACTOR: PowerLaw = PowerLaw::new(0.51, 0.23);
 
 #[cfg(test)]
@@ -132,8 +132,8 @@ mod tests {
     use crate::slideway::assert_close;
 
     #[test]
-    fn figures_of_the_study_are_reproduced() {
-        let profile = RangeProfile::OF_STUDY;
+    fn figures_of_the_thesis_are_reproduced() {
+        let profile = RangeProfile::OF_THESIS;
         assert_close(profile.ridges().unwrap(), 200.0, 1e-12);
         assert_close(profile.depth().unwrap() / UM, 3.0, 1e-12);
         assert_close(profile.free_area().unwrap() / UM.powi(2), 27440.0, 2e-3);
@@ -149,7 +149,7 @@ mod tests {
     fn laws_of_the_gap_are_fits_of_the_wedge() {
         let gaps: Vec<f64> = (0..=20).map(|step| 4.64 + (9.2 - 4.64) * f64::from(step) / 20.0).collect();
         let fit = |factor: fn(&Wedge) -> f64| {
-            let at = |gap: &f64| (*gap, factor(&RangeProfile::OF_STUDY.wedge(gap * UM).unwrap()));
+            let at = |gap: &f64| (*gap, factor(&RangeProfile::OF_THESIS.wedge(gap * UM).unwrap()));
             PowerLaw::fit(&gaps.iter().map(at).collect::<Vec<_>>()).unwrap()
         };
         let (pressure, drag) = (fit(Wedge::pressure_factor), fit(Wedge::drag_factor));

@@ -1,14 +1,14 @@
 //! Fig 8.16 with its lag behind the multiplier compared with Fig 8.16: "this did not affect the simulation results at
 //! all" (8.3).
 
-use crate::others::bench::{THESIS, record, shipped};
+use crate::others::steady_run::{THESIS, record, shipped};
 use patchcord_analysis::instruments::{Criterion, critical_velocity};
 
 /// The patch of Fig 8.16 with the lag after the multiplier.
 const LAST: &str = "thesis/fig-8-16-lag-last";
 
 /// Settings of the table: VcL in m/s and Tc in s.
-pub const SETTINGS: [(f64, f64); 8] = [
+pub(super) const SETTINGS: [(f64, f64); 8] = [
     (1.27e-3, 0.0065),
     (2.54e-3, 0.004),
     (2.54e-3, 0.0065),
@@ -21,7 +21,7 @@ pub const SETTINGS: [(f64, f64); 8] = [
 
 /// Rising and falling critical velocities of Fig 8.16, and of Fig 8.16 with its lag last, in m/s. The command rises
 /// at 1.2 mm/s2 to twice VcL plus 3 mm/s, and falls again.
-pub fn critical(vcl: f64, tc: f64) -> [(f64, f64); 2] {
+pub(super) fn critical(vcl: f64, tc: f64) -> [(f64, f64); 2] {
     [THESIS, LAST].map(|stem| {
         let turn = (2.0 * vcl + 3e-3) / 1.2e-3;
         let changes = [("VcL", vcl), ("Tc", tc), ("v_turn", turn)];

@@ -1,10 +1,11 @@
 //! Nakashima's circuit behaves as the thesis says: it sticks and slips, and slides steadily while friction still falls.
 
 use crate::known_problems::runs::difference;
-use crate::others::bench::{BRAKE, FRICTION, NAKASHIMA, SteadyRun, record, shipped};
+use crate::others::steady_run::{BRAKE, FRICTION, NAKASHIMA, SteadyRun, record, shipped};
+use crate::velocity_readings::min;
 
 /// Set velocities of the page's table, in m/s.
-pub const SET: [f64; 9] = [0.5e-3, 1e-3, 2e-3, 4e-3, 6e-3, 7e-3, 8e-3, 9e-3, 10e-3];
+pub(super) const SET: [f64; 9] = [0.5e-3, 1e-3, 2e-3, 4e-3, 6e-3, 7e-3, 8e-3, 9e-3, 10e-3];
 
 /// The output velocity of both circuits for 2 s at a set velocity.
 fn both(changes: [&[(&str, f64)]; 2], command: f64) -> [Vec<f64>; 2] {
@@ -32,7 +33,7 @@ fn relays_hold_and_release_like_a_brake() {
 fn low_set_velocities_give_stick_slip() {
     for command in SET.into_iter().filter(|command| *command < 7.2e-3) {
         let run = SteadyRun::set(&shipped(NAKASHIMA), &[], command);
-        assert!(run.rest_share() > 0.02 && run.least() == 0.0 && run.most() > 2.0 * command, "{command}");
+        assert!(run.rest_share() > 0.02 && run.min() == 0.0 && run.max() > 2.0 * command, "{command}");
     }
 }
 
@@ -56,7 +57,6 @@ fn sliding_is_steady_while_friction_still_falls() {
 #[test]
 fn relays_hold_the_table_against_the_spring() {
     let [relays, brake] = both([&[("VcL", 2.54e-3)], &[FRICTION[0], ("VcL", 2.54e-3)]], 1e-3);
-    let least = |velocity: &[f64]| velocity.iter().copied().fold(f64::MAX, f64::min);
-    assert_eq!(least(&relays), 0.0);
-    assert!(least(&brake) < -1e-3, "{}", least(&brake));
+    assert_eq!(min(&relays), 0.0);
+    assert!(min(&brake) < -1e-3, "{}", min(&brake));
 }

@@ -1,10 +1,11 @@
 //! The tables of docs/others.md, and the sentences that quote them.
 
 use crate::common::pages::{assert_page_contains, assert_part_up_to_date};
-use crate::others::bench::{BRAKE, FRICTION, NAKASHIMA, SteadyRun, shipped};
 use crate::others::nakashima::SET;
-use crate::others::points::{Counts, SLOW, critical_velocity_by_ramp, slowed};
+use crate::others::nakashima_points::{Counts, SLOW, critical_velocity_by_ramp, slowed};
+use crate::others::steady_run::{BRAKE, FRICTION, NAKASHIMA, SteadyRun, shipped};
 use crate::others::{lag_last, relays, singh};
+use crate::velocity_readings::{self, format_fixed};
 use patchcord_thesis::slideway::falling::FallingFriction;
 use patchcord_thesis::slideway::stability::DrivenTable;
 
@@ -23,15 +24,14 @@ fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     format!("{}{}|\n{rows}", row(&head), "|---".repeat(head.len()))
 }
 
-/// A velocity in mm/s. Zero has no sign and no decimals.
-fn millimetres(velocity: f64, digits: usize) -> String {
-    let text = format!("{:.digits$}", velocity * 1e3);
-    if text.trim_start_matches('-').bytes().all(|byte| b"0.".contains(&byte)) { "0".to_owned() } else { text }
+/// A velocity in mm/s, with a number of decimals.
+fn millimetres(velocity: f64, decimals: usize) -> String {
+    format_fixed(velocity * 1e3, decimals)
 }
 
 /// The minimum and the maximum velocity of a run.
 fn span(run: &SteadyRun) -> String {
-    format!("{} ... {}", millimetres(run.least(), 2), millimetres(run.most(), 2))
+    format!("{} ... {}", millimetres(run.min(), 2), millimetres(run.max(), 2))
 }
 
 /// A share in percent, without decimals.
@@ -159,8 +159,8 @@ fn page_agrees_with_the_measurement() {
         ("relays", relays_table()),
         ("lag-last", lag_table()),
     ];
-    for (mark, fresh) in parts {
-        assert_part_up_to_date(PAGE, mark, &fresh, "patchcord-thesis");
+    for (marker, fresh) in parts {
+        assert_part_up_to_date(PAGE, marker, &fresh, "patchcord-thesis");
     }
     assert_page_contains(
         PAGE,
@@ -205,7 +205,10 @@ fn lag_sentence() -> String {
         let [(rising, _), (last, _)] = lag_last::critical(vcl, tc);
         100.0 * (last / rising - 1.0)
     });
-    let [least, most] =
-        increases.fold([f64::MAX, 0.0], |[least, most], increase| [least.min(increase), most.max(increase)]);
-    format!("for {least:.0} to {most:.0} % longer")
+    let increases: Vec<f64> = increases.collect();
+    format!(
+        "for {:.0} to {:.0} % longer",
+        velocity_readings::min(&increases),
+        velocity_readings::max(&increases)
+    )
 }

@@ -3,12 +3,12 @@
 use serde_json::json;
 
 use crate::common::document;
-use crate::others::bench::{NAKASHIMA, SteadyRun, edited, names, shipped};
+use crate::others::steady_run::{NAKASHIMA, SteadyRun, edited, names, shipped};
 use patchcord_core::patch::Patch;
 
 /// The patch with coils behind R1. R3, R4 and R5 follow R1 through a lag, and switch when the lag has reached half
 /// its final value.
-pub fn with_coils(time: f64) -> Patch {
+pub(super) fn with_coils(time: f64) -> Patch {
     edited(NAKASHIMA, |elements| {
         for relay in ["R3", "R4", "R5"] {
             elements[relay]["in"] = json!("coil");
@@ -19,7 +19,7 @@ pub fn with_coils(time: f64) -> Patch {
 }
 
 /// The faults of the relays on the page, each with its run at 1 mm/s.
-pub fn faults() -> Vec<(String, SteadyRun)> {
+pub(super) fn faults() -> Vec<(String, SteadyRun)> {
     let ideal = shipped(NAKASHIMA);
     let set = |changes: &[(&str, f64)]| SteadyRun::set(&ideal, changes, 1e-3);
     let mut faults = vec![("none".to_owned(), set(&[]))];
@@ -38,13 +38,13 @@ pub fn faults() -> Vec<(String, SteadyRun)> {
 }
 
 #[test]
-fn h_five_relays_apply_the_friction() {
+fn point_h_five_relays_apply_the_friction() {
     let relays = |stem| names(document(stem)["elements"].as_object().unwrap(), "relay").len();
     assert_eq!([relays(NAKASHIMA), relays("thesis/fig-8-16"), relays("thesis/fig-8-17")], [5, 0, 0]);
 }
 
 #[test]
-fn h_hysteresis_alone_changes_nothing() {
+fn point_h_hysteresis_alone_changes_nothing() {
     let ideal = SteadyRun::set(&shipped(NAKASHIMA), &[], 1e-3);
     let wide = SteadyRun::set(&shipped(NAKASHIMA), &[("hysteresis", 1.0)], 1e-3);
     let differences = ideal.velocity.iter().zip(&wide.velocity).map(|(one, other)| (one - other).abs());
@@ -53,13 +53,13 @@ fn h_hysteresis_alone_changes_nothing() {
 
 /// With late relays the table slides backward, and more with a longer delay.
 #[test]
-fn h_relays_that_switch_late_change_the_motion() {
+fn point_h_relays_that_switch_late_change_the_motion() {
     let coils = [0.2e-3, 1e-3, 2e-3].map(|time| SteadyRun::set(&with_coils(time), &[], 1e-3));
     let ideal = SteadyRun::set(&shipped(NAKASHIMA), &[], 1e-3);
     let mut before = &ideal;
     for coil in &coils {
         assert!(coil.slips_per_second() < before.slips_per_second());
-        assert!(coil.most() > before.most() && coil.least() < before.least());
+        assert!(coil.max() > before.max() && coil.min() < before.min());
         before = coil;
     }
 }

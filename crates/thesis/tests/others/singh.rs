@@ -1,14 +1,14 @@
 //! Singh's circuit maintains no oscillation at any setting. Its critical velocities are nevertheless correct.
 
 use crate::known_problems::others::slip;
-use crate::others::bench::{SINGH, record, shipped};
+use crate::others::steady_run::{SINGH, record, shipped};
 use patchcord_thesis::slideway::history::Slip;
 
 /// Viscous friction f of the patch in N s/m.
 const VISCOUS: f64 = 10.7e3;
 
 /// Slopes of falling friction of the grid, as shares of f.
-pub const FALLING: [f64; 6] = [0.0, 0.3, 0.6, 0.9, 1.2, 2.0];
+pub(super) const FALLING: [f64; 6] = [0.0, 0.3, 0.6, 0.9, 1.2, 2.0];
 /// Drops of friction of the grid, in N.
 const DROPS: [f64; 4] = [50.0, 150.0, 300.0, 600.0];
 /// Drive velocities of the grid, in m/s.
@@ -19,7 +19,7 @@ const NEGLIGIBLE: f64 = 1e-12;
 
 /// The course of a run: the largest deviation from the drive velocity in every tenth of 4 s, and the time at which an
 /// amplifier is overloaded.
-pub struct Swing {
+pub(super) struct Swing {
     /// Largest deviations in m/s.
     pub tenths: Vec<f64>,
     /// Time of the first overload, in s.
@@ -27,7 +27,7 @@ pub struct Swing {
 }
 
 /// The course of a run for a slope as a share of f, a drop in N and a drive velocity in m/s.
-pub fn swing(falling: f64, drop: f64, drive: f64) -> Swing {
+pub(super) fn swing(falling: f64, drop: f64, drive: f64) -> Swing {
     let changes = [("n", falling * VISCOUS), ("Fk", 100.0), ("drop", drop), ("v_set", drive)];
     let trace = record(&shipped(SINGH), &changes, 4.0, &["v_o"]);
     let velocity = trace.values("v_o").unwrap();
@@ -40,20 +40,20 @@ pub fn swing(falling: f64, drop: f64, drive: f64) -> Swing {
 
 impl Swing {
     /// Whether the deviation falls by a quarter in every tenth.
-    pub fn decays(&self) -> bool {
+    pub(super) fn decays(&self) -> bool {
         let is_decay = |pair: &[f64]| pair[1] < 0.75 * pair[0] || pair[0] < NEGLIGIBLE;
         self.overloaded.is_none() && self.tenths.windows(2).all(is_decay)
     }
 
     /// Whether the deviation grows until an amplifier is overloaded.
-    pub fn grows_into_overload(&self) -> bool {
+    pub(super) fn grows_into_overload(&self) -> bool {
         let before = self.overloaded.map_or(0, |time| (time / 0.4) as usize);
         self.overloaded.is_some() && self.tenths[..before].windows(2).all(|pair| pair[1] > pair[0])
     }
 }
 
 /// The runs of all settings of the grid with this slope of friction.
-pub fn grid(falling: f64) -> Vec<Swing> {
+pub(super) fn grid(falling: f64) -> Vec<Swing> {
     DROPS.into_iter().flat_map(|drop| DRIVES.map(|drive| swing(falling, drop, drive))).collect()
 }
 
@@ -88,8 +88,8 @@ fn table_moves_through_standstill() {
 
 /// The drive velocity in m/s at which the first slip of the circuit just ends at standstill, for a slope of friction
 /// in N s/m.
-pub fn critical(falling: f64) -> f64 {
-    let dips_below = |drive: f64| {
+pub(super) fn critical(falling: f64) -> f64 {
+    let reverses = |drive: f64| {
         let changes = [("n", falling), ("v_set", drive)];
         let velocity = record(&shipped(SINGH), &changes, 0.03, &["v_o"]).values("v_o").unwrap();
         velocity.into_iter().fold(f64::MAX, f64::min) < -1e-12
@@ -97,13 +97,13 @@ pub fn critical(falling: f64) -> f64 {
     let (mut low, mut high) = (1e-3, 10e-3);
     for _ in 0..20 {
         let middle = 0.5 * (low + high);
-        if dips_below(middle) { low = middle } else { high = middle }
+        if reverses(middle) { low = middle } else { high = middle }
     }
     high
 }
 
 /// The slip by the theory of Derjaguin, Push and Tolstoi, for a slope of friction in N s/m.
-pub fn by_theory(falling: f64) -> Slip {
+pub(super) fn by_theory(falling: f64) -> Slip {
     let (mass, stiffness) = (433.0, 45e6);
     let damping = (VISCOUS - falling) / (2.0 * f64::sqrt(mass * stiffness));
     Slip { drop: 300.0, mass, stiffness, damping }

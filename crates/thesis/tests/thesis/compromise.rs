@@ -2,7 +2,8 @@
 
 use crate::common::pages::{assert_page_contains, assert_part_up_to_date};
 use crate::known_problems::runs;
-use crate::thesis::bench;
+use crate::thesis::circuit_readings;
+use crate::velocity_readings::{self, format_fixed, max, min};
 use patchcord_core::trace::Trace;
 
 /// Stem of the patch, and its name on the page.
@@ -33,7 +34,7 @@ struct Record {
 fn record(stem: &str, changes: &[(&str, f64)], duration: f64, from: f64) -> Record {
     let names = ["v_i", "v_o", "x_error", "spring_force", "friction_level"];
     let trace: Trace = runs::record(stem, changes, duration, EVERY, &names);
-    assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
+    assert!(circuit_readings::overloaded_elements(&trace).is_empty(), "{:?}", trace.repetitions);
     let first = trace.time.iter().position(|time| *time >= from).unwrap();
     let [command, velocity, error, spring, level] =
         names.map(|name| trace.values(name).unwrap().split_off(first));
@@ -63,14 +64,12 @@ impl Record {
 
     /// Rows at which the velocity rises through the command.
     fn slips(&self) -> Vec<usize> {
-        let ahead = |row: usize| self.velocity[row] >= self.command[row];
-        (1..self.rows()).filter(|row| !ahead(row - 1) && ahead(*row)).collect()
+        velocity_readings::slips(&self.velocity, |row| self.command[row])
     }
 
     /// Mean frequency of slips in Hz, from the first slip to the last.
     fn slips_per_second(&self) -> f64 {
-        let slips = self.slips();
-        (slips.len() - 1) as f64 / ((slips[slips.len() - 1] - slips[0]) as f64 * EVERY)
+        velocity_readings::slips_per_second(&self.slips(), EVERY)
     }
 
     /// The longest backward distance, in m, while the spring pulls less than friction can hold.
@@ -115,25 +114,14 @@ fn friction_power(circuit: usize, record: &Record) -> (f64, f64) {
     record.friction_power([dead_zone_friction, brake_friction][circuit])
 }
 
-/// The minimum.
-fn least(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::MAX, f64::min)
-}
-
-/// The maximum.
-fn most(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::MIN, f64::max)
-}
-
 /// The mean.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// A value in units of `per` with a number of digits. Zero has no sign and no decimals.
-fn format_value(value: f64, per: f64, digits: usize) -> String {
-    let text = format!("{:.digits$}", value / per);
-    if text.trim_start_matches('-').bytes().all(|byte| b"0.".contains(&byte)) { "0".to_owned() } else { text }
+/// A value in units of `per` with a number of decimals.
+fn format_value(value: f64, per: f64, decimals: usize) -> String {
+    format_fixed(value / per, decimals)
 }
 
 /// The steady commands of the first table in m/s.
@@ -150,14 +138,14 @@ fn steady_row(circuit: usize, command: f64, record: &Record) -> String {
         format_value(record.slips_per_second(), 1.0, 1),
         format!(
             "{} ... {}",
-            format_value(least(&record.velocity), 1e-3, 2),
-            format_value(most(&record.velocity), 1e-3, 2)
+            format_value(min(&record.velocity), 1e-3, 2),
+            format_value(max(&record.velocity), 1e-3, 2)
         ),
         format_value(record.backward_distance(), 1e-6, 2),
         format!(
             "{} ... {}",
-            format_value(least(&record.error), 1e-6, 1),
-            format_value(most(&record.error), 1e-6, 1)
+            format_value(min(&record.error), 1e-6, 1),
+            format_value(max(&record.error), 1e-6, 1)
         ),
         format_value(mean(&record.error), 1e-6, 1),
         if stops.is_empty() { "never".to_owned() } else { format_value(mean(&stops), 1e-6, 1) },
@@ -196,7 +184,7 @@ struct Profile {
 fn profile(circuit: usize) -> Profile {
     let record = record(CIRCUITS[circuit].0, &[("v_turn", TURN)], 7.4, 0.0);
     let coarse: Vec<f64> = record.velocity.iter().copied().step_by(COARSE).collect();
-    Profile { swing: bench::swing(&coarse), record }
+    Profile { swing: circuit_readings::swing(&coarse), record }
 }
 
 impl Profile {
@@ -232,7 +220,7 @@ impl Profile {
     fn disturbance(&self) -> f64 {
         let rows = self.turn() * COARSE..(self.turn() + 40) * COARSE;
         let errors: Vec<f64> = rows.map(|row| self.record.velocity[row] - self.record.command[row]).collect();
-        most(&errors) - least(&errors)
+        max(&errors) - min(&errors)
     }
 }
 
@@ -256,7 +244,7 @@ fn profile_table(profiles: &[Profile; 2]) -> String {
     }
     row("disturbance after the turn, mm/s", &|p| format_value(p.disturbance(), 1e-3, 4));
     row("slips while rising", &|p| p.slips().to_string());
-    row("most negative velocity, mm/s", &|p| format_value(least(&p.record.velocity), 1e-3, 2));
+    row("most negative velocity, mm/s", &|p| format_value(min(&p.record.velocity), 1e-3, 2));
     text
 }
 
@@ -290,7 +278,7 @@ fn steady_sentences([slowest, slow, _, fast, fastest]: &[[Record; 2]; 5]) -> Vec
     let slips_difference =
         |pair: &[Record; 2]| percent_difference(pair[0].slips_per_second(), pair[1].slips_per_second());
     let peak_difference =
-        |pair: &[Record; 2]| percent_difference(most(&pair[0].velocity), most(&pair[1].velocity));
+        |pair: &[Record; 2]| percent_difference(max(&pair[0].velocity), max(&pair[1].velocity));
     let error = |record: &Record| format_value(mean(&record.error), 1e-6, 1);
     let (takes, gives) = friction_power(0, &slow[0]);
     vec![
@@ -315,8 +303,9 @@ fn profile_sentence(profiles: &[Profile; 2]) -> String {
     let rising = THRESHOLDS.map(|threshold| [0, 1].map(|circuit| profiles[circuit].rising(threshold)));
     let higher = rising.map(|[dead_zone, brake]| brake - dead_zone);
     let share = rising.map(|[dead_zone, brake]| brake / dead_zone - 1.0);
-    let [least, most] = [least(&higher), most(&higher)].map(|difference| format_value(difference, 1e-3, 2));
-    format!("{least} or {most} mm/s ({} %) higher", format_value(mean(&share), 1e-2, 1))
+    let [smallest, largest] =
+        [min(&higher), max(&higher)].map(|difference| format_value(difference, 1e-3, 2));
+    format!("{smallest} or {largest} mm/s ({} %) higher", format_value(mean(&share), 1e-2, 1))
 }
 
 /// Asserts that the dead zone has no standstill, that its friction pushes, and that inside it only viscous friction
@@ -353,7 +342,7 @@ fn both_agree_until_the_spring_enters_the_dead_zone() {
     let later = runs::difference(&brake.velocity[..2 * caught], &dead_zone.velocity[..2 * caught]);
     assert!(later > 0.1, "{later:e} of the peak");
     // These numbers are quoted on the page.
-    let peak = most(&dead_zone.velocity[..caught]);
+    let peak = max(&dead_zone.velocity[..caught]);
     assert_eq!(format_value(peak, 1e-3, 2), "4.03");
     assert_eq!([released, caught].map(|row| format_value(row as f64 * EVERY, 1e-3, 0)), ["34", "47"]);
 }

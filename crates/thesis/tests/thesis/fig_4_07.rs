@@ -4,8 +4,8 @@
 use crate::known_problems::runs::{difference, record};
 use crate::known_problems::slideway::{FrictionLaw, Slideway};
 use crate::known_problems::thesis::fine_velocity;
-use crate::thesis::bench;
-use patchcord_analysis::instruments::{Criterion, NoCriticalVelocity, critical_velocity};
+use crate::thesis::circuit_readings;
+use patchcord_analysis::instruments::{Criterion, CriticalVelocityError, critical_velocity};
 
 /// The patch.
 const STEM: &str = "thesis/fig-4-07";
@@ -25,7 +25,7 @@ fn tables() -> [Slideway; 3] {
 #[test]
 fn every_table_follows_its_equations() {
     let trace = record(STEM, &[], 0.5, 1e-3, &SIGNALS);
-    assert!(bench::lit(&trace).is_empty());
+    assert!(circuit_readings::overloaded_elements(&trace).is_empty());
     for (table, signal) in tables().iter().zip(&SIGNALS[1..]) {
         let error = difference(&trace.values(signal).unwrap(), &fine_velocity(table, 0.5, 1e-3));
         assert!(error < 1e-8, "{signal} deviates by {error:e}");
@@ -71,7 +71,7 @@ fn only_falling_friction_causes_oscillation() {
         let criterion = Criterion { threshold: 0.25e-3, window: 0.04 };
         critical_velocity(&trace.time, &command, velocity, criterion).rising
     };
-    assert_eq!(rising(&linear), Err(NoCriticalVelocity::NoOscillation));
+    assert_eq!(rising(&linear), Err(CriticalVelocityError::NoOscillation));
     let (falls, drops) = (rising(&stribeck).unwrap(), rising(&coulomb).unwrap());
     assert!((falls - 4.65e-3).abs() < 0.02e-3, "{falls}");
     assert!(drops > 0.508e-3 && drops < 0.5 * falls, "{drops}");

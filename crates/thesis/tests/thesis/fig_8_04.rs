@@ -2,7 +2,7 @@
 
 use crate::known_problems::runs::{difference, record};
 use crate::known_problems::slideway::{FrictionLaw, Slideway};
-use crate::thesis::{bench, slideway};
+use crate::thesis::{circuit_readings, equations};
 use patchcord_analysis::instruments::ringing;
 
 /// Whether the slideway oscillates, as the closed solution assumes.
@@ -22,7 +22,7 @@ fn closed_solution_is_reproduced() {
     let follows = |stem: &str, slideway: &Slideway| {
         let slideway = &Slideway { v_turn: 3600.0, ..slideway.clone() };
         let Some(found) =
-            slideway::circuit_velocity(stem, slideway, 0.2).filter(|_| is_underdamped(slideway))
+            equations::circuit_velocity(stem, slideway, 0.2).filter(|_| is_underdamped(slideway))
         else {
             return false;
         };
@@ -33,7 +33,7 @@ fn closed_solution_is_reproduced() {
         true
     };
     assert!(follows("thesis/fig-8-04", &Slideway::step_response(FrictionLaw::Absent)));
-    slideway::agrees_at_random_settings("thesis/fig-8-04", FrictionLaw::Absent, follows);
+    equations::agrees_at_random_settings("thesis/fig-8-04", FrictionLaw::Absent, follows);
 }
 
 #[test]
@@ -47,7 +47,7 @@ fn step_response_has_198_3_rad_s_and_0_0992() {
 
 #[test]
 fn pots_are_set_as_in_the_text() {
-    let pots = |named: &[(&str, f64)]| bench::pots("thesis/fig-8-04", named);
+    let pots = |named: &[(&str, f64)]| circuit_readings::pots("thesis/fig-8-04", named);
     let assert_near = |found: f64, printed: f64| {
         assert!((found - printed).abs() < 0.001, "found {found}, printed {printed}")
     };

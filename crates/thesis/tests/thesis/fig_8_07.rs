@@ -2,7 +2,7 @@
 
 use crate::known_problems::runs::record;
 use crate::known_problems::slideway::{FrictionLaw, Slideway};
-use crate::thesis::slideway;
+use crate::thesis::equations;
 
 /// The slideway of the step response with constant friction.
 fn step() -> Slideway {
@@ -11,14 +11,14 @@ fn step() -> Slideway {
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at("thesis/fig-8-07", &step()));
-    slideway::agrees_at_random_settings("thesis/fig-8-07", FrictionLaw::Constant, slideway::agrees_at);
+    assert!(equations::agrees_at("thesis/fig-8-07", &step()));
+    equations::agrees_at_random_settings("thesis/fig-8-07", FrictionLaw::Constant, equations::agrees_at);
 }
 
 #[test]
 fn equals_the_equations_at_its_own_step() {
-    assert!(slideway::equals_at_own_step("thesis/fig-8-07", &step(), 2.0));
-    slideway::equals_at_random_settings("thesis/fig-8-07", FrictionLaw::Constant);
+    assert!(equations::equals_at_own_step("thesis/fig-8-07", &step(), 2.0));
+    equations::equals_at_random_settings("thesis/fig-8-07", FrictionLaw::Constant);
 }
 
 #[test]

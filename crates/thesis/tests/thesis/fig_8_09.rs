@@ -1,12 +1,12 @@
 //! Fig 8.9: the straight-line friction level alone.
 
 use crate::known_problems::runs::run;
-use crate::thesis::bench;
+use crate::thesis::circuit_readings;
 
 /// Velocities in volts of A3, and the other signals in volts, while the velocity rises from -30 to 30 V.
 fn sweep(changes: &[(&str, f64)]) -> [Vec<f64>; 4] {
     let trace = run("thesis/fig-8-09", changes, 12.0);
-    assert!(bench::lit(&trace).is_empty());
+    assert!(circuit_readings::overloaded_elements(&trace).is_empty());
     let [velocity, plus, minus, limited] =
         ["v_o", "VB", "minus_VB", "limited"].map(|name| trace.values(name).unwrap());
     [velocity.iter().map(|velocity| velocity / 0.254e-3).collect(), plus, minus, limited]

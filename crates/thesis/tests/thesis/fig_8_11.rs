@@ -2,18 +2,18 @@
 
 use crate::known_problems::runs::record;
 use crate::known_problems::slideway::{FrictionLaw, Slideway};
-use crate::thesis::slideway;
+use crate::thesis::equations;
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at("thesis/fig-8-11", &Slideway::thesis(FrictionLaw::Linear)));
-    slideway::agrees_at_random_settings("thesis/fig-8-11", FrictionLaw::Linear, slideway::agrees_at);
+    assert!(equations::agrees_at("thesis/fig-8-11", &Slideway::thesis(FrictionLaw::Linear)));
+    equations::agrees_at_random_settings("thesis/fig-8-11", FrictionLaw::Linear, equations::agrees_at);
 }
 
 #[test]
 fn equals_the_equations_at_its_own_step() {
-    assert!(slideway::equals_at_own_step("thesis/fig-8-11", &Slideway::thesis(FrictionLaw::Linear), 2.0));
-    slideway::equals_at_random_settings("thesis/fig-8-11", FrictionLaw::Linear);
+    assert!(equations::equals_at_own_step("thesis/fig-8-11", &Slideway::thesis(FrictionLaw::Linear), 2.0));
+    equations::equals_at_random_settings("thesis/fig-8-11", FrictionLaw::Linear);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::known_problems::runs::run;
-use crate::thesis::bench;
+use crate::thesis::circuit_readings;
 use patchcord_analysis::instruments::harmonic;
 
 /// Corner frequency of the lag in Hz.
@@ -16,7 +16,7 @@ fn corner(tc: f64) -> f64 {
 fn response(tc: f64, times: f64) -> (f64, f64, f64) {
     let frequency = times * corner(tc);
     let trace = run("thesis/fig-8-15", &[("Tc", tc), ("times", times)], 30.0 / frequency);
-    assert!(bench::lit(&trace).is_empty());
+    assert!(circuit_readings::overloaded_elements(&trace).is_empty());
     // The first half contains the transient of the start.
     let half = trace.len() / 2;
     let read = |name| harmonic(&trace.time[half..], &trace.values(name).unwrap()[half..], frequency).unwrap();

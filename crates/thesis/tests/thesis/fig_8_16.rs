@@ -2,29 +2,33 @@
 
 use crate::known_problems::runs::record;
 use crate::known_problems::slideway::{FrictionLaw, Slideway};
-use crate::thesis::{bench, slideway};
+use crate::thesis::{circuit_readings, equations};
 use patchcord_analysis::instruments::{Criterion, critical_velocity};
 use patchcord_core::trace::Trace;
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at("thesis/fig-8-16", &Slideway::thesis(FrictionLaw::LagBeforeSquare)));
-    slideway::agrees_at_random_settings("thesis/fig-8-16", FrictionLaw::LagBeforeSquare, slideway::agrees_at);
+    assert!(equations::agrees_at("thesis/fig-8-16", &Slideway::thesis(FrictionLaw::LagBeforeSquare)));
+    equations::agrees_at_random_settings(
+        "thesis/fig-8-16",
+        FrictionLaw::LagBeforeSquare,
+        equations::agrees_at,
+    );
 }
 
 #[test]
 fn equals_the_equations_at_its_own_step() {
-    assert!(slideway::equals_at_own_step(
+    assert!(equations::equals_at_own_step(
         "thesis/fig-8-16",
         &Slideway::thesis(FrictionLaw::LagBeforeSquare),
         2.0
     ));
-    slideway::equals_at_random_settings("thesis/fig-8-16", FrictionLaw::LagBeforeSquare);
+    equations::equals_at_random_settings("thesis/fig-8-16", FrictionLaw::LagBeforeSquare);
 }
 
 #[test]
 fn voltages_at_rest_agree_with_the_text() {
-    let volts = bench::volts_at_rest("thesis/fig-8-16", &["A1", "B1", "PC1", "M1", "X2", "A2"]);
+    let volts = circuit_readings::initial_voltages("thesis/fig-8-16", &["A1", "B1", "PC1", "M1", "X2", "A2"]);
     let expected = [100.0, -100.0, 70.7, 50.0, -50.0, 0.0];
     for (found, printed) in volts.iter().zip(expected) {
         assert!((found - printed).abs() < 0.05, "{volts:?}");
@@ -53,7 +57,7 @@ const PEAKS: &[(&str, f64, f64)] = &[
 fn default_run_reaches_the_known_peaks_without_overload() {
     let names: Vec<&str> = PEAKS.iter().map(|(name, ..)| *name).collect();
     let trace = record("thesis/fig-8-16", &[], 8.4667, 2e-5, &names);
-    assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
+    assert!(circuit_readings::overloaded_elements(&trace).is_empty(), "{:?}", trace.repetitions);
     for (name, expected, within) in PEAKS {
         let volts = trace.values(name).unwrap();
         let peak = volts.into_iter().fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
@@ -67,7 +71,7 @@ fn step_of_0_127_mm_overloads_only_a_stiff_drive() {
         let named = [("K", stiffness), ("v_rate", 0.0), ("x_step", 0.127e-3)];
         record("thesis/fig-8-16", &named, 0.2, 1e-3, &["v_o"])
     };
-    assert!(bench::lit(&step(17.86e6)).is_empty());
+    assert!(circuit_readings::overloaded_elements(&step(17.86e6)).is_empty());
     let stiff = step(45e6);
     let first = stiff.overloads().next().unwrap();
     assert_eq!((first.element.as_str(), first.time), ("A5", 0.0));
@@ -102,8 +106,9 @@ fn command_rises_and_falls() {
 #[test]
 fn rising_critical_velocity_exceeds_the_falling_one() {
     let trace = profile();
-    assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
-    let (commanded, swing) = (trace.values("v_i").unwrap(), bench::swing(&trace.values("v_o").unwrap()));
+    assert!(circuit_readings::overloaded_elements(&trace).is_empty(), "{:?}", trace.repetitions);
+    let (commanded, swing) =
+        (trace.values("v_i").unwrap(), circuit_readings::swing(&trace.values("v_o").unwrap()));
     let turn = (TURN / EVERY) as usize;
     let ends = swing[..turn].iter().rposition(|swing| *swing > THRESHOLD).unwrap();
     let begins = turn + swing[turn..].iter().position(|swing| *swing > THRESHOLD).unwrap();

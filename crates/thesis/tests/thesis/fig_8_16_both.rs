@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use crate::known_problems::runs::{difference, record};
-use crate::thesis::bench::document;
+use crate::thesis::circuit_readings::document;
 
 /// The elements of a patch as the larger patch contains them: renamed, without notes and parts of the machine.
 fn renamed(stem: &str, prefix: &str) -> Map<String, Value> {

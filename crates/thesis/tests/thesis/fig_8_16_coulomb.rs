@@ -7,8 +7,8 @@ use serde_json::Value;
 use crate::common::random::SplitMix64;
 use crate::known_problems::runs::{difference, peak, record};
 use crate::known_problems::slideway::{FrictionLaw, Slideway};
-use crate::thesis::bench::{self, document};
-use crate::thesis::slideway;
+use crate::thesis::circuit_readings::{self, document};
+use crate::thesis::equations;
 use patchcord_core::trace::Trace;
 
 /// The patch.
@@ -52,7 +52,7 @@ fn column(rows: &[Vec<f64>], column: usize) -> Vec<f64> {
 fn run_without_overload(changes: &[(&str, f64)], duration: f64, every: f64) -> Trace {
     let names = ["v_i", "x_error", "v_o", "a_o", "spring_force", "friction_level", "memory"];
     let trace = record(STEM, changes, duration, every, &names);
-    assert!(bench::lit(&trace).is_empty(), "{changes:?}: {:?}", trace.sweeps);
+    assert!(circuit_readings::overloaded_elements(&trace).is_empty(), "{changes:?}: {:?}", trace.repetitions);
     trace
 }
 
@@ -63,15 +63,15 @@ fn braked() -> Slideway {
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at(STEM, &braked()));
-    slideway::agrees_at_random_settings(STEM, FrictionLaw::LagBeforeSquare, |stem, setting| {
-        slideway::agrees_at(stem, &Slideway { brake: true, ..setting.clone() })
+    assert!(equations::agrees_at(STEM, &braked()));
+    equations::agrees_at_random_settings(STEM, FrictionLaw::LagBeforeSquare, |stem, setting| {
+        equations::agrees_at(stem, &Slideway { brake: true, ..setting.clone() })
     });
 }
 
 #[test]
 fn equals_the_equations_at_its_own_step() {
-    assert!(slideway::equals_at_own_step(STEM, &braked(), 2.0));
+    assert!(equations::equals_at_own_step(STEM, &braked(), 2.0));
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn oscillation_ends_as_in_scipy() {
     let least = velocity.iter().copied().fold(0.0, f64::min);
     assert!((least - ramp_reference("least velocity")).abs() < OVER_KINKS * peak(&velocity), "{least}");
     for (threshold, named) in [(0.1e-3, "0.1"), (0.25e-3, "0.25"), (0.5e-3, "0.5")] {
-        let swing = bench::swing(&velocity);
+        let swing = circuit_readings::swing(&velocity);
         let last = swing.iter().rposition(|swing| *swing > threshold).unwrap();
         let expected = ramp_reference(&format!("critical velocity at {named} mm/s"));
         // One sample of the ramp is 1.2 um/s.
@@ -132,7 +132,7 @@ fn table_rests_until_the_spring_overcomes_friction() {
         let setting = Slideway::random(FrictionLaw::LagBeforeSquare, &mut random);
         let trace =
             record(STEM, &setting.changes(), 0.2, 1e-3, &["v_o", "a_o", "spring_force", "friction_level"]);
-        if !bench::lit(&trace).is_empty() {
+        if !circuit_readings::overloaded_elements(&trace).is_empty() {
             continue;
         }
         let [velocity, acceleration, spring, level] =

@@ -2,8 +2,8 @@
 
 use crate::known_problems::runs::{difference, record, run};
 use crate::known_problems::slideway::{FrictionLaw, Slideway};
-use crate::thesis::bench::{self, document};
-use crate::thesis::slideway;
+use crate::thesis::circuit_readings::{self, document};
+use crate::thesis::equations;
 
 /// The patch of the block form.
 const STEM: &str = "thesis/fig-8-17";
@@ -12,8 +12,8 @@ const CIRCUIT: &str = "thesis/fig-8-16";
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at(STEM, &Slideway::thesis(FrictionLaw::LagBeforeSquare)));
-    slideway::agrees_at_random_settings(STEM, FrictionLaw::LagBeforeSquare, slideway::agrees_at);
+    assert!(equations::agrees_at(STEM, &Slideway::thesis(FrictionLaw::LagBeforeSquare)));
+    equations::agrees_at_random_settings(STEM, FrictionLaw::LagBeforeSquare, equations::agrees_at);
 }
 
 #[test]
@@ -36,7 +36,13 @@ fn settings_drives_and_signals_equal_the_circuit() {
 #[test]
 fn run_equals_the_circuit() {
     let [circuit, blocks] = [CIRCUIT, STEM].map(|stem| run(stem, &[], 8.466));
-    assert_eq!([bench::lit(&circuit).len(), bench::lit(&blocks).len()], [0, 0]);
+    assert_eq!(
+        [
+            circuit_readings::overloaded_elements(&circuit).len(),
+            circuit_readings::overloaded_elements(&blocks).len()
+        ],
+        [0, 0]
+    );
     for (circuit, blocks) in circuit.tracks.iter().zip(&blocks.tracks) {
         assert_eq!(circuit.name, blocks.name);
         // A signal may have another scale in the other patch. Both are compared in the volts of the circuit.
@@ -51,11 +57,13 @@ fn run_equals_the_circuit() {
 
 #[test]
 fn run_equals_the_circuit_at_random_settings() {
-    slideway::agrees_at_random_settings(STEM, FrictionLaw::LagBeforeSquare, |stem, setting| {
+    equations::agrees_at_random_settings(STEM, FrictionLaw::LagBeforeSquare, |stem, setting| {
         let changes = setting.changes();
         let circuit = record(CIRCUIT, &changes, 0.2, 1e-3, &["v_o"]);
         let blocks = record(stem, &changes, 0.2, 1e-3, &["v_o"]);
-        if !bench::lit(&circuit).is_empty() || !bench::lit(&blocks).is_empty() {
+        if !circuit_readings::overloaded_elements(&circuit).is_empty()
+            || !circuit_readings::overloaded_elements(&blocks).is_empty()
+        {
             return false;
         }
         let error = difference(&blocks.values("v_o").unwrap(), &circuit.values("v_o").unwrap());

@@ -43,7 +43,7 @@ fn frequency_rises_towards_the_natural_frequency() {
     assert!(smooth.windows(2).all(|pair| pair[1].frequency > 0.998 * pair[0].frequency));
 }
 
-/// The study reads frequencies from the spring force, whose peaks are also one cycle apart.
+/// The thesis reads frequencies from the spring force, whose peaks are also one cycle apart.
 #[test]
 fn peaks_of_spring_force_are_one_cycle_apart() {
     let trace = run("fig-8-16", &[("v_rate", 0.0), ("v_start", 2e-3)], 2.0, 1e-4);

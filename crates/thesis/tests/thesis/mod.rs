@@ -1,7 +1,8 @@
 //! Tests of the thesis's circuits: comparison with independently written equations and with the statements of the text.
 
-mod bench;
+mod circuit_readings;
 mod compromise;
+mod equations;
 mod fig_4_07;
 mod fig_8_04;
 mod fig_8_05;
@@ -16,4 +17,3 @@ mod fig_8_16_coulomb;
 mod fig_8_16_lag_last;
 mod fig_8_17;
 mod instruments;
-mod slideway;

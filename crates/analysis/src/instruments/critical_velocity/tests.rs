@@ -53,7 +53,7 @@ fn swings_match_a_direct_computation() {
 
 #[test]
 fn runs_without_a_critical_velocity_return_errors() {
-    use NoCriticalVelocity::*;
+    use CriticalVelocityError::*;
     let both = |found: CriticalVelocity| (found.rising.unwrap_err(), found.falling.unwrap_err());
     assert_eq!(both(read(&profile(4.0, 0.0, 0.0))), (NoOscillation, NoOscillation));
     assert_eq!(read(&profile(4.0, 0.15, 0.0)).rising, Err(NoOscillation), "breaking away only");

@@ -15,8 +15,44 @@ use table::{ColumnUnit, MeasureDefinition, MeasureInputs, TABLE};
 
 /// An instrument connected to the signals that it reads.
 ///
-/// It is requested by `NAME`, `NAME:SIGNAL` or `NAME:SIGNAL,OPTION=VALUE`. Examples: "peak:v_o",
-/// "critical_velocity:threshold=0.5e-3". If a trace has several runs, the measure reads the last one.
+/// It is requested by `NAME`, `NAME:SIGNAL` or `NAME:SIGNAL,OPTION=VALUE`. [`measures`] lists the names, signals and
+/// options. If a trace has several runs, the measure reads the last one.
+///
+/// # Examples
+///
+/// One request of each family, and the columns that it fills:
+///
+/// ```
+/// use patchcord_analysis::instruments::Measure;
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let patch = Patch::read("../../patches/thesis/fig-8-16.json")?;
+/// let program = Program::new(&Circuit::new(&patch)?)?;
+/// let columns = |request: &str| -> Result<Vec<String>, Box<dyn std::error::Error>> {
+///     let columns = Measure::parse(request, program.signals())?.columns();
+///     Ok(columns.into_iter().map(|column| format!("{} in {}", column.name, column.unit)).collect())
+/// };
+///
+/// // Values of one signal: voltmeter, peak, least, most
+/// assert_eq!(columns("peak:x_error")?, ["peak:x_error in m"]);
+/// // A sustained oscillation: amplitude, frequency
+/// assert_eq!(columns("frequency:v_o,last=0.5")?, ["frequency:v_o,last=0.5 in Hz"]);
+/// // Critical velocities: critical_velocity, critical_velocity_range, first_oscillation
+/// let both = ["critical_velocity_rising:threshold=5e-4 in m/s", "critical_velocity_falling:threshold=5e-4 in m/s"];
+/// assert_eq!(columns("critical_velocity:threshold=5e-4")?, both);
+/// // The five points of a velocity profile: profile, profile_falling
+/// assert_eq!(columns("profile")?[0], "profile_1 in m/s");
+/// // The loop of force against velocity
+/// assert_eq!(columns("friction_loop:v_o,spring_force")?[1], "friction_loop_work:v_o,spring_force in J");
+/// // Times: stick_end, overload
+/// assert_eq!(columns("stick_end")?, ["stick_end in s"]);
+/// assert_eq!(columns("overload")?, ["overload in ", "overload_time in s"]);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure {
     /// The row of the table of measures.
@@ -51,6 +87,7 @@ pub enum MeasureValue {
 
 /// Why a measure cannot be connected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeasureError {
     /// There is no measure with this name.
     #[error("there is no measure \"{name}\"; {hint}")]
@@ -137,7 +174,7 @@ pub enum MeasureError {
 /// ```
 /// use patchcord_analysis::instruments::measures;
 ///
-/// let (syntax, meaning) = measures().next().expect("the table is not empty");
+/// let (syntax, meaning) = measures().next().unwrap_or_default();
 /// assert_eq!((syntax.as_str(), meaning), ("voltmeter:SIGNAL", "the value at the end of the run"));
 /// ```
 pub fn measures() -> impl Iterator<Item = (String, &'static str)> {
@@ -223,15 +260,19 @@ impl Measure {
 
     /// The request in its normal form, without blanks.
     pub fn text(&self) -> String {
+        self.text_with_suffix("")
+    }
+
+    /// The request with a suffix after the name of the measure.
+    fn text_with_suffix(&self, suffix: &str) -> String {
         let colon = if self.arguments.is_empty() { "" } else { ":" };
-        format!("{}{colon}{}", self.definition.name, self.arguments)
+        format!("{}{suffix}{colon}{}", self.definition.name, self.arguments)
     }
 
     /// The columns that the measure fills.
     pub fn columns(&self) -> Vec<MeasureColumn> {
-        let colon = if self.arguments.is_empty() { "" } else { ":" };
         let columns = self.definition.columns.iter().map(|(suffix, unit)| MeasureColumn {
-            name: format!("{}{suffix}{colon}{}", self.definition.name, self.arguments),
+            name: self.text_with_suffix(suffix),
             unit: match unit {
                 ColumnUnit::Signal => self.signals[0].1.clone(),
                 ColumnUnit::Fixed(text) => (*text).to_owned(),

@@ -5,7 +5,7 @@ use super::super::oscillation::{Oscillation, oscillation_within};
 use super::super::voltmeter::{VoltmeterReading, readings};
 use super::{Measure, MeasureValue};
 use crate::instruments::{
-    self, Criterion, CriticalInterval, FrictionLoop, NoCriticalVelocity, ProfileCriterion, RampDirection,
+    self, Criterion, CriticalInterval, CriticalVelocityError, FrictionLoop, ProfileCriterion, RampDirection,
 };
 use patchcord_core::document::format_number;
 use patchcord_core::trace::{Trace, Track};
@@ -29,8 +29,8 @@ type Values = Vec<Result<MeasureValue, String>>;
 
 impl<'a> LastRun<'a> {
     /// The last run of a trace. An empty trace has an empty run.
-    pub fn new(trace: &'a Trace, measure: &'a Measure) -> Self {
-        LastRun { trace, measure, first: trace.sweeps.last().map_or(0, |sweep| sweep.first) }
+    pub(super) fn new(trace: &'a Trace, measure: &'a Measure) -> Self {
+        LastRun { trace, measure, first: trace.repetitions.last().map_or(0, |repetition| repetition.first) }
     }
 
     /// The times of the run, in seconds.
@@ -56,7 +56,7 @@ impl<'a> LastRun<'a> {
 
     /// The voltmeter reading of the measure's signal in this run.
     fn voltmeter_reading(&self) -> Option<VoltmeterReading> {
-        let last = self.trace.sweeps.len().saturating_sub(1);
+        let last = self.trace.repetitions.len().saturating_sub(1);
         let name = &self.measure.signals[0].0;
         readings(self.trace).into_iter().find(|found| found.run == last && found.signal == *name)
     }
@@ -65,7 +65,7 @@ impl<'a> LastRun<'a> {
     fn start_of_last(&self, last: Option<f64>) -> Result<usize, String> {
         let time = self.time();
         let (begin, end) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
-        let run = self.trace.sweeps.last().map_or(0.0, |sweep| sweep.end) - begin;
+        let run = self.trace.repetitions.last().map_or(0.0, |repetition| repetition.end) - begin;
         if let Some(last) = last.filter(|last| *last > run * (1.0 + DURATION_TOLERANCE)) {
             return Err(format!(
                 "last={} s exceeds the run of {} s",
@@ -160,7 +160,7 @@ pub(super) fn critical_velocity(run: &LastRun<'_>) -> Values {
 /// Smallest value, largest value and number of failed readings, rising and then falling.
 pub(super) fn critical_velocity_range(run: &LastRun<'_>) -> Values {
     let found = instruments::critical_range(run.time(), &run.values(0), &run.values(1), criterion(run));
-    let values = |interval: Result<CriticalInterval, NoCriticalVelocity>| {
+    let values = |interval: Result<CriticalInterval, CriticalVelocityError>| {
         let of = |value: fn(CriticalInterval) -> f64| number(interval.map(value));
         [of(|interval| interval.least), of(|interval| interval.most), of(|interval| interval.unread as f64)]
     };
@@ -214,7 +214,7 @@ pub(super) fn stick_end(run: &LastRun<'_>) -> Values {
 
 /// Name of the amplifier that is overloaded first, and the time; "none" and no time without an overload.
 pub(super) fn overload(run: &LastRun<'_>) -> Values {
-    match run.trace.sweeps.last().and_then(|sweep| sweep.overloads.first()) {
+    match run.trace.repetitions.last().and_then(|repetition| repetition.overloads.first()) {
         Some(first) => {
             vec![Ok(MeasureValue::Name(first.element.clone())), Ok(MeasureValue::Number(first.time))]
         }

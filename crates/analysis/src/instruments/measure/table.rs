@@ -47,9 +47,9 @@ pub(super) enum ColumnUnit {
 #[derive(Debug)]
 pub(super) enum MeasureInputs {
     /// No signal.
-    None,
+    NoSignal,
     /// One signal, which must be given.
-    One,
+    OneSignal,
     /// A velocity. The field is the default.
     Velocity(&'static [&'static str; 1]),
     /// The commanded and the actual velocity, in the same unit. The field holds the defaults. The first option of
@@ -64,7 +64,7 @@ impl MeasureInputs {
     /// The default signals.
     fn defaults(&self) -> &'static [&'static str] {
         match self {
-            MeasureInputs::None | MeasureInputs::One => &[],
+            MeasureInputs::NoSignal | MeasureInputs::OneSignal => &[],
             MeasureInputs::Velocity(name) => *name,
             MeasureInputs::Velocities(names) | MeasureInputs::VelocityAndForce(names) => *names,
         }
@@ -73,8 +73,8 @@ impl MeasureInputs {
     /// The number of signals.
     fn count(&self) -> usize {
         match self {
-            MeasureInputs::None => 0,
-            MeasureInputs::One | MeasureInputs::Velocity(_) => 1,
+            MeasureInputs::NoSignal => 0,
+            MeasureInputs::OneSignal | MeasureInputs::Velocity(_) => 1,
             MeasureInputs::Velocities(_) | MeasureInputs::VelocityAndForce(_) => 2,
         }
     }
@@ -83,8 +83,8 @@ impl MeasureInputs {
     /// The error for a wrong number of signals quotes both.
     fn description(&self) -> (&'static str, &'static str) {
         match self {
-            MeasureInputs::None => ("no signal", ""),
-            MeasureInputs::One | MeasureInputs::Velocity(_) => ("one signal", ":SIGNAL"),
+            MeasureInputs::NoSignal => ("no signal", ""),
+            MeasureInputs::OneSignal | MeasureInputs::Velocity(_) => ("one signal", ":SIGNAL"),
             MeasureInputs::Velocities(_) => {
                 ("two signals, the commanded and the actual velocity", ":v_i,v_o")
             }
@@ -115,7 +115,7 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
     MeasureDefinition {
         name: "voltmeter",
         meaning: "the value at the end of the run",
-        inputs: MeasureInputs::One,
+        inputs: MeasureInputs::OneSignal,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
@@ -124,7 +124,7 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
     MeasureDefinition {
         name: "peak",
         meaning: "the largest absolute value",
-        inputs: MeasureInputs::One,
+        inputs: MeasureInputs::OneSignal,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
@@ -133,7 +133,7 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
     MeasureDefinition {
         name: "least",
         meaning: "the smallest value",
-        inputs: MeasureInputs::One,
+        inputs: MeasureInputs::OneSignal,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
@@ -142,7 +142,7 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
     MeasureDefinition {
         name: "most",
         meaning: "the largest value",
-        inputs: MeasureInputs::One,
+        inputs: MeasureInputs::OneSignal,
         options: &[],
         is_sampled: false,
         columns: SIGNAL,
@@ -151,7 +151,7 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
     MeasureDefinition {
         name: "amplitude",
         meaning: "half the peak-to-peak value of an oscillation, over the last half of the run or the last N seconds",
-        inputs: MeasureInputs::One,
+        inputs: MeasureInputs::OneSignal,
         options: &["last"],
         is_sampled: true,
         columns: SIGNAL,
@@ -160,7 +160,7 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
     MeasureDefinition {
         name: "frequency",
         meaning: "number of whole cycles of an oscillation divided by their duration, over the same time as amplitude",
-        inputs: MeasureInputs::One,
+        inputs: MeasureInputs::OneSignal,
         options: &["last"],
         is_sampled: true,
         columns: &[("", ColumnUnit::Fixed("Hz"))],
@@ -247,7 +247,7 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
     MeasureDefinition {
         name: "overload",
         meaning: "the amplifier that is overloaded first, and the time",
-        inputs: MeasureInputs::None,
+        inputs: MeasureInputs::NoSignal,
         options: &[],
         is_sampled: false,
         columns: &[("", ColumnUnit::Fixed("")), ("_time", ColumnUnit::Fixed("s"))],
@@ -257,9 +257,9 @@ pub(super) const TABLE: &[MeasureDefinition] = &[
 
 impl MeasureDefinition {
     /// The syntax for help texts, such as "amplitude:SIGNAL,[last=N]".
-    pub fn syntax(&self) -> String {
+    pub(super) fn syntax(&self) -> String {
         let signals = match &self.inputs {
-            MeasureInputs::One => "SIGNAL".to_owned(),
+            MeasureInputs::OneSignal => "SIGNAL".to_owned(),
             inputs => match inputs.defaults() {
                 [] => String::new(),
                 names => format!("[{}]", names.join(",")),
@@ -275,7 +275,7 @@ impl MeasureDefinition {
     ///
     /// # Errors
     /// If the number of signals is wrong, or a signal is unknown.
-    pub fn connect(
+    pub(super) fn connect(
         &self,
         named: &[&str],
         known: &[SignalInfo],
@@ -290,9 +290,9 @@ impl MeasureDefinition {
 
     /// Name and unit of a signal; an error with a similar name if it is unknown.
     fn find(&self, name: &str, known: &[SignalInfo]) -> Result<(String, String), MeasureError> {
-        let found = known.iter().find(|probe| probe.name == name);
-        found.map(|probe| (probe.name.clone(), probe.unit.clone())).ok_or_else(|| {
-            let names: Vec<_> = known.iter().map(|probe| probe.name.as_str()).collect();
+        let found = known.iter().find(|signal| signal.name == name);
+        found.map(|signal| (signal.name.clone(), signal.unit.clone())).ok_or_else(|| {
+            let names: Vec<_> = known.iter().map(|signal| signal.name.as_str()).collect();
             let hint = suggestion(name, &names).unwrap_or_default();
             MeasureError::UnknownSignal { measure: self.name, signal: name.to_owned(), hint }
         })
@@ -302,13 +302,13 @@ impl MeasureDefinition {
     ///
     /// # Errors
     /// If an option is unknown, or a value is not a positive finite number.
-    pub fn parse_options<'a>(
+    pub(super) fn parse_options<'a>(
         &self,
-        given: impl Iterator<Item = (&'a str, &'a str)>,
+        given: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<Vec<Option<f64>>, MeasureError> {
         let measure = self.name;
         let mut values = vec![None; self.options.len()];
-        for (name, value) in given.map(|(name, value)| (name.trim(), value.trim())) {
+        for (name, value) in given.into_iter().map(|(name, value)| (name.trim(), value.trim())) {
             let index = self.options.iter().position(|option| *option == name).ok_or_else(|| {
                 let hint = suggestion(name, self.options).unwrap_or_else(|| "it has none".to_owned());
                 MeasureError::UnknownOption { measure, option: name.to_owned(), hint }

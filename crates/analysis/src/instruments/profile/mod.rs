@@ -4,16 +4,16 @@
 //! oscillation and of stick-slip (`points`), and describes what happens between them (`sections`).
 //! Both ramps use the same code: `ramp` mirrors and reverses the run first.
 
-mod absence_reason;
+mod missing_point_error;
 mod points;
 mod ramp;
 mod ramp_direction;
 mod sections;
 
-pub use absence_reason::AbsenceReason;
+pub use missing_point_error::MissingPointError;
 pub use ramp_direction::RampDirection;
 
-use super::critical_velocity::{Criterion, NoCriticalVelocity};
+use super::critical_velocity::{Criterion, CriticalVelocityError};
 use super::cycles::CyclesError;
 use crate::format::format_quantity;
 use patchcord_core::document::format_number;
@@ -30,14 +30,14 @@ pub struct VelocityProfile {
     /// * Point 2: oscillation begins; falling, it ends. This is the lower critical velocity.
     /// * Points 3 and 4: stick-slip lasts from one to the other.
     /// * Point 5: oscillation ends; falling, it begins. This is the upper critical velocity.
-    pub points: [Result<ProfilePoint, AbsenceReason>; 5],
+    pub points: [Result<ProfilePoint, MissingPointError>; 5],
     /// Sections A to D between the points, or why a section is missing.
     ///
     /// * Section A: smooth sliding after the jump.
     /// * Section B: oscillation that grows; falling, it decays.
     /// * Section C: stick-slip.
     /// * Section D: oscillation that decays; falling, it grows.
-    pub sections: [Result<ProfileSection, AbsenceReason>; 4],
+    pub sections: [Result<ProfileSection, MissingPointError>; 4],
     /// The velocity after the jump at point 1; falling, the velocity of the last slip. None without a jump.
     pub jump: Option<f64>,
 }
@@ -92,10 +92,11 @@ impl ProfileCriterion {
 
 /// Why the velocity profile cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProfileError {
     /// The run is no velocity profile, or the criterion is unusable with it.
     #[error(transparent)]
-    Unreadable(#[from] NoCriticalVelocity),
+    Unreadable(#[from] CriticalVelocityError),
     /// The samples are too far apart.
     #[error(transparent)]
     Cycles(#[from] CyclesError),
@@ -157,7 +158,7 @@ fn motionless(reached: &str, standstill: &str) -> String {
 /// # Examples
 ///
 /// ```
-/// use patchcord_analysis::instruments::{AbsenceReason, Criterion, ProfileCriterion, RampDirection};
+/// use patchcord_analysis::instruments::{Criterion, MissingPointError, ProfileCriterion, RampDirection};
 /// use patchcord_analysis::instruments::velocity_profile;
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -171,8 +172,8 @@ fn motionless(reached: &str, standstill: &str) -> String {
 /// let profile = velocity_profile(&time, &command, &velocity, criterion, RampDirection::Rising)?;
 /// let [breaks_away, begins, sticks, _, ends] = profile.points;
 /// assert!((begins?.command - 1.0).abs() < 0.02 && (ends?.command - 2.0).abs() < 0.02);
-/// assert_eq!(breaks_away, Err(AbsenceReason::NoJump));
-/// assert_eq!(sticks, Err(AbsenceReason::NoStickSlip));
+/// assert_eq!(breaks_away, Err(MissingPointError::NoJump));
+/// assert_eq!(sticks, Err(MissingPointError::NoStickSlip));
 /// # Ok(())
 /// # }
 /// ```

@@ -4,7 +4,7 @@
 //! Results are transformed back to the original time and sign.
 
 use super::super::critical_velocity::{
-    Criterion, NoCriticalVelocity, REST_WINDOWS, critical_samples, largest_of,
+    Criterion, CriticalVelocityError, REST_WINDOWS, critical_samples, largest_of,
 };
 use super::super::cut::at;
 use super::super::cycles::{Cycle, CyclesError, cycles};
@@ -12,7 +12,7 @@ use super::super::steadiness::Steadiness;
 use super::super::stick::{StickError, stick_end};
 use super::super::window::samples_in;
 use super::{
-    AbsenceReason, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
+    MissingPointError, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
     VelocityProfile,
 };
 
@@ -33,7 +33,7 @@ pub(super) struct RampReader {
     /// The cycles in order of transformed time.
     pub cycles: Vec<Cycle>,
     /// The transformed time at which oscillation ends (rising) or begins (falling), or why there is none.
-    pub end: Result<f64, NoCriticalVelocity>,
+    pub end: Result<f64, CriticalVelocityError>,
 }
 
 /// In ringing each cycle is smaller than this fraction of the previous one: a damping ratio of at least 0.017.
@@ -53,7 +53,7 @@ impl RampReader {
     ///
     /// # Errors
     /// If the run is no profile, the criterion is unusable with it, or command and velocity stay below standstill.
-    pub fn new(
+    pub(super) fn new(
         time: &[f64],
         command: &[f64],
         velocity: &[f64],
@@ -94,7 +94,7 @@ impl RampReader {
     }
 
     /// The profile of this ramp, in the original time and sign.
-    pub fn profile(&self) -> VelocityProfile {
+    pub(super) fn profile(&self) -> VelocityProfile {
         let jump = self.jump();
         let (points, sections) = self.points_with_sections(jump.map(|(time, _)| self.point(time)));
         let jump = jump.ok().map(|(_, height)| height * self.sign);
@@ -104,31 +104,31 @@ impl RampReader {
     }
 
     /// The time of breaking away, and the largest velocity within a window after it.
-    fn jump(&self) -> Result<(f64, f64), AbsenceReason> {
+    fn jump(&self) -> Result<(f64, f64), MissingPointError> {
         let ProfileCriterion { oscillation: Criterion { threshold, window }, standstill } = self.criterion;
         let begin = stick_end(&self.time, &self.velocity, Some(standstill)).map_err(|error| match error {
-            StickError::Sticks => AbsenceReason::Sticks,
-            _ => self.direction.select([AbsenceReason::NoJump, AbsenceReason::NoRest]),
+            StickError::Sticks => MissingPointError::Sticks,
+            _ => self.direction.select([MissingPointError::NoJump, MissingPointError::NoRest]),
         })?;
         let within = |index: &usize| (begin..=begin + window).contains(&self.time[*index]);
         let samples = || (0..self.time.len()).filter(within);
         if samples().all(|index| self.velocity[index] - self.command[index] <= threshold) {
-            return Err(self.direction.select([AbsenceReason::NoJump, AbsenceReason::NoSlip]));
+            return Err(self.direction.select([MissingPointError::NoJump, MissingPointError::NoSlip]));
         }
         Ok((begin, samples().map(|index| self.velocity[index]).fold(0.0, f64::max)))
     }
 
     /// Separates ringing after the jump and short bouts from the oscillation. `jump` is the time of breaking away.
-    pub fn split_cycles(&self, jump: Option<f64>) -> CycleSplit {
+    pub(super) fn split_cycles(&self, jump: Option<f64>) -> CycleSplit {
         let all_oscillation = CycleSplit { ringing: None, first: 0 };
         let Some(rest) = self.first_rest(jump.unwrap_or(self.begin())) else { return all_oscillation };
         let ringing = self.cycles.partition_point(|cycle| cycle.begin < rest);
-        let (before, behind) = self.cycles.split_at(ringing);
+        let (before, after) = self.cycles.split_at(ringing);
         let shrinks = before.windows(2).all(|pair| pair[1].amplitude < RINGING_DECAY * pair[0].amplitude);
-        if self.lasts(before) && !(shrinks && self.direction == RampDirection::Rising) {
+        if self.is_long_enough(before) && !(shrinks && self.direction == RampDirection::Rising) {
             return all_oscillation;
         }
-        let short = bouts(behind).take_while(|bout| !self.lasts(bout)).map(<[_]>::len).sum::<usize>();
+        let short = bouts(after).take_while(|bout| !self.is_long_enough(bout)).map(<[_]>::len).sum::<usize>();
         CycleSplit { ringing: Some(ringing), first: ringing + short }
     }
 
@@ -142,33 +142,33 @@ impl RampReader {
     }
 
     /// Whether the run ends during the falling ramp before the velocity follows the command.
-    pub fn is_cut_off(&self) -> bool {
+    pub(super) fn is_cut_off(&self) -> bool {
         self.command[0] > self.criterion.standstill && self.first_rest(self.begin()) != Some(self.begin())
     }
 
-    /// Whether these adjoining cycles together last for at least four windows.
-    pub fn lasts(&self, bout: &[Cycle]) -> bool {
+    /// Whether these adjoining cycles together last for at least four windows, so that they are an oscillation.
+    pub(super) fn is_long_enough(&self, bout: &[Cycle]) -> bool {
         let [Some(first), Some(last)] = [bout.first(), bout.last()] else { return false };
         last.end - first.begin >= REST_WINDOWS as f64 * self.criterion.oscillation.window
     }
 
     /// The first transformed time.
-    pub fn begin(&self) -> f64 {
+    pub(super) fn begin(&self) -> f64 {
         self.time[0]
     }
 
     /// The last transformed time.
-    pub fn finish(&self) -> f64 {
+    pub(super) fn finish(&self) -> f64 {
         self.time[self.time.len() - 1]
     }
 
     /// The transformed command at a transformed time.
-    pub fn command(&self, time: f64) -> f64 {
+    pub(super) fn command(&self, time: f64) -> f64 {
         at(&self.time, &self.command, time)
     }
 
     /// The point of the profile at a transformed time.
-    pub fn point(&self, time: f64) -> ProfilePoint {
+    pub(super) fn point(&self, time: f64) -> ProfilePoint {
         ProfilePoint { time, command: self.command(time), coincides_with: None }
     }
 
@@ -206,7 +206,7 @@ fn check_motion(standstill: f64, values: [&[f64]; 2]) -> Result<(), ProfileError
 }
 
 /// Whether the missing points already report this reason, so that the profile can still be read.
-fn is_reported_by_points(error: NoCriticalVelocity) -> bool {
-    use NoCriticalVelocity::{NoOscillation, NotBegun, NotEnded};
+fn is_reported_by_points(error: CriticalVelocityError) -> bool {
+    use CriticalVelocityError::{NoOscillation, NotBegun, NotEnded};
     matches!(error, NoOscillation | NotEnded(_) | NotBegun)
 }

@@ -3,14 +3,14 @@
 use super::super::cycles::Cycle;
 use super::points::{Points, Sections};
 use super::ramp::RampReader;
-use super::{AbsenceReason, ProfilePoint, ProfileSection};
+use super::{MissingPointError, ProfilePoint, ProfileSection};
 
 impl RampReader {
     /// Sections A to D, from the five points, the cycles before the oscillation and the cycles of the oscillation.
     ///
     /// A missing end point is replaced: by the start or the finish of the ramp, or by the middle of the cycle with the
     /// largest swing where sections B and D meet.
-    pub fn sections(
+    pub(super) fn sections(
         &self,
         [first, begins, sticks, slides, ends]: Points,
         before: &[Cycle],
@@ -18,26 +18,28 @@ impl RampReader {
     ) -> Sections {
         let widest = cycles.iter().max_by(|one, other| one.amplitude.total_cmp(&other.amplitude));
         let largest = widest.map_or(self.finish(), |cycle| 0.5 * (cycle.begin + cycle.end));
-        let at = |point: Result<ProfilePoint, AbsenceReason>, otherwise: f64| {
+        let at = |point: Result<ProfilePoint, MissingPointError>, otherwise: f64| {
             point.map_or(otherwise, |point| point.time)
         };
         let of = |cycles: &[Cycle], begin: f64, end: f64| Ok(self.section(cycles, [begin, end]));
         let smooth = match begins {
-            Err(_) => Err(AbsenceReason::NoPoint(2)),
+            Err(_) => Err(MissingPointError::NoPoint(2)),
             _ => check_distinct(begins, 1, 2)
                 .and_then(|()| of(before, at(first, self.begin()), at(begins, largest))),
         };
         let grows = match sticks {
-            Err(AbsenceReason::NotEnded) => Err(AbsenceReason::NoPoint(3)),
+            Err(MissingPointError::NotEnded) => Err(MissingPointError::NoPoint(3)),
             _ => check_distinct(sticks, 2, 3)
                 .and_then(|()| of(cycles, at(begins, self.begin()), at(sticks, largest))),
         };
         let sticking = match (sticks, slides) {
-            (Err(AbsenceReason::NoStickSlip), _) => Err(AbsenceReason::NoStickSlip),
+            (Err(MissingPointError::NoStickSlip), _) => Err(MissingPointError::NoStickSlip),
             _ => of(cycles, at(sticks, self.begin()), at(slides, self.finish())),
         };
         let dies = match slides {
-            Err(AbsenceReason::NotEnded | AbsenceReason::NotBegun) => Err(AbsenceReason::NoPoint(4)),
+            Err(MissingPointError::NotEnded | MissingPointError::NotBegun) => {
+                Err(MissingPointError::NoPoint(4))
+            }
             _ => check_distinct(ends, 4, 5)
                 .and_then(|()| of(cycles, at(slides, largest), at(ends, self.finish()))),
         };
@@ -45,7 +47,7 @@ impl RampReader {
     }
 
     /// The section between two times. A cycle belongs to it if the middle of the cycle does.
-    pub fn section(&self, cycles: &[Cycle], time: [f64; 2]) -> ProfileSection {
+    pub(super) fn section(&self, cycles: &[Cycle], time: [f64; 2]) -> ProfileSection {
         let is_within = |cycle: &&Cycle| (time[0]..time[1]).contains(&(0.5 * (cycle.begin + cycle.end)));
         let cycles: Vec<_> = cycles.iter().filter(is_within).collect();
         let swings = cycles.iter().map(|cycle| 2.0 * cycle.amplitude);
@@ -64,12 +66,12 @@ impl RampReader {
 
 /// An error if `point`, the second of points `one` and `other`, coincides with the first.
 fn check_distinct(
-    point: Result<ProfilePoint, AbsenceReason>,
+    point: Result<ProfilePoint, MissingPointError>,
     one: usize,
     other: usize,
-) -> Result<(), AbsenceReason> {
+) -> Result<(), MissingPointError> {
     match point.ok().and_then(|point| point.coincides_with) {
-        Some(_) => Err(AbsenceReason::Coincide(one, other)),
+        Some(_) => Err(MissingPointError::Coincide(one, other)),
         None => Ok(()),
     }
 }

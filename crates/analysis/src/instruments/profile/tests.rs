@@ -91,7 +91,7 @@ fn stick_slip_from_the_beginning_makes_points_coincide() {
     let coincide = profile.points.map(|point| point.unwrap().coincides_with);
     assert_eq!(coincide, [None, Some(1), Some(2), None, Some(4)]);
     let absent = profile.sections.map(|section| section.err());
-    let empty = |one, other| Some(AbsenceReason::Coincide(one, other));
+    let empty = |one, other| Some(MissingPointError::Coincide(one, other));
     assert_eq!(absent, [empty(1, 2), empty(2, 3), None, empty(4, 5)]);
 }
 
@@ -126,11 +126,11 @@ fn on_the_falling_ramp_stick_slip_down_to_rest_makes_points_coincide() {
 #[test]
 fn missing_points_of_the_falling_ramp_have_a_reason() {
     let absent = |height: &dyn Fn(f64) -> f64| read_back(1.0, height).points.map(|point| point.err());
-    let quiet = Some(AbsenceReason::NoOscillation);
+    let quiet = Some(MissingPointError::NoOscillation);
     assert_eq!(absent(&|_| 0.0), [None, quiet, quiet, quiet, quiet]);
     let before = absent(&|command| if command > 2.0 { 0.2 } else { 0.0 });
-    let no = Some(AbsenceReason::NoStickSlip);
-    assert_eq!(before, [None, None, no, no, Some(AbsenceReason::NotBegun)]);
+    let no = Some(MissingPointError::NoStickSlip);
+    assert_eq!(before, [None, None, no, no, Some(MissingPointError::NotBegun)]);
     // The run ends during oscillation, or during sliding.
     let cut = |height: fn(f64) -> f64| {
         let (time, command) = sampled(10_001, 5e-4, |t| 0.5 * (6.0 - t));
@@ -138,13 +138,13 @@ fn missing_points_of_the_falling_ramp_have_a_reason() {
         velocity_profile(&time, &command, &velocity, CRITERION, RampDirection::Falling).unwrap()
     };
     let continues = cut(|command| if command < 2.0 { command + 0.2 } else { 0.0 });
-    let (no_rest, on) = (Some(AbsenceReason::NoRest), Some(AbsenceReason::NotEnded));
+    let (no_rest, on) = (Some(MissingPointError::NoRest), Some(MissingPointError::NotEnded));
     assert_eq!(continues.points.map(|point| point.err()), [no_rest, on, on, None, None]);
-    let absent = [Some(AbsenceReason::NoPoint(2)), Some(AbsenceReason::NoPoint(3)), None];
+    let absent = [Some(MissingPointError::NoPoint(2)), Some(MissingPointError::NoPoint(3)), None];
     assert_eq!(continues.sections.map(|section| section.err())[..3], absent);
     let slides = cut(|command| if (1.0..2.0).contains(&command) { 0.3 } else { 0.0 });
     assert_eq!(slides.points.map(|point| point.err()), [no_rest, None, no, no, None]);
-    let short = Some(AbsenceReason::TooShort);
+    let short = Some(MissingPointError::TooShort);
     let begins = cut(|command| if command < 0.55 { command + 0.2 } else { 0.0 });
     assert_eq!(begins.points.map(|point| point.err()), [no_rest, short, short, short, short]);
     let bout = cut(|command| if (1.5..1.53).contains(&command) { 0.3 } else { 0.0 });
@@ -155,7 +155,7 @@ fn missing_points_of_the_falling_ramp_have_a_reason() {
 fn bouts_separated_by_steady_sliding_are_not_added() {
     // Three cycles every half second.
     let bouts = |command: f64| if (4.0 * command).fract() < 0.12 { 0.3 } else { 0.0 };
-    let rings = Some(AbsenceReason::RingsOnly);
+    let rings = Some(MissingPointError::RingsOnly);
     assert_eq!(read(1.0, bouts).unwrap().points.map(|point| point.err()), [None, rings, rings, rings, rings]);
     // Two cycles reach standstill before steady sliding, two after it.
     let parted = |command: f64| match command {
@@ -164,7 +164,7 @@ fn bouts_separated_by_steady_sliding_are_not_added() {
         _ => 0.0,
     };
     let profile = read(1.0, parted).unwrap();
-    assert_eq!(profile.points[2], Err(AbsenceReason::NoStickSlip));
+    assert_eq!(profile.points[2], Err(MissingPointError::NoStickSlip));
     near([1, 4].map(|index| profile.points[index].unwrap().command), &[0.5, 1.7], 0.02);
 }
 
@@ -174,32 +174,35 @@ fn without_stick_slip_sections_b_and_d_meet_at_the_largest_swing() {
     let absent = profile.points.map(|point| point.err());
     assert_eq!(
         absent,
-        [None, None, Some(AbsenceReason::NoStickSlip), Some(AbsenceReason::NoStickSlip), None]
+        [None, None, Some(MissingPointError::NoStickSlip), Some(MissingPointError::NoStickSlip), None]
     );
     let [_, grows, sticks, dies] = profile.sections;
     near([grows.unwrap().command[1], dies.unwrap().command[0]], &[1.5, 1.5], 0.02);
-    assert_eq!(sticks, Err(AbsenceReason::NoStickSlip));
+    assert_eq!(sticks, Err(MissingPointError::NoStickSlip));
 }
 
 #[test]
 fn missing_points_of_the_rising_ramp_have_a_reason() {
     let absent = |height: &dyn Fn(f64) -> f64| read(1.0, height).unwrap().points.map(|point| point.err());
-    let rings = Some(AbsenceReason::RingsOnly);
+    let rings = Some(MissingPointError::RingsOnly);
     assert_eq!(absent(&|_| 0.0), [None, rings, rings, rings, rings]);
     let continues = absent(&|command| if command > 1.0 { command + 0.2 } else { 0.0 });
-    assert_eq!(continues, [None, None, None, Some(AbsenceReason::NotEnded), Some(AbsenceReason::NotEnded)]);
+    assert_eq!(
+        continues,
+        [None, None, None, Some(MissingPointError::NotEnded), Some(MissingPointError::NotEnded)]
+    );
     let (time, command) = sampled(6001, 1e-3, |t| 0.5 * t);
     let of = |velocity: &[f64]| {
         velocity_profile(&time, &command, velocity, CRITERION, RampDirection::Rising).unwrap()
     };
-    assert_eq!(of(&vec![0.0; 6001]).points, [Err(AbsenceReason::Sticks); 5]);
+    assert_eq!(of(&vec![0.0; 6001]).points, [Err(MissingPointError::Sticks); 5]);
     let late: Vec<f64> =
         time.iter().map(|t| 0.5 * t + if *t < 5.9 { 0.0 } else { (TAU * 50.0 * t).sin() }).collect();
-    assert_eq!(of(&late).points[1..], [Err(AbsenceReason::TooShort); 4]);
+    assert_eq!(of(&late).points[1..], [Err(MissingPointError::TooShort); 4]);
     let follows = of(&command);
     assert_eq!(
         (follows.points[0], follows.points[4]),
-        (Err(AbsenceReason::NoJump), Err(AbsenceReason::NoOscillation))
+        (Err(MissingPointError::NoJump), Err(MissingPointError::NoOscillation))
     );
     assert_eq!(follows.sections[0].unwrap().command, [0.0, 3.0]);
 }
@@ -211,10 +214,10 @@ fn unusable_runs_return_errors() {
         velocity_profile(&time, command, &vec![0.0; 6001], criterion, RampDirection::Rising)
     };
     let error = |command: &[f64]| with(command, CRITERION).unwrap_err();
-    assert_eq!(error(&vec![1.0; 6001]), ProfileError::Unreadable(NoCriticalVelocity::Constant));
+    assert_eq!(error(&vec![1.0; 6001]), ProfileError::Unreadable(CriticalVelocityError::Constant));
     let falls: Vec<f64> = command.iter().map(|value| 3.0 - value).collect();
-    assert_eq!(error(&falls), ProfileError::Unreadable(NoCriticalVelocity::NoRise));
-    assert_eq!(error(&command[1..]), ProfileError::Unreadable(NoCriticalVelocity::NotASignal));
+    assert_eq!(error(&falls), ProfileError::Unreadable(CriticalVelocityError::NoRise));
+    assert_eq!(error(&command[1..]), ProfileError::Unreadable(CriticalVelocityError::NotASignal));
     let still = |standstill| with(&command, ProfileCriterion { standstill, ..CRITERION }).unwrap_err();
     assert_eq!(still(0.0), ProfileError::BadStandstill(0.0));
     assert!(matches!(still(f64::NAN), ProfileError::BadStandstill(_)));

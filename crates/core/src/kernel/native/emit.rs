@@ -49,7 +49,7 @@ pub(super) struct Emitter<'a, 'f> {
     /// The row in which the present step begins; `None` outside of steps.
     pub row: Option<Value>,
     /// The base address of the values of tables of time, in the middle and at the end of the step.
-    ahead: Value,
+    scheduled: Value,
     /// The states of the first stage, computed in the step before from values that are still in registers. Empty if
     /// there are many states.
     first_trial: Vec<Value>,
@@ -61,7 +61,7 @@ pub(super) struct Emitter<'a, 'f> {
 
 impl<'a, 'f> Emitter<'a, 'f> {
     /// Begins a function: loads the addresses that every stage needs. No slot has a known value yet.
-    pub fn new(
+    pub(super) fn new(
         build: &'a mut FunctionBuilder<'f>,
         kernel: &'a Kernel,
         columns: &'a RowLayout,
@@ -77,8 +77,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
             build.ins().load(pointer, constant(), memory, offset as i32)
         };
         let slots = std::array::from_fn(&mut slots);
-        let [states, rates, ahead] =
-            [offset_of!(Memory, states), offset_of!(Memory, rates), offset_of!(Memory, ahead)]
+        let [states, rates, scheduled] =
+            [offset_of!(Memory, states), offset_of!(Memory, rates), offset_of!(Memory, scheduled)]
                 .map(|offset| build.ins().load(pointer, constant(), memory, offset as i32));
         let values = vec![None; kernel.layout.all];
         Emitter {
@@ -94,7 +94,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             rates,
             columns,
             row: None,
-            ahead,
+            scheduled,
             first_trial: Vec::new(),
             values,
             sums: HashMap::new(),
@@ -102,29 +102,29 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// Loads a field of the memory by its offset. The field does not change while the code runs.
-    pub fn of_memory(&mut self, of: types::Type, offset: usize) -> Value {
+    pub(super) fn of_memory(&mut self, of: types::Type, offset: usize) -> Value {
         self.build.ins().load(of, constant(), self.memory, offset as i32)
     }
 
     /// A number as a constant of the code.
-    pub fn number(&mut self, value: f64) -> Value {
+    pub(super) fn number(&mut self, value: f64) -> Value {
         self.build.ins().f64const(value)
     }
 
     /// Loads a number from a list of doubles, by its index.
-    pub fn load(&mut self, base: Value, index: usize) -> Value {
+    pub(super) fn load(&mut self, base: Value, index: usize) -> Value {
         self.build.ins().load(types::F64, MemFlagsData::trusted(), base, 8 * index as i32)
     }
 
     /// Stores a number into a list of doubles, by its index.
-    pub fn store(&mut self, value: Value, base: Value, index: usize) {
+    pub(super) fn store(&mut self, value: Value, base: Value, index: usize) {
         self.build.ins().store(MemFlagsData::trusted(), value, base, 8 * index as i32);
     }
 
     /// The loop over the steps. Its variables are the number of steps taken, the row, the time and the end of the step,
     /// and the states of its first stage. The end of a step and the states of its first stage are computed one step
     /// earlier, because they take long.
-    pub fn steps(mut self) {
+    pub(super) fn steps(mut self) {
         let kernel = self.kernel;
         let [first, all] = [offset_of!(Memory, first), offset_of!(Memory, count)]
             .map(|offset| self.of_memory(types::I64, offset));
@@ -194,7 +194,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     /// One step, which is written to a row. Returns the states and rates at its end.
     fn step(&mut self, [time, end]: [Value; 2], next: Value) -> [Vec<Value>; 2] {
         let (kernel, columns) = (self.kernel, self.columns);
-        self.ahead = self.build.ins().iadd_imm_s(next, 8 * columns.scheduled as i64);
+        self.scheduled = self.build.ins().iadd_imm_s(next, 8 * columns.scheduled as i64);
         let length = self.build.ins().fsub(end, time);
         let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
             for (index, slot) in columns.middles.iter().enumerate() {
@@ -207,8 +207,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
         for (index, rate) in rates.iter().enumerate() {
             self.store(*rate, next, columns.rates + index);
         }
-        for (index, slot) in kernel.kept.iter().enumerate() {
-            self.write(*slot, next, columns.kept + index);
+        for (index, slot) in kernel.sampled.iter().enumerate() {
+            self.write(*slot, next, columns.sampled + index);
         }
         [after, rates]
     }
@@ -237,7 +237,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     /// A look-ahead. It returns 0 if no watch is hit, 1 if one is hit in the middle only, and 2 if one is hit at the
     /// end.
-    pub fn one_look(mut self) {
+    pub(super) fn one_look(mut self) {
         let kernel = self.kernel;
         let [time, length, end] =
             [offset_of!(Memory, time), offset_of!(Memory, length), offset_of!(Memory, end)]
@@ -245,19 +245,19 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let (after, rates, within) = self.stages([time, length, end], &kernel.thorough, |emitter| {
             emitter.watch(kernel.thorough.in_middle)
         });
-        let ahead = self.watch(kernel.thorough.all);
+        let is_hit_at_end = self.watch(kernel.thorough.all);
         for (index, state) in after.into_iter().enumerate() {
             self.store(state, self.slots[4], kernel.layout.states + index);
         }
         self.store_end(&rates);
         let two = self.build.ins().iconst(types::I64, 2);
         let otherwise = self.build.ins().uextend(types::I64, within);
-        let result = self.build.ins().select(ahead, two, otherwise);
+        let result = self.build.ins().select(is_hit_at_end, two, otherwise);
         self.build.ins().return_(&[result]);
     }
 
     /// Evaluates everything at the states and the time in the slots.
-    pub fn at_slots(mut self) {
+    pub(super) fn at_slots(mut self) {
         let kernel = self.kernel;
         self.stage = 4;
         self.run(&kernel.moving);
@@ -274,12 +274,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
     fn store_end(&mut self, rates: &[Value]) {
         let kernel = self.kernel;
         let pointer = self.pointer;
-        let rates_ahead = self.of_memory(pointer, offset_of!(Memory, rates_ahead));
+        let end_rates = self.of_memory(pointer, offset_of!(Memory, end_rates));
         for (index, rate) in rates.iter().enumerate() {
-            self.store(*rate, rates_ahead, index);
+            self.store(*rate, end_rates, index);
         }
         let recorded = kernel.recorded.iter().map(|recorded| recorded.slot);
-        for slot in recorded.chain(kernel.tracked.iter().chain(&kernel.kept).copied()) {
+        for slot in recorded.chain(kernel.tracked.iter().chain(&kernel.sampled).copied()) {
             let value = self.get(slot);
             self.store(value, self.slots[4], slot as usize);
         }
@@ -310,7 +310,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let a_sixth = self.number(SIXTH);
         let sixth = self.build.ins().fmul(length, a_sixth);
         // Everything except the last rate, which is ready last.
-        let ways: Vec<Value> = (0..second.len())
+        let partials: Vec<Value> = (0..second.len())
             .map(|index| {
                 let inner = self.build.ins().fadd(second[index], third[index]);
                 let [state, rate] = [self.state(index), self.rate(index)];
@@ -321,8 +321,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.run(&checks.middle);
         let recorded = in_the_middle(self);
         let fourth = self.stage(2, &third, length, end);
-        let pairs = fourth.into_iter().zip(ways);
-        let after: Vec<Value> = pairs.map(|(rate, way)| self.build.ins().fma(rate, sixth, way)).collect();
+        let pairs = fourth.into_iter().zip(partials);
+        let after: Vec<Value> =
+            pairs.map(|(rate, partial)| self.build.ins().fma(rate, sixth, partial)).collect();
         let rates = self.evaluate(3, &after, end);
         self.run(&checks.middle);
         self.run(&checks.ending);
@@ -376,8 +377,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.values[kernel.layout.time] = Some(time);
         let scheduled = kernel.scheduled.len();
         for index in 0..scheduled {
-            let place = if stage < 2 { index } else { scheduled + index };
-            self.values[kernel.layout.scheduled + index] = Some(self.load(self.ahead, place));
+            let position = if stage < 2 { index } else { scheduled + index };
+            self.values[kernel.layout.scheduled + index] = Some(self.load(self.scheduled, position));
         }
         self.run(&kernel.moving);
         let rates = kernel.rates.iter().map(|slot| self.get(*slot)).collect();

@@ -24,11 +24,10 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_names};
 
-use super::Kernel;
 use super::code::Instruction;
 use super::frame::Frame;
 use super::rows::RowLayout;
-use super::step::{LookResult, Steps};
+use super::{Kernel, LookResult, Steps};
 use crate::ir::Number;
 use emit::Emitter;
 use patchcord_expr::Function;
@@ -73,7 +72,7 @@ struct Memory {
     /// The offsets of the watches.
     offsets: *const f64,
     /// The rates that a look-ahead or an evaluation computes.
-    rates_ahead: *mut f64,
+    end_rates: *mut f64,
     /// The margins of the watches that a look-ahead or an evaluation computes.
     margins: *mut f64,
     /// Length of a look-ahead, in problem seconds.
@@ -81,7 +80,7 @@ struct Memory {
     /// Time at which a look-ahead ends, in problem seconds.
     end: f64,
     /// The values of tables of time in the middle of the look-ahead, then at its end.
-    ahead: *const f64,
+    scheduled: *const f64,
     /// The tables of the program, for the helper that looks up a curve.
     tables: *const Vec<[f64; 2]>,
     /// The row in which the steps begin. As many rows follow as there are steps.
@@ -111,23 +110,24 @@ const MAX_OPERATIONS: usize = 16_000;
 impl Native {
     /// The native code of a kernel. `None` if the processor is not supported, if the kernel is too large, or if it has
     /// delay lines, which cut steps into pieces.
-    pub fn new(kernel: &Kernel) -> Option<Native> {
+    pub(crate) fn new(kernel: &Kernel) -> Option<Native> {
         (!kernel.has_delay_lines() && kernel.operations() <= MAX_OPERATIONS)
             .then(|| compile(kernel).ok().flatten())
             .flatten()
     }
 
     /// Takes steps of a grid until a watch is hit. Returns how many were taken.
-    pub fn steps(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
+    pub(crate) fn steps(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
         let mut taken = 0;
         frame.rows.allocate(&self.columns);
         while taken < steps.count {
             frame.write_start_row(&self.columns);
-            let left = steps.after(taken);
-            let block = Steps { count: frame.rows.next_block(&self.columns, left.count), ..left };
-            let quiet = self.block(frame, tables, &block);
-            taken += quiet;
-            if quiet < block.count {
+            let remaining = steps.after(taken);
+            let count = frame.rows.next_block(&self.columns, remaining.count);
+            let block = Steps { count, ..remaining };
+            let accepted = self.block(frame, tables, &block);
+            taken += accepted;
+            if accepted < block.count {
                 break;
             }
         }
@@ -146,9 +146,9 @@ impl Native {
     }
 
     /// Evaluates a step of this length, without taking it, and tests every watch.
-    pub fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> LookResult {
+    pub(crate) fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> LookResult {
         let end = frame.time + length;
-        frame.compute_ahead(tables, [frame.time + 0.5 * length, end]);
+        frame.compute_scheduled_values(tables, [frame.time + 0.5 * length, end]);
         match self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }) {
             0 => LookResult::Quiet,
             1 => LookResult::Inside,
@@ -157,7 +157,7 @@ impl Native {
     }
 
     /// Evaluates everything at the states and the time in the slots.
-    pub fn evaluate(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) {
+    pub(crate) fn evaluate(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) {
         self.enter(self.at_slots, frame, tables, |memory| memory);
     }
 
@@ -170,9 +170,11 @@ impl Native {
         setup: impl FnOnce(Memory) -> Memory,
     ) -> u64 {
         // One by one, because arrays would be written to memory before they are compared.
-        let fits =
-            lengths(frame).into_iter().zip(self.lengths).fold(true, |all, (own, made)| all & (own == made));
-        assert!(fits && tables.len() >= self.tables, "a frame of another kernel");
+        let is_own_frame = lengths(frame)
+            .into_iter()
+            .zip(self.lengths)
+            .fold(true, |all, (length, expected)| all & (length == expected));
+        assert!(is_own_frame && tables.len() >= self.tables, "a frame of another kernel");
         let mut memory = setup(memory(frame, tables));
         assert!(
             memory.count == 0 || frame.rows.has_capacity(&self.columns, memory.count),
@@ -186,9 +188,18 @@ impl Native {
 
 /// The number of values of a frame that the code may access.
 fn lengths(frame: &Frame<f64>) -> Lengths {
-    let Frame { slots, states, rates, slopes, offsets, margins, ahead, stages: [.., rates_ahead], .. } =
-        frame;
-    [slots, states, rates, slopes, offsets, margins, ahead, rates_ahead].map(Vec::len)
+    let Frame {
+        slots,
+        states,
+        rates,
+        slopes,
+        offsets,
+        margins,
+        scheduled_values,
+        stages: [.., end_rates],
+        ..
+    } = frame;
+    [slots, states, rates, slopes, offsets, margins, scheduled_values, end_rates].map(Vec::len)
 }
 
 /// The number of tables of a program that include all those the kernel reads; the first ones of all.
@@ -196,11 +207,11 @@ fn tables(kernel: &Kernel) -> usize {
     let checks =
         [&kernel.quick, &kernel.thorough].into_iter().flat_map(|checks| [&checks.middle, &checks.ending]);
     let instructions = checks.chain([&kernel.moving]).flat_map(|code| &code.instructions);
-    let above = instructions.map(|instruction| match instruction {
+    let counts = instructions.map(|instruction| match instruction {
         Instruction::Table { table, .. } => *table as usize + 1,
         _ => 0,
     });
-    above.max().unwrap_or(0)
+    counts.max().unwrap_or(0)
 }
 
 /// The values of a frame, without steps or a look-ahead.
@@ -211,11 +222,11 @@ fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
         rates: frame.rates.as_mut_ptr(),
         slopes: frame.slopes.as_ptr(),
         offsets: frame.offsets.as_ptr(),
-        rates_ahead: frame.stages[3].as_mut_ptr(),
+        end_rates: frame.stages[3].as_mut_ptr(),
         margins: frame.margins.as_mut_ptr(),
         length: 0.0,
         end: 0.0,
-        ahead: frame.ahead.as_ptr(),
+        scheduled: frame.scheduled_values.as_ptr(),
         tables: tables.as_ptr(),
         rows: frame.rows.pointer(),
         time: frame.time,

@@ -18,24 +18,26 @@ impl Emitter<'_, '_> {
     ///
     /// A value that this stage has computed or loaded is used again. Otherwise a factor of 0 becomes a constant, a
     /// sampled value is loaded from the row of the present step, and everything else from the slot.
-    pub fn get(&mut self, slot: Slot) -> Value {
-        let place = slot as usize;
-        if let Some(value) = self.values[place] {
+    pub(super) fn get(&mut self, slot: Slot) -> Value {
+        let index = slot as usize;
+        if let Some(value) = self.values[index] {
             return value;
         }
-        let kept = self.kernel.layout.kept..self.kernel.layout.levels;
+        let sampled = self.kernel.layout.sampled..self.kernel.layout.levels;
         let value = match (self.kernel.number(slot), self.row) {
             (Some(value), _) if value.to_bits() == 0 => self.number(0.0),
-            (_, Some(row)) if kept.contains(&place) => self.load(row, self.columns.kept + place - kept.start),
+            (_, Some(row)) if sampled.contains(&index) => {
+                self.load(row, self.columns.sampled + index - sampled.start)
+            }
             // Factors and levels never change while the code runs; nor do sampled values outside of steps.
             _ => self.build.ins().load(types::F64, constant(), self.slots[self.stage], 8 * slot as i32),
         };
-        self.values[place] = Some(value);
+        self.values[index] = Some(value);
         value
     }
 
     /// Emits a list of operations. Their results are known by slot until the next stage begins.
-    pub fn run(&mut self, code: &Code) {
+    pub(super) fn run(&mut self, code: &Code) {
         for instruction in &code.instructions {
             let (out, value) = self.instruction(code, *instruction);
             self.values[out as usize] = Some(value);
@@ -89,17 +91,17 @@ impl Emitter<'_, '_> {
 
     /// Emits a sum. If another sum begins with the same terms, it continues from there.
     fn sum(&mut self, constant: Slot, terms: &[(Slot, Slot)]) -> Value {
-        let mut way = vec![constant];
+        let mut prefix = vec![constant];
         let mut sum = None;
         for (factor, a) in terms {
-            way.extend([*factor, *a]);
-            sum = Some(match self.sums.get(&way) {
+            prefix.extend([*factor, *a]);
+            sum = Some(match self.sums.get(&prefix) {
                 Some(known) => *known,
                 None => {
                     let [factor, a] = [*factor, *a].map(|slot| self.get(slot));
                     let before = sum.unwrap_or_else(|| self.get(constant));
                     let value = self.build.ins().fma(factor, a, before);
-                    self.sums.insert(way.clone(), value);
+                    self.sums.insert(prefix.clone(), value);
                     value
                 }
             });
@@ -110,10 +112,10 @@ impl Emitter<'_, '_> {
     /// `then` if a comparison holds, otherwise `otherwise`. A branch is used because compared values rarely change
     /// sides, and the processor predicts it.
     fn choose(&mut self, is: FloatCC, left: Value, right: Value, then: Value, otherwise: Value) -> Value {
-        let holds = self.build.ins().fcmp(is, left, right);
+        let is_chosen = self.build.ins().fcmp(is, left, right);
         let joined = self.build.create_block();
         self.build.append_block_param(joined, types::F64);
-        self.build.ins().brif(holds, joined, &[then.into()], joined, &[otherwise.into()]);
+        self.build.ins().brif(is_chosen, joined, &[then.into()], joined, &[otherwise.into()]);
         self.build.switch_to_block(joined);
         self.build.block_params(joined)[0]
     }

@@ -14,13 +14,13 @@ use super::emit::Emitter;
 impl Emitter<'_, '_> {
     /// Computes and stores the margins of the first watches: slope x voltage + offset. The result says whether any is
     /// below 0 or not a number.
-    pub fn watch(&mut self, watches: usize) -> Value {
+    pub(super) fn watch(&mut self, watches: usize) -> Value {
         let pointer = self.pointer;
         let [slopes, offsets, margins] =
             [offset_of!(Memory, slopes), offset_of!(Memory, offsets), offset_of!(Memory, margins)]
                 .map(|offset| self.of_memory(pointer, offset));
         let zero = self.number(0.0);
-        let mut any = self.build.ins().iconst(types::I8, 0);
+        let mut is_any_hit = self.build.ins().iconst(types::I8, 0);
         for (index, watch) in self.kernel.watches[..watches].iter().enumerate() {
             let mut value = self.get(watch.slot);
             if matches!(watch.condition, WatchCondition::Size(_)) {
@@ -30,8 +30,8 @@ impl Emitter<'_, '_> {
             let margin = self.build.ins().fma(value, slope, offset);
             self.store(margin, margins, index);
             let is_short = self.build.ins().fcmp(FloatCC::UnorderedOrLessThan, margin, zero);
-            any = self.build.ins().bor(any, is_short);
+            is_any_hit = self.build.ins().bor(is_any_hit, is_short);
         }
-        any
+        is_any_hit
     }
 }

@@ -159,7 +159,7 @@ fn check_defaults(definition: &mut Macro, findings: &mut Findings) {
 fn check_formulas(definition: &mut Macro, patch: &Patch, findings: &mut Findings) {
     let scope = MacroScope { patch, settings: &definition.settings };
     let has_fault = |formula: &Placed<Formula>, findings: &mut Findings| {
-        let is_checkable = !scope.may_contain_unread(&formula.value);
+        let is_checkable = !scope.can_contain_unread(&formula.value);
         let error = is_checkable.then(|| formula.value.dimension(&scope).err());
         let finding = error.flatten().map(|error| unit_mismatch(&scope, formula, error));
         let has_fault = finding.is_some();
@@ -202,10 +202,10 @@ struct MacroScope<'a> {
 
 impl MacroScope<'_> {
     /// Whether a formula contains a name whose entry could not be read. Its units cannot be checked then.
-    fn may_contain_unread(&self, formula: &Formula) -> bool {
+    fn can_contain_unread(&self, formula: &Formula) -> bool {
         formula.names().iter().any(|name| match self.settings.get(*name) {
             Some(setting) => setting.unit.is_none(),
-            None => self.dimension(name).is_none() && self.patch.unread_names().may_include(name),
+            None => self.dimension(name).is_none() && self.patch.unread_names().can_include(name),
         })
     }
 }
@@ -257,7 +257,7 @@ impl CordChecker<'_> {
     fn check_cord(&self, reader: &str, cord: &Placed<String>, findings: &mut Findings) {
         match self.scope.resolve(&cord.value) {
             CordOrigin::NotAnOutput(missing) => findings.push(missing.diagnostic(cord)),
-            CordOrigin::Unknown if !self.patch.unread_names().may_include(&cord.value) => {
+            CordOrigin::Unknown if !self.patch.unread_names().can_include(&cord.value) => {
                 let searched = format!("the macro {}", self.name);
                 let finding = self.scope.unknown_source(reader, cord, &searched, findings.len());
                 findings.push(match self.is_in_patch_section(&cord.value) {

@@ -170,7 +170,7 @@ impl Macros {
             Some(kind) if self.defined.contains_key(&kind.value) => {
                 self.instance_entry(source, kind, findings).map(SectionEntry::Instance)
             }
-            Some(kind) if self.resembles_macro(&kind.value) => {
+            Some(kind) if self.is_similar_to_macro(&kind.value) => {
                 findings.push(self.unknown_kind(&kind));
                 None
             }
@@ -179,7 +179,7 @@ impl Macros {
     }
 
     /// Whether an unknown kind is probably a misspelled name of a macro.
-    fn resembles_macro(&self, kind: &str) -> bool {
+    fn is_similar_to_macro(&self, kind: &str) -> bool {
         nearest(kind, self.defined.keys().map(String::as_str)).is_some()
     }
 

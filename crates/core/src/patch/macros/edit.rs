@@ -4,7 +4,6 @@
 
 use super::{Macros, SectionEntry};
 use crate::document::{Placed, Span};
-use crate::elements::{Jacks, Kind};
 use crate::patch::document::{Patch, Plug};
 
 impl Macros {
@@ -56,7 +55,7 @@ impl SectionEntry {
     ) -> (Vec<String>, bool) {
         match self {
             SectionEntry::Element(entry) => {
-                let has_gains = has_gains(entry.kind);
+                let has_gains = entry.kind.has_gains();
                 let group = has_gains.then(|| "in".to_owned());
                 let keys = group.into_iter().chain([jack.value.clone()]).collect();
                 let is_in_order = match entry.plugs.iter().rposition(|plug| plug.jack.value == jack.value) {
@@ -99,7 +98,7 @@ impl SectionEntry {
         match self {
             SectionEntry::Element(entry) => {
                 entry.plugs.iter_mut().for_each(|plug| replug(&mut plug.from));
-                match has_gains(entry.kind) {
+                match entry.kind.has_gains() {
                     true => vec!["in".to_owned()],
                     false => entry.kind.inputs.iter().map(|input| input.name.to_owned()).collect(),
                 }
@@ -110,9 +109,4 @@ impl SectionEntry {
             }
         }
     }
-}
-
-/// Whether the cords of a kind are in an object "in" of jacks with gains.
-fn has_gains(kind: &Kind) -> bool {
-    kind.inputs.first().is_some_and(|main| main.jacks == Jacks::Gains)
 }

@@ -84,13 +84,13 @@ pub(super) struct ExpandedSection<'m> {
 
 impl<'m> ExpandedSection<'m> {
     /// The name of the instance; empty for the section of the patch.
-    pub fn name(&self) -> &str {
+    pub(super) fn name(&self) -> &str {
         self.prefix.strip_suffix('.').unwrap_or_default()
     }
 
     /// The element, drive or reference from which a cord comes, by its name in the whole patch. `None` if there is a
     /// fault.
-    pub fn driver(&self, cord: &str) -> Option<String> {
+    pub(super) fn driver(&self, cord: &str) -> Option<String> {
         match self.scope.resolve(cord) {
             CordOrigin::Element(element) => Some(format!("{}{element}", self.prefix)),
             CordOrigin::DriveOrReference => Some(cord.to_owned()),
@@ -100,12 +100,12 @@ impl<'m> ExpandedSection<'m> {
     }
 
     /// The input port of the instance from which a cord comes. `None` if it comes from another source.
-    pub fn input_port(&self, cord: &str) -> Option<&'m str> {
+    pub(super) fn input_port(&self, cord: &str) -> Option<&'m str> {
         self.drivers.get_key_value(cord).map(|(port, _)| *port)
     }
 
     /// A formula in the names of the whole patch: names of settings get the prefix of the instance.
-    pub fn formula(&self, formula: &Formula) -> Formula {
+    pub(super) fn formula(&self, formula: &Formula) -> Formula {
         match self.scope.owner {
             Some((_, owner)) => formula
                 .renamed(&|name| owner.settings.contains_key(name).then(|| format!("{}{name}", self.prefix))),
@@ -114,7 +114,7 @@ impl<'m> ExpandedSection<'m> {
     }
 
     /// A formula in the names of the whole patch, with its position in the document.
-    pub fn placed_formula(&self, formula: &Placed<Formula>) -> Placed<Formula> {
+    pub(super) fn placed_formula(&self, formula: &Placed<Formula>) -> Placed<Formula> {
         Placed { value: self.formula(&formula.value), span: formula.span }
     }
 }
@@ -171,7 +171,7 @@ impl<'p> Expansion<'p> {
     }
 
     /// Adds the elements of a section. Returns their names, and the jacks that the input ports of the section drive.
-    pub fn add_section(
+    pub(super) fn add_section(
         &mut self,
         section: &ExpandedSection<'_>,
         findings: &mut Findings,
@@ -261,7 +261,12 @@ impl<'p> Expansion<'p> {
     }
 
     /// Adds a name that cannot be expanded.
-    pub fn add_unread(&mut self, name: String, section: &ExpandedSection<'_>, findings: &mut Findings) {
+    pub(super) fn add_unread(
+        &mut self,
+        name: String,
+        section: &ExpandedSection<'_>,
+        findings: &mut Findings,
+    ) {
         self.spend_bytes(name.len(), section, findings);
         self.unread.push(name);
     }
@@ -269,7 +274,12 @@ impl<'p> Expansion<'p> {
     /// Subtracts the bytes of an entry and its overhead from the remaining bytes. Reports an exceeded limit once.
     ///
     /// Entries in the section of the patch are free, because the size of the document limits them.
-    pub fn spend_bytes(&mut self, bytes: usize, section: &ExpandedSection<'_>, findings: &mut Findings) {
+    pub(super) fn spend_bytes(
+        &mut self,
+        bytes: usize,
+        section: &ExpandedSection<'_>,
+        findings: &mut Findings,
+    ) {
         let Some(span) = section.span.filter(|_| !self.is_full) else { return };
         match self.remaining_bytes.checked_sub(bytes + ENTRY_OVERHEAD_BYTES) {
             Some(remaining_bytes) => self.remaining_bytes = remaining_bytes,

@@ -16,6 +16,7 @@ use super::resolve::CordOrigin;
 use super::{Instance, InstanceEntry, InstanceInput, InstanceOutput, InstanceSetting, Macro, MacroSetting};
 use crate::document::fields::Findings;
 use crate::document::{Code, Diagnostic, Placed, Span};
+use crate::patch::cord_faults::{cord_hint, no_cord, outputs_tied};
 use crate::patch::names::{check_output_name, duplicate_name};
 
 /// An instance during expansion.
@@ -35,7 +36,7 @@ impl Expansion<'_> {
     ///
     /// `outer_jacks` are the jacks that the input ports of the parent drive. The jacks behind the ports of this
     /// instance are added to them.
-    pub fn add_instance(
+    pub(super) fn add_instance(
         &mut self,
         parent: &ExpandedSection<'_>,
         name: &str,
@@ -104,12 +105,13 @@ impl Expansion<'_> {
                 [] if entry.is_incomplete || INSTANCE_KEYS.contains(&port.as_str()) => None,
                 [] => {
                     let span = cords.map_or(entry.span, |cords| cords.span);
-                    findings.push(undriven_input(name, port, &description.value, span));
+                    let hint = cord_hint(&format!("\"{port}\": \"NAME\""), &description.value);
+                    findings.push(no_cord(name, &format!("\"{port}\""), hint, span));
                     None
                 }
                 [cord] => self.input_driver(context, cord, findings),
                 [first, second, ..] => {
-                    findings.push(tied_outputs(name, port, first, second));
+                    findings.push(outputs_tied(name, port, first, second));
                     None
                 }
             };
@@ -131,7 +133,7 @@ impl Expansion<'_> {
         if parent.span.is_none() {
             match parent.scope.resolve(&cord.value) {
                 CordOrigin::NotAnOutput(missing) => findings.push(missing.diagnostic(cord)),
-                CordOrigin::Unknown if !self.patch.unread.may_include(&cord.value) => {
+                CordOrigin::Unknown if !self.patch.unread.can_include(&cord.value) => {
                     findings.push(parent.scope.unknown_source(name, cord, "the patch", findings.len()));
                 }
                 _ => {}
@@ -247,26 +249,6 @@ fn byte_count(instance: &Instance, section: &ExpandedSection<'_>) -> usize {
     let settings = instance.settings.values().map(|setting| setting.value.value.text().len());
     let entries = drivers.chain(outputs).chain(settings);
     entries.map(|bytes| bytes + ENTRY_OVERHEAD_BYTES).sum::<usize>() + instance.note.len()
-}
-
-/// The diagnostic for an input port without a cord. The hint contains the description of the port.
-fn undriven_input(instance: &str, port: &str, description: &str, span: Span) -> Diagnostic {
-    let message = format!("nothing drives \"{port}\" of {instance}");
-    let hint = match description {
-        "" => "use \"ground\" for 0 V".to_owned(),
-        description => format!("{description}; use \"ground\" for 0 V"),
-    };
-    Diagnostic::at(Code::NO_DRIVER, span, message).hint(hint)
-}
-
-/// The diagnostic for an input port with several cords, which would connect two outputs with each other.
-fn tied_outputs(instance: &str, port: &str, first: &Placed<String>, second: &Placed<String>) -> Diagnostic {
-    let message = format!(
-        "the outputs of {} and {} are tied together at {port} of {instance}",
-        first.value, second.value
-    );
-    Diagnostic::at(Code::OUTPUTS_TIED, second.span, message)
-        .hint("add them in a summer, and plug in its output")
 }
 
 /// The diagnostic for a setting that has neither a value in the instance nor a default.

@@ -13,7 +13,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::{InstanceEntry, Macro, Macros, SectionEntry};
 use crate::document::fields::Findings;
-use crate::document::{Code, Diagnostic, Placed, suggestion};
+use crate::document::{Code, Diagnostic, MAX_SUGGESTIONS, Placed, suggestion};
 use crate::patch::document::{ElementEntry, instance_prefixes};
 use crate::patch::names::is_reference;
 
@@ -65,7 +65,7 @@ pub(super) struct MissingOutput<'m> {
 
 impl MissingOutput<'_> {
     /// The diagnostic for a cord from this name. If it is an element inside the macro, the hint recommends an output.
-    pub fn diagnostic(&self, cord: &Placed<String>) -> Diagnostic {
+    pub(super) fn diagnostic(&self, cord: &Placed<String>) -> Diagnostic {
         let MissingOutput { instance, macro_name, definition, port } = self;
         let message = format!("{instance} (macro {macro_name}) has no output \"{port}\"");
         let outputs: Vec<&str> = definition.outputs.keys().map(String::as_str).collect();
@@ -82,7 +82,7 @@ impl<'m> SectionScope<'m> {
     ///
     /// Input ports of the macro come first, then entries of the section, then drives and references, then ports of
     /// instances.
-    pub fn resolve(&self, name: &str) -> CordOrigin<'m> {
+    pub(super) fn resolve(&self, name: &str) -> CordOrigin<'m> {
         if self.owner.is_some_and(|(_, owner)| owner.inputs.contains_key(name)) {
             return CordOrigin::MacroInput;
         }
@@ -154,7 +154,7 @@ impl<'m> SectionScope<'m> {
     }
 
     /// The section of a macro.
-    pub fn macro_scope(&self, name: &'m str, definition: &'m Macro) -> SectionScope<'m> {
+    pub(super) fn macro_scope(&self, name: &'m str, definition: &'m Macro) -> SectionScope<'m> {
         SectionScope {
             entries: &definition.entries,
             owner: Some((name, definition)),
@@ -167,33 +167,29 @@ impl<'m> SectionScope<'m> {
     ///
     /// `reader` is the element that the cord drives, and `searched` names the section: "the patch" or "the macro X".
     /// `finding_count` is the number of findings so far: if there are many, no suggestion is made.
-    pub fn unknown_source(
+    pub(super) fn unknown_source(
         &self,
         reader: &str,
         cord: &Placed<String>,
         searched: &str,
         finding_count: usize,
     ) -> Diagnostic {
-        let is_suggesting = finding_count < MAX_FINDINGS_WITH_SUGGESTION;
+        let is_suggesting = finding_count < MAX_SUGGESTIONS;
         let message = format!("{reader} is driven by {}, which is not in {searched}", cord.value);
         let hint = is_suggesting.then(|| suggestion(&cord.value, &self.source_names())).flatten();
         Diagnostic::at(Code::UNKNOWN_NAME, cord.span, message).maybe_hint(hint)
     }
 
     /// The names that cords in this section can use, without ports of instances and references.
-    pub fn source_names(&self) -> Vec<&'m str> {
+    pub(super) fn source_names(&self) -> Vec<&'m str> {
         let inputs = self.owner.into_iter().flat_map(|(_, owner)| owner.inputs.keys());
         inputs.chain(self.entries.keys()).chain(self.drives.keys()).map(String::as_str).collect()
     }
 }
 
-/// Number of findings from which on unknown names get no suggestion. A suggestion compares the name with all names of
-/// the section, which takes long in a large document with many faults.
-const MAX_FINDINGS_WITH_SUGGESTION: usize = 50;
-
 impl Macros {
     /// The name and the definition of a macro. `None` if it does not exist or cannot be expanded.
-    pub fn usable(&self, name: &str) -> Option<(&str, &Macro)> {
+    pub(crate) fn usable(&self, name: &str) -> Option<(&str, &Macro)> {
         let (name, definition) = self.defined.get_key_value(name)?;
         (!self.unusable.contains(name)).then_some((name.as_str(), definition))
     }
@@ -202,7 +198,7 @@ impl Macros {
     ///
     /// The depth of a macro is 1 plus the largest depth of the macros inside it. An unusable macro counts as depth 0,
     /// so that a fault is reported once.
-    pub fn mark_unusable(&mut self, findings: &mut Findings) {
+    pub(crate) fn mark_unusable(&mut self, findings: &mut Findings) {
         let nesting = self.nesting_graph();
         let mut depths = vec![0; self.defined.len()];
         // The components are sorted so that a macro follows the macros inside it.

@@ -39,7 +39,7 @@ impl Solver<'_> {
 
 impl Sensitivities {
     /// Differentiates the tried step, which ends at the problem time `end` and is about to be accepted.
-    pub fn follow_step(
+    pub(crate) fn follow_step(
         &mut self,
         setup: &Setup<'_>,
         state: &SolverState,
@@ -62,7 +62,7 @@ impl Sensitivities {
         self.by_parameter.iter_mut().for_each(|slopes| slopes.follow_step(&step));
     }
 
-    /// Evaluates the voltages of all stages of the tried step again, because the step kept only some of them.
+    /// Evaluates the voltages of all stages of the tried step again, because the step stores only some of them.
     /// Afterwards the buffers are again at the end of the step.
     fn evaluate_stages(
         &mut self,
@@ -95,7 +95,7 @@ impl Sensitivities {
 
     /// Evaluates the slopes of all voltages at a problem time at which the solver interpolates. `voltages` are the
     /// voltages at that time.
-    pub fn interpolate(
+    pub(crate) fn interpolate(
         &mut self,
         program: &Program,
         delay_lines: &[DelayLine],
@@ -109,19 +109,19 @@ impl Sensitivities {
     }
 
     /// Evaluates the slopes of all present voltages.
-    pub fn evaluate(&mut self, program: &Program, state: &SolverState, delay_lines: &[DelayLine]) {
+    pub(crate) fn evaluate(&mut self, program: &Program, state: &SolverState, delay_lines: &[DelayLine]) {
         for slopes in &mut self.by_parameter {
             slopes.evaluate(program, state.time, delay_lines, &state.voltages);
         }
     }
 
     /// Samples the slopes of the values that stay constant within the next step.
-    pub fn sample_values(&mut self, program: &Program) {
+    pub(crate) fn sample_values(&mut self, program: &Program) {
         self.by_parameter.iter_mut().for_each(|slopes| slopes.sample_values(program));
     }
 
     /// Stores the present slopes of the inputs in the delay lines.
-    pub fn record_delay_inputs(&mut self, program: &Program, time: f64) {
+    pub(crate) fn record_delay_inputs(&mut self, program: &Program, time: f64) {
         for slopes in &mut self.by_parameter {
             for (line, delay) in slopes.lines.iter_mut().zip(&program.lowered.delays) {
                 line.put(time, slopes.voltages[delay.input.index()]);
@@ -130,7 +130,7 @@ impl Sensitivities {
     }
 
     /// Stores the slopes at the instant interpolated last, which is `time`, in the delay lines.
-    pub fn record_within(&mut self, program: &Program, time: f64) {
+    pub(crate) fn record_within(&mut self, program: &Program, time: f64) {
         for slopes in &mut self.by_parameter {
             for (line, delay) in slopes.lines.iter_mut().zip(&program.lowered.delays) {
                 line.put(time, slopes.trial_voltages[delay.input.index()]);
@@ -140,14 +140,20 @@ impl Sensitivities {
 
     /// Records in the delay lines that slopes may have a jump or a corner at a fixed instant. During an event,
     /// [`Solver::leave_event`] does this with the shift of the event.
-    pub fn record_discontinuity(&mut self, program: &Program, time: f64) {
+    pub(crate) fn record_discontinuity(&mut self, program: &Program, time: f64) {
         if !self.is_at_event {
             self.by_parameter.iter_mut().for_each(|slopes| slopes.record_discontinuity(program, time, 0.0));
         }
     }
 
     /// Sets the slope of the state that a change of mode resets. `mode` is the index of the mode.
-    pub fn change_mode(&mut self, program: &Program, voltages: &[f64], mode: usize, transition: &Transition) {
+    pub(crate) fn change_mode(
+        &mut self,
+        program: &Program,
+        voltages: &[f64],
+        mode: usize,
+        transition: &Transition,
+    ) {
         self.check_threshold(program, voltages, mode, transition);
         let Some(reset) = transition.reset else { return };
         for slopes in &mut self.by_parameter {
@@ -156,18 +162,18 @@ impl Sensitivities {
     }
 
     /// Sets the slopes of the state with this index to 0, because an operator set it to a voltage.
-    pub fn clear_state(&mut self, state: usize) {
+    pub(crate) fn clear_state(&mut self, state: usize) {
         self.by_parameter.iter_mut().for_each(|slopes| slopes.states[state] = 0.0);
     }
 
     /// Sets all slopes to initial condition, before the modes settle.
-    pub fn begin(&mut self, program: &Program) {
+    pub(crate) fn begin(&mut self, program: &Program) {
         (self.is_at_event, self.is_settling) = (false, true);
         self.by_parameter.iter_mut().for_each(|slopes| slopes.begin(program));
     }
 
     /// Notes that the modes have settled in initial condition.
-    pub fn finish_begin(&mut self) {
+    pub(crate) fn finish_begin(&mut self) {
         self.is_settling = false;
     }
 
@@ -194,7 +200,7 @@ impl Sensitivities {
     /// Sets the slopes of parameters that an operator or a phase has set. `changed` are their indices. `new_slopes` has
     /// a row for every change, with a slope for each parameter by which derivatives are computed. A missing row means
     /// that the new value depends on none of them.
-    pub fn set_parameter_slopes(&mut self, changed: &[usize], new_slopes: &[Vec<f64>]) {
+    pub(crate) fn set_parameter_slopes(&mut self, changed: &[usize], new_slopes: &[Vec<f64>]) {
         for (change, index) in changed.iter().enumerate() {
             for (position, slopes) in self.by_parameter.iter_mut().enumerate() {
                 slopes.parameters[*index] = new_slopes.get(change).map_or(0.0, |row| row[position]);
@@ -204,7 +210,7 @@ impl Sensitivities {
 
     /// Calculates the slopes of new coefficients, and updates the delays and their slopes. `parameters` are in SI
     /// units, `time` is the present.
-    pub fn update_coefficients(
+    pub(crate) fn update_coefficients(
         &mut self,
         program: &Program,
         parameters: &[f64],
@@ -223,7 +229,7 @@ impl Sensitivities {
     }
 
     /// The slopes of the value of a formula in SI units, one for every parameter by which derivatives are computed.
-    pub fn slopes_of_formula(&self, scope: &RunScope<'_>, formula: &Formula) -> Vec<f64> {
+    pub(crate) fn slopes_of_formula(&self, scope: &RunScope<'_>, formula: &Formula) -> Vec<f64> {
         let slope = |slopes: &ParameterSlopes| {
             let slopes = RunScopeSlopes {
                 parameters: &slopes.parameters,

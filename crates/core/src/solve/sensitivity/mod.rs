@@ -62,7 +62,7 @@ impl Sensitivities {
             end: zeros(program.lowered.states.len()),
             flow: zeros(program.lowered.body.len()),
             delayed_flow: zeros(program.lowered.delays.len()),
-            zeros: zeros(program.lowered.coefficients.len().max(program.lowered.kept.len())),
+            zeros: zeros(program.lowered.coefficients.len().max(program.lowered.sampled.len())),
             length: 0.0,
             is_at_event: false,
             is_settling: false,
@@ -71,13 +71,13 @@ impl Sensitivities {
     }
 
     /// The number of parameters.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.by_parameter.len()
     }
 
     /// The derivative of a signal by the parameter of this position, in the unit of the signal per declared unit of the
     /// parameter: at the present if `is_present`, else at the instant interpolated last.
-    pub fn derivative(
+    pub(super) fn derivative(
         &self,
         index: usize,
         signal: &SignalInfo,
@@ -103,7 +103,7 @@ impl Sensitivities {
     ///
     /// # Errors
     /// If it does not, for example because a parameter is the seed of a noise voltage.
-    pub fn check_parameters(&self, program: &Program) -> Result<(), RunError> {
+    pub(super) fn check_parameters(&self, program: &Program) -> Result<(), RunError> {
         self.by_parameter.iter().try_for_each(|slopes| slopes.check(program))
     }
 }
@@ -111,15 +111,38 @@ impl Sensitivities {
 impl Machine<'_> {
     /// Puts the machine into initial condition, and computes derivatives by these parameters from then on. With an
     /// empty list, no derivatives are computed. Derivatives are those at fixed problem times. While the machine runs,
-    /// [`Machine::set`] sets a parameter to a value that depends on no parameter.
+    /// [`Machine::set_parameter`] sets a parameter to a value that depends on no parameter.
     ///
     /// # Errors
     /// If no parameter has this name, the machine does not depend on one in a way that has a derivative, or
     /// [`Machine::initial_condition`] fails.
-    pub fn differentiate(&mut self, parameters: &[&str]) -> Result<(), RunError> {
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// // x = x0 exp(-t), so dx/dx0 = exp(-t)
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", "x0");
+    /// let patch = PatchBuilder::new("decay").parameter("x0", 50.0, "V", [-100.0, 100.0]);
+    /// let patch = patch.element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let mut machine = Machine::new(&program, 1e-3)?;
+    /// machine.differentiate(["x0"])?;
+    /// machine.operate(1.0)?;
+    /// assert!((machine.sensitivity("A1", "x0")? - (-1.0f64).exp()).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn differentiate(
+        &mut self,
+        parameters: impl IntoIterator<Item = impl AsRef<str>>,
+    ) -> Result<(), RunError> {
         let program = self.solver.setup.program;
         let indices: Result<Vec<_>, _> =
-            parameters.iter().map(|name| parameter_index(program, name)).collect();
+            parameters.into_iter().map(|name| parameter_index(program, name.as_ref())).collect();
         let indices = indices?;
         self.solver.sensitivities = None;
         if !indices.is_empty() {
@@ -166,11 +189,9 @@ impl Solver<'_> {
     /// # Errors
     /// If no derivative by it is computed.
     fn slopes(&self, parameter: &str) -> Result<&ParameterSlopes, RunError> {
-        let candidates = self.sensitivities.iter().flat_map(|sensitivities| &sensitivities.by_parameter);
-        let has_name = |slopes: &&ParameterSlopes| {
-            self.setup.program.parameters[slopes.parameter].declared.name == parameter
-        };
-        candidates.into_iter().find(has_name).ok_or_else(|| RunError::NoDerivative {
+        let index = self.setup.program.parameter(parameter);
+        let mut candidates = self.sensitivities.iter().flat_map(|sensitivities| &sensitivities.by_parameter);
+        candidates.find(|slopes| Some(slopes.parameter) == index).ok_or_else(|| RunError::NoDerivative {
             parameter: parameter.to_owned(),
             why: "it is not computed in this run; pass the parameter to `Machine::differentiate`".to_owned(),
         })

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::delayed_slopes::DelayedSlopes;
 use crate::delay_line::DelayLine;
-use crate::ir::{Program, SignalInfo, SourceSlopes, TangentBase};
+use crate::ir::{ParameterValue, Program, SignalInfo, SourceSlopes, TangentBase};
 use crate::solve::dense_output::Curve;
 use crate::solve::error::RunError;
 use crate::solve::runge_kutta::advance_states;
@@ -82,15 +82,15 @@ impl AcceptedStep<'_> {
 impl ParameterSlopes {
     /// The slopes by the parameter with this index, for steps of a method. All slopes except that of the parameter
     /// itself are 0.
-    pub fn new(program: &Program, parameter: usize, method: &Tableau) -> Self {
+    pub(super) fn new(program: &Program, parameter: usize, method: &Tableau) -> Self {
         let zeros = |count: usize| vec![0.0; count];
         let (states, body) = (program.lowered.states.len(), program.lowered.body.len());
         let mut parameters = zeros(program.parameters.len());
-        let slot = &program.parameters[parameter];
-        let largest = slot.declared.range.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
-        let size = [slot.value.abs(), largest * slot.declared.per_unit, slot.declared.per_unit];
-        let fits = |size: &f64| *size > 0.0 && size.is_finite();
-        let size = size.into_iter().find(fits).unwrap_or(1.0);
+        let ParameterValue { value, declared } = &program.parameters[parameter];
+        let largest = declared.range.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
+        let size = [value.abs(), largest * declared.per_unit, declared.per_unit];
+        let is_valid = |size: &f64| *size > 0.0 && size.is_finite();
+        let size = size.into_iter().find(is_valid).unwrap_or(1.0);
         parameters[parameter] = size;
         ParameterSlopes {
             parameter,
@@ -98,7 +98,7 @@ impl ParameterSlopes {
             parameters,
             coefficients: zeros(program.lowered.coefficients.len()),
             states: zeros(states),
-            sampled: zeros(program.lowered.kept.len()),
+            sampled: zeros(program.lowered.sampled.len()),
             lines: Vec::new(),
             voltages: zeros(body),
             trial_voltages: zeros(body),
@@ -116,7 +116,7 @@ impl ParameterSlopes {
     ///
     /// # Errors
     /// If a noise voltage would draw different numbers for another value, or a coefficient has no finite derivative.
-    pub fn check(&self, program: &Program) -> Result<(), RunError> {
+    pub(super) fn check(&self, program: &Program) -> Result<(), RunError> {
         let no_derivative = |why: String| RunError::NoDerivative {
             parameter: program.parameters[self.parameter].declared.name.clone(),
             why,
@@ -142,19 +142,25 @@ impl ParameterSlopes {
 
     /// Begins at initial condition: sets the slopes that follow from the coefficients (initial voltages and sampled
     /// values), and clears the delay lines.
-    pub fn begin(&mut self, program: &Program) {
+    pub(super) fn begin(&mut self, program: &Program) {
         (self.shift, self.event_shift, self.phase_shift) = (0.0, 0.0, 0.0);
         for (slope, state) in self.states.iter_mut().zip(&program.lowered.states) {
             *slope = self.coefficients[state.initial as usize];
         }
-        for (slope, kept) in self.sampled.iter_mut().zip(&program.lowered.kept) {
-            *slope = self.coefficients[kept.initial as usize];
+        for (slope, sampled) in self.sampled.iter_mut().zip(&program.lowered.sampled) {
+            *slope = self.coefficients[sampled.initial as usize];
         }
         self.lines.iter_mut().for_each(DelayedSlopes::clear);
     }
 
     /// Evaluates the slopes of all present voltages at a problem time. `values` are the voltages.
-    pub fn evaluate(&mut self, program: &Program, time: f64, delay_lines: &[DelayLine], values: &[f64]) {
+    pub(super) fn evaluate(
+        &mut self,
+        program: &Program,
+        time: f64,
+        delay_lines: &[DelayLine],
+        values: &[f64],
+    ) {
         let shift = self.shift;
         self.read_delay_lines(delay_lines, |line, input| line.right_limit(time, input, shift));
         let from = SourceSlopes {
@@ -162,14 +168,14 @@ impl ParameterSlopes {
             states: &self.states,
             time: self.shift,
             delayed: &self.delayed,
-            kept: &self.sampled,
+            sampled: &self.sampled,
         };
         let base = TangentBase { values, guide: values };
         program.differentiate(0..program.lowered.body.len(), base, &from, &mut self.voltages);
     }
 
     /// Differentiates a step of the solver stage by stage, and moves the slopes to its end.
-    pub fn follow_step(&mut self, step: &AcceptedStep<'_>) {
+    pub(super) fn follow_step(&mut self, step: &AcceptedStep<'_>) {
         let AcceptedStep { program, method, .. } = *step;
         let (first_moving, watched, all) =
             (program.lowered.sections.moving, program.lowered.sections.watched, program.lowered.body.len());
@@ -223,7 +229,7 @@ impl ParameterSlopes {
     }
 
     /// Evaluates the slopes of all voltages at a problem time within the last step. `values` are the voltages there.
-    pub fn interpolate(
+    pub(super) fn interpolate(
         &mut self,
         program: &Program,
         (time, delay_lines): (f64, &[DelayLine]),
@@ -258,29 +264,29 @@ impl ParameterSlopes {
             states: &self.trial_states,
             time: 0.0,
             delayed: &self.delayed,
-            kept: &self.sampled,
+            sampled: &self.sampled,
         };
         program.differentiate(range, base, &from, &mut self.trial_voltages);
     }
 
     /// Records in the delay lines that their inputs may have a jump or a corner at a problem time, whose slope is
     /// `shift` in problem seconds.
-    pub fn record_discontinuity(&mut self, program: &Program, time: f64, shift: f64) {
+    pub(super) fn record_discontinuity(&mut self, program: &Program, time: f64, shift: f64) {
         for (line, delay) in self.lines.iter_mut().zip(&program.lowered.delays) {
             line.put_discontinuity(time, self.voltages[delay.input.index()], shift);
         }
     }
 
     /// Samples the slopes of the values that stay constant within the next step.
-    pub fn sample_values(&mut self, program: &Program) {
-        for (slope, kept) in self.sampled.iter_mut().zip(&program.lowered.kept) {
-            *slope = self.voltages[kept.next.index()];
+    pub(super) fn sample_values(&mut self, program: &Program) {
+        for (slope, sampled) in self.sampled.iter_mut().zip(&program.lowered.sampled) {
+            *slope = self.voltages[sampled.next.index()];
         }
     }
 
     /// The derivative of a signal, in its unit per declared unit of the parameter, from its voltage and the slope of
     /// its voltage. The scale of the signal may depend on the parameter, too.
-    pub fn derivative(
+    pub(super) fn derivative(
         &self,
         program: &Program,
         coefficients: &[f64],
@@ -294,7 +300,7 @@ impl ParameterSlopes {
     }
 
     /// Whether the slopes of all states, sampled values and recordable signals are finite.
-    pub fn is_finite(&self, program: &Program) -> bool {
+    pub(super) fn is_finite(&self, program: &Program) -> bool {
         let recorded = program.lowered.signals.iter().map(|signal| &self.voltages[signal.register.index()]);
         self.states.iter().chain(&self.sampled).chain(recorded).all(|slope| slope.is_finite())
     }

@@ -89,14 +89,14 @@ fn due_changes<'a>(
     let pairs = program.lowered.modes.iter().zip(modes);
     pairs.filter_map(|(mode, value)| {
         let mut candidates = mode.transitions.iter().filter(|transition| transition.from == *value);
-        let first = candidates.find(|transition| transition.guard.holds(voltages))?;
+        let first = candidates.find(|transition| transition.guard.is_due(voltages))?;
         Some(DueChange { element: mode.element, is_of_drive: mode.is_drive, guard: first.guard })
     })
 }
 
 impl Sensitivities {
     /// Notes that a phase ended with the last event, so the next phase begins at an instant with the same shift.
-    pub fn end_phase(&mut self) {
+    pub(crate) fn end_phase(&mut self) {
         self.by_parameter.iter_mut().for_each(|slopes| slopes.phase_shift = slopes.event_shift);
     }
 
@@ -112,7 +112,7 @@ impl Sensitivities {
             states: &state.rates,
             time: 1.0,
             delayed: &self.delayed_flow,
-            kept: &self.zeros,
+            sampled: &self.zeros,
         };
         let (values, watched) = (state.voltages.as_slice(), program.lowered.sections.watched);
         let guide = &self.stages[setup.method.middle_stage + 1];
@@ -179,7 +179,7 @@ impl Sensitivities {
         let has_derivative = if due.is_of_drive {
             guard_rate != 0.0
         } else {
-            guard_rate > 0.0 && !self.grazes(due.guard, guard_rate)
+            guard_rate > 0.0 && !self.is_grazing(due.guard, guard_rate)
         };
         if has_derivative {
             return Ok(-guard_slope / guard_rate);
@@ -188,10 +188,10 @@ impl Sensitivities {
         Err(lost(slopes, due.element, why, program, time))
     }
 
-    /// Whether a guard turns back less than [`KINK_TOLERANCE`] above its threshold. The parabola through its value at the
-    /// beginning of the last step and its value and rate at the end decides it. `guard_rate` is in volts per problem
-    /// second.
-    fn grazes(&self, guard: Guard, guard_rate: f64) -> bool {
+    /// Whether a guard turns back less than [`KINK_TOLERANCE`] above its threshold. The parabola through its value at
+    /// the beginning of the last step and its value and rate at the end decides it. `guard_rate` is in volts per
+    /// problem second.
+    fn is_grazing(&self, guard: Guard, guard_rate: f64) -> bool {
         let (start_value, rise) = (guard.value(&self.stages[0]), guard_rate * self.length);
         let curvature = -(start_value + rise);
         // If the step began at the threshold, it is too short to decide.

@@ -20,7 +20,7 @@ const END_WEIGHT: f64 = 100.0;
 type CellWeights = BTreeMap<(i64, i64), f64>;
 
 /// The cords of one output.
-struct Net {
+struct CordNet {
     /// The indices of its cords, in ascending order.
     cords: Vec<usize>,
     /// The modules at both ends of the cords.
@@ -47,7 +47,7 @@ pub(super) fn colour(cords: &mut [Cord], modules: &[Module]) {
         in_cell: BTreeMap::new(),
         count: [0; Ink::CORD_COLOURS],
     };
-    let priority = |net: &Net, used: &UsedColours| {
+    let priority = |net: &CordNet, used: &UsedColours| {
         (
             used.colours_at_modules(net).count_ones(),
             net.modules.len(),
@@ -64,12 +64,12 @@ pub(super) fn colour(cords: &mut [Cord], modules: &[Module]) {
 
 impl UsedColours {
     /// Returns the colours of other nets at the modules of a net, as bits.
-    fn colours_at_modules(&self, net: &Net) -> u32 {
+    fn colours_at_modules(&self, net: &CordNet) -> u32 {
         net.modules.iter().fold(0, |colours, module| colours | self.at_module[*module])
     }
 
     /// Chooses the best colour for a net and records it.
-    fn assign(&mut self, net: &Net) -> usize {
+    fn assign(&mut self, net: &CordNet) -> usize {
         let at_modules = self.colours_at_modules(net);
         let weight_nearby = |colour: usize| -> f64 {
             net.weights
@@ -95,18 +95,18 @@ impl UsedColours {
 }
 
 /// Groups the cords by output.
-fn nets(cords: &[Cord], modules: &[Module]) -> Vec<Net> {
+fn nets(cords: &[Cord], modules: &[Module]) -> Vec<CordNet> {
     let mut outputs: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (index, cord) in cords.iter().enumerate() {
         outputs.entry(&cord.from).or_default().push(index);
     }
-    let net = |own: Vec<usize>| {
-        let ends = own.iter().flat_map(|index| cords[*index].ends);
+    let net = |indices: Vec<usize>| {
+        let ends = indices.iter().flat_map(|index| cords[*index].ends);
         let modules = ends.filter_map(|end| modules.iter().position(|module| module.contains(end)));
-        Net {
+        CordNet {
             modules: modules.collect(),
-            weights: cell_weights(own.iter().map(|index| &cords[*index])),
-            cords: own,
+            weights: cell_weights(indices.iter().map(|index| &cords[*index])),
+            cords: indices,
         }
     };
     outputs.into_values().map(net).collect()

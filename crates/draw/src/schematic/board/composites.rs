@@ -18,7 +18,7 @@ pub(super) enum LinkEnd {
     /// The output of a part: kind and number of the part.
     Output(Part, usize),
     /// The output of the element.
-    Own,
+    ElementOutput,
     /// The summing junction of the element's amplifier.
     Junction,
     /// The output of a reference.
@@ -102,7 +102,7 @@ fn limits(symbol: &Symbol) -> impl Iterator<Item = (usize, &'static str, &Symbol
 /// The track runs from the output to a reference, and a diode from the wiper to the summing junction.
 fn limit(number: usize, reference: &'static str) -> [[LinkEnd; 2]; 3] {
     [
-        [LinkEnd::Own, LinkEnd::Input(Part::FreePot, number, 0)],
+        [LinkEnd::ElementOutput, LinkEnd::Input(Part::FreePot, number, 0)],
         [LinkEnd::Reference(reference), LinkEnd::Input(Part::FreePot, number, 1)],
         [LinkEnd::Output(Part::FreePot, number), LinkEnd::Input(Part::DiodePair, 0, number)],
     ]

@@ -36,20 +36,20 @@ pub(super) fn draw_jacks(modules: &[Module], primitives: &mut Vec<Primitive>) {
 /// The plates have the colour of the background, so that a text stays readable if a cord passes below it.
 pub(super) fn draw_texts(modules: &[Module], rows: &[(String, Point)], primitives: &mut Vec<Primitive>) {
     for (heading, at) in rows {
-        plate(text(heading, *at, PRINT, Align::Start, Ink::Signal), Ink::Page, primitives);
+        plate(Label::new(heading, *at, PRINT, Align::Start, Ink::Signal), Ink::Page, primitives);
     }
     for module in modules {
         let [(left, top), (right, _)] = module.corners;
         let (middle, max_width) = ((left + right) / 2.0, right - left - 8.0);
         let name = truncate_text(&module.name, NAME, max_width);
-        plate(text(&name, (middle, top + 14.0), NAME, Align::Middle, Ink::Line), Ink::Body, primitives);
+        plate(Label::new(name, (middle, top + 14.0), NAME, Align::Middle, Ink::Line), Ink::Body, primitives);
         let texts = [module.kind.as_str(), module.note.as_str()].into_iter().filter(|text| !text.is_empty());
         let note = truncate_text(&texts.collect::<Vec<_>>().join(", "), SMALL, max_width);
-        plate(text(&note, (middle, top + 26.0), SMALL, Align::Middle, Ink::Soft), Ink::Body, primitives);
+        plate(Label::new(note, (middle, top + 26.0), SMALL, Align::Middle, Ink::Soft), Ink::Body, primitives);
         for (name, at) in &module.inputs {
             let label = truncate_text(name, SMALL, max_width * 0.6);
             plate(
-                text(&label, (at.0 - 5.0, at.1 - 7.5), SMALL, Align::Start, Ink::Line),
+                Label::new(label, (at.0 - 5.0, at.1 - 7.5), SMALL, Align::Start, Ink::Line),
                 Ink::Body,
                 primitives,
             );
@@ -61,7 +61,7 @@ pub(super) fn draw_texts(modules: &[Module], rows: &[(String, Point)], primitive
 pub(super) fn draw_legend((left, y): Point, primitives: &mut Vec<Primitive>) {
     let sample: Vec<_> = (0..6).map(|point| (left + 8.0 * f64::from(point), y - 3.5)).collect();
     draw_link(&sample, primitives);
-    primitives.push(Primitive::Text(text(LINKS, (left + 48.0, y), SMALL, Align::Start, Ink::Soft)));
+    primitives.push(Primitive::Text(Label::new(LINKS, (left + 48.0, y), SMALL, Align::Start, Ink::Soft)));
 }
 
 /// Draws a text on a small plate of the given colour; an empty text is not drawn.
@@ -74,9 +74,4 @@ fn plate(label: Label, ink: Ink, primitives: &mut Vec<Primitive>) {
     let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom)];
     primitives.push(Primitive::Area { corners, ink });
     primitives.push(Primitive::Text(label));
-}
-
-/// Returns a label with a point of its baseline at `at`.
-fn text(text: &str, at: Point, size: f64, align: Align, ink: Ink) -> Label {
-    Label { text: text.to_owned(), at, size, align, ink }
 }

@@ -8,10 +8,10 @@ mod colour;
 mod composites;
 mod cords;
 mod face;
+mod json;
+mod module_rows;
 mod panel;
 mod routing;
-
-use serde_json::{Value, json};
 
 use self::routing::PanelGrid;
 use super::describe;
@@ -200,47 +200,13 @@ impl Board {
         primitives.extend(list_primitives);
         Drawing { width: self.size.0 + 2.0 * MARGIN, height: bottom + MARGIN, primitives }
     }
-
-    /// Returns the modules with their positions and the cords with their ends.
-    ///
-    /// All positions are `[x, y]` in pixels from the upper left corner.
-    pub fn to_json(&self) -> Value {
-        let module = |module: &Module| {
-            let inputs = module.inputs.iter().map(|(name, at)| json!({"jack": name, "at": [at.0, at.1]}));
-            json!({
-                "name": module.name,
-                "kind": module.kind,
-                "note": module.note,
-                "corners": module.corners.iter().map(|at| json!([at.0, at.1])).collect::<Value>(),
-                "inputs": inputs.collect::<Value>(),
-                "outputs": module.outputs.iter().map(|at| json!([at.0, at.1])).collect::<Value>(),
-            })
-        };
-        let cord = |cord: &Cord| {
-            let ends = cord.ends.iter().map(|at| json!([at.0, at.1])).collect::<Value>();
-            json!({
-                "from": cord.from,
-                "to": cord.to,
-                "jack": cord.input,
-                "gain": cord.gain,
-                "ends": ends,
-                "colour": cord.colour,
-            })
-        };
-        let link = |link: &Link| json!({"of": link.of, "ends": link.ends.iter().map(|at| json!([at.0, at.1])).collect::<Value>()});
-        json!({
-            "modules": self.modules.iter().map(module).collect::<Value>(),
-            "cords": self.cords.iter().map(cord).collect::<Value>(),
-            "links": self.links.iter().map(link).collect::<Value>(),
-        })
-    }
 }
 
 /// Returns the lists below the panel. Potentiometers that are adjusted by observation are among the
 /// settings.
 fn lists_below(circuit: &Circuit, symbols: &[Symbol]) -> Vec<List> {
     let named: Vec<_> = symbols.iter().map(|symbol| ("", symbol)).collect();
-    let mut lists = describe::lists(circuit, &named, panel::shows_setting);
+    let mut lists = describe::lists(circuit, &named, module_rows::shows_setting);
     let adjustments = composites::adjustments(circuit, symbols);
     match lists.first_mut().filter(|list| list.heading == "Settings") {
         Some(settings) => settings.rows.extend(adjustments),

@@ -49,8 +49,11 @@ const DIRECTIONS: [(i32, i32); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (
 /// The content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum CellContent {
+    /// Nothing but cords.
     Free,
+    /// A text, which cords avoid.
     Text,
+    /// A jack, which only its own cord may cover.
     Jack,
 }
 
@@ -79,7 +82,7 @@ struct Candidate {
 
 impl PanelGrid {
     /// Returns a grid with the texts (labels) and jacks (rings) of a drawing, without cords.
-    pub fn new((width, height): (f64, f64), primitives: &[Primitive]) -> PanelGrid {
+    pub(super) fn new((width, height): (f64, f64), primitives: &[Primitive]) -> PanelGrid {
         let [columns, rows] = [width, height].map(|length| (length / CELL).ceil() as i32);
         let cells = (columns * rows) as usize;
         let mut grid = PanelGrid {
@@ -91,10 +94,8 @@ impl PanelGrid {
         for primitive in primitives {
             match primitive {
                 Primitive::Text(label) => grid.cover(&label.area(), CellContent::Text),
-                Primitive::Ring { centre: (x, y), radius, .. } => {
-                    let area =
-                        Area { left: x - radius, top: y - radius, right: x + radius, bottom: y + radius };
-                    grid.cover(&area, CellContent::Jack);
+                Primitive::Ring { centre, radius, .. } => {
+                    grid.cover(&Area::around(*centre, *radius), CellContent::Jack);
                 }
                 _ => (),
             }
@@ -132,7 +133,7 @@ impl PanelGrid {
     }
 
     /// Routes cords between their plugs and returns the points of each path.
-    pub fn route(&mut self, ends: &[[Point; 2]]) -> Vec<Vec<Point>> {
+    pub(super) fn route(&mut self, ends: &[[Point; 2]]) -> Vec<Vec<Point>> {
         let rounds = ROUNDS.iter().find(|(max, _)| ends.len() <= *max).map_or(1, |(_, rounds)| *rounds);
         let mut paths: Vec<Vec<State>> = vec![Vec::new(); ends.len()];
         let mut search = Search::new(self.contents.len());

@@ -1,11 +1,12 @@
 //! Sets the heights of the items in their layers so that the nets are as straight as possible.
 //!
 //! Each item has preferred heights, at which its nets are straight. Layer by layer, the heights are set to
-//! the weighted medians of the preferred heights, in the given order and with minimum gaps (isotonic
-//! regression in the sum of absolute deviations). Rows are then made as low as possible.
+//! the weighted medians of the preferred heights, in the given order and with minimum gaps. Rows are then
+//! made as low as possible.
 
 use super::Graph;
-use super::wires::{ItemKind, LayeredSheet, Pin};
+use super::medians::{Preference, ascending_medians};
+use super::wires::{ItemKind, LayeredSheet, Pin, Trunk};
 
 /// The minimum gap between two nodes of a layer.
 pub(super) const NODE_GAP: f64 = 16.0;
@@ -25,11 +26,11 @@ const PASSES: usize = 10;
 /// The cost of the height of a row, relative to the length of its vertical lines.
 const HEIGHT_COST: f64 = 2.0;
 
-/// The weights of straight nets: between nodes, between a node and a layer, and through layers.
+/// The weights of straight nets, by the number of ends at which the net passes through a layer: 0, 1 or 2.
 const WEIGHTS: [f64; 3] = [1.0, 2.0, 8.0];
 
-/// A preferred height of an item and its weight.
-type Preference = (f64, f64);
+/// The weight of the present height of an item without nets to the side in question.
+const PRESENT_HEIGHT_WEIGHT: f64 = 1e-3;
 
 /// Sets the height of every item.
 pub(super) fn align(graph: &Graph, sheet: &mut LayeredSheet) {
@@ -133,13 +134,18 @@ impl<'a> Aligner<'a> {
         self.sheet.rows[self.row].items.iter().map(|item| item.y).collect()
     }
 
+    /// Returns the upper edge of the highest item of the row.
+    fn top(&self) -> f64 {
+        let items = 0..self.sheet.rows[self.row].items.len();
+        items.map(|item| self.y(item) - self.reach(item, true)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Returns the cost of the current heights: of the row height and of all vertical lines.
     fn cost(&self) -> f64 {
+        let top = self.top();
         let items = 0..self.sheet.rows[self.row].items.len();
-        let top =
-            items.clone().map(|item| self.y(item) - self.reach(item, true)).fold(f64::INFINITY, f64::min);
         let bottom = items.map(|item| self.y(item) + self.reach(item, false)).fold(top, f64::max);
-        let length = |trunk: &super::wires::Trunk| {
+        let length = |trunk: &Trunk| {
             let pins = trunk.pins().map(|pin| self.sheet.height(self.graph, self.row, pin));
             let row_gaps =
                 [(trunk.up, top), (trunk.down, bottom)].into_iter().filter(|(is_used, _)| *is_used);
@@ -177,12 +183,9 @@ impl<'a> Aligner<'a> {
 
     /// Returns the anchors of each pair of items that a straight net connects, the upper one first.
     fn straight_pairs(&self) -> Vec<(f64, f64)> {
-        let height = |pin: &Pin| self.sheet.height(self.graph, self.row, *pin);
-        let trunks = self.sheet.rows[self.row].channels.iter().flatten();
-        let pairs = trunks.flat_map(|trunk| {
-            trunk.left.iter().flat_map(|left| trunk.right.iter().map(move |right| (left, right)))
-        });
-        let straight = pairs.filter(|(left, right)| height(left) == height(right));
+        let height = |pin: Pin| self.sheet.height(self.graph, self.row, pin);
+        let pairs = self.sheet.rows[self.row].channels.iter().flatten().flat_map(Trunk::pairs);
+        let straight = pairs.filter(|(left, right)| height(*left) == height(*right));
         let anchors = straight.map(|(left, right)| (self.y(left.item), self.y(right.item)));
         anchors.map(|(left, right)| (left.min(right), left.max(right))).collect()
     }
@@ -216,11 +219,11 @@ impl<'a> Aligner<'a> {
         let items = self.layer(layer);
         let preferences = self.preferences(layer, to_left, to_right);
         let min_offsets = self.min_offsets(&items);
-        let reduced = items.iter().zip(&min_offsets).zip(preferences).map(|((item, offset), mut own)| {
-            if own.is_empty() {
-                own.push((self.y(*item), 1e-3));
+        let reduced = items.iter().zip(&min_offsets).zip(preferences).map(|((item, offset), mut heights)| {
+            if heights.is_empty() {
+                heights.push((self.y(*item), PRESENT_HEIGHT_WEIGHT));
             }
-            own.iter().map(|(y, weight)| (y - offset, *weight)).collect()
+            heights.iter().map(|(y, weight)| (y - offset, *weight)).collect()
         });
         let heights = ascending_medians(reduced.collect());
         for ((item, offset), y) in items.iter().zip(&min_offsets).zip(heights) {
@@ -240,12 +243,8 @@ impl<'a> Aligner<'a> {
         };
         let channels = [(to_left, layer), (to_right, layer + 1)];
         for (_, channel) in channels.into_iter().filter(|(is_used, _)| *is_used) {
-            for trunk in &row.channels[channel] {
-                for (left, right) in
-                    trunk.left.iter().flat_map(|left| trunk.right.iter().map(move |right| (left, right)))
-                {
-                    if channel == layer { prefer(*right, *left) } else { prefer(*left, *right) }
-                }
+            for (left, right) in row.channels[channel].iter().flat_map(Trunk::pairs) {
+                if channel == layer { prefer(right, left) } else { prefer(left, right) }
             }
         }
         preferences
@@ -293,60 +292,8 @@ impl<'a> Aligner<'a> {
 
     /// Moves all items by the same distance, so that the highest one is at the top of the row.
     fn move_to_top(&mut self) {
+        let top = self.top();
         let items = 0..self.sheet.rows[self.row].items.len();
-        let top =
-            items.clone().map(|item| self.y(item) - self.reach(item, true)).fold(f64::INFINITY, f64::min);
         items.for_each(|item| self.set_y(item, self.y(item) - top.floor()));
-    }
-}
-
-/// Returns ascending heights with the smallest weighted sum of distances to the preferred heights.
-///
-/// Items that would pass each other form one block at the weighted median of their preferred heights
-/// (pool adjacent violators).
-fn ascending_medians(preferences: Vec<Vec<Preference>>) -> Vec<f64> {
-    let mut blocks: Vec<(Vec<Preference>, usize, f64)> = Vec::new();
-    for mut own in preferences {
-        let mut count = 1;
-        let mut height = median(&mut own);
-        while let Some((mut upper, many, _)) = blocks.pop_if(|(.., above)| *above > height) {
-            upper.append(&mut own);
-            own = upper;
-            count += many;
-            height = median(&mut own);
-        }
-        blocks.push((own, count, height));
-    }
-    blocks.into_iter().flat_map(|(_, count, height)| std::iter::repeat_n(height, count)).collect()
-}
-
-/// Returns the lower weighted median.
-fn median(preferences: &mut [Preference]) -> f64 {
-    preferences.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = preferences.iter().map(|(_, weight)| weight).sum::<f64>() / 2.0;
-    let mut sum = 0.0;
-    let found = preferences.iter().find(|(_, weight)| {
-        sum += weight;
-        sum >= half
-    });
-    found.map_or(0.0, |(height, _)| *height)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_are_at_the_median_of_their_preferences() {
-        let prefer = |heights: &[f64]| heights.iter().map(|height| (*height, 1.0)).collect::<Vec<_>>();
-        assert_eq!(ascending_medians(vec![prefer(&[1.0]), prefer(&[5.0])]), [1.0, 5.0]);
-        assert_eq!(ascending_medians(vec![prefer(&[5.0, 5.0]), prefer(&[1.0])]), [5.0, 5.0]);
-        let heights = ascending_medians(vec![
-            prefer(&[3.0]),
-            prefer(&[9.0]),
-            prefer(&[2.0, 2.0, 2.0]),
-            prefer(&[10.0]),
-        ]);
-        assert_eq!(heights, [2.0, 2.0, 2.0, 10.0]);
     }
 }

@@ -6,8 +6,9 @@
 //!    parts of a circuit get separate rows, and a very wide drawing is folded into several rows.
 //! 2. `wires` assigns the nets to channels and row gaps. A channel is the vertical space between two
 //!    layers, and a row gap is the horizontal space between two rows.
-//! 3. `crossings` orders the nodes of each layer, and `align` sets their heights.
-//! 4. `tracks` and `coordinates` give each net a separate track and return all positions.
+//! 3. `crossings` orders the nodes of each layer, and `align` sets their heights with `medians`.
+//! 4. `tracks` and `coordinates` give each net a separate track and set all positions.
+//! 5. `routes` makes the lines of the nets with their dots and arrows.
 //!
 //! Nets that run back, or to another row, use the row gaps. No two nets share a track.
 
@@ -16,7 +17,9 @@ mod components;
 mod coordinates;
 mod crossings;
 mod layers;
+mod medians;
 mod order;
+mod routes;
 mod rows;
 mod tracks;
 mod wires;
@@ -43,7 +46,7 @@ pub(crate) struct Node {
 
 /// An output and the inputs that are connected to it.
 #[derive(Debug, Clone)]
-pub(crate) struct Net {
+pub(crate) struct GraphNet {
     /// The node with the output.
     pub from: usize,
     /// The index of the output of that node.
@@ -58,7 +61,7 @@ pub(crate) struct Graph {
     /// The nodes.
     pub nodes: Vec<Node>,
     /// The nets, at most one for each output.
-    pub nets: Vec<Net>,
+    pub nets: Vec<GraphNet>,
     /// The nodes at which the order of reading starts, in order of preference.
     pub starts: Vec<usize>,
 }

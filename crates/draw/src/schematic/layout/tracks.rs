@@ -31,13 +31,13 @@ impl ChannelLine {
     }
 
     /// Returns the lowest and highest positions.
-    pub fn ends(&self) -> (f64, f64) {
+    pub(super) fn ends(&self) -> (f64, f64) {
         self.positions()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
     }
 
     /// Whether the line only crosses the channel, at one position.
-    pub fn is_straight(&self) -> bool {
+    pub(super) fn is_straight(&self) -> bool {
         let (low, high) = self.ends();
         low >= high
     }

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::rows::Cell;
-use super::{Graph, Net};
+use super::{Graph, GraphNet};
 
 /// The nodes and nets of all rows.
 #[derive(Debug)]
@@ -89,14 +89,14 @@ const LARGE_ROW: usize = 20_000;
 
 impl LayerRow {
     /// Returns the number of rounds of improvement: at most `max`, fewer for a large row, at least 2.
-    pub fn rounds(&self, max: usize) -> usize {
+    pub(super) fn rounds(&self, max: usize) -> usize {
         (max * LARGE_ROW / self.items.len().max(LARGE_ROW)).max(2)
     }
 }
 
 impl LayeredSheet {
     /// Assigns all nodes and nets. The heights of the items are 0 until they are aligned.
-    pub fn new(graph: &Graph, cells: &[Cell]) -> LayeredSheet {
+    pub(super) fn new(graph: &Graph, cells: &[Cell]) -> LayeredSheet {
         let count = cells.iter().map(|cell| cell.row + 1).max().unwrap_or(0);
         let mut builder = SheetBuilder {
             cells,
@@ -115,7 +115,7 @@ impl LayeredSheet {
     }
 
     /// Returns the height of a pin below the anchor of its item; negative if above.
-    pub fn offset(&self, graph: &Graph, row: usize, pin: Pin) -> f64 {
+    pub(super) fn offset(&self, graph: &Graph, row: usize, pin: Pin) -> f64 {
         let ItemKind::Node(node) = self.rows[row].items[pin.item].kind else { return 0.0 };
         match pin.kind {
             PinKind::Output(output) => graph.nodes[node].outputs[output].1,
@@ -125,15 +125,20 @@ impl LayeredSheet {
     }
 
     /// Returns the height of a pin below the top of its row.
-    pub fn height(&self, graph: &Graph, row: usize, pin: Pin) -> f64 {
+    pub(super) fn height(&self, graph: &Graph, row: usize, pin: Pin) -> f64 {
         self.rows[row].items[pin.item].y + self.offset(graph, row, pin)
     }
 }
 
 impl Trunk {
     /// Returns all pins of the trunk.
-    pub fn pins(&self) -> impl Iterator<Item = Pin> + '_ {
+    pub(super) fn pins(&self) -> impl Iterator<Item = Pin> + '_ {
         self.left.iter().chain(&self.right).copied()
+    }
+
+    /// Returns the pin to the left with each pin to the right; nothing if a row gap drives the trunk.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (Pin, Pin)> + '_ {
+        self.left.iter().flat_map(|left| self.right.iter().map(move |right| (*left, *right)))
     }
 }
 
@@ -173,14 +178,14 @@ impl SheetBuilder<'_> {
     }
 
     /// Adds a net to its channels, layers and row gaps.
-    fn add_net(&mut self, index: usize, net: &Net) {
+    fn add_net(&mut self, index: usize, net: &GraphNet) {
         let source = self.cells[net.from];
         let from =
             Pin { item: self.item(source, ItemKind::Node(net.from)), kind: PinKind::Output(net.output) };
         self.trunk(source.row, source.layer + 1, index).left = Some(from);
-        let is_ahead = |cell: Cell| cell.row == source.row && cell.layer > source.layer;
-        let ahead = net.to.iter().map(|(node, _)| self.cells[*node]).filter(|cell| is_ahead(*cell));
-        let last = ahead.map(|cell| cell.layer).max().unwrap_or(0);
+        let is_forward = |cell: Cell| cell.row == source.row && cell.layer > source.layer;
+        let forward = net.to.iter().map(|(node, _)| self.cells[*node]).filter(|cell| is_forward(*cell));
+        let last = forward.map(|cell| cell.layer).max().unwrap_or(0);
         for layer in source.layer + 1..last {
             self.pass(index, Cell { row: source.row, layer });
         }
@@ -188,7 +193,7 @@ impl SheetBuilder<'_> {
             let cell = self.cells[*node];
             let pin = Pin { item: self.item(cell, ItemKind::Node(*node)), kind: PinKind::Input(*input) };
             self.trunk(cell.row, cell.layer, index).right.push(pin);
-            if !is_ahead(cell) {
+            if !is_forward(cell) {
                 self.through_row_gaps(index, source, cell);
             }
         }

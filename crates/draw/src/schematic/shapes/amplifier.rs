@@ -3,7 +3,8 @@
 use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, jack_heights};
 use super::{Align, Ink, Symbol};
 use crate::plot::text_width;
-use crate::schematic::symbol::{Jack, format_volts};
+use crate::schematic::number_text::format_volts;
+use crate::schematic::symbol::Jack;
 
 /// The length of a triangle.
 const LENGTH: f64 = 58.0;

@@ -2,7 +2,7 @@
 
 use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, jack_heights, wave};
 use super::{Align, Ink, Symbol};
-use crate::schematic::symbol::format_volts;
+use crate::schematic::number_text::format_volts;
 
 /// Returns a square with its jacks at the left.
 pub(super) fn square(symbol: &Symbol, half: f64) -> Art {

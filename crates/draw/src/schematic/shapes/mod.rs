@@ -13,15 +13,18 @@ mod ports;
 mod switching;
 
 use super::symbol::{CordSource, Symbol, SymbolSetting};
-use crate::plot::{Align, Area, Ink, Label, Primitive};
+use crate::plot::{Align, Area, Ink, Label, Primitive, with_minus_sign};
 
 pub(super) use art::{Art, CORD, NAME, PRINT, SMALL};
 
 /// A function that draws a symbol around its anchor.
 type Draw = fn(&Symbol) -> Art;
 
-/// Every shape: its name in the registry of elements, its function, and the settings that it shows.
-pub(super) static SHAPES: &[(&str, Draw, &[&str])] = &[
+/// A shape: its name in the registry of elements, its function, and the settings that it shows.
+type ShapeRow = (&'static str, Draw, &'static [&'static str]);
+
+/// Every shape.
+pub(super) static SHAPES: &[ShapeRow] = &[
     ("amplifier", amplifier::summer, &["limit.upper", "limit.lower"]),
     ("open-amplifier", amplifier::open, &["limit.upper", "limit.lower"]),
     ("integrator", amplifier::integrator, &["initial", "limit.upper", "limit.lower"]),
@@ -55,6 +58,11 @@ pub(super) static SHAPES: &[(&str, Draw, &[&str])] = &[
     ("drive-table", drive::table, &[]),
 ];
 
+/// Returns the row of the shape of a symbol; `None` if the shape is unknown.
+fn row_of(symbol: &Symbol) -> Option<&'static ShapeRow> {
+    SHAPES.iter().find(|(name, ..)| *name == symbol.shape)
+}
+
 /// The gap between an output and the names and voltages at it.
 const READING_GAP: f64 = 4.0;
 
@@ -62,8 +70,7 @@ const READING_GAP: f64 = 4.0;
 ///
 /// An unknown shape, or one with too few inputs, is drawn as a plain box.
 pub(super) fn draw(symbol: &Symbol) -> Art {
-    let row = SHAPES.iter().find(|(name, ..)| *name == symbol.shape);
-    let mut art = row.map_or_else(|| network::plain_box(symbol), |(_, draw, _)| draw(symbol));
+    let mut art = row_of(symbol).map_or_else(|| network::plain_box(symbol), |(_, draw, _)| draw(symbol));
     if art.inputs.len() < symbol.jacks.len() {
         art = network::plain_box(symbol);
     }
@@ -74,8 +81,7 @@ pub(super) fn draw(symbol: &Symbol) -> Art {
 
 /// Whether a symbol shows a setting, or may omit it because the patch does not specify it.
 pub(super) fn shows_setting(symbol: &Symbol, setting: &SymbolSetting) -> bool {
-    let row = SHAPES.iter().find(|(name, ..)| *name == symbol.shape);
-    !setting.is_given || row.is_some_and(|(.., written)| written.contains(&setting.name.as_str()))
+    !setting.is_given || row_of(symbol).is_some_and(|(.., written)| written.contains(&setting.name.as_str()))
 }
 
 /// Returns the number of leading jacks that may be exchanged, which are those of a summing input.
@@ -120,7 +126,7 @@ fn flag(name: &str, at: (f64, f64), art: &mut Art) {
     ];
     art.body(&outline);
     art.text(
-        &name.replace('-', "−"),
+        &with_minus_sign(name),
         ((left + shoulder) / 2.0 + 1.0, at.1 + 3.4),
         SMALL,
         Align::Middle,
@@ -146,12 +152,8 @@ fn readings(symbol: &Symbol, art: &mut Art) {
     }
     for (index, output) in symbol.outputs.iter().enumerate() {
         let (x, y) = art.outputs[index];
-        let label = |text, down, ink| Label {
-            text,
-            at: (x + READING_GAP, y + down),
-            size: PRINT,
-            align: Align::Start,
-            ink,
+        let label = |text: String, down: f64, ink| {
+            Label::new(text, (x + READING_GAP, y + down), PRINT, Align::Start, ink)
         };
         let names = label(output.signals.join(", "), -4.0, Ink::Signal);
         let widest = label(voltage(WIDEST_VOLTAGE), 11.0, Ink::Voltage);
@@ -171,7 +173,7 @@ const WIDEST_VOLTAGE: f64 = -100.0;
 fn voltage(volts: f64) -> String {
     let text = format!("{volts:+.2}");
     let is_zero = text.trim_start_matches(['+', '-']).chars().all(|digit| matches!(digit, '0' | '.'));
-    if is_zero { "0.00".to_owned() } else { text.replace('-', "−") }
+    if is_zero { "0.00".to_owned() } else { with_minus_sign(&text) }
 }
 
 /// Returns the smallest area that encloses the given areas.

@@ -53,8 +53,8 @@ pub(super) fn plain_box(symbol: &Symbol) -> Art {
     art.rectangle((-half_width, -half_height), (half_width, half_height));
     art.inputs = jack_heights(symbol.jacks.len()).map(|y| (-half_width, y)).collect();
     for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
-        let place = (at.0 + 4.0, at.1 + HALF_LETTER * SMALL);
-        art.text(&jack.input, place, SMALL, Align::Start, Ink::Soft);
+        let at = (at.0 + 4.0, at.1 + HALF_LETTER * SMALL);
+        art.text(&jack.input, at, SMALL, Align::Start, Ink::Soft);
     }
     art.above(&symbol.name, NAME, Ink::Line);
     art.below(&symbol.kind, SMALL, Ink::Soft);

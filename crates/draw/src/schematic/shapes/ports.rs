@@ -1,6 +1,6 @@
 //! Macro instances as boxes, and the ports of an opened instance.
 
-use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, jack_heights};
+use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, centred_heights, jack_heights};
 use super::{Align, Ink, Symbol};
 use crate::plot::{text_width, truncate_text};
 
@@ -26,15 +26,15 @@ pub(super) fn instance(symbol: &Symbol) -> Art {
     let half = (min_width.max(MIN_WIDTH) / 2.0).ceil();
     let mut art = Art {
         inputs: jack_heights(inputs.len()).map(|y| (-half, y)).collect(),
-        outputs: output_heights(outputs.len()).map(|y| (half, y)).collect(),
+        outputs: centred_heights(outputs.len(), OUTPUT_PITCH).map(|y| (half, y)).collect(),
         ..Art::default()
     };
     let lowest = art.inputs.iter().chain(&art.outputs).map(|at| at.1).fold(0.0, f64::max);
     art.rectangle((-half, -lowest - 15.0), (half, lowest + 15.0));
     let sides = [(inputs, art.inputs.clone(), Align::Start), (outputs, art.outputs.clone(), Align::End)];
-    for (names, places, align) in sides {
+    for (names, positions, align) in sides {
         let inward = if align == Align::Start { NAME_GAP } else { -NAME_GAP };
-        for (name, at) in names.iter().zip(places) {
+        for (name, at) in names.iter().zip(positions) {
             art.text(name, (at.0 + inward, at.1 + HALF_LETTER * SMALL), SMALL, align, Ink::Soft);
         }
     }
@@ -52,12 +52,6 @@ pub(super) fn instance(symbol: &Symbol) -> Art {
 /// Truncates a text of a box to [`MAX_TEXT_WIDTH`].
 fn truncated(text: &str) -> String {
     truncate_text(text, PRINT, MAX_TEXT_WIDTH)
-}
-
-/// Returns the heights of this number of outputs, centred on 0.
-fn output_heights(count: usize) -> impl Iterator<Item = f64> {
-    let first = -OUTPUT_PITCH * (count.max(1) - 1) as f64 / 2.0;
-    (0..count).map(move |output| first + OUTPUT_PITCH * output as f64)
 }
 
 /// The radius of the circle of a port.
@@ -79,7 +73,7 @@ pub(super) fn output(symbol: &Symbol) -> Art {
 fn terminal(symbol: &Symbol, side: f64, align: Align) -> Art {
     let mut art = Art { outputs: vec![(RADIUS, 0.0)], ..Art::default() };
     art.circle((0.0, 0.0), RADIUS);
-    let place = (side * (RADIUS + NAME_GAP), HALF_LETTER * NAME);
-    art.text(&truncated(&symbol.name), place, NAME, align, Ink::Line);
+    let at = (side * (RADIUS + NAME_GAP), HALF_LETTER * NAME);
+    art.text(&truncated(&symbol.name), at, NAME, align, Ink::Line);
     art
 }

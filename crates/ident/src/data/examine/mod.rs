@@ -45,7 +45,7 @@ pub struct ColumnStatistics {
 }
 
 /// Estimates the noise of evenly spaced samples. None if there are too few consecutive samples.
-pub fn estimate_noise(samples: &[f64]) -> Option<Noise> {
+pub(crate) fn estimate_noise(samples: &[f64]) -> Option<Noise> {
     noise(samples, quantum(&present(samples)))
 }
 
@@ -114,6 +114,6 @@ mod tests {
         assert_eq!((empty.quantum, empty.power_frequencies), (None, None));
         let constant = examine(&[2.0; 40], 1.0);
         assert_eq!((constant.rms, constant.quantum, constant.power_frequencies), (0.0, None, None));
-        assert_eq!(constant.noise.map(|noise| (noise.sigma, noise.kind)), Some((0.0, NoiseKind::None)));
+        assert_eq!(constant.noise.map(|noise| (noise.sigma, noise.kind)), Some((0.0, NoiseKind::Absent)));
     }
 }

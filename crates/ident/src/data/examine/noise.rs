@@ -43,6 +43,7 @@ pub struct Noise {
 
 /// The spectrum of noise, as far as differences show it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NoiseKind {
     /// White: the estimates of all orders agree, or at least those of the highest orders.
     White,
@@ -55,7 +56,7 @@ pub enum NoiseKind {
     /// Less than the rounding error of the recorder. The standard deviation is that of rounding.
     Rounding,
     /// No noise is visible. The standard deviation is 0.
-    None,
+    Absent,
 }
 
 impl NoiseKind {
@@ -66,7 +67,7 @@ impl NoiseKind {
             NoiseKind::Slow => "slow",
             NoiseKind::Fast => "fast",
             NoiseKind::Rounding => "rounding",
-            NoiseKind::None => "none",
+            NoiseKind::Absent => "none",
         }
     }
 }
@@ -81,7 +82,7 @@ pub(super) fn noise(samples: &[f64], quantum: Option<f64>) -> Option<Noise> {
     let is_curve =
         last.sigma <= MAX_CURVE_RATIO * range_of(samples) && last.sigma <= DECREASING_RATIO * previous.sigma;
     let (sigma, kind) = match white_sigma(&estimates) {
-        _ if is_digit_noise || is_curve => (0.0, NoiseKind::None),
+        _ if is_digit_noise || is_curve => (0.0, NoiseKind::Absent),
         Some(sigma) => (sigma, NoiseKind::White),
         None if last.sigma > previous.sigma => (last.sigma, NoiseKind::Fast),
         None => (last.sigma, NoiseKind::Slow),
@@ -305,7 +306,7 @@ mod tests {
     fn smooth_curves_have_no_noise() {
         let smooth: Vec<f64> = (0..4000).map(|index| 3.0 * libm::sin(f64::from(index) / 31.0)).collect();
         let estimate = noise(&smooth, None).unwrap();
-        assert_eq!((estimate.sigma, estimate.kind), (0.0, NoiseKind::None), "{estimate:?}");
+        assert_eq!((estimate.sigma, estimate.kind), (0.0, NoiseKind::Absent), "{estimate:?}");
         let straight: Vec<f64> = (0..50).map(f64::from).collect();
         assert_eq!(noise(&straight, None).unwrap().sigma, 0.0);
     }

@@ -3,6 +3,8 @@
 //! The samples are sorted. If they are quantised, every gap between two different values is a multiple of the quantum.
 //! The smallest gap, or a simple fraction of it, is the first guess, and the small gaps refine it.
 
+use patchcord_expr::round_significant;
+
 /// The ratio to the largest sample up to which two samples are equal. Such a difference is rounding of floating-point
 /// numbers.
 const EQUALITY_RATIO: f64 = 1e-12;
@@ -22,8 +24,11 @@ const FEW_GAPS_TOLERANCE: f64 = 1e-6;
 /// be several quanta.
 const SMALLEST_GAP_MULTIPLES: [f64; 4] = [1.0, 2.0, 3.0, 5.0];
 
-/// Returns the step of which all samples are multiples, apart from a common offset, to nine digits. None if there is no
-/// such step, or if there are fewer than three different values. The samples must not be NaN.
+/// The significant digits of a quantum. A difference of samples is not more accurate.
+const QUANTUM_DIGITS: usize = 9;
+
+/// Returns the step of which all samples are multiples, apart from a common offset, to nine significant digits. None if
+/// there is no such step, or if there are fewer than three different values. The samples must not be NaN.
 pub(super) fn quantum(samples: &[f64]) -> Option<f64> {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -34,12 +39,8 @@ pub(super) fn quantum(samples: &[f64]) -> Option<f64> {
     let smallest_gap = gaps.iter().copied().reduce(f64::min)?;
     let step =
         SMALLEST_GAP_MULTIPLES.iter().find_map(|multiple| refined_step(&gaps, smallest_gap / multiple))?;
-    (gaps.len() > 1 && step > MIN_RANGE_RATIO * (last - first)).then(|| to_nine_digits(step))
-}
-
-/// Rounds a number to nine digits. A difference of samples is not more accurate.
-fn to_nine_digits(number: f64) -> f64 {
-    format!("{number:.8e}").parse().unwrap_or(number)
+    (gaps.len() > 1 && step > MIN_RANGE_RATIO * (last - first))
+        .then(|| round_significant(step, QUANTUM_DIGITS))
 }
 
 /// Returns a step close to `guess` of which all gaps are multiples. None if there is none. Gaps of more than

@@ -5,6 +5,9 @@
 
 use std::f64::consts::TAU;
 
+use crate::data::experiment_document::Hold;
+use crate::data::interpolation::fill_gaps;
+
 /// The fractions of the power for which [`ColumnStatistics`](crate::ColumnStatistics) has frequencies.
 pub const POWER_FRACTIONS: [f64; 3] = [0.5, 0.9, 0.99];
 
@@ -40,16 +43,16 @@ impl SpectralPeak {
     /// Returns at most `count` peaks, the highest first. Of peaks with the same frequency, only the highest is kept.
     pub(crate) fn highest(mut peaks: Vec<SpectralPeak>, count: usize) -> Vec<SpectralPeak> {
         peaks.sort_by(|a, b| b.power.total_cmp(&a.power));
-        let mut kept: Vec<SpectralPeak> = Vec::new();
+        let mut distinct: Vec<SpectralPeak> = Vec::new();
         for peak in peaks {
-            let is_duplicate = kept
+            let is_duplicate = distinct
                 .iter()
                 .any(|higher| (higher.frequency - peak.frequency).abs() < higher.width.max(peak.width));
-            if kept.len() < count && !is_duplicate {
-                kept.push(peak);
+            if distinct.len() < count && !is_duplicate {
+                distinct.push(peak);
             }
         }
-        kept
+        distinct
     }
 }
 
@@ -87,16 +90,10 @@ fn power_spectrum(samples: &[f64], interval: f64) -> Option<(Vec<f64>, f64)> {
 /// Returns the samples from the first to the last that is present, with linear interpolation between them. None if
 /// there are fewer than four.
 fn interpolated(samples: &[f64]) -> Option<Vec<f64>> {
-    let present: Vec<usize> = (0..samples.len()).filter(|index| !samples[*index].is_nan()).collect();
-    let (first, last) = (*present.first()?, *present.last()?);
+    let first = samples.iter().position(|sample| !sample.is_nan())?;
+    let last = samples.iter().rposition(|sample| !sample.is_nan())?;
     let mut filled = samples[first..=last].to_vec();
-    for pair in present.windows(2) {
-        let (from, to) = (samples[pair[0]], samples[pair[1]]);
-        let length = (pair[1] - pair[0]) as f64;
-        for (steps, value) in filled[pair[0] - first..pair[1] - first].iter_mut().enumerate().skip(1) {
-            *value = from + steps as f64 / length * (to - from);
-        }
-    }
+    fill_gaps(&mut filled, Hold::Linear);
     (filled.len() > 3).then_some(filled)
 }
 

@@ -1,15 +1,16 @@
-//! The detection limit of an effect at a place, and the limits of a whole library.
+//! The detection limit of an effect at a site, and the limits of a whole library.
 
 use crate::fit::extended_model::SkippedTrial;
 use crate::fit::parameter_values::ParameterValues;
 
-/// The smallest strength of an effect at a place that would be detected in given data.
+/// The smallest strength of an effect at a site that would be detected in given data.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct DetectionLimit {
     /// Name of the effect.
     pub effect: String,
     /// The element that it acts on.
-    pub junction: String,
+    pub site: String,
     /// The signals that the effect reads, if there is a choice.
     pub reads: Vec<String>,
     /// The parameter that is the strength of the effect.
@@ -24,27 +25,23 @@ pub struct DetectionLimit {
     pub other_parameters: ParameterValues,
 }
 
-/// What data can show of the effects of a library, before any search.
+/// The effects of a library that data can show, before any search.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Detectability {
     /// Rms residual of the fitted patch in training, over the noise.
     pub residual_rms: f64,
     /// The detection limits if the residual were only noise, the most detectable effect first.
     pub limits: Vec<DetectionLimit>,
-    /// Effects that cannot be tried at a place, with the reason.
+    /// Effects that cannot be tried at a site, with the reason.
     pub skipped: Vec<SkippedTrial>,
 }
 
 impl DetectionLimit {
-    /// Whether both limits are for the same effect, place and parameter. Their forms may differ.
+    /// Whether both limits are for the same effect, site and parameter. Their forms may differ.
     pub(crate) fn is_same_case(&self, other: &DetectionLimit) -> bool {
-        let is_same_place = self.junction == other.junction && self.reads == other.reads;
-        is_same_place && self.effect == other.effect && self.parameter == other.parameter
-    }
-
-    /// The effect and its place, for example "leak at I2".
-    pub fn label(&self) -> String {
-        format!("{} at {}", self.effect, self.junction)
+        let is_same_site = self.site == other.site && self.reads == other.reads;
+        is_same_site && self.effect == other.effect && self.parameter == other.parameter
     }
 
     /// Whether some strength of the effect would be detected.
@@ -53,9 +50,9 @@ impl DetectionLimit {
     }
 }
 
-/// The first limit of every effect, in the order of `limits`. If these are sorted, it is the place where the effect
-/// is most detectable.
-pub fn best_places(limits: &[DetectionLimit]) -> Vec<&DetectionLimit> {
+/// The first limit of every effect, in the order of `limits`. If these are sorted, it is the site at which the
+/// effect is most detectable.
+pub fn best_sites(limits: &[DetectionLimit]) -> Vec<&DetectionLimit> {
     let mut best: Vec<&DetectionLimit> = Vec::new();
     for limit in limits {
         if best.iter().all(|other| other.effect != limit.effect) {

@@ -13,7 +13,7 @@ use crate::statistics::projection::{
 };
 
 /// All outputs of the training records and of the validation records, over the noise. Records follow one another.
-pub(super) type TrainAndTest = [Vec<f64>; 2];
+pub(super) type TrainAndValidation = [Vec<f64>; 2];
 
 /// Orthonormal directions in the space of all outputs that a fit can follow.
 pub(super) struct FitDirections {
@@ -21,7 +21,7 @@ pub(super) struct FitDirections {
     states: [Vec<Vec<Vec<f64>>>; 2],
     /// Directions of parameters and offsets, which are determined in training. The second half is what follows from
     /// them in validation.
-    common: Vec<TrainAndTest>,
+    common: Vec<TrainAndValidation>,
     /// Directions of the declared offsets in validation, where they are fitted again.
     offsets: Vec<Vec<f64>>,
 }
@@ -44,13 +44,14 @@ impl FitDirections {
         });
         let mut directions = FitDirections { states, common: Vec::new(), offsets: Vec::new() };
         let spans = groups.map(|group| group.spans.as_slice());
-        for (train, test) in groups[0].common.iter().zip(&groups[1].common) {
+        for (train, validation) in groups[0].common.iter().zip(&groups[1].common) {
             let original_length = dot(train, train).sqrt();
-            let [mut train, mut test] = directions.remove_from(spans, [train.clone(), test.clone()]);
+            let [mut train, mut validation] =
+                directions.remove_from(spans, [train.clone(), validation.clone()]);
             let length = dot(&train, &train).sqrt();
             if length > MIN_INDEPENDENT_RATIO * original_length {
-                [&mut train, &mut test].into_iter().for_each(|track| scale(track, 1.0 / length));
-                directions.common.push([train, test]);
+                [&mut train, &mut validation].into_iter().for_each(|track| scale(track, 1.0 / length));
+                directions.common.push([train, validation]);
             }
         }
         let offsets = groups[1].common[fit..].iter().map(|offset| {
@@ -67,16 +68,16 @@ impl FitDirections {
     pub(super) fn remove_from(
         &self,
         spans: [&[Range<usize>]; 2],
-        [mut train, mut test]: TrainAndTest,
-    ) -> TrainAndTest {
+        [mut train, mut validation]: TrainAndValidation,
+    ) -> TrainAndValidation {
         remove_states(&self.states[0], spans[0], &mut train);
-        remove_states(&self.states[1], spans[1], &mut test);
+        remove_states(&self.states[1], spans[1], &mut validation);
         for [direction, follows] in &self.common {
             let share = dot(direction, &train);
             subtract_multiple(&mut train, share, direction);
-            subtract_multiple(&mut test, share, follows);
+            subtract_multiple(&mut validation, share, follows);
         }
-        remove_projections(&self.offsets, &mut test);
-        [train, test]
+        remove_projections(&self.offsets, &mut validation);
+        [train, validation]
     }
 }

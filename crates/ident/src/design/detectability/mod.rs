@@ -13,6 +13,7 @@ pub(crate) mod fit_directions;
 pub(crate) mod record_group;
 pub(crate) mod strength_scan;
 
+use crate::data::experiment::Experiment;
 use crate::design::detectability::detection_test::DetectionTest;
 use crate::effects::Library;
 use crate::effects::attach::EffectPlacement;
@@ -27,12 +28,12 @@ use crate::fit::problem::Problem;
 use crate::fit::signal_extents::signal_extents;
 use crate::statistics::acceptance::AcceptanceCriterion;
 use patchcord_analysis::parallel;
-use patchcord_core::patch::Patch;
 
-pub use detection_limit::{Detectability, DetectionLimit, best_places};
+pub use detection_limit::{Detectability, DetectionLimit, best_sites};
 
-/// Fits a patch and computes the detection limits of all effects of a library. Returns None if the patch can be run
-/// from none of the starts.
+/// Fits the patch of an experiment and computes the detection limits of all effects of a library. `problem` is that of
+/// the experiment. The limits do not depend on the number of threads. `seed` selects the random starts of the fit.
+/// Returns None if the patch can be run from none of the starts.
 ///
 /// # Errors
 /// If the patch cannot be simulated with the drives of the records.
@@ -40,30 +41,29 @@ pub use detection_limit::{Detectability, DetectionLimit, best_places};
 /// # Examples
 ///
 /// ```no_run
-/// use patchcord_ident::Experiment;
-/// use patchcord_ident::design::detectability::detectable_effects;
-/// use patchcord_ident::effects::Library;
-/// use patchcord_ident::fit::problem::Problem;
+/// use patchcord_ident::report::detection_limits::limit_sentence;
+/// use patchcord_ident::{Experiment, Library, Problem, detectable_effects};
 ///
 /// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
 /// let problem = Problem::of(&experiment)?;
-/// let (patch, fit) = (&experiment.patch, &experiment.fit);
-/// let found = detectable_effects(&problem, patch, fit, &Library::shipped(), 2, 1)?;
-/// for limit in &found.ok_or("the patch cannot be run from any start")?.limits {
-///     println!("{}: {} = {:?} {}", limit.label(), limit.parameter, limit.value, limit.unit);
+/// let found = detectable_effects(&experiment, &problem, &Library::shipped(), 2, 1)?;
+/// let detectability = found.ok_or("the patch cannot be run from any start")?;
+/// for sentence in detectability.limits.iter().filter_map(limit_sentence) {
+///     println!("{sentence}");
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn detectable_effects(
+    experiment: &Experiment,
     problem: &Problem,
-    patch: &Patch,
-    fit: &[String],
     library: &Library,
     threads: usize,
     seed: u64,
 ) -> Result<Option<Detectability>, ModelError> {
     parallel::with_threads(threads, || {
-        let Some(base) = fit_base(problem, patch, fit, seed)? else { return Ok(None) };
+        let Some(base) = fit_base(problem, &experiment.patch, &experiment.fit, seed)? else {
+            return Ok(None);
+        };
         detectability_of(problem, &base, library).map(Some)
     })
 }
@@ -76,15 +76,15 @@ fn detectability_of(
 ) -> Result<Detectability, ModelError> {
     let (sites, peaks) = (find_sites(problem, base)?, signal_extents(problem, base)?);
     let (mut variants, mut skipped) = (Vec::new(), Vec::new());
-    for attached in library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites)) {
-        match attach_effect(base, &attached, &peaks).and_then(|variant| check_runs(problem, variant)) {
+    for placement in library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites)) {
+        match attach_effect(base, &placement, &peaks).and_then(|variant| check_runs(problem, variant)) {
             Ok(variant) => variants.push(variant),
-            Err(why) => skipped.push(SkippedTrial::new(&attached, &why)),
+            Err(reason) => skipped.push(SkippedTrial::new(&placement, reason)),
         }
     }
-    let variants: Vec<_> = variants.iter().map(|(candidate, version)| (candidate, version)).collect();
-    let limits =
-        detection_limits(problem, base, AcceptanceCriterion::white_noise(variants.len()), &variants)?;
+    let variants: Vec<_> = variants.iter().map(|(candidate, variant)| (candidate, variant)).collect();
+    let criterion = AcceptanceCriterion::white_noise(variants.len());
+    let limits = detection_limits(problem, base, criterion, &variants)?;
     Ok(Detectability { residual_rms: base.train.normalised_rms(), limits, skipped })
 }
 
@@ -97,28 +97,28 @@ fn check_runs(
     Ok(variant)
 }
 
-/// The detection limits of effects in the fitted patch `before`. There is one entry per effect,
-/// place and parameter: that of the most detectable form. The entries are sorted by `range_fraction`.
+/// The detection limits of effects in the fitted patch `before`. There is one entry per effect, site and parameter:
+/// that of the most detectable form. The entries are sorted by `range_fraction`.
 ///
 /// # Errors
 /// If the patch cannot be simulated with the drives of the records.
 pub(crate) fn detection_limits(
     problem: &Problem,
     before: &FittedModel,
-    bar: AcceptanceCriterion,
+    criterion: AcceptanceCriterion,
     variants: &[(&Candidate, &ModelVariant)],
 ) -> Result<Vec<DetectionLimit>, ModelError> {
     // Variants with the same number of solver steps share a test.
     let mut tests: Vec<(u32, DetectionTest<'_>)> = Vec::new();
-    for (_, version) in variants {
-        let steps = version.steps;
+    for (_, variant) in variants {
+        let steps = variant.steps;
         if tests.iter().all(|test| test.0 != steps) {
-            tests.extend(DetectionTest::new(problem, before, bar, steps)?.map(|test| (steps, test)));
+            tests.extend(DetectionTest::new(problem, before, criterion, steps)?.map(|test| (steps, test)));
         }
     }
-    let limit_of = |(candidate, version): &(&Candidate, &ModelVariant)| {
-        let test = tests.iter().find(|test| test.0 == version.steps);
-        test.map(|(_, test)| test.limit(candidate, version)).transpose()
+    let limit_of = |(candidate, variant): &(&Candidate, &ModelVariant)| {
+        let test = tests.iter().find(|test| test.0 == variant.steps);
+        test.map(|(_, test)| test.limit(candidate, variant)).transpose()
     };
     let results = parallel::map(variants, limit_of, |_| ());
     let results: Vec<Option<DetectionLimit>> = results.into_iter().collect::<Result<_, _>>()?;
@@ -133,7 +133,7 @@ pub(crate) fn detection_limits(
     limits.sort_by(|a, b| {
         a.range_fraction
             .total_cmp(&b.range_fraction)
-            .then_with(|| (&a.effect, &a.junction).cmp(&(&b.effect, &b.junction)))
+            .then_with(|| (&a.effect, &a.site).cmp(&(&b.effect, &b.site)))
     });
     Ok(limits)
 }

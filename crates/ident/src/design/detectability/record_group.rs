@@ -16,7 +16,7 @@ use crate::statistics::projection::{difference, orthonormal, remove_projections}
 
 /// Change of an effect's initial voltages for their derivatives, in volts. It is small compared with the range of
 /// ±100 V and large compared with rounding.
-const NUDGE: f64 = 1e-3;
+const STATE_PERTURBATION: f64 = 1e-3;
 
 /// Some records with a fitted patch. All outputs of all records form one vector, over the noise. Missing samples are
 /// 0 in it.
@@ -25,7 +25,7 @@ pub(super) struct RecordGroup<'a> {
     model: Model,
     records: &'a [Record],
     /// The estimate of the fitted patch.
-    pub(super) point: &'a Estimate,
+    pub(super) estimate: &'a Estimate,
     /// The range of every record in the vector.
     pub(super) spans: Vec<Range<usize>>,
     /// Outputs of the fitted patch.
@@ -41,7 +41,7 @@ pub(super) struct RecordGroup<'a> {
 pub(super) struct EffectResponse {
     /// Change of all outputs.
     pub(super) outputs: Vec<f64>,
-    /// Change of the outputs by a small initial voltage of the effect's own integrators, by record.
+    /// Change of the outputs by a small initial voltage of the effect's integrators, by record.
     pub(super) states: Vec<Vec<Vec<f64>>>,
 }
 
@@ -49,35 +49,37 @@ impl<'a> RecordGroup<'a> {
     /// Simulates the patch at an estimate and computes its derivatives. None if a record cannot be run.
     pub(super) fn new(
         problem: &'a Problem,
-        version: &ModelVariant,
+        variant: &ModelVariant,
         records: &'a [Record],
-        point: &'a Estimate,
+        estimate: &'a Estimate,
     ) -> Result<Option<RecordGroup<'a>>, ModelError> {
-        let model = problem.model(version, records, &problem.outputs)?;
+        let model = problem.model(variant, records, &problem.outputs)?;
         let mut group = RecordGroup {
             problem,
             model,
             records,
-            point,
+            estimate,
             spans: Vec::new(),
             simulated: Vec::new(),
             states: Vec::new(),
             common: Vec::new(),
         };
-        let task = problem.fit_problem(&group.model, records, true);
-        let at = task.coordinates(point);
-        let free: Vec<usize> = (0..task.shared_count()).filter(|index| task.is_free(*index)).collect();
+        let fit_problem = problem.fit_problem(&group.model, records, true);
+        let coordinates = fit_problem.coordinates(estimate);
+        let free: Vec<usize> =
+            (0..fit_problem.shared_count()).filter(|index| fit_problem.is_free(*index)).collect();
         group.common = vec![Vec::new(); free.len()];
         for (record, data) in records.iter().enumerate() {
-            let Some(trajectory) = group.model.run(record, &[task.run_values(&at, record)]).pop().flatten()
+            let Some(trajectory) =
+                group.model.run(record, &[fit_problem.run_values(&coordinates, record)]).pop().flatten()
             else {
                 return Ok(None);
             };
-            let responses = task.jacobian(&at, record, &trajectory);
+            let responses = fit_problem.jacobian(&coordinates, record, &trajectory);
             let response = |index: usize| {
                 group.without_missing(record, stacked_column(&responses, index, data.len()).into_iter())
             };
-            let states = task.initial_indices(record).map(response).collect();
+            let states = fit_problem.initial_indices(record).map(response).collect();
             let common: Vec<Vec<f64>> = free.iter().map(|index| response(*index)).collect();
             let simulated = group.over_noise(record, &trajectory);
             group.spans.push(group.simulated.len()..group.simulated.len() + simulated.len());
@@ -136,14 +138,14 @@ impl<'a> RecordGroup<'a> {
     /// Fits only initial voltages and offsets to the changed records, with as few iterations as a first validation.
     pub(super) fn fit_states(&self, response: &EffectResponse, start: &Estimate) -> Option<FitResult> {
         let records = self.changed_records(response);
-        let task = FitProblem {
+        let fit_problem = FitProblem {
             max_iterations: QUICK_VALIDATION_ITERATIONS,
             ..self.problem.fit_problem(&self.model, &records, false)
         };
-        task.evaluate(&task.fit_initial(start)?)
+        fit_problem.evaluate(&fit_problem.fit_initial(start)?)
     }
 
-    /// The residual of a fit to the changed records that the effect's own initial voltages do not follow.
+    /// The residual of a fit to the changed records that the effect's initial voltages do not follow.
     pub(super) fn residual(&self, response: &EffectResponse, fitted: &FitResult) -> Vec<f64> {
         let records = fitted.residuals.iter().enumerate();
         let mut residual: Vec<f64> = records
@@ -156,17 +158,17 @@ impl<'a> RecordGroup<'a> {
     }
 
     /// The change of an effect's initial voltage for its derivative, in volts. It is negative if the range ends at
-    /// zero. `state` is the index among the effect's own states.
-    fn nudge(&self, model: &Model, state: usize) -> f64 {
-        let [_, high] = model.initial[self.point.initial[0].len() + state].range;
-        if high < NUDGE { -NUDGE } else { NUDGE }
+    /// zero. `state` is the index among the effect's states.
+    fn perturbation(&self, model: &Model, state: usize) -> f64 {
+        let [_, high] = model.initial[self.estimate.initial[0].len() + state].range;
+        if high < STATE_PERTURBATION { -STATE_PERTURBATION } else { STATE_PERTURBATION }
     }
 
     /// Parameters and initial voltages of a record for the patch with an effect. The effect's states start at 0 V.
-    fn with_effect(&self, record: usize, parameters: &[f64], own_states: usize) -> RunValues {
+    fn with_effect(&self, record: usize, parameters: &[f64], effect_states: usize) -> RunValues {
         RunValues {
-            parameters: [self.point.parameters.as_slice(), parameters].concat(),
-            initial: [self.point.initial[record].as_slice(), &vec![0.0; own_states]].concat(),
+            parameters: [self.estimate.parameters.as_slice(), parameters].concat(),
+            initial: [self.estimate.initial[record].as_slice(), &vec![0.0; effect_states]].concat(),
         }
     }
 
@@ -178,10 +180,10 @@ impl<'a> RecordGroup<'a> {
         &self,
         model: &Model,
         zero: Option<&[f64]>,
-        own_states: usize,
+        effect_states: usize,
     ) -> Vec<Option<Vec<f64>>> {
         let at_zero = |record: usize, zero: &[f64]| {
-            let choice = self.with_effect(record, zero, own_states);
+            let choice = self.with_effect(record, zero, effect_states);
             let trajectory = model.run(record, &[choice]).pop().flatten()?;
             Some(self.over_noise(record, &trajectory))
         };
@@ -195,26 +197,26 @@ impl<'a> RecordGroup<'a> {
     /// The responses to several strengths of an effect, with `reference` as the outputs without it. Each strength has
     /// the values of all parameters of the effect. A response is None if a record cannot be run.
     ///
-    /// The lanes of a record hold, for each strength, the effect itself and then one run per own state with a changed
-    /// initial voltage.
+    /// The lanes of a record hold, for each strength, the effect itself and then one run per state of the effect with a
+    /// changed initial voltage.
     pub(super) fn responses(
         &self,
         model: &Model,
         strengths: &[Vec<f64>],
         reference: &[Option<Vec<f64>>],
-        own_states: usize,
+        effect_states: usize,
     ) -> Vec<Option<EffectResponse>> {
         let mut responses: Vec<Option<EffectResponse>> =
             strengths.iter().map(|_| Some(EffectResponse::default())).collect();
-        let first_own = self.point.initial[0].len();
+        let first_effect_state = self.estimate.initial[0].len();
         for (record, reference) in reference.iter().enumerate() {
             let lanes = strengths.iter().flat_map(|strength| {
-                let nudged = [None].into_iter().chain((0..own_states).map(Some));
-                nudged.map(move |nudged| {
-                    let mut choice = self.with_effect(record, strength, own_states);
-                    nudged
-                        .into_iter()
-                        .for_each(|state| choice.initial[first_own + state] += self.nudge(model, state));
+                let perturbed = [None].into_iter().chain((0..effect_states).map(Some));
+                perturbed.map(move |perturbed| {
+                    let mut choice = self.with_effect(record, strength, effect_states);
+                    perturbed.into_iter().for_each(|state| {
+                        choice.initial[first_effect_state + state] += self.perturbation(model, state)
+                    });
                     choice
                 })
             });
@@ -223,11 +225,11 @@ impl<'a> RecordGroup<'a> {
                 || trajectories.next().flatten().map(|trajectory| self.over_noise(record, &trajectory));
             for response in &mut responses {
                 let with = next();
-                let nudged: Vec<_> = (0..own_states).map(|_| next()).collect();
+                let perturbed: Vec<_> = (0..effect_states).map(|_| next()).collect();
                 let outputs = response.take().zip(reference.as_ref().zip(with));
                 *response = outputs.map(|(mut response, (reference, with))| {
-                    let nudged = nudged.into_iter().flatten();
-                    response.states.push(nudged.map(|outputs| difference(&outputs, &with)).collect());
+                    let perturbed = perturbed.into_iter().flatten();
+                    response.states.push(perturbed.map(|outputs| difference(&outputs, &with)).collect());
                     response.outputs.extend(difference(&with, reference));
                     response
                 });

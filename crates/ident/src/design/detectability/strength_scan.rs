@@ -90,18 +90,18 @@ impl StrengthScan<'_> {
     fn margins(&self, origin: f64, end: f64, fractions: &[f64]) -> Vec<Margin> {
         let values = |strength: f64| [&[strength], self.other_values].concat();
         let states = self.candidate.graft.initial_states.len();
-        let groups = [&self.detection.train, &self.detection.test];
+        let groups = [&self.detection.train, &self.detection.validation];
         let mut margins = Vec::new();
         // Stronger effects are not run after the first that is detected. They may diverge, and then take long.
         for fractions in fractions.chunks(STRENGTHS_PER_RUN) {
             let strengths = fractions.iter().map(|fraction| values(origin + fraction * (end - origin)));
             let strengths: Vec<Vec<f64>> = strengths.collect();
-            let [train, test] = [0, 1].map(|group| {
+            let [train, validation] = [0, 1].map(|group| {
                 groups[group].responses(&self.models[group], &strengths, &self.reference[group], states)
             });
-            for ((fraction, train), test) in fractions.iter().zip(train).zip(test) {
-                let (Some(train), Some(test)) = (train, test) else { continue };
-                let margin = self.margin(&[train, test]);
+            for ((fraction, train), validation) in fractions.iter().zip(train).zip(validation) {
+                let (Some(train), Some(validation)) = (train, validation) else { continue };
+                let margin = self.margin(&[train, validation]);
                 margins.push((*fraction, margin));
                 if margin >= 1.0 {
                     return margins;
@@ -168,13 +168,13 @@ impl<'a> DetectionTest<'a> {
     pub(super) fn limit(
         &self,
         candidate: &Candidate,
-        version: &ModelVariant,
+        variant: &ModelVariant,
     ) -> Result<DetectionLimit, ModelError> {
         let models = [
-            self.problem.model(version, &self.problem.train, &self.problem.outputs)?,
-            self.problem.model(version, &self.problem.test, &self.problem.outputs)?,
+            self.problem.model(variant, &self.problem.train, &self.problem.outputs)?,
+            self.problem.model(variant, &self.problem.validation, &self.problem.outputs)?,
         ];
-        let added = version.fit.len() - self.before.variant.fit.len();
+        let added = variant.fit.len() - self.before.variant.fit.len();
         let required_decrease = self.required_decrease(added);
         let limits = variants(candidate).into_iter().filter_map(|other_values| {
             let reference = self.reference_outputs(&models, candidate, &other_values);
@@ -193,7 +193,7 @@ impl<'a> DetectionTest<'a> {
         let others = least.iter().flat_map(|(_, _, values)| parameters[1..].iter().zip(values));
         Ok(DetectionLimit {
             effect: candidate.effect.clone(),
-            junction: candidate.junction.clone(),
+            site: candidate.site.clone(),
             reads: candidate.reads.clone(),
             parameter: parameters[0].name_in_effect.clone(),
             unit: parameters[0].unit.clone(),
@@ -217,7 +217,7 @@ impl<'a> DetectionTest<'a> {
         other_values: &[f64],
     ) -> [Vec<Option<Vec<f64>>>; 2] {
         let zero = candidate.null_value.map(|zero| [&[zero], other_values].concat());
-        let groups = [&self.train, &self.test];
+        let groups = [&self.train, &self.validation];
         let states = candidate.graft.initial_states.len();
         [0, 1].map(|group| groups[group].reference_outputs(&models[group], zero.as_deref(), states))
     }

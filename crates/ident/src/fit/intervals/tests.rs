@@ -1,13 +1,10 @@
 //! Unit tests of `intervals`.
 
-use crate::fit::base_fit::fit_base;
 use std::f64::consts::PI;
 
 use super::*;
-use crate::fit::step_size::tests::AMPLITUDE;
-use crate::fit::step_size::tests::RATE;
-use crate::fit::step_size::tests::decay;
-use crate::fit::step_size::tests::measured;
+use crate::fit::base_fit::fit_base;
+use crate::fit::step_size::tests::{AMPLITUDE, RATE, decay, measured};
 use patchcord_core::patch::Patch;
 
 /// The rise of the sum of squares at a rate, with the amplitude fitted again, for noise of 1 V.

@@ -6,11 +6,11 @@
 use crate::fit::fitted_model::FittedModel;
 use crate::report::Report;
 use crate::report::fit_quality::steps_sentence;
-use crate::report::page::html_parts::{over_noise, parameter_table, table};
+use crate::report::page::html_parts::{parameter_table, table};
 use crate::report::page::trajectories::pictures;
+use crate::report::values::{format_pure_number, residual_texts};
 use crate::search::outcome::taken_rounds;
 use maud::{Markup, html};
-use patchcord_analysis::format::number;
 use patchcord_draw::plot::PlotError;
 
 /// Residuals before and after, doubts, and the fitted patch with the named effects.
@@ -29,8 +29,8 @@ pub(super) fn section(report: &Report<'_>) -> Result<Markup, PlotError> {
 /// The table of the residuals before and after the search.
 fn residual_table(base: &FittedModel, reported: &FittedModel) -> Markup {
     let rows = [("before", base), ("after", reported)].map(|(label, model)| {
-        let [training, validation] = [&model.train, &model.test].map(over_noise);
-        (false, vec![label.to_owned(), training, validation, number(model.ljung_box_z)])
+        let [training, validation] = residual_texts(model);
+        (false, vec![label.to_owned(), training, validation, format_pure_number(model.ljung_box_z)])
     });
     table(
         &[

@@ -7,8 +7,8 @@ use crate::data::columns::record_columns;
 use crate::data::experiment::Experiment;
 use crate::report::Report;
 use crate::report::page::html_parts::table;
+use crate::report::values::{format_pure_number, percent_text};
 use maud::{Markup, html};
-use patchcord_analysis::format::number;
 use patchcord_expr::Unit;
 
 /// Tables of the columns with their noise, of the records, and of the columns' properties.
@@ -30,17 +30,17 @@ pub(super) fn section(report: &Report<'_>) -> Markup {
 fn noise_table(report: &Report<'_>) -> Markup {
     let Report { experiment, problem, .. } = report;
     let row = |name: &str, column: &str, sigma: f64, unit: &Unit, source: &str| {
-        (false, [name, column, &number(sigma), unit.text(), source].map(str::to_owned).to_vec())
+        (false, [name, column, &format_pure_number(sigma), unit.text(), source].map(str::to_owned).to_vec())
     };
     let source = |is_specified| if is_specified { "specified" } else { "estimated without a model" };
     let drives = experiment.drives.iter().zip(&problem.drive_sigma);
-    let drives = drives.filter(|(feed, sigma)| feed.sigma.is_some() || **sigma > 0.0);
-    let drives = drives.map(|(feed, sigma)| {
-        row(&feed.drive, &feed.column, *sigma, &feed.unit, source(feed.sigma.is_some()))
+    let drives = drives.filter(|(drive, sigma)| drive.sigma.is_some() || **sigma > 0.0);
+    let drives = drives.map(|(drive, sigma)| {
+        row(&drive.drive, &drive.column, *sigma, &drive.unit, source(drive.sigma.is_some()))
     });
     let outputs = experiment.outputs.iter().zip(&problem.sigma);
-    let outputs = outputs.enumerate().map(|(place, (output, sigma))| {
-        let source = match experiment.has_known_noise(place) {
+    let outputs = outputs.enumerate().map(|(index, (output, sigma))| {
+        let source = match experiment.has_known_noise(index) {
             true => source(output.sigma.is_some()),
             false => "a millionth of the range, because no noise is visible",
         };
@@ -51,13 +51,17 @@ fn noise_table(report: &Report<'_>) -> Markup {
 
 /// The table of the records, first those for training.
 fn record_table(experiment: &Experiment) -> Markup {
-    let records = [("training", &experiment.train), ("validation", &experiment.test)];
+    let records = [("training", &experiment.train), ("validation", &experiment.validation)];
     let records = records
         .into_iter()
         .flat_map(|(purpose, records)| records.iter().map(move |record| (purpose, record)));
     let records = records.map(|(purpose, record)| {
-        let ends = format!("{} ... {} s", number(record.begin), number(record.begin + record.duration()));
-        let every = format!("every {} s", number(record.interval));
+        let ends = format!(
+            "{} ... {} s",
+            format_pure_number(record.begin),
+            format_pure_number(record.begin + record.duration())
+        );
+        let every = format!("every {} s", format_pure_number(record.interval));
         (false, vec![record.name.clone(), purpose.to_owned(), ends, record.len().to_string(), every])
     });
     table(&["file", "purpose", "time", "samples", "interval"], records)
@@ -70,7 +74,7 @@ fn column_table(experiment: &Experiment) -> Markup {
     });
     let rows = columns.map(|(file, column)| {
         let properties = &column.statistics;
-        let text = |value: Option<f64>| value.map_or("none".to_owned(), number);
+        let text = |value: Option<f64>| value.map_or("none".to_owned(), format_pure_number);
         let noise = properties.noise.as_ref();
         let cells = vec![
             file.clone(),
@@ -81,7 +85,7 @@ fn column_table(experiment: &Experiment) -> Markup {
             text(properties.quantum),
             column.unit.to_owned(),
             properties.missing.to_string(),
-            format!("{} %", number((100.0 * properties.repeated_fraction).round())),
+            percent_text((100.0 * properties.repeated_fraction).round()),
         ];
         (false, cells)
     });

@@ -10,13 +10,13 @@ use crate::report::page::html_parts::table;
 use crate::report::values::parameter_values_text;
 use maud::{Markup, html};
 
-/// The table of detection limits, one row per effect and place.
+/// The table of detection limits, one row per effect and site.
 pub(super) fn section(limits: &[DetectionLimit], library: &Library) -> Markup {
     let rows = limits.iter().map(|limit| {
         let value =
             limit_text(limit).unwrap_or_else(|| format!("not detectable{}", needs_text(limit, library)));
         let (reads, with) = (limit.reads.join(", "), parameter_values_text(&limit.other_parameters));
-        let cells = [&limit.effect, &limit.junction, &reads, &limit.parameter, &value, &with];
+        let cells = [&limit.effect, &limit.site, &reads, &limit.parameter, &value, &with];
         (false, cells.map(String::clone).to_vec())
     });
     html! {

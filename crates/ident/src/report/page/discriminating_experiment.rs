@@ -4,13 +4,14 @@
 //! `separate.csv`, next to the page.
 
 use crate::report::discriminating_experiment::experiment_sentence;
+use crate::report::labels::effect_label;
 use crate::search::outcome::Outcome;
 use maud::{Markup, html};
 
 /// The experiment as text, with a link to its table. Empty if there is none.
 pub(super) fn section(outcome: &Outcome) -> Markup {
     let Some(experiment) = &outcome.discriminating_experiment else { return Markup::default() };
-    let [one, other] = &experiment.effects;
+    let [one, other] = experiment.effects.each_ref().map(effect_label);
     html! {
         section {
             h2 { "An experiment to distinguish them" }

@@ -1,23 +1,14 @@
-//! The building blocks of sections: numbers, tables and pictures as HTML.
-//!
-//! Numbers have four significant digits.
+//! The building blocks of sections: tables and pictures as HTML.
 
-use crate::fit::estimate::FitResult;
 use crate::fit::fitted_model::FittedModel;
 use crate::report::values::{error_text, estimate_text, interval_text, owner, undetermined_sentence};
 use crate::search::outcome::Outcome;
 use maud::{Markup, PreEscaped, Render, html};
-use patchcord_analysis::format::number;
 use patchcord_draw::plot;
 use patchcord_draw::plot::{Format, Picture, PlotError, Size};
 
 /// The size of a picture in pixels. Two pictures fit on a wide screen.
 const PICTURE_SIZE: Size = Size { width: 900, height: 420 };
-
-/// The rms residual over the noise.
-pub(super) fn over_noise(fitted: &FitResult) -> String {
-    number(fitted.normalised_rms())
-}
 
 /// A table. A row with `true` is highlighted. Cells are texts or HTML.
 pub(super) fn table<C: Render>(headings: &[&str], rows: impl Iterator<Item = (bool, Vec<C>)>) -> Markup {
@@ -56,7 +47,7 @@ pub(super) fn parameter_table(outcome: &Outcome, model: &FittedModel) -> Markup 
     let rows = model.variant.fit.iter().enumerate().map(|(index, name)| {
         let parameter = model.variant.patch().parameters.get(name);
         let (unit, description) =
-            parameter.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
+            parameter.map_or(("1", ""), |known| (known.unit.text(), known.description.as_str()));
         let value = estimate_text(model, index);
         let (error, interval) = (error_text(model, index), interval_text(model.uncertainty(index)));
         let owner = owner(outcome, name);

@@ -7,10 +7,10 @@
 use crate::localise::localisation::{EstimatedInput, InputCurve, Localisation};
 use crate::report::localisation::localisation_sentence;
 use crate::report::page::html_parts::{bar, pictures, table};
+use crate::report::values::{QuantityFormat, format_pure_number, percent_text};
 use crate::search::outcome::Outcome;
 use crate::statistics::descriptive::{NORMAL_95, extremes};
 use maud::{Markup, Render, html};
-use patchcord_analysis::format::{QuantityFormat, number};
 use patchcord_draw::plot::{Axis, Channel, Picture, PlotError};
 
 /// Tables and pictures of the missing force. Empty if no force was estimated.
@@ -56,10 +56,9 @@ fn capitalised(text: &str) -> String {
     first.into_iter().flatten().chain(letters).collect()
 }
 
-/// A share of the gap as text, with four significant digits: 0.5 becomes "50 %". Negative shares occur in the
-/// validation data.
-fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share))
+/// A share of the gap as a percentage: 0.5 becomes "50 %". Negative shares occur in the validation data.
+fn share_text(share: f64) -> String {
+    percent_text(100.0 * share)
 }
 
 /// The table of all junctions, the most likely first.
@@ -69,9 +68,9 @@ fn junction_table(localisations: &[Localisation]) -> Markup {
             localisation.junction.render(),
             localisation.unit.render(),
             bar(localisation.explained_fraction),
-            percent(localisation.explained_fraction).render(),
-            number(localisation.evidence).render(),
-            number(localisation.effective_parameters).render(),
+            share_text(localisation.explained_fraction).render(),
+            format_pure_number(localisation.evidence).render(),
+            format_pure_number(localisation.effective_parameters).render(),
             localisation.best_regressor().render(),
         ];
         (rank == 0, cells)
@@ -92,9 +91,9 @@ fn curve_table(localisation: &Localisation) -> Markup {
         let cells = vec![
             curve.regressor.clone(),
             curve.unit.clone(),
-            percent(curve.explained_fraction),
-            curve.held_out.map_or_else(String::new, percent),
-            number(curve.evidence),
+            share_text(curve.explained_fraction),
+            curve.validation_fraction.map_or_else(String::new, share_text),
+            format_pure_number(curve.evidence),
             if curve.by_direction.is_some() { "direction as well".to_owned() } else { String::new() },
         ];
         (curve.regressor == localisation.best_regressor(), cells)
@@ -115,7 +114,7 @@ fn point_table(localisation: &Localisation) -> Markup {
     let Some(curve) = localisation.best_curve.map(|best| &localisation.curves[best]) else {
         return Markup::default();
     };
-    let rows = curve.points.iter().map(|point| (false, point.map(number).to_vec()));
+    let rows = curve.points.iter().map(|point| (false, point.map(format_pure_number).to_vec()));
     let units = [&curve.unit, &localisation.unit, &localisation.unit];
     let columns = [curve.regressor.as_str(), "force", "standard error"].into_iter().zip(units);
     let headings: Vec<String> = columns.map(|(name, unit)| format!("{name}, {unit}")).collect();
@@ -180,7 +179,7 @@ fn curve_picture(localisation: &Localisation, curve: &InputCurve) -> Picture {
         None => Vec::new(),
     };
     // The curve that was wired in for the validation data is the same in both directions.
-    if branches.is_empty() || curve.held_out.is_some() {
+    if branches.is_empty() || curve.validation_fraction.is_some() {
         branches.push(("curve", &curve.points));
     }
     let all: Vec<[f64; 3]> = branches.iter().flat_map(|(_, points)| points.iter().copied()).collect();
@@ -194,16 +193,16 @@ fn curve_picture(localisation: &Localisation, curve: &InputCurve) -> Picture {
     let background = Channel { dots: true, faint: true, ..graph.line("force over time", &scatter) };
     let dependence =
         if curve.regressor == localisation.best_regressor() { "the force depends on it: " } else { "" };
-    let test = match curve.held_out {
+    let validation = match curve.validation_fraction {
         None => String::new(),
         Some(share) if share < 0.0 => ", and increases it in the validation data".to_owned(),
-        Some(share) => format!(", and {} in the validation data", percent(share)),
+        Some(share) => format!(", and {} in the validation data", share_text(share)),
     };
     Picture {
         channels: drawn.chain([background]).collect(),
         note: Some(format!(
-            "{dependence}the curve explains {} of the gap{test}",
-            percent(curve.explained_fraction)
+            "{dependence}the curve explains {} of the gap{validation}",
+            share_text(curve.explained_fraction)
         )),
         ..graph.picture(format!("force at {} over {}", localisation.junction, curve.regressor))
     }

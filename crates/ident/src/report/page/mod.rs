@@ -17,7 +17,7 @@ mod trajectories;
 use crate::effects::Library;
 use crate::fit::fitted_model::FittedModel;
 use crate::report::Report;
-use crate::report::page::html_parts::over_noise;
+use crate::report::values::residual_texts;
 use crate::search::outcome::Outcome;
 use crate::search::verdict::Verdict;
 use maud::{Markup, html};
@@ -80,11 +80,8 @@ fn summary(report: &Report<'_>) -> String {
     let Outcome { base, .. } = report.outcome;
     let reported = report.outcome.reported_model();
     let residual = |model: &FittedModel| {
-        format!(
-            "{} times the noise in the training data, {} times in the validation data",
-            over_noise(&model.train),
-            over_noise(&model.test)
-        )
+        let [train, validation] = residual_texts(model);
+        format!("{train} times the noise in the training data, {validation} times in the validation data")
     };
     match report.outcome.verdict {
         Verdict::Named | Verdict::Ambiguous => {

@@ -5,11 +5,11 @@
 
 use crate::report::Report;
 use crate::report::fit_quality::starts_sentence;
-use crate::report::page::html_parts::{over_noise, parameter_table, table};
+use crate::report::page::html_parts::{parameter_table, table};
 use crate::report::page::trajectories::pictures;
+use crate::report::values::{format_pure_number, residual_texts};
 use crate::residuals::correlation::{Correlation, LaggedCorrelation};
 use maud::{Markup, html};
-use patchcord_analysis::format::number;
 use patchcord_draw::plot::PlotError;
 
 /// The fitted parameters, pictures of the fit and of its residual, and the correlations of the residual.
@@ -29,13 +29,13 @@ pub(super) fn section(report: &Report<'_>) -> Result<Markup, PlotError> {
 
 /// What was fitted, and how large the residual is.
 fn fit_text(report: &Report<'_>) -> Markup {
-    let base = &report.outcome.base;
+    let [train, validation] = residual_texts(&report.outcome.base);
     html! {
         p {
             "The parameters and initial voltages of " (report.experiment.patch.file())
             " are fitted to the training data. The result is " a href="fitted.json" { "fitted.json" }
-            ". The residual is " (over_noise(&base.train)) " times the noise (rms). In the validation data, where \
-            only initial voltages and declared offsets are fitted, it is " (over_noise(&base.test))
+            ". The residual is " (train) " times the noise (rms). In the validation data, where \
+            only initial voltages and declared offsets are fitted, it is " (validation)
             " times the noise. Check of the fit: " (starts_sentence(&report.outcome.agreement)) "."
         }
         "\n"
@@ -47,8 +47,8 @@ fn fit_text(report: &Report<'_>) -> Markup {
 /// A lag of 0 is not printed.
 fn correlation_table(correlations: &[Correlation]) -> Markup {
     let text = |lagged: LaggedCorrelation| match lagged.lag {
-        0.0 => number(lagged.value),
-        lag => format!("{}, {} s later", number(lagged.value), number(lag)),
+        0.0 => format_pure_number(lagged.value),
+        lag => format!("{}, {} s later", format_pure_number(lagged.value), format_pure_number(lag)),
     };
     let is_significant = |correlation: &Correlation| correlation.strongest() > correlation.chance_limit;
     let rows = correlations.iter().map(|correlation| {
@@ -57,7 +57,7 @@ fn correlation_table(correlations: &[Correlation]) -> Markup {
             correlation.quantity.clone(),
             text(correlation.signed),
             text(correlation.magnitude),
-            number(correlation.chance_limit),
+            format_pure_number(correlation.chance_limit),
         ];
         (is_significant(correlation), cells)
     });

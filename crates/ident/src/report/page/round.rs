@@ -5,14 +5,15 @@
 
 use crate::effects::Library;
 use crate::report::Report;
-use crate::report::page::html_parts::{bar, over_noise, table};
+use crate::report::effect_sites::inapplicable_effects_sentence;
+use crate::report::labels::candidate_label;
+use crate::report::page::html_parts::{bar, table};
 use crate::report::page::trajectories::pictures;
-use crate::report::places::nowhere_sentence;
 use crate::report::rounds::{round_sentence, skipped_trial_sentence, trial_count_text};
+use crate::report::values::{format_pure_number, residual_texts};
 use crate::search::round::{Round, Trial};
 use crate::statistics::block_comparison::Advantage;
 use maud::{Markup, Render, html};
-use patchcord_analysis::format::number;
 use patchcord_draw::plot::PlotError;
 
 /// The section of a round. Its number counts from 1. Empty if the round has no trials.
@@ -23,19 +24,20 @@ pub(super) fn section(
     round: &Round,
 ) -> Result<Markup, PlotError> {
     let Some(best) = round.trials.first() else { return Ok(Markup::default()) };
-    let nowhere = nowhere_sentence(&report.outcome.places).filter(|_| round_number == 1);
+    let sites = &report.outcome.effect_sites;
+    let inapplicable = inapplicable_effects_sentence(sites).filter(|_| round_number == 1);
     Ok(html! {
         section {
             h2 { "Round " (round_number) ": " (trial_count_text(round)) }
             p.reading { (round_sentence(report.outcome, round)) }
             "\n"
             (law_of(library, best))
-            (pictures(report, &[("before", &round.before), (&best.label(), &best.model)])?)
+            (pictures(report, &[("before", &round.before), (&candidate_label(&best.candidate), &best.model)])?)
             details open {
-                summary { "All trials; a score of " (number(round.required_delta_bic)) " is required" }
+                summary { "All trials; a score of " (format_pure_number(round.required_delta_bic)) " is required" }
                 (trial_table(round))
                 (skipped_trials(round))
-                @if let Some(sentence) = nowhere { p { (sentence) } "\n" }
+                @if let Some(sentence) = inapplicable { p { (sentence) } "\n" }
             }
         }
         "\n"
@@ -56,15 +58,16 @@ fn law_of(library: &Library, best: &Trial) -> Markup {
 fn trial_table(round: &Round) -> Markup {
     let without = round.before.train.chi2;
     let rows = round.trials.iter().enumerate().map(|(rank, trial)| {
+        let [train, validation] = residual_texts(&trial.model);
         let cells = vec![
             trial.candidate.effect.render(),
-            trial.candidate.junction.render(),
+            trial.candidate.site.render(),
             trial.candidate.reads.join(", ").render(),
             trial.candidate.note.render(),
-            number(trial.delta_bic).render(),
+            format_pure_number(trial.delta_bic).render(),
             bar((trial.model.train.chi2 / without).sqrt()),
-            over_noise(&trial.model.train).render(),
-            over_noise(&trial.model.test).render(),
+            train.render(),
+            validation.render(),
             remark(round, rank, trial).render(),
         ];
         (rank == 0, cells)
@@ -96,11 +99,15 @@ fn remark(round: &Round, rank: usize, trial: &Trial) -> String {
         _ if round.is_tied(trial) => "the data cannot distinguish it from the first".to_owned(),
         _ => match round.delta_bic_deficit(trial) {
             Some(deficit) => {
-                format!("lower score by {}; the residuals do not distinguish it", number(deficit))
+                format!("lower score by {}; the residuals do not distinguish it", format_pure_number(deficit))
             }
             None => {
                 let Advantage { sum, standard_error, .. } = trial.best_advantage;
-                format!("chi-squared higher by {} ± {}", number(sum), number(standard_error))
+                format!(
+                    "chi-squared higher by {} ± {}",
+                    format_pure_number(sum),
+                    format_pure_number(standard_error)
+                )
             }
         },
     }

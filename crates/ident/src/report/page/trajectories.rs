@@ -12,12 +12,15 @@ use crate::report::page::html_parts;
 use maud::Markup;
 use patchcord_draw::plot::{Axis, Channel, Picture, PlotError};
 
-/// For every output: pictures of the measured and simulated trajectories and of the residual, in training and in the
-/// test. `models` are labelled.
+/// For every output: pictures of the measured and simulated trajectories and of the residual, in training and in
+/// validation. `models` are labelled.
 pub(super) fn pictures(report: &Report<'_>, models: &[(&str, &FittedModel)]) -> Result<Markup, PlotError> {
     let outputs = (0..report.problem.outputs.len()).flat_map(|output| [(output, false), (output, true)]);
-    html_parts::pictures(outputs.flat_map(|(output, is_test)| {
-        [output_picture(report, output, models, is_test), residual_picture(report, output, models, is_test)]
+    html_parts::pictures(outputs.flat_map(|(output, is_validation)| {
+        [
+            output_picture(report, output, models, is_validation),
+            residual_picture(report, output, models, is_validation),
+        ]
     }))
 }
 
@@ -28,20 +31,20 @@ fn output_picture(
     report: &Report<'_>,
     output: usize,
     models: &[(&str, &FittedModel)],
-    is_test: bool,
+    is_validation: bool,
 ) -> Picture {
     let name = &report.problem.outputs[output];
-    let records = records(report.problem, is_test);
+    let records = records(report.problem, is_validation);
     let measured: Vec<&[f64]> = records.iter().map(|record| record.outputs[output].as_slice()).collect();
     let mut channels = vec![Channel::line("measured", points_over_time(records, &measured))];
     for (label, model) in models {
-        let pairs = records.iter().zip(&fitted(model, is_test).residuals);
+        let pairs = records.iter().zip(&fitted(model, is_validation).residuals);
         let simulated: Vec<Vec<f64>> =
             pairs.map(|(record, residual)| report.problem.model_output(record, residual, output)).collect();
         channels.push(Channel::line(*label, points_over_time(records, &simulated)));
     }
     let unit = report.experiment.outputs[output].unit.text();
-    picture(format!("{name}, {}", part_name(is_test)), (name, unit), channels)
+    picture(format!("{name}, {}", part_name(is_validation)), (name, unit), channels)
 }
 
 /// The residual of an output for each model, over the noise.
@@ -49,31 +52,31 @@ fn residual_picture(
     report: &Report<'_>,
     output: usize,
     models: &[(&str, &FittedModel)],
-    is_test: bool,
+    is_validation: bool,
 ) -> Picture {
-    let records = records(report.problem, is_test);
+    let records = records(report.problem, is_validation);
     let channels = models.iter().map(|(label, model)| {
         let residuals: Vec<&[f64]> =
-            fitted(model, is_test).residuals.iter().map(|record| record[output].as_slice()).collect();
+            fitted(model, is_validation).residuals.iter().map(|record| record[output].as_slice()).collect();
         Channel::line(*label, points_over_time(records, &residuals))
     });
-    let title = format!("residual of {}, {}", report.problem.outputs[output], part_name(is_test));
+    let title = format!("residual of {}, {}", report.problem.outputs[output], part_name(is_validation));
     picture(title, ("measured - simulated", "noise"), channels.collect())
 }
 
-/// The training records, or the validation records if `is_test`.
-fn records(problem: &Problem, is_test: bool) -> &[Record] {
-    if is_test { &problem.test } else { &problem.train }
+/// The training records, or the validation records if `is_validation`.
+fn records(problem: &Problem, is_validation: bool) -> &[Record] {
+    if is_validation { &problem.validation } else { &problem.train }
 }
 
-/// The fit of a model to the training records, or to the validation records if `is_test`.
-fn fitted(model: &FittedModel, is_test: bool) -> &FitResult {
-    if is_test { &model.test } else { &model.train }
+/// The fit of a model to the training records, or to the validation records if `is_validation`.
+fn fitted(model: &FittedModel, is_validation: bool) -> &FitResult {
+    if is_validation { &model.validation } else { &model.train }
 }
 
 /// The name of the part in titles of pictures.
-fn part_name(is_test: bool) -> &'static str {
-    if is_test { "validation" } else { "training" }
+fn part_name(is_validation: bool) -> &'static str {
+    if is_validation { "validation" } else { "training" }
 }
 
 /// The points of tracks over time. A point that is not a number lifts the pen between records.

@@ -2,7 +2,8 @@
 
 use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
-use super::surfaces::{joint, pressure};
+use super::super::series::min_max;
+use super::joint_at_rest::{joint, pressure};
 use super::{Check, CheckError};
 use crate::slideway::design::Interface;
 use crate::slideway::hydraulics::cylinder_stiffness;
@@ -37,16 +38,15 @@ fn cylinder(_: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::truth((force / small / stiffness - 1.0).abs() < 1e-9, found))
 }
 
-/// Checks whether the drives that the study simulates and measures have stiffnesses of `low` ... `high` N/m.
+/// Checks whether the drives that the thesis simulates and measures have stiffnesses of `low` ... `high` N/m.
 ///
 /// The stiffnesses are those of Table T9-2 and of the final circuit, 11 ... 45 kN/mm. Claim 4-003.
 fn drives_within(given: &CheckArguments) -> Result<Finding, CheckError> {
     let measured = TABLE_9_2.iter().map(|cell| cell.stiffness);
     let stiffnesses = measured.chain([DrivenTable::simulated(0.0).stiffness]);
-    let (least, most) = stiffnesses
-        .fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), one| (least.min(one), most.max(one)));
-    let holds = given.number("low")? <= least && most <= given.number("high")?;
-    Ok(Finding::shape(holds, format!("{:.1} ... {:.1} MN/m", least / 1e6, most / 1e6)))
+    let (min, max) = min_max(stiffnesses);
+    let holds = given.number("low")? <= min && max <= given.number("high")?;
+    Ok(Finding::shape(holds, format!("{:.1} ... {:.1} MN/m", min / 1e6, max / 1e6)))
 }
 
 /// Z0 = W / Ks in um, for W in kgf and the stiffness of the example.

@@ -27,8 +27,8 @@ pub(super) const CHECKS: &[Check] = &[
 
 /// The friction of the simulation with VcL in m/s. Fs in N replaces its static friction of 771 N.
 fn friction(given: &CheckArguments) -> Result<FallingFriction, CheckError> {
-    let study = FallingFriction::simulated(given.number("VcL")?);
-    Ok(FallingFriction { static_friction: given.number_or("Fs", study.static_friction)?, ..study })
+    let thesis = FallingFriction::simulated(given.number("VcL")?);
+    Ok(FallingFriction { static_friction: given.number_or("Fs", thesis.static_friction)?, ..thesis })
 }
 
 /// The viscous coefficient f in N s/m. The default is that of the simulation.
@@ -177,7 +177,7 @@ fn straight_slope_turns(given: &CheckArguments) -> Result<Finding, CheckError> {
 
 /// The largest difference between the square law and a law with another index, in percent of Fs.
 ///
-/// The other law is Fs (1 - v / VcL)^index. Claim 7-200 (eq 181-7): the study replaces its index 2.18 by 2. The
+/// The other law is Fs (1 - v / VcL)^index. Claim 7-200 (eq 181-7): the thesis replaces its index 2.18 by 2. The
 /// difference is largest at 0.38 VcL.
 fn index_of_two(given: &CheckArguments) -> Result<Finding, CheckError> {
     const STEPS: i32 = 10_000;

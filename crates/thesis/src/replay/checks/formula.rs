@@ -1,7 +1,7 @@
 //! Claims that are decided by a formula in the row of the ledger, such as `is=0.6*HB HB=220`.
 //!
 //! The formula language is that of patches (`patchcord_expr`). A name in a formula is an argument of the same row. The
-//! numbers have no dimension, so a row states its formula in any consistent units, often those of the study.
+//! numbers have no dimension, so a row states its formula in any consistent units, often those of the thesis.
 
 use super::super::check_arguments::{ArgumentError, CheckArguments};
 use super::super::finding::Finding;
@@ -26,7 +26,7 @@ fn formula(given: &CheckArguments) -> Result<Finding, CheckError> {
 /// Checks whether the formulas `is` and `as` have the same value for the numbers of the row, to rounding.
 ///
 /// "To rounding" is a relative difference of at most 1e-9. Claim 8-140 compares two forms of a derivative in this way.
-/// If the study misprints a formula, the row holds the printed and the correct form, and the expected verdict is
+/// If the thesis misprints a formula, the row holds the printed and the correct form, and the expected verdict is
 /// "differs".
 fn same(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (one, other) = (value(given, "is")?, value(given, "as")?);
@@ -34,7 +34,7 @@ fn same(given: &CheckArguments) -> Result<Finding, CheckError> {
     Ok(Finding::truth(holds, format!("{one:.5} and {other:.5}")))
 }
 
-/// Checks whether the value of `low` is less than that of `high`. This decides an order for which the study states no
+/// Checks whether the value of `low` is less than that of `high`. This decides an order for which the thesis states no
 /// size.
 ///
 /// Example: claim 7-144 compares the exponents 0.018 and 0.165 with which friction falls with load. Equal values do not

@@ -1,32 +1,38 @@
 //! The checks that decide claims, by name.
 //!
 //! Every file holds the checks of one subject and a table with one row for each of them. A check receives the
-//! arguments of a claim and returns a [`Finding`]: a number, or whether a statement or a shape is as the study says.
+//! arguments of a claim and returns a [`Finding`]: a number, or whether a statement or a shape is as the thesis says.
 //! The doc of a check names its arguments and their units.
 //!
 //! A row of the ledger names its check in the column `check` and its arguments in the column `given`. The row
-//! `range-of-ridges,of=contacts N=3` runs `range_of_ridges` of `surfaces`. Names of arguments are those of the study:
+//! `range-of-ridges,of=contacts N=3` runs `range_of_ridges` of `ridges`. Names of arguments are those of the thesis:
 //! M, K, f, Fs, VcL, Tc, Pw. The words `of`, `by`, `with`, `part`, `way` and `it` select a quantity or a direction.
 //!
 //! A check states a number only in the unit of its claim. The comparison with the printed number and its tolerance is
 //! not its work: see [`Claim`](super::claim::Claim).
 
+mod adhesion;
 mod describing;
 mod design;
 mod drive;
+mod dry_sliding;
 mod falling;
 mod formula;
-mod history;
+mod joint_at_rest;
+mod limit_cycles;
+mod lubricated_sliding;
+mod measured;
 mod other_circuits;
 mod profiles;
+mod ramps;
 mod recordings;
 mod rest;
+mod ridges;
 mod scaling;
 mod shipped;
-mod sliding;
 mod slope_laws;
 mod stability;
-mod surfaces;
+mod stick_slip;
 mod swings;
 mod wear;
 
@@ -45,35 +51,42 @@ struct Check {
 
 /// The tables of all files.
 const TABLES: &[&[Check]] = &[
+    adhesion::CHECKS,
     describing::CHECKS,
     design::CHECKS,
     drive::CHECKS,
+    dry_sliding::CHECKS,
     falling::CHECKS,
     formula::CHECKS,
-    history::CHECKS,
+    joint_at_rest::CHECKS,
+    limit_cycles::CHECKS,
+    lubricated_sliding::CHECKS,
+    measured::CHECKS,
     other_circuits::CHECKS,
     profiles::CHECKS,
+    ramps::CHECKS,
     recordings::CHECKS,
     rest::CHECKS,
+    ridges::CHECKS,
     scaling::CHECKS,
     shipped::CHECKS,
-    sliding::CHECKS,
     slope_laws::CHECKS,
     stability::CHECKS,
-    surfaces::CHECKS,
+    stick_slip::CHECKS,
     swings::CHECKS,
     wear::CHECKS,
 ];
 
 /// The reason why a check has no finding.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CheckError {
     /// No check has this name.
     #[error("there is no check {0}")]
     Unknown(String),
     /// An argument is missing, unknown or wrong.
     #[error(transparent)]
-    Given(#[from] ArgumentError),
+    Argument(#[from] ArgumentError),
     /// A formula among the arguments cannot be evaluated.
     #[error("{text}: {error}")]
     Formula {

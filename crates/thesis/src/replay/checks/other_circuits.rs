@@ -21,7 +21,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "several-multipliers", run: several_multipliers },
     Check { name: "twice-as-many-amplifiers", run: twice_as_many_amplifiers },
     Check { name: "several-inputs", run: several_inputs },
-    Check { name: "stands-under-a-negative-command", run: stands_under_a_negative_command },
+    Check { name: "rests-under-a-negative-command", run: rests_under_a_negative_command },
     Check { name: "has-no-drive", run: has_no_drive },
     Check { name: "has-no-position", run: has_no_position },
     Check { name: "reads-a-coefficient", run: reads_a_coefficient },
@@ -89,7 +89,7 @@ fn several_inputs(_: &CheckArguments) -> Result<Finding, CheckError> {
 /// Checks whether Nakashima's table never moves if the set velocity is negative, and moves if it is positive.
 ///
 /// The pot PV sets the velocity from +100 V or -100 V. Claim 8-160.c.
-fn stands_under_a_negative_command(_: &CheckArguments) -> Result<Finding, CheckError> {
+fn rests_under_a_negative_command(_: &CheckArguments) -> Result<Finding, CheckError> {
     let fastest = |reference: &str| -> Result<f64, CheckError> {
         let run = Recipe::new("nakashima").edit("elements/PV/in", reference).record(&["v_o"]);
         let velocity = run.run("direction", "")?.record.values("v_o")?;

@@ -11,11 +11,12 @@ use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
 use super::super::recipe::Recipe;
 use super::super::reversal::{self, ReversalTally};
+use super::super::series::{format_list, is_rising};
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::MM_PER_S;
-use patchcord_analysis::instruments::{CriticalVelocity, NoCriticalVelocity};
+use patchcord_analysis::instruments::{CriticalVelocity, CriticalVelocityError};
 
 /// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
@@ -31,7 +32,7 @@ pub(super) const CHECKS: &[Check] = &[
 ];
 
 /// Maximum of the command, in m/s: 40 V (8.2).
-pub(super) const HIGHEST: f64 = 10.16e-3;
+pub(super) const MAX_COMMAND: f64 = 10.16e-3;
 
 /// The velocity that 100 V represents, in m/s.
 const FULL_SCALE: f64 = 25.4e-3;
@@ -60,7 +61,7 @@ pub(super) fn recipe(given: &CheckArguments) -> Result<Recipe, CheckError> {
             recipe = recipe.set(name, given.number(name)?);
         }
     }
-    // VcL would be outside the study's scales.
+    // VcL would be outside the thesis's scales.
     let is_beyond = given.number_or("VcL", 0.0)? > FULL_SCALE;
     Ok(if is_beyond { recipe.scale_by(2.0) } else { recipe })
 }
@@ -76,11 +77,11 @@ fn profile(recipe: Recipe, rate: f64, highest: f64) -> Result<CriticalVelocity, 
 
 /// The profile with the rate and the maximum of the claim.
 fn given_profile(given: &CheckArguments) -> Result<CriticalVelocity, CheckError> {
-    profile(recipe(given)?, given.number_or("rate", RATE)?, given.number_or("to", HIGHEST)?)
+    profile(recipe(given)?, given.number_or("rate", RATE)?, given.number_or("to", MAX_COMMAND)?)
 }
 
 /// Reads one of the two critical velocities.
-type CriticalSide = fn(&CriticalVelocity) -> Result<f64, NoCriticalVelocity>;
+type CriticalSide = fn(&CriticalVelocity) -> Result<f64, CriticalVelocityError>;
 
 /// The critical velocity that `of` selects.
 ///
@@ -95,7 +96,7 @@ fn critical_side(given: &CheckArguments) -> Result<CriticalSide, CheckError> {
 ///
 /// # Errors
 /// If there is none.
-fn read(velocity: Result<f64, NoCriticalVelocity>) -> Result<f64, CheckError> {
+fn read(velocity: Result<f64, CriticalVelocityError>) -> Result<f64, CheckError> {
     velocity.map(|velocity| velocity / MM_PER_S).map_err(|none| CheckError::Run(none.to_string()))
 }
 
@@ -165,7 +166,7 @@ fn critical_velocity_moves(given: &CheckArguments) -> Result<Finding, CheckError
     let of = critical_side(given)?;
     let rises = given.choice("it", &[("rises", true), ("falls", false)])?;
     let varied = given.require("vary")?;
-    let to = given.number_or("to", HIGHEST)?;
+    let to = given.number_or("to", MAX_COMMAND)?;
     let at = |value: f64| {
         let (recipe, rate) = (recipe(given)?, given.number_or("rate", RATE)?);
         let critical = match varied {
@@ -201,7 +202,7 @@ fn lag_moved(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (of, memory, limit) = (critical_side(given)?, given.number("Tc")?, given.number("VcL")?);
     let at = |circuit| {
         let recipe = Recipe::new(circuit).set("Tc", memory).set("VcL", limit);
-        read(of(&profile(recipe, RATE, HIGHEST)?))
+        read(of(&profile(recipe, RATE, MAX_COMMAND)?))
     };
     Ok(Finding::Number(100.0 * (at("fig-8-16-lag-last")? / at("fig-8-16")? - 1.0)))
 }
@@ -217,9 +218,8 @@ fn first_jump(given: &CheckArguments) -> Result<Finding, CheckError> {
     };
     let forces = given.numbers("forces")?;
     let jumps = forces.iter().map(|force| jump(*force)).collect::<Result<Vec<_>, _>>()?;
-    let texts: Vec<_> = jumps.iter().map(|jump| format!("{jump:.2}")).collect();
-    let holds = jumps.len() > 1 && jumps.windows(2).all(|pair| pair[1] > pair[0]);
-    Ok(Finding::shape(holds, format!("{} mm/s", texts.join(", "))))
+    let holds = jumps.len() > 1 && is_rising(&jumps);
+    Ok(Finding::shape(holds, format_list(&jumps, 2, "mm/s")))
 }
 
 /// Checks whether a command in the opposite direction gives the mirrored motion.

@@ -8,7 +8,9 @@ use super::super::boundary::RATE;
 use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
 use super::super::frequency;
-use super::super::recipe::{Recipe, ReplayedRun, max_difference};
+use super::super::recipe::{Recipe, max_run_difference};
+use super::super::run_record::ReplayedRun;
+use super::super::series::{format_list, is_rising, min_max};
 use super::profiles::recipe;
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
@@ -34,7 +36,7 @@ pub(super) const CHECKS: &[Check] = &[
 /// A larger peak-to-peak swing of velocity, in mm/s, counts as oscillation.
 ///
 /// It is 0.25 mm/s, the threshold of the usual criterion.
-pub(super) const OSCILLATES: f64 = 1e3 * Criterion::USUAL.threshold;
+pub(super) const OSCILLATION_THRESHOLD: f64 = 1e3 * Criterion::USUAL.threshold;
 
 /// A run of four seconds at a steady command in m/s.
 ///
@@ -51,11 +53,8 @@ pub(super) fn steady(recipe: Recipe, command: f64) -> Result<ReplayedRun, CheckE
 /// swing.
 pub(super) fn range(run: &ReplayedRun) -> Result<(f64, f64), CheckError> {
     let velocity = run.record.values("v_o")?;
-    let settled = &velocity[3 * velocity.len() / 4..];
-    let (least, most) = settled.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
-        (f64::min(least, *value), f64::max(most, *value))
-    });
-    Ok((least / MM_PER_S, most / MM_PER_S))
+    let (min, max) = min_max(velocity[3 * velocity.len() / 4..].iter().copied());
+    Ok((min / MM_PER_S, max / MM_PER_S))
 }
 
 /// The frequency of the spring force in the last second of a run, in Hz.
@@ -98,17 +97,16 @@ fn oscillation_frequency(given: &CheckArguments) -> Result<Finding, CheckError> 
 fn frequency_rises(given: &CheckArguments) -> Result<Finding, CheckError> {
     let at = |command: &f64| hertz(&steady(recipe(given)?, *command)?);
     let frequencies = given.numbers("at")?.iter().map(at).collect::<Result<Vec<_>, _>>()?;
-    let texts: Vec<_> = frequencies.iter().map(|frequency| format!("{frequency:.1}")).collect();
-    let holds = frequencies.len() > 1 && frequencies.windows(2).all(|pair| pair[1] > pair[0]);
-    Ok(Finding::shape(holds, format!("{} Hz", texts.join(", "))))
+    let holds = frequencies.len() > 1 && is_rising(&frequencies);
+    Ok(Finding::shape(holds, format_list(&frequencies, 1, "Hz")))
 }
 
 /// Checks whether the table still oscillates in the fourth second, by more than 0.25 mm/s.
 ///
 /// Claims 4-126 and 8-078.a.
 fn keeps_oscillating(given: &CheckArguments) -> Result<Finding, CheckError> {
-    let (least, most) = range(&steady(recipe(given)?, given.number("at")?)?)?;
-    Ok(Finding::truth(most - least > OSCILLATES, format!("{least:.2} ... {most:.2} mm/s")))
+    let (min, max) = range(&steady(recipe(given)?, given.number("at")?)?)?;
+    Ok(Finding::truth(max - min > OSCILLATION_THRESHOLD, format!("{min:.2} ... {max:.2} mm/s")))
 }
 
 /// Checks whether the table oscillates and reaches rest (1 % of the command) in every cycle, or never reaches it, as
@@ -117,11 +115,11 @@ fn keeps_oscillating(given: &CheckArguments) -> Result<Finding, CheckError> {
 /// `it` is `rests` or `slides`. Claims 8-148.a, 8-148.b, 8-157.a, 8-162, 9-235.a and 9-235.b.
 fn comes_to_rest(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (rests, command) = (given.choice("it", &[("rests", true), ("slides", false)])?, given.number("at")?);
-    let (least, most) = range(&steady(recipe(given)?, command)?)?;
-    let reaches_rest = least <= 0.01 * command / MM_PER_S;
+    let (min, max) = range(&steady(recipe(given)?, command)?)?;
+    let reaches_rest = min <= 0.01 * command / MM_PER_S;
     Ok(Finding::truth(
-        most - least > OSCILLATES && reaches_rest == rests,
-        format!("{least:.2} ... {most:.2} mm/s"),
+        max - min > OSCILLATION_THRESHOLD && reaches_rest == rests,
+        format!("{min:.2} ... {max:.2} mm/s"),
     ))
 }
 
@@ -130,8 +128,8 @@ fn comes_to_rest(given: &CheckArguments) -> Result<Finding, CheckError> {
 /// Fig 8.12, claim 8-078.b: the table sticks, so its velocity is never negative for long.
 fn never_turns_back(given: &CheckArguments) -> Result<Finding, CheckError> {
     let command = given.number("at")?;
-    let (least, most) = range(&steady(recipe(given)?, command)?)?;
-    Ok(Finding::truth(least > -0.01 * command / MM_PER_S, format!("{least:.2} ... {most:.2} mm/s")))
+    let (min, max) = range(&steady(recipe(given)?, command)?)?;
+    Ok(Finding::truth(min > -0.01 * command / MM_PER_S, format!("{min:.2} ... {max:.2} mm/s")))
 }
 
 /// Checks whether velocity oscillates, and whether its swings above and below the command are equal to 5 % of the
@@ -141,11 +139,11 @@ fn never_turns_back(given: &CheckArguments) -> Result<Finding, CheckError> {
 fn even_halves(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (even, command) =
         (given.choice("halves", &[("even", true), ("uneven", false)])?, given.number("at")?);
-    let (least, most) = range(&steady(recipe(given)?, command)?)?;
-    let (below, above) = (command / MM_PER_S - least, most - command / MM_PER_S);
+    let (min, max) = range(&steady(recipe(given)?, command)?)?;
+    let (below, above) = (command / MM_PER_S - min, max - command / MM_PER_S);
     let is_even = (above - below).abs() <= 0.05 * (above + below);
     Ok(Finding::truth(
-        most - least > OSCILLATES && is_even == even,
+        max - min > OSCILLATION_THRESHOLD && is_even == even,
         format!("{above:.2} mm/s above and {below:.2} mm/s below"),
     ))
 }
@@ -162,12 +160,10 @@ fn loops_shrink(given: &CheckArguments) -> Result<Finding, CheckError> {
     for command in given.numbers("at")? {
         let run = steady(recipe(given)?, command)?;
         let force = run.record.values("spring_force")?;
-        let settled = &force[3 * force.len() / 4..];
-        let least = settled.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = settled.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let (low, high) = range(&run)?;
-        contains_steady &= (least..most).contains(&friction.total(command, SIMULATED_DAMPING)?);
-        swings.push((high - low, most - least));
+        let (min_force, max_force) = min_max(force[3 * force.len() / 4..].iter().copied());
+        let (min, max) = range(&run)?;
+        contains_steady &= (min_force..max_force).contains(&friction.total(command, SIMULATED_DAMPING)?);
+        swings.push((max - min, max_force - min_force));
     }
     let texts: Vec<_> = swings.iter().map(|(v, force)| format!("{v:.2} mm/s by {force:.0} N")).collect();
     let shrinks =
@@ -179,7 +175,7 @@ fn loops_shrink(given: &CheckArguments) -> Result<Finding, CheckError> {
 ///
 /// Fig 8.17, claim 8-161.
 fn blocks_move_alike(_: &CheckArguments) -> Result<Finding, CheckError> {
-    let distance = max_difference(["fig-8-17", "fig-8-16"].map(Recipe::new), "v_o")? / MM_PER_S;
+    let distance = max_run_difference(["fig-8-17", "fig-8-16"].map(Recipe::new), "v_o")? / MM_PER_S;
     Ok(Finding::truth(distance < 1e-6, format!("at most {distance:.1e} mm/s apart")))
 }
 

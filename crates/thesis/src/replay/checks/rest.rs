@@ -4,16 +4,16 @@
 //! rest stays at rest. Friction as a constant force would push the table. `x_o`, `v_o` and `a_o` are position, velocity
 //! and acceleration of the table, `x_i` is the commanded position.
 
-use serde_json::json;
-
 use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
-use super::super::recipe::{Recipe, ReplayedRun};
+use super::super::recipe::Recipe;
+use super::super::run_record::ReplayedRun;
 use super::shipped::{ACCURACY, shipped};
 use super::{Check, CheckError};
 use crate::slideway::falling::SIMULATED_STATIC;
 use crate::slideway::scaling::Scales;
 use crate::slideway::units::{MM, MM_PER_S, UM};
+use patchcord_core::patch::ElementBuilder;
 
 /// The checks of this file, by the name that the ledger uses.
 pub(super) const CHECKS: &[Check] = &[
@@ -43,8 +43,8 @@ fn last(run: &ReplayedRun, signal: &str) -> Result<f64, CheckError> {
 fn friction_pushes_back(_: &CheckArguments) -> Result<Finding, CheckError> {
     let setting = SIMULATED_STATIC / Scales::A.force / 100.0;
     let literal = Recipe::new("fig-8-04")
-        .edit("elements/PF", json!({"kind": "pot", "in": "+100", "setting": setting}))
-        .edit("elements/A4/in/x1", json!(["A5", "PA4", "PF"]));
+        .element("PF", ElementBuilder::new("pot").cord("in", "+100").set("setting", setting))
+        .edit("elements/A4/in/x1", ["A5", "PA4", "PF"]);
     let position = |recipe: Recipe| {
         let run = recipe.set("x_step", 0.0).run_time(1.0).record(&["x_o"]).run("rest", "")?;
         last(&run, "x_o")
@@ -215,6 +215,6 @@ fn position_is_restricted(given: &CheckArguments) -> Result<Finding, CheckError>
 /// The run lasts 0.1 s. The range of the step in the patch is widened, because it would refuse such heights.
 fn overloads(height: f64) -> Result<bool, CheckError> {
     let recipe = Recipe::new("fig-8-16").set("v_rate", 0.0).set("x_step", height).run_time(0.1);
-    let run = recipe.edit("parameters/x_step/range", json!([0, 1])).run("position", "")?;
+    let run = recipe.edit("parameters/x_step/range", [0.0, 1.0]).run("position", "")?;
     Ok(run.record.trace.overloads().next().is_some())
 }

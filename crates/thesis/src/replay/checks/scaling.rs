@@ -1,7 +1,7 @@
 //! Claims on scales, gains, potentiometer settings and the diode dead zone (8.1 ... 8.4).
 //!
-//! The machine is the study's Solartron with a reference of 100 V. Scales state what one volt represents. Set A is that
-//! of Fig 8.4; set B, from Fig 8.7 on, has ten times finer scales of velocity, acceleration and force.
+//! The machine is the thesis's Solartron with a reference of 100 V. Scales state what one volt represents. Set A is
+//! that of Fig 8.4; set B, from Fig 8.7 on, has ten times finer scales of velocity, acceleration and force.
 
 use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;

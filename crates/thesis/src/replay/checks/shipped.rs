@@ -2,11 +2,10 @@
 //!
 //! The arguments are the circuit and its parameters in their units.
 
-use serde_json::json;
-
 use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
 use super::super::recipe::{BoxError, Recipe};
+use super::super::series::max_difference;
 use super::recordings::{range, steady};
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
@@ -102,7 +101,7 @@ fn one_pot_for_both(given: &CheckArguments) -> Result<Finding, CheckError> {
 /// decides: it reports a part that is used twice. Claim 8-066.
 fn part_is_free(given: &CheckArguments) -> Result<Finding, CheckError> {
     let (element, kind, part) = (given.require("element")?, given.require("kind")?, given.require("part")?);
-    let recipe = shipped(given)?.edit(&format!("elements/{element}/uses/{kind}"), json!([part]));
+    let recipe = shipped(given)?.edit(&format!("elements/{element}/uses/{kind}"), [part]);
     match Circuit::new(&recipe.patch("part", "")?) {
         Ok(_) => Ok(Finding::truth(true, format!("{part} is free"))),
         Err(report) => {
@@ -174,10 +173,10 @@ fn lag_at_rest(_: &CheckArguments) -> Result<Finding, CheckError> {
 fn lag_on_either_input(given: &CheckArguments) -> Result<Finding, CheckError> {
     let recipe = Recipe::new("fig-8-15").set("Tc", given.number("Tc")?).record(&["out"]);
     let slower = recipe.clone().edit("elements/PA1/setting", "0.01 / Tc");
-    let slower = slower.edit("elements/A1/in", json!({"x100": ["PA1"]}));
+    let slower = slower.cords("A1", "x100", &["PA1"]);
     let (fast, slow) =
         (recipe.run("x1000", "")?.record.values("out")?, slower.run("x100", "")?.record.values("out")?);
-    let distance = fast.iter().zip(&slow).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+    let distance = max_difference(&fast, &slow);
     Ok(Finding::truth(distance < 1e-9, format!("equal to {distance:.1e} V")))
 }
 
@@ -218,7 +217,7 @@ fn command_in_inverter(given: &CheckArguments) -> Result<Finding, CheckError> {
         Ok(most - least)
     };
     let ours = Recipe::new("fig-8-11");
-    let literal = ours.clone().edit("elements/B3/in", json!({"x1": ["A3", "v_i"]}));
+    let literal = ours.clone().cords("B3", "x1", &["A3", "v_i"]);
     let (literal, ours) = (swing(literal)?, swing(ours)?);
     let found =
         format!("swings of {literal:.2} mm/s, and of {ours:.2} mm/s with the command in the integrator");

@@ -8,6 +8,7 @@
 use super::super::boundary::{self, RATE, disturbance_boundary};
 use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
+use super::super::series::{format_list, is_falling, min_max};
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
@@ -22,19 +23,19 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "slope-by-disturbance", run: slope_by_disturbance },
     Check { name: "slope-spread", run: slope_spread },
     Check { name: "slope-exponent-by-stiffness", run: slope_exponent_by_stiffness },
-    Check { name: "tops-fall", run: tops_fall },
+    Check { name: "highest-critical-velocity-falls", run: highest_critical_velocity_falls },
 ];
 
 /// Exponent of Cn against Tc, or the factor in s and N s/mm. The slopes are from ramps, at the maximum of the curve
 /// of each time constant.
 ///
-/// The study has 7.5e4 Tc^1.54 (eq 1-9). Claims 9-003.a and b. VcL at the maxima is found once per process, from ramps
+/// The thesis has 7.5e4 Tc^1.54 (eq 1-9). Claims 9-003.a and b. VcL at the maxima is found once per process, from ramps
 /// over the whole sweep, and cached.
 fn slope_law(given: &CheckArguments) -> Result<Finding, CheckError> {
     type LawQuantity = fn(&PowerLaw) -> f64;
     let parts: [(&str, LawQuantity); 2] = [("exponent", |law| law.exponent), ("factor", |law| law.factor)];
     let part = given.choice("part", &parts)?;
-    Ok(Finding::Number(part(&boundary::slopes_at_tops()?.1)))
+    Ok(Finding::Number(part(&boundary::slopes_at_worst_limits()?.1)))
 }
 
 /// Cn in N s/mm from ramps, at the maximum of the curve of one time constant.
@@ -42,7 +43,7 @@ fn slope_law(given: &CheckArguments) -> Result<Finding, CheckError> {
 /// `Tc` in s must be one of the time constants of the sweep. Claims 9-003.c ... f.
 fn slope_where_it_ends(given: &CheckArguments) -> Result<Finding, CheckError> {
     let memory = given.number("Tc")?;
-    let (slopes, _) = boundary::slopes_at_tops()?;
+    let (slopes, _) = boundary::slopes_at_worst_limits()?;
     let slope = slopes.iter().find(|(other, _)| *other == memory);
     slope
         .map(|(_, slope)| Finding::Number(*slope))
@@ -93,15 +94,13 @@ fn slope_spread(given: &CheckArguments) -> Result<Finding, CheckError> {
         return Err(CheckError::Run(format!("only {} of {} slopes were found", slopes.len(), limits.len())));
     }
     let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
-    let (least, most) = slopes
-        .iter()
-        .fold((f64::INFINITY, 0.0_f64), |(least, most), slope| (least.min(*slope), most.max(*slope)));
-    Ok(Finding::Number(100.0 * (most - least) / mean))
+    let (min, max) = min_max(slopes);
+    Ok(Finding::Number(100.0 * (max - min) / mean))
 }
 
 /// Exponent of Cn against K, from ramps at VcL = 40 mm/s and Tc = 7.1 ms.
 ///
-/// Argument `K`: stiffnesses in N/m. The study has 0.077 (eq 5-9, Fig 9.3). Claim 9-009.
+/// Argument `K`: stiffnesses in N/m. The thesis has 0.077 (eq 5-9, Fig 9.3). Claim 9-009.
 fn slope_exponent_by_stiffness(given: &CheckArguments) -> Result<Finding, CheckError> {
     let velocities = boundary::velocities_by_stiffness(&given.numbers("K")?)?;
     Ok(Finding::Number(boundary::slopes_by_stiffness(&velocities)?.1.exponent))
@@ -110,12 +109,11 @@ fn slope_exponent_by_stiffness(given: &CheckArguments) -> Result<Finding, CheckE
 /// Checks whether the highest critical velocity falls from each time constant to the next longer one.
 ///
 /// Fig 8.30, claim 8-142.b. A time constant without a critical velocity is an error of the sweep, not a pass.
-fn tops_fall(_: &CheckArguments) -> Result<Finding, CheckError> {
-    let tops =
-        boundary::top_velocities()?.into_iter().map(|velocity| velocity / MM_PER_S).collect::<Vec<_>>();
-    let texts: Vec<_> = tops.iter().map(|top| format!("{top:.1}")).collect();
-    Ok(Finding::shape(
-        tops.len() == boundary::MEMORIES.len() && tops.windows(2).all(|pair| pair[1] < pair[0]),
-        format!("{} mm/s", texts.join(", ")),
-    ))
+fn highest_critical_velocity_falls(_: &CheckArguments) -> Result<Finding, CheckError> {
+    let velocities = boundary::max_critical_velocities()?
+        .into_iter()
+        .map(|velocity| velocity / MM_PER_S)
+        .collect::<Vec<_>>();
+    let holds = velocities.len() == boundary::MEMORIES.len() && is_falling(&velocities);
+    Ok(Finding::shape(holds, format_list(&velocities, 1, "mm/s")))
 }

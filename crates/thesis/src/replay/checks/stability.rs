@@ -7,6 +7,7 @@ use nalgebra::Matrix3;
 
 use super::super::check_arguments::CheckArguments;
 use super::super::finding::Finding;
+use super::super::series::{TRENDS, format_list, min_max};
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
 use crate::slideway::falling::{FallingFriction, worst_limit};
@@ -33,17 +34,17 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "highest-velocity-trend", run: highest_velocity_trend },
 ];
 
-/// The table of the study's final setting (8.4) without lag. M, K, f and Tc in SI units replace its values.
+/// The table of the thesis's final setting (8.4) without lag. M, K, f and Tc in SI units replace its values.
 ///
-/// Defaults are M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm and Tc = 0. The study analyses with f = 10.71 N s/mm, so
+/// Defaults are M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm and Tc = 0. The thesis analyses with f = 10.71 N s/mm, so
 /// those rows give `f`.
 pub(super) fn table(given: &CheckArguments) -> Result<DrivenTable, CheckError> {
-    let study = DrivenTable::simulated(0.0);
+    let thesis = DrivenTable::simulated(0.0);
     Ok(DrivenTable {
-        mass: given.number_or("M", study.mass)?,
-        stiffness: given.number_or("K", study.stiffness)?,
-        damping: given.number_or("f", study.damping)?,
-        memory: given.number_or("Tc", study.memory)?,
+        mass: given.number_or("M", thesis.mass)?,
+        stiffness: given.number_or("K", thesis.stiffness)?,
+        damping: given.number_or("f", thesis.damping)?,
+        memory: given.number_or("Tc", thesis.memory)?,
     })
 }
 
@@ -85,7 +86,7 @@ fn boundary_frequency(given: &CheckArguments) -> Result<Finding, CheckError> {
 /// Factor or exponent of the power law fitted to eq 32-9, over time constants in s or stiffnesses in N/m.
 ///
 /// Arguments: `by` (`Tc` or `K`), `over`, `part`. Slopes are in N s/mm, time constants in s, stiffnesses in N/mm. The
-/// study drew 12.95e4 Tc^1.55 (eq 37-9) and 0.0385 K^0.685 (eq 38-9) and does not print its points. Claims 9-064.a,
+/// thesis drew 12.95e4 Tc^1.55 (eq 37-9) and 0.0385 K^0.685 (eq 38-9) and does not print its points. Claims 9-064.a,
 /// 9-064.b, 9-064.d, 9-066.a and 9-066.b.
 fn slope_fit(given: &CheckArguments) -> Result<Finding, CheckError> {
     type Fit = fn(&DrivenTable, &[f64]) -> Result<PowerLaw, SlidewayError>;
@@ -134,7 +135,7 @@ fn growth(table: &DrivenTable, slope: f64) -> Result<f64, SlidewayError> {
 
 /// Checks that eq 36-9 is eq 32-9 in the dimensionless groups of eq 33-9 ... 35-9.
 ///
-/// A = K Tc^2 / M, B = Cn Tc / M, C = f Tc / M, and on the boundary B = C + A C / (1 + C). The study has the opposite
+/// A = K Tc^2 / M, B = Cn Tc / M, C = f Tc / M, and on the boundary B = C + A C / (1 + C). The thesis has the opposite
 /// sign of B. Claim 9-060.
 fn routh_in_groups(given: &CheckArguments) -> Result<Finding, CheckError> {
     let table = table(given)?;
@@ -192,13 +193,9 @@ fn over_parameter(
 ///
 /// `way` is `rises` or `falls`. Both steps, from half to once and from once to twice, must have that sign.
 fn trend(given: &CheckArguments, values: [f64; 3], unit: &str) -> Result<Finding, CheckError> {
-    let sign = given.choice("way", &[("rises", 1.0), ("falls", -1.0)])?;
-    let holds = values.windows(2).all(|pair| sign * (pair[1] - pair[0]) > 0.0);
-    let [half, once, twice] = values;
-    Ok(Finding::shape(
-        holds,
-        format!("{half:.3}, {once:.3}, {twice:.3} {unit} at 0.5, 1 and 2 times the value"),
-    ))
+    let has_trend = given.choice("way", &TRENDS)?;
+    let found = format!("{} at 0.5, 1 and 2 times the value", format_list(&values, 3, unit));
+    Ok(Finding::shape(has_trend(&values), found))
 }
 
 /// Checks whether the critical slope rises or falls with M, K, f or Tc.
@@ -235,11 +232,11 @@ fn highest_velocity_trend(given: &CheckArguments) -> Result<Finding, CheckError>
 ///
 /// Influence is the relative change of Cn by the relative change of a parameter, from a step of 0.01 %. Claim 9-063.c.
 fn memory_leads(given: &CheckArguments) -> Result<Finding, CheckError> {
-    let study = table(given)?;
+    let thesis = table(given)?;
     let percent = |change: fn(&mut DrivenTable, f64)| -> Result<f64, SlidewayError> {
-        let mut changed = study;
+        let mut changed = thesis;
         change(&mut changed, 1.0001);
-        Ok((changed.critical_slope()? / study.critical_slope()?).ln() / 1.0001f64.ln())
+        Ok((changed.critical_slope()? / thesis.critical_slope()?).ln() / 1.0001f64.ln())
     };
     let memory = percent(|table, factor| table.memory *= factor)?;
     let stiffness = percent(|table, factor| table.stiffness *= factor)?;
@@ -252,11 +249,10 @@ fn memory_leads(given: &CheckArguments) -> Result<Finding, CheckError> {
 
 /// Checks that eq 37-9 gives steeper slopes than eq 1-9 at all time constants.
 ///
-/// Eq 37-9 is the study's fit to Routh-Hurwitz, eq 1-9 its fit to the simulation. Claim 9-065.
+/// Eq 37-9 is the thesis's fit to Routh-Hurwitz, eq 1-9 its fit to the simulation. Claim 9-065.
 fn theory_above_simulation(given: &CheckArguments) -> Result<Finding, CheckError> {
     let ratio = |memory: &f64| PRINTED_BY_MEMORY.at(*memory) / SLOPE_BY_MEMORY.at(*memory);
     let ratios: Vec<f64> = given.numbers("Tc")?.iter().map(ratio).collect();
-    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = ratios.iter().copied().fold(0.0, f64::max);
-    Ok(Finding::shape(least > 1.0, format!("{least:.2} ... {most:.2} times as steep")))
+    let (min, max) = min_max(ratios);
+    Ok(Finding::shape(min > 1.0, format!("{min:.2} ... {max:.2} times as steep")))
 }

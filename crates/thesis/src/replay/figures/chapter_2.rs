@@ -58,10 +58,10 @@ fn stick_slip(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reading;
+    use super::super::tests::assert_reading_contains;
 
     #[test]
-    fn a_stiffer_drive_ends_it_sooner() {
-        assert!(reading("fig-2-02").contains("21.54, 2.14, 0.10 mm/s"), "{}", reading("fig-2-02"));
+    fn a_stiffer_drive_ends_stick_slip_at_a_lower_velocity() {
+        assert_reading_contains("fig-2-02", "21.54, 2.14, 0.10 mm/s");
     }
 }

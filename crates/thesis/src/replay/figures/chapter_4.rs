@@ -63,7 +63,7 @@ fn viscous() -> Vec<(f64, f64)> {
 }
 
 /// Solid and viscous friction together in N, by velocity in mm/s, for the largest VcL.
-fn whole() -> Result<Vec<(f64, f64)>, BoxError> {
+fn total() -> Result<Vec<(f64, f64)>, BoxError> {
     let friction = FallingFriction::simulated(LIMIT);
     sample_curve(velocities(), |velocity| friction.total(velocity * MM_PER_S, SIMULATED_DAMPING))
 }
@@ -80,7 +80,7 @@ fn slopes(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let friction = FallingFriction::simulated(LIMIT);
     let force = against_velocity(&figure.heading(), ("friction force F", "N"))
         .line("(a) linear", viscous())
-        .line("(b) falling", whole()?);
+        .line("(b) falling", total()?);
     let slope = |velocity: f64| Ok((SIMULATED_DAMPING - friction.slope(velocity * MM_PER_S)?) / N_S_PER_MM);
     let derivative = against_velocity("(c) slope of both", ("dF/dv", "N s/mm"))
         .line("(a)", velocities().map(|velocity| (velocity, SIMULATED_DAMPING / N_S_PER_MM)).collect())
@@ -165,33 +165,33 @@ fn top_view(sketch: &mut Sketch) {
 
 /// VcL of curve (b) in `patches/thesis/fig-4-07.json`, in m/s: friction falls up to it. That patch makes the profiles
 /// of Fig 4.7.
-const FALLS_UP_TO: f64 = 2.54 * MM_PER_S;
+const FALLING_LIMIT: f64 = 2.54 * MM_PER_S;
 /// Velocity up to which friction of curve (c) of the same patch drops, in m/s.
-const DROPS_UP_TO: f64 = 0.508 * MM_PER_S;
+const DROP_LIMIT: f64 = 0.508 * MM_PER_S;
 /// Share of static friction that curve (c) keeps after the drop.
-const KEPT: f64 = 0.6;
+const CONSTANT_SHARE: f64 = 0.6;
 
 /// Fig 4.6: linear friction, friction that falls up to VcL, and friction that drops to a constant.
 ///
 /// Curve (c) is 0.6 Fs plus a square law that ends at 0.508 mm/s, as in the patch of Fig 4.7.
 fn characteristics(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let velocities = || linspace(0.0, 10.0, 501);
-    let falling = FallingFriction::simulated(FALLS_UP_TO);
-    let kept = KEPT * falling.static_friction;
-    let dropping = FallingFriction { static_friction: falling.static_friction - kept, limit: DROPS_UP_TO };
-    let whole = |friction: FallingFriction, kept: f64| {
+    let falling = FallingFriction::simulated(FALLING_LIMIT);
+    let constant = CONSTANT_SHARE * falling.static_friction;
+    let dropping = FallingFriction { static_friction: falling.static_friction - constant, limit: DROP_LIMIT };
+    let total = |friction: FallingFriction, constant: f64| {
         sample_curve(velocities(), move |velocity| {
-            Ok(kept + friction.total(velocity * MM_PER_S, SIMULATED_DAMPING)?)
+            Ok(constant + friction.total(velocity * MM_PER_S, SIMULATED_DAMPING)?)
         })
     };
     let linear = velocities().map(|velocity| (velocity, SIMULATED_DAMPING * velocity * MM_PER_S)).collect();
     let graph = against_velocity(&figure.heading(), ("friction force", "N"))
         .line("(a) linear", linear)
-        .line("(b) falls up to 2.54 mm/s", whole(falling, 0.0)?)
-        .line("(c) drops to a constant", whole(dropping, kept)?);
+        .line("(b) falls up to 2.54 mm/s", total(falling, 0.0)?)
+        .line("(c) drops to a constant", total(dropping, constant)?);
     let reading = format!(
-        "(b) and (c) begin at {:.0} N; (b) has its minimum at {:.2} mm/s, (c) keeps {kept:.0} N; the text says only \
-         that both begin above 0 and fall over some range",
+        "(b) and (c) begin at {:.0} N; (b) has its minimum at {:.2} mm/s, (c) keeps {constant:.0} N; the text says \
+         only that both begin above 0 and fall over some range",
         falling.static_friction,
         falling.velocity_of_least(SIMULATED_DAMPING)? / MM_PER_S
     );
@@ -236,8 +236,8 @@ fn decomposed(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let graph = against_velocity(&figure.heading(), ("friction force", "N"))
         .line("(A) solid, N (VcL - v)²", solid)
         .line("(B) viscous, f v", viscous())
-        .line("both", whole()?)
-        .mark(LIMIT / MM_PER_S, "VcL");
+        .line("both", total()?)
+        .marker(LIMIT / MM_PER_S, "VcL");
     let half = friction.solid(LIMIT / 2.0)?;
     let least = friction.velocity_of_least(SIMULATED_DAMPING)?;
     let reading = format!(
@@ -255,12 +255,13 @@ fn decomposed(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reading;
+    use super::super::tests::assert_reading_contains;
 
     #[test]
     fn readings_agree_with_the_text() {
-        assert!(reading("fig-4-05").contains("0.75 µm") && reading("fig-4-05").contains("1.00 µm"));
-        assert!(reading("fig-4-09").contains("322.4 rad/s, 51.3 Hz"), "{}", reading("fig-4-09"));
-        assert!(reading("fig-4-10").contains("(193 N)"), "{}", reading("fig-4-10"));
+        assert_reading_contains("fig-4-05", "0.75 µm");
+        assert_reading_contains("fig-4-05", "1.00 µm");
+        assert_reading_contains("fig-4-09", "322.4 rad/s, 51.3 Hz");
+        assert_reading_contains("fig-4-10", "(193 N)");
     }
 }

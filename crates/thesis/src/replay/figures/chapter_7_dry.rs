@@ -1,17 +1,15 @@
-//! Chapter 7: dry iron that slides (7.3.i).
+//! Chapter 7: dry iron that slides, by velocity and by load (7.3.i).
 //!
 //! Faster sliding deforms the asperities at a higher frequency, and the metal stiffens with that frequency. The
-//! figures follow from one model of the joint, by velocity, by frequency and by load.
+//! figures follow from one model of the joint.
 
-use super::graph::{geomspace, linspace, sample_curve};
+use super::graph::{linspace, sample_curve};
 use super::sketch::Sketch;
 use super::{DrawnFigure, Figure, Graph};
 use crate::replay::recipe::BoxError;
-use crate::slideway::SlidewayError;
 use crate::slideway::dry_friction::{DryFriction, DrySliding};
-use crate::slideway::joint::{Joint, STUDY_PRESSURE};
-use crate::slideway::power_law::PowerLaw;
-use crate::slideway::units::{CM, CM2, KGF, KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, UM, UM2};
+use crate::slideway::joint::{Joint, THESIS_PRESSURE};
+use crate::slideway::units::{CM, CM2, KGF, KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, UM};
 use patchcord_draw::plot::Ink;
 
 /// The figures, in their order.
@@ -22,20 +20,6 @@ pub(super) const FIGURES: &[Figure] = &[
         title: "asperities as a spring and a damper",
         claims: &["7-112.a", "7-113.a", "7-115.a"],
         draw: voigt_model,
-    },
-    Figure {
-        id: "fig-7-16",
-        place: "7.3.i, eq 117-7 ... 119-7",
-        title: "how much the metal stiffens",
-        claims: &["7-125", "7-126", "7-128"],
-        draw: stiffening,
-    },
-    Figure {
-        id: "fig-7-17",
-        place: "7.3.i, eq 92-7",
-        title: "leading area by frequency of deformation",
-        claims: &["7-078.a", "7-120"],
-        draw: leading_area,
     },
     Figure {
         id: "fig-7-18",
@@ -66,27 +50,6 @@ pub(super) const FIGURES: &[Figure] = &[
         draw: damping_and_viscosity,
     },
     Figure {
-        id: "fig-7-22",
-        place: "7.3.i",
-        title: "stiffness and the real part of alpha",
-        claims: &[],
-        draw: stiffness_and_alpha,
-    },
-    Figure {
-        id: "fig-7-23",
-        place: "7.3.i",
-        title: "damping and the imaginary part of alpha",
-        claims: &["7-133.a", "7-133.b"],
-        draw: damping_and_alpha,
-    },
-    Figure {
-        id: "fig-7-24",
-        place: "7.3.i, eq 125-7",
-        title: "dry friction by stiffening",
-        claims: &["7-137", "7-138"],
-        draw: friction_by_stiffening,
-    },
-    Figure {
         id: "fig-7-25",
         place: "7.3.i, eq 130-7 ... 133-7",
         title: "dry friction under several loads",
@@ -96,61 +59,47 @@ pub(super) const FIGURES: &[Figure] = &[
 ];
 
 /// The settings of all figures of this file, except that by load.
-const SETTINGS: &str =
+pub(super) const SETTINGS: &str =
     "Pw = 0.65 kgf/cm², alpha up to 2.9, Um = 800 kgf s/mm² (T = 0.0318 s), dry grade 17 iron";
 
-/// A quantity of a sliding joint, in the units of the study.
-type JointQuantity = fn(&DrySliding) -> f64;
+/// A quantity of a sliding joint, in the units of the thesis.
+pub(super) type JointQuantity = fn(&DrySliding) -> f64;
 
 /// Friction coefficient.
 const FRICTION: JointQuantity = |at| at.friction;
+
 /// Penetration, in um.
 const PENETRATION: JointQuantity = |at| at.penetration / UM;
+
 /// Normal stiffness of a square centimetre, in kgf/cm.
-const STIFFNESS: JointQuantity = |at| at.stiffness * CM2 * CM / KGF;
+pub(super) const STIFFNESS: JointQuantity = |at| at.stiffness * CM2 * CM / KGF;
+
 /// Normal damping of a square centimetre, in kgf s/cm; NaN at rest, where it is not defined.
-const DAMPING: JointQuantity = |at| at.damping.map_or(f64::NAN, |damping| damping * CM2 * CM / KGF);
+pub(super) const DAMPING: JointQuantity =
+    |at| at.damping.map_or(f64::NAN, |damping| damping * CM2 * CM / KGF);
+
 /// Viscosity of the asperities, in kgf s/cm2; NaN at rest, where it is not defined.
 const VISCOSITY: JointQuantity =
     |at| at.asperity_viscosity().map_or(f64::NAN, |viscosity| viscosity / KGF_PER_CM2);
 
-/// The dry joint of the study with the printed contact laws.
-fn dry() -> DryFriction {
-    DryFriction::of_study(Joint::PRINTED, STUDY_PRESSURE)
+/// The dry joint of the thesis with the printed contact laws.
+pub(super) fn dry() -> DryFriction {
+    DryFriction::of_thesis(Joint::PRINTED, THESIS_PRESSURE)
 }
 
 /// The largest velocity that is plotted, in mm/s.
-const FASTEST: f64 = 20.0;
+const MAX_VELOCITY: f64 = 20.0;
 
 /// Returns the curve of a quantity by velocity in mm/s.
 fn by_velocity(joint: &DryFriction, quantity: JointQuantity) -> Result<Vec<(f64, f64)>, BoxError> {
-    sample_curve(linspace(0.0, FASTEST, 201), |velocity| {
+    sample_curve(linspace(0.0, MAX_VELOCITY, 201), |velocity| {
         joint.at_velocity(velocity * MM_PER_S).map(|at| quantity(&at))
     })
-}
-
-/// The plotted frequencies, in rad/s.
-fn frequencies() -> impl Iterator<Item = f64> + Clone {
-    geomspace(1.0, 1000.0, 121)
-}
-
-/// Returns the curve of a quantity by frequency in rad/s.
-fn by_frequency(quantity: JointQuantity) -> Result<Vec<(f64, f64)>, BoxError> {
-    let joint = dry();
-    sample_curve(frequencies(), |frequency| joint.at_frequency(frequency).map(|at| quantity(&at)))
 }
 
 /// Makes a graph against sliding velocity.
 fn against_velocity(figure: &Figure, up: (&str, &str)) -> Graph {
     Graph::new(&figure.heading(), ("sliding velocity V", "mm/s"), up)
-}
-
-/// Makes a graph against frequency, with a marker at the corner frequency 1 / T.
-fn against_frequency(figure: &Figure, up: (&str, &str)) -> Result<Graph, SlidewayError> {
-    let corner = 1.0 / dry().time_constant()?;
-    Ok(Graph::new(&figure.heading(), ("frequency of deformation ω", "rad/s"), up)
-        .logarithmic(true, false)
-        .mark(corner, format!("1 / T = {corner:.1} rad/s")))
 }
 
 /// Fig 7.15: the asperities as a spring and a damper in parallel, with their laws.
@@ -187,35 +136,6 @@ fn voigt_model(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     Ok(sketch.finish(SETTINGS, reading))
 }
 
-/// Fig 7.16: the modulus of the metal by frequency, relative to that at rest.
-///
-/// alpha = sqrt((1 + (2.9 T w)^2) / (1 + (T w)^2)) (eq 119-7).
-fn stiffening(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let graph = against_frequency(figure, ("alpha, modulus by that at rest", ""))?
-        .line("alpha", by_frequency(|at| at.stiffening)?)
-        .y_range(0.0, 3.0);
-    let corner = dry().at_frequency(1.0 / dry().time_constant()?)?;
-    let reading = format!("alpha rises from 1 to 2.9; at 1 / T it is {:.2}", corner.stiffening);
-    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
-}
-
-/// Fig 7.17: the leading area of contact by frequency.
-///
-/// AcLV = AcL / alpha^0.82 (eq 92-7). The text also computes it from a pressure of 220 kgf/mm2 (claim 7-120).
-fn leading_area(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let area: JointQuantity = |at| at.leading_share * CM2 / UM2;
-    let graph = against_frequency(figure, ("leading area AcLV of 1 cm²", "µm²"))?
-        .line("AcLV", by_frequency(area)?)
-        .y_range(0.0, 8000.0);
-    let (slow, fast) = (dry().at_frequency(0.0)?, dry().at_frequency(1e6)?);
-    let reading = format!(
-        "the area shrinks from {:.0} µm² at rest to {:.0} µm²; eq 114-7, with 220 kgf/mm² on it, gives 2950",
-        area(&slow),
-        area(&fast)
-    );
-    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
-}
-
 /// Fig 7.18: the frequency of deformation by velocity.
 fn frequency(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = dry();
@@ -223,7 +143,7 @@ fn frequency(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         .map(|frequency| joint.at_frequency(frequency).map(|at| (at.velocity / MM_PER_S, frequency)));
     let points = points.collect::<Result<Vec<_>, _>>()?;
     let graph = against_velocity(figure, ("frequency of deformation ω", "rad/s"))
-        .x_range(0.0, FASTEST)
+        .x_range(0.0, MAX_VELOCITY)
         .line("ω", points);
     let length = |frequency: f64| Ok::<_, BoxError>(joint.at_frequency(frequency)?.velocity / frequency / UM);
     let reading = format!(
@@ -246,7 +166,7 @@ fn friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         .right_line("hdv", by_velocity(&joint, PENETRATION)?)
         .y_range(0.0, 0.4)
         .right_range(0.0, 1.0)
-        .mark(11.0, "VcL as read, 11 mm/s")
+        .marker(11.0, "VcL as read, 11 mm/s")
         .note("the measurements by others are lost with the figure");
     let (rest, flat) = (joint.at_velocity(0.0)?, joint.at_velocity(11.0 * MM_PER_S)?);
     let reading = format!(
@@ -272,9 +192,10 @@ fn stiffness_and_rise(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         .right_line("hs", rise)
         .y_range(0.0, 8000.0)
         .right_range(0.0, 0.2);
-    let fast = joint.at_velocity(FASTEST * MM_PER_S)?;
+    let fast = joint.at_velocity(MAX_VELOCITY * MM_PER_S)?;
     let reading = format!(
-        "from rest to {FASTEST} mm/s the stiffness falls from {:.0} to {:.0} kgf/cm, and the table rises by {:.3} µm",
+        "from rest to {MAX_VELOCITY} mm/s the stiffness falls from {:.0} to {:.0} kgf/cm, and the table rises by \
+         {:.3} µm",
         STIFFNESS(&joint.at_velocity(0.0)?),
         STIFFNESS(&fast),
         at_rest - PENETRATION(&fast)
@@ -302,67 +223,9 @@ fn damping_and_viscosity(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 }
 
 /// Returns the highest point of a curve. NaN is ignored.
-fn highest(points: &[(f64, f64)]) -> (f64, f64) {
+pub(super) fn highest(points: &[(f64, f64)]) -> (f64, f64) {
     let of_two = |one: (f64, f64), other: &(f64, f64)| if other.1 > one.1 { *other } else { one };
     points.iter().fold((0.0, 0.0), of_two)
-}
-
-/// Fig 7.22: normal stiffness, and the reciprocal of the real part of alpha, by frequency.
-fn stiffness_and_alpha(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let joint = dry();
-    let inverse = sample_curve(frequencies(), |frequency| Ok(1.0 / joint.response(frequency)?.0))?;
-    let graph = against_frequency(figure, ("normal stiffness KE of 1 cm²", "kgf/cm"))?
-        .right_axis(("1 / real part of alpha", ""))
-        .line("KE", by_frequency(STIFFNESS)?)
-        .right_line("1 / α'", inverse)
-        .y_range(0.0, 8000.0)
-        .right_range(0.0, 1.0);
-    let (slow, fast) = (joint.at_frequency(0.0)?, joint.at_frequency(1e6)?);
-    let reading = format!(
-        "the stiffness falls to {:.3} of its value at rest, 1 / α' to {:.3}",
-        fast.stiffness / slow.stiffness,
-        1.0 / joint.response(1e6)?.0
-    );
-    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
-}
-
-/// Fig 7.23: normal damping and the imaginary part of alpha, by frequency.
-fn damping_and_alpha(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let joint = dry();
-    let damping = by_frequency(DAMPING)?;
-    let imaginary = sample_curve(frequencies(), |frequency| Ok(joint.response(frequency)?.1))?;
-    let reading = format!(
-        "α'' is largest at {:.1} rad/s, CE at {:.1}, which is (1 / T)^{:.2}",
-        highest(&imaginary).0,
-        highest(&damping).0,
-        highest(&damping).0.ln() / (1.0 / joint.time_constant()?).ln()
-    );
-    let graph = against_frequency(figure, ("normal damping CE of 1 cm²", "kgf s/cm"))?
-        .right_axis(("imaginary part of alpha", ""))
-        .line("CE", damping)
-        .right_line("α''", imaginary);
-    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
-}
-
-/// Fig 7.24: friction coefficient against 1 / alpha, with the printed power law.
-fn friction_by_stiffening(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let joint = dry();
-    let points = geomspace(0.1, 3000.0, 121)
-        .map(|frequency| joint.at_frequency(frequency).map(|at| (1.0 / at.stiffening, at.friction)))
-        .collect::<Result<Vec<_>, _>>()?;
-    let at_rest = joint.at_frequency(0.0)?.friction;
-    let printed = PowerLaw::new(at_rest, 0.67);
-    let dots = linspace(0.35, 1.0, 8).map(|inverse| (inverse, printed.at(inverse))).collect();
-    let fitted = PowerLaw::fit(&points)?;
-    let graph = Graph::new(&figure.heading(), ("1 / alpha", ""), ("friction coefficient µk", ""))
-        .logarithmic(true, true)
-        .x_range(0.3, 1.0)
-        .y_range(0.1, 0.5)
-        .line("model", points)
-        .dots("µs alpha^-0.67 (125-7)", dots);
-    let reading =
-        format!("friction is proportional to alpha^-{:.2}; the text has the exponent -0.67", fitted.exponent);
-    Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
 }
 
 /// Loads of the curves in kgf/cm2. Only 0.65 survives in the text; the others are chosen.
@@ -383,7 +246,7 @@ fn friction_by_load(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         let pressure = load * KGF_PER_CM2;
         let stiffening =
             DryFriction::stiffening_at(&Joint::PRINTED, pressure, LEADING_PRESSURE * KGF_PER_MM2)?;
-        let joint = DryFriction { stiffening, ..DryFriction::of_study(Joint::PRINTED, pressure) };
+        let joint = DryFriction { stiffening, ..DryFriction::of_thesis(Joint::PRINTED, pressure) };
         graph = graph.line(format!("{load} kgf/cm²"), by_velocity(&joint, FRICTION)?);
         ends.push((joint.at_velocity(0.0)?.friction, joint.at_velocity(10.0 * MM_PER_S)?.friction));
     }
@@ -399,12 +262,11 @@ fn friction_by_load(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reading;
+    use super::super::tests::assert_reading_contains;
 
     #[test]
     fn readings_agree_with_the_text() {
-        assert!(reading("fig-7-15").contains("0.837 µm"), "{}", reading("fig-7-15"));
-        assert!(reading("fig-7-19").contains("0.374 to 0.186 at 11 mm/s"), "{}", reading("fig-7-19"));
-        assert!(reading("fig-7-24").contains("alpha^-0.66;"), "{}", reading("fig-7-24"));
+        assert_reading_contains("fig-7-15", "0.837 µm");
+        assert_reading_contains("fig-7-19", "0.374 to 0.186 at 11 mm/s");
     }
 }

@@ -6,7 +6,7 @@ use super::{DrawnFigure, Figure, Graph};
 use crate::replay::recipe::BoxError;
 use crate::slideway::SlidewayError;
 use crate::slideway::boundary_film::BoundaryFilm;
-use crate::slideway::joint::{Joint, STUDY_PRESSURE};
+use crate::slideway::joint::{Joint, THESIS_PRESSURE};
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::units::{CM2, KGF_PER_CM2, UM, UM2};
 use patchcord_draw::plot::Ink;
@@ -25,7 +25,7 @@ pub(super) const FIGURES: &[Figure] = &[
         place: "7.2, eq 51-7, 55-7, 63-7",
         title: "friction grows as the joint is pulled",
         claims: &["7-081.a", "7-088"],
-        draw: pulled,
+        draw: friction_while_pulled,
     },
     Figure {
         id: "fig-7-13",
@@ -53,13 +53,13 @@ fn sheared_pair(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     pair(&mut sketch, (660.0, 240.0), 46.0);
     sketch.text("(c) flanks as springs", (16.0, 410.0));
     springs(&mut sketch);
-    let (area, leading) = (joint.area_share(STUDY_PRESSURE)?, joint.leading_share(STUDY_PRESSURE)?);
+    let (area, leading) = (joint.area_share(THESIS_PRESSURE)?, joint.leading_share(THESIS_PRESSURE)?);
     let reading = format!(
         "under 0.65 kgf the leading area grows from half of {:.0} µm² to {:.0} µm² over a displacement of {:.1} µm, \
          and then shears",
         area * CM2 / UM2,
         leading * CM2 / UM2,
-        joint.slip_displacement(STUDY_PRESSURE)? / UM
+        joint.slip_displacement(THESIS_PRESSURE)? / UM
     );
     Ok(sketch.finish(
         "one pair at right angles for a square centimetre, tan θ = Z / B = 0.05 (drawn far steeper)",
@@ -67,19 +67,25 @@ fn sheared_pair(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     ))
 }
 
+/// The drawn slope of a flank, as a tangent.
+const DRAWN_SLOPE: f64 = 0.55;
+/// Half the drawn width of a body, in pixels.
+const HALF_WIDTH: f64 = 170.0;
+/// The drawn depth of the notch, in pixels.
+const NOTCH_DEPTH: f64 = 46.0;
+
 /// Draws a ridge pressed into the body above it, with the centre of the notch at (x, y). `moved` is its displacement
 /// to the right, in pixels.
 fn pair(sketch: &mut Sketch, (x, y): PixelPoint, moved: f64) {
-    let slope = 0.55;
-    let (half, sunk) = (170.0, 46.0);
-    let lower = |at: f64| y + slope * (at - x - moved).abs();
+    let (half, sunk) = (HALF_WIDTH, NOTCH_DEPTH);
+    let lower = |at: f64| y + DRAWN_SLOPE * (at - x - moved).abs();
     let upper_edge = y - 110.0;
     // The upper body, with the notch that the ridge has pressed into it.
     let notch = [
         (x - half, y + sunk),
-        (x + moved - sunk / slope, y + sunk),
+        (x + moved - sunk / DRAWN_SLOPE, y + sunk),
         (x + moved, y),
-        (x + moved + sunk / slope, y + sunk),
+        (x + moved + sunk / DRAWN_SLOPE, y + sunk),
         (x + half, y + sunk),
         (x + half, upper_edge),
         (x - half, upper_edge),
@@ -91,21 +97,10 @@ fn pair(sketch: &mut Sketch, (x, y): PixelPoint, moved: f64) {
         (x + moved + half, lower(x + moved + half)),
     ];
     sketch.body(&[ridge[0], ridge[1], ridge[2]]);
-    let flank = |side: f64| [(x + moved, y), (x + moved + side * sunk / slope, y + sunk)];
+    let flank = |side: f64| [(x + moved, y), (x + moved + side * sunk / DRAWN_SLOPE, y + sunk)];
     sketch.line(&flank(1.0), Ink::Voltage);
     if moved > 0.0 {
-        // Material of the upper body piles up in front of the ridge.
-        let (foot, rise) = (x + moved + sunk / slope, 20.0);
-        sketch.area(
-            &[(foot, y + sunk), (foot + rise / slope, y + sunk), (foot + rise / slope, y + sunk + rise)],
-            Ink::Soft,
-        );
-        sketch.text("prow", (foot + 44.0, y + sunk + 16.0));
-        sketch.span((x, y - 30.0), (x + moved, y - 30.0), "x");
-        sketch.dashed((x, y - 40.0), (x, y + sunk));
-        sketch.coloured("AcL", (x + moved + 58.0, y + 14.0), Ink::Voltage);
-        sketch.arrow(&[(x + moved - 60.0, y + 116.0), (x + moved + 50.0, y + 116.0)], Ink::Line);
-        sketch.text("F", (x + moved + 58.0, y + 121.0));
+        pulled_flank(sketch, (x, y), moved);
     } else {
         sketch.line(&flank(-1.0), Ink::Signal);
         sketch.coloured("AcT = Ac / 2", (x - 150.0, y + 14.0), Ink::Signal);
@@ -114,6 +109,21 @@ fn pair(sketch: &mut Sketch, (x, y): PixelPoint, moved: f64) {
     }
     sketch.arrow(&[(x, upper_edge - 34.0), (x, upper_edge - 2.0)], Ink::Line);
     sketch.text("WT", (x + 10.0, upper_edge - 16.0));
+}
+
+/// Draws the displacement, the leading area and the force of a ridge that is pulled to the right by `moved` pixels, and
+/// the material that piles up in front of it.
+fn pulled_flank(sketch: &mut Sketch, (x, y): PixelPoint, moved: f64) {
+    let bottom = y + NOTCH_DEPTH;
+    let (foot, rise) = (x + moved + NOTCH_DEPTH / DRAWN_SLOPE, 20.0);
+    let front = foot + rise / DRAWN_SLOPE;
+    sketch.area(&[(foot, bottom), (front, bottom), (front, bottom + rise)], Ink::Soft);
+    sketch.text("prow", (foot + 44.0, bottom + 16.0));
+    sketch.span((x, y - 30.0), (x + moved, y - 30.0), "x");
+    sketch.dashed((x, y - 40.0), (x, bottom));
+    sketch.coloured("AcL", (x + moved + 58.0, y + 14.0), Ink::Voltage);
+    sketch.arrow(&[(x + moved - 60.0, y + 116.0), (x + moved + 50.0, y + 116.0)], Ink::Line);
+    sketch.text("F", (x + moved + 58.0, y + 121.0));
 }
 
 /// Draws both flanks as springs in parallel, with their equations.
@@ -129,12 +139,12 @@ fn springs(sketch: &mut Sketch) {
 }
 
 /// Loads of the curves in kgf on a square centimetre. Only 0.65 survives in the text; the others are chosen.
-const PULLED: [f64; 4] = [0.1, 0.3, 0.65, 1.0];
+const LOADS: [f64; 4] = [0.1, 0.3, 0.65, 1.0];
 
 /// Returns displacement in um and friction coefficient, where the pull begins and where the joint slips. Displacement
 /// and leading area are both proportional to the load that changes sides. A straight line therefore joins the two
 /// points.
-fn pull(joint: &Joint, pressure: f64) -> Result<[(f64, f64); 2], SlidewayError> {
+fn pull_line(joint: &Joint, pressure: f64) -> Result<[(f64, f64); 2], SlidewayError> {
     let first = joint.initial_friction(pressure)? + joint.ridge.climb()?;
     let slip = joint.static_friction(pressure, &BoundaryFilm::DRY)?;
     Ok([(0.0, first), (joint.slip_displacement(pressure)? / UM, slip)])
@@ -143,16 +153,16 @@ fn pull(joint: &Joint, pressure: f64) -> Result<[(f64, f64); 2], SlidewayError> 
 /// Fig 7.12: friction coefficient by displacement, for several loads.
 ///
 /// Each line begins at mu_so + tan(theta) and ends at the slip. Claims 7-081.a and 7-088.
-fn pulled(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+fn friction_while_pulled(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = Joint::PRINTED;
     let mut graph = Graph::new(&figure.heading(), ("displacement x", "µm"), ("friction coefficient", ""))
         .y_range(0.0, 0.6)
         .x_range(0.0, 5.0);
-    for load in PULLED {
-        let [first, slip] = pull(&joint, load * KGF_PER_CM2)?;
+    for load in LOADS {
+        let [first, slip] = pull_line(&joint, load * KGF_PER_CM2)?;
         graph = graph.line(format!("{load} kgf/cm²"), vec![first, slip]).label(1, "slips");
     }
-    let [first, slip] = pull(&joint, STUDY_PRESSURE)?;
+    let [first, slip] = pull_line(&joint, THESIS_PRESSURE)?;
     let reading = format!(
         "at 0.65 kgf/cm² friction rises from {:.3} to {:.3} over {:.2} µm, where the joint slips; under more load it \
          slips at a larger displacement and a lower coefficient",
@@ -203,7 +213,7 @@ fn friction_by_load(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 /// 85-7).
 fn friction_by_film(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let joint = Joint::PRINTED;
-    let friction = |rupture: f64| joint.static_friction(STUDY_PRESSURE, &BoundaryFilm::of_study(rupture));
+    let friction = |rupture: f64| joint.static_friction(THESIS_PRESSURE, &BoundaryFilm::of_thesis(rupture));
     let [none, plain, polar, most] = [friction(0.0)?, friction(70.0)?, friction(120.0)?, friction(131.94)?];
     let graph = Graph::new(&figure.heading(), ("film constant Ko", "kgf/mm²"), ("static friction µs", ""))
         .line("0.65 kgf/cm²", sample_curve(linspace(0.0, 150.0, 151), friction)?)
@@ -222,12 +232,12 @@ fn friction_by_film(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reading;
+    use super::super::tests::assert_reading_contains;
 
     #[test]
     fn readings_agree_with_the_text() {
-        assert!(reading("fig-7-12").contains("0.374 over 3.68 µm"), "{}", reading("fig-7-12"));
-        assert!(reading("fig-7-13").contains("0.161 / WT^0.180"), "{}", reading("fig-7-13"));
-        assert!(reading("fig-7-14").contains("0.0804 from Pm on"), "{}", reading("fig-7-14"));
+        assert_reading_contains("fig-7-12", "0.374 over 3.68 µm");
+        assert_reading_contains("fig-7-13", "0.161 / WT^0.180");
+        assert_reading_contains("fig-7-14", "0.0804 from Pm on");
     }
 }

@@ -3,11 +3,13 @@
 //! Circuits are drawn from the shipped patches. Their characteristics and responses are recorded from runs of the
 //! same patches.
 
-use super::{DrawnFigure, Figure, Graph, Recipe, Sheet, format_value, with_title};
-use crate::replay::recipe::{BoxError, ReplayedRun, format_critical_velocity, max_difference};
+use super::{DrawnFigure, Figure, Graph, Recipe, Sheet, with_title};
+use crate::replay::recipe::{BoxError, max_run_difference};
+use crate::replay::run_record::{ReplayedRun, format_critical_velocity};
 use crate::slideway::falling::SIMULATED_STATIC;
 use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::{MM, MM_PER_S};
+use patchcord_analysis::format::format_quantity;
 use patchcord_analysis::instruments::parameter_line;
 use patchcord_core::circuit::Circuit;
 use patchcord_draw::schematic::Schematic;
@@ -135,7 +137,7 @@ fn inventory(circuit: &Circuit) -> String {
 /// Fig 8.17: the final circuit as blocks, compared with the circuit of Fig 8.16.
 fn blocks(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let drawn = circuit(figure, "fig-8-17")?;
-    let difference = max_difference(["fig-8-17", "fig-8-16"].map(Recipe::new), "v_o")?;
+    let difference = max_run_difference(["fig-8-17", "fig-8-16"].map(Recipe::new), "v_o")?;
     let reading = format!("its velocity differs from that of Fig 8.16 by at most {difference:.1e} m/s");
     Ok(DrawnFigure { reading, ..drawn })
 }
@@ -155,9 +157,9 @@ fn steps(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let reading = format!(
         "the linear table rings and settles at {}; with friction the table stops at {}, within Fs/K = {} of the \
          command",
-        format_value(end(&linear)?, "m"),
-        format_value(end(&with_friction)?, "m"),
-        format_value(SIMULATED_STATIC / 17.86e6, "m"),
+        format_quantity(end(&linear)?, "m"),
+        format_quantity(end(&with_friction)?, "m"),
+        format_quantity(SIMULATED_STATIC / 17.86e6, "m"),
     );
     DrawnFigure::from_runs(&[&linear, &with_friction], pictures, with_friction.settings(), reading)
 }
@@ -261,12 +263,12 @@ fn straight_lines(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         let (velocity, level) = (run.record.values("v_o")?, run.record.values("friction_level")?);
         let friction = velocity.iter().zip(&level).filter(|(velocity, _)| **velocity > 0.0);
         let line = |velocity: f64| (SIMULATED_STATIC * (1.0 - velocity / limit)).max(0.0);
-        max_error = friction.clone().fold(max_error, |most, (v, level)| most.max((level - line(*v)).abs()));
+        max_error = friction.clone().fold(max_error, |max, (v, level)| max.max((level - line(*v)).abs()));
         let mut points: Vec<_> = friction
             .map(|(velocity, level)| (velocity / MM_PER_S, level + SIMULATED_DAMPING * velocity))
             .collect();
         points.sort_by(|one, other| one.0.total_cmp(&other.0));
-        graph = graph.line(format!("VcL = {}", format_value(limit, "m/s")), points);
+        graph = graph.line(format!("VcL = {}", format_quantity(limit, "m/s")), points);
         runs.push(run);
     }
     let reading = format!(
@@ -301,11 +303,11 @@ fn position_ramp(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut pictures = vec![position.picture()];
     pictures.extend(run.pictures()?);
     let velocity = run.record.values("v_o")?;
-    let most = velocity.iter().copied().fold(0.0, f64::max);
+    let max = velocity.iter().copied().fold(0.0, f64::max);
     let reading = format!(
         "the motion is stick-slip: slips reach {}, {:.0} times the command",
-        format_value(most, "m/s"),
-        most / rate
+        format_quantity(max, "m/s"),
+        max / rate
     );
     DrawnFigure::from_runs(&[&run], pictures, run.settings(), reading)
 }
@@ -314,8 +316,9 @@ fn position_ramp(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 ///
 /// The profile is the subject of claims 8-079.a and b, and of figure D1.
 fn straight_profile(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let there = Recipe::new("fig-8-11").set("v_turn", 8.4667).run_time(16.5).add_picture("", "v_i", &["v_o"]);
-    let profile = figure.run(&there, "a")?;
+    let profile_recipe =
+        Recipe::new("fig-8-11").set("v_turn", 8.4667).run_time(16.5).add_picture("", "v_i", &["v_o"]);
+    let profile = figure.run(&profile_recipe, "a")?;
     let steady =
         Recipe::new("fig-8-11").set("v_start", 1e-3).set("v_rate", 0.0).run_time(0.5).sample_interval(2e-4);
     let stick_slip = figure.run(&steady.add_picture("", "t", &["x_error", "v_o"]), "b")?;

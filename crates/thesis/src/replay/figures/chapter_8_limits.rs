@@ -1,10 +1,10 @@
-//! Chapter 8, third part: critical velocities of many settings (8.5).
+//! Chapter 8, fourth part: critical velocities of many settings (8.5).
 //!
 //! Points are ramps of the final circuit. Curves are the printed laws and the stability criterion of Routh and
 //! Hurwitz.
 
 use super::graph::{geomspace, linspace};
-use super::{DrawnFigure, Figure, Graph, SweepCommand, comma_separated, format_value};
+use super::{DrawnFigure, Figure, Graph, SweepCommand, comma_separated};
 use crate::replay::boundary::{self, MEMORIES, RATE, with_memory};
 use crate::replay::recipe::BoxError;
 use crate::slideway::SlidewayError;
@@ -12,6 +12,7 @@ use crate::slideway::falling::FallingFriction;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
 use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
 use crate::slideway::units::{MM_PER_S, MS, N_PER_MM, N_S_PER_MM};
+use patchcord_analysis::format::format_quantity;
 
 /// The figures, in their order.
 pub(super) const FIGURES: &[Figure] = &[
@@ -47,7 +48,7 @@ fn sweep_command(limits: &[f64]) -> SweepCommand {
 /// The time constants of the sweep that are plotted, in s.
 const PLOTTED: [f64; 5] = [0.006, 0.0071, 0.010, 0.015, 0.025];
 
-/// Fig 8.30: critical velocity against VcL, by simulation and by the law of the study.
+/// Fig 8.30: critical velocity against VcL, by simulation and by the law of the thesis.
 ///
 /// Every curve has one maximum. By eq 44-8 and 45-8 it is Fs / (2 Cn) at VcL = Fs / Cn.
 fn by_limit(figure: &Figure) -> Result<DrawnFigure, BoxError> {
@@ -55,10 +56,10 @@ fn by_limit(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut simulated =
         Graph::new("(a) simulated, command rising at 1.2 mm/s2", ("VcL", "mm/s"), ("Vc", "mm/s"));
     let mut printed =
-        Graph::new("(b) by the study's law, Cn = 7.5e4 Tc^1.54", ("VcL", "mm/s"), ("Vc", "mm/s"));
+        Graph::new("(b) by the thesis's law, Cn = 7.5e4 Tc^1.54", ("VcL", "mm/s"), ("Vc", "mm/s"));
     (simulated, printed) = (simulated.y_range(0.0, 14.0), printed.y_range(0.0, 14.0));
     for memory in PLOTTED {
-        let name = format!("Tc = {}", format_value(memory, "s"));
+        let name = format!("Tc = {}", format_quantity(memory, "s"));
         let points = with_memory(results, memory)
             .filter_map(|result| Some((result.limit / MM_PER_S, result.velocity.ok()? / MM_PER_S)));
         simulated = simulated.line(&name, points.collect());
@@ -69,13 +70,13 @@ fn by_limit(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         });
         printed = printed.line(&name, law.collect());
     }
-    let (_, law) = boundary::slopes_at_tops()?;
-    let (tops, highest) = (boundary::tops()?, boundary::top_velocities()?);
+    let (_, law) = boundary::slopes_at_worst_limits()?;
+    let (worst_limits, highest) = (boundary::worst_limits()?, boundary::max_critical_velocities()?);
     let reading = format!(
         "the maximum is {} at 6 ms, at VcL = {}, and {} at 25 ms; slopes at the maxima are {:.2e} Tc^{:.2} N s/mm",
-        format_value(highest[0], "m/s"),
-        format_value(tops[0].1, "m/s"),
-        format_value(highest[highest.len() - 1], "m/s"),
+        format_quantity(highest[0], "m/s"),
+        format_quantity(worst_limits[0].1, "m/s"),
+        format_quantity(highest[highest.len() - 1], "m/s"),
         law.factor,
         law.exponent,
     );
@@ -96,7 +97,7 @@ fn by_memory(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let results = boundary::sweep()?;
     let slopes: [SlopeLaw; 2] = [
         ("(a) by Routh-Hurwitz", |memory| DrivenTable::simulated(memory).critical_slope()),
-        ("(b) by the study's law (4-9), Cn = 7.5e4 Tc^1.54", |memory| {
+        ("(b) by the thesis's law (4-9), Cn = 7.5e4 Tc^1.54", |memory| {
             Ok(SLOPE_BY_MEMORY.at(memory) * N_S_PER_MM)
         }),
     ];
@@ -105,7 +106,8 @@ fn by_memory(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         for limit in limits {
             let at = results.iter().filter(|result| (result.limit - limit).abs() < 1e-9);
             let points = at.filter_map(|result| Some((result.memory / MS, result.velocity.ok()? / MM_PER_S)));
-            graph = graph.dots(format!("simulated, VcL = {}", format_value(limit, "m/s")), points.collect());
+            graph =
+                graph.dots(format!("simulated, VcL = {}", format_quantity(limit, "m/s")), points.collect());
         }
         for limit in limits {
             let law = geomspace(0.5e-3, 25e-3, 200).filter_map(|memory| {
@@ -113,19 +115,19 @@ fn by_memory(figure: &Figure) -> Result<DrawnFigure, BoxError> {
                     FallingFriction::simulated(limit).velocity_at_slope(slope(memory).ok()?).ok()?;
                 (velocity > 0.0).then_some((memory / MS, velocity / MM_PER_S))
             });
-            graph = graph.line(format!("law, {}", format_value(limit, "m/s")), law.collect());
+            graph = graph.line(format!("law, {}", format_quantity(limit, "m/s")), law.collect());
         }
         graph.picture()
     });
     let limiting = FallingFriction::simulated(25.4e-3).velocity_of_least(SIMULATED_DAMPING)?;
     let reading = format!(
         "as Tc tends to 0, Vc tends to VcL (1 - f VcL / (2 Fs)): {} for 25.4 mm/s, not 25.4 mm/s",
-        format_value(limiting, "m/s")
+        format_quantity(limiting, "m/s")
     );
     DrawnFigure::from_sweeps(figure, &[sweep_command(&limits)], pictures.to_vec(), reading)
 }
 
-/// Stiffnesses that are run, in N/m. The tests of the study are within 5 ... 45 kN/mm.
+/// Stiffnesses that are run, in N/m. The tests of the thesis are within 5 ... 45 kN/mm.
 const STIFFNESSES: [f64; 9] = [5e6, 7.5e6, 10e6, 12.5e6, 15e6, 20e6, 25e6, 30e6, 45e6];
 
 /// Fig 8.35: critical velocity against drive stiffness, compared with two laws.
@@ -151,7 +153,7 @@ fn by_stiffness(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         .y_range(0.0, 40.0)
         .dots("simulated", simulated.clone())
         .line("Routh-Hurwitz", theory.collect())
-        .line("the study's Cn = 16 K^0.077", law.collect());
+        .line("the thesis's Cn = 16 K^0.077", law.collect());
     let texts: Vec<_> = simulated.iter().map(|(k, v)| format!("{v:.1} mm/s at {k} kN/mm")).collect();
     let reading = format!("oscillation ends at {}", texts.join(", "));
     let sweep = SweepCommand {

@@ -2,14 +2,16 @@
 //!
 //! The figures show it alone, near the critical velocity, and just after stick-slip.
 
-use super::chapter_8_recordings::rising;
+use super::chapter_8_profiles::rising;
 use super::graph::Graph;
-use super::{DrawnFigure, Figure, Recipe, format_value};
+use super::{DrawnFigure, Figure, Recipe};
 use crate::replay::boundary::RATE;
 use crate::replay::frequency::{self, VelocitySwing};
-use crate::replay::recipe::{BoxError, ReplayedRun, format_critical_velocity};
+use crate::replay::recipe::BoxError;
+use crate::replay::run_record::{ReplayedRun, format_critical_velocity};
 use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::MM_PER_S;
+use patchcord_analysis::format::format_quantity;
 use patchcord_draw::plot::Picture;
 
 /// The figures, in their order.
@@ -33,20 +35,20 @@ pub(super) const FIGURES: &[Figure] = &[
         place: "8.5",
         title: "quasi-harmonic motion just following stick-slip",
         claims: &[],
-        draw: just_after,
+        draw: after_stick_slip,
     },
 ];
 
 /// VcL of the two profiles, in m/s. The first is that of the caption of Fig 8.34. At the second only the first slip
 /// ends at rest.
-const TWO: [f64; 2] = [2.54e-3, 10.16e-3];
+const LIMITS: [f64; 2] = [2.54e-3, 10.16e-3];
 
 /// Fig 8.32: one profile with stick-slip followed by quasi-harmonic motion, and one with quasi-harmonic motion after
 /// the first slip.
 fn two_profiles(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let titles = ["(a) stick-slip, then quasi-harmonic", "(b) quasi-harmonic after the first jump"];
     let mut runs = Vec::new();
-    for ((limit, title), which) in TWO.into_iter().zip(titles).zip(["a", "b"]) {
+    for ((limit, title), which) in LIMITS.into_iter().zip(titles).zip(["a", "b"]) {
         let recipe = Recipe::new("fig-8-16").set("VcL", limit).add_picture(title, "v_i", &["v_o"]);
         runs.push(figure.run(&rising(recipe, RATE), which)?);
     }
@@ -64,9 +66,12 @@ fn two_profiles(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 fn near_critical(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let commands = [4e-3, 6.8e-3];
     let (mut runs, mut readings) = (Vec::new(), Vec::new());
-    for ((limit, command), which) in TWO.into_iter().zip(commands).zip(["a", "b"]) {
-        let title =
-            format!("({which}) VcL = {}, at {}", format_value(limit, "m/s"), format_value(command, "m/s"));
+    for ((limit, command), which) in LIMITS.into_iter().zip(commands).zip(["a", "b"]) {
+        let title = format!(
+            "({which}) VcL = {}, at {}",
+            format_quantity(limit, "m/s"),
+            format_quantity(command, "m/s")
+        );
         let recipe = Recipe::new("fig-8-16")
             .set("VcL", limit)
             .steady_command(command)
@@ -74,18 +79,18 @@ fn near_critical(figure: &Figure) -> Result<DrawnFigure, BoxError> {
             .sample_interval(2e-4);
         let run = figure.run(&recipe.add_picture(&title, "t", &["v_o"]), which)?;
         let frequency = run.record.measure("frequency:v_o,last=1")?;
-        readings.push(format!("{frequency:.1} Hz at {}", format_value(command, "m/s")));
+        readings.push(format!("{frequency:.1} Hz at {}", format_quantity(command, "m/s")));
         runs.push(run);
     }
     let natural = DrivenTable::simulated(0.0065).natural_frequency()? / std::f64::consts::TAU;
-    let shown = |run: &ReplayedRun| -> Result<Vec<Picture>, BoxError> {
+    let cycle_pictures = |run: &ReplayedRun| -> Result<Vec<Picture>, BoxError> {
         // A few cycles from the end of the run, when the oscillation has settled.
         let points = run.record.points(("t", 1.0), ("v_o", MM_PER_S))?;
         let graph = Graph::new(&run.patch().pictures[0].title, ("t", "s"), ("v_o", "mm/s"));
         let cycles = points.into_iter().filter(|(time, _)| *time >= 3.8).collect();
         Ok(vec![graph.line("v_o", cycles).note(run.settings()).picture()])
     };
-    let pictures = shown(&runs[0])?.into_iter().chain(shown(&runs[1])?).collect();
+    let pictures = cycle_pictures(&runs[0])?.into_iter().chain(cycle_pictures(&runs[1])?).collect();
     let reading = format!("{}; the natural frequency is {natural:.1} Hz", readings.join(", "));
     let settings = runs[0].settings();
     DrawnFigure::from_runs(&runs.iter().collect::<Vec<_>>(), pictures, settings, reading)
@@ -103,15 +108,15 @@ const CAPTION_LIMITS: [f64; 3] = [2.54e-3, 25.4e-3, 23e-3];
 fn format_swing((limit, swing): &(f64, VelocitySwing)) -> String {
     format!(
         "VcL = {} ({:.2} ... {:.2} mm/s)",
-        format_value(*limit, "m/s"),
-        swing.least / MM_PER_S,
-        swing.most / MM_PER_S
+        format_quantity(*limit, "m/s"),
+        swing.min / MM_PER_S,
+        swing.max / MM_PER_S
     )
 }
 
 /// Fig 8.34: velocity in time with the values of the caption, and frequency by VcL for the commands that the caption
 /// may mean.
-fn just_after(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+fn after_stick_slip(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let recipe = |limit| frequency::steady_recipe(CAPTION_COMMANDS[0]).set("VcL", limit);
     let (mut runs, mut read) = (Vec::new(), Vec::new());
     let mut velocities = Graph::new("velocity", ("t", "s"), ("v_o", "mm/s"));
@@ -119,7 +124,7 @@ fn just_after(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         let run = figure.run(&recipe(limit).add_picture("", "t", &["v_o"]), which)?;
         let points = run.record.points(("t", 1.0), ("v_o", MM_PER_S))?.into_iter();
         let cycles = points.filter(|(time, _)| *time >= 3.85).collect();
-        velocities = velocities.line(format!("VcL = {}", format_value(limit, "m/s")), cycles);
+        velocities = velocities.line(format!("VcL = {}", format_quantity(limit, "m/s")), cycles);
         let swing = frequency::read_swing(&run.record)?;
         read.push(
             swing.frequency.map_or_else(|| "none".to_owned(), |frequency| format!("{frequency:.1} Hz")),
@@ -134,7 +139,7 @@ fn just_after(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     for command in CAPTION_COMMANDS {
         let swings = frequency::swings_by_limit(command)?;
         let points = swings.iter().filter_map(|(limit, swing)| Some((limit / MM_PER_S, swing.frequency?)));
-        let command_text = format_value(command, "m/s");
+        let command_text = format_quantity(command, "m/s");
         frequencies = frequencies.line(format!("at {command_text}"), points.collect());
         let found = frequency::limits_at_frequency(command, &swings, CAPTION_HERTZ)?;
         let found = found.iter().map(format_swing).collect::<Vec<_>>().join(", ");

@@ -23,7 +23,7 @@ pub(super) const FIGURES: &[Figure] = &[
         place: "9.4 (ii), eq 41-9 ... 44-9",
         title: "linear and non-linear part",
         claims: &["9-071"],
-        draw: parts,
+        draw: closed_loop,
     },
     Figure {
         id: "fig-9-10",
@@ -44,7 +44,7 @@ pub(super) const FIGURES: &[Figure] = &[
         place: "9.4 (ii), eq 54-9 ... 56-9",
         title: "from a sine to its cut-off",
         claims: &["9-081", "9-082", "9-083.a", "9-083.b"],
-        draw: layout,
+        draw: cut_off_sine,
     },
     Figure {
         id: "fig-9-13",
@@ -74,12 +74,12 @@ pub(super) fn table(stiffness: f64) -> DrivenTable {
 pub(super) const SETTINGS: &str = "M = 433 kg, f = 10.71 N s/mm, without time constant";
 
 /// Fig 9.9: the closed loop, with a linear and a non-linear part.
-fn parts(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+fn closed_loop(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut sketch = Sketch::new(&figure.heading(), 460.0);
     sketch.text("(a) the system, with a linear and a non-linear part", (16.0, 76.0));
-    loop_of(&mut sketch, 150.0, "xi", ("solid friction", "mass, spring, viscous friction"));
+    draw_loop(&mut sketch, 150.0, "xi", ("solid friction", "mass, spring, viscous friction"));
     sketch.text("(b) the same without an input, in the form of control theory", (16.0, 270.0));
-    loop_of(&mut sketch, 344.0, "0", ("NE", "G(s)"));
+    draw_loop(&mut sketch, 344.0, "0", ("NE", "G(s)"));
     sketch.text("G(jω) = −1 / NE", (560.0, 270.0));
     let reading = "the loop oscillates by itself where the curves of G(jω) and −1 / NE meet; G gives the frequency, \
          NE the amplitude";
@@ -87,7 +87,7 @@ fn parts(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 }
 
 /// Draws a loop with two blocks. `y` is the vertical position of its forward path, in pixels.
-fn loop_of(sketch: &mut Sketch, y: f64, input: &str, (first, second): (&str, &str)) {
+fn draw_loop(sketch: &mut Sketch, y: f64, input: &str, (first, second): (&str, &str)) {
     sketch.text(input, (64.0, y - 8.0));
     sketch.arrow(&[(60.0, y), (147.0, y)], Ink::Line);
     sketch.sum((160.0, y));
@@ -115,7 +115,7 @@ fn waves(title: &str, side: &str) -> Graph {
 }
 
 /// Amplitudes of the force, divided by F, that are plotted.
-const BY_FRICTION: [f64; 3] = [1.5, 3.0, 10.0];
+const AMPLITUDES: [f64; 3] = [1.5, 3.0, 10.0];
 
 /// Fig 9.10: constant friction as a dead zone, and its effect on sines of several amplitudes.
 fn constant_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
@@ -125,17 +125,17 @@ fn constant_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         .line("useful force", zone)
         .x_range(-4.0, 4.0)
         .picture();
-    let mut shown = waves("(c) sines of several amplitudes, divided by their amplitude", "useful force / E");
+    let mut sines = waves("(c) sines of several amplitudes, divided by their amplitude", "useful force / E");
     let mut texts = Vec::new();
-    for size in BY_FRICTION {
-        shown = shown.line(format!("E = {size} F"), wave(|angle| dead_zone(size * angle.sin()) / size));
+    for size in AMPLITUDES {
+        sines = sines.line(format!("E = {size} F"), wave(|angle| dead_zone(size * angle.sin()) / size));
         texts.push(format!("{:.2} for E = {size} F", dead_zone_gain(size)));
     }
     let reading = format!("NE is {}; it tends to 1 for a larger amplitude or a smaller F", texts.join(", "));
-    Ok(DrawnFigure::from_theory(vec![law, shown.picture()], "in units of F", reading))
+    Ok(DrawnFigure::from_theory(vec![law, sines.picture()], "in units of F", reading))
 }
 
-/// The working point of the study's example, as a share of VcL.
+/// The working point of the thesis's example, as a share of VcL.
 const WORKING_POINT: f64 = 0.4;
 
 /// Fig 9.11: solid and viscous friction at a working point, and the cut-off that they make.
@@ -145,12 +145,12 @@ fn slideway_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let solid = sample_curve(velocities.clone(), |velocity| friction.solid(velocity * MM_PER_S))?;
     let viscous = velocities.map(|velocity| (velocity, damping * velocity * MM_PER_S)).collect();
     let working = WORKING_POINT * friction.limit;
-    let (left, spare) = (friction.solid(working)?, damping * working);
+    let (solid_force, viscous_force) = (friction.solid(working)?, damping * working);
     let title = format!("{}, (a) as two parts", figure.heading());
     let decomposed = Graph::new(&title, ("velocity", "mm/s"), ("friction force", "N"))
         .line("solid friction F", solid)
         .line("viscous friction a = f v", viscous)
-        .dots("at 16 mm/s", vec![(working / MM_PER_S, left), (working / MM_PER_S, spare)])
+        .dots("at 16 mm/s", vec![(working / MM_PER_S, solid_force), (working / MM_PER_S, viscous_force)])
         .picture();
     let cut = linspace(-4.0, 4.0, 161).map(|force| (force, cut_off(force))).collect();
     let law = Graph::new(
@@ -163,26 +163,27 @@ fn slideway_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     .line("output", cut)
     .picture();
     let (small, large) = (0.8, 3.0);
-    let shown = waves("(c) a small sine passes, a large one is cut", "accelerating force / a")
+    let sines = waves("(c) a small sine passes, a large one is cut", "accelerating force / a")
         .y_range(-2.0, 4.0)
         .line("E1 = 0.8 a", wave(|angle| cut_off(small * angle.sin())))
         .line("E2 = 3 a", wave(|angle| cut_off(large * angle.sin())))
         .picture();
     let reading = format!(
-        "at {:.0} mm/s F is {left:.0} N and a {spare:.0} N; NE is {:.0} for E = 0.8 a and {:.3} for E = 3 a",
+        "at {:.0} mm/s F is {solid_force:.0} N and a {viscous_force:.0} N; NE is {:.0} for E = 0.8 a and {:.3} for E \
+         = 3 a",
         working / MM_PER_S,
         cut_off_gain(small),
         cut_off_gain(large)
     );
     let settings = "Fs = 771 N, VcL = 40 mm/s, f = 10.71 N s/mm";
-    Ok(DrawnFigure::from_theory(vec![decomposed, law, shown], settings, reading))
+    Ok(DrawnFigure::from_theory(vec![decomposed, law, sines], settings, reading))
 }
 
 /// The ratio E/a of the example in Fig 9.12.
-const LAID_OUT: f64 = 3.0;
+const EXAMPLE_RATIO: f64 = 3.0;
 
 /// Fig 9.12: a sine, its cut-off and the fundamental of that, laid out around the characteristic.
-fn layout(figure: &Figure) -> Result<DrawnFigure, BoxError> {
+fn cut_off_sine(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     let mut sketch = Sketch::new(&figure.heading(), 640.0);
     // Coordinates are in units of a. Time runs down below the characteristic, and to the right next to it.
     let law = Grid { origin: (230.0, 220.0), scale: (38.0, 38.0) };
@@ -194,16 +195,17 @@ fn layout(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     sketch.line(&law.all([(-4.0, -1.0), (-1.0, -1.0), (3.5, 3.5)]), Ink::Line);
     sketch.text_before("−a", law.at(-0.2, -1.4));
     let angles = || linspace(0.0, 2.0 * PI, 181);
-    sketch.line(&below.all(angles().map(|angle| (LAID_OUT * angle.sin(), angle))), Ink::Signal);
+    sketch.line(&below.all(angles().map(|angle| (EXAMPLE_RATIO * angle.sin(), angle))), Ink::Signal);
     axes(&mut sketch, below, (-4.0, 4.4), (0.0, 6.6));
     sketch.coloured("E sin θ", below.at(3.2, PI / 2.0 + 0.1), Ink::Signal);
     axes(&mut sketch, right, (0.0, 6.6), (-1.8, 3.6));
-    sketch.line(&right.all(angles().map(|angle| (angle, cut_off(LAID_OUT * angle.sin())))), Ink::Voltage);
-    let gain = cut_off_gain(LAID_OUT);
+    sketch
+        .line(&right.all(angles().map(|angle| (angle, cut_off(EXAMPLE_RATIO * angle.sin())))), Ink::Voltage);
+    let gain = cut_off_gain(EXAMPLE_RATIO);
     let fundamental: Vec<PixelPoint> =
-        right.all(angles().map(|angle| (angle, gain * LAID_OUT * angle.sin())));
+        right.all(angles().map(|angle| (angle, gain * EXAMPLE_RATIO * angle.sin())));
     fundamental.chunks(4).step_by(2).for_each(|dash| sketch.fine(dash));
-    let cut = (1.0 / LAID_OUT).asin();
+    let cut = (1.0 / EXAMPLE_RATIO).asin();
     for angle in [PI + cut, 2.0 * PI - cut] {
         sketch.dashed(right.at(angle, -1.0), right.at(angle, 0.0));
     }
@@ -214,8 +216,8 @@ fn layout(figure: &Figure) -> Result<DrawnFigure, BoxError> {
     sketch.text("g(E) = 1/2 + θ1 / π + a / (π E) · (1 − (a / E)²)^0.5", (460.0, 460.0));
     sketch.text("b(E) = 0: the output has no phase lag", (460.0, 490.0));
     let reading = format!(
-        "for E = {LAID_OUT} a the angle θ1 = asin(a / E) is {:.1} degrees, and g(E) {gain:.3}, between 1 for E = a \
-         and 1/2 for a = 0",
+        "for E = {EXAMPLE_RATIO} a the angle θ1 = asin(a / E) is {:.1} degrees, and g(E) {gain:.3}, between 1 for E = \
+         a and 1/2 for a = 0",
         cut.to_degrees()
     );
     Ok(sketch.finish("E = 3 a, constant friction", reading))
@@ -232,22 +234,24 @@ pub(super) type Curve = Vec<(f64, f64)>;
 
 /// Returns G(jw) of a table for frequencies from `low` to `high`, in rad/s.
 pub(super) fn locus(table: &DrivenTable, low: f64, high: f64) -> Result<Curve, BoxError> {
-    Ok(geomspace(low, high, 201).map(|frequency| at(table, frequency)).collect::<Result<_, _>>()?)
+    Ok(geomspace(low, high, 201)
+        .map(|frequency| open_loop_point(table, frequency))
+        .collect::<Result<_, _>>()?)
 }
 
 /// Returns G(jw) of a table at a frequency in rad/s.
-pub(super) fn at(table: &DrivenTable, frequency: f64) -> Result<(f64, f64), SlidewayError> {
+pub(super) fn open_loop_point(table: &DrivenTable, frequency: f64) -> Result<(f64, f64), SlidewayError> {
     table.open_loop(frequency).map(|response| (response.re, response.im))
 }
 
 /// Returns -1 / N for a ratio E/a, with friction that oscillates with an amplitude n. `friction` is n/a.
-pub(super) fn inverse(force: f64, friction: f64) -> Result<(f64, f64), SlidewayError> {
+pub(super) fn negative_reciprocal(force: f64, friction: f64) -> Result<(f64, f64), SlidewayError> {
     let function = Swing { force, friction }.describing_function()?;
     Ok((-function.re / function.norm_sqr(), function.im / function.norm_sqr()))
 }
 
 /// Makes a graph of the complex plane.
-pub(super) fn plane(figure: &Figure) -> Graph {
+pub(super) fn complex_plane(figure: &Figure) -> Graph {
     Graph::new(&figure.heading(), ("real part", ""), ("imaginary part", ""))
 }
 
@@ -256,9 +260,11 @@ const T9_3: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];
 
 /// Fig 9.13: the Nyquist diagram with a constant friction force.
 fn nyquist_without_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let dots = T9_3.map(|force| inverse(force, 0.0)).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let line = geomspace(1.0, 1000.0, 61).map(|force| inverse(force, 0.0)).collect::<Result<_, _>>()?;
-    let mut graph = plane(figure)
+    let dots =
+        T9_3.map(|force| negative_reciprocal(force, 0.0)).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let line =
+        geomspace(1.0, 1000.0, 61).map(|force| negative_reciprocal(force, 0.0)).collect::<Result<_, _>>()?;
+    let mut graph = complex_plane(figure)
         .x_range(-3.0, 0.5)
         .y_range(-0.4, 0.1)
         .line("G(jω), 45 MN/m", locus(&table(DRIVES[0]), 150.0, 3000.0)?)
@@ -278,11 +284,11 @@ fn nyquist_without_friction(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 }
 
 /// The ratio E/a, and two ratios n/a below and above 1, as in Table T9-4.
-const WAVES: (f64, [f64; 2]) = (5.0, [0.6, 4.0]);
+const EXAMPLE_RATIOS: (f64, [f64; 2]) = (5.0, [0.6, 4.0]);
 
 /// Fig 9.14: wave forms with oscillating friction, for n < a and n > a.
 fn wave_forms(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let (force, frictions) = WAVES;
+    let (force, frictions) = EXAMPLE_RATIOS;
     let one = |title: &str, friction: f64| -> Result<Picture, BoxError> {
         let function = Swing { force, friction }.describing_function()?;
         let fundamental = |angle: f64| force * (function.re * angle.sin() + function.im * angle.cos());
@@ -310,15 +316,11 @@ fn wave_forms(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reading;
+    use super::super::tests::assert_reading_contains;
 
     #[test]
     fn readings_agree_with_the_text() {
-        assert!(reading("fig-9-13").contains("−1.60 at 5 a"), "{}", reading("fig-9-13"));
-        assert!(
-            reading("fig-9-14").contains("n/a = 0.6: 1/|N| = 1.587, phase lag 6.84"),
-            "{}",
-            reading("fig-9-14")
-        );
+        assert_reading_contains("fig-9-13", "−1.60 at 5 a");
+        assert_reading_contains("fig-9-14", "n/a = 0.6: 1/|N| = 1.587, phase lag 6.84");
     }
 }

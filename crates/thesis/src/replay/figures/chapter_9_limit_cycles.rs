@@ -3,7 +3,9 @@
 //! The table oscillates by itself where its frequency response meets the negative reciprocal of the describing
 //! function of friction. The intersection gives the frequency and the amplitude.
 
-use super::chapter_9_describing::{Curve, DRIVES, SETTINGS, at, inverse, locus, plane, table};
+use super::chapter_9_describing::{
+    Curve, DRIVES, SETTINGS, complex_plane, locus, negative_reciprocal, open_loop_point, table,
+};
 use super::graph::{geomspace, linspace, sample_curve};
 use super::{DrawnFigure, Figure, Graph};
 use crate::replay::recipe::BoxError;
@@ -40,7 +42,7 @@ pub(super) const FIGURES: &[Figure] = &[
     },
 ];
 
-/// Ratios E/a of the study: amplitude of the force by viscous friction.
+/// Ratios E/a of the thesis: amplitude of the force by viscous friction.
 const FORCES: [f64; 3] = [1.0, 5.0, 20.0];
 
 /// Ratios n/a of Table T9-4: amplitude of friction by viscous friction.
@@ -50,26 +52,28 @@ const T9_4: [f64; 9] = [0.0, 0.1, 0.4, 0.6, 1.0, 2.0, 4.0, 5.0, 10.0];
 ///
 /// The intersections are the solutions of 1 + N G = 0 (claims 9-170 ... 9-193).
 fn nyquist(figure: &Figure) -> Result<DrawnFigure, BoxError> {
-    let mut graph = plane(figure).x_range(-2.5, 0.0).y_range(-1.0, 0.2);
+    let mut graph = complex_plane(figure).x_range(-2.5, 0.0).y_range(-1.0, 0.2);
     for drive in DRIVES {
         let low = 150.0 * (drive / DRIVES[0]).sqrt();
         graph = graph.line(format!("G(jω), {drive} MN/m"), locus(&table(drive), low, 3000.0)?);
     }
     let mut dots = Vec::new();
     for force in FORCES {
-        let curve: Vec<_> =
-            linspace(0.0, 10.0, 201).map(|friction| inverse(force, friction)).collect::<Result<_, _>>()?;
+        let curve: Vec<_> = linspace(0.0, 10.0, 201)
+            .map(|friction| negative_reciprocal(force, friction))
+            .collect::<Result<_, _>>()?;
         graph = graph.line(format!("−1 / NE, E/a = {force}"), curve);
-        let printed = T9_4.iter().map(|friction| inverse(force, *friction));
+        let printed = T9_4.iter().map(|friction| negative_reciprocal(force, *friction));
         dots.extend(printed.collect::<Result<Vec<_>, _>>()?);
     }
-    let meeting = limit_cycles()?.into_iter().map(|(table, cycle)| at(&table, cycle.frequency));
-    let meeting = meeting.collect::<Result<_, _>>()?;
-    let graph = graph.dots("n/a of Table T9-4", dots).dots("limit cycles", meeting);
+    let intersections =
+        limit_cycles()?.into_iter().map(|(table, cycle)| open_loop_point(&table, cycle.frequency));
+    let intersections = intersections.collect::<Result<_, _>>()?;
+    let graph = graph.dots("n/a of Table T9-4", dots).dots("limit cycles", intersections);
     let cycle = table(DRIVES[0]).limit_cycle(FORCES[2])?;
     let reading = format!(
         "the curves meet at E/a = 20 and 45 MN/m with n/a = {:.2} at {:.0} rad/s (printed 2.10, 235)",
-        cycle.friction_by_spare(),
+        cycle.friction_amplitude(),
         cycle.frequency
     );
     Ok(DrawnFigure::from_theory(vec![graph.picture()], SETTINGS, reading))
@@ -97,10 +101,11 @@ fn modulus_by_angle(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         })?;
         graph = graph.line(format!("1 / |NE|, E/a = {force}"), points);
     }
-    let meeting = limit_cycles()?;
-    let dots = meeting.iter().map(|(table, cycle)| by_angle(table, cycle.frequency));
+    let intersections = limit_cycles()?;
+    let dots = intersections.iter().map(|(table, cycle)| by_angle(table, cycle.frequency));
     let dots = dots.collect::<Result<_, _>>()?;
-    let frequencies: Vec<_> = meeting.iter().map(|(_, cycle)| format!("{:.0}", cycle.frequency)).collect();
+    let frequencies: Vec<_> =
+        intersections.iter().map(|(_, cycle)| format!("{:.0}", cycle.frequency)).collect();
     let mut graph = graph.dots("they meet, at rad/s", dots);
     for (index, frequency) in frequencies.iter().enumerate() {
         graph = graph.label(index, frequency.clone());
@@ -130,19 +135,19 @@ fn profile(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         .y_range(-15.0, 60.0)
         .line("command", vec![(15.0, 15.0), (35.0, 35.0)]);
     let (mut dots, mut swings) = (Vec::new(), Vec::new());
-    let (mut slowest, mut rests) = (0.0, true);
+    let (mut slowest, mut reaches_rest) = (0.0, true);
     for drive in DRIVES {
         let table = table(drive);
         let motions = motions(&table, &friction)?;
         let (fastest, last) = (motions[0], motions[2]);
-        let edges = edges(&table, &friction, last.velocity, fastest.velocity)?;
-        graph = graph.line(format!("range of oscillation, {drive} MN/m"), edges);
+        let range = velocity_range(&table, &friction, last.velocity, fastest.velocity)?;
+        graph = graph.line(format!("range of oscillation, {drive} MN/m"), range);
         for Oscillation { velocity, swing, .. } in motions {
             dots.extend([swing, -swing].map(|off| (velocity / MM_PER_S, (velocity + off) / MM_PER_S)));
         }
         swings.push(format!("{:.1}", last.swing / MM_PER_S));
         slowest = last.velocity;
-        rests &= last.swing >= last.velocity;
+        reaches_rest &= last.swing >= last.velocity;
     }
     let graph = graph.dots("E/a = 1, 5, 20 of Table T9-6", dots);
     let table = table(DRIVES[0]);
@@ -150,7 +155,11 @@ fn profile(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         "at {:.1} mm/s the amplitude is {} mm/s ({}); oscillation ends at {:.2} mm/s, where Cn is {:.2} N s/mm",
         slowest / MM_PER_S,
         swings.join(" and "),
-        if rests { "the table comes to rest: stick-slip" } else { "the table does not always come to rest" },
+        if reaches_rest {
+            "the table comes to rest: stick-slip"
+        } else {
+            "the table does not always come to rest"
+        },
         motions(&table, &friction)?[0].velocity / MM_PER_S,
         table.limit_cycle(FORCES[0])?.slope / N_S_PER_MM
     );
@@ -165,7 +174,12 @@ fn motions(table: &DrivenTable, friction: &FallingFriction) -> Result<Vec<Oscill
 
 /// Returns the range of velocities of the oscillation in mm/s, by command in mm/s: along the upper edge, and back
 /// along the lower one. `slow` and `fast` are the first and last command, in m/s.
-fn edges(table: &DrivenTable, friction: &FallingFriction, slow: f64, fast: f64) -> Result<Curve, BoxError> {
+fn velocity_range(
+    table: &DrivenTable,
+    friction: &FallingFriction,
+    slow: f64,
+    fast: f64,
+) -> Result<Curve, BoxError> {
     // The last limit cycle is at the limit of existence, so the last command is slightly below it.
     let commands = geomspace(slow, fast * (1.0 - 1e-9), 101);
     let swings = sample_curve(commands, |velocity| Ok(oscillation_at(table, friction, velocity)?.swing))?;
@@ -179,12 +193,12 @@ fn edges(table: &DrivenTable, friction: &FallingFriction, slow: f64, fast: f64) 
 
 #[cfg(test)]
 mod tests {
-    use super::super::reading;
+    use super::super::tests::assert_reading_contains;
 
     #[test]
     fn readings_agree_with_the_text() {
-        assert!(reading("fig-9-15").contains("n/a = 2.10 at 235 rad/s"), "{}", reading("fig-9-15"));
-        assert!(reading("fig-9-16").contains("322, 255, 235 rad/s"), "{}", reading("fig-9-16"));
-        assert!(reading("fig-9-17").contains("28.89 mm/s"), "{}", reading("fig-9-17"));
+        assert_reading_contains("fig-9-15", "n/a = 2.10 at 235 rad/s");
+        assert_reading_contains("fig-9-16", "322, 255, 235 rad/s");
+        assert_reading_contains("fig-9-17", "28.89 mm/s");
     }
 }

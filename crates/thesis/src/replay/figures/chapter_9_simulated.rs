@@ -1,4 +1,4 @@
-//! Chapter 9: laws and measurements of the study compared with runs of the circuit.
+//! Chapter 9: laws and measurements of the thesis compared with runs of the circuit.
 //!
 //! Ramps at several rates, and small disturbances, give the slope of friction at which oscillation ends. The twelve
 //! cells of Table T9-2 are run one by one.
@@ -9,6 +9,7 @@ use crate::chain::{MeasurementComparison, Settings, table_9_2};
 use crate::replay::boundary::{self, MEMORIES, RATE, Slopes, disturbance_boundary};
 use crate::replay::number_table::NumberTable;
 use crate::replay::recipe::BoxError;
+use crate::replay::series::min_max;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
@@ -37,20 +38,20 @@ const RATES: [f64; 4] = [2.4e-3, RATE, 0.3e-3, 0.075e-3];
 /// Thresholds of the swing at which slopes are read, in m/s.
 const THRESHOLDS: [f64; 3] = [0.25e-3, 0.5e-3, 1e-3];
 
-/// Returns the slopes in N s/mm at the tops of the curves, by time constant in s, from small disturbances of steady
-/// sliding.
+/// Returns the slopes in N s/mm at the worst VcL of each time constant, by time constant in s. They come from small
+/// disturbances of steady sliding.
 fn slopes_by_disturbance() -> Result<Vec<(f64, f64)>, BoxError> {
-    let mut small = Vec::new();
-    for &(memory, limit) in boundary::tops()? {
+    let mut slopes = Vec::new();
+    for &(memory, limit) in boundary::worst_limits()? {
         if let Some(velocity) = disturbance_boundary(&[("Tc", memory), ("VcL", limit)], limit)? {
-            small.push((memory, FallingFriction::simulated(limit).slope(velocity)? / N_S_PER_MM));
+            slopes.push((memory, FallingFriction::simulated(limit).slope(velocity)? / N_S_PER_MM));
         }
     }
-    Ok(small)
+    Ok(slopes)
 }
 
 /// The slopes at which oscillation of the circuit ends, by time constant. They come from ramps and from small
-/// disturbances, and are compared with the study's law and with Routh-Hurwitz.
+/// disturbances, and are compared with the thesis's law and with Routh-Hurwitz.
 pub(super) struct CircuitSlopes {
     /// Slopes by time constant, and exponents by rate.
     pub pictures: Vec<Picture>,
@@ -58,7 +59,7 @@ pub(super) struct CircuitSlopes {
     pub reading: String,
     /// The fitted laws, by rate and threshold.
     pub table: NumberTable,
-    /// The sweep at the study's rate.
+    /// The sweep at the thesis's rate.
     pub sweep: SweepCommand,
 }
 
@@ -66,13 +67,13 @@ pub(super) struct CircuitSlopes {
 pub(super) fn circuit_slopes() -> Result<CircuitSlopes, BoxError> {
     let ramps: Vec<Vec<Slopes>> =
         RATES.iter().map(|rate| boundary::slopes_at_rate(*rate, &THRESHOLDS)).collect::<Result<_, _>>()?;
-    let small = slopes_by_disturbance()?;
+    let disturbed = slopes_by_disturbance()?;
     let theory: Vec<_> = geomspace(0.006, 0.025, 40)
         .map(|memory| {
             Ok::<_, BoxError>((memory, DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM))
         })
         .collect::<Result<_, _>>()?;
-    let (theory_law, small_law) = (PowerLaw::fit(&theory)?, PowerLaw::fit(&small)?);
+    let (theory_law, disturbed_law) = (PowerLaw::fit(&theory)?, PowerLaw::fit(&disturbed)?);
     let mut table = NumberTable::new(
         REASON,
         ["how", "threshold, mm/s", "factor, N s/mm", "exponent", "Cn at 6 ms, N s/mm", "at 25 ms", "points"],
@@ -87,9 +88,9 @@ pub(super) fn circuit_slopes() -> Result<CircuitSlopes, BoxError> {
             row(ramp_name(*rate), (threshold / MM_PER_S).to_string(), law, points.len().to_string());
         }
     }
-    row("small disturbances".to_owned(), "none".to_owned(), &small_law, small.len().to_string());
+    row("small disturbances".to_owned(), "none".to_owned(), &disturbed_law, disturbed.len().to_string());
     row("Routh-Hurwitz".to_owned(), "none".to_owned(), &theory_law, "law".to_owned());
-    row("the study, eq 1-9".to_owned(), "not stated".to_owned(), &SLOPE_BY_MEMORY, "law".to_owned());
+    row("the thesis, eq 1-9".to_owned(), "not stated".to_owned(), &SLOPE_BY_MEMORY, "law".to_owned());
     let laws = ramps.iter().zip(RATES).map(|(laws, rate)| {
         format!("{:.2e} Tc^{:.2} by ramps of {} mm/s2", laws[0].1.factor, laws[0].1.exponent, rate / MM_PER_S)
     });
@@ -97,12 +98,13 @@ pub(super) fn circuit_slopes() -> Result<CircuitSlopes, BoxError> {
         "runs of the circuit give {}, and {:.2e} Tc^{:.2} by small disturbances; Routh-Hurwitz gives {:.2e} \
          Tc^{:.2}; with a slower ramp oscillation ends nearer to the stability boundary",
         laws.collect::<Vec<_>>().join(", "),
-        small_law.factor,
-        small_law.exponent,
+        disturbed_law.factor,
+        disturbed_law.exponent,
         theory_law.factor,
         theory_law.exponent
     );
-    let pictures = vec![slopes(&ramps, small, theory), exponents(&ramps, theory_law.exponent)];
+    let pictures =
+        vec![slope_picture(&ramps, disturbed, theory), exponent_picture(&ramps, theory_law.exponent)];
     let vary = vec![("Tc", comma_separated(&MEMORIES)), ("VcL", comma_separated(&boundary::limits()))];
     let sweep = SweepCommand { which: "", recipe: boundary::ramp(RATE), vary, measure: "critical_velocity" };
     Ok(CircuitSlopes { pictures, reading, table, sweep })
@@ -114,24 +116,24 @@ fn ramp_name(rate: f64) -> String {
 }
 
 /// Makes the picture of slopes by time constant, with ramps at the usual threshold.
-fn slopes(ramps: &[Vec<Slopes>], small: Vec<(f64, f64)>, theory: Vec<(f64, f64)>) -> Picture {
+fn slope_picture(ramps: &[Vec<Slopes>], disturbed: Vec<(f64, f64)>, theory: Vec<(f64, f64)>) -> Picture {
     let in_ms = |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x / MS, y)).collect::<Vec<_>>();
-    let study = geomspace(0.006, 0.025, 40).map(|memory| (memory / MS, SLOPE_BY_MEMORY.at(memory)));
+    let thesis = geomspace(0.006, 0.025, 40).map(|memory| (memory / MS, SLOPE_BY_MEMORY.at(memory)));
     let mut graph = Graph::new("(b) the circuit, run", ("time constant Tc", "ms"), ("slope Cn", "N s/mm"))
         .logarithmic(true, true)
         .x_range(5.0, 30.0)
         .y_range(20.0, 500.0)
-        .line("study's simulation: 7.5e4 Tc^1.54 (1-9)", study.collect())
+        .line("thesis's simulation: 7.5e4 Tc^1.54 (1-9)", thesis.collect())
         .line("Routh-Hurwitz (32-9)", in_ms(theory));
     // The fastest ramp is only in picture (c), because there are not enough colours here.
     for (rate, laws) in RATES.iter().zip(ramps).skip(1) {
         graph = graph.dots(ramp_name(*rate), in_ms(laws[0].0.clone()));
     }
-    graph.dots("small disturbances at constant speed", in_ms(small)).picture()
+    graph.dots("small disturbances at constant speed", in_ms(disturbed)).picture()
 }
 
 /// Makes the picture of exponents by the rate of the command, for each threshold.
-fn exponents(ramps: &[Vec<Slopes>], theory: f64) -> Picture {
+fn exponent_picture(ramps: &[Vec<Slopes>], theory: f64) -> Picture {
     let title = "(c) exponent of Cn against Tc";
     let mut graph = Graph::new(title, ("rate of the command", "mm/s2"), ("exponent", ""))
         .logarithmic(true, false)
@@ -141,7 +143,7 @@ fn exponents(ramps: &[Vec<Slopes>], theory: f64) -> Picture {
         graph = graph.line(format!("swings above {} mm/s", threshold / MM_PER_S), points.collect());
     }
     let ends = |value: f64| vec![(RATES[RATES.len() - 1] / MM_PER_S, value), (RATES[0] / MM_PER_S, value)];
-    graph.line("the study", ends(SLOPE_BY_MEMORY.exponent)).line("Routh-Hurwitz", ends(theory)).picture()
+    graph.line("the thesis", ends(SLOPE_BY_MEMORY.exponent)).line("Routh-Hurwitz", ends(theory)).picture()
 }
 
 /// A velocity in m/s that is compared with a measured critical velocity of T9-2, with its name. The function returns
@@ -202,7 +204,6 @@ fn measured_picture(cells: &[MeasurementComparison]) -> Picture {
 /// Formats the range of run velocity divided by measured velocity: "0.84 ... 0.97 at 27.6 kN/mm".
 fn format_run_shares(cells: &[MeasurementComparison]) -> String {
     let shares = cells.iter().filter_map(|row| Some(row.run.rising.ok()? / row.measured));
-    let (least, most) =
-        shares.fold((f64::INFINITY, 0.0_f64), |(least, most), share| (least.min(share), most.max(share)));
-    format!("{least:.2} ... {most:.2} at {} kN/mm", in_kn_per_mm(cells))
+    let (min, max) = min_max(shares);
+    format!("{min:.2} ... {max:.2} at {} kN/mm", in_kn_per_mm(cells))
 }

@@ -4,6 +4,7 @@
 //! points.
 
 use super::super::recipe::BoxError;
+use super::super::series::min_max;
 use crate::slideway::SlidewayError;
 use patchcord_draw::plot::{Axis, Channel, Marker, Picture};
 
@@ -63,59 +64,57 @@ impl AxisScale {
             return Axis { label, unit, low, high, divisions, logarithmic: self.logarithmic };
         }
         if !self.logarithmic {
-            return Axis::fit_tight(label, unit, values.into_iter(), divisions);
+            return Axis::fit_tight(label, unit, values, divisions);
         }
         if let Some((low, high)) = self.ends {
             return Axis::logarithmic(label, unit, low, high);
         }
-        let above_zero = || values.iter().copied().filter(|value| *value > 0.0);
-        let least = above_zero().fold(f64::INFINITY, f64::min);
-        let most = above_zero().fold(0.0, f64::max);
+        let (min, max) = min_max(values.into_iter().filter(|value| *value > 0.0));
         let decade = |value: f64, round: fn(f64) -> f64| 10f64.powf(round(value.log10()));
-        Axis::logarithmic(label, unit, decade(least, f64::floor), decade(most, f64::ceil))
+        Axis::logarithmic(label, unit, decade(min, f64::floor), decade(max, f64::ceil))
     }
 }
 
 impl Graph {
     /// Makes an empty graph. `across` and `up` are label and unit of the horizontal and of the vertical axis.
-    pub fn new(title: &str, across: (&str, &str), up: (&str, &str)) -> Graph {
+    pub(super) fn new(title: &str, across: (&str, &str), up: (&str, &str)) -> Graph {
         let (across, up) = (AxisScale::new(across), AxisScale::new(up));
         let (right, channels, markers) = (None, Vec::new(), Vec::new());
         Graph { title: title.to_owned(), across, up, right, channels, markers, note: None }
     }
 
     /// Adds a second vertical axis at the right, with label and unit.
-    pub fn right_axis(mut self, scale: (&str, &str)) -> Graph {
+    pub(super) fn right_axis(mut self, scale: (&str, &str)) -> Graph {
         self.right = Some(AxisScale::new(scale));
         self
     }
 
     /// Makes the horizontal or the vertical axis logarithmic.
-    pub fn logarithmic(mut self, across: bool, up: bool) -> Graph {
+    pub(super) fn logarithmic(mut self, across: bool, up: bool) -> Graph {
         (self.across.logarithmic, self.up.logarithmic) = (across, up);
         self
     }
 
     /// Sets the range of the horizontal axis.
-    pub fn x_range(mut self, low: f64, high: f64) -> Graph {
+    pub(super) fn x_range(mut self, low: f64, high: f64) -> Graph {
         self.across.ends = Some((low, high));
         self
     }
 
     /// Sets the range of the horizontal axis, and its number of equal divisions.
-    pub fn x_divisions(mut self, low: f64, high: f64, divisions: usize) -> Graph {
+    pub(super) fn x_divisions(mut self, low: f64, high: f64, divisions: usize) -> Graph {
         self.across.divisions = Some(divisions);
         self.x_range(low, high)
     }
 
     /// Sets the range of the vertical axis.
-    pub fn y_range(mut self, low: f64, high: f64) -> Graph {
+    pub(super) fn y_range(mut self, low: f64, high: f64) -> Graph {
         self.up.ends = Some((low, high));
         self
     }
 
     /// Sets the range of the axis at the right, if there is one.
-    pub fn right_range(mut self, low: f64, high: f64) -> Graph {
+    pub(super) fn right_range(mut self, low: f64, high: f64) -> Graph {
         if let Some(right) = &mut self.right {
             right.ends = Some((low, high));
         }
@@ -123,25 +122,25 @@ impl Graph {
     }
 
     /// Adds a curve.
-    pub fn line(mut self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Graph {
+    pub(super) fn line(mut self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Graph {
         self.channels.push(Channel::line(name, points));
         self
     }
 
     /// Adds a curve that belongs to the axis at the right.
-    pub fn right_line(mut self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Graph {
+    pub(super) fn right_line(mut self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Graph {
         self.channels.push(Channel { right: true, ..Channel::line(name, points) });
         self
     }
 
     /// Adds points that are not joined by a line.
-    pub fn dots(mut self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Graph {
+    pub(super) fn dots(mut self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Graph {
         self.channels.push(Channel::dots(name, points));
         self
     }
 
     /// Adds a text next to a point of the channel that was added last. `point` is its index.
-    pub fn label(mut self, point: usize, text: impl Into<String>) -> Graph {
+    pub(super) fn label(mut self, point: usize, text: impl Into<String>) -> Graph {
         if let Some(channel) = self.channels.last_mut() {
             channel.labels.push((point, text.into()));
         }
@@ -149,19 +148,19 @@ impl Graph {
     }
 
     /// Adds a vertical line at a value of the horizontal axis.
-    pub fn mark(mut self, at: f64, label: impl Into<String>) -> Graph {
+    pub(super) fn marker(mut self, at: f64, label: impl Into<String>) -> Graph {
         self.markers.push(Marker { at, label: label.into() });
         self
     }
 
     /// Sets the note below the graph.
-    pub fn note(mut self, note: impl Into<String>) -> Graph {
+    pub(super) fn note(mut self, note: impl Into<String>) -> Graph {
         self.note = Some(note.into());
         self
     }
 
     /// Returns the finished picture.
-    pub fn picture(self) -> Picture {
+    pub(super) fn picture(self) -> Picture {
         let points = || self.channels.iter().flat_map(|channel| channel.points.iter().copied());
         let heights = |right: bool| {
             let read = self.channels.iter().filter(move |channel| channel.right == right);

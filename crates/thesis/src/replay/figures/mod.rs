@@ -1,4 +1,4 @@
-//! The figures of the study, drawn again from runs of patches and from theory.
+//! The figures of the thesis, drawn again from runs of patches and from theory.
 //!
 //! A [`Figure`] is a row of a table: identifier, place in the text, title, claims, and the function that draws it.
 //! The figures of a chapter are in one or several files. The result is a [`DrawnFigure`]: a sheet, a line of
@@ -6,36 +6,42 @@
 //!
 //! A figure whose numbers come from runs names the patches and the commands that repeat them. A figure of theory has
 //! neither. The line that states what can be read is computed together with the figure, and tests compare some of these
-//! lines with the text of the study.
+//! lines with the text of the thesis.
 
 mod chapter_2;
 mod chapter_4;
 mod chapter_7_dry;
 mod chapter_7_oil;
+mod chapter_7_ranges;
 mod chapter_7_rest;
 mod chapter_7_ridges;
+mod chapter_7_stiffening;
+mod chapter_7_wedge;
 mod chapter_8_circuits;
 mod chapter_8_limits;
+mod chapter_8_profiles;
 mod chapter_8_quasi_harmonic;
 mod chapter_8_recordings;
-mod chapter_9;
 mod chapter_9_describing;
 mod chapter_9_limit_cycles;
+mod chapter_9_oils;
 mod chapter_9_simulated;
+mod chapter_9_stability;
 mod differences;
+mod differences_stiffness;
 mod graph;
 mod profiles;
 mod sketch;
 
 use super::claim::Claim;
 use super::number_table::NumberTable;
-use super::recipe::{BoxError, Recipe, ReplayedRun};
+use super::recipe::{BoxError, Recipe};
+use super::run_record::ReplayedRun;
 use graph::Graph;
-use patchcord_analysis::format::QuantityFormat;
 use patchcord_core::patch::Patch;
 use patchcord_draw::plot::{Drawing, Format, Picture, PlotError, Size, Theme, render, render_drawing};
 
-/// A figure of the study, or a figure on a difference from it.
+/// A figure of the thesis, or a figure on a difference from it.
 #[derive(Debug)]
 pub struct Figure {
     /// Its identifier, such as "fig-8-24", "table-9-2" or "difference-1".
@@ -59,7 +65,7 @@ pub struct Figure {
 /// ```
 /// use patchcord_thesis::replay::figures;
 ///
-/// let figure = figures().find(|figure| figure.id == "fig-2-02").ok_or("a figure of the study")?;
+/// let figure = figures().find(|figure| figure.id == "fig-2-02").ok_or("a figure of the thesis")?;
 /// let drawn = figure.draw()?;
 /// assert!(drawn.reading.contains("21.54, 2.14, 0.10 mm/s"));
 /// assert!(drawn.patches.is_empty() && drawn.commands.is_empty());
@@ -96,6 +102,7 @@ struct SweepCommand {
 
 /// The graphical content of a figure.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum Sheet {
     /// Pictures with axes, one below the other.
     Pictures(Vec<Picture>),
@@ -119,31 +126,37 @@ const TABLES: &[&[Figure]] = &[
     chapter_2::FIGURES,
     chapter_4::FIGURES,
     chapter_7_ridges::FIGURES,
+    chapter_7_ranges::FIGURES,
     chapter_7_rest::FIGURES,
     chapter_7_dry::FIGURES,
+    chapter_7_stiffening::FIGURES,
+    chapter_7_wedge::FIGURES,
     chapter_7_oil::FIGURES,
     chapter_8_circuits::FIGURES,
     chapter_8_recordings::FIGURES,
+    chapter_8_profiles::FIGURES,
     chapter_8_limits::FIGURES,
     chapter_8_quasi_harmonic::FIGURES,
-    chapter_9::FIGURES,
+    chapter_9_stability::FIGURES,
+    chapter_9_oils::FIGURES,
     chapter_9_describing::FIGURES,
     chapter_9_limit_cycles::FIGURES,
     chapter_9_simulated::FIGURES,
     differences::FIGURES,
+    differences_stiffness::FIGURES,
 ];
 
 /// The chapters that have figures. A figure belongs to the chapter of the first number in its identifier.
 const CHAPTERS: [&str; 5] = ["Chapter 2", "Chapter 4", "Chapter 7", "Chapter 8", "Chapter 9"];
 
-/// Returns all figures in the order of the study. The figures on differences are last.
+/// Returns all figures in the order of the thesis. The figures on differences are last.
 ///
 /// # Examples
 ///
 /// ```
 /// use patchcord_thesis::replay::figures;
 ///
-/// let profile = figures().find(|figure| figure.id == "fig-8-24").ok_or("a figure of the study")?;
+/// let profile = figures().find(|figure| figure.id == "fig-8-24").ok_or("a figure of the thesis")?;
 /// assert_eq!((profile.number().as_str(), profile.chapter()), ("Fig 8.24", "Chapter 8"));
 /// assert_eq!(profile.heading(), "Fig 8.24: system velocity profile");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -152,11 +165,6 @@ pub fn figures() -> impl Iterator<Item = &'static Figure> {
     let mut figures: Vec<_> = TABLES.iter().copied().flatten().collect();
     figures.sort_by_key(|figure| (figure.chapter(), figure.id));
     figures.into_iter()
-}
-
-/// Formats a number with its unit, with a prefix that keeps it short: "7.62 mm/s" for 0.00762 m/s.
-fn format_value(value: f64, unit: &str) -> String {
-    QuantityFormat::new(unit, value).text(value)
 }
 
 /// Replaces the title of a picture.
@@ -316,46 +324,5 @@ fn comma_separated(values: &[f64]) -> String {
     values.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// Returns a figure that is drawn once for all tests.
 #[cfg(test)]
-fn drawn_once(id: &'static str) -> std::sync::Arc<std::sync::OnceLock<DrawnFigure>> {
-    use std::collections::BTreeMap;
-    use std::sync::{Arc, Mutex, OnceLock};
-
-    static DRAWN: Mutex<BTreeMap<&str, Arc<OnceLock<DrawnFigure>>>> = Mutex::new(BTreeMap::new());
-    let place = Arc::clone(DRAWN.lock().unwrap().entry(id).or_default());
-    place.get_or_init(|| figures().find(|figure| figure.id == id).unwrap().draw().unwrap());
-    place
-}
-
-/// Returns the reading of a figure.
-#[cfg(test)]
-fn reading(id: &'static str) -> String {
-    drawn_once(id).get().unwrap().reading.clone()
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::HashSet;
-
-    use super::*;
-    use crate::replay::ledger;
-
-    #[test]
-    fn figures_have_unique_names_in_the_order_of_the_study() {
-        let mut seen = HashSet::new();
-        assert!(figures().all(|figure| seen.insert(figure.id)));
-        assert!(figures().map(|figure| (figure.chapter(), figure.id)).is_sorted());
-        let numbers: Vec<_> =
-            figures().filter(|figure| figure.id.ends_with("9-02")).map(Figure::number).collect();
-        assert_eq!(numbers, ["Fig 9.2"]);
-    }
-
-    #[test]
-    fn figures_name_existing_claims() {
-        let claims: HashSet<_> = ledger().unwrap().into_iter().map(|claim| claim.id).collect();
-        let unknown: Vec<_> =
-            figures().flat_map(|figure| figure.claims).filter(|id| !claims.contains(**id)).collect();
-        assert!(unknown.is_empty(), "{unknown:?}");
-    }
-}
+mod tests;

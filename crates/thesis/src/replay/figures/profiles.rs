@@ -1,8 +1,10 @@
 //! Chapters 2 and 4: velocity profiles. A profile plots the output velocity against a command that rises slowly;
 //! chapter 4 explains its parts.
 
-use super::{DrawnFigure, Figure, Recipe, format_value, with_title};
-use crate::replay::recipe::{BoxError, format_critical_velocity};
+use super::{DrawnFigure, Figure, Recipe, with_title};
+use crate::replay::recipe::BoxError;
+use crate::replay::run_record::format_critical_velocity;
+use patchcord_analysis::format::format_quantity;
 use patchcord_analysis::instruments::{
     Criterion, ProfileCriterion, RampDirection, critical_velocity, velocity_profile,
 };
@@ -76,10 +78,10 @@ fn explained(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         velocity_profile(&run.record.trace.time, &command, &velocity, criterion, RampDirection::Rising)?;
     let signal = |name, values| draw::ProfileSignal { name, unit: "m/s", values };
     let (along, up) = (signal("v_i", &command[..]), signal("v_o", &velocity[..]));
-    let picture = profile_picture(figure.heading(), along, up, &profile, Some(run.settings()));
+    let picture = profile_picture(figure.heading(), along, up, &profile, Some(&run.settings()));
     let points = profile.points.iter().zip(profile.direction.point_names()).enumerate().filter_map(
         |(index, (point, name))| {
-            Some(format!("{} {name} at {}", index + 1, format_value(point.ok()?.command, "m/s")))
+            Some(format!("{} {name} at {}", index + 1, format_quantity(point.ok()?.command, "m/s")))
         },
     );
     let reading = points.collect::<Vec<_>>().join(", ");

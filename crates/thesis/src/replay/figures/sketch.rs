@@ -1,6 +1,6 @@
 //! Sketches: figures without axes, and figures that need axes in more than one direction.
 //!
-//! A [`Sketch`] collects strokes and texts in pixels. It offers the symbols of the study: blocks, sums, arrows,
+//! A [`Sketch`] collects strokes and texts in pixels. It offers the symbols of the thesis: blocks, sums, arrows,
 //! springs, dampers, ground and dimension lines.
 
 use super::{DrawnFigure, Sheet};
@@ -41,19 +41,19 @@ pub(super) struct Sketch {
 
 impl Sketch {
     /// Makes an empty sketch with a heading. `height` is in pixels.
-    pub fn new(heading: &str, height: f64) -> Sketch {
+    pub(super) fn new(heading: &str, height: f64) -> Sketch {
         let mut sketch = Sketch { drawing: Drawing { width: WIDTH, height, primitives: Vec::new() } };
         sketch.write(heading, (MARGIN, 34.0), HEADING, Align::Start, Ink::Line);
         sketch
     }
 
     /// Draws a curve or an edge.
-    pub fn line(&mut self, points: &[PixelPoint], ink: Ink) {
+    pub(super) fn line(&mut self, points: &[PixelPoint], ink: Ink) {
         self.push(points, BOLD, ink);
     }
 
     /// Draws a dimension line or a guide.
-    pub fn fine(&mut self, points: &[PixelPoint]) {
+    pub(super) fn fine(&mut self, points: &[PixelPoint]) {
         self.push(points, FINE, Ink::Soft);
     }
 
@@ -63,7 +63,7 @@ impl Sketch {
     }
 
     /// Draws a dashed line.
-    pub fn dashed(&mut self, from: PixelPoint, to: PixelPoint) {
+    pub(super) fn dashed(&mut self, from: PixelPoint, to: PixelPoint) {
         let length = (to.0 - from.0).hypot(to.1 - from.1);
         let at = |distance: f64| {
             let part = (distance / length).min(1.0);
@@ -77,19 +77,19 @@ impl Sketch {
     }
 
     /// Fills an area without an edge.
-    pub fn area(&mut self, corners: &[PixelPoint], ink: Ink) {
+    pub(super) fn area(&mut self, corners: &[PixelPoint], ink: Ink) {
         self.drawing.primitives.push(Primitive::Area { corners: corners.to_vec(), ink });
     }
 
     /// Fills an area in the colour of solid bodies and draws its edge.
-    pub fn body(&mut self, corners: &[PixelPoint]) {
+    pub(super) fn body(&mut self, corners: &[PixelPoint]) {
         self.area(corners, Ink::Body);
         let closed: Vec<_> = corners.iter().chain(corners.first()).copied().collect();
         self.line(&closed, Ink::Line);
     }
 
     /// Draws a box around its centre, with its name inside.
-    pub fn block(&mut self, middle: PixelPoint, (width, height): (f64, f64), name: &str) {
+    pub(super) fn block(&mut self, middle: PixelPoint, (width, height): (f64, f64), name: &str) {
         let (x, y) = (width / 2.0, height / 2.0);
         let corner = |right: f64, down: f64| (middle.0 + right * x, middle.1 + down * y);
         self.body(&[corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
@@ -97,7 +97,7 @@ impl Sketch {
     }
 
     /// Draws a summing point.
-    pub fn sum(&mut self, centre: PixelPoint) {
+    pub(super) fn sum(&mut self, centre: PixelPoint) {
         let radius = 13.0;
         self.drawing.primitives.push(Primitive::Disc { centre, radius, ink: Ink::Body });
         self.drawing.primitives.push(Primitive::Ring { centre, radius, width: BOLD, ink: Ink::Line });
@@ -105,12 +105,12 @@ impl Sketch {
     }
 
     /// Draws a dot.
-    pub fn dot(&mut self, centre: PixelPoint, ink: Ink) {
+    pub(super) fn dot(&mut self, centre: PixelPoint, ink: Ink) {
         self.drawing.primitives.push(Primitive::Disc { centre, radius: 7.0, ink });
     }
 
     /// Draws an arrow along points, with its head at the last one.
-    pub fn arrow(&mut self, points: &[PixelPoint], ink: Ink) {
+    pub(super) fn arrow(&mut self, points: &[PixelPoint], ink: Ink) {
         self.push(points, BOLD, ink);
         if let [.., from, tip] = points {
             self.arrow_head(*from, *tip, ink);
@@ -131,7 +131,7 @@ impl Sketch {
     }
 
     /// Draws a dimension line between two points. Its name is above a level line, and to the right of any other.
-    pub fn span(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
+    pub(super) fn span(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
         self.fine(&[from, to]);
         self.arrow_head(from, to, Ink::Soft);
         self.arrow_head(to, from, Ink::Soft);
@@ -144,7 +144,7 @@ impl Sketch {
     }
 
     /// Draws a spring between two points, level or upright, with its name next to it.
-    pub fn spring(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
+    pub(super) fn spring(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
         /// Number of segments of the zigzag.
         const TURNS: usize = 12;
         let turn = |index: usize| match index {
@@ -161,7 +161,7 @@ impl Sketch {
     }
 
     /// Draws a damper between two points, level or upright, with its name next to it.
-    pub fn damper(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
+    pub(super) fn damper(&mut self, from: PixelPoint, to: PixelPoint, name: &str) {
         let at = |along: f64, across: f64| offset_point(from, to, along, across);
         self.line(&[at(0.0, 0.0), at(0.35, 0.0)], Ink::Line);
         self.line(&[at(0.65, -11.0), at(0.35, -11.0), at(0.35, 11.0), at(0.65, 11.0)], Ink::Line);
@@ -179,7 +179,7 @@ impl Sketch {
     }
 
     /// Draws fixed ground along a line. It is hatched on the right side, seen from `from` to `to`.
-    pub fn ground(&mut self, from: PixelPoint, to: PixelPoint) {
+    pub(super) fn ground(&mut self, from: PixelPoint, to: PixelPoint) {
         self.line(&[from, to], Ink::Line);
         let length = (to.0 - from.0).hypot(to.1 - from.1);
         let count = (length / 12.0) as usize;
@@ -191,38 +191,38 @@ impl Sketch {
     }
 
     /// Writes a text that begins at a point.
-    pub fn text(&mut self, text: &str, at: PixelPoint) {
+    pub(super) fn text(&mut self, text: &str, at: PixelPoint) {
         self.write(text, at, TEXT, Align::Start, Ink::Line);
     }
 
     /// Writes a text that ends at a point.
-    pub fn text_before(&mut self, text: &str, at: PixelPoint) {
+    pub(super) fn text_before(&mut self, text: &str, at: PixelPoint) {
         self.write(text, at, TEXT, Align::End, Ink::Line);
     }
 
     /// Writes a text that is centred horizontally on a point. The point is on its baseline.
-    pub fn centred(&mut self, text: &str, at: PixelPoint) {
+    pub(super) fn centred(&mut self, text: &str, at: PixelPoint) {
         self.write(text, at, TEXT, Align::Middle, Ink::Line);
     }
 
     /// Writes a text that is centred on a point in both directions.
-    pub fn centred_on(&mut self, text: &str, at: PixelPoint) {
+    pub(super) fn centred_on(&mut self, text: &str, at: PixelPoint) {
         self.centred(text, (at.0, at.1 + HALF_LETTER * TEXT));
     }
 
     /// Writes a text in a colour. It begins at a point.
-    pub fn coloured(&mut self, text: &str, at: PixelPoint, ink: Ink) {
+    pub(super) fn coloured(&mut self, text: &str, at: PixelPoint, ink: Ink) {
         self.write(text, at, TEXT, Align::Start, ink);
     }
 
     /// Adds a text. `size` is in pixels per em, and `at` is on its baseline.
     fn write(&mut self, text: &str, at: PixelPoint, size: f64, align: Align, ink: Ink) {
-        self.drawing.primitives.push(Primitive::Text(Label { text: text.to_owned(), at, size, align, ink }));
+        self.drawing.primitives.push(Primitive::Text(Label::new(text, at, size, align, ink)));
     }
 
     /// Writes a table. `(left, top)` is the start of the baseline of its first row, and rows are 34 pixels apart.
     /// There is a rule below each row except the first; the first two rows together are the heading.
-    pub fn table(&mut self, (left, top): PixelPoint, rows: &[Vec<String>]) {
+    pub(super) fn table(&mut self, (left, top): PixelPoint, rows: &[Vec<String>]) {
         let columns = rows.first().map_or(0, Vec::len);
         let widest = |column: usize| {
             let cells = rows.iter().filter_map(|row| row.get(column));
@@ -239,7 +239,7 @@ impl Sketch {
     }
 
     /// Returns the finished figure, with its settings and its reading.
-    pub fn finish(self, settings: impl Into<String>, reading: impl Into<String>) -> DrawnFigure {
+    pub(super) fn finish(self, settings: impl Into<String>, reading: impl Into<String>) -> DrawnFigure {
         DrawnFigure {
             sheet: Sheet::Drawing(Box::new(self.drawing)),
             settings: settings.into(),
@@ -270,12 +270,12 @@ pub(super) struct Grid {
 
 impl Grid {
     /// Returns the pixel of a point.
-    pub fn at(&self, x: f64, y: f64) -> PixelPoint {
+    pub(super) fn at(&self, x: f64, y: f64) -> PixelPoint {
         (self.origin.0 + x * self.scale.0, self.origin.1 - y * self.scale.1)
     }
 
     /// Returns the pixels of several points.
-    pub fn all(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<PixelPoint> {
+    pub(super) fn all(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<PixelPoint> {
         points.into_iter().map(|(x, y)| self.at(x, y)).collect()
     }
 }

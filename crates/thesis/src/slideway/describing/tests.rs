@@ -15,7 +15,7 @@ fn assert_near(got: f64, expected: f64, tolerance: f64) {
 }
 
 #[test]
-fn tables_of_the_study_are_reproduced() {
+fn tables_of_the_thesis_are_reproduced() {
     for (force, friction, reciprocal, degrees) in
         [(20.0, 0.0, 1.88, 0.0), (20.0, 10.0, 1.69, 26.6), (5.0, 0.6, 1.587, 6.84), (1.0, 4.0, 0.37, 75.96)]
     {
@@ -28,7 +28,7 @@ fn tables_of_the_study_are_reproduced() {
     let cycle = table(45e6).limit_cycle(20.0).unwrap();
     assert_near(cycle.slope / N_S_PER_MM, 20.13, 0.02);
     assert_near(cycle.frequency, 235.0, 0.1);
-    assert_near(cycle.friction_by_spare(), 2.10, 0.01);
+    assert_near(cycle.friction_amplitude(), 2.10, 0.01);
     let motion = cycle.oscillation(&table(45e6), &FallingFriction::simulated(0.04)).unwrap();
     assert_near(motion.velocity / MM_PER_S, 19.1, 0.01);
     assert_near(motion.error / MM, 0.0909, 1e-4);
@@ -47,7 +47,7 @@ fn by_integrals(force: f64, friction: f64) -> Complex<f64> {
     sums.sum::<Complex<f64>>() * step / (PI * force)
 }
 
-/// The study's own formulas: eq 67-9, 69-9, 70-9 for n < a, eq 75-9, 77-9, 78-9 for n > a, in units of a.
+/// The thesis's own formulas: eq 67-9, 69-9, 70-9 for n < a, eq 75-9, 77-9, 78-9 for n > a, in units of a.
 fn in_branches(force: f64, friction: f64) -> f64 {
     let squared = force.powi(2) + friction.powi(2);
     let root = (squared - 1.0).sqrt();
@@ -65,7 +65,7 @@ proptest! {
     }
 
     #[test]
-    fn one_formula_covers_both_branches_of_the_study(force in 1.0..30.0f64, friction in 0.01..15.0f64) {
+    fn one_formula_covers_both_branches_of_the_thesis(force in 1.0..30.0f64, friction in 0.01..15.0f64) {
         let got = Swing { force, friction }.describing_function().unwrap().re;
         prop_assert!((got - in_branches(force, friction)).abs() < 1e-7);
     }

@@ -5,7 +5,7 @@ use crate::slideway::assert_close;
 use crate::slideway::falling::FallingFriction;
 
 #[test]
-fn figures_of_the_study_are_reproduced() {
+fn figures_of_the_thesis_are_reproduced() {
     let pressure = 0.615 * KGF_PER_CM2;
     for (poise, limit) in [(0.13, 58.97), (0.34, 45.31), (0.455, 41.83), (0.595, 38.86)] {
         // eq 14-9 rounds the base to 2.23.

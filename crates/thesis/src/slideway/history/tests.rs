@@ -48,10 +48,11 @@ proptest! {
         let slip = unit(damping);
         let v = |time: f64| slip.velocity(drive, time).unwrap();
         let small = 1e-3;
-        let rate = (v(time + small) - v(time - small)) / (2.0 * small);
-        let bend = (v(time + small) - 2.0 * v(time) + v(time - small)) / small.powi(2);
+        let first_derivative = (v(time + small) - v(time - small)) / (2.0 * small);
+        let second_derivative = (v(time + small) - 2.0 * v(time) + v(time - small)) / small.powi(2);
         // M v'' + (f - n) v' + K (v - V) = 0, the slip's equation once differentiated.
-        prop_assert!((bend + 2.0 * damping * rate + v(time) - drive).abs() < 1e-4 * (1.0 + drive));
+        let residual = second_derivative + 2.0 * damping * first_derivative + v(time) - drive;
+        prop_assert!(residual.abs() < 1e-4 * (1.0 + drive));
         prop_assert!(v(0.0).abs() < 1e-12 && (v(1e-6) / 1e-6 - 1.0).abs() < 1e-4 * (1.0 + drive));
     }
 

@@ -1,0 +1,214 @@
+//! Reads an axis from a CSV file: a line of parameter names, then one line of values per run.
+//!
+//! The reader of `patchcord_core` for CSV tables splits the lines and collects the faults. This module selects the
+//! columns and checks units and ranges.
+
+use std::path::Path;
+
+use super::error::PlanError;
+use super::plan::{Axis, AxisValues, parameter};
+use patchcord_core::document::csv_table::{self, ColumnSelector, CsvTable};
+use patchcord_core::ir::{ParameterValue, Program};
+use patchcord_core::output::io_reason;
+use patchcord_expr::Unit;
+
+/// The largest number of faults that one error lists. Further faults usually have the same cause.
+const MAX_FAULTS: usize = 10;
+
+impl Axis {
+    /// Reads an axis from a CSV file. The first line has parameter names, each further line the values of one run in
+    /// declared units. Lines that start with # are comments. A comment "# NAME: UNIT" before the line of names must
+    /// have the declared unit.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not such a table, or a value is outside the range of its parameter.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_analysis::sweep::{Axis, Plan};
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::Patch;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let patch = Patch::read("../../patches/lessons/mass-and-spring.json")?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let file = tempfile::NamedTempFile::new()?;
+    /// std::fs::write(file.path(), "# k: N/m\nk,m\n20,1\n50,2\n")?;
+    ///
+    /// let plan = Plan::new([Axis::read(file.path(), &program)?], &program)?;
+    /// assert_eq!((plan.runs(), plan.values(1)), (2, vec![50.0, 2.0]));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn read(path: impl AsRef<Path>, program: &Program) -> Result<Axis, PlanError> {
+        let path = path.as_ref();
+        path.metadata()
+            .map_err(|error| PlanError::Unread { file: path.to_owned(), why: io_reason(&error) })?;
+        let (names, values) = read_rows(path, program).map_err(PlanError::Rows)?;
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Axis { names, values: AxisValues::Rows { file, values } })
+    }
+}
+
+/// The names of the parameters and their values row by row, or the faults of the file.
+fn read_rows(path: &Path, program: &Program) -> Result<(Vec<String>, Vec<f64>), Vec<String>> {
+    // The names decide which columns are selected, so the first pass selects none.
+    let names = read_columns(path, &[])?.all_names;
+    let parameters = parameters(path, &names, program)?;
+    let selectors: Vec<_> = names.iter().map(|name| ColumnSelector::Named(name)).collect();
+    let table = read_columns(path, &selectors)?;
+    if table.lines.is_empty() {
+        let message = "the table needs a line of parameter names, then one line of values per run";
+        return Err(vec![format!("{}: {message}", path.display())]);
+    }
+    check(unit_faults(path, &table, &parameters))?;
+    check(range_faults(path, &table, &parameters))?;
+    let row = |index: usize| table.columns.iter().map(move |column| column[index]);
+    let values = (0..table.lines.len()).flat_map(row).collect();
+    Ok((names, values))
+}
+
+/// The selected columns of a file, or its faults as text.
+fn read_columns(path: &Path, selectors: &[ColumnSelector<'_>]) -> Result<CsvTable, Vec<String>> {
+    csv_table::read(path, selectors).map_err(|faults| {
+        let mut texts: Vec<_> =
+            faults.into_iter().map(|fault| format!("{}; {}", fault.message, fault.hint)).collect();
+        // Two columns of the same name are reported for each of them.
+        texts.dedup();
+        texts
+    })
+}
+
+/// The parameter of each column, or an error for each name that is not a parameter.
+fn parameters<'p>(
+    path: &Path,
+    names: &[String],
+    program: &'p Program,
+) -> Result<Vec<&'p ParameterValue>, Vec<String>> {
+    let found = || names.iter().map(move |name| parameter(program, name));
+    check(found().filter_map(Result::err).map(|error| format!("{}: {error}", path.display())))?;
+    Ok(found().filter_map(Result::ok).collect())
+}
+
+/// An error with the first [`MAX_FAULTS`] faults, if there are any.
+fn check(faults: impl IntoIterator<Item = String>) -> Result<(), Vec<String>> {
+    let faults: Vec<_> = faults.into_iter().take(MAX_FAULTS).collect();
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// A fault for each column whose comment "# NAME: UNIT" has another unit than the patch declares.
+fn unit_faults(
+    path: &Path,
+    table: &CsvTable,
+    parameters: &[&ParameterValue],
+) -> impl Iterator<Item = String> {
+    table.units.iter().zip(parameters).filter_map(move |(comment, parameter)| {
+        let (comment, declared) = (comment.as_ref()?, &parameter.declared);
+        (!is_same_unit(&comment.text, &declared.unit)).then(|| {
+            format!(
+                "line {} of {}: the unit of {} is \"{}\", but the patch declares {}",
+                comment.line,
+                path.display(),
+                declared.name,
+                comment.text,
+                declared.unit
+            )
+        })
+    })
+}
+
+/// Whether two texts are units of the same dimension and size.
+fn is_same_unit(one: &str, other: &str) -> bool {
+    let [one, other] = [one, other].map(Unit::parse);
+    one.is_ok_and(|one| {
+        other.is_ok_and(|other| one.dimension() == other.dimension() && one.factor() == other.factor())
+    })
+}
+
+/// A fault for each value outside the range of its parameter, in the order of the lines.
+fn range_faults(
+    path: &Path,
+    table: &CsvTable,
+    parameters: &[&ParameterValue],
+) -> impl Iterator<Item = String> {
+    let columns = move || table.columns.iter().zip(parameters);
+    table.lines.iter().enumerate().flat_map(move |(row, line)| {
+        let violations = columns().filter_map(move |(column, parameter)| parameter.in_si(column[row]).err());
+        violations.map(move |violation| {
+            format!("line {line} of {}: {}", path.display(), PlanError::from(violation))
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::Plan;
+    use patchcord_core::circuit::Circuit;
+    use patchcord_core::patch::Patch;
+
+    fn plan(text: &str) -> Result<Plan, String> {
+        let patch = Patch::read("../../patches/thesis/fig-8-16.json").unwrap();
+        let program = Program::new(&Circuit::new(&patch).unwrap()).unwrap();
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        let plan = Axis::read(file.path(), &program).and_then(|axis| Plan::new([axis], &program));
+        plan.map_err(|error| error.to_string().replace(&file.path().display().to_string(), "FILE"))
+    }
+
+    #[test]
+    fn each_line_is_one_run() {
+        let plan = plan("\u{feff}# made by hand\n# VcL: m/s\nVcL, Tc\r\n1e-3,0.01\n\n2e-3,0.02\n").unwrap();
+        assert_eq!((plan.runs(), plan.values(0), plan.values(1)), (2, vec![1e-3, 0.01], vec![2e-3, 0.02]));
+    }
+
+    #[test]
+    fn bad_tables_return_errors_with_the_line() {
+        let cases = [
+            ("", "FILE is empty; a table is a line of names"),
+            ("VcL\n", "FILE: the table needs a line of parameter names"),
+            ("VLc\n1\n", "FILE: there is no parameter VLc; did you mean \"VcL\"?"),
+            ("VcL,Tc\n1e-3\n", "line 2 of FILE has 1 field, but the line of names has 2; write one field"),
+            (
+                "VcL,Tc\n1e-3,\n",
+                "line 2 of FILE has an empty cell instead of a number, in the column Tc; write a number",
+            ),
+            ("VcL\n1e-3\ninf\n", "line 3 of FILE has \"inf\" instead of a number, in the column VcL"),
+            ("VcL\n1e-3\n1\n", "line 3 of FILE: VcL = 1 m/s is outside its range"),
+            (
+                "VcL;Tc\n1e-3;0.01\n",
+                "line 1 of FILE separates its columns by \";\"; separate the columns by commas",
+            ),
+            (
+                "VcL\tTc\n1e-3\t0.01\n",
+                "line 1 of FILE separates its columns by tabs; separate the columns by commas",
+            ),
+            ("VcL,VcL\n1e-3,1e-3\n", "line 1 of FILE has more than one column \"VcL\"; give every column"),
+            (
+                "# VcL: mm/s\nVcL\n1\n",
+                "line 1 of FILE: the unit of VcL is \"mm/s\", but the patch declares m/s",
+            ),
+            (
+                "# by hand\n# VcL: mm/s * 1000\nVcL\n1\n",
+                "line 2 of FILE: the unit of VcL is \"mm/s * 1000\", but the patch declares m/s",
+            ),
+        ];
+        for (text, expected) in cases {
+            let error = plan(text).unwrap_err();
+            assert!(error.starts_with(expected) && error.lines().count() == 1, "{text:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn at_most_ten_faults_are_reported_together() {
+        let faults = |text: &str| plan(text).unwrap_err().lines().map(str::to_owned).collect::<Vec<_>>();
+        let unknown = faults("VLc,Tcc\n1,2\n");
+        assert!(unknown.len() == 2 && unknown[1].contains("there is no parameter Tcc"), "{unknown:?}");
+        let outside = faults(&format!("VcL,Tc\n1e-3,0.01\n{}", "1,5\n".repeat(20)));
+        assert_eq!(outside.len(), MAX_FAULTS);
+        assert!(outside[1].starts_with("line 3 of FILE: Tc = 5 s is outside its range"), "{outside:?}");
+        assert!(outside[9].starts_with("line 7 of FILE: Tc = 5 s"), "{outside:?}");
+    }
+}

@@ -1,0 +1,77 @@
+//! Finds the physical gain of a path as an expression of the parameters.
+
+use super::Circuit;
+use patchcord_expr::{Dimension, Scope as _};
+
+/// A physical gain as an expression of parameters.
+pub(super) struct Block {
+    /// The expression, such as "1 / M".
+    pub name: String,
+    /// The value in SI units.
+    pub value: f64,
+    dimension: Dimension,
+}
+
+/// Difference of the logarithms of two gains up to which they agree. It is far above rounding errors and far below the
+/// accuracy of any scale.
+const GAIN_AGREEMENT: f64 = 1e-6;
+
+impl Block {
+    /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
+    /// a quotient or product of two.
+    ///
+    /// If none agrees, the nearest of the first three kinds. The sign of the gain does not count.
+    pub(super) fn find(circuit: &Circuit, dimension: Dimension, gain: f64) -> Option<Block> {
+        let singles = Block::singles(circuit);
+        let unity = Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE };
+        let distance = |block: &Block| (gain.abs() / block.value).ln().abs();
+        let fits = |block: &Block| block.dimension == dimension && block.value > 0.0;
+        let pair =
+            Block::pairs(&singles).into_iter().filter(fits).find(|pair| distance(pair) < GAIN_AGREEMENT);
+        let nearest = [unity]
+            .into_iter()
+            .chain(singles)
+            .filter(fits)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        match nearest {
+            Some(nearest) if pair.is_none() || distance(&nearest) < GAIN_AGREEMENT => Some(nearest),
+            _ => pair,
+        }
+    }
+
+    /// Every parameter and its reciprocal.
+    fn singles(circuit: &Circuit) -> Vec<Block> {
+        let quantities = circuit.quantities();
+        let mut singles = Vec::new();
+        for (name, ..) in circuit.parameters() {
+            let (Some(value), Some(dimension)) = (quantities.value(name), quantities.dimension(name)) else {
+                continue;
+            };
+            singles.push(Block { name: name.to_owned(), value, dimension });
+            let dimension = Dimension::NONE.over(dimension);
+            singles.push(Block { name: format!("1 / {name}"), value: 1.0 / value, dimension });
+        }
+        singles
+    }
+
+    /// The quotients and products of two different parameters.
+    fn pairs(singles: &[Block]) -> Vec<Block> {
+        let parameters: Vec<_> = singles.iter().filter(|block| !block.name.starts_with("1 /")).collect();
+        let mut pairs = Vec::new();
+        for first in &parameters {
+            for second in parameters.iter().filter(|second| second.name != first.name) {
+                pairs.push(Block {
+                    name: format!("{} / {}", first.name, second.name),
+                    value: first.value / second.value,
+                    dimension: first.dimension.over(second.dimension),
+                });
+                pairs.push(Block {
+                    name: format!("{} * {}", first.name, second.name),
+                    value: first.value * second.value,
+                    dimension: first.dimension.times(second.dimension),
+                });
+            }
+        }
+        pairs
+    }
+}

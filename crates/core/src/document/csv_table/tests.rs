@@ -1,0 +1,127 @@
+//! Unit tests of `csv_table`.
+
+use super::reader::MAX_ROWS;
+use super::*;
+
+/// Selects the first two columns.
+const FIRST_TWO: [ColumnSelector<'_>; 2] = [ColumnSelector::First, ColumnSelector::Next];
+
+fn table(text: &str, selectors: &[ColumnSelector<'_>]) -> Result<CsvTable, Vec<CsvFault>> {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), text).unwrap();
+    read(file.path(), selectors)
+}
+
+fn columns(text: &str, selectors: &[ColumnSelector<'_>]) -> Vec<Vec<f64>> {
+    table(text, selectors).unwrap_or_else(|faults| panic!("{faults:?}")).columns
+}
+
+#[test]
+fn columns_are_selected_by_name_or_by_position() {
+    let text = "t,x,v\n0,1,2\n1,3,4\n";
+    let named = ColumnSelector::Named;
+    assert_eq!(columns(text, &FIRST_TWO), [[0.0, 1.0], [1.0, 3.0]]);
+    assert_eq!(columns(text, &[named("t"), named("v")]), [[0.0, 1.0], [2.0, 4.0]]);
+    assert_eq!(
+        columns(text, &[named("x"), ColumnSelector::Next]),
+        [[1.0, 3.0], [2.0, 4.0]],
+        "the next column"
+    );
+    assert_eq!(columns(text, &[named("v"), named("t"), named("v")]), [[2.0, 4.0], [0.0, 1.0], [2.0, 4.0]]);
+}
+
+#[test]
+fn a_fault_names_the_column_that_was_selected_by_name() {
+    let faults = table("t,x\n0,1\n1,\n", &[ColumnSelector::First, ColumnSelector::Named("x")]).unwrap_err();
+    assert!(
+        faults[0].message.ends_with("has an empty cell instead of a number, in the column x"),
+        "{faults:?}"
+    );
+}
+
+#[test]
+fn every_missing_column_is_reported() {
+    let faults = table(
+        "t,x\n0,1\n",
+        &[ColumnSelector::Named("y"), ColumnSelector::Named("t"), ColumnSelector::Named("z")],
+    )
+    .unwrap_err();
+    let missing: Vec<_> = faults.iter().map(|fault| fault.column).collect();
+    assert_eq!(missing, [Some(0), Some(2)], "{faults:?}");
+}
+
+#[test]
+fn byte_order_marks_line_ends_quotes_blanks_and_comments_are_skipped() {
+    let text = "\u{feff}# made by hand\r\n# t: s\r\n# \"force\": N\r\n\"t\",\"a force\"\r\n\r\n0, 1e3\r\n# more\r\n  \r\n\"+.5\", -2";
+    let table = table(text, &[ColumnSelector::First, ColumnSelector::Named("a force")]).unwrap();
+    assert_eq!((table.columns, table.lines), (vec![vec![0.0, 0.5], vec![1000.0, -2.0]], vec![6, 9]));
+    assert_eq!(table.units, [Some(UnitComment { text: "s".to_owned(), line: 2 }), None]);
+}
+
+/// Message and hint of the only fault of a table, with its path replaced by FILE.
+fn only_fault(text: &str) -> String {
+    let faults = table(text, &FIRST_TWO).unwrap_err();
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    let path = faults[0].message.split(' ').find(|word| word.starts_with('/')).unwrap_or_default().to_owned();
+    format!("{}; {}", faults[0].message.replace(&path, "FILE"), faults[0].hint)
+}
+
+#[test]
+fn a_fault_of_a_table_names_its_line() {
+    let cases = [
+        ("", "FILE is empty"),
+        ("# t: s\n\n", "FILE is empty"),
+        ("t;x\n0,5;1\n", "line 1 of FILE separates its columns by \";\"; separate the columns"),
+        ("t\tx\n0\t1\n", "line 1 of FILE separates its columns by tabs"),
+        ("0,1\n1,2\n", "line 1 of FILE has numbers instead of column names"),
+        ("t\n0\n", "line 1 of FILE has no column to the right of"),
+        ("t,x\n0,5,1,5\n", "line 2 of FILE has 4 fields, but the line of names has 2; write decimal points"),
+        ("t,x\n\"0,5\",1\n", "line 2 of FILE has \"0,5\" instead of a number; write 0.5, not 0,5"),
+        ("t,x\n0,\n", "line 2 of FILE has an empty cell instead of a number; write a number into the cell"),
+        ("t,x\n0,NaN\n", "line 2 of FILE has \"NaN\" instead of a number"),
+        ("t,x\n0,1e999\n", "line 2 of FILE has \"1e999\" instead of a number"),
+        ("t,x\n\"0,1\n", "line 2 of FILE has 1 field, but the line of names has 2; write one field"),
+        ("t,x\r0,1\r", "line 1 of FILE contains a carriage return"),
+        ("t\0,\0x\0\n", "line 1 of FILE contains control characters; name a CSV file"),
+    ];
+    for (text, expected) in cases {
+        assert!(only_fault(text).starts_with(expected), "{text:?}: {}", only_fault(text));
+    }
+}
+
+#[test]
+fn bytes_that_are_not_text_are_reported_with_their_line() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), b"t,x\n0,1\n1,\xe9\n").unwrap();
+    let faults = read(file.path(), &FIRST_TWO).unwrap_err();
+    assert!(faults[0].message.starts_with("line 3 of ") && faults[0].hint.contains("UTF-8"), "{faults:?}");
+}
+
+#[test]
+fn only_the_first_ten_faults_are_reported() {
+    let faults = table(&format!("t,x\n0,1\n{}", "a,b\n".repeat(1000)), &FIRST_TWO).unwrap_err();
+    assert_eq!(faults.len(), MAX_FAULTS);
+}
+
+#[test]
+fn at_most_one_field_of_a_file_that_is_not_a_table_is_shown() {
+    let users = "root:x:0:0:Charlie,,:/root:/bin/sh\nann:x:1:1:Ann,Room 7,:/home/ann:/bin/sh\n";
+    let notes = format!("to do,when\n{},today\n{},later\n", "call the office ".repeat(9), "rest");
+    for (text, first) in
+        [(users, ColumnSelector::Named("t")), (users, ColumnSelector::First), (&notes, ColumnSelector::First)]
+    {
+        let faults = table(text, &[first, ColumnSelector::Next]).unwrap_err();
+        assert_eq!(faults.len(), 1, "{faults:?}");
+        let printed = format!("{} {}", faults[0].message, faults[0].hint);
+        let confidential = ["Charlie", "Room", "call the office call the office call", "rest"];
+        assert!(!confidential.iter().any(|part| printed.contains(part)), "{printed}");
+    }
+}
+
+#[test]
+fn a_folder_and_a_table_with_too_many_rows_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(read(folder.path(), &FIRST_TWO).unwrap_err()[0].message.ends_with("is not a file"));
+    let endless = "t,x\n".to_owned() + &"0,1\n".repeat(MAX_ROWS + 1);
+    assert!(only_fault(&endless).contains("the limit of 2000000 rows"), "{}", only_fault(&endless));
+}

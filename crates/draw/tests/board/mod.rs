@@ -1,0 +1,75 @@
+//! The patch panel shows every cord of the circuit with its jacks on the parts of the machine.
+
+mod connections;
+mod modules;
+mod paths;
+
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use std::thread;
+
+use self::connections::{every_cord_ends_in_its_jacks, every_cord_is_drawn_exactly_once};
+use self::modules::every_given_setting_is_on_the_sheet;
+use self::paths::{
+    cords_avoid_texts, cords_of_one_output_share_a_colour_and_neighbours_differ,
+    cords_overlap_for_short_sections_only, no_cord_covers_another_jack,
+};
+use crate::common::files::{representative_files, shipped_files, test_patch_files};
+use patchcord_core::circuit::Circuit;
+use patchcord_draw::schematic::Board;
+
+/// Returns the panel of a circuit.
+fn board(circuit: &Circuit) -> Board {
+    Board::new(circuit, "").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A file, its circuit and its panel.
+type PatchPanel = (String, Circuit, Board);
+
+/// Returns the panels of files, in their order. Each is drawn on a thread.
+fn boards(files: Vec<PathBuf>) -> Vec<PatchPanel> {
+    let panel = |file: PathBuf| {
+        let circuit = crate::common::circuit(&crate::common::patch_of(&file), &[]);
+        let board = board(&circuit);
+        (file.display().to_string(), circuit, board)
+    };
+    thread::scope(|scope| {
+        let panels: Vec<_> = files.into_iter().map(|file| scope.spawn(move || panel(file))).collect();
+        panels.into_iter().map(|panel| panel.join().unwrap()).collect()
+    })
+}
+
+/// The panels of a few patches.
+static FEW: LazyLock<Vec<PatchPanel>> =
+    LazyLock::new(|| boards([representative_files(), test_patch_files()].concat()));
+/// The panels of all shipped patches.
+static ALL: LazyLock<Vec<PatchPanel>> = LazyLock::new(|| boards(shipped_files()));
+
+/// Defines a test of each check on a few panels, and a slow one on all panels.
+macro_rules! on_boards {
+    ($($check:ident),* $(,)?) => {
+        mod few {
+            $(#[test]
+            fn $check() {
+                super::$check(&super::FEW);
+            })*
+        }
+        mod all {
+            $(#[test]
+            #[ignore = "the boards of all patches take a minute"]
+            fn $check() {
+                super::$check(&super::ALL);
+            })*
+        }
+    };
+}
+
+on_boards!(
+    every_cord_is_drawn_exactly_once,
+    every_cord_ends_in_its_jacks,
+    cords_of_one_output_share_a_colour_and_neighbours_differ,
+    cords_avoid_texts,
+    cords_overlap_for_short_sections_only,
+    no_cord_covers_another_jack,
+    every_given_setting_is_on_the_sheet,
+);

@@ -1,0 +1,154 @@
+//! The units of a data file: those that its comments and the experiment specify, and conversions to the patch.
+
+use super::{FileReader, RequestedColumn};
+use crate::data::experiment_document::SampleTimes;
+use patchcord_core::document::csv_table::CsvTable;
+use patchcord_core::document::fields::Findings;
+use patchcord_core::document::{Code, Diagnostic, Placed};
+use patchcord_core::patch::unreadable_unit;
+use patchcord_expr::Unit;
+
+impl FileReader<'_> {
+    /// Returns the unit that a comment of the file specifies for a column. The outer None means that it is invalid, the
+    /// inner None that there is no comment.
+    fn unit_in_comment(
+        &self,
+        rows: &CsvTable,
+        column: usize,
+        findings: &mut Findings,
+    ) -> Option<Option<Unit>> {
+        let Some(comment) = &rows.units[column] else { return Some(None) };
+        let unit = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
+        if unit.is_none() {
+            let fault = unreadable_unit(&rows.names[column], comment, self.path, column);
+            findings.push(self.diagnostic(Code::UNKNOWN_UNIT, fault));
+        }
+        unit.map(Some)
+    }
+
+    /// Returns the unit of a column, from the file or from the experiment. The outer None means that it is invalid or
+    /// that the two differ, the inner None that neither specifies it.
+    fn column_unit(
+        &self,
+        rows: &CsvTable,
+        column: usize,
+        in_experiment: Option<&Placed<Unit>>,
+        findings: &mut Findings,
+    ) -> Option<Option<Unit>> {
+        let in_comment = self.unit_in_comment(rows, column, findings)?;
+        let (Some(in_file), Some(in_experiment)) = (&in_comment, in_experiment) else {
+            return Some(in_comment.or_else(|| in_experiment.map(|unit| unit.value.clone())));
+        };
+        if !is_same_unit(in_file, &in_experiment.value) {
+            let message = format!(
+                "the column {} has the unit {in_file} in {}, but {} in the experiment",
+                rows.names[column],
+                self.path.display(),
+                in_experiment.value
+            );
+            let hint = "correct the wrong unit, or remove it";
+            findings.push(Diagnostic::at(Code::UNIT_MISMATCH, in_experiment.span, message).hint(hint));
+            return None;
+        }
+        Some(in_comment)
+    }
+
+    /// Returns the seconds per unit of time in the file; 1 if no unit is specified. None if the unit is invalid.
+    pub(super) fn unit_seconds(&self, rows: &CsvTable, findings: &mut Findings) -> Option<f64> {
+        match self.sample_times {
+            SampleTimes::Interval { unit, .. } => Some(*unit),
+            _ => {
+                let in_experiment = match self.sample_times {
+                    SampleTimes::Column { unit, .. } => unit.as_ref(),
+                    _ => None,
+                };
+                let unit = self.column_unit(rows, 0, in_experiment, findings)?;
+                let second = Unit::parse("s").ok()?;
+                let unit = unit.unwrap_or_else(|| second.clone());
+                let is_time = unit.dimension() == second.dimension();
+                if !is_time {
+                    let message = format!(
+                        "the column {} of {} must contain times, but its unit is {unit}",
+                        rows.names[0],
+                        self.path.display()
+                    );
+                    let hint = "name the column of the times with \"time\"";
+                    findings.push(Diagnostic::at(Code::UNIT_MISMATCH, self.span(0), message).hint(hint));
+                }
+                is_time.then(|| unit.factor())
+            }
+        }
+    }
+
+    /// Converts every requested column to the unit of the patch. Returns false if a column cannot be converted.
+    pub(super) fn convert_columns(&self, rows: &mut CsvTable, findings: &mut Findings) -> bool {
+        let reported = findings.len();
+        for (index, requested) in self.requested.iter().enumerate() {
+            let column = self.time_columns() + index;
+            let Some(Some(unit)) = self.column_unit(rows, column, requested.unit, findings) else { continue };
+            let Some(target) = requested.target_unit else { continue };
+            if unit.dimension() != target.dimension() {
+                findings.push(self.wrong_dimension(rows, column, requested, &unit, target));
+            } else if !is_same_unit(&unit, target) {
+                if requested.has_sigma && requested.unit.is_none() {
+                    findings.push(self.ambiguous_sigma(requested, &unit, target));
+                }
+                rows.columns[column]
+                    .iter_mut()
+                    .for_each(|number| *number = target.out_of_si(unit.to_si(*number)));
+                findings.extend(self.overflow(rows, column, target));
+            }
+        }
+        findings.len() == reported
+    }
+
+    /// Reports the first value that is not finite after the conversion to the unit of the patch.
+    fn overflow(&self, rows: &CsvTable, column: usize, target: &Unit) -> Option<Diagnostic> {
+        let row = rows.columns[column].iter().position(|number| !number.is_finite())?;
+        let message = format!(
+            "line {} of {}: the value in the column {} is too large when converted to {target}",
+            rows.lines[row],
+            self.path.display(),
+            rows.names[column]
+        );
+        Some(Diagnostic::at(Code::NOT_FINITE, self.span(column), message))
+    }
+
+    /// Reports a column whose unit cannot be converted to the unit of the patch.
+    fn wrong_dimension(
+        &self,
+        rows: &CsvTable,
+        column: usize,
+        requested: &RequestedColumn<'_>,
+        unit: &Unit,
+        target: &Unit,
+    ) -> Diagnostic {
+        let message = format!(
+            "the column {} of {} is in {unit}, but the {} {} of the patch is in {target}",
+            rows.names[column],
+            self.path.display(),
+            requested.noun,
+            requested.name
+        );
+        let span = requested.unit.map_or_else(|| self.span(column), |unit| unit.span);
+        let hint = format!("name another column or another {}", requested.noun);
+        Diagnostic::at(Code::UNIT_MISMATCH, span, message).hint(hint)
+    }
+
+    /// Reports a "sigma" of unknown unit: the file and the patch use different units, and the experiment does not
+    /// specify which of them applies.
+    fn ambiguous_sigma(&self, requested: &RequestedColumn<'_>, unit: &Unit, target: &Unit) -> Diagnostic {
+        let message = format!(
+            "the unit of \"sigma\" for {} is ambiguous: the column is in {unit} in {}, but in {target} in the patch",
+            requested.name,
+            self.path.display()
+        );
+        let hint = format!("add \"unit\": \"{unit}\" to the entry, and specify \"sigma\" in {unit}");
+        Diagnostic::at(Code::UNIT_MISMATCH, requested.column.span, message).hint(hint)
+    }
+}
+
+/// Whether two units measure the same quantity with the same factor, whatever their texts.
+fn is_same_unit(unit: &Unit, other: &Unit) -> bool {
+    unit.dimension() == other.dimension() && unit.factor() == other.factor()
+}
