@@ -51,12 +51,21 @@ pub(super) fn setting(text: &str) -> Result<(String, f64), String> {
     match value.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok((name.to_owned(), number)),
         Ok(_) => Err(format!("{value} is not a finite number")),
-        Err(_) => Err(match leading_number(value) {
-            Some((number, unit)) => format!(
-                "\"{value}\" is not a number: write {name}={number} if the patch declares {name} in {unit}"
-            ),
-            None => format!("\"{value}\" is not a number"),
-        }),
+        Err(_) => Err(format!("\"{value}\" is not a number{}", setting_advice(name, value))),
+    }
+}
+
+/// What to write instead of a value that is not a number. Empty if the text has no number.
+fn setting_advice(name: &str, value: &str) -> String {
+    let decimal_point = value.replacen(',', ".", 1);
+    match leading_number(value) {
+        Some((number, unit)) if Unit::parse(unit).is_ok() => {
+            format!(": write {name}={number} if the patch declares {name} in {unit}")
+        }
+        _ if decimal_point.parse::<f64>().is_ok() => {
+            format!(": write a decimal point: {name}={decimal_point}")
+        }
+        _ => String::new(),
     }
 }
 
@@ -121,6 +130,8 @@ mod tests {
         assert_eq!(setting(" m = 4 "), Ok(("m".to_owned(), 4.0)));
         let wanted = "\"4kg\" is not a number: write m=4 if the patch declares m in kg";
         assert_eq!(setting("m=4kg"), Err(wanted.to_owned()));
+        let wanted = "\"4,5\" is not a number: write a decimal point: m=4.5";
+        assert_eq!(setting("m=4,5"), Err(wanted.to_owned()));
         assert_eq!(setting("m=four"), Err("\"four\" is not a number".to_owned()));
         assert_eq!(setting("m=inf"), Err("inf is not a finite number".to_owned()));
     }

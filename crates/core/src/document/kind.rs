@@ -58,12 +58,12 @@ impl DocumentKind {
     pub fn wrong_kind(self, root: &Node) -> Option<Diagnostic> {
         let Content::Object(entries) = &root.value else { return None };
         let find = |key: &str| entries.iter().find(|entry| entry.key == key);
-        if find(self.main_key()).is_some() {
-            return None;
-        }
         let has_all = |keys: &&[&str]| keys.iter().all(|key| find(key).is_some());
-        let Some(given) = ALL.into_iter().find(|kind| kind.key_sets().iter().any(has_all)) else {
-            return self.unknown_kind(root, entries);
+        let given = match ALL.into_iter().find(|kind| kind.key_sets().iter().any(has_all)) {
+            Some(given) if given == self => return None,
+            Some(given) => given,
+            None if find(self.main_key()).is_some() => return None,
+            None => return self.unknown_kind(root, entries),
         };
         let message = format!("this is {}, where {} is needed", given.noun(), self.noun());
         let hint = if self == DocumentKind::Effect { FOLDER_HINT } else { given.hint() };

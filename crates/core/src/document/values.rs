@@ -6,7 +6,7 @@ use super::Placed;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
 use super::fields::{Findings, list, number, string, wrong_type};
-use super::quantity::{split_quantity, unit_rule};
+use super::quantity::{advised_number, split_quantity, unit_rule};
 use super::tree::{Content, Node};
 use patchcord_expr::{Formula, FormulaError, Unit};
 
@@ -77,10 +77,11 @@ fn formula_syntax_error(text: &str, span: Span, key: &str, error: FormulaError) 
     match split_quantity(text) {
         Some((number, unit)) => {
             let message = format!("\"{}\" has a unit, but {}", text.trim(), unit_rule(key));
+            let advised = advised_number(number, unit, key);
             let is_name = unit.chars().all(char::is_alphanumeric);
             let hint = match is_name {
-                true => format!("write {number}, or {number} * {unit} for a product"),
-                false => format!("write {number}"),
+                true => format!("write {advised}, or {number} * {unit} for a product"),
+                false => format!("write {advised}"),
             };
             Diagnostic::at(Code::BAD_FORMULA, span, message).hint(hint)
         }
