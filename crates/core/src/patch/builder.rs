@@ -13,7 +13,7 @@ use serde_json::{Map, Value};
 
 use super::document::{FORMAT_VERSION, Patch};
 use super::picture_entry::PictureEntry;
-use crate::document::Report;
+use crate::document::{Report, json_value};
 
 /// Builds a patch from its parts.
 ///
@@ -117,12 +117,12 @@ impl PatchBuilder {
     /// # Ok::<(), Box<patchcord_core::document::Report>>(())
     /// ```
     pub fn signal(self, name: &str, element: &str, scale: &str, factor: f64) -> Self {
-        self.insert("signals", name, value_of(SignalEntry { at: element, scale, factor }))
+        self.insert("signals", name, json_value(&SignalEntry { at: element, scale, factor }))
     }
 
     /// Sets the duration of the run and the step of the solver, both in problem seconds and positive.
     pub fn run(mut self, duration: f64, step: f64) -> Self {
-        self.document.insert("run".into(), value_of(RunEntry { duration, step }));
+        self.document.insert("run".into(), json_value(&RunEntry { duration, step }));
         self
     }
 
@@ -150,7 +150,7 @@ impl PatchBuilder {
     pub fn picture(mut self, title: &str, x: &str, y: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
         let pictures = self.document.entry("pictures").or_insert_with(|| Value::Array(Vec::new()));
         if let Value::Array(pictures) = pictures {
-            pictures.push(value_of(PictureEntry::new(title, x, y)));
+            pictures.push(json_value(&PictureEntry::new(title, x, y)));
         }
         self
     }
@@ -207,12 +207,7 @@ struct RunEntry {
 
 /// The JSON object of a scale: the value of one volt, and its unit.
 pub(super) fn scale_entry(per_volt: impl Into<Value>, unit: &str) -> Value {
-    value_of(ScaleEntry { per_volt: per_volt.into(), unit })
-}
-
-/// The JSON object of an entry. Numbers that are not finite become null.
-fn value_of(entry: impl Serialize) -> Value {
-    serde_json::to_value(entry).expect("an entry consists of texts, numbers and lists")
+    json_value(&ScaleEntry { per_volt: per_volt.into(), unit })
 }
 
 /// A list of names as JSON texts.

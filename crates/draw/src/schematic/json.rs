@@ -1,5 +1,6 @@
 //! The schematic as a JSON value.
 
+use patchcord_core::document::json_value;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -33,7 +34,7 @@ impl Schematic {
     /// ```
     pub fn to_json(&self) -> Value {
         let drawing = self.drawing();
-        value_of(&SchematicSummary {
+        json_value(&SchematicSummary {
             width: drawing.width,
             height: drawing.height,
             symbols: symbols(&self.main),
@@ -41,11 +42,6 @@ impl Schematic {
             macros: self.macros.iter().map(MacroSummary::new).collect(),
         })
     }
-}
-
-/// Converts a summary into a JSON value.
-pub(super) fn value_of(summary: &impl Serialize) -> Value {
-    serde_json::to_value(summary).expect("numbers, texts and lists have a JSON value")
 }
 
 /// The content of a schematic.

@@ -11,6 +11,7 @@ use crate::effects::graft::Graft;
 use crate::effects::sites::{Junction, ScaledSignal};
 use crate::effects::{Attachment, Effect, Form, InputRole, OutputRole};
 use crate::localise::input_basis::InputBasis;
+use patchcord_core::document::json_value;
 use patchcord_core::patch::{EditError, Patch};
 
 /// Full scale, in volts. Beyond its outermost knots a function generator is constant up to here.
@@ -114,7 +115,7 @@ struct FunctionGenerator<'a> {
 
 /// A JSON object with one entry.
 fn entry(name: &str, value: &impl Serialize) -> Map<String, Value> {
-    Map::from_iter([(name.to_owned(), serde_json::to_value(value).unwrap_or_default())])
+    Map::from_iter([(name.to_owned(), json_value(value))])
 }
 
 /// A form without parameters that adds to the sum of an integrator.

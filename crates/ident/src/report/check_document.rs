@@ -3,7 +3,7 @@
 //! The fields of the structs are the keys of the JSON text, in the same order. A number that is not finite becomes
 //! null.
 
-use patchcord_core::document::DiagnosticDocument;
+use patchcord_core::document::{DiagnosticDocument, json_value};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -75,8 +75,7 @@ impl<'a> CheckDocument<'a> {
 
     /// The document as a JSON value.
     pub fn json(&self) -> Value {
-        // All keys are strings, so that the conversion cannot fail.
-        serde_json::to_value(self).unwrap_or_default()
+        json_value(self)
     }
 }
 

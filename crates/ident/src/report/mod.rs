@@ -49,6 +49,7 @@ use crate::report::doubts::doubts;
 use crate::report::provenance::{augmented_patch, fitted_patch, recovered_patch};
 use crate::report::sentence::verdict_sentence;
 use crate::search::outcome::Outcome;
+use patchcord_core::document::json_value;
 use patchcord_core::patch::Patch;
 use patchcord_draw::plot::PlotError;
 
@@ -107,8 +108,7 @@ impl<'a> Report<'a> {
 
     /// The same as a JSON value, for callers that add members or look some up.
     pub fn json(&self) -> Value {
-        // All keys are strings, so that the conversion cannot fail.
-        serde_json::to_value(self.document()).unwrap_or_default()
+        json_value(&self.document())
     }
 
     /// The original patch with fitted values. `file` is the path of the new patch.

@@ -12,6 +12,7 @@ use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
 use super::simulation::{COMMAND, VELOCITY};
+use patchcord_core::document::json_value;
 use patchcord_core::patch::{Patch, PictureEntry};
 use patchcord_expr::round_significant;
 
@@ -184,7 +185,7 @@ fn pictures() -> Value {
         PictureEntry::new("System velocity profile", COMMAND, [VELOCITY]),
         PictureEntry::new("Error force against output velocity", VELOCITY, ["spring_force"]),
     ];
-    serde_json::to_value(pictures).expect("texts can be converted to JSON")
+    json_value(&pictures)
 }
 
 #[cfg(test)]

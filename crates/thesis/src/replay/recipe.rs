@@ -16,6 +16,7 @@ use super::series;
 use crate::slideway::scaling::Scales;
 use patchcord_analysis::instruments::parameter_line;
 use patchcord_core::circuit::Circuit;
+use patchcord_core::document::json_value;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, ElementBuilder, Patch, PictureEntry};
 use patchcord_core::solve::{self, RunSettings};
@@ -215,7 +216,7 @@ impl Recipe {
         }
         editor.set_title(title);
         if !self.pictures.is_empty() {
-            editor.put(["pictures"], serde_json::to_value(&self.pictures)?);
+            editor.put(["pictures"], json_value(&self.pictures));
         }
         Ok(editor.finish(&format!("{name}.json"))?)
     }

@@ -3,7 +3,8 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{insert_in_section, name_list, value_of};
+use super::{insert_in_section, name_list};
+use crate::document::json_value;
 
 /// Builds a parameter for [`PatchEditor::put_parameter`](crate::patch::PatchEditor::put_parameter).
 ///
@@ -107,7 +108,7 @@ impl MacroBuilder {
 
     /// Adds a setting in `unit`. If `default` is null, every instance must specify the setting.
     pub fn setting(self, name: &str, unit: &str, default: impl Into<Value>) -> Self {
-        self.insert("settings", name, value_of(MacroSettingEntry { unit, default: default.into() }))
+        self.insert("settings", name, json_value(&MacroSettingEntry { unit, default: default.into() }))
     }
 
     /// Adds an element, or an instance of another macro.

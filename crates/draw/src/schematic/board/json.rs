@@ -4,8 +4,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::{Board, Cord, Link, Module};
-use crate::schematic::json::value_of;
 use crate::schematic::layout::Point;
+use patchcord_core::document::json_value;
 
 impl Board {
     /// Returns the modules with their positions and the cords with their ends.
@@ -33,7 +33,7 @@ impl Board {
     /// # }
     /// ```
     pub fn to_json(&self) -> Value {
-        value_of(&BoardSummary {
+        json_value(&BoardSummary {
             modules: self.modules.iter().map(ModuleSummary::new).collect(),
             cords: self.cords.iter().map(CordSummary::new).collect(),
             links: self.links.iter().map(LinkSummary::new).collect(),
