@@ -2,7 +2,7 @@
 //!
 //! An option takes a number in one unit. A number with a unit is an error, and the message says what to write instead.
 
-use patchcord::expr::{Unit, round_significant};
+use patchcord::expr::{Unit, leading_number, round_significant};
 
 /// The number of digits of a suggested value. More digits would show the rounding errors of a conversion.
 const SUGGESTED_DIGITS: usize = 12;
@@ -72,19 +72,10 @@ fn setting_advice(name: &str, value: &str) -> String {
 /// What to write instead of a text that is not a number: "leave out its unit and give the value in s: 0.001".
 fn advice(text: &str, unit: &str) -> String {
     let Some((number, given)) = leading_number(text) else { return format!("give the value in {unit}") };
-    let value = if given == unit { Some(number) } else { converted(number, given, unit) };
+    let number: Option<f64> = number.parse().ok();
+    let value = if given == unit { number } else { number.and_then(|number| converted(number, given, unit)) };
     let value = value.map_or_else(String::new, |value| format!(": {value}"));
     format!("leave out its unit and give the value in {unit}{value}")
-}
-
-/// The number at the start of a text, and the unit after it. None if the text does not begin with a finite number.
-fn leading_number(text: &str) -> Option<(f64, &str)> {
-    let ends = text.char_indices().map(|(end, _)| end).rev();
-    let mut numbers = ends.filter_map(|end| {
-        let (number, unit) = text.split_at(end);
-        Some((number.trim_end().parse::<f64>().ok()?, unit.trim_start()))
-    });
-    numbers.find(|(number, _)| number.is_finite())
 }
 
 /// Converts a number from one unit to another. None if a unit is unknown or they have different dimensions.

@@ -29,5 +29,5 @@ mod units;
 
 pub use formula::{Callee, Expression, Formula, FormulaDimension, FormulaError, Node, Operator, Scope};
 pub use function::Function;
-pub use number_text::{format_decimals, format_significant, round_significant};
+pub use number_text::{format_decimals, format_significant, leading_number, round_significant};
 pub use units::{Dimension, Unit, UnitError, engineering, nearest};

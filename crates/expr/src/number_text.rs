@@ -75,6 +75,32 @@ pub(crate) fn format_shortest(value: f64) -> String {
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
+/// Largest length of a leading number, in bytes. Longer texts are not searched for one.
+const MAX_LEADING_BYTES: usize = 40;
+
+/// Splits a text such as "8 s" into the number at its start and the rest, without the blanks around them.
+///
+/// The rest is not empty. `None` if the text does not begin with a finite number.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::leading_number;
+///
+/// assert_eq!(leading_number("-1.5e3 N s/m"), Some(("-1.5e3", "N s/m")));
+/// assert_eq!(leading_number("8"), None);
+/// assert_eq!(leading_number("inf s"), None);
+/// ```
+pub fn leading_number(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim();
+    let is_number = |number: &str| number.parse::<f64>().is_ok_and(f64::is_finite);
+    (1..text.len().min(MAX_LEADING_BYTES))
+        .rev()
+        .filter_map(|end| text.split_at_checked(end))
+        .map(|(number, rest)| (number.trim_end(), rest.trim_start()))
+        .find(|(number, _)| is_number(number))
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::error::PlanError;
 use super::plan::{Axis, AxisValues, parameter};
-use patchcord_core::document::csv_table::{self, ColumnSelector, CsvTable};
+use patchcord_core::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable};
 use patchcord_core::ir::{ParameterValue, Program};
 use patchcord_core::output::io_reason;
 use patchcord_expr::Unit;
@@ -54,11 +54,11 @@ impl Axis {
 
 /// The names of the parameters and their values row by row, or the faults of the file.
 fn read_rows(path: &Path, program: &Program) -> Result<(Vec<String>, Vec<f64>), Vec<String>> {
-    // The names decide which columns are selected, so the first pass selects none.
-    let names = read_columns(path, &[])?.all_names;
+    // The names decide which columns are selected.
+    let names = csv_table::read_names(path).map_err(texts)?;
     let parameters = parameters(path, &names, program)?;
     let selectors: Vec<_> = names.iter().map(|name| ColumnSelector::Named(name)).collect();
-    let table = read_columns(path, &selectors)?;
+    let table = csv_table::read(path, &selectors).map_err(texts)?;
     if table.lines.is_empty() {
         let message = "the table needs a line of parameter names, then one line of values per run";
         return Err(vec![format!("{}: {message}", path.display())]);
@@ -70,15 +70,13 @@ fn read_rows(path: &Path, program: &Program) -> Result<(Vec<String>, Vec<f64>), 
     Ok((names, values))
 }
 
-/// The selected columns of a file, or its faults as text.
-fn read_columns(path: &Path, selectors: &[ColumnSelector<'_>]) -> Result<CsvTable, Vec<String>> {
-    csv_table::read(path, selectors).map_err(|faults| {
-        let mut texts: Vec<_> =
-            faults.into_iter().map(|fault| format!("{}; {}", fault.message, fault.hint)).collect();
-        // Two columns of the same name are reported for each of them.
-        texts.dedup();
-        texts
-    })
+/// The faults of a file as text.
+fn texts(faults: Vec<CsvFault>) -> Vec<String> {
+    let mut texts: Vec<_> =
+        faults.into_iter().map(|fault| format!("{}; {}", fault.message, fault.hint)).collect();
+    // Two columns of the same name are reported for each of them.
+    texts.dedup();
+    texts
 }
 
 /// The parameter of each column, or an error for each name that is not a parameter.
@@ -122,9 +120,7 @@ fn unit_faults(
 /// Whether two texts are units of the same dimension and size.
 fn is_same_unit(one: &str, other: &str) -> bool {
     let [one, other] = [one, other].map(Unit::parse);
-    one.is_ok_and(|one| {
-        other.is_ok_and(|other| one.dimension() == other.dimension() && one.factor() == other.factor())
-    })
+    one.is_ok_and(|one| other.is_ok_and(|other| one.is_same_as(&other)))
 }
 
 /// A fault for each value outside the range of its parameter, in the order of the lines.

@@ -108,11 +108,45 @@ pub struct CsvTable {
 /// # }
 /// ```
 pub fn read(path: impl AsRef<Path>, selectors: &[ColumnSelector<'_>]) -> Result<CsvTable, Vec<CsvFault>> {
-    let path = path.as_ref();
+    read_until(path.as_ref(), selectors, Reader::is_stopped)
+}
+
+/// Reads the names of all columns of a file, and nothing after them.
+///
+/// # Errors
+/// The faults of the file up to the line of names, at most ten.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::csv_table;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let file = tempfile::NamedTempFile::new()?;
+/// std::fs::write(&file, "# measured\nt,x\n0,1\n")?;
+/// let names = csv_table::read_names(&file).map_err(|faults| faults[0].message.clone())?;
+/// assert_eq!(names, ["t", "x"]);
+/// # Ok(())
+/// # }
+/// ```
+pub fn read_names(path: impl AsRef<Path>) -> Result<Vec<String>, Vec<CsvFault>> {
+    let has_names = |reader: &Reader<'_>| reader.has_names() || reader.is_stopped();
+    read_until(path.as_ref(), &[], has_names).map(|table| table.all_names)
+}
+
+/// Reads the lines of a file until the reader meets a condition.
+///
+/// # Errors
+/// The faults of the file, at most ten.
+fn read_until<'a>(
+    path: &'a Path,
+    selectors: &'a [ColumnSelector<'a>],
+    is_done: impl Fn(&Reader<'a>) -> bool,
+) -> Result<CsvTable, Vec<CsvFault>> {
     let mut lines = BufReader::new(open(path).map_err(|fault| vec![fault])?);
     let mut reader = Reader::new(path, selectors);
     let mut line = Vec::new();
-    while !reader.is_stopped() {
+    while !is_done(&reader) {
         line.clear();
         match lines.read_until(b'\n', &mut line) {
             Ok(0) => break,

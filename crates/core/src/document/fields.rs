@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use super::Placed;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
-use super::quantity::{advised_number, split_quantity, unit_rule};
+use super::quantity::{Quantity, unit_rule};
 use super::tree::{Content, KeyValue, Node};
 use super::wording::suggestion;
 use patchcord_expr::nearest;
@@ -114,8 +114,9 @@ fn quoted_number_hint(text: &str, key: &str) -> Option<String> {
     if text.parse::<f64>().is_ok_and(f64::is_finite) {
         return Some("remove the quotes".to_owned());
     }
-    let (number, unit) = split_quantity(text)?;
-    Some(format!("write {} without quotes: {}", advised_number(number, unit, key), unit_rule(key)))
+    let advised = Quantity::parse(text)?.advised_number(key);
+    let number = advised.as_deref().unwrap_or("the number alone");
+    Some(format!("write {number} without quotes: {}", unit_rule(key)))
 }
 
 /// The keys of an object while a decoder takes them. Keys that remain at the end are unknown.

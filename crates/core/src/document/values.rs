@@ -6,7 +6,7 @@ use super::Placed;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
 use super::fields::{Findings, list, number, string, wrong_type};
-use super::quantity::{advised_number, split_quantity, unit_rule};
+use super::quantity::{Quantity, unit_rule};
 use super::tree::{Content, Node};
 use patchcord_expr::{Formula, FormulaError, Unit};
 
@@ -74,10 +74,12 @@ fn inside_quotes(span: Span, range: &std::ops::Range<usize>) -> Span {
 /// The diagnostic for a text that is not a formula. A number with a unit, such as "8 s", gets a message of its own.
 fn formula_syntax_error(text: &str, span: Span, key: &str, error: FormulaError) -> Diagnostic {
     let span = inside_quotes(span, &error.range);
-    match split_quantity(text) {
-        Some((number, unit)) => {
+    match Quantity::parse(text) {
+        Some(quantity) => {
             let message = format!("\"{}\" has a unit, but {}", text.trim(), unit_rule(key));
-            let advised = advised_number(number, unit, key);
+            let (number, unit) = (quantity.number, quantity.unit.text());
+            let advised = quantity.advised_number(key);
+            let advised = advised.as_deref().unwrap_or("the number alone, in that unit");
             let is_name = unit.chars().all(char::is_alphanumeric);
             let hint = match is_name {
                 true => format!("write {advised}, or {number} * {unit} for a product"),

@@ -94,6 +94,21 @@ impl Unit {
         self.dimension
     }
 
+    /// Returns whether both units have the same dimension and size, whatever their texts.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Unit;
+    ///
+    /// assert!(Unit::parse("N")?.is_same_as(&Unit::parse("kg m/s2")?));
+    /// assert!(!Unit::parse("m")?.is_same_as(&Unit::parse("mm")?));
+    /// # Ok::<(), patchcord_expr::UnitError>(())
+    /// ```
+    pub fn is_same_as(&self, other: &Unit) -> bool {
+        self.dimension() == other.dimension() && self.factor() == other.factor()
+    }
+
     /// Converts a value from this unit to SI units.
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.factor

@@ -56,6 +56,11 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Whether the line of names was read.
+    pub(super) fn has_names(&self) -> bool {
+        self.columns.is_some()
+    }
+
     /// Whether the rest of the file is not read. A file whose first row is wrong may not be a table at all.
     pub(super) fn is_stopped(&self) -> bool {
         let is_table = self.columns.is_some() && !self.table.lines.is_empty();

@@ -39,7 +39,7 @@ impl FileReader<'_> {
         let (Some(in_file), Some(in_experiment)) = (&in_comment, in_experiment) else {
             return Some(in_comment.or_else(|| in_experiment.map(|unit| unit.value.clone())));
         };
-        if !is_same_unit(in_file, &in_experiment.value) {
+        if !in_file.is_same_as(&in_experiment.value) {
             let message = format!(
                 "the column {} has the unit {in_file} in {}, but {} in the experiment",
                 rows.names[column],
@@ -89,7 +89,7 @@ impl FileReader<'_> {
             let Some(target) = requested.target_unit else { continue };
             if unit.dimension() != target.dimension() {
                 findings.push(self.wrong_dimension(rows, column, requested, &unit, target));
-            } else if !is_same_unit(&unit, target) {
+            } else if !unit.is_same_as(target) {
                 if requested.has_sigma && requested.unit.is_none() {
                     findings.push(self.ambiguous_sigma(requested, &unit, target));
                 }
@@ -146,9 +146,4 @@ impl FileReader<'_> {
         let hint = format!("add \"unit\": \"{unit}\" to the entry, and specify \"sigma\" in {unit}");
         Diagnostic::at(Code::UNIT_MISMATCH, requested.column.span, message).hint(hint)
     }
-}
-
-/// Whether two units measure the same quantity with the same factor, whatever their texts.
-fn is_same_unit(unit: &Unit, other: &Unit) -> bool {
-    unit.dimension() == other.dimension() && unit.factor() == other.factor()
 }
