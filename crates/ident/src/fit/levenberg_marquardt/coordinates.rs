@@ -36,22 +36,22 @@ impl FitProblem<'_> {
 
     /// The estimate with these coordinates.
     pub(crate) fn estimate(&self, coordinates: &DVector<f64>) -> Estimate {
-        let parameters = self
-            .model
-            .parameters
-            .iter()
-            .zip(coordinates.iter())
-            .map(|(parameter, fraction)| parameter.value_at(*fraction));
         let offsets = self.sigma.iter().enumerate();
         let offsets =
             offsets.map(|(output, sigma)| coordinates[self.model.parameters.len() + output] * sigma);
         Estimate {
-            parameters: parameters.collect(),
+            parameters: self.parameter_values(coordinates),
             offsets: offsets.collect(),
             initial: (0..self.records.len())
                 .map(|record| self.initial_voltages(coordinates, record))
                 .collect(),
         }
+    }
+
+    /// The parameter values, in the units of the patch.
+    fn parameter_values(&self, coordinates: &DVector<f64>) -> Vec<f64> {
+        let pairs = self.model.parameters.iter().zip(coordinates.iter());
+        pairs.map(|(parameter, fraction)| parameter.value_at(*fraction)).collect()
     }
 
     /// Indices of the coordinates that are the initial voltages of a record.
@@ -67,13 +67,10 @@ impl FitProblem<'_> {
 
     /// The values that a run along one record needs.
     pub(crate) fn run_values(&self, coordinates: &DVector<f64>, record: usize) -> RunValues {
-        let parameters = self
-            .model
-            .parameters
-            .iter()
-            .zip(coordinates.iter())
-            .map(|(parameter, fraction)| parameter.value_at(*fraction));
-        RunValues { parameters: parameters.collect(), initial: self.initial_voltages(coordinates, record) }
+        RunValues {
+            parameters: self.parameter_values(coordinates),
+            initial: self.initial_voltages(coordinates, record),
+        }
     }
 
     /// Whether a coordinate is fitted.
