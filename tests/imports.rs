@@ -46,7 +46,7 @@ const MODULES: [(&str, &[&str]); 6] = [
         "ident",
         &["statistics", "data", "effects", "fit", "residuals", "localise", "design", "search", "report"],
     ),
-    ("thesis", &["picture_entry", "slideway", "chain", "replay"]),
+    ("thesis", &["slideway", "chain", "replay"]),
 ];
 
 /// The top-level module and the code of every source file of a crate.
