@@ -31,10 +31,10 @@ impl<'a> Quantity<'a> {
     /// The number to write under a key instead: "0.001" for "1 ms" under "step". `None` if the place may have a unit
     /// in which the number is another one.
     pub(super) fn advised_number(&self, key: &str) -> Option<String> {
-        let is_time = Unit::parse("s").is_ok_and(|second| second.dimension() == self.unit.dimension());
-        if TIME_KEYS.contains(&key) && is_time {
+        if TIME_KEYS.contains(&key) {
+            let is_time = Unit::parse("s").is_ok_and(|second| second.dimension() == self.unit.dimension());
             let seconds = self.unit.to_si(self.number.parse().ok()?);
-            return Some(round_significant(seconds, ADVISED_DIGITS).to_string());
+            return is_time.then(|| round_significant(seconds, ADVISED_DIGITS).to_string());
         }
         (self.unit.factor() == 1.0).then(|| self.number.to_owned())
     }
@@ -85,6 +85,7 @@ mod tests {
         assert_eq!(advised("1 ms", "step").as_deref(), Some("0.001"));
         assert_eq!(advised("2 min", "for").as_deref(), Some("120"));
         assert_eq!(advised("20 V", "initial").as_deref(), Some("20"));
+        assert_eq!(advised("3 kg", "step"), None);
         // The unit of the place may be mm, as that of a scale or of the key "unit".
         assert_eq!(["height", "value", "sigma"].map(|key| advised("50 mm", key)), [None, None, None]);
     }

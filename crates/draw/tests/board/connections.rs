@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{PatchPanel, board};
+use super::{PatchPanel, slideway};
 use crate::schematic_checks::{CordKey, cords_of};
 use patchcord_core::circuit::Circuit;
 use patchcord_draw::plot::{Ink, Primitive};
@@ -81,8 +81,7 @@ fn jack_label(cord: &Cord) -> String {
 
 #[test]
 fn each_potentiometer_of_the_dead_zone_has_its_bias_and_its_setting() {
-    let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
-    let board = board(&circuit);
+    let (_, board) = slideway();
     for (name, jacks, note) in
         [("PB1", ["in", "+VB"], "0.2537 of DZ"), ("PB2", ["in", "−VB"], "0.2537 of DZ")]
     {
@@ -94,8 +93,7 @@ fn each_potentiometer_of_the_dead_zone_has_its_bias_and_its_setting() {
 
 #[test]
 fn dead_zone_and_limiter_are_linked() {
-    let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
-    let board = board(&circuit);
+    let (_, board) = slideway();
     let module = |name: &str| board.modules.iter().find(|module| module.name == name).unwrap();
     let cord = board.cords.iter().find(|cord| cord.from == "DZ").unwrap();
     assert!(module("DZ D1D2").outputs.contains(&cord.ends[0]));

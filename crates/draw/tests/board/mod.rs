@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use std::thread;
 
 use self::connections::{every_cord_ends_in_its_jacks, every_cord_is_drawn_exactly_once};
-use self::modules::every_given_setting_is_on_the_sheet;
+use self::modules::{all_modules_of_a_row_have_the_same_jacks, every_given_setting_is_on_the_sheet};
 use self::paths::{
     cords_avoid_texts, cords_of_one_output_share_a_colour_and_neighbours_differ,
     cords_overlap_for_short_sections_only, no_cord_covers_another_jack,
@@ -45,6 +45,12 @@ static FEW: LazyLock<Vec<PatchPanel>> =
 /// The panels of all shipped patches.
 static ALL: LazyLock<Vec<PatchPanel>> = LazyLock::new(|| boards(shipped_files()));
 
+/// The circuit and the panel of the slideway.
+fn slideway() -> (&'static Circuit, &'static Board) {
+    let panel = FEW.iter().find(|(file, ..)| file.ends_with("fig-8-16.json"));
+    panel.map(|(_, circuit, board)| (circuit, board)).unwrap()
+}
+
 /// Defines a test of each check on a few panels, and a slow one on all panels.
 macro_rules! on_boards {
     ($($check:ident),* $(,)?) => {
@@ -72,4 +78,5 @@ on_boards!(
     cords_overlap_for_short_sections_only,
     no_cord_covers_another_jack,
     every_given_setting_is_on_the_sheet,
+    all_modules_of_a_row_have_the_same_jacks,
 );

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{PatchPanel, board};
+use super::{PatchPanel, board, slideway};
 use patchcord_core::elements::SettingDefault;
 use patchcord_core::machines::Part;
 use patchcord_core::patch::Patch;
@@ -33,23 +33,26 @@ fn modules_of_different_kinds_look_different() {
     }
 }
 
-#[test]
-fn all_modules_of_a_row_have_the_same_jacks() {
-    for stem in ["fig-8-04", "fig-8-11", "fig-8-14", "fig-8-16"] {
-        let patch = crate::common::shipped(&format!("thesis/{stem}"));
-        let circuit = crate::common::circuit(&patch, &[]);
-        let mut modules = board(&circuit).modules.into_iter().skip(3 + patch.drives.len());
+/// The machine of the slideway. It has rows of equal parts.
+const SOLARTRON: &str = "solartron-1451";
+
+pub(super) fn all_modules_of_a_row_have_the_same_jacks(boards: &[PatchPanel]) {
+    let mut panels = boards.iter().filter(|(_, circuit, _)| circuit.machine().name == SOLARTRON).peekable();
+    assert!(panels.peek().is_some());
+    for (file, circuit, board) in panels {
+        // The panel begins with the three references and the drives.
+        let mut modules = board.modules.iter().skip(3 + circuit.patch().drives.len());
         for part in
             [Part::Summer, Part::Integrator, Part::FixedPot, Part::FreePot, Part::DiodePair, Part::Multiplier]
         {
             let count = circuit.machine().count(part).unwrap();
             let row: Vec<_> = modules.by_ref().take(count).collect();
             let jacks = |module: &Module| (module.inputs.len(), module.outputs.len());
-            assert!(row.iter().all(|module| jacks(module) == jacks(&row[0])), "{stem}: {row:#?}");
+            assert!(row.iter().all(|module| jacks(module) == jacks(row[0])), "{file}: {row:#?}");
             let labels =
                 |module: &Module| module.inputs.iter().map(|(label, _)| label.clone()).collect::<Vec<_>>();
             if matches!(part, Part::Summer | Part::Integrator | Part::Multiplier) {
-                assert!(row.iter().all(|module| labels(module) == labels(&row[0])), "{stem}: {row:#?}");
+                assert!(row.iter().all(|module| labels(module) == labels(row[0])), "{file}: {row:#?}");
             }
         }
     }
@@ -57,8 +60,7 @@ fn all_modules_of_a_row_have_the_same_jacks() {
 
 #[test]
 fn settings_that_the_modules_omit_are_listed() {
-    let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
-    let board = board(&circuit);
+    let (_, board) = slideway();
     let rows = board
         .lists
         .iter()
@@ -105,8 +107,7 @@ pub(super) fn every_given_setting_is_on_the_sheet(boards: &[PatchPanel]) {
 
 #[test]
 fn the_panel_shows_all_parts_of_the_machine() {
-    let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
-    let board = board(&circuit);
+    let (circuit, board) = slideway();
     let parts: usize = Part::ALL.iter().filter_map(|part| circuit.machine().count(*part)).sum();
     // The panel also has three references, two drives and a key switch.
     assert_eq!(board.modules.len(), parts + 6);
@@ -118,8 +119,7 @@ fn the_panel_shows_all_parts_of_the_machine() {
 
 #[test]
 fn modules_do_not_overlap() {
-    let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
-    let board = board(&circuit);
+    let (_, board) = slideway();
     let drawing = board.drawing();
     for (index, module) in board.modules.iter().enumerate() {
         let [(left, top), (right, bottom)] = module.corners;

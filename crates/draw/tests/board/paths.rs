@@ -1,6 +1,6 @@
 //! Cords have clear paths and colours: they avoid texts, jacks and each other.
 
-use super::{PatchPanel, board};
+use super::{PatchPanel, slideway};
 use patchcord_draw::plot::{Ink, Label, Primitive};
 use patchcord_draw::schematic::{Board, Cord, Module, Point};
 
@@ -106,8 +106,8 @@ pub(super) fn no_cord_covers_another_jack(boards: &[PatchPanel]) {
 
 #[test]
 fn jacks_and_plugs_are_in_front_of_all_cords() {
-    let circuit = crate::common::circuit(&crate::common::slideway(), &[]);
-    let primitives = board(&circuit).drawing().primitives;
+    let (_, board) = slideway();
+    let primitives = board.drawing().primitives;
     let is_cord = |primitive: &Primitive| matches!(primitive, Primitive::Line { ink: Ink::Cord(_), .. });
     let is_jack =
         |primitive: &Primitive| matches!(primitive, Primitive::Ring { .. } | Primitive::Disc { .. });
