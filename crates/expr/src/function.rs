@@ -8,7 +8,7 @@ mod table;
 
 use std::f64::consts::TAU;
 
-use table::{Extrema, FunctionRow, TABLE};
+use table::{Extrema, FunctionRow, Steepest, TABLE};
 
 /// A function of one or two numbers.
 ///
@@ -157,6 +157,37 @@ impl Function {
                 if is_angle_within(crest, a) { 1.0 } else { highest },
             ),
             _ => unknown,
+        }
+    }
+
+    /// Returns bounds `(low, high)` of the derivative of a function of one argument, for arguments
+    /// within the bounds.
+    ///
+    /// The bounds are infinite if none are known: for functions of two arguments, `tan` and `floor`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Function;
+    ///
+    /// // The sine is steepest at 0, where its derivative is 1.
+    /// assert_eq!(Function::Sin.slope_bounds((-1.5, 1.0)), (1.5f64.cos(), 1.0));
+    /// assert_eq!(Function::Sqrt.slope_bounds((1.0, 4.0)), (0.25, 0.5));
+    /// ```
+    pub fn slope_bounds(self, argument: (f64, f64)) -> (f64, f64) {
+        let ends = [argument.0, argument.1].map(|end| self.derivative(end, end).0);
+        let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        match self.entry().steepest {
+            _ if ends.iter().any(|end| end.is_nan()) => (f64::NEG_INFINITY, f64::INFINITY),
+            Steepest::Ends => (low, high),
+            Steepest::EndsAboveZero if argument.0 > 0.0 => (low, high),
+            Steepest::EndsAndZero(peak) if argument.0 <= 0.0 && argument.1 >= 0.0 => (low, high.max(peak)),
+            Steepest::EndsAndZero(_) => (low, high),
+            Steepest::Periodic { crest, trough } => (
+                if is_angle_within(trough, argument) { -1.0 } else { low },
+                if is_angle_within(crest, argument) { 1.0 } else { high },
+            ),
+            Steepest::EndsAboveZero | Steepest::Unknown => (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
 

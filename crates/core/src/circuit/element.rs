@@ -35,8 +35,7 @@ pub struct Cord {
 /// ```
 /// use patchcord_core::circuit::EvaluationStep;
 ///
-/// let inner = vec![EvaluationStep::Element(4), EvaluationStep::Element(5)];
-/// let step = EvaluationStep::Loop { opener: 3, inner };
+/// let step = EvaluationStep::Loop { openers: vec![3], members: vec![4, 5, 3] };
 /// assert_eq!(step.members(), [4, 5, 3]);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -45,21 +44,20 @@ pub enum EvaluationStep {
     Element(usize),
     /// Solves a loop without an integrator.
     Loop {
-        /// The element that opens the loop: its output is the unknown, and it is computed last.
-        opener: usize,
-        /// The steps for the other members in order of evaluation. Loops that remain are nested here.
-        inner: Vec<EvaluationStep>,
+        /// The elements that open the loop. Their outputs are the unknowns.
+        openers: Vec<usize>,
+        /// All elements of the loop, in an order in which each comes after the elements that drive it and do not open
+        /// the loop.
+        members: Vec<usize>,
     },
 }
 
 impl EvaluationStep {
-    /// The elements of the step in order of evaluation. The element that opens a loop is the last one of the loop.
-    pub fn members(&self) -> Vec<usize> {
+    /// The elements of the step in order of evaluation.
+    pub fn members(&self) -> &[usize] {
         match self {
-            EvaluationStep::Element(element) => vec![*element],
-            EvaluationStep::Loop { opener, inner } => {
-                inner.iter().flat_map(EvaluationStep::members).chain([*opener]).collect()
-            }
+            EvaluationStep::Element(element) => std::slice::from_ref(element),
+            EvaluationStep::Loop { members, .. } => members,
         }
     }
 }

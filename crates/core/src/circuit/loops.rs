@@ -1,30 +1,32 @@
 //! Finds the order in which voltages are computed, and the loops without an integrator.
 //!
 //! Only direct cords count, whose voltage acts on the output at the same instant. A strongly connected component of
-//! this graph is a loop, also called an algebraic loop. One of its members opens the loop: its output is an unknown
-//! that the solver finds. If loops remain among the other members, they are opened in the same way, up to three deep.
+//! this graph is a loop, also called an algebraic loop. It is opened at some of its members, whose outputs are unknowns
+//! that the solver finds together. The others follow from them one after another.
 
 use std::collections::HashSet;
 
 use petgraph::algo::{kosaraju_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
-use petgraph::visit::EdgeRef as _;
+use petgraph::Direction::Incoming;
+use petgraph::visit::{EdgeFiltered, EdgeRef as _, NodeFiltered};
 
 use super::EvaluationStep;
 use super::resolve::Graph;
-use crate::document::{Code, Diagnostic};
 use crate::elements::OutputStage;
 
-/// A graph of direct cords. The weight of a node is the index of its element in the circuit.
-type DirectGraph = DiGraph<usize, ()>;
+/// A graph of direct cords. A node has the index of its element in the circuit.
+type DirectGraph = DiGraph<(), ()>;
 
-/// Number of loops that can be nested in each other. Each level multiplies the work of a step, because the inner loop
-/// is solved again for every trial value of the outer one.
-const MAX_LOOP_DEPTH: usize = 3;
+/// Gain of an input from which on its element opens its loops. A chain of such elements would magnify the rounding of a
+/// voltage, about 1e-14 V, beyond the accuracy of solutions.
+const HIGH_GAIN: f64 = 50.0;
 
 /// The steps in order of evaluation: every element comes after the elements that drive it directly.
-pub(super) fn evaluation_order(graph: &Graph, findings: &mut Vec<Diagnostic>) -> Vec<EvaluationStep> {
-    LoopOpener { graph, findings }.ordered(&direct_graph(graph), 0)
+pub(super) fn evaluation_order(graph: &Graph) -> Vec<EvaluationStep> {
+    let direct = direct_graph(graph);
+    let components = kosaraju_scc(&direct);
+    components.iter().rev().map(|members| step(graph, &direct, members)).collect()
 }
 
 /// The elements with the cords through which a voltage acts at the same instant.
@@ -32,80 +34,95 @@ fn direct_graph(graph: &Graph) -> DirectGraph {
     let is_direct = |edge: &petgraph::graph::EdgeReference<'_, super::Cord>| {
         graph[edge.target()].kind.inputs[edge.weight().input].direct
     };
-    let mut direct = graph.map(|index, _| index.index(), |_, _| ());
+    let mut direct = graph.map(|_, _| (), |_, _| ());
     let direct_edges: Vec<bool> = graph.edge_references().map(|edge| is_direct(&edge)).collect();
     direct.retain_edges(|_, edge| direct_edges[edge.index()]);
     direct
 }
 
-/// Orders the elements and opens loops.
-struct LoopOpener<'a> {
-    /// The circuit, for the kinds and names of the elements.
-    graph: &'a Graph,
-    /// The diagnostics so far.
-    findings: &'a mut Vec<Diagnostic>,
+/// The step for a strongly connected component.
+fn step(graph: &Graph, direct: &DirectGraph, members: &[NodeIndex]) -> EvaluationStep {
+    if let [member] = members
+        && direct.find_edge(*member, *member).is_none()
+    {
+        return EvaluationStep::Element(member.index());
+    }
+    let openers = openers(graph, direct, members);
+    let inside: HashSet<NodeIndex> = members.iter().copied().collect();
+    let opened = EdgeFiltered::from_fn(direct, |edge| !openers.contains(&edge.source()));
+    let opened = NodeFiltered::from_fn(&opened, |node| inside.contains(&node));
+    let order = toposort(&opened, None).expect("the openers leave no loop");
+    EvaluationStep::Loop {
+        openers: openers.into_iter().map(NodeIndex::index).collect(),
+        members: order.into_iter().map(NodeIndex::index).collect(),
+    }
 }
 
-impl LoopOpener<'_> {
-    /// The elements of a subgraph in order of evaluation. `depth` is the number of loops around the subgraph.
-    fn ordered(&mut self, subgraph: &DirectGraph, depth: usize) -> Vec<EvaluationStep> {
-        let components = kosaraju_scc(subgraph);
-        components.iter().rev().map(|members| self.step(subgraph, members, depth)).collect()
-    }
-
-    /// The step for a strongly connected component. Reports a loop that is nested too deeply.
-    fn step(&mut self, subgraph: &DirectGraph, members: &[NodeIndex], depth: usize) -> EvaluationStep {
-        if members.len() == 1 && subgraph.find_edge(members[0], members[0]).is_none() {
-            return EvaluationStep::Element(subgraph[members[0]]);
+/// The members at which a loop is opened.
+///
+/// All open amplifiers and inputs of high gain are among them: they would magnify the errors of voltages that are
+/// computed from other unknowns. The loops that remain among the other members are opened one member at a time.
+fn openers(graph: &Graph, direct: &DirectGraph, members: &[NodeIndex]) -> Vec<NodeIndex> {
+    let has_high_gain = |member: &&NodeIndex| {
+        graph[**member].kind.output == OutputStage::OpenAmplifier
+            || graph.edges_directed(**member, Incoming).any(|cord| cord.weight().gain.abs() >= HIGH_GAIN)
+    };
+    let mut openers: Vec<NodeIndex> = members.iter().filter(has_high_gain).copied().collect();
+    openers.sort_unstable();
+    let mut closed: Vec<Vec<NodeIndex>> = vec![members.to_vec()];
+    while let Some(component) = closed.pop() {
+        let rest: HashSet<NodeIndex> =
+            component.into_iter().filter(|member| !openers.contains(member)).collect();
+        let remaining = NodeFiltered::from_fn(direct, |node| rest.contains(&node));
+        for component in kosaraju_scc(&remaining) {
+            if component.len() > 1 || direct.find_edge(component[0], component[0]).is_some() {
+                openers.push(opener(graph, direct, &component));
+                closed.push(component);
+            }
         }
-        if depth == MAX_LOOP_DEPTH {
-            self.findings.push(nested_too_deeply(self.graph, members.iter().map(|index| subgraph[*index])));
-            return EvaluationStep::Element(subgraph[members[0]]);
+    }
+    openers
+}
+
+/// The member that opens a strongly connected component.
+///
+/// A member that leaves no loop among the others is preferred, then one that drives itself, then the one in most loops
+/// of two members. Among equals, amplifiers come before passive elements, and then the order of the document decides.
+fn opener(graph: &Graph, direct: &DirectGraph, component: &[NodeIndex]) -> NodeIndex {
+    let inside: HashSet<NodeIndex> = component.iter().copied().collect();
+    let mut candidates = component.to_vec();
+    candidates.sort_unstable_by_key(|node| (graph[*node].kind.output == OutputStage::Passive, *node));
+    // Only members of every loop qualify, so those of any one loop are enough.
+    let cycle = cycle(direct, &inside, candidates[0]);
+    let opens_all = |node: &&NodeIndex| {
+        cycle.contains(*node)
+            && toposort(&NodeFiltered::from_fn(direct, |other| other != **node && inside.contains(&other)), None)
+                .is_ok()
+    };
+    let drives_itself = |node: &&NodeIndex| direct.find_edge(**node, **node).is_some();
+    let pairs = |node: NodeIndex| {
+        let back = |other: &NodeIndex| inside.contains(other) && direct.find_edge(*other, node).is_some();
+        direct.neighbors(node).filter(back).count()
+    };
+    let found = candidates.iter().find(opens_all).or_else(|| candidates.iter().find(drives_itself));
+    let best = || candidates.iter().rev().max_by_key(|node| pairs(**node));
+    *found.or_else(best).expect("a component has members")
+}
+
+/// The members of a loop that is reached from a member of a strongly connected component.
+fn cycle(direct: &DirectGraph, inside: &HashSet<NodeIndex>, from: NodeIndex) -> HashSet<NodeIndex> {
+    let mut path = vec![from];
+    let mut seen: HashSet<NodeIndex> = HashSet::from([from]);
+    loop {
+        let last = path[path.len() - 1];
+        let next = direct.neighbors(last).filter(|node| inside.contains(node)).min();
+        let next = next.expect("every member of a component drives another");
+        if !seen.insert(next) {
+            let start = path.iter().position(|node| *node == next).unwrap_or(0);
+            return path[start..].iter().copied().collect();
         }
-        let opener = self.opener(subgraph, members);
-        let inner = without(subgraph, members, opener);
-        EvaluationStep::Loop { opener: subgraph[opener], inner: self.ordered(&inner, depth + 1) }
+        path.push(next);
     }
-
-    /// The member that opens a loop.
-    ///
-    /// Members that leave no loop among the others are preferred. Among these, open amplifiers are preferred to other
-    /// amplifiers, and amplifiers to passive elements: the gain of an open amplifier magnifies the errors of its
-    /// inputs. Then the order of the document decides.
-    fn opener(&self, subgraph: &DirectGraph, members: &[NodeIndex]) -> NodeIndex {
-        let element = |index: &NodeIndex| &self.graph[NodeIndex::new(subgraph[*index])];
-        let mut candidates = members.to_vec();
-        let rank = |index: &NodeIndex| match element(index).kind.output {
-            OutputStage::OpenAmplifier => 0,
-            OutputStage::Amplifier | OutputStage::Integrator => 1,
-            OutputStage::Passive => 2,
-        };
-        candidates.sort_by_key(|index| (rank(index), subgraph[*index]));
-        let opens_all = |index: &NodeIndex| toposort(&without(subgraph, members, *index), None).is_ok();
-        candidates.iter().copied().find(opens_all).unwrap_or(candidates[0])
-    }
-}
-
-/// The members of a loop without the one that opens it, and the cords between them.
-fn without(subgraph: &DirectGraph, members: &[NodeIndex], opener: NodeIndex) -> DirectGraph {
-    let inner_members: HashSet<NodeIndex> =
-        members.iter().copied().filter(|index| *index != opener).collect();
-    subgraph.filter_map(|index, element| inner_members.contains(&index).then_some(*element), |_, ()| Some(()))
-}
-
-/// The diagnostic for loops that are nested more than [`MAX_LOOP_DEPTH`] deep.
-fn nested_too_deeply(graph: &Graph, members: impl Iterator<Item = usize>) -> Diagnostic {
-    let mut members: Vec<usize> = members.collect();
-    members.sort_unstable();
-    let element = |member: &usize| &graph[NodeIndex::new(*member)];
-    let names: Vec<_> = members.iter().map(|member| element(member).name.as_str()).collect();
-    let message = format!(
-        "the loops through {} have no integrator, and a loop remains if {MAX_LOOP_DEPTH} elements are removed",
-        names.join(", ")
-    );
-    let span = members.iter().find_map(|member| element(member).span);
-    let hint = Some("put an integrator or a lag into some of them".to_owned());
-    Diagnostic { code: Code::LOOP_TOO_TANGLED, span, message, hint }
 }
 
 #[cfg(test)]
@@ -121,7 +138,7 @@ mod tests {
         });
         let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
         let names = |step: &EvaluationStep| {
-            step.members().into_iter().map(|member| circuit.element(member).name.clone()).collect::<Vec<_>>()
+            step.members().iter().map(|member| circuit.element(*member).name.clone()).collect::<Vec<_>>()
         };
         circuit.evaluation_order().iter().map(names).filter(|names| names.len() > 1).collect()
     }
@@ -141,5 +158,23 @@ mod tests {
     fn a_summer_in_two_loops_opens_both() {
         let loops = loops_of(&[("B", &["A"]), ("A", &["B", "C"]), ("C", &["A"])]);
         assert_eq!(loops[0].last().unwrap(), "A");
+    }
+
+    #[test]
+    fn every_open_amplifier_opens_its_loop() {
+        let open = || ElementBuilder::new("open-amplifier");
+        let patch = PatchBuilder::new("two stages")
+            .element("N", ElementBuilder::new("summer").cords("x1", ["B"]))
+            .element("A", open().cords("x1", ["A", "N", "+100"]))
+            .element("B", open().cords("x1", ["A", "B"]))
+            .build()
+            .unwrap();
+        let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
+        let loops = circuit.evaluation_order().iter().filter_map(|step| match step {
+            EvaluationStep::Loop { openers, .. } => Some(openers.as_slice()),
+            EvaluationStep::Element(_) => None,
+        });
+        let names: Vec<_> = loops.flatten().map(|opener| circuit.element(*opener).name.as_str()).collect();
+        assert_eq!(names, ["A", "B"]);
     }
 }

@@ -268,7 +268,7 @@ impl Circuit {
     /// // A summer that drives itself is a loop without an integrator: out = -(out + 100 V).
     /// let summer = ElementBuilder::new("summer").cords("x1", ["A1", "+100"]);
     /// let circuit = Circuit::new(&PatchBuilder::new("loop").element("A1", summer).build()?)?;
-    /// let is_loop = |step: &EvaluationStep| matches!(step, EvaluationStep::Loop { opener: 3, .. });
+    /// let is_loop = |step: &EvaluationStep| matches!(step, EvaluationStep::Loop { openers, .. } if *openers == [3]);
     /// assert!(circuit.evaluation_order().iter().any(is_loop));
     /// # Ok(())
     /// # }

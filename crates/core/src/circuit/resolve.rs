@@ -40,7 +40,7 @@ pub(super) fn resolve(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     let parts = inventory::check(patch, machine, &mut findings);
     phases::check(patch, &quantities, &mut findings);
     let (points, record) = signals::resolve(patch, &graph, &mut findings);
-    let evaluation_order = loops::evaluation_order(&graph, &mut findings);
+    let evaluation_order = loops::evaluation_order(&graph);
     // With errors, an unused element is often one whose cord has a wrong name, so it gets no warning.
     if !any_error(&findings) {
         warn_of_unused(patch, &graph, &mut findings);

@@ -190,8 +190,8 @@ impl Code {
             "put an integrator or a lag into the loop";
         LOOP_WITH_SOLUTIONS "loop-with-solutions" Error "Several sets of voltages satisfy a loop without an integrator."
             "reduce the gain of the loop below 1, or add an inverter";
-        LOOP_TOO_TANGLED "loop-too-tangled" Error "Loops without an integrator are nested too deeply to be solved."
-            "put an integrator or a lag into some of the loops";
+        LOOP_TOO_TANGLED "loop-too-tangled" Error "A loop without an integrator has too many pieces, or amplifies rounding too much, to be solved."
+            "put an integrator or a lag into the loop";
     }
 }
 

@@ -41,6 +41,7 @@ mod triangle;
 
 pub(crate) use kind::gain_of;
 pub use kind::{Family, Input, Jacks, Kind, OutputStage, PartUse, Transfer};
+pub(crate) use open_amplifier::AMPLIFICATION;
 pub use page::markdown_table;
 pub use page::{KindPage, reference_page};
 pub use reference::{REFERENCE, REFERENCES};

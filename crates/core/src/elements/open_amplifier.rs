@@ -7,6 +7,9 @@ use super::{Input, Kind, OutputStage, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, Register};
 use crate::machines::Part;
 
+/// The setting with the open-loop gain.
+pub(crate) const AMPLIFICATION: &str = "amplification";
+
 /// The row of the open amplifier. Without feedback, almost every input drives the output to ±100 V.
 pub(super) static KIND: Kind = Kind {
     name: "open-amplifier",
@@ -22,7 +25,7 @@ pub(super) static KIND: Kind = Kind {
     symbol: "open-amplifier",
     inputs: &[Input::gains("x", "summing inputs, the gain in the name; at least one is for the feedback")],
     settings: &[Setting::preset(
-        "amplification",
+        AMPLIFICATION,
         SettingQuantity::Ratio,
         1e6,
         "open-loop gain; chopper-stabilised valve amplifiers had 1e5 ... 1e8 for slow signals",
@@ -36,7 +39,7 @@ pub(super) static KIND: Kind = Kind {
 
 /// out = -amplification x (sum of gain x input), in volts. The amplification is a pure number from 1e2 to 1e9.
 fn output_law(builder: &mut dyn Builder) -> Register {
-    let (sum, amplification) = (builder.sum("x"), builder.get("amplification"));
+    let (sum, amplification) = (builder.sum("x"), builder.get(AMPLIFICATION));
     let amplified = builder.multiply(amplification, sum);
     builder.negate(amplified)
 }

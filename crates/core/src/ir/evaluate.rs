@@ -3,19 +3,15 @@
 use std::ops::Range;
 
 use super::Program;
-use super::interval::Interval;
-use super::linear_piece::LinearPiece;
-use super::loops::{LoopFault, closing_slope, solve_tear};
+use super::loops::{LoopFault, LoopMemory, close_slopes, solve};
 use super::number::{Dual, Number};
 use super::op::{Op, Sources};
 
-/// Buffers for an evaluation, so that a step allocates no memory.
+/// What an evaluation needs in addition to registers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
-    /// Registers for the search along linear pieces; empty if the program has no loops.
-    pub pieces: Vec<LinearPiece>,
-    /// Registers for the search with intervals; empty if the program has no loops.
-    pub intervals: Vec<Interval>,
+    /// The memory of every loop.
+    pub loops: Vec<LoopMemory>,
     /// The loops that could not be solved in the last evaluation.
     pub faults: Vec<LoopFault>,
 }
@@ -23,28 +19,30 @@ pub(crate) struct Scratch {
 impl Scratch {
     /// A scratch of the size that the program needs.
     pub(crate) fn new(program: &Program) -> Self {
-        let length = if program.lowered.loops.is_empty() { 0 } else { program.lowered.body.len() };
-        Scratch {
-            pieces: vec![LinearPiece::constant(0.0); length],
-            intervals: vec![Interval::constant(0.0); length],
-            faults: Vec::new(),
-        }
+        Scratch { loops: program.lowered.loops.iter().map(LoopMemory::new).collect(), faults: Vec::new() }
+    }
+
+    /// Forgets the solutions of loops, so that the next evaluation does not depend on earlier ones.
+    pub(crate) fn forget(&mut self) {
+        self.loops.iter_mut().for_each(LoopMemory::forget);
+        self.faults.clear();
     }
 }
 
 /// A number type that can also solve loops.
 pub(crate) trait Evaluation: Number {
-    /// The value of the tear that solves a loop. If there is not exactly one, the fault is added to the scratch.
+    /// Solves a loop and writes all its registers. If there is not exactly one solution, the fault is added to the
+    /// scratch.
     fn close(
         program: &Program,
         index: usize,
         from: &Sources<'_, Self>,
         registers: &mut [Self],
         scratch: &mut Scratch,
-    ) -> Self;
+    );
 }
 
-/// Plain numbers: the tear is the solution itself.
+/// Plain numbers: the tears are the solution itself.
 impl Evaluation for f64 {
     fn close(
         program: &Program,
@@ -52,13 +50,13 @@ impl Evaluation for f64 {
         from: &Sources<'_, f64>,
         registers: &mut [f64],
         scratch: &mut Scratch,
-    ) -> f64 {
-        solve_tear(program, index, from, registers, scratch)
+    ) {
+        solve(program, index, from.coefficients, registers, scratch);
     }
 }
 
-/// Dual numbers: the tear also has a slope. The result of the loop is linear in it, so two evaluations of the loop give
-/// the slope.
+/// Dual numbers: the tears also have slopes. The results of the loop are linear in them, so evaluations of the loop with
+/// chosen slopes of the tears give the slopes.
 impl Evaluation for Dual {
     fn close(
         program: &Program,
@@ -66,43 +64,21 @@ impl Evaluation for Dual {
         from: &Sources<'_, Dual>,
         registers: &mut [Dual],
         scratch: &mut Scratch,
-    ) -> Dual {
-        let solution = solution(program, index, from, registers, scratch);
+    ) {
+        let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
+        let mut plain = values(registers);
+        solve(program, index, &values(from.coefficients), &mut plain, scratch);
         let entry = &program.lowered.loops[index];
-        let slope = closing_slope(|slope| {
-            registers[entry.tear.index()] = Dual::new(solution, slope);
-            let body = entry.tear.index() + 1..entry.result.index() + 1;
-            program.evaluate_range(body, from, registers, scratch);
-            registers[entry.result.index()].slope
+        close_slopes(entry.tears.len(), |slopes| {
+            for (tear, slope) in entry.tears.iter().zip(&*slopes) {
+                let at = tear.register.index();
+                registers[at] = Dual::new(plain[at], *slope);
+            }
+            program.evaluate_range(entry.operations.clone(), from, registers, scratch);
+            let results = entry.tears.iter().map(|tear| registers[tear.result.index()].slope);
+            slopes.iter_mut().zip(results).for_each(|(slope, result)| *slope = result);
         });
-        Dual::new(solution, slope)
     }
-}
-
-/// The value of the tear that solves a loop, from the values without their slopes.
-fn solution(
-    program: &Program,
-    index: usize,
-    from: &Sources<'_, Dual>,
-    registers: &[Dual],
-    scratch: &mut Scratch,
-) -> f64 {
-    let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
-    let [parameters, coefficients, states, delayed, sampled, levels] =
-        [from.parameters, from.coefficients, from.states, from.delayed, from.sampled, from.levels]
-            .map(values);
-    let plain = Sources {
-        parameters: &parameters,
-        coefficients: &coefficients,
-        states: &states,
-        modes: from.modes,
-        time: from.time.value,
-        tables: from.tables,
-        delayed: &delayed,
-        sampled: &sampled,
-        levels: &levels,
-    };
-    solve_tear(program, index, &plain, &values(registers), scratch)
 }
 
 impl Program {
@@ -116,7 +92,8 @@ impl Program {
         self.evaluate_range(0..self.lowered.body.len(), from, registers, scratch);
     }
 
-    /// Evaluates a range of the body. The registers before it must already have their values.
+    /// Evaluates a range of the body. The registers before it must already have their values. A loop whose first tear is
+    /// in the range is evaluated as a whole.
     pub(crate) fn evaluate_range<N: Evaluation>(
         &self,
         range: Range<usize>,
@@ -124,11 +101,18 @@ impl Program {
         registers: &mut [N],
         scratch: &mut Scratch,
     ) {
-        for at in range {
-            registers[at] = match self.lowered.body[at] {
-                Op::Tear(index) => N::close(self, index as usize, from, registers, scratch),
-                op => op.apply(from, |register| registers[register.index()]),
-            };
+        let mut at = range.start;
+        while at < range.end {
+            match self.lowered.body[at] {
+                Op::Tear { index, .. } => {
+                    N::close(self, index as usize, from, registers, scratch);
+                    at = self.lowered.loops[index as usize].operations.end;
+                }
+                op => {
+                    registers[at] = op.apply(from, |register| registers[register.index()]);
+                    at += 1;
+                }
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! The arithmetic that operations need, for plain numbers and for dual numbers.
 //!
 //! One implementation of the operations serves several number types. Plain numbers give voltages, dual numbers give
-//! derivatives. Linear pieces and intervals, in files of their own, give the solutions of loops.
+//! derivatives. Intervals and bounds of slopes, in `loops`, give the solutions of loops.
 
 use patchcord_expr::Function;
 

@@ -67,8 +67,13 @@ pub enum Op {
     Level(u32),
     /// A value sampled at the end of the last step.
     Sampled(u32),
-    /// The tear of a loop without an integrator: the voltage that solves the loop.
-    Tear(u32),
+    /// A tear of a loop without an integrator: one of the voltages that solve the loop.
+    Tear {
+        /// Index of the loop.
+        index: u32,
+        /// Index of the tear among those of the loop.
+        position: u32,
+    },
 }
 
 /// What operations read in addition to registers. The index in an operation is the index in the slice.
@@ -172,7 +177,7 @@ impl Op {
             Op::Delayed(index) => from.delayed[index as usize],
             Op::Sampled(index) => from.sampled[index as usize],
             Op::Level(index) => from.levels[index as usize],
-            Op::Tear(_) => N::constant(f64::NAN),
+            Op::Tear { .. } => N::constant(f64::NAN),
         }
     }
 }

@@ -3,6 +3,8 @@
 //! Each part names an element by its index in the circuit and its voltages by registers of the body. Numbers that
 //! depend on parameters are indices of coefficients.
 
+use std::ops::Range;
+
 use super::Register;
 use crate::machines::REFERENCE;
 use patchcord_expr::Dimension;
@@ -83,24 +85,43 @@ pub(crate) struct SampledValue {
 
 /// A loop without an integrator.
 ///
-/// The loop is opened at one element, whose output becomes an unknown, the tear. The operations after the tear up to
-/// the result compute that output again. A voltage at which both agree solves the loop.
+/// The loop is opened at some of its elements, so that no loop remains among the others. The outputs of these elements
+/// become unknowns, the tears. The operations of the loop compute the outputs again. Voltages at which all tears equal
+/// their recomputed outputs solve the loop.
 #[derive(Debug, Clone)]
 pub struct Loop {
-    /// Register of the tear.
-    pub(crate) tear: Register,
-    /// Register of the recomputed output; the tear must equal it.
-    pub(crate) result: Register,
-    /// Names of the members. The last one is the element that opens the loop.
+    /// The tears. Their registers are consecutive, and the operations of the loop follow them.
+    pub(crate) tears: Vec<Tear>,
+    /// The operations that depend on a tear, as a range of the body.
+    pub(crate) operations: Range<usize>,
+    /// The registers before the loop that its operations read, in ascending order.
+    pub(crate) inputs: Vec<Register>,
+    /// Whether the recomputed outputs are piecewise linear in the tears: no tear is multiplied by another, is a divisor
+    /// or goes through a function.
+    pub(crate) is_straight: bool,
+    /// Names of the members in order of evaluation.
     pub members: Vec<String>,
-    /// Whether an open amplifier opens the loop.
-    pub(crate) is_open: bool,
+}
+
+/// An unknown output of a loop.
+#[derive(Debug, Clone)]
+pub(crate) struct Tear {
+    /// Name of the element.
+    pub name: String,
+    /// Register of the unknown output.
+    pub register: Register,
+    /// Register of the recomputed output; the tear must equal it.
+    pub result: Register,
+    /// Register of the recomputed output before the limit of ±100 V. `None` if the output is not limited.
+    pub demand: Option<Register>,
+    /// Index of the coefficient with the amplification of an open amplifier.
+    pub amplification: Option<u32>,
 }
 
 impl Loop {
-    /// Name of the element that opens the loop.
-    pub fn opened(&self) -> &str {
-        self.members.last().map_or("", String::as_str)
+    /// Names of the elements at which the loop is opened.
+    pub fn openers(&self) -> impl Iterator<Item = &str> {
+        self.tears.iter().map(|tear| tear.name.as_str())
     }
 }
 

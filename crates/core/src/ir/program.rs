@@ -236,7 +236,7 @@ impl Program {
     /// let patch = PatchBuilder::new("loop").element("P1", input).element("P2", feedback);
     /// let patch = patch.element("S1", summer).build()?;
     /// let program = Program::new(&Circuit::new(&patch)?)?;
-    /// assert_eq!(program.loops()[0].opened(), "S1");
+    /// assert!(program.loops()[0].openers().eq(["S1"]));
     /// assert!((Machine::new(&program, 1e-3)?.voltage("S1")? + 40.0).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

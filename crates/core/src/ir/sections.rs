@@ -3,6 +3,8 @@
 //! Operations that are constant within a step come first, then those on which rates depend, and last those that are
 //! needed only at the ends of steps. So a stage of the integration method evaluates only the middle section.
 
+use std::ops::Range;
+
 use super::Program;
 use super::op::{Op, Register};
 
@@ -33,6 +35,7 @@ impl Program {
         let mut order: Vec<usize> = (0..self.lowered.body.len()).collect();
         // The sort is stable. So operands stay in front of their users, and loops stay contiguous.
         order.sort_by_key(|at| sections[*at]);
+        let dependent = self.free_loops(&mut order);
         self.lowered_mut().sections = Sections {
             moving: order.partition_point(|at| sections[*at] < Section::Moving),
             watched: order.partition_point(|at| sections[*at] < Section::Watched),
@@ -41,17 +44,52 @@ impl Program {
         order.iter().enumerate().for_each(|(new, old)| new_registers[*old] = Register(new as u32));
         self.lowered_mut().body = order.iter().map(|at| self.lowered.body[*at]).collect();
         self.renumber(|register| new_registers[register.index()]);
+        for (entry, count) in self.lowered_mut().loops.iter_mut().zip(dependent) {
+            let begin = entry.tears[0].register.index() + entry.tears.len();
+            entry.operations = begin..begin + count;
+        }
         order
+    }
+
+    /// Moves the operations of loops that depend on no tear in front of the tears, so that solving a loop does not
+    /// repeat them. Returns the number of the other operations of every loop. The order is sorted by section, so the
+    /// operations of a loop are contiguous.
+    fn free_loops(&self, order: &mut [usize]) -> Vec<usize> {
+        let mut position = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(new, old)| position[*old] = new);
+        let mut counts = Vec::with_capacity(self.lowered.loops.len());
+        for entry in &self.lowered.loops {
+            let first = entry.tears[0].register.index();
+            let depends = self.depends_on_tears(first, entry.operations.clone());
+            let begin = position[first];
+            let is_inside = |at: &&usize| (first..entry.operations.end).contains(*at);
+            let before = order[..begin].iter().rev().take_while(is_inside).count();
+            let after = order[begin..].iter().take_while(is_inside).count();
+            order[begin - before..begin + after].sort_by_key(|at| depends[*at - first]);
+            counts.push(depends.iter().filter(|depends| **depends).count() - entry.tears.len());
+        }
+        counts
+    }
+
+    /// For the tears of a loop, of which the first is `first`, and for the operations after them: whether they depend
+    /// on a tear.
+    fn depends_on_tears(&self, first: usize, operations: Range<usize>) -> Vec<bool> {
+        let mut depends = vec![true; operations.start - first];
+        for at in operations {
+            let is_inside = |operand: Register| operand.index() >= first && depends[operand.index() - first];
+            depends.push(self.lowered.body[at].operands().any(is_inside));
+        }
+        depends
     }
 
     /// The section of every operation.
     fn sections(&self) -> Vec<Section> {
         let moving = self.moving(|op| {
-            matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Sampled(_) | Op::Tear(_))
+            matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Sampled(_) | Op::Tear { .. })
         });
         // Loops are solved in every stage: a loop without a solution stops the run there.
         let rates = self.lowered.states.iter().map(|state| state.rate);
-        let needed = self.needed_for(rates.chain(self.lowered.loops.iter().map(|entry| entry.tear)));
+        let needed = self.needed_for(rates.chain(self.lowered.loops.iter().map(|entry| entry.tears[0].register)));
         let section = |(moves, needed)| match (moves, needed) {
             (false, _) => Section::Fixed,
             (true, true) => Section::Moving,
@@ -80,9 +118,10 @@ impl Program {
             }
             let op = self.lowered.body[register.index()];
             open.extend(op.operands());
-            if let Op::Tear(index) = op {
+            if let Op::Tear { index, .. } = op {
                 let entry = &self.lowered.loops[index as usize];
-                open.extend((entry.tear.0..=entry.result.0).map(Register));
+                open.extend(entry.tears.iter().map(|tear| tear.register));
+                open.extend(entry.operations.clone().map(|at| Register(at as u32)));
             }
         }
         needed
@@ -104,7 +143,9 @@ impl Program {
         self.lowered_mut().delays.iter_mut().for_each(|delay| renumbered(&mut delay.input));
         self.lowered_mut().sampled.iter_mut().for_each(|sampled| renumbered(&mut sampled.next));
         for entry in &mut self.lowered_mut().loops {
-            [&mut entry.tear, &mut entry.result].into_iter().for_each(renumbered);
+            for tear in &mut entry.tears {
+                [&mut tear.register, &mut tear.result].into_iter().chain(&mut tear.demand).for_each(renumbered);
+            }
         }
         for lamp in &mut self.lowered_mut().lamps {
             [&mut lamp.demand, &mut lamp.output].into_iter().for_each(renumbered);
@@ -138,7 +179,7 @@ mod tests {
             );
             for (at, op) in program.lowered.body.iter().enumerate() {
                 assert!(op.operands().all(|operand| operand.index() < at), "{file}: {op:?} at {at}");
-                let is_source = matches!(op, Op::State(_) | Op::Time | Op::Sampled(_) | Op::Tear(_));
+                let is_source = matches!(op, Op::State(_) | Op::Time | Op::Sampled(_) | Op::Tear { .. });
                 assert!(!is_source || at >= moving, "{file}: {op:?} at {at}");
             }
             assert!(program.lowered.states.iter().all(|state| state.rate.index() < watched), "{file}");

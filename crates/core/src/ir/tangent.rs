@@ -6,7 +6,8 @@
 
 use std::ops::Range;
 
-use super::loops::closing_slope;
+use super::loops::close_slopes;
+use super::parts::Loop;
 use super::number::{Dual, Number, segment};
 use super::op::{Op, Register, Sources};
 use super::{Program, RunScope};
@@ -25,6 +26,13 @@ pub(crate) struct SourceSlopes<'a> {
     pub delayed: &'a [f64],
     /// Slopes of the sampled values.
     pub sampled: &'a [f64],
+}
+
+impl SourceSlopes<'_> {
+    /// No sources, for operations that read registers only.
+    pub(super) fn none() -> Self {
+        SourceSlopes { coefficients: &[], states: &[], time: 0.0, delayed: &[], sampled: &[] }
+    }
 }
 
 /// The voltages at which slopes are taken.
@@ -53,34 +61,58 @@ impl Program {
         from: &SourceSlopes<'_>,
         slopes: &mut [f64],
     ) {
-        for at in range {
-            slopes[at] = match self.lowered.body[at] {
-                Op::Tear(index) => self.tear_slope(index as usize, base, from, slopes),
-                op => self.slope(op, base, from, slopes),
+        let mut at = range.start;
+        while at < range.end {
+            let Op::Tear { index, .. } = self.lowered.body[at] else {
+                self.differentiate_operation(at, base, from, slopes);
+                at += 1;
+                continue;
             };
+            let entry = &self.lowered.loops[index as usize];
+            self.differentiate_loop(entry, base, from, slopes);
+            at = entry.operations.end;
         }
     }
 
-    /// The slope of a tear, by evaluating its loop for two slopes of the tear.
-    fn tear_slope(
+    /// Computes the slopes of a loop. Those of its tears follow from evaluations with chosen slopes of the tears.
+    fn differentiate_loop(
         &self,
-        index: usize,
+        entry: &Loop,
         base: TangentBase<'_>,
         from: &SourceSlopes<'_>,
         slopes: &mut [f64],
-    ) -> f64 {
-        let entry = &self.lowered.loops[index];
-        closing_slope(|tear| {
-            slopes[entry.tear.index()] = tear;
-            self.differentiate(entry.tear.index() + 1..entry.result.index() + 1, base, from, slopes);
-            slopes[entry.result.index()]
-        })
+    ) {
+        close_slopes(entry.tears.len(), |tears| {
+            entry.tears.iter().zip(&*tears).for_each(|(tear, slope)| slopes[tear.register.index()] = *slope);
+            entry.operations.clone().for_each(|at| self.differentiate_operation(at, base, from, slopes));
+            entry.tears.iter().zip(tears).for_each(|(tear, slope)| *slope = slopes[tear.result.index()]);
+        });
     }
 
-    /// The slope of one operation.
-    fn slope(&self, op: Op, base: TangentBase<'_>, from: &SourceSlopes<'_>, slopes: &[f64]) -> f64 {
-        let slope_of = |register: Register| slopes[register.index()];
+    /// Computes the slope of one operation. The slopes of its operands must already be there.
+    fn differentiate_operation(
+        &self,
+        at: usize,
+        base: TangentBase<'_>,
+        from: &SourceSlopes<'_>,
+        slopes: &mut [f64],
+    ) {
+        let value = |register: Register| base.values[register.index()];
         let guide = |register: Register| base.guide[register.index()];
+        let slope_of = |register: Register| slopes[register.index()];
+        slopes[at] = self.slope(self.lowered.body[at], value, guide, from, slope_of);
+    }
+
+    /// The slope of one operation, from the values and slopes of its operands. The guide decides on which side of a kink
+    /// the slope is taken.
+    pub(super) fn slope(
+        &self,
+        op: Op,
+        value: impl Fn(Register) -> f64,
+        guide: impl Fn(Register) -> f64,
+        from: &SourceSlopes<'_>,
+        slope_of: impl Fn(Register) -> f64,
+    ) -> f64 {
         match op {
             Op::Coefficient(index) => from.coefficients[index as usize],
             Op::State(index) => from.states[index as usize],
@@ -99,7 +131,7 @@ impl Program {
             }
             op => {
                 let from = Sources { tables: &self.tables, ..Sources::none() };
-                op.apply(&from, |register| Dual::new(base.values[register.index()], slope_of(register))).slope
+                op.apply(&from, |register| Dual::new(value(register), slope_of(register))).slope
             }
         }
     }

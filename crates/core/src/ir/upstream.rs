@@ -35,12 +35,12 @@ impl Program {
                 .iter()
                 .enumerate()
                 .filter(|(_, sampled)| dependent[sampled.next.index()]);
-            let loops =
-                self.lowered.loops.iter().enumerate().filter(|(_, entry)| dependent[entry.result.index()]);
+            let tears = self.lowered.loops.iter().flat_map(|entry| &entry.tears);
+            let tears = tears.filter(|tear| dependent[tear.result.index()]);
             let states = states.map(|(index, _)| Op::State(index as u32));
             let sampled = sampled.map(|(index, _)| Op::Sampled(index as u32));
-            let loops = loops.map(|(index, _)| Op::Tear(index as u32));
-            let found: Vec<Op> = [source].into_iter().chain(states).chain(sampled).chain(loops).collect();
+            let tears = tears.map(|tear| self.lowered.body[tear.register.index()]);
+            let found: Vec<Op> = [source].into_iter().chain(states).chain(sampled).chain(tears).collect();
             if found.len() == sources.len() {
                 return dependent;
             }

@@ -14,10 +14,10 @@ use std::sync::Arc;
 
 use crate::circuit::{Circuit, EvaluationStep};
 use crate::document::Report;
-use crate::elements::{Family, OutputStage};
+use crate::elements::{AMPLIFICATION, Family, OutputStage};
 use crate::ir::{
     Builder, Draft, ElementOutput, Lamp, Loop, Op, ParameterDeclaration, ParameterValue, Program, Register,
-    Relation, ScaleFactor, SettingOrder, SignalInfo, Switch,
+    Relation, ScaleFactor, SettingOrder, SignalInfo, Switch, Tear,
 };
 use crate::machines::REFERENCE;
 use patchcord_expr::Dimension;
@@ -141,12 +141,12 @@ impl<'c> Lowering<'c> {
             .collect();
     }
 
-    /// Emits an element, or a loop with its elements. All voltages that it reads are emitted by now, except the unknown
+    /// Emits an element, or a loop with its elements. All voltages that it reads are emitted by now, except the unknowns
     /// of a loop that contains it.
     fn step(&mut self, step: &EvaluationStep) {
         match step {
             EvaluationStep::Element(element) => self.output(*element),
-            EvaluationStep::Loop { opener, inner } => self.close_loop(step, *opener, inner),
+            EvaluationStep::Loop { openers, members } => self.close_loop(openers, members),
         }
     }
 
@@ -178,28 +178,52 @@ impl<'c> Lowering<'c> {
         builder.maximum(below, lower)
     }
 
-    /// Emits a loop: its tear, the elements inside, and the element at which it is opened.
+    /// Emits a loop: its tears, and then the outputs of its members.
     ///
-    /// The tear is the unknown output of that element. While the elements inside are emitted, it takes the place of the
-    /// output. The operations up to the recomputed output are the function whose fixed point the solver finds.
-    fn close_loop(&mut self, step: &EvaluationStep, opened: usize, inside: &[EvaluationStep]) {
-        let index = self.draft.program.lowered.loops.len();
-        let tear = self.builder().emit(Op::Tear(index as u32));
-        let names = step.members().into_iter().map(|member| self.circuit.element(member).name.clone());
-        let is_open = self.circuit.element(opened).kind.output == OutputStage::OpenAmplifier;
-        self.draft.program.lowered_mut().loops.push(Loop {
-            tear,
-            result: tear,
+    /// A tear is the unknown output of an element that opens the loop. It takes the place of the output. The operations
+    /// that follow compute the output again, as a function of all tears. The solver finds the fixed point of this
+    /// function.
+    fn close_loop(&mut self, openers: &[usize], members: &[usize]) {
+        let index = self.draft.program.lowered.loops.len() as u32;
+        for (position, opener) in openers.iter().enumerate() {
+            let tear = self.builder().emit(Op::Tear { index, position: position as u32 });
+            self.draft.outputs[*opener] = Some(tear);
+        }
+        let begin = self.draft.program.lowered.body.len();
+        let mut tears: Vec<(usize, Tear)> = Vec::new();
+        for member in members {
+            let tear = self.draft.outputs[*member].filter(|_| openers.contains(member));
+            self.output(*member);
+            if let (Some(register), Some(result)) = (tear, self.draft.outputs[*member]) {
+                tears.push((register.index(), self.tear(*member, register, result)));
+                // Readers use the tear. The recomputed output has a rounding error that is the tear's times the gain
+                // of the loop.
+                self.draft.outputs[*member] = Some(register);
+            }
+        }
+        tears.sort_by_key(|(register, _)| *register);
+        let names = members.iter().map(|member| self.circuit.element(*member).name.clone());
+        let entry = Loop {
+            tears: tears.into_iter().map(|(_, tear)| tear).collect(),
+            operations: begin..self.draft.program.lowered.body.len(),
+            inputs: Vec::new(),
+            is_straight: true,
             members: names.collect(),
-            is_open,
-        });
-        self.draft.outputs[opened] = Some(tear);
-        inside.iter().for_each(|step| self.step(step));
-        self.output(opened);
-        self.draft.program.lowered_mut().loops[index].result = self.draft.outputs[opened].unwrap_or(tear);
-        // Readers use the tear. The recomputed output has a rounding error that is the tear's times the gain of the
-        // loop.
-        self.draft.outputs[opened] = Some(tear);
+        };
+        self.draft.program.lowered_mut().loops.push(entry);
+    }
+
+    /// Describes the tear of an element whose output was just emitted.
+    fn tear(&mut self, element: usize, register: Register, result: Register) -> Tear {
+        let is_open = self.circuit.element(element).kind.output == OutputStage::OpenAmplifier;
+        let lamp = self.draft.program.lowered.lamps.last().filter(|lamp| lamp.element == element);
+        Tear {
+            name: self.circuit.element(element).name.clone(),
+            register,
+            result,
+            demand: lamp.map(|lamp| lamp.demand),
+            amplification: if is_open { self.setting_coefficient(AMPLIFICATION) } else { None },
+        }
     }
 
     /// Emits the memory laws of all elements, in the order of the circuit. All outputs have registers by now.
@@ -285,6 +309,7 @@ impl<'c> Lowering<'c> {
     /// the element of every operation in the new order.
     fn finish(mut self) -> Program {
         let order = self.draft.program.arrange();
+        self.draft.program.describe_loops();
         self.draft.program.find_corners();
         self.draft.program.find_upstream();
         let owners: Vec<usize> = order.into_iter().map(|at| self.draft.owners[at]).collect();

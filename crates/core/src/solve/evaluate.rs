@@ -132,7 +132,7 @@ pub(super) fn check_voltages(
         let unsolved = &program.lowered.loops[index];
         return Err(RunError::Loop {
             members: unsolved.members.join(", "),
-            opened: unsolved.opened().to_owned(),
+            opened: unsolved.openers().next().unwrap_or_default().to_owned(),
             solutions: describe_solutions(unsolved, solutions),
             advice: remedy(unsolved, solutions).1,
             time: state.time,

@@ -197,7 +197,7 @@ impl<'p> Machine<'p> {
     /// not exist.
     pub fn initial_condition(&mut self) -> Result<(), RunError> {
         self.mode = MachineMode::InitialCondition;
-        let Solver { setup, state, delay_lines, sensitivities, .. } = &mut self.solver;
+        let Solver { setup, state, delay_lines, buffers, sensitivities } = &mut self.solver;
         if let Some(control) = &mut self.control {
             control.reset(setup.step);
         }
@@ -206,6 +206,7 @@ impl<'p> Machine<'p> {
         delay_lines.iter_mut().for_each(DelayLine::clear);
         state.begin_levels(setup);
         self.lamps.reset();
+        buffers.evaluation.forget();
         self.work = WorkCounters::default();
         if let Some(sensitivities) = sensitivities {
             sensitivities.begin(setup.program);

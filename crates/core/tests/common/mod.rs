@@ -4,10 +4,12 @@
 #![allow(dead_code, reason = "no test binary uses all helpers")]
 
 pub(crate) mod circuits;
+pub(crate) mod curved_patches;
 pub(crate) mod files;
 pub(crate) mod mutated;
 pub(crate) mod pages;
 pub(crate) mod random;
+pub(crate) mod static_patches;
 pub(crate) mod traces;
 
 use std::fs;

@@ -22,6 +22,8 @@ pub(super) struct FunctionRow {
     pub derivative: fn(f64, f64) -> (f64, f64),
     /// Where the extreme values are; [`Function::bounds`] uses it.
     pub extrema: Extrema,
+    /// Where the extreme derivatives are; [`Function::slope_bounds`] uses it.
+    pub steepest: Steepest,
 }
 
 /// The places where a function has its extreme values over ranges of its arguments.
@@ -34,6 +36,20 @@ pub(super) enum Extrema {
     /// and up to whole turns.
     Periodic { crest: f64, trough: f64 },
     /// Not known. The bounds of the values are reported as infinite.
+    Unknown,
+}
+
+/// The places where the derivative of a function of one argument has its extreme values over a range.
+pub(super) enum Steepest {
+    /// At the ends of the range, because the derivative is monotonic.
+    Ends,
+    /// At the ends of the range, if the argument is positive throughout.
+    EndsAboveZero,
+    /// At the ends of the range, and at 0 with this value.
+    EndsAndZero(f64),
+    /// The derivative is the sine or cosine with these places of its extreme values.
+    Periodic { crest: f64, trough: f64 },
+    /// Not known. The bounds of the derivative are reported as infinite.
     Unknown,
 }
 
@@ -50,6 +66,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| a.sqrt(),
         derivative: |a, _| (0.5 / a.sqrt(), 0.0),
         extrema: Extrema::Monotonic,
+        steepest: Steepest::Ends,
     },
     FunctionRow {
         function: Function::Sin,
@@ -60,6 +77,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::sin(a),
         derivative: |a, _| (libm::cos(a), 0.0),
         extrema: Extrema::Periodic { crest: FRAC_PI_2, trough: -FRAC_PI_2 },
+        steepest: Steepest::Periodic { crest: 0.0, trough: PI },
     },
     FunctionRow {
         function: Function::Cos,
@@ -70,6 +88,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::cos(a),
         derivative: |a, _| (-libm::sin(a), 0.0),
         extrema: Extrema::Periodic { crest: 0.0, trough: PI },
+        steepest: Steepest::Periodic { crest: -FRAC_PI_2, trough: FRAC_PI_2 },
     },
     FunctionRow {
         function: Function::Tan,
@@ -83,6 +102,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
             (1.0 + tangent * tangent, 0.0)
         },
         extrema: Extrema::Unknown,
+        steepest: Steepest::Unknown,
     },
     FunctionRow {
         function: Function::Atan,
@@ -93,6 +113,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::atan(a),
         derivative: |a, _| (1.0 / (1.0 + a * a), 0.0),
         extrema: Extrema::Monotonic,
+        steepest: Steepest::EndsAndZero(1.0),
     },
     FunctionRow {
         function: Function::Atan2,
@@ -106,6 +127,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
             (b / square, -a / square)
         },
         extrema: Extrema::Unknown,
+        steepest: Steepest::Unknown,
     },
     FunctionRow {
         function: Function::Exp,
@@ -116,6 +138,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::exp(a),
         derivative: |a, _| (libm::exp(a), 0.0),
         extrema: Extrema::Monotonic,
+        steepest: Steepest::Ends,
     },
     FunctionRow {
         function: Function::Exp10,
@@ -126,6 +149,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::exp10(a),
         derivative: |a, _| (LN_10 * libm::exp10(a), 0.0),
         extrema: Extrema::Monotonic,
+        steepest: Steepest::Ends,
     },
     FunctionRow {
         function: Function::Ln,
@@ -136,6 +160,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::log(a),
         derivative: |a, _| (1.0 / a, 0.0),
         extrema: Extrema::Monotonic,
+        steepest: Steepest::EndsAboveZero,
     },
     FunctionRow {
         function: Function::Log10,
@@ -146,6 +171,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::log10(a),
         derivative: |a, _| (1.0 / (a * LN_10), 0.0),
         extrema: Extrema::Monotonic,
+        steepest: Steepest::EndsAboveZero,
     },
     FunctionRow {
         function: Function::Tanh,
@@ -159,6 +185,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
             (1.0 / (cosine * cosine), 0.0)
         },
         extrema: Extrema::Monotonic,
+        steepest: Steepest::EndsAndZero(1.0),
     },
     FunctionRow {
         function: Function::Power,
@@ -169,6 +196,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: libm::pow,
         derivative: |a, b| (power_by_base(a, b), power_by_exponent(a, b)),
         extrema: Extrema::MonotonicAboveZero,
+        steepest: Steepest::Unknown,
     },
     FunctionRow {
         function: Function::Floor,
@@ -179,6 +207,7 @@ pub(super) static TABLE: [FunctionRow; 13] = [
         value: |a, _| libm::floor(a),
         derivative: |_, _| (0.0, 0.0),
         extrema: Extrema::Monotonic,
+        steepest: Steepest::Unknown,
     },
 ];
 

@@ -43,3 +43,21 @@ fn derivatives_of_power_at_the_edge() {
     assert_eq!(Function::Power.derivative(-3.0, 2.0), (-6.0, 0.0));
     assert_eq!(Function::Tanh.derivative(1000.0, 0.0), (0.0, 0.0));
 }
+
+#[test]
+fn slope_bounds_contain_the_derivatives_inside_and_are_attained() {
+    for function in Function::all() {
+        for (low, high) in [(-2.0, 2.5), (-7.0, -0.5), (0.25, 0.75), (1.0, 9.0), (3.0, 3.0)] {
+            let bounds = function.slope_bounds((low, high));
+            let slopes = (0..=1000).map(|step| low + (high - low) * f64::from(step) / 1000.0);
+            let slopes: Vec<f64> = slopes.map(|at| function.derivative(at, at).0).collect();
+            let known = slopes.iter().filter(|slope| !slope.is_nan());
+            assert!(known.clone().all(|slope| bounds.0 <= *slope && *slope <= bounds.1), "{function:?} {low} {high}");
+            let (least, most) = known.fold((f64::MAX, f64::MIN), |(a, b), slope| (a.min(*slope), b.max(*slope)));
+            if bounds.0.is_finite() && bounds.1.is_finite() {
+                let gap = (least - bounds.0).max(bounds.1 - most);
+                assert!(gap < 1e-4 * (1.0 + bounds.1.abs()), "{function:?} {low} {high}: {gap}");
+            }
+        }
+    }
+}

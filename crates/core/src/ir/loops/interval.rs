@@ -4,12 +4,12 @@
 //! no value in common, the interval contains no solution. Bounds are not rounded outward; the caller adds a margin for
 //! rounding.
 
-use super::number::Number;
+use crate::ir::number::Number;
 use patchcord_expr::Function;
 
 /// All values from `low` to `high`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Interval {
+pub(super) struct Interval {
     /// The lower bound, which belongs to the interval.
     pub low: f64,
     /// The upper bound, which belongs to the interval.
@@ -18,17 +18,17 @@ pub(crate) struct Interval {
 
 impl Interval {
     /// The interval between two bounds, of which the first must not be above the second.
-    pub(crate) fn new(low: f64, high: f64) -> Self {
+    pub(super) fn new(low: f64, high: f64) -> Self {
         Interval { low, high }
     }
 
     /// high - low.
-    pub(crate) fn width(self) -> f64 {
+    pub(super) fn width(self) -> f64 {
         self.high - self.low
     }
 
     /// The midpoint, computed as low plus half of the width.
-    pub(crate) fn middle(self) -> f64 {
+    pub(super) fn middle(self) -> f64 {
         self.low + 0.5 * self.width()
     }
 
@@ -38,7 +38,7 @@ impl Interval {
     }
 
     /// The smallest interval that contains both.
-    pub(crate) fn hull(self, other: Self) -> Self {
+    pub(super) fn hull(self, other: Self) -> Self {
         Interval { low: self.low.lower_of(other.low), high: self.high.upper_of(other.high) }
     }
 
@@ -52,7 +52,7 @@ impl Interval {
     }
 
     /// The whole real line: nothing is known.
-    const EVERYTHING: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+    pub(super) const EVERYTHING: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
 }
 
 /// Each operation gives bounds for all pairs of values of its operands. Operands are treated as independent, so the

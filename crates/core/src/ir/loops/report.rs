@@ -1,8 +1,8 @@
 //! Describes the faults of loops without an integrator in words.
 
-use super::Loop;
-use super::loops::Solutions;
+use super::{Loop, Solutions};
 use crate::document::{Code, format_number};
+use patchcord_expr::format_significant;
 
 /// The diagnostic code of a fault, and a hint what to do.
 pub(crate) fn remedy(entry: &Loop, solutions: Solutions) -> (Code, &'static str) {
@@ -14,12 +14,14 @@ pub(crate) fn remedy(entry: &Loop, solutions: Solutions) -> (Code, &'static str)
         Solutions::NotANumber => {
             (Code::LOOP_WITHOUT_SOLUTION, "look for a gain or a function in it that overflows")
         }
-        Solutions::TooManyPieces => (Code::LOOP_TOO_TANGLED, "put an integrator or a lag into the loop"),
+        Solutions::TooManyPieces | Solutions::Inexact { .. } => {
+            (Code::LOOP_TOO_TANGLED, "put an integrator or a lag into the loop")
+        }
         Solutions::Range => (
             Code::LOOP_WITH_SOLUTIONS,
             "its gain is exactly 1: change it, or put an integrator into the loop",
         ),
-        _ if entry.is_open => (
+        _ if entry.tears.iter().any(|tear| tear.amplification.is_some()) => (
             Code::LOOP_WITH_SOLUTIONS,
             "the feedback must rise with the output from -100 V to 100 V: square one sign only, divide by a positive \
              voltage",
@@ -37,17 +39,24 @@ fn format_volts(volts: f64) -> String {
 
 /// The solutions in words that continue "the loop ... has no integrator and".
 pub(crate) fn describe_solutions(entry: &Loop, solutions: Solutions) -> String {
-    let opened = entry.opened();
     match solutions {
         Solutions::Counted { count: 0, .. } => "no set of voltages satisfies it".to_owned(),
-        Solutions::Counted { count, first } => {
+        Solutions::Counted { count, tear, first } => {
             let listed: Vec<_> =
                 first.iter().take(count).map(|volts| format!("{} V", format_volts(*volts))).collect();
             let more = if count > listed.len() { ", ..." } else { "" };
-            format!("{count} solutions: {opened} at {}{more}", listed.join(", "))
+            format!("{count} solutions: {} at {}{more}", entry.tears[tear].name, listed.join(", "))
         }
-        Solutions::Range => format!("a continuous range of solutions for {opened}"),
+        Solutions::Range => {
+            let opened: Vec<_> = entry.openers().collect();
+            format!("a continuous range of solutions for {}", opened.join(", "))
+        }
         Solutions::NotANumber => "a voltage in it that is not a number".to_owned(),
         Solutions::TooManyPieces => "is made of more pieces than the search examines".to_owned(),
+        Solutions::Inexact { tear, volts } => format!(
+            "amplifies rounding: {} differs from what its inputs give by {} V",
+            entry.tears[tear].name,
+            format_significant(volts, 2)
+        ),
     }
 }

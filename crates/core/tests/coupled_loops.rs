@@ -1,0 +1,178 @@
+//! Loops that are coupled: several unknown voltages are solved together.
+
+use crate::common::random::SplitMix64;
+use crate::common::{built, circuit, element, run_for, source, voltage, volts};
+use patchcord_core::ir::Program;
+use patchcord_core::patch::PatchBuilder;
+
+/// The voltages of elements in initial condition.
+fn solved<const COUNT: usize>(builder: PatchBuilder, elements: [&str; COUNT]) -> [f64; COUNT] {
+    let program = built(builder);
+    let machine = run_for(&program, 1e-3, 0.0);
+    elements.map(|element| voltage(&machine, element))
+}
+
+/// Checks voltages to a nanovolt.
+fn assert_near(found: &[f64], expected: &[f64]) {
+    let is_near = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-9);
+    assert!(is_near && found.len() == expected.len(), "{found:?} instead of {expected:?}");
+}
+
+/// The report of a patch that is refused.
+fn refusal(builder: PatchBuilder) -> String {
+    let patch = builder.build().unwrap();
+    Program::new(&circuit(&patch, &[])).map(|_| ()).unwrap_err().to_string()
+}
+
+#[test]
+fn two_equations_with_inverters_are_solved() {
+    // 2 A - B = 10 and 2 B - 2 A = -20.
+    let builder = volts("coupled")
+        .element("A", element("summer").cords("x1", ["A", "MB"]).cords("x0.1", ["-100"]))
+        .element("B", element("summer").cords("x1", ["B"]).cords("x2", ["MA"]).cords("x0.2", ["+100"]))
+        .element("MA", element("inverter").cord("in", "A"))
+        .element("MB", element("inverter").cord("in", "B"));
+    assert_near(&solved(builder, ["A", "B"]), &[0.0, -10.0]);
+}
+
+#[test]
+fn without_a_source_all_voltages_are_zero() {
+    let builder = volts("no source")
+        .element("A", element("summer").cords("x0.6", ["B"]).cords("x0.3", ["A"]))
+        .element("B", element("summer").cords("x2", ["A"]).cords("x0.8", ["B"]));
+    assert_near(&solved(builder, ["A", "B"]), &[0.0, 0.0]);
+}
+
+#[test]
+fn equations_with_positive_feedback_in_one_of_them_are_solved() {
+    // 3 A = B and B / 2 = -A - 10.
+    let builder = volts("positive feedback")
+        .element("A", element("summer").cords("x2", ["A"]).cords("x1", ["MB"]))
+        .element("B", element("summer").cords("x1", ["A"]).cords("x0.5", ["MB"]).cords("x0.1", ["+100"]))
+        .element("MB", element("inverter").cord("in", "B"));
+    assert_near(&solved(builder, ["A", "B"]), &[-4.0, -12.0]);
+}
+
+#[test]
+fn a_pair_that_latches_is_refused_with_its_three_solutions() {
+    let pair = |gain: &str| {
+        volts("latch")
+            .element("A", element("summer").cords("x1", ["A"]).cords(gain, ["B"]).cords("x0.1", ["+100"]))
+            .element("B", element("summer").cords("x1", ["B"]).cords(gain, ["A"]).cords("x0.2", ["+100"]))
+    };
+    let report = refusal(pair("x3"));
+    assert!(report.contains("3 solutions: A at -100 V, -8 V, 100 V"), "{report}");
+    // Below a gain of 2 the pair does not latch: 2 A + g B = -10 and 2 B + g A = -20.
+    let g = 1.5f64;
+    let expected = [(-20.0 + 20.0 * g) / (4.0 - g * g), (-40.0 + 10.0 * g) / (4.0 - g * g)];
+    assert_near(&solved(pair("x1.5"), ["A", "B"]), &expected);
+}
+
+#[test]
+fn open_amplifiers_with_local_and_overall_feedback_are_solved() {
+    // C = -20 (D + FB), O = -2 C and FB = -O, up to the finite amplification a: C / 20 + D + FB = -C / a.
+    for drive in [-40.0, -3.0, 0.0, 17.0, 40.0] {
+        let builder = source(volts("two stages"), "D", drive)
+            .element("C", element("open-amplifier").cords("x1", ["D", "FB"]).cords("x0.05", ["C"]))
+            .element("O", element("open-amplifier").cords("x1", ["C"]).cords("x0.5", ["O"]))
+            .element("FB", element("inverter").cord("in", "O"));
+        let stage = |feedback: f64| 1.0 / (feedback + 1e-6);
+        let (first, second) = (stage(0.05), stage(0.5));
+        let c = -first * drive / (1.0 + first * second);
+        assert_near(&solved(builder, ["C", "O"]), &[c, -second * c]);
+    }
+}
+
+#[test]
+fn accelerations_of_three_coupled_inertias_are_solved() {
+    // M a = f with M = [[2, 1, 1], [1, 2, 1], [1, 1, 2]] and f = (30, -50, 20) V.
+    let row = |gain: &str, reference: &str| {
+        element("summer").cords("x1", ["A0", "A1", "A2"]).cords(gain, [reference])
+    };
+    let builder = volts("inertias")
+        .element("A0", row("x0.3", "-100"))
+        .element("A1", row("x0.5", "+100"))
+        .element("A2", row("x0.2", "-100"));
+    assert_near(&solved(builder, ["A0", "A1", "A2"]), &[30.0, -50.0, 20.0]);
+}
+
+/// A patch that solves matrix x solution = right-hand side, with one summer per row that feeds itself back.
+fn system(matrix: &[Vec<f64>], solution: &[f64]) -> PatchBuilder {
+    let name = |index: usize| format!("S{index}");
+    let mut builder = volts("system");
+    for (row, entries) in matrix.iter().enumerate() {
+        let mut summer = element("summer");
+        let mut side = 0.0;
+        for (column, entry) in entries.iter().enumerate() {
+            // The summer adds its own output once.
+            let gain = if row == column { entry - 1.0 } else { *entry };
+            side += entry * solution[column];
+            let from = if gain < 0.0 { format!("N{column}") } else { name(column) };
+            summer = summer.cords(&format!("x{}", gain.abs()), [from]);
+        }
+        let reference = if side > 0.0 { "-100" } else { "+100" };
+        summer = summer.cords(&format!("x{}", side.abs() / 100.0), [reference]);
+        builder = builder
+            .element(&name(row), summer)
+            .element(&format!("N{row}"), element("inverter").cord("in", &name(row)));
+    }
+    builder
+}
+
+/// Checks the voltages of a system against its solution.
+fn check_system(matrix: &[Vec<f64>], solution: &[f64]) {
+    let program = built(system(matrix, solution));
+    let machine = run_for(&program, 1e-3, 0.0);
+    for (index, expected) in solution.iter().enumerate() {
+        let found = voltage(&machine, &format!("S{index}"));
+        assert!((found - expected).abs() < 1e-9, "S{index}: {found} instead of {expected}");
+    }
+}
+
+#[test]
+fn a_random_mass_matrix_of_twenty_inertias_is_solved() {
+    let mut random = SplitMix64(20);
+    let order = 20;
+    let factor: Vec<Vec<f64>> =
+        (0..order).map(|_| (0..order).map(|_| random.uniform(-0.6, 0.6)).collect()).collect();
+    // 1 + F F^T is symmetric and positive definite.
+    let product = |i: usize, j: usize| (0..order).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+    let matrix: Vec<Vec<f64>> = (0..order)
+        .map(|i| (0..order).map(|j| product(i, j) + if i == j { 1.0 } else { 0.0 }).collect())
+        .collect();
+    let solution: Vec<f64> = (0..order).map(|_| random.uniform(-90.0, 90.0)).collect();
+    check_system(&matrix, &solution);
+}
+
+#[test]
+fn a_random_dominant_system_of_forty_equations_is_solved() {
+    let mut random = SplitMix64(40);
+    let order = 40;
+    let mut matrix: Vec<Vec<f64>> =
+        (0..order).map(|_| (0..order).map(|_| random.uniform(-1.0, 1.0)).collect()).collect();
+    for (index, row) in matrix.iter_mut().enumerate() {
+        row[index] = 1.0 + row.iter().map(|entry| entry.abs()).sum::<f64>();
+    }
+    let solution: Vec<f64> = (0..order).map(|_| random.uniform(-90.0, 90.0)).collect();
+    check_system(&matrix, &solution);
+}
+
+#[test]
+fn a_resistor_ladder_falls_linearly() {
+    // Each node is the mean of its neighbours; the ends are at 100 V and at 0 V.
+    let nodes = 60;
+    let builder = (1..=nodes).fold(volts("ladder"), |builder, node| {
+        let before = if node == 1 { "-100".to_owned() } else { format!("N{}", node - 1) };
+        let after = if node == nodes { "ground".to_owned() } else { format!("N{}", node + 1) };
+        builder
+            .element(&format!("S{node}"), element("summer").cords("x0.5", [before, after]))
+            .element(&format!("N{node}"), element("inverter").cord("in", &format!("S{node}")))
+    });
+    let program = built(builder);
+    let machine = run_for(&program, 1e-3, 0.0);
+    for node in 1..=nodes {
+        let expected = 100.0 * (1.0 - node as f64 / (nodes + 1) as f64);
+        let found = voltage(&machine, &format!("S{node}"));
+        assert!((found - expected).abs() < 1e-9, "node {node}: {found} instead of {expected}");
+    }
+}
