@@ -113,9 +113,7 @@ impl CurvedPatch {
                 self.laws.iter().zip(outputs).map(|(law, output)| law.residual(*output, outputs)).collect()
             };
             let here = residuals(&outputs);
-            if here.iter().all(|residual| residual.abs() < 1e-12) {
-                return Some(outputs);
-            }
+            let is_solved = here.iter().all(|residual| residual.abs() < 1e-12);
             let step = 1e-7;
             let columns: Vec<Vec<f64>> = (0..count)
                 .map(|index| {
@@ -126,6 +124,10 @@ impl CurvedPatch {
                 .collect();
             let matrix = nalgebra::DMatrix::from_fn(count, count, |row, column| columns[column][row]);
             let change = matrix.lu().solve(&nalgebra::DVector::from_vec(here))?;
+            if is_solved {
+                // Where two solutions meet, small residuals do not mean a solution.
+                return (change.amax() < 1e-6).then_some(outputs);
+            }
             for (output, change) in outputs.iter_mut().zip(change.iter()) {
                 *output = (*output - change).clamp(-100.0, 100.0);
             }

@@ -23,6 +23,8 @@ const MAX_CANDIDATES: usize = 2_000;
 const MIN_WIDTH: f64 = 1e-7;
 /// Margin for rounding between a tear and its recomputed output, in volts and as a share of the amplification.
 const SLACK: (f64, f64) = (1e-9, 4e-12);
+/// Boxes without a clear solution that are nearer than this to a solution, in volts, belong to it.
+const MEETING_DISTANCE: f64 = 1e-4;
 /// A box that keeps more than this share of its width is halved.
 const SLOW: f64 = 0.7;
 
@@ -275,14 +277,25 @@ impl Search<'_> {
         is_found
     }
 
-    /// Adds the solutions in the smallest boxes. They are where two solutions nearly meet, or at a corner.
+    /// Adds the solutions in the smallest boxes. Newton's method fails where two solutions meet; they count as one if the
+    /// recomputed outputs are near the tears.
     fn examine_candidates(&mut self) -> Result<(), Solutions> {
         for candidate in std::mem::take(&mut self.candidates) {
-            self.problem.evaluate_at(&candidate.middle(), &mut self.inside);
+            let middle = candidate.middle();
+            self.problem.evaluate_at(&middle, &mut self.inside);
             if self.inside.iter().any(|volts| volts.is_nan()) {
                 return Err(Solutions::NotANumber);
             }
-            self.settle(&candidate);
+            let is_near = self.problem.entry.tears.iter().enumerate().all(|(tear, entry)| {
+                let gap = self.problem.get(&self.inside, entry.result) - middle[tear];
+                gap.abs() <= SOLUTION_SPACING * self.problem.amplification(entry)
+            });
+            let is_known = |known: &Vec<f64>| {
+                known.iter().zip(&middle).all(|(known, middle)| (known - middle).abs() <= MEETING_DISTANCE)
+            };
+            if !self.settle(&candidate) && is_near && !self.found.0.iter().any(is_known) {
+                self.found.add(middle);
+            }
         }
         Ok(())
     }
