@@ -47,6 +47,7 @@ mod run;
 mod slideway;
 mod slideway_document;
 mod slideway_report;
+mod step_warning;
 mod sweep;
 mod table;
 mod times;

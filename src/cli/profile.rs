@@ -21,6 +21,7 @@ use super::run::run_with_progress;
 use super::times::{TimeArguments, run_failure};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
+use patchcord::ir::Program;
 use patchcord::document::suggestion;
 use patchcord::draw::plot::{Picture, Size};
 use patchcord::draw::{ProfileSignal, profile_picture};
@@ -80,7 +81,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     let files = || arguments.plot.iter();
     check_distinct_from_patch(&arguments.patch.patch, files())?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
-    let settings = arguments.settings(&circuit)?;
+    let settings = arguments.settings(&circuit, &program)?;
     prepare_outputs(None, files())?;
     let trace = run_with_progress(&program, &settings).map_err(|stopped| {
         run_failure(&stopped.error, &circuit, arguments.times.is_cause_of(&stopped.error))
@@ -103,8 +104,8 @@ impl Arguments {
     ///
     /// # Errors
     /// If the patch does not have the signals, or the times of the run are wrong.
-    fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
-        let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
+    fn settings(&self, circuit: &Circuit, program: &Program) -> Result<RunSettings, Failure> {
+        let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit, program);
         let mut settings =
             settings.map_err(|error| run_failure(&error, circuit, self.times.is_cause_of(&error)))?;
         let found = self.signals.iter().map(|name| {

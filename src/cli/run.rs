@@ -14,6 +14,7 @@ use super::overloads::{OverloadDocument, overload_text};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::progress::RunProgress;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
+use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::times::{
     TimeArguments, TimesDocument, from_command_line, message_with_advice, position_text, run_failure,
 };
@@ -64,7 +65,7 @@ fn name(text: &str) -> Result<String, String> {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let files = arguments.files.files(&arguments.patch.patch)?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
-    let settings = arguments.settings(&circuit)?;
+    let settings = arguments.settings(&circuit, &program)?;
     files.prepare()?;
     let trace = match run_with_progress(&program, &settings) {
         Ok(trace) => trace,
@@ -77,7 +78,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
     print(&(head + &readings_text(&trace)))?;
     print(&phases_text(&trace))?;
-    print(&format!("\n{}{}", work_text(&trace), overloads_text(&trace)))?;
+    let warning = trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default();
+    print(&format!("\n{}{}{warning}", work_text(&trace), overloads_text(&trace)))?;
     print(&written_paragraph(files.paths()))
 }
 
@@ -94,14 +96,15 @@ impl Arguments {
     /// The run settings from the patch and the options.
     ///
     /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn.
-    fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
+    fn settings(&self, circuit: &Circuit, program: &Program) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
-        let settings = self.times.settings(&plan, circuit);
+        let settings = self.times.settings(&plan, circuit, program);
         let mut settings = settings.map_err(|error| self.failure(&error, circuit))?;
         if !self.record.is_empty() {
             settings.record = self.recorded(circuit)?;
         }
         settings.sensitivities = self.parameters(circuit)?;
+        settings.checks_steps = true;
         settings.check().map_err(|error| self.failure(&error, circuit))?;
         Ok(settings)
     }
@@ -258,6 +261,7 @@ struct Document<'a> {
     #[serde(rename = "sweeps")]
     repetitions: Vec<RepetitionDocument<'a>>,
     phases: Vec<PhaseDocument<'a>>,
+    step_warning: Option<StepWarningDocument<'a>>,
     files: Vec<String>,
 }
 
@@ -299,6 +303,7 @@ impl<'a> Document<'a> {
             sensitivities: SensitivityDocument::all(trace),
             repetitions: trace.repetitions.iter().map(RepetitionDocument::of).collect(),
             phases: PhaseDocument::all(trace),
+            step_warning: trace.step_warning.as_ref().map(StepWarningDocument::of),
             files: path_texts(files.paths()),
         }
     }

@@ -17,7 +17,7 @@ use super::numbers::{positive_in, setting};
 use super::progress::ProgressBar;
 use super::slideway_document::Document;
 use super::slideway_report::{self as report, criterion_text};
-use super::times::{StepArguments, message_with_advice};
+use super::times::{StepArguments, StepChoice, message_with_advice};
 use super::{print, print_json};
 use patchcord::draw::plot::{Format, Size};
 use patchcord::format::format_pure_number;
@@ -89,6 +89,9 @@ const PANEL: Size = Size { width: 900, height: 440 };
 pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     distinct_destinations(arguments.files())?;
+    if arguments.steps.step == Some(StepChoice::Automatic) {
+        return Err(Failure::usage("--step auto is not possible here: give seconds, or --tol"));
+    }
     let settings = arguments.settings();
     let chain = run_chain(&arguments.inputs(), &settings).map_err(|error| arguments.failure(error))?;
     prepare_outputs(None, arguments.files())?;
@@ -124,6 +127,7 @@ impl Arguments {
     /// The settings of the simulation in SI units.
     fn settings(&self) -> Settings {
         let StepArguments { step, tolerance, every, backend } = self.steps;
+        let step = step.and_then(StepChoice::seconds);
         Settings {
             set: self.set.clone(),
             threshold: self.threshold * MM_PER_S,

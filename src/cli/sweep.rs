@@ -139,7 +139,7 @@ impl Arguments {
         let measures = self.measure.iter().map(|text| Measure::parse(text, program.signals()));
         let measures = measures.collect::<Result<Vec<_>, _>>();
         let measures = measures.map_err(|error| Failure::usage(error.to_string()))?;
-        let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
+        let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit, &program);
         let settings =
             settings.map_err(|error| run_failure(&error, circuit, self.times.is_cause_of(&error)))?;
         Sweep::new(circuit.patch(), program, settings, plan, measures)

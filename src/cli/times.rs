@@ -8,8 +8,9 @@ use super::failure::Failure;
 use super::numbers::seconds;
 use patchcord::circuit::Circuit;
 use patchcord::document::{Placed, Span};
+use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
-use patchcord::solve::{Backend, MIN_TOLERANCE, RunError, RunSettings, TimeSetting};
+use patchcord::solve::{Backend, MIN_TOLERANCE, RunError, RunSettings, TimeSetting, sufficient_step};
 
 #[derive(Args)]
 pub(super) struct TimeArguments {
@@ -22,9 +23,9 @@ pub(super) struct TimeArguments {
 
 #[derive(Args)]
 pub(super) struct StepArguments {
-    /// Step of the solver, in problem seconds
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
-    pub step: Option<f64>,
+    /// Step of the solver in problem seconds, or "auto": try shorter steps until a check of the run finds no error
+    #[arg(long, value_name = "SECONDS|auto", allow_hyphen_values = true, value_parser = step)]
+    pub step: Option<StepChoice>,
     /// Choose the step by this tolerance: the sum of the errors of all steps, as a fraction of 100 V, such as 1e-6
     #[arg(long = "tol", value_name = "SHARE", allow_hyphen_values = true, value_parser = share, conflicts_with = "step")]
     pub tolerance: Option<f64>,
@@ -35,6 +36,27 @@ pub(super) struct StepArguments {
     /// larger patches are interpreted. With --tol the reference backend is always used
     #[arg(long, value_name = "BACKEND", value_parser = backend(), default_value_t)]
     pub backend: Backend,
+}
+
+/// The step of a run with equal steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum StepChoice {
+    /// This many problem seconds.
+    Seconds(f64),
+    /// A step that the checks of a run find short enough.
+    Automatic,
+}
+
+impl StepChoice {
+    /// The step in problem seconds; `None` if it is chosen automatically.
+    pub(super) fn seconds(self) -> Option<f64> {
+        if let StepChoice::Seconds(seconds) = self { Some(seconds) } else { None }
+    }
+}
+
+/// Parses a step.
+fn step(text: &str) -> Result<StepChoice, String> {
+    if text == "auto" { Ok(StepChoice::Automatic) } else { seconds(text).map(StepChoice::Seconds) }
 }
 
 /// Parses the name of a backend. The names are listed in the help and in completions.
@@ -86,7 +108,11 @@ impl TimeArguments {
         }
         let StepArguments { step, tolerance, every, .. } = self.steps;
         plan.duration = self.duration.map(from_command_line).or(plan.duration);
-        plan.step = step.map(from_command_line).or(plan.step);
+        plan.step = match step {
+            Some(StepChoice::Automatic) => plan.step.or(first_step(patch, self.duration)),
+            Some(StepChoice::Seconds(seconds)) => Some(from_command_line(seconds)),
+            None => plan.step,
+        };
         // An explicit step means equal steps, so it overrides a tolerance of the patch.
         plan.tolerance = match step {
             Some(_) => None,
@@ -96,12 +122,24 @@ impl TimeArguments {
         plan
     }
 
-    /// The run settings for a plan.
+    /// The run settings for a plan. An automatic step is found by runs of the program.
     ///
     /// # Errors
-    /// Those of [`RunSettings::new`].
-    pub(super) fn settings(&self, plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
-        Ok(RunSettings::new(plan, circuit)?.with_backend(self.steps.backend))
+    /// Those of [`RunSettings::new`] and [`sufficient_step`].
+    pub(super) fn settings(
+        &self,
+        plan: &RunPlan,
+        circuit: &Circuit,
+        program: &Program,
+    ) -> Result<RunSettings, RunError> {
+        let settings = RunSettings::new(plan, circuit)?.with_backend(self.steps.backend);
+        match self.steps.step {
+            Some(StepChoice::Automatic) => {
+                let step = sufficient_step(program, &settings)?;
+                Ok(settings.with_step(step))
+            }
+            _ => Ok(settings),
+        }
     }
 
     /// Whether these options, and not the patch, cause an error.
@@ -120,6 +158,11 @@ impl StepArguments {
             _ => concerns_times(error) && (self.step.is_some() || self.every.is_some()),
         }
     }
+}
+
+/// The first step that is tried if neither the patch nor an option gives one: a thousandth of the run.
+fn first_step(patch: &RunPlan, duration: Option<f64>) -> Option<Placed<f64>> {
+    duration.or_else(|| patch.longest_repetition()).map(|length| from_command_line(1e-3 * length))
 }
 
 /// Whether the times of a run are inconsistent, or give too many steps or samples.

@@ -37,6 +37,7 @@ impl RunSettings {
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
             has_lamps: true,
+            checks_steps: false,
             record: circuit.recorded_signals(),
             sensitivities: circuit.sensitivity_parameters(),
             backend: Backend::default(),

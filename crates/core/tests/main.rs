@@ -22,3 +22,4 @@ mod problems;
 mod relay;
 mod scipy;
 mod sensitivity;
+mod step_length;

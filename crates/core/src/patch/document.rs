@@ -13,7 +13,9 @@ use serde_json::Value;
 use super::edited_text::EditedText;
 use super::macros::{Instance, InstanceOutput, Macro, SectionEntry};
 use super::table_file::{PointsBySpan, TableFile};
-use crate::document::{Diagnostic, ParameterRangeError, Phase, Placed, Report, Span, parameter_in_si};
+use crate::document::{
+    Diagnostic, ParameterRangeError, Phase, Placed, Report, RunExtent, Span, parameter_in_si,
+};
 use crate::elements::Kind;
 use patchcord_expr::{Formula, Unit};
 
@@ -162,6 +164,11 @@ impl RunPlan {
         let once = vec![Phase::InitialCondition, Phase::operate(self.duration.as_ref()?.value)];
         let times = self.repeat.as_ref().map_or(1, |repeat| repeat.value as u64);
         Some(if times == 1 { once } else { vec![Phase::Repeat { times, phases: once }] })
+    }
+
+    /// Length of the longest repetition in problem seconds; `None` if the plan has no duration.
+    pub fn longest_repetition(&self) -> Option<f64> {
+        self.all_phases().map(|phases| RunExtent::of(&phases).longest_repetition)
     }
 }
 

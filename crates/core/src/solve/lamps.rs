@@ -7,12 +7,15 @@
 
 use super::buffers::StepStart;
 use super::state::{Solver, SolverState};
-use crate::ir::{LAMP_THRESHOLD, Program, Register};
+use crate::ir::{LAMP_THRESHOLD, Program, Register, SourceSlopes, TangentBase};
 use crate::machines::REFERENCE;
 use crate::trace::Overload;
 
 /// Number of bisections of a step after which the bracket of 2^-50 steps is smaller than the rounding of the time.
 const BISECTION_COUNT: usize = 50;
+
+/// Largest exponent of the growth of an overdrive over one step. It prevents an overflow with positive feedback.
+const MAX_GROWTH_EXPONENT: f64 = 50.0;
 
 /// The overload lamps, and how far integrators are driven beyond their limits.
 #[derive(Debug, Clone)]
@@ -21,9 +24,53 @@ pub(super) struct Lamps {
     pub is_on: bool,
     /// The lamp of every element, in the order of `Program::elements`; `None` if it is off.
     pub lit: Vec<Option<LitLamp>>,
-    /// The integral of the outward drive of each integrator since it is held at ±100 V, in volts, in the order of
-    /// `Program::states`; 0 if it is not held. The demand of the integrator is 100 V more.
+    /// How far each integrator would be beyond ±100 V if it had no limit, in volts, in the order of `Program::states`; 0
+    /// if it is not held there. The demand of the integrator is 100 V more.
     pub overdrive: Vec<f64>,
+    /// Buffers for the feedback of an integrator to itself.
+    feedback: FeedbackBuffers,
+}
+
+/// Buffers for the slopes of all voltages by the output of one integrator.
+#[derive(Debug, Clone)]
+struct FeedbackBuffers {
+    /// Slopes of the states: 1 for the integrator.
+    states: Vec<f64>,
+    /// Slopes of all other sources, which are 0.
+    zeros: Vec<f64>,
+    /// Slopes of the voltages.
+    slopes: Vec<f64>,
+}
+
+impl FeedbackBuffers {
+    /// Buffers of the sizes that a program needs.
+    fn new(program: &Program) -> Self {
+        let lowered = &program.lowered;
+        let sources = lowered.coefficients.len().max(lowered.delays.len()).max(lowered.sampled.len());
+        FeedbackBuffers {
+            states: vec![0.0; lowered.states.len()],
+            zeros: vec![0.0; sources],
+            slopes: vec![0.0; lowered.body.len()],
+        }
+    }
+
+    /// The slope of an integrator's demanded rate by its own output, in 1/s; negative with feedback that limits the
+    /// output.
+    fn own_slope(&mut self, program: &Program, voltages: &[f64], integrator: usize) -> f64 {
+        let lowered = &program.lowered;
+        self.states.fill(0.0);
+        self.states[integrator] = 1.0;
+        let from = SourceSlopes {
+            coefficients: &self.zeros[..lowered.coefficients.len()],
+            states: &self.states,
+            time: 0.0,
+            delayed: &self.zeros[..lowered.delays.len()],
+            sampled: &self.zeros[..lowered.sampled.len()],
+        };
+        let base = TangentBase { values: voltages, guide: voltages };
+        program.differentiate(0..lowered.body.len(), base, &from, &mut self.slopes);
+        self.slopes[lowered.states[integrator].demand.index()]
+    }
 }
 
 /// A lamp that is lit.
@@ -44,6 +91,7 @@ impl Lamps {
             is_on: true,
             lit: vec![None; program.lowered.elements.len()],
             overdrive: vec![0.0; program.lowered.states.len()],
+            feedback: FeedbackBuffers::new(program),
         }
     }
 
@@ -96,27 +144,52 @@ impl Lamps {
         }
     }
 
-    /// Lights the lamps of integrators that were held at ±100 V over the last step and driven further. The drive of a
-    /// step is the mean of both ends: it ends within a step if its sign changes. The overdrive of a lag decays with the
-    /// time constant of the lag.
+    /// Lights the lamps of integrators that were held at ±100 V at the beginning of the last step and driven further. The
+    /// drive changes linearly over a step, and only its outward part counts. With the limit, feedback sees 100 V
+    /// instead of 100 V + overdrive. So the slope of the rate by the output is added: d overdrive / dt = drive + slope x
+    /// overdrive.
     pub(super) fn check_integrators(&mut self, program: &Program, state: &SolverState, start: &StepStart) {
         let length = state.time - start.time;
         for (index, integrator) in program.lowered.states.iter().enumerate() {
             let volts_before = start.states[index];
             let [begin, end] =
                 [&start.voltages, &state.voltages].map(|voltages| voltages[integrator.demand.index()]);
-            let outward = 0.5 * (begin + end) * volts_before.signum();
-            let is_driven_further = volts_before.abs() >= REFERENCE && outward > 0.0;
-            let time_constant = integrator.lag.map_or(f64::INFINITY, |lag| state.time_constant(lag));
+            let drive = [begin, end].map(|drive| drive * volts_before.signum());
+            let outward = mean_above_zero(drive);
+            // Too long a step can throw an output to its limit and back.
+            if volts_before.abs() < REFERENCE && state.states[index].abs() >= REFERENCE {
+                light(&mut self.lit[integrator.element], integrator.element, state.time, REFERENCE);
+            }
+            if volts_before.abs() < REFERENCE || outward == 0.0 {
+                self.overdrive[index] = 0.0;
+                continue;
+            }
+            let slope = self.feedback.own_slope(program, &state.voltages, index);
             let overdrive = &mut self.overdrive[index];
-            let decay = 1.0 / (1.0 + length / time_constant);
-            *overdrive = if is_driven_further { (*overdrive + length * outward) * decay } else { 0.0 };
+            *overdrive = driven(*overdrive, outward, slope, length);
             let demand = REFERENCE + *overdrive;
             if demand > LAMP_THRESHOLD {
                 light(&mut self.lit[integrator.element], integrator.element, start.time, demand);
             }
+            // The next step begins at the limit without an overdrive if the drive now points inward.
+            if drive[1] <= 0.0 {
+                self.overdrive[index] = 0.0;
+            }
         }
     }
+}
+
+/// The mean of the positive part of a quantity that changes linearly between two values.
+fn mean_above_zero([begin, end]: [f64; 2]) -> f64 {
+    let positive = begin.max(0.0) + end.max(0.0);
+    if begin * end >= 0.0 { 0.5 * positive } else { 0.5 * positive * positive / (begin - end).abs() }
+}
+
+/// The overdrive after a time in seconds, by d overdrive / dt = drive + slope x overdrive.
+fn driven(overdrive: f64, drive: f64, slope: f64, time: f64) -> f64 {
+    let growth = (slope * time).min(MAX_GROWTH_EXPONENT);
+    let mean = if growth.abs() < f64::EPSILON { 1.0 } else { libm::expm1(growth) / growth };
+    overdrive * libm::exp(growth) + drive * time * mean
 }
 
 /// The problem time at which a demand exceeded ±100 V, by bisection on the curve of the states between the beginning of
@@ -171,6 +244,25 @@ fn mark_downstream(readers: &[Vec<usize>], amplifier: usize, lamp: usize, first_
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_the_outward_part_of_the_drive_counts() {
+        assert_eq!(mean_above_zero([2.0, 4.0]), 3.0);
+        assert_eq!(mean_above_zero([-2.0, -4.0]), 0.0);
+        // A triangle with a height of 3 over 3/4 of the step.
+        assert_eq!(mean_above_zero([3.0, -1.0]), 1.125);
+        assert_eq!(mean_above_zero([-1.0, 3.0]), 1.125);
+    }
+
+    #[test]
+    fn the_overdrive_settles_where_feedback_cancels_the_drive() {
+        assert_eq!(driven(0.0, 4.0, 0.0, 0.5), 2.0);
+        // 4 (1 - exp(-t)), in one step and in many.
+        let once = driven(0.0, 4.0, -1.0, 2.0);
+        let often = (0..100).fold(0.0, |overdrive, _| driven(overdrive, 4.0, -1.0, 0.02));
+        assert!((once - 4.0 * (1.0 - (-2.0f64).exp())).abs() < 1e-14 && (once - often).abs() < 1e-13, "{once} {often}");
+        assert!(driven(1.0, 4.0, 1e9, 1e9).is_finite());
+    }
 
     #[test]
     fn the_earliest_lamp_upstream_is_the_cause() {

@@ -16,6 +16,7 @@ use super::levels::{LevelSource, jump_rate};
 use super::observer::{NoObserver, StepObserver};
 use super::settings_check::check_tolerance;
 use super::state::{Setup, Solver, SolverState};
+use super::step_check::StepCheck;
 use super::step_control::StepControl;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use super::time_setting::TimeSetting;
@@ -76,6 +77,8 @@ pub struct Machine<'p> {
     pub(super) mode: MachineMode,
     /// Work done since the last initial condition.
     pub(super) work: WorkCounters,
+    /// Checks of the equal steps; `None` if there are none.
+    pub(super) step_check: Option<StepCheck>,
 }
 
 impl<'p> Machine<'p> {
@@ -186,6 +189,7 @@ impl<'p> Machine<'p> {
             fast_path: FastPath::new(program),
             mode: MachineMode::InitialCondition,
             work: WorkCounters::default(),
+            step_check: None,
         })
     }
 
@@ -207,6 +211,9 @@ impl<'p> Machine<'p> {
         state.begin_levels(setup);
         self.lamps.reset();
         buffers.evaluation.forget();
+        if let Some(check) = &mut self.step_check {
+            check.reset();
+        }
         self.work = WorkCounters::default();
         if let Some(sensitivities) = sensitivities {
             sensitivities.begin(setup.program);

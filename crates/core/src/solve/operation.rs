@@ -111,6 +111,9 @@ impl Machine<'_> {
         let corners = &setup.program.corners;
         self.events.corners_off_grid = corners.off_grid(time, setup.grid, INSTANT_TOLERANCE * setup.step);
         let count = setup.grid.steps_in(length);
+        if let Some(check) = &mut self.step_check {
+            check.plan(count);
+        }
         let steps = Steps { begin: time, grid: setup.grid, first: 1, count };
         Ok(Operation { steps, active: None, end: time + length })
     }
@@ -131,13 +134,19 @@ impl Machine<'_> {
     ) -> Result<(), RunError> {
         let count_after = operation.steps.count.saturating_sub(count);
         while operation.steps.count > count_after {
-            let steps = Steps { count: operation.steps.count - count_after, ..operation.steps };
+            let before_check = self.steps_before_check(operation.steps);
+            if before_check == 0 && !self.hold_if_stopped(observer) {
+                self.check_step(operation, observer)?;
+                continue;
+            }
+            let count = (operation.steps.count - count_after).min(before_check.max(1));
+            let steps = Steps { count, ..operation.steps };
             match operation.active {
                 Some(active) => {
                     let steps = Steps { count: steps.count.min(active.steps_left), ..steps };
                     let (taken, halt) = self.run_kernel(active, steps, observer);
                     operation.count_taken(taken);
-                    if operation.steps.count > count_after {
+                    if taken < count {
                         self.finish_step(operation, active, halt, observer)?;
                     }
                 }
@@ -150,6 +159,29 @@ impl Machine<'_> {
                     }
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// Number of steps before the next one that is checked; the largest number if none is.
+    fn steps_before_check(&self, steps: Steps) -> u64 {
+        self.step_check.as_ref().map_or(u64::MAX, |check| check.steps_before(steps.first))
+    }
+
+    /// Checks the next step. The machine leaves the fast path for this, because the kernel has only a part of the state.
+    ///
+    /// # Errors
+    /// If the machine cannot leave the fast path.
+    fn check_step(
+        &mut self,
+        operation: &mut Operation,
+        observer: &mut impl StepObserver,
+    ) -> Result<(), RunError> {
+        if let Some(active) = operation.active.take() {
+            self.leave_fast_path(active, Halt::Unsupported, observer)?;
+        }
+        if let Some(check) = &mut self.step_check {
+            check.check(&mut self.solver, operation.steps.first);
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ use super::levels::check_noise;
 use super::machine::{Machine, MachineMode};
 use super::observer::StepObserver as _;
 use super::recorder::{EndCondition, Recorder};
+use super::step_check::StepDoubt;
 use crate::document::{ParameterChange, Phase, SwitchCondition};
 use crate::grid::SAME_INSTANT;
 use crate::ir::{Program, RunScope, Switch};
@@ -64,10 +65,9 @@ impl<'p, 'w> Player<'p, 'w> {
     }
 
     /// Ends the last repetition, and returns the record.
-    pub(super) fn finish(mut self) -> Trace {
-        let Machine { solver, lamps, work, .. } = &self.machine;
-        self.recorder.end_repetition(solver, lamps, *work, self.is_held);
-        self.recorder.trace
+    pub(super) fn finish(mut self) -> (Trace, Option<StepDoubt>) {
+        self.recorder.end_repetition(&self.machine, self.is_held);
+        (self.recorder.trace, self.recorder.step_doubt)
     }
 
     /// The machine, and the time by the recorder's clock in seconds, summed over all repetitions.
@@ -150,8 +150,7 @@ impl<'p, 'w> Player<'p, 'w> {
 
     /// Ends the repetition and puts the machine into initial condition.
     fn initial_condition(&mut self) -> Result<(), RunError> {
-        let Machine { solver, lamps, work, .. } = &self.machine;
-        self.recorder.end_repetition(solver, lamps, *work, self.is_held);
+        self.recorder.end_repetition(&self.machine, self.is_held);
         self.is_held = false;
         let outcome = self.machine.initial_condition();
         self.recorder.invalidate_sample();

@@ -12,12 +12,14 @@ use std::ops::Range;
 use super::error::RunError;
 use super::fast_path::KernelRun;
 use super::lamps::Lamps;
+use super::machine::Machine;
 use super::settings::RunSettings;
 use super::state::Solver;
+use super::step_check::StepDoubt;
 use crate::grid::{Grid, SAME_INSTANT};
 use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
-use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track, WorkCounters};
+use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
 
 /// Samples the signals of a run, and records its repetitions and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
@@ -46,6 +48,8 @@ pub(super) struct Recorder<'a> {
     hold_time_when_lit: Vec<Option<f64>>,
     /// Whether the machine goes into hold when a lamp lights.
     hold_on_overload: bool,
+    /// The doubt about the steps of all repetitions so far; `None` if there is none.
+    pub step_doubt: Option<StepDoubt>,
     /// The change of mode that ends the present phase; `None` if no relay ends it.
     pub end_condition: Option<EndCondition>,
     /// Every voltage just before the last changes of mode. It is updated only if there is an end condition.
@@ -118,6 +122,7 @@ impl<'a> Recorder<'a> {
             is_fresh: false,
             hold_time_when_lit: vec![None; program.lowered.elements.len()],
             hold_on_overload: settings.hold_on_overload,
+            step_doubt: None,
             end_condition: None,
             voltages_before_switching: vec![0.0; solver.state.voltages.len()],
             derivatives_before_switching: vec![0.0; count],
@@ -215,16 +220,13 @@ impl<'a> Recorder<'a> {
 
     /// Ends the repetition, if one has begun: adds its end, its overloads and its work to the record. `is_held` is
     /// whether an overload ended it.
-    pub(super) fn end_repetition(
-        &mut self,
-        solver: &Solver<'_>,
-        lamps: &Lamps,
-        work: WorkCounters,
-        is_held: bool,
-    ) {
+    pub(super) fn end_repetition(&mut self, machine: &Machine<'_>, is_held: bool) {
         if !std::mem::take(&mut self.is_in_repetition) {
             return;
         }
+        let Machine { solver, lamps, work, step_check, .. } = machine;
+        let doubt = step_check.as_ref().and_then(|check| check.doubt(&solver.setup));
+        self.step_doubt = StepDoubt::worse(self.step_doubt, doubt);
         let program = solver.setup.program;
         let end = self.clock(solver.state.time);
         if let Some(repetition) = self.trace.repetitions.last_mut() {
@@ -234,7 +236,7 @@ impl<'a> Recorder<'a> {
                     program.element(&overload.element).and_then(|element| self.hold_time_when_lit[element]);
                 overload.time += hold_time.unwrap_or(self.hold_time);
             }
-            (repetition.end, repetition.work, repetition.is_held) = (end, work, is_held);
+            (repetition.end, repetition.work, repetition.is_held) = (end, *work, is_held);
         }
         self.recorded_before += end;
     }

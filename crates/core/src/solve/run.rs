@@ -11,11 +11,16 @@ use super::machine::Machine;
 use super::player::{self, Player};
 use super::recorder::Recorder;
 use super::settings::RunSettings;
+use super::step_check::StepCheck;
+use super::step_comparison::step_warning;
 use super::stopped_run::StoppedRunError;
 use crate::document::RunExtent;
 use crate::ir::Program;
 use crate::kernel::LANES;
 use crate::trace::Trace;
+
+/// Number of attempts with shorter steps after which an error that stops the run is not blamed on the step.
+const MAX_STOPPED_ATTEMPTS: usize = 4;
 
 /// Runs a program through its phases and records it.
 ///
@@ -77,7 +82,17 @@ pub fn run_with_progress(
 ) -> Result<Trace, StoppedRunError> {
     let mut player = prepare(program, settings, progress)?;
     let outcome = player.run(&settings.phases);
-    result_of(player, outcome)
+    let (mut trace, doubt) = player.finish();
+    if let Err(error) = outcome {
+        return Err(StoppedRunError { error, trace: Box::new(trace) });
+    }
+    if let Some(doubt) = doubt {
+        let mut half = RunSettings { checks_steps: false, step: 0.5 * settings.step, ..settings.clone() };
+        half.sensitivities.clear();
+        let half = run(program, &half).unwrap_or_else(|stopped| *stopped.trace);
+        trace.step_warning = step_warning(program, doubt, settings.step, &trace, &half);
+    }
+    Ok(trace)
 }
 
 /// Runs several programs and returns their results in the same order. Each result is the same, to the bit, as that of
@@ -137,7 +152,7 @@ fn run_chunk(programs: &[Program], settings: &RunSettings) -> Vec<Result<Trace, 
 
 /// The result of a run: the trace, or the error with the trace up to it.
 fn result_of(player: Player<'_, '_>, outcome: Result<(), RunError>) -> Result<Trace, StoppedRunError> {
-    let trace = player.finish();
+    let (trace, _) = player.finish();
     match outcome {
         Ok(()) => Ok(trace),
         Err(error) => Err(StoppedRunError { error, trace: Box::new(trace) }),
@@ -179,6 +194,44 @@ pub fn machine_after<'p>(
     let mut player = prepare(program, settings, progress)?.with_end(seconds);
     player.run(&settings.phases)?;
     Ok(player.into_machine())
+}
+
+/// A step with which a run of equal steps is not warned of: the step of the settings, or a shorter one that earlier
+/// runs recommended. The parameters are those of the program.
+///
+/// # Errors
+/// If the run stops with the step of the settings and with much shorter ones, or if no step is short enough.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::{RunSettings, sufficient_step};
+///
+/// // dx/dt = -1000 x, from 50 V: steps of 3 ms are too long.
+/// let decay = ElementBuilder::new("integrator").cords("x1000", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("decay").element("A1", decay).run(0.1, 3e-3).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let program = Program::new(&circuit)?;
+/// assert!(sufficient_step(&program, &RunSettings::of(&circuit)?)? <= 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn sufficient_step(program: &Program, settings: &RunSettings) -> Result<f64, RunError> {
+    let mut settings = settings.clone().with_step(settings.step).with_step_checks();
+    for attempt in 1.. {
+        let shorter = match run(program, &settings) {
+            Ok(trace) => {
+                let Some(warning) = trace.step_warning else { break };
+                warning.recommended.min(0.5 * settings.step)
+            }
+            Err(stopped) if attempt >= MAX_STOPPED_ATTEMPTS => return Err(stopped.error),
+            Err(_) => 0.1 * settings.step,
+        };
+        settings.step = shorter;
+    }
+    Ok(settings.step)
 }
 
 /// Checks that a run can begin, without running it.
@@ -232,6 +285,9 @@ pub(super) fn prepare<'p, 'w>(
     check_noise(program, &machine.solver.state.level_sources, operated)?;
     let recorder = Recorder::new(program, &machine.solver, settings, progress)?;
     machine.fast_path.restart(settings.backend, recorder.registers());
+    if settings.checks_steps && settings.tolerance.is_none() {
+        machine.step_check = Some(StepCheck::new(program.lowered.states.len()));
+    }
     machine.lamps.is_on = settings.has_lamps || settings.hold_on_overload;
     Ok(Player::new(machine, recorder, operated))
 }

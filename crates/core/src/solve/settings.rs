@@ -55,6 +55,9 @@ pub struct RunSettings {
     /// Whether overload lamps can light. With `hold_on_overload` they always can. Without lamps the trace lists no
     /// overload, and runs in which voltages exceed ±100 V are faster.
     pub has_lamps: bool,
+    /// Whether the run checks at some equal steps if they are short enough. The result is
+    /// [`Trace::step_warning`](crate::trace::Trace::step_warning).
+    pub checks_steps: bool,
     /// Names of the signals to record, in the order of the tracks. Elements and drives are signals, too.
     pub record: Vec<String>,
     /// Names of the parameters by which the derivatives of all these signals are also recorded. Their tracks follow the
@@ -87,6 +90,7 @@ impl RunSettings {
             every: step,
             hold_on_overload: false,
             has_lamps: true,
+            checks_steps: false,
             record: Vec::new(),
             sensitivities: Vec::new(),
             backend: Backend::default(),
@@ -234,6 +238,31 @@ impl RunSettings {
     /// The same settings with overload lamps, which is the default.
     pub fn with_lamps(self) -> Self {
         RunSettings { has_lamps: true, ..self }
+    }
+
+    /// The same settings with checks of the equal steps. They take a few per cent of the time of a long run. If they find
+    /// a reason, the run is repeated with half the step for comparison.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::{RunSettings, run};
+    ///
+    /// // dx/dt = -1000 x, from 50 V: steps of 3 ms are too long.
+    /// let decay = ElementBuilder::new("integrator").cords("x1000", ["A1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("decay").element("A1", decay).run(0.1, 3e-3).build()?;
+    /// let circuit = Circuit::new(&patch)?;
+    /// let program = Program::new(&circuit)?;
+    /// let trace = run(&program, &RunSettings::of(&circuit)?.with_step_checks())?;
+    /// let warning = trace.step_warning.ok_or("no warning")?;
+    /// assert_eq!((warning.unstable.as_deref(), warning.recommended), (Some("A1"), 1e-3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_step_checks(self) -> Self {
+        RunSettings { checks_steps: true, ..self }
     }
 
     /// The same settings without overload lamps.

@@ -37,6 +37,8 @@ pub struct Trace {
     pub repetitions: Vec<Repetition>,
     /// The phases of all runs, in order.
     pub phase_records: Vec<PhaseRecord>,
+    /// Set if the run checked its equal steps and they were too long.
+    pub step_warning: Option<StepWarning>,
 }
 
 /// One run that starts at initial condition. In repetitive operation a trace has several.
@@ -52,6 +54,25 @@ pub struct Repetition {
     pub is_held: bool,
     /// The overload lamps that lit, in order of time.
     pub overloads: Vec<Overload>,
+}
+
+/// Equal steps that are too long for the circuit: with half the step, a signal has other values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepWarning {
+    /// Name of the signal that differs most, relative to its range.
+    pub signal: String,
+    /// Largest difference of the signal between the steps and half of them, in `unit`.
+    pub error: f64,
+    /// Unit of the signal.
+    pub unit: String,
+    /// Time by the recorder's clock, in seconds, at which the difference was a thousandth of the range first.
+    pub time: f64,
+    /// Name of the amplifier at which the method is unstable; `None` if it is stable but inaccurate.
+    pub unstable: Option<String>,
+    /// Length of the steps, in problem seconds.
+    pub step: f64,
+    /// A step that is short enough as far as the checks show, in problem seconds.
+    pub recommended: f64,
 }
 
 /// Counts of the solver's work in one run.
@@ -137,7 +158,7 @@ impl Trace {
     pub fn without_tracks(&self) -> Trace {
         let (time, repetitions, phase_records) =
             (self.time.clone(), self.repetitions.clone(), self.phase_records.clone());
-        Trace { time, tracks: Vec::new(), repetitions, phase_records }
+        Trace { time, tracks: Vec::new(), repetitions, phase_records, step_warning: None }
     }
 
     /// Number of samples.

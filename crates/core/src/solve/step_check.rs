@@ -1,0 +1,261 @@
+//! Checks during a run whether its equal steps are short enough.
+//!
+//! At some steps, spread evenly over the run, the step is also taken in two halves. The difference gives the error of
+//! the step. The stages give the largest rate at which the circuit responds: if it is too large for the step, the
+//! method is unstable and errors grow. The run itself is not changed.
+
+use super::buffers::StepBuffers;
+use super::events::event_at;
+use super::runge_kutta::{MIN_STATE, try_step};
+use super::state::{Setup, Solver, SolverState, read_rates};
+
+/// The product of a decay rate and the step above which the classical method of order 4 is unstable.
+const STABILITY_LIMIT: f64 = 2.785;
+/// The product that the recommended step has, well within the limit.
+const RECOMMENDED_PRODUCT: f64 = 1.4;
+/// Error of one step, in volts, below which an unstable method does no harm.
+const HARMLESS_ERROR: f64 = 1e-4;
+/// Change of a state in one step, in volts, below which an unstable method does no harm at an event.
+const HARMLESS_CHANGE: f64 = 1e-2;
+/// If the method is unstable at one in this many checks with events, the steps are in doubt.
+const UNSTABLE_SHARE: u64 = 5;
+/// Estimated error of a run, in volts, above which its step is too long: 0.1 % of 100 V.
+const LARGEST_ERROR: f64 = 0.1;
+/// Estimated error that the recommended step aims at, in volts.
+const RECOMMENDED_ERROR: f64 = 0.01;
+/// The error of one step of order 4 after halving it is this share of the difference.
+const HALVING_SHARE: f64 = 16.0 / 15.0;
+/// Change of the states between two stages, in volts, below which rounding decides their rates.
+const LEAST_CHANGE: f64 = 1e-9;
+/// Numbers of checked steps: the least, the most, and the number of steps for which one step is checked.
+const CHECKED_STEPS: (u64, u64, u64) = (32, 256, 6_400_000);
+/// Order of the error of a run: it grows with the step to this power.
+const ERROR_ORDER: f64 = 4.0;
+
+/// The checks of a run.
+#[derive(Debug, Clone)]
+pub(super) struct StepCheck {
+    /// Number of steps between two checks.
+    interval: u64,
+    /// Number of the next step that is checked, counted from 1 in the present phase.
+    next: u64,
+    /// Number of steps of the run so far, including those of the present phase that are still to be taken.
+    steps: u64,
+    /// Number of checks, and of those with a result.
+    attempts: u64,
+    results: u64,
+    /// Sum of the errors of every state over all results, in volts.
+    sums: Vec<f64>,
+    /// Number of checks without a result at which the method was unstable.
+    unstable_events: u64,
+    /// The state at which the method was unstable first.
+    unstable: Option<Unstable>,
+    /// The state in the middle of a step.
+    middle: Option<Box<SolverState>>,
+    /// The states at the end of a whole step.
+    whole: Vec<f64>,
+}
+
+/// A state at which the method is unstable.
+#[derive(Debug, Clone, Copy)]
+struct Unstable {
+    /// Index of the state that changes most.
+    state: usize,
+    /// The largest product of a response rate and the step so far.
+    product: f64,
+}
+
+impl StepCheck {
+    /// The checks of a run of a program with this number of states.
+    pub(super) fn new(states: usize) -> Self {
+        StepCheck {
+            interval: 1,
+            next: u64::MAX,
+            steps: 0,
+            attempts: 0,
+            results: 0,
+            sums: vec![0.0; states],
+            unstable_events: 0,
+            unstable: None,
+            middle: None,
+            whole: vec![0.0; states],
+        }
+    }
+
+    /// Forgets the results, for a new initial condition.
+    pub(super) fn reset(&mut self) {
+        *self = StepCheck { middle: self.middle.take(), ..StepCheck::new(self.sums.len()) };
+    }
+
+    /// Plans the checks of a phase with this number of steps.
+    pub(super) fn plan(&mut self, steps: u64) {
+        let (least, most, total) = CHECKED_STEPS;
+        let checked = (total / steps.max(1)).clamp(least, most);
+        self.interval = (steps / checked).max(1);
+        self.next = 1;
+        self.steps += steps;
+    }
+
+    /// Number of steps before the next check, if the next step has this number in the present phase.
+    pub(super) fn steps_before(&self, next_step: u64) -> u64 {
+        self.next.saturating_sub(next_step)
+    }
+
+    /// Checks the next step, which has this number in the present phase. The error of a step with an event in it is not
+    /// known, because the solver does not take it as a whole.
+    pub(super) fn check(&mut self, solver: &mut Solver<'_>, next_step: u64) {
+        self.next = next_step + self.interval;
+        self.attempts += 1;
+        let Solver { setup, state, delay_lines, buffers, .. } = solver;
+        let length = setup.step;
+        try_step(setup, state, delay_lines, buffers, length);
+        let response = response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
+        if has_event(setup, state, buffers) {
+            if let Some(response) = response.filter(|response| response.change > HARMLESS_CHANGE) {
+                self.unstable_events += 1;
+                self.note_unstable(response);
+            }
+            return;
+        }
+        self.whole.copy_from_slice(&buffers.states);
+        let middle = self.middle.get_or_insert_with(|| Box::new(state.clone()));
+        middle.as_mut().clone_from(state);
+        try_step(setup, state, delay_lines, buffers, 0.5 * length);
+        if has_event(setup, state, buffers) {
+            return;
+        }
+        move_to_end(setup, middle, buffers, 0.5 * length);
+        try_step(setup, middle, delay_lines, buffers, 0.5 * length);
+        if has_event(setup, middle, buffers) {
+            return;
+        }
+        let worst = self.add(&buffers.states);
+        if let Some(response) = response.filter(|_| worst > HARMLESS_ERROR) {
+            self.note_unstable(response);
+        }
+    }
+
+    /// Adds the errors of a step, from the states at the end of its second half. Returns the largest one in volts.
+    fn add(&mut self, halves: &[f64]) -> f64 {
+        self.results += 1;
+        let mut worst = 0.0;
+        for ((sum, halves), whole) in self.sums.iter_mut().zip(halves).zip(&self.whole) {
+            let error = HALVING_SHARE * (halves - whole).abs();
+            *sum += error;
+            worst = f64::max(worst, error);
+        }
+        worst
+    }
+
+    /// Notes that the method is unstable.
+    fn note_unstable(&mut self, response: Response) {
+        let Response { state, product, .. } = response;
+        let unstable = self.unstable.get_or_insert(Unstable { state, product });
+        unstable.product = unstable.product.max(product);
+    }
+
+    /// The doubt about the steps of the run; `None` if the checks found them short enough.
+    pub(super) fn doubt(&self, setup: &Setup<'_>) -> Option<StepDoubt> {
+        let errors = self.sums.iter().map(|sum| sum / self.results.max(1) as f64 * self.steps as f64);
+        let error = errors.fold(0.0, f64::max);
+        // Events at a few steps may only be switchings that the solver locates.
+        let is_unstable = self.unstable.is_some()
+            && (error > LARGEST_ERROR || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
+        if !is_unstable && error <= LARGEST_ERROR {
+            return None;
+        }
+        let unstable = self.unstable.filter(|_| is_unstable);
+        Some(StepDoubt {
+            unstable: unstable.map(|unstable| setup.program.lowered.states[unstable.state].element),
+            recommended: match unstable {
+                Some(unstable) => setup.step * RECOMMENDED_PRODUCT / unstable.product,
+                None => setup.step * (RECOMMENDED_ERROR / error).powf(1.0 / ERROR_ORDER),
+            },
+        })
+    }
+}
+
+/// The doubt that the steps of a run are too long.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct StepDoubt {
+    /// Index of the element at which the method is unstable; `None` if it is stable but inaccurate.
+    pub unstable: Option<usize>,
+    /// A step that would do, in problem seconds.
+    pub recommended: f64,
+}
+
+impl StepDoubt {
+    /// The doubt with the shorter recommended step.
+    pub(super) fn worse(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        let doubts = one.into_iter().chain(other);
+        doubts.min_by(|a, b| a.recommended.total_cmp(&b.recommended))
+    }
+}
+
+/// Whether an event is due in the step that was tried from a state.
+fn has_event(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> bool {
+    buffers.hint.is_some() || event_at(setup, state, &buffers.voltages).is_some()
+}
+
+/// How the rates respond to a change of the states within a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Response {
+    /// Index of the state whose rate changes most.
+    state: usize,
+    /// The product of the response rate and the step.
+    product: f64,
+    /// The change of the states that it causes in a step, in volts.
+    change: f64,
+}
+
+/// The response between the second and the third stage. Both are in the middle of the step, so their rates differ only
+/// because their states differ. `None` if rounding decides the difference.
+fn response(stage_rates: &[Vec<f64>], length: f64) -> Option<Response> {
+    let [first, second, third] = [0, 1, 2].map(|stage| &stage_rates[stage]);
+    let (mut before, mut after, mut most) = (0.0, 0.0, (0, 0.0));
+    for (index, ((first, second), third)) in first.iter().zip(second).zip(third).enumerate() {
+        let state = 0.5 * length * (second - first);
+        let change = length * (third - second);
+        before += state * state;
+        after += change * change;
+        if change.abs() > most.1 {
+            most = (index, change.abs());
+        }
+    }
+    let is_known = before > LEAST_CHANGE * LEAST_CHANGE;
+    is_known.then(|| Response { state: most.0, product: (after / before).sqrt(), change: most.1 })
+}
+
+/// Moves a copy of the state to the end of the step that was tried from it.
+fn move_to_end(
+    setup: &Setup<'_>,
+    state: &mut SolverState,
+    buffers: &StepBuffers,
+    length: f64,
+) {
+    state.time += length;
+    state.states.copy_from_slice(&buffers.states);
+    state.states.iter_mut().filter(|volts| volts.abs() < MIN_STATE).for_each(|volts| *volts = 0.0);
+    state.voltages.copy_from_slice(&buffers.voltages);
+    read_rates(setup.program, &state.voltages, &mut state.rates);
+    for (value, sampled) in state.sampled.iter_mut().zip(&setup.program.lowered.sampled) {
+        *value = state.voltages[sampled.next.index()];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_response_of_a_decay_is_its_rate() {
+        // x' = -1000 x from 1 V, with a step of 1 ms.
+        let first = -1000.0;
+        let second = -1000.0 * (1.0 + 0.5e-3 * first);
+        let third = -1000.0 * (1.0 + 0.5e-3 * second);
+        let rates = [first, second, third].map(|rate| vec![0.0, rate]);
+        let found = response(&rates, 1e-3).unwrap();
+        assert!(found.state == 1 && (found.product - 1.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(response(&[vec![1.0], vec![1.0], vec![1.0]], 1e-3), None);
+    }
+}

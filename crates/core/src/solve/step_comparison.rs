@@ -1,0 +1,84 @@
+//! Compares a run with one of half the step, and recommends a step.
+
+use super::step_check::StepDoubt;
+use crate::ir::Program;
+use crate::trace::{StepWarning, Trace, Track};
+
+/// Difference of a signal between both runs, as a share of its range, above which the step is too long.
+const LARGEST_SHARE: f64 = 1e-3;
+/// Difference that the recommended step aims at, as a share of the range.
+const RECOMMENDED_SHARE: f64 = 1e-4;
+/// Difference of two samples in time, in seconds, up to which they are the same sample.
+const SAME_SAMPLE: f64 = 1e-9;
+/// Order of the error of a run: it grows with the step to this power.
+const ERROR_ORDER: f64 = 4.0;
+
+/// The largest difference of a signal between two runs.
+struct Difference<'t> {
+    /// The signal.
+    track: &'t Track,
+    /// The largest difference, in the unit of the signal.
+    largest: f64,
+    /// The same as a share of the range.
+    share: f64,
+    /// Time at which the difference reached [`LARGEST_SHARE`] of the range, in seconds.
+    time: f64,
+}
+
+/// The warning that steps were too long, from the traces of a run and of the same run with half the step; `None` if they
+/// agree.
+pub(super) fn step_warning(
+    program: &Program,
+    doubt: StepDoubt,
+    step: f64,
+    trace: &Trace,
+    half: &Trace,
+) -> Option<StepWarning> {
+    let pairs = trace.time.iter().zip(&half.time);
+    let common = pairs.take_while(|(one, other)| (*one - *other).abs() <= SAME_SAMPLE).count();
+    let tracks = trace.tracks.iter().zip(&half.tracks).filter(|(track, _)| track.derivative.is_none());
+    let differences = tracks.filter_map(|(track, half)| difference(&trace.time[..common], track, half));
+    let worst = differences.max_by(|a, b| a.share.total_cmp(&b.share))?;
+    let by_error = step * (RECOMMENDED_SHARE / worst.share).powf(1.0 / ERROR_ORDER);
+    let recommended = if doubt.unstable.is_some() { doubt.recommended } else { by_error.min(0.5 * step) };
+    Some(StepWarning {
+        signal: worst.track.name.clone(),
+        error: worst.largest,
+        unit: worst.track.unit.clone(),
+        time: worst.time,
+        unstable: doubt.unstable.map(|element| program.name(element).to_owned()),
+        step,
+        recommended: rounded_down(recommended),
+    })
+}
+
+/// The difference of a signal over the samples at these times; `None` if it is a small share of the range.
+fn difference<'t>(times: &[f64], track: &'t Track, half: &Track) -> Option<Difference<'t>> {
+    let values: Vec<f64> = track.values().take(times.len()).collect();
+    let gaps: Vec<f64> = values.iter().zip(half.values()).map(|(one, other)| (one - other).abs()).collect();
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let range = values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least;
+    let largest = gaps.iter().copied().fold(0.0, f64::max);
+    let first = gaps.iter().position(|gap| *gap > LARGEST_SHARE * range)?;
+    Some(Difference { track, largest, share: largest / range, time: times[first] })
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above a number.
+fn rounded_down(value: f64) -> f64 {
+    let decade = libm::floor(libm::log10(value));
+    let power = libm::exp10(decade);
+    [5.0, 2.0, 1.0].into_iter().map(|digit| digit * power).find(|round| *round <= value).unwrap_or(power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_rounded_to_1_2_and_5() {
+        for (value, expected) in [(0.0031, 0.002), (0.0056, 0.005), (1.0, 1.0), (0.99, 0.5), (1.9e-7, 1e-7)] {
+            let found = rounded_down(value);
+            assert!((found / expected - 1.0).abs() < 1e-12, "{value}: {found}");
+        }
+    }
+}

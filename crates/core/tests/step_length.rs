@@ -1,0 +1,86 @@
+//! Equal steps that are too long: the checks of a run find them.
+
+use serde_json::json;
+
+use crate::common::{built, element, voltage, volts};
+use patchcord_core::ir::Program;
+use patchcord_core::patch::PatchBuilder;
+use patchcord_core::solve::{Phase, RunSettings, run, sufficient_step};
+use patchcord_core::trace::Trace;
+
+/// A trace of a program over some seconds, with checks of its steps.
+fn checked(program: &Program, step: f64, seconds: f64, signals: &[&str]) -> Trace {
+    let phases = [Phase::InitialCondition, Phase::operate(seconds)];
+    let settings = RunSettings::from_phases(phases, step).with_signals(signals.iter().copied());
+    run(program, &settings.with_step_checks()).unwrap_or_else(|stopped| panic!("{}", stopped.error))
+}
+
+/// F' = -1000 (F + S) and S' = -S, from S = 80 V: F follows -S after a few milliseconds.
+fn stiff() -> PatchBuilder {
+    volts("stiff")
+        .element("F", element("integrator").cords("x1000", ["F", "S"]))
+        .element("S", element("integrator").cords("x1", ["S"]).set("initial", 80))
+}
+
+#[test]
+fn an_unstable_step_is_reported_with_its_amplifier_and_a_step_that_does() {
+    let program = built(stiff());
+    for step in [0.0028, 0.003, 0.01] {
+        let warning = checked(&program, step, 1.0, &["F", "S"]).step_warning.unwrap();
+        assert_eq!((warning.signal.as_str(), warning.unstable.as_deref()), ("F", Some("F")), "{warning:?}");
+        assert!(warning.error > 10.0 && warning.step == step, "{warning:?}");
+        assert!(warning.recommended >= 5e-4 && warning.recommended <= 2e-3, "{warning:?}");
+    }
+}
+
+#[test]
+fn a_short_step_gets_no_warning_and_is_found_automatically() {
+    let program = built(stiff());
+    assert_eq!(checked(&program, 1e-4, 1.0, &["F"]).step_warning, None);
+    let settings = RunSettings::from_phases([Phase::InitialCondition, Phase::operate(1.0)], 0.01);
+    let step = sufficient_step(&program, &settings.with_signals(["F"])).unwrap();
+    assert!(step < 1e-3, "{step}");
+    // F = -80 (exp(-t) - exp(-1000 t)) 1000 / 999.
+    let machine = crate::common::run_for(&program, step, 1.0);
+    let expected = -80.0 * (-1.0f64).exp() * 1000.0 / 999.0;
+    assert!((voltage(&machine, "F") - expected).abs() < 1e-3, "{}", voltage(&machine, "F"));
+}
+
+#[test]
+fn an_output_that_is_thrown_to_its_limit_counts_as_an_overload() {
+    let program = built(stiff());
+    let trace = checked(&program, 0.01, 1.0, &["F"]);
+    assert!(trace.overloads().any(|overload| overload.element == "F"));
+}
+
+#[test]
+fn a_maximum_holder_above_the_maximum_is_reported() {
+    // P' = 1000 (max(S, P) - P) for S = 60 sin t: P must not exceed 60 V.
+    let sine = element("sine").set("amplitude", 60).set("frequency", "1 / (2 * pi) * 1");
+    let builder = volts("holder")
+        .drive("S", "volt", sine)
+        .element("U", element("diode-upper-of").set("in", json!(["S", "P"])).set("drop", 0))
+        .element("N", element("inverter").cord("in", "U"))
+        .element("P", element("integrator").cords("x1000", ["N", "P"]));
+    let program = built(builder);
+    let warning = checked(&program, 0.01, 5.0, &["P"]).step_warning.unwrap();
+    assert_eq!(warning.unstable.as_deref(), Some("P"), "{warning:?}");
+    assert_eq!(checked(&program, 5e-4, 5.0, &["P"]).step_warning, None);
+}
+
+#[test]
+fn the_demand_of_a_held_integrator_follows_its_feedback() {
+    // A' = -A + 104 without limit: 104 V at most.
+    let builder = volts("feedback")
+        .element("P", element("pot").cord("in", "-100").set("setting", 0.04))
+        .element("N", element("inverter").cord("in", "A"))
+        .element("M", element("inverter").cord("in", "N"))
+        .element("A", element("integrator").cords("x1", ["M", "-100", "P"]));
+    let program = built(builder);
+    for seconds in [5.0, 20.0, 100.0] {
+        let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
+        let held = seconds - 26.0f64.ln();
+        let expected = 104.0 - 4.0 * (-held).exp();
+        assert!((overloads[0].peak - expected).abs() < 1e-6, "{seconds}: {overloads:?} {expected}");
+    }
+}

@@ -1,0 +1,49 @@
+//! Formats the warning about equal steps that are too long, as text and as JSON.
+
+use patchcord::document::format_number;
+use patchcord::expr::format_significant;
+use patchcord::trace::StepWarning;
+use serde::Serialize;
+
+/// The warning in two lines.
+pub(super) fn step_warning_text(warning: &StepWarning) -> String {
+    let StepWarning { signal, error, unit, time, unstable, step, recommended } = warning;
+    let [step, recommended] = [*step, *recommended].map(format_number);
+    let [error, time] = [*error, *time].map(|value| format_significant(value, 2));
+    let cause = match unstable {
+        Some(element) => format!("the solver is unstable at {element}"),
+        None => "the solver is inaccurate".to_owned(),
+    };
+    format!(
+        "warning: the step of {step} s is too long: {cause}. With half the step, {signal} differs by up to {error} \
+         {unit}, from {time} s on\n  = help: try --step {recommended}, --step auto or --tol 1e-6\n"
+    )
+}
+
+/// The warning for `--json`: times in seconds, the error in its unit.
+#[derive(Serialize)]
+pub(super) struct StepWarningDocument<'a> {
+    signal: &'a str,
+    error: f64,
+    unit: &'a str,
+    #[serde(rename = "t")]
+    time: f64,
+    unstable: Option<&'a str>,
+    step: f64,
+    recommended: f64,
+}
+
+impl<'a> StepWarningDocument<'a> {
+    /// The document of a warning.
+    pub(super) fn of(warning: &'a StepWarning) -> Self {
+        StepWarningDocument {
+            signal: &warning.signal,
+            error: warning.error,
+            unit: &warning.unit,
+            time: warning.time,
+            unstable: warning.unstable.as_deref(),
+            step: warning.step,
+            recommended: warning.recommended,
+        }
+    }
+}
