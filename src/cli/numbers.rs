@@ -82,7 +82,7 @@ fn advice(text: &str, unit: &str) -> String {
 fn converted(number: f64, from: &str, to: &str) -> Option<f64> {
     let [from, to] = [Unit::parse(from).ok()?, Unit::parse(to).ok()?];
     let is_possible = from.dimension() == to.dimension();
-    is_possible.then(|| round_significant(number * from.factor() / to.factor(), SUGGESTED_DIGITS))
+    is_possible.then(|| round_significant(from.convert(number, &to), SUGGESTED_DIGITS))
 }
 
 /// The largest number of threads. More only slow each other down.
@@ -112,6 +112,7 @@ mod tests {
         assert_eq!(message("s", "2.5e-1 s"), format!("{} s: 0.25", stem("2.5e-1 s")));
         assert_eq!(message("µm", "3um"), format!("{} µm: 3", stem("3um")));
         assert_eq!(message("cm2", "700 kg"), format!("{} cm2", stem("700 kg")));
+        assert_eq!(message("Hz", "120 rpm"), format!("{} Hz: 2", stem("120 rpm")));
         assert_eq!(message("s", "soon"), "\"soon\" is not a number: give the value in s");
         assert_eq!(message("s", "inf"), "inf is not a finite number");
     }

@@ -76,3 +76,18 @@ fn a_pure_number_has_no_unit() {
     let report = crate::cli::errors(&failed);
     assert!(report.contains("share = 2 is outside its range 0 ... 1\n"), "{report}");
 }
+
+/// The patch of the bad patches whose table has Unix times.
+const UNREACHED: &str = "crates/core/tests/patches/bad/unreached-table.json";
+
+#[test]
+fn check_and_run_warn_of_a_table_that_is_not_reached() {
+    let warning = "warning[unreached-table]: the table of D begins at 1.42e9 s, but the run ends at 3600 s";
+    for command in ["check", "run"] {
+        let warned = patchcord(&[command, UNREACHED]);
+        assert_eq!(code(&warned), 0);
+        assert!(crate::cli::errors(&warned).contains(warning), "{command}: {}", crate::cli::errors(&warned));
+        let document = json(&patchcord(&[command, UNREACHED, "--json"]));
+        assert_eq!(document["diagnostics"][0]["code"], "unreached-table", "{command}");
+    }
+}

@@ -79,6 +79,31 @@ fn without_ranges_the_first_three_quarters_of_a_record_are_training_data() {
     );
 }
 
+/// The position is in mm in the file and in m in the patch.
+#[test]
+fn units_in_the_names_of_columns_are_converted() {
+    let folder = folder();
+    let data = table(0..80, 100.0).replacen("t,F,v,x", "t (ms),F [N],v,x [mm]", 1);
+    write_file(&folder, "data.csv", &data);
+    let document = json!({"outputs": {"x": {"column": "x", "sigma": 1, "unit": "mm"}}});
+    let experiment = read(&folder, &document);
+    assert_eq!(time_range(&experiment.train[0]), (0.0, 5.9));
+    assert!((experiment.validation[0].outputs[0][0] - 1.8e-3).abs() < 1e-12);
+    assert!((experiment.outputs[0].sigma.unwrap() - 1e-3).abs() < 1e-15);
+}
+
+#[test]
+fn a_time_whose_name_may_contain_a_unit_gives_a_warning() {
+    let folder = folder();
+    write_file(&folder, "data.csv", &table(0..80, 0.1).replacen("t,", "t_ms,", 1));
+    let codes = |time: Value| {
+        let findings = read(&folder, &json!({"time": time})).warnings.findings;
+        findings.iter().map(|finding| finding.code.as_str()).collect::<Vec<_>>()
+    };
+    assert_eq!(codes(json!("t_ms")), ["unclear-unit"]);
+    assert!(codes(json!({"column": "t_ms", "unit": "s"})).is_empty());
+}
+
 #[test]
 fn ranges_select_training_and_test_data() {
     let folder = folder();

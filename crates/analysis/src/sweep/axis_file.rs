@@ -17,11 +17,12 @@ const MAX_FAULTS: usize = 10;
 
 impl Axis {
     /// Reads an axis from a CSV file. The first line has parameter names, each further line the values of one run in
-    /// declared units. Lines that start with # are comments. A comment "# NAME: UNIT" before the line of names must
-    /// have the declared unit.
+    /// declared units. Lines that start with # are comments. A comment "# NAME: UNIT" before the line of names, or a
+    /// name such as "k (N/mm)", gives another unit, which is converted to the declared unit.
     ///
     /// # Errors
-    /// If the file cannot be read or is not such a table, or a value is outside the range of its parameter.
+    /// If the file cannot be read or is not such a table, a unit does not fit its parameter, or a value is outside the
+    /// range of its parameter.
     ///
     /// # Examples
     ///
@@ -55,15 +56,17 @@ impl Axis {
 /// The names of the parameters and their values row by row, or the faults of the file.
 fn read_rows(path: &Path, program: &Program) -> Result<(Vec<String>, Vec<f64>), Vec<String>> {
     // The names decide which columns are selected.
-    let names = csv_table::read_names(path).map_err(texts)?;
+    let columns = csv_table::read_names(path).map_err(texts)?;
+    let names: Vec<_> = columns.iter().map(|column| csv_table::without_unit(column).to_owned()).collect();
     let parameters = parameters(path, &names, program)?;
-    let selectors: Vec<_> = names.iter().map(|name| ColumnSelector::Named(name)).collect();
-    let table = csv_table::read(path, &selectors).map_err(texts)?;
+    let selectors: Vec<_> = columns.iter().map(|column| ColumnSelector::Named(column)).collect();
+    let mut table = csv_table::read(path, &selectors).map_err(texts)?;
     if table.lines.is_empty() {
         let message = "the table needs a line of parameter names, then one line of values per run";
         return Err(vec![format!("{}: {message}", path.display())]);
     }
     check(unit_faults(path, &table, &parameters))?;
+    convert(&mut table, &parameters);
     check(range_faults(path, &table, &parameters))?;
     let row = |index: usize| table.columns.iter().map(move |column| column[index]);
     let values = (0..table.lines.len()).flat_map(row).collect();
@@ -96,7 +99,7 @@ fn check(faults: impl IntoIterator<Item = String>) -> Result<(), Vec<String>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
-/// A fault for each column whose comment "# NAME: UNIT" has another unit than the patch declares.
+/// A fault for each column whose unit does not fit the unit that the patch declares.
 fn unit_faults(
     path: &Path,
     table: &CsvTable,
@@ -104,7 +107,7 @@ fn unit_faults(
 ) -> impl Iterator<Item = String> {
     table.units.iter().zip(parameters).filter_map(move |(comment, parameter)| {
         let (comment, declared) = (comment.as_ref()?, &parameter.declared);
-        (!is_same_unit(&comment.text, &declared.unit)).then(|| {
+        fitting_units(&comment.text, &declared.unit).is_none().then(|| {
             format!(
                 "line {} of {}: the unit of {} is \"{}\", but the patch declares {}",
                 comment.line,
@@ -117,10 +120,21 @@ fn unit_faults(
     })
 }
 
-/// Whether two texts are units of the same dimension and size.
-fn is_same_unit(one: &str, other: &str) -> bool {
-    let [one, other] = [one, other].map(Unit::parse);
-    one.is_ok_and(|one| other.is_ok_and(|other| one.is_same_as(&other)))
+/// The unit of a column and the declared unit of its parameter. `None` if a text is not a unit, or the units have
+/// different dimensions.
+fn fitting_units(of_column: &str, declared: &str) -> Option<(Unit, Unit)> {
+    let [of_column, declared] = [Unit::parse(of_column).ok()?, Unit::parse(declared).ok()?];
+    (of_column.dimension() == declared.dimension()).then_some((of_column, declared))
+}
+
+/// Converts the columns with a unit to the declared units of their parameters.
+fn convert(table: &mut CsvTable, parameters: &[&ParameterValue]) {
+    for ((column, unit), parameter) in table.columns.iter_mut().zip(&table.units).zip(parameters) {
+        let units = unit.as_ref().and_then(|unit| fitting_units(&unit.text, &parameter.declared.unit));
+        if let Some((unit, declared)) = units.filter(|(unit, declared)| !unit.is_same_as(declared)) {
+            column.iter_mut().for_each(|number| *number = unit.convert(*number, &declared));
+        }
+    }
 }
 
 /// A fault for each value outside the range of its parameter, in the order of the lines.
@@ -161,6 +175,13 @@ mod tests {
     }
 
     #[test]
+    fn units_are_converted_to_the_declared_units() {
+        let plan = plan("# VcL: mm/s\nVcL, Tc (ms)\n2,10\n2.54,20\n").unwrap();
+        assert_eq!(plan.values(0), [2e-3, 0.01]);
+        assert_eq!(plan.values(1), [2.54e-3, 0.02]);
+    }
+
+    #[test]
     fn bad_tables_return_errors_with_the_line() {
         let cases = [
             ("", "FILE is empty; a table is a line of names"),
@@ -183,9 +204,15 @@ mod tests {
             ),
             ("VcL,VcL\n1e-3,1e-3\n", "line 1 of FILE has more than one column \"VcL\"; give every column"),
             (
-                "# VcL: mm/s\nVcL\n1\n",
-                "line 1 of FILE: the unit of VcL is \"mm/s\", but the patch declares m/s",
+                "# VcL: mm\nVcL\n1\n",
+                "line 1 of FILE: the unit of VcL is \"mm\", but the patch declares m/s",
             ),
+            ("VcL [N]\n1\n", "line 1 of FILE: the unit of VcL is \"N\", but the patch declares m/s"),
+            (
+                "# VcL: m/s\nVcL (mm/s)\n1\n",
+                "line 2 of FILE names a column VcL (mm/s), but line 1 gives its unit as m/s; correct or remove",
+            ),
+            ("VcL (mm/s),VcL\n1,1e-3\n", "VcL is varied twice"),
             (
                 "# by hand\n# VcL: mm/s * 1000\nVcL\n1\n",
                 "line 2 of FILE: the unit of VcL is \"mm/s * 1000\", but the patch declares m/s",

@@ -5,7 +5,8 @@
 //! are computed, with the loops that have no integrator. Lowering makes a program from the circuit.
 //!
 //! The checks run in the order in which they need each other: names, machine, quantities, cords, settings, parts,
-//! phases, signals, loops. Warnings about unused elements come last, and only if there is no error.
+//! phases, signals, loops. Warnings about unused elements and about times of tables come last, and only if there is no
+//! error.
 
 mod element;
 mod inventory;
@@ -19,6 +20,7 @@ mod scaling;
 mod scope;
 mod settings;
 mod signals;
+mod table_times;
 
 use std::collections::BTreeSet;
 

@@ -4,7 +4,7 @@
 //! because formulas of a run can use signals.
 
 use super::names::found_or_report;
-use super::scope::Quantities;
+use super::scope::{Quantities, check_cycles};
 use crate::document::{Code, Diagnostic, ParameterChange, Phase, Placed, SwitchCondition, suggestion};
 use crate::patch::{Parameter, Patch};
 use patchcord_expr::{Dimension, Formula, Scope};
@@ -115,7 +115,16 @@ impl PhaseChecker<'_> {
             return;
         }
         let expected = parameter.unit.dimension();
-        self.quantities.check_unit(to, &scope, |found| found == expected, &expected.to_string(), findings);
+        let checked = self.quantities.check_unit(
+            to,
+            &scope,
+            |found| found == expected,
+            &expected.to_string(),
+            findings,
+        );
+        if checked.is_some() {
+            check_cycles(to, &scope, &parameter.unit, findings);
+        }
     }
 }
 

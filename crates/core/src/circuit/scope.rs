@@ -3,6 +3,7 @@
 //! Scales and settings of instances are *derived*: formulas of other quantities give them. They are evaluated in such
 //! an order that each comes after the quantities in its formula. A derived quantity that depends on itself is reported.
 
+mod cycles;
 mod derived;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -12,6 +13,7 @@ use indexmap::IndexMap;
 use super::parameters::parameters;
 use crate::document::{Code, Diagnostic, Placed, Span, TIME_SCALE, formula_diagnostic, unit_mismatch};
 use crate::patch::{Patch, UnreadNames};
+pub(super) use cycles::check_cycles;
 use derived::{Derivation, derivations};
 use patchcord_expr::{Dimension, Formula, FormulaDimension, Scope, Unit};
 
@@ -167,6 +169,7 @@ impl Quantities {
     ) -> Option<f64> {
         let expected = unit.dimension();
         let value = self.checked(placed, |found| found == expected, &expected.to_string(), findings)?;
+        check_cycles(placed, self, unit, findings)?;
         let value = self.in_si(&placed.value, value, unit);
         if !value.is_finite() {
             findings.push(too_large(&placed.value, placed.span));

@@ -138,6 +138,10 @@ impl SettingChecker<'_> {
         let expected = self.expected_unit(row.quantity);
         let value =
             self.quantities.checked(placed, |found| self.fits(row.quantity, found), &expected, findings)?;
+        let value = match row.quantity {
+            SettingQuantity::Hertz => self.quantities.checked_hertz(placed, value, findings)?,
+            _ => value,
+        };
         if is_of_signal(row.quantity) && !self.volts(placed, value).is_finite() {
             findings.push(too_large(&placed.value, placed.span));
             return None;
@@ -210,7 +214,7 @@ impl SettingChecker<'_> {
             }
             SettingQuantity::Volts => "a number of volts".to_owned(),
             SettingQuantity::MachineSeconds | SettingQuantity::Seconds => "a time in s".to_owned(),
-            SettingQuantity::Hertz => "a frequency in 1/s".to_owned(),
+            SettingQuantity::Hertz => "a frequency in Hz, 1/s, rad/s or rpm".to_owned(),
             SettingQuantity::RadiansPerVolt => "a number of rad/V".to_owned(),
             SettingQuantity::Signal => unit.to_string(),
             SettingQuantity::SignalRate => unit.over(Dimension::TIME).to_string(),

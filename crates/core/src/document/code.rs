@@ -147,6 +147,10 @@ impl Code {
             "choose a number in the allowed range";
         BAD_TABLE "bad-table" Error "The file of a table cannot be read or does not contain a table."
             "a table is a CSV file: a line of names, and a line of numbers for every point";
+        UNCLEAR_UNIT "unclear-unit" Warning "The name of a column of times has a unit that is not understood."
+            "write the unit above the names of the file: \"# t: ms\"";
+        UNREACHED_TABLE "unreached-table" Warning "The times of a table do not fit the length of the run."
+            "times are in seconds from the start of the run";
         OUTSIDE_RANGE "outside-range" Error "A parameter is outside its range in the patch."
             "choose a value inside the range, or widen the range";
         SETTING_OUTSIDE "setting-outside" Error "A pot setting is outside 0 ... 1."

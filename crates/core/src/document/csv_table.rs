@@ -1,9 +1,11 @@
 //! Reads selected columns of a CSV file, line by line.
 //!
 //! A table is a line of column names, and then a line of numbers for every row. Blank lines and comment lines, which
-//! start with `#`, are skipped. Comment lines `# name: unit` in front of the names give the units of columns. The
-//! reader collects up to ten faults, each with its line. `reader` reads the lines.
+//! start with `#`, are skipped. Comment lines `# name: unit` in front of the names, or names such as `t (ms)`, give the
+//! units of columns. The reader collects up to ten faults, each with its line. `reader` reads the lines, and
+//! `column_name` splits the names.
 
+mod column_name;
 mod reader;
 
 use std::fs::File;
@@ -12,6 +14,8 @@ use std::path::Path;
 
 use crate::output::io_reason;
 use reader::Reader;
+
+pub use column_name::{split_unit, unclear_time, without_unit};
 
 /// Size of the largest file that is read, in bytes.
 const MAX_FILE_BYTES: u64 = 100_000_000;
@@ -51,19 +55,19 @@ impl CsvFault {
     }
 }
 
-/// The unit of a column from a comment line `# name: unit`.
+/// The unit of a column from a comment line `# name: unit`, or from the column's name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitComment {
-    /// Text of the unit. It may not be a valid unit.
+    /// Text of the unit. In a comment it may not be a valid unit.
     pub text: String,
-    /// Line of the comment in the file, from 1.
+    /// Line of the comment or of the names in the file, from 1.
     pub line: usize,
 }
 
 /// Selects a column of a file.
 #[derive(Debug, Clone, Copy)]
 pub enum ColumnSelector<'a> {
-    /// The column with this name.
+    /// The column with this name. If there is none, the column with this name and a unit: "t" selects "t (ms)".
     Named(&'a str),
     /// The first column.
     First,
@@ -82,7 +86,7 @@ pub struct CsvTable {
     pub names: Vec<String>,
     /// Names of all columns of the file.
     pub all_names: Vec<String>,
-    /// Units of the selected columns. `None` if no comment line gives the unit.
+    /// Units of the selected columns. `None` if neither a comment line nor the name gives the unit.
     pub units: Vec<Option<UnitComment>>,
 }
 

@@ -32,7 +32,7 @@ pub enum SettingQuantity {
     MachineSeconds,
     /// A time in problem seconds (drives only).
     Seconds,
-    /// A frequency in cycles per problem second (drives only).
+    /// A frequency in cycles per problem second (drives only). A formula in rad/s or rpm is converted.
     Hertz,
     /// An angle in radians (drives only).
     Radians,

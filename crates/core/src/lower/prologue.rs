@@ -3,6 +3,8 @@
 //! All values of the prologue are in SI units. Each scale and each parameter is computed once and then found by name. A
 //! formula without names has no unit, so it is taken in the unit that its place expects.
 
+use std::f64::consts::TAU;
+
 use super::Lowering;
 use crate::elements::{Setting, SettingDefault, SettingQuantity};
 use crate::ir::{Coefficient, Op, Register};
@@ -84,12 +86,16 @@ impl Lowering<'_> {
         format!("{} {}", self.circuit.element(self.draft.current).name, row.name)
     }
 
-    /// The value of a setting's formula in volts, seconds or plain numbers.
+    /// The value of a setting's formula in volts, seconds, Hz or plain numbers.
     ///
-    /// A setting of a drive that is a signal or the rate of a signal is converted: volts = value in SI / value of one
+    /// An angular frequency is divided by 2 pi. A setting of a drive that is a signal or the rate of a signal is converted: volts = value in SI / value of one
     /// volt in SI. A formula without names is in the unit of the drive's scale.
     fn setting_formula(&mut self, formula: &Formula, row: &Setting) -> Register {
         let value = self.expression(formula.root());
+        if row.quantity == SettingQuantity::Hertz && self.circuit.quantities().is_angular(formula) {
+            let cycle = self.emit_prologue(Op::Constant(TAU));
+            return self.emit_prologue(Op::Divide(value, cycle));
+        }
         if !matches!(row.quantity, SettingQuantity::Signal | SettingQuantity::SignalRate) {
             return value;
         }

@@ -136,7 +136,10 @@ impl TableFile {
         match csv_table::read(&path, &self.column_selectors())
             .and_then(|rows| self.converted(rows, unit, &path))
         {
-            Ok(rows) => self.checked_points(rows, &path, findings),
+            Ok(rows) => {
+                findings.extend(self.unclear_time(&rows, &path));
+                self.checked_points(rows, &path, findings)
+            }
             Err(faults) => {
                 findings.extend(faults.into_iter().map(|fault| self.diagnostic(fault)));
                 None
@@ -157,8 +160,16 @@ impl TableFile {
         Diagnostic::at(Code::BAD_TABLE, span, fault.message).hint(fault.hint)
     }
 
-    /// Converts columns to the required unit if a comment line of the file gives another one. Columns without a unit
-    /// remain as they are.
+    /// The warning about a column of times without a unit whose name seems to indicate one.
+    fn unclear_time(&self, rows: &CsvTable, path: &Path) -> Option<Diagnostic> {
+        let is_time = matches!(self.purpose, TablePurpose::Time) && rows.units[0].is_none();
+        let doubt = is_time.then(|| csv_table::unclear_time(&rows.names[0], path)).flatten()?;
+        let span = self.columns[0].as_ref().map_or(self.file.span, |name| name.span);
+        Some(Diagnostic::at(Code::UNCLEAR_UNIT, span, doubt.message).hint(doubt.hint))
+    }
+
+    /// Converts columns to the required unit if the file gives another one, in a comment line or in the name. Columns
+    /// without a unit remain as they are.
     ///
     /// Required are seconds and the unit of the drive's scale for a table in time, and volts for a curve.
     ///
@@ -187,10 +198,9 @@ impl TableFile {
             let Some(required) = required_units[axis] else { continue };
             if column_unit.dimension() != required.dimension() {
                 faults.push(wrong_dimension(&rows.names[axis], &column_unit, required, path, axis));
-            } else if column_unit.factor() != required.factor() {
-                rows.columns[axis]
-                    .iter_mut()
-                    .for_each(|number| *number = required.out_of_si(column_unit.to_si(*number)));
+            } else if !column_unit.is_same_as(required) {
+                let column = rows.columns[axis].iter_mut();
+                column.for_each(|number| *number = column_unit.convert(*number, required));
             }
         }
         if faults.is_empty() { Ok(rows) } else { Err(faults) }
@@ -263,7 +273,10 @@ fn wrong_dimension(name: &str, column_unit: &Unit, required: &Unit, path: &Path,
         column_unit.text(),
         required.text()
     );
-    let hint =
-        format!("use another column or scale, or correct the line \"# {name}: {}\"", column_unit.text());
+    let place = match csv_table::split_unit(name) {
+        Some(_) => "unit in the name of the column".to_owned(),
+        None => format!("line \"# {name}: {}\"", column_unit.text()),
+    };
+    let hint = format!("use another column or scale, or correct the {place}");
     CsvFault { column: Some(axis), ..CsvFault::new(message, hint) }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 
-use crate::common::{element, random_cases, run_for};
+use crate::common::{built, element, random_cases, run_for, volts};
 use crate::elements::bench::{bench_drive, drive_stops_at_100_volts, out, waits_in_hold};
 
 proptest! {
@@ -20,6 +20,35 @@ proptest! {
         let expected = offset + amplitude * (TAU * frequency * time + phase).sin();
         let found = out(&run_for(&program, 0.1, time));
         prop_assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// Each pair of value and unit is 2 Hz.
+#[test]
+fn a_frequency_is_converted_to_cycles_per_second() {
+    let cases = [
+        (2.0, "Hz", "w"),
+        (2.0, "1/s", "w"),
+        (2e-3, "kHz", "w"),
+        (2e3, "mHz", "w"),
+        (120.0, "1/min", "w"),
+        (2.0 * TAU, "rad/s", "w"),
+        (120.0, "rpm", "w"),
+        (720.0, "deg/s", "w"),
+        (4.0 * TAU, "rad/s", "0.5 * w"),
+        (2.0 * TAU, "rad/s", "sqrt(w^2)"),
+        (2.0 * TAU, "rad/s", "w / (2 * pi)"),
+        (120.0, "rpm", "w / 2 / pi"),
+        (1.0 / TAU, "Hz", "4 * pi * w"),
+    ];
+    for (value, unit, formula) in cases {
+        let sine = element("sine").set("amplitude", 40).set("frequency", formula);
+        let builder = volts("two cycles").parameter("w", value, unit, [0.0, 1e6]).drive("E", "volt", sine);
+        let program = built(builder);
+        for time in [0.05, 0.3] {
+            let (found, expected) = (out(&run_for(&program, 0.01, time)), 40.0 * (TAU * 2.0 * time).sin());
+            assert!((found - expected).abs() < 1e-11, "{value} {unit} {formula}: {found} {expected}");
+        }
     }
 }
 

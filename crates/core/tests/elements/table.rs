@@ -101,6 +101,22 @@ fn units_in_a_file_are_converted() {
     assert!(near(out(&run_for(&program, 1e-2, 0.3)), 25.0), "half-way to 0.6 s");
 }
 
+#[test]
+fn units_in_the_names_of_columns_are_converted() {
+    let csv = "t (ms),f [kN]\n0,0.02\n600,0.08\n";
+    for points in [json!({"csv": "table.csv"}), json!({"csv": "table.csv", "x": "t", "y": "f"})] {
+        let program = with_csv(csv, points, "N");
+        assert!(near(out(&run_for(&program, 1e-2, 0.0)), 10.0));
+        assert!(near(out(&run_for(&program, 1e-2, 0.3)), 25.0), "half-way to 0.6 s");
+    }
+}
+
+#[test]
+fn speeds_in_a_file_are_converted_to_cycles_per_second() {
+    let program = with_csv("t,n (rpm)\n0,1200\n1,1200\n", json!({"csv": "table.csv"}), "Hz");
+    assert!(near(out(&run_for(&program, 1e-2, 0.5)), 10.0), "20 Hz at 2 Hz per volt");
+}
+
 /// Points in s and V of the tables below.
 const POINTS: [[f64; 2]; 6] =
     [[0.0, 30.0], [0.02, -50.0], [0.03, -50.0], [0.0643, 80.0], [0.08, 10.0], [0.1, 0.0]];

@@ -103,8 +103,12 @@ fn unit(circuit: &Circuit, element: &Element, row: &SettingRow) -> String {
 
 /// Converts the value of a formula into the unit of its setting.
 ///
-/// A formula for a setting of a drive has a value in SI units, unless it is a plain number.
+/// A formula for a setting of a drive has a value in SI units, unless it is a plain number. An angular
+/// frequency is converted to Hz.
 fn in_unit(circuit: &Circuit, row: &SettingRow, formula: &Formula, value: f64, unit: &str) -> f64 {
+    if row.quantity == SettingQuantity::Hertz {
+        return circuit.quantities().in_hertz(formula, value);
+    }
     let is_of_signal = matches!(row.quantity, SettingQuantity::Signal | SettingQuantity::SignalRate);
     match Unit::parse(unit) {
         Ok(unit) if is_of_signal && !circuit.is_literal(formula) => unit.out_of_si(value),

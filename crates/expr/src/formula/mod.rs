@@ -5,6 +5,7 @@
 //! for the values and dimensions of the names. An error carries the bytes of the node at fault and
 //! the values or units that caused it.
 
+mod angle;
 mod callee;
 mod error;
 mod evaluate;
@@ -190,6 +191,48 @@ impl Formula {
     /// ```
     pub fn dimension(&self, scope: &dyn Scope) -> Result<FormulaDimension, FormulaError> {
         unit_check::dimension(&self.text, &self.root, scope)
+    }
+
+    /// Returns whether the value is an angular frequency, such as one in rad/s, and not a number of cycles
+    /// per second.
+    ///
+    /// The declared units of the names decide: rad, deg and rpm contain an angle. The number pi counts as an
+    /// angle too, so an angular frequency that the formula divides by `2 * pi` is not angular. A formula
+    /// without a name in such a unit is never angular.
+    ///
+    /// # Errors
+    ///
+    /// If only one term of a sum is angular, or the unit has an angle to another power than 1. The error
+    /// contains the bytes at fault.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::{Dimension, Formula, Scope};
+    ///
+    /// struct Speed; // n is declared in rpm
+    ///
+    /// impl Scope for Speed {
+    ///     fn value(&self, _: &str) -> Option<f64> {
+    ///         None
+    ///     }
+    ///     fn dimension(&self, name: &str) -> Option<Dimension> {
+    ///         (name == "n").then_some(Dimension::FREQUENCY)
+    ///     }
+    ///     fn declared_unit(&self, name: &str) -> Option<&str> {
+    ///         (name == "n").then_some("rpm")
+    ///     }
+    ///     fn names(&self) -> Vec<&str> {
+    ///         vec!["n"]
+    ///     }
+    /// }
+    ///
+    /// assert!(Formula::parse("n / 2")?.is_angular(&Speed)?);
+    /// assert!(!Formula::parse("n / (2 * pi)")?.is_angular(&Speed)?);
+    /// # Ok::<(), patchcord_expr::FormulaError>(())
+    /// ```
+    pub fn is_angular(&self, scope: &dyn Scope) -> Result<bool, FormulaError> {
+        angle::is_angular(&self.text, &self.root, scope)
     }
 }
 

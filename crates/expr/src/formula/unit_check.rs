@@ -259,6 +259,6 @@ impl UnitChecker<'_> {
 /// Whether a node is the literal number 0.
 ///
 /// A literal 0 has the same value in every unit.
-fn is_literal_zero(node: &Node) -> bool {
+pub(super) fn is_literal_zero(node: &Node) -> bool {
     matches!(node.expression, Expression::Number(0.0))
 }

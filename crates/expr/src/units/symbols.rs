@@ -22,6 +22,18 @@ pub(super) struct Symbol {
     pub max_prefix: Option<i32>,
 }
 
+impl Symbol {
+    /// Whether the symbol contains an angle: `rad`, `deg`, and `rpm`, which is an angle per time.
+    pub(super) fn is_angle(self) -> bool {
+        matches!(self.name, "rad" | "deg" | "rpm")
+    }
+
+    /// Whether the symbol counts cycles.
+    pub(super) fn is_cycle(self) -> bool {
+        self.name == "Hz"
+    }
+}
+
 /// An SI prefix and its power of ten.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Prefix {

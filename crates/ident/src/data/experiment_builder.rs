@@ -311,7 +311,7 @@ impl<'a> ExperimentBuilder<'a> {
 /// column, or in the unit of the patch if there is none.
 fn in_target_unit(sigma: f64, binding: &ColumnBinding, target: &Unit) -> f64 {
     let source = binding.unit.as_ref().map_or(target, |unit| &unit.value);
-    target.out_of_si(source.to_si(sigma))
+    source.convert(sigma, target)
 }
 
 /// Returns the columns to read: drives, then outputs. `targets` has the unit of the patch for each of them.

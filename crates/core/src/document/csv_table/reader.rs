@@ -3,8 +3,11 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use super::{ColumnSelector, CsvFault, CsvTable, MAX_EXCERPT_CHARACTERS, MAX_FAULTS, UnitComment, excerpt};
+use super::{
+    ColumnSelector, CsvFault, CsvTable, MAX_EXCERPT_CHARACTERS, MAX_FAULTS, UnitComment, excerpt, split_unit,
+};
 use crate::document::suggestion;
+use patchcord_expr::Unit;
 
 /// Number of rows of a table at most. Every row ends a step, so a longer table would make a run of hours.
 pub(super) const MAX_ROWS: usize = 2_000_000;
@@ -126,12 +129,40 @@ impl<'a> Reader<'a> {
         self.table.columns = vec![Vec::new(); indices.len()];
         self.table.names = indices.iter().map(|index| fields[*index].clone()).collect();
         self.table.all_names = fields.to_vec();
-        // If a column has several units, the last one counts.
-        let unit = |name: &String| {
-            self.unit_comments.iter().rev().find(|(column, _)| column == name).map(|(_, unit)| unit.clone())
-        };
-        self.table.units = self.table.names.iter().map(unit).collect();
+        self.table.units = self.table.names.iter().map(|name| self.unit(name)).collect();
+        self.check_units();
         self.columns = Some(SelectedColumns { count: fields.len(), indices });
+    }
+
+    /// The unit of a column, from a comment line or else from its name. If a column has several comments, the last one
+    /// counts.
+    fn unit(&self, column: &str) -> Option<UnitComment> {
+        let in_name = split_unit(column);
+        let is_meant = |name: &str| name == column || in_name.is_some_and(|(bare, _)| name == bare);
+        let comment = self.unit_comments.iter().rev().find(|(name, _)| is_meant(name.as_str()));
+        comment.map(|(_, unit)| unit.clone()).or_else(|| {
+            in_name.map(|(_, unit)| UnitComment { text: unit.to_owned(), line: self.line_number })
+        })
+    }
+
+    /// Reports the selected columns whose comment line gives another unit than their name.
+    fn check_units(&mut self) {
+        for (selector_index, (name, unit)) in self.table.names.iter().zip(&self.table.units).enumerate() {
+            let (Some((_, in_name)), Some(unit)) = (split_unit(name), unit) else { continue };
+            let [Ok(named), Ok(commented)] = [in_name, unit.text.as_str()].map(Unit::parse) else { continue };
+            if !named.is_same_as(&commented) {
+                let message = format!(
+                    "line {} of {} names a column {}, but line {} gives its unit as {}",
+                    self.line_number,
+                    self.path.display(),
+                    excerpt(name),
+                    unit.line,
+                    excerpt(&unit.text)
+                );
+                let hint = "correct or remove one of the two units";
+                self.faults.push(CsvFault { column: Some(selector_index), ..CsvFault::new(message, hint) });
+            }
+        }
     }
 
     /// The index of the column that a selector selects. `before` is the index for the preceding selector.
@@ -156,11 +187,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The index of the column with a name. Reports a name that no column or more than one column has.
+    /// The index of the column with a name, or else of the column with this name and a unit. Reports a name that no
+    /// column or more than one column has.
     fn named_column(&mut self, fields: &[String], selector_index: usize, name: &str) -> Option<usize> {
-        let mut matches =
-            fields.iter().enumerate().filter(|(_, field)| *field == name).map(|(index, _)| index);
-        let (first, second) = (matches.next(), matches.next());
+        let (first, second) = match first_two(fields, |field| field == name) {
+            (None, _) => first_two(fields, |field| split_unit(field).is_some_and(|(bare, _)| bare == name)),
+            found => found,
+        };
         let (what, hint) = match first {
             Some(_) if second.is_none() => return first,
             Some(_) => ("has more than one column", "give every column a different name".to_owned()),
@@ -231,6 +264,13 @@ impl<'a> Reader<'a> {
         }
         if self.faults.is_empty() { Ok(self.table) } else { Err(self.faults) }
     }
+}
+
+/// The indices of the first two fields that satisfy a condition.
+fn first_two(fields: &[String], is_meant: impl Fn(&str) -> bool) -> (Option<usize>, Option<usize>) {
+    let matches = fields.iter().enumerate().filter(|(_, field)| is_meant(field));
+    let mut indices = matches.map(|(index, _)| index);
+    (indices.next(), indices.next())
 }
 
 /// The hint for a name that no column has: similar names, or the names of the file.

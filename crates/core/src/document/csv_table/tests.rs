@@ -58,6 +58,24 @@ fn byte_order_marks_line_ends_quotes_blanks_and_comments_are_skipped() {
     assert_eq!(table.units, [Some(UnitComment { text: "s".to_owned(), line: 2 }), None]);
 }
 
+#[test]
+fn units_are_in_comments_or_in_names() {
+    let text = "# x: mm\n# v (m/s): m/s\nt (ms),x [mm],v (m/s),F,F (N)\n0,1,2,3,4\n";
+    let names = ["t", "x", "v (m/s)", "F", "F (N)"];
+    let table = table(text, &names.map(ColumnSelector::Named)).unwrap();
+    assert_eq!(table.columns, [[0.0], [1.0], [2.0], [3.0], [4.0]]);
+    let units: Vec<_> = table.units.iter().flatten().map(|unit| (unit.text.as_str(), unit.line)).collect();
+    assert_eq!(units, [("ms", 3), ("mm", 1), ("m/s", 2), ("N", 3)]);
+    assert_eq!(table.names[0], "t (ms)");
+}
+
+#[test]
+fn a_name_without_its_unit_selects_only_one_column() {
+    let selectors = [ColumnSelector::First, ColumnSelector::Named("x")];
+    let faults = table("t,x (m),x (mm)\n0,1,1000\n", &selectors).unwrap_err();
+    assert!(faults[0].message.ends_with("has more than one column \"x\""), "{faults:?}");
+}
+
 /// Message and hint of the only fault of a table, with its path replaced by FILE.
 fn only_fault(text: &str) -> String {
     let faults = table(text, &FIRST_TWO).unwrap_err();
@@ -82,6 +100,10 @@ fn a_fault_of_a_table_names_its_line() {
         ("t,x\n0,1e999\n", "line 2 of FILE has \"1e999\" instead of a number"),
         ("t,x\n\"0,1\n", "line 2 of FILE has 1 field, but the line of names has 2; write one field"),
         ("t,x\r0,1\r", "line 1 of FILE contains a carriage return"),
+        (
+            "# t: s\nt (ms),x\n0,1\n",
+            "line 2 of FILE names a column t (ms), but line 1 gives its unit as s; correct or remove one",
+        ),
         ("t\0,\0x\0\n", "line 1 of FILE contains control characters; name a CSV file"),
     ];
     for (text, expected) in cases {

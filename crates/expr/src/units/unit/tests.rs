@@ -60,6 +60,31 @@ fn spellings_of_the_same_unit_agree() {
 }
 
 #[test]
+fn angles_and_cycles_are_converted() {
+    let cases = [
+        ("rad/s", "Hz", 1.0 / TAU),
+        ("Hz", "rad/s", TAU),
+        ("rpm", "Hz", 1.0 / 60.0),
+        ("kHz", "rpm", 60_000.0),
+        ("deg/s", "mHz", 1000.0 / 360.0),
+        ("m rad/s", "mm Hz", 1000.0 / TAU),
+        ("rpm", "rad/s", TAU / 60.0),
+        ("rad/s", "1/s", 1.0),
+        ("1/s", "Hz", 1.0),
+        ("1/min", "Hz", 1.0 / 60.0),
+        ("deg", "rad", TAU / 360.0),
+        ("N m/rad", "N m", 1.0),
+    ];
+    for (from, to, expected) in cases {
+        let found = unit(from).convert(1.0, &unit(to));
+        assert!((found / expected - 1.0).abs() < 1e-14, "{from} {to}: {found} {expected}");
+    }
+    assert!(!unit("rad/s").is_same_as(&unit("Hz")));
+    assert!(unit("rad/s").is_same_as(&unit("1/s")) && unit("1/s").is_same_as(&unit("Hz")));
+    assert!(unit("kHz").counts_cycles() && !unit("1/s").counts_cycles() && !unit("mm Hz").counts_cycles());
+}
+
+#[test]
 fn rejects_a_product_after_a_slash() {
     let found = error("kg/m s2");
     assert_eq!(found.range, 3..7);

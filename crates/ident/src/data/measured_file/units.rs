@@ -1,17 +1,18 @@
-//! The units of a data file: those that its comments and the experiment specify, and conversions to the patch.
+//! The units of a data file: those that the file and the experiment specify, and conversions to the patch. A file gives
+//! the unit of a column in a comment or in its name.
 
 use super::{FileReader, RequestedColumn};
 use crate::data::experiment_document::SampleTimes;
-use patchcord_core::document::csv_table::CsvTable;
+use patchcord_core::document::csv_table::{CsvTable, unclear_time};
 use patchcord_core::document::fields::Findings;
 use patchcord_core::document::{Code, Diagnostic, Placed};
 use patchcord_core::patch::unreadable_unit;
 use patchcord_expr::Unit;
 
 impl FileReader<'_> {
-    /// Returns the unit that a comment of the file specifies for a column. The outer None means that it is invalid, the
-    /// inner None that there is no comment.
-    fn unit_in_comment(
+    /// Returns the unit that the file specifies for a column. The outer None means that it is invalid, the inner None
+    /// that the file does not specify it.
+    fn unit_in_file(
         &self,
         rows: &CsvTable,
         column: usize,
@@ -35,9 +36,9 @@ impl FileReader<'_> {
         in_experiment: Option<&Placed<Unit>>,
         findings: &mut Findings,
     ) -> Option<Option<Unit>> {
-        let in_comment = self.unit_in_comment(rows, column, findings)?;
-        let (Some(in_file), Some(in_experiment)) = (&in_comment, in_experiment) else {
-            return Some(in_comment.or_else(|| in_experiment.map(|unit| unit.value.clone())));
+        let unit_in_file = self.unit_in_file(rows, column, findings)?;
+        let (Some(in_file), Some(in_experiment)) = (&unit_in_file, in_experiment) else {
+            return Some(unit_in_file.or_else(|| in_experiment.map(|unit| unit.value.clone())));
         };
         if !in_file.is_same_as(&in_experiment.value) {
             let message = format!(
@@ -50,7 +51,7 @@ impl FileReader<'_> {
             findings.push(Diagnostic::at(Code::UNIT_MISMATCH, in_experiment.span, message).hint(hint));
             return None;
         }
-        Some(in_comment)
+        Some(unit_in_file)
     }
 
     /// Returns the seconds per unit of time in the file; 1 if no unit is specified. None if the unit is invalid.
@@ -63,6 +64,9 @@ impl FileReader<'_> {
                     _ => None,
                 };
                 let unit = self.column_unit(rows, 0, in_experiment, findings)?;
+                if unit.is_none() {
+                    findings.extend(self.unclear_time(rows));
+                }
                 let second = Unit::parse("s").ok()?;
                 let unit = unit.unwrap_or_else(|| second.clone());
                 let is_time = unit.dimension() == second.dimension();
@@ -80,6 +84,12 @@ impl FileReader<'_> {
         }
     }
 
+    /// Warns of a column of times without a unit whose name seems to indicate one.
+    fn unclear_time(&self, rows: &CsvTable) -> Option<Diagnostic> {
+        let doubt = unclear_time(&rows.names[0], self.path)?;
+        Some(Diagnostic::at(Code::UNCLEAR_UNIT, self.span(0), doubt.message).hint(doubt.hint))
+    }
+
     /// Converts every requested column to the unit of the patch. Returns false if a column cannot be converted.
     pub(super) fn convert_columns(&self, rows: &mut CsvTable, findings: &mut Findings) -> bool {
         let reported = findings.len();
@@ -93,9 +103,7 @@ impl FileReader<'_> {
                 if requested.has_sigma && requested.unit.is_none() {
                     findings.push(self.ambiguous_sigma(requested, &unit, target));
                 }
-                rows.columns[column]
-                    .iter_mut()
-                    .for_each(|number| *number = target.out_of_si(unit.to_si(*number)));
+                rows.columns[column].iter_mut().for_each(|number| *number = unit.convert(*number, target));
                 findings.extend(self.overflow(rows, column, target));
             }
         }

@@ -1,0 +1,134 @@
+//! Column names with a unit at their end, such as "t (ms)" or "x [mm]".
+
+use std::path::Path;
+
+use super::{CsvFault, excerpt};
+use patchcord_expr::{Dimension, Unit};
+
+/// Splits a column name into the name and the unit in parentheses or brackets at its end. `None` if it has no unit.
+///
+/// A text that is not a unit belongs to the name, as in "force (filtered)". So do numbers, and the letter t: "f(t)" is
+/// a function of time.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::csv_table::split_unit;
+///
+/// assert_eq!(split_unit("t (ms)"), Some(("t", "ms")));
+/// assert_eq!(split_unit("c [N/(m s)]"), Some(("c", "N/(m s)")));
+/// assert_eq!(split_unit("force (filtered)"), None);
+/// ```
+pub fn split_unit(column: &str) -> Option<(&str, &str)> {
+    split_label(column).filter(|(_, label)| Unit::parse(label).is_ok())
+}
+
+/// A column name without the unit at its end.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::csv_table::without_unit;
+///
+/// assert_eq!(without_unit("k (N/m)"), "k");
+/// assert_eq!(without_unit("k"), "k");
+/// ```
+pub fn without_unit(column: &str) -> &str {
+    split_unit(column).map_or(column, |(name, _)| name)
+}
+
+/// Splits off the text in the last parentheses or brackets. `None` if it is missing, is a number or the letter t, or is
+/// the whole name.
+fn split_label(column: &str) -> Option<(&str, &str)> {
+    let inner = column.strip_suffix(')').or_else(|| column.strip_suffix(']'))?;
+    let mut depth = 1;
+    let (open, _) = inner.char_indices().rev().find(|(_, letter)| {
+        match letter {
+            ')' | ']' => depth += 1,
+            '(' | '[' => depth -= 1,
+            _ => {}
+        }
+        depth == 0
+    })?;
+    let (name, label) = (column[..open].trim_end(), inner[open + 1..].trim());
+    let is_number = !label.contains(|letter: char| letter.is_alphabetic() || letter == '%');
+    (!name.is_empty() && !is_number && label != "t").then_some((name, label))
+}
+
+/// The part of the name of a column of times that is probably a unit, but is not understood: "sec" of "t (sec)", "ms" of
+/// "t_ms". `None` if the name does not indicate another unit than the second.
+fn unclear_unit(column: &str) -> Option<&str> {
+    if let Some((_, label)) = split_label(column) {
+        return Unit::parse(label).is_err().then_some(label);
+    }
+    let (_, suffix) = column.rsplit_once(['_', ' ', '.', '-'])?;
+    let unit = Unit::parse(suffix).ok()?;
+    (unit.dimension() == Dimension::TIME && unit.factor() != 1.0).then_some(suffix)
+}
+
+/// The doubt about a column of times without a unit, if its name seems to indicate one. `path` is the file.
+///
+/// The caller reports it as a warning: the times are read as seconds.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::csv_table::unclear_time;
+///
+/// let doubt = unclear_time("t_ms", "a.csv").expect("a doubt");
+/// assert_eq!(doubt.message, "the times in the column t_ms of a.csv are read as seconds, but its name has \"ms\"");
+/// assert_eq!(unclear_time("time", "a.csv"), None);
+/// ```
+pub fn unclear_time(column: &str, path: impl AsRef<Path>) -> Option<CsvFault> {
+    let (column, unit) = (excerpt(column), excerpt(unclear_unit(column)?));
+    let message = format!(
+        "the times in the column {column} of {} are read as seconds, but its name has \"{unit}\"",
+        path.as_ref().display()
+    );
+    let hint = format!(
+        "write a unit above the names, as in \"# {column}: ms\", or in the name, as in \"t (ms)\""
+    );
+    Some(CsvFault::new(message, hint))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_in_parentheses_or_brackets_is_split_off() {
+        let cases = [
+            ("t (ms)", Some(("t", "ms"))),
+            ("time[ms]", Some(("time", "ms"))),
+            ("x ( mm )", Some(("x", "mm"))),
+            ("c (N/(m s))", Some(("c", "N/(m s)"))),
+            ("slip (left) [%]", Some(("slip (left)", "%"))),
+            ("n (rpm)", Some(("n", "rpm"))),
+            ("x", None),
+            ("force (filtered)", None),
+            ("x (1)", None),
+            ("x (2)", None),
+            ("f(t)", None),
+            ("(ms)", None),
+            ("t ()", None),
+            ("t ms)", None),
+            (")", None),
+            ("µ (µm)", Some(("µ", "µm"))),
+        ];
+        for (column, expected) in cases {
+            assert_eq!(split_unit(column), expected, "{column}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_may_contain_a_unit_of_time_is_doubtful() {
+        let doubtful =
+            [("t (sec)", "sec"), ("t_ms", "ms"), ("time us", "us"), ("t-min", "min"), ("T [ticks]", "ticks")];
+        for (column, unit) in doubtful {
+            assert_eq!(unclear_unit(column), Some(unit), "{column}");
+        }
+        for column in ["t", "time", "t (ms)", "t_s", "t_rel", "t (2)", "x(t)", "ms", "t (m)", "t_2"] {
+            assert_eq!(unclear_unit(column), None, "{column}");
+        }
+    }
+}
