@@ -245,6 +245,34 @@ fn implementations_are_recognised() {
     assert_eq!(imported_types("use crate::{fit::model::FitParameter, search::{Outcome}};"), types);
 }
 
+/// The module of the command that writes files. It refuses to write a file that the command has read.
+const WRITER: &str = "src/cli/outputs.rs";
+
+/// Ways to write, create, rename or remove a file.
+const WRITING: [&str; 9] = [
+    "fs::write",
+    "fs::copy",
+    "fs::rename",
+    "create_dir",
+    "remove_file",
+    "File::create",
+    "OpenOptions",
+    "write_atomic",
+    "write_new(",
+];
+
+#[test]
+fn one_module_of_the_command_writes_all_files() {
+    let mut found = Vec::new();
+    sources(Path::new("src"), &mut found);
+    assert!(found.iter().any(|path| path == Path::new(WRITER)));
+    for path in found.iter().filter(|path| *path != Path::new(WRITER)) {
+        let source = code(&fs::read_to_string(path).unwrap());
+        let writes = WRITING.iter().find(|way| source.contains(**way));
+        assert!(writes.is_none(), "{}: only {WRITER} may use {writes:?}", path.display());
+    }
+}
+
 #[test]
 fn crates_depend_only_on_earlier_ones() {
     let output = std::process::Command::new(env!("CARGO"))

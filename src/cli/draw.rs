@@ -7,10 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::{
-    check_distinct_from_patch, name_with_suffix, path_texts, picture_format, prepare_outputs, write_file,
-    written_text,
-};
+use super::files::{name_with_suffix, path_texts, picture_format, written_text};
 use super::instant::{InstantOption, instant};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::{print, print_json};
@@ -62,16 +59,17 @@ enum DrawingContent {
     Board(Value),
 }
 
-/// The drawing is made before files are checked; it is the same for all files.
+/// The drawing is the same for all files.
 pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
     let files = arguments.files()?;
     let loaded = arguments.patch.load()?;
+    let outputs = arguments.patch.outputs(&loaded.circuit);
+    outputs.prepare(arguments.out.as_deref(), files.iter().map(|(path, _)| path))?;
     let (drawing, content) = arguments.drawing(&loaded)?;
-    prepare_outputs(arguments.out.as_deref(), files.iter().map(|(path, _)| path))?;
     let theme = if arguments.dark { Theme::Dark } else { Theme::Light };
     for (path, format) in &files {
         let bytes = render_drawing(&drawing, *format, theme);
-        write_file(path, &bytes.map_err(|error| arguments.failure(&error))?)?;
+        outputs.write(path, &bytes.map_err(|error| arguments.failure(&error))?)?;
     }
     if arguments.patch.json {
         let document = Document { content, files: path_texts(files.iter().map(|(path, _)| path)) };
@@ -91,7 +89,6 @@ impl Arguments {
             return Err(Failure::usage("no output file: give --plot FILE.svg, --plot FILE.png or --out DIR"));
         }
         let formats = files.iter().map(|path| picture_format(path)).collect::<Result<Vec<_>, _>>()?;
-        check_distinct_from_patch(patch, files.iter())?;
         Ok(files.into_iter().zip(formats).collect())
     }
 

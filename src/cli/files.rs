@@ -1,21 +1,17 @@
-//! The files that a command writes: options, checks before the run, writing.
-//!
-//! A command never overwrites its input, and never writes two outputs to the same file. Files are written to a
-//! temporary name and then renamed, so a reader sees the old file or the complete new one. Pipes and devices are
-//! written directly.
+//! The options of a run for files, and the files that they select: tables and pictures.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use clap::Args;
 
 use super::failure::Failure;
+use super::load::PatchArguments;
+use super::outputs::Outputs;
 use patchcord::circuit::Circuit;
 use patchcord::draw;
 use patchcord::draw::plot::{self, Format, Picture, Size};
 use patchcord::instruments::parameter_line;
-use patchcord::output::{check_folder_writable, check_writable, destination, io_reason, write_atomic};
 use patchcord::trace::Trace;
 
 #[derive(Args)]
@@ -42,15 +38,19 @@ impl FileArguments {
     /// `--out` adds NAME.csv and NAME.svg in the folder.
     ///
     /// # Errors
-    /// If two files are the same, if one is the patch, or if the name of a picture has an unknown ending.
-    pub(super) fn files(&self, patch: &Path) -> Result<Files, Failure> {
-        let in_folder = |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(patch, ending)));
+    /// If the name of a picture has an unknown ending.
+    pub(super) fn files(&self, patch: &PatchArguments, circuit: &Circuit) -> Result<Files, Failure> {
+        let in_folder =
+            |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(&patch.patch, ending)));
         let tables = self.csv.clone().into_iter().chain(in_folder(".csv")).collect();
         let sheets = self.plot.clone().into_iter().chain(in_folder(".svg"));
         let sheets = sheets.map(|path| picture_format(&path).map(|format| (path, format)));
-        let files = Files { folder: self.out.clone(), tables, sheets: sheets.collect::<Result<_, _>>()? };
-        check_distinct_from_patch(patch, files.paths())?;
-        Ok(files)
+        Ok(Files {
+            outputs: patch.outputs(circuit),
+            folder: self.out.clone(),
+            tables,
+            sheets: sheets.collect::<Result<_, _>>()?,
+        })
     }
 }
 
@@ -63,6 +63,8 @@ pub(super) fn name_with_suffix(patch: &Path, ending: &str) -> OsString {
 
 /// The output files of a run.
 pub(super) struct Files {
+    /// Writes the files.
+    outputs: Outputs,
     /// The folder to create.
     folder: Option<PathBuf>,
     /// The CSV tables.
@@ -80,9 +82,9 @@ impl Files {
     /// Creates the folder, and checks before the run that all files can be written.
     ///
     /// # Errors
-    /// If the folder cannot be created, or if a file cannot be written.
+    /// If two files are the same, if one was read, or if the folder or a file cannot be written.
     pub(super) fn prepare(&self) -> Result<(), Failure> {
-        prepare_outputs(self.folder.as_deref(), self.paths())
+        self.outputs.prepare(self.folder.as_deref(), self.paths())
     }
 
     /// Writes tables and pictures.
@@ -93,14 +95,14 @@ impl Files {
         for path in &self.tables {
             let mut bytes = Vec::new();
             trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
-            write_file(path, &bytes)?;
+            self.outputs.write(path, &bytes)?;
         }
         if self.sheets.is_empty() {
             return Ok(());
         }
         let pictures = pictures(circuit, trace)?;
         for (path, format) in &self.sheets {
-            write_pictures(path, &pictures, *format, Size::default())?;
+            write_pictures(&self.outputs, path, &pictures, *format, Size::default())?;
         }
         Ok(())
     }
@@ -130,116 +132,16 @@ pub(super) fn written_text<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> Stri
     paths.map(|path| format!("wrote {}\n", path.display())).collect()
 }
 
-/// An error if two output files are the same, or one is the patch.
-pub(super) fn check_distinct_from_patch<'a>(
-    patch: &'a Path,
-    paths: impl Iterator<Item = &'a PathBuf>,
-) -> Result<(), Failure> {
-    check_distinct_from("the patch", patch, paths)
-}
-
-/// An error if two output files are the same, or one is the input file `read`, called `what` in the message.
-///
-/// Paths are compared after links and ".." are resolved.
-pub(super) fn check_distinct_from<'a>(
-    what: &str,
-    read: &Path,
-    paths: impl Iterator<Item = &'a PathBuf>,
-) -> Result<(), Failure> {
-    let input = resolved_destination(read)?;
-    match distinct_destinations(paths)?.iter().find(|(_, output)| *output == input) {
-        Some((path, _)) => {
-            let path = path.display();
-            Err(Failure::usage(format!("{path} is {what} itself: give another name or folder to write to")))
-        }
-        None => Ok(()),
-    }
-}
-
-/// The resolved paths of output files. An error if two are the same. Pipes and devices are omitted.
-pub(super) fn distinct_destinations<'a>(
-    paths: impl Iterator<Item = &'a PathBuf>,
-) -> Result<Vec<(&'a PathBuf, PathBuf)>, Failure> {
-    let mut taken: Vec<(&PathBuf, PathBuf)> = Vec::new();
-    for path in paths.filter(|path| !is_stream(path)) {
-        let destination = resolved_destination(path)?;
-        if taken.iter().any(|(_, other)| *other == destination) {
-            return Err(Failure::usage(format!("{} would be written twice", path.display())));
-        }
-        taken.push((path, destination));
-    }
-    Ok(taken)
-}
-
-/// Creates the folder, and checks before the work that all files can be written.
-pub(super) fn prepare_outputs<'a>(
-    folder: Option<&Path>,
-    paths: impl Iterator<Item = &'a PathBuf>,
-) -> Result<(), Failure> {
-    if let Some(folder) = folder {
-        create_folder(folder)?;
-        check_folder_writable(folder).map_err(|error| {
-            Failure::data(format!("cannot write into the folder {}: {}", folder.display(), io_reason(&error)))
-        })?;
-    }
-    for path in paths {
-        check_writable(path).map_err(|error| write_failure(path, &error))?;
-    }
-    Ok(())
-}
-
-/// Whether the path is a pipe or a device.
-fn is_stream(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|existing| !existing.is_file() && !existing.is_dir())
-}
-
-/// The path under which a file will exist, without links and "..".
-fn resolved_destination(path: &Path) -> Result<PathBuf, Failure> {
-    let no_file =
-        |error| Failure::usage(format!("\"{}\" is not a file name: {}", path.display(), io_reason(&error)));
-    destination(path).map_err(no_file)
-}
-
-/// Creates a folder and its parents.
-pub(super) fn create_folder(folder: &Path) -> Result<(), Failure> {
-    let failure = |error| {
-        let why = blocking_file(folder).unwrap_or_else(|| io_reason(&error));
-        Failure::data(format!("cannot create the folder {}: {why}", folder.display()))
-    };
-    fs::create_dir_all(folder).map_err(failure)
-}
-
-/// A message if the folder or one of its parents is a file.
-///
-/// The message of the file system would only be "not a directory".
-fn blocking_file(folder: &Path) -> Option<String> {
-    let file = folder.ancestors().find(|ancestor| ancestor.is_file())?;
-    Some(if file == folder {
-        "a file with this name exists".to_owned()
-    } else {
-        format!("{} is a file", file.display())
-    })
-}
-
-/// Writes a file completely, or not at all.
-pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    write_atomic(path, bytes).map_err(|error| write_failure(path, &error))
-}
-
 /// Draws pictures on one sheet and writes the file.
 pub(super) fn write_pictures(
+    outputs: &Outputs,
     path: &Path,
     pictures: &[Picture],
     format: Format,
     size: Size,
 ) -> Result<(), Failure> {
     let bytes = plot::render(pictures, format, size).map_err(|error| Failure::data(error.to_string()))?;
-    write_file(path, &bytes)
-}
-
-/// The failure for a file that cannot be written.
-pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
-    Failure::data(format!("cannot write {}: {}", path.display(), io_reason(error)))
+    outputs.write(path, &bytes)
 }
 
 /// The pictures of the patch, or every recorded signal against time if it has none. Pictures of derivatives follow.

@@ -3,14 +3,14 @@
 //! The command either checks the data (`--check`) or searches. A search with `--out` writes the report and the patches;
 //! without it the JSON document contains the patches themselves.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::failure::{Failure, eprint_report};
-use super::files::check_distinct_from;
 use super::gap_files::{Folder, embed};
 use super::numbers::{seed, threads};
+use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::{effects, gap_check, gap_report, print, print_json};
 use patchcord::ident::Experiment;
@@ -54,14 +54,14 @@ pub(super) struct Arguments {
 pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
     let experiment = Experiment::read(&arguments.experiment)?;
     eprint_report(&experiment.warnings);
-    if let (Some(effects), Some(out)) = (&arguments.effects, &arguments.out) {
-        check_distinct_from("the folder of effects", effects, [out].into_iter())?;
-    }
+    let outputs = arguments.outputs(&experiment);
+    outputs.check(&arguments.out)?;
     let library = effects::effect_library(arguments.effects.as_deref())?;
+    let outputs = outputs.reading("an effect", library.files());
     if arguments.check {
         return check_data(arguments, &experiment, &library);
     }
-    let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
+    let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, outputs)).transpose()?;
     let (problem, outcome) = run_search(arguments, &experiment, &library)?;
     let report = Report::new(&experiment, &problem, &outcome);
     let mut document = report.json();
@@ -76,6 +76,16 @@ pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
     }
     print(&gap_report::text(&report))?;
     print(&files?)
+}
+
+impl Arguments {
+    /// The outputs of a search. Effects are added when they have been read.
+    fn outputs(&self, experiment: &Experiment) -> Outputs {
+        Outputs::of_patch(Path::new(experiment.patch.file()), &experiment.patch)
+            .reading("the experiment", [&self.experiment])
+            .reading("a record", &experiment.files)
+            .reading("the folder of effects", &self.effects)
+    }
 }
 
 /// The current phase of a search in words.

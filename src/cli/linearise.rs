@@ -6,15 +6,13 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{
-    check_distinct_from_patch, path_texts, picture_format, prepare_outputs, write_file, write_pictures,
-    written_text,
-};
+use super::files::{path_texts, picture_format, write_pictures, written_text};
 use super::instant::{InstantOption, OperatingPoint, instant};
 use super::linear_document::LinearDocument;
 use super::linear_report::{self, Analysis};
 use super::load::{PatchArguments, PatchDocument};
 use super::numbers::number_in;
+use super::outputs::Outputs;
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::draw::bode;
@@ -73,18 +71,17 @@ struct Document<'a> {
     files: Vec<String>,
 }
 
-/// The machine is run up to the operating point first, which can take time. Files are checked after that, before they
-/// are written.
+/// Files are checked before the machine is run up to the operating point, which can take time.
 pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
-    check_distinct_from_patch(&arguments.patch.patch, arguments.files())?;
     let loaded = arguments.patch.load()?;
+    let outputs = arguments.patch.outputs(&loaded.circuit);
+    outputs.prepare(None, arguments.files())?;
     let OperatingPoint { machine, description } = AT.machine(&loaded, arguments.at)?;
     let model = machine.state_space();
     let analysis = arguments.analysis(&model, description)?;
-    prepare_outputs(None, arguments.files())?;
     if let Some(response) = &analysis.response {
-        arguments.write(response, &analysis, &loaded.circuit, format)?;
+        arguments.write(&outputs, response, &analysis, &loaded.circuit, format)?;
     }
     if arguments.patch.json {
         let analysis = LinearDocument::of(&analysis);
@@ -131,6 +128,7 @@ impl Arguments {
     /// Writes the CSV table and the Bode plot.
     fn write(
         &self,
+        outputs: &Outputs,
         response: &FrequencyResponse,
         analysis: &Analysis<'_>,
         circuit: &Circuit,
@@ -139,14 +137,14 @@ impl Arguments {
         if let Some(path) = &self.csv {
             let mut table = Vec::new();
             response.write_csv(&mut table).map_err(|error| Failure::data(error.to_string()))?;
-            write_file(path, &table)?;
+            outputs.write(path, &table)?;
         }
         if let Some((path, format)) = self.plot.as_ref().zip(format) {
             let line = parameter_line(circuit);
             let instant = &analysis.instant;
             let note = if line.is_empty() { instant.clone() } else { format!("{line}; {instant}") };
             let pictures = bode(response, analysis.roots.as_deref().unwrap_or_default(), Some(&note));
-            write_pictures(path, &pictures, format, PANEL)?;
+            write_pictures(outputs, path, &pictures, format, PANEL)?;
         }
         Ok(())
     }

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::failure::{Failure, eprint_report};
 use super::numbers::setting;
+use super::outputs::Outputs;
 use patchcord::circuit::Circuit;
 use patchcord::ir::Program;
 use patchcord::patch::Patch;
@@ -46,6 +47,11 @@ impl PatchArguments {
         let loaded = self.read()?;
         eprint_report(&loaded.circuit.warnings());
         Ok(loaded)
+    }
+
+    /// The outputs of a command that reads this patch, which `circuit` has.
+    pub(super) fn outputs(&self, circuit: &Circuit) -> Outputs {
+        Outputs::of_patch(&self.patch, circuit.patch())
     }
 
     /// Reads, wires and compiles, without printing.

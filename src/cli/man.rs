@@ -1,13 +1,13 @@
 //! `patchcord man`
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Command};
 use clap_mangen::Man;
 
 use super::failure::Failure;
-use super::files::{create_folder, write_file};
+use super::outputs::Outputs;
 use super::{definition, print, write_out};
 use patchcord::document::suggestion;
 
@@ -65,12 +65,18 @@ fn text(page: Man) -> Result<String, Failure> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-fn write_pages(patchcord: &Command, folder: &std::path::Path) -> Result<(), Failure> {
-    create_folder(folder)?;
-    for command in std::iter::once(patchcord).chain(patchcord.get_subcommands()) {
+/// Writes every page into a folder.
+fn write_pages(patchcord: &Command, folder: &Path) -> Result<(), Failure> {
+    let named_page = |command: &Command| -> Result<(PathBuf, String), Failure> {
         let page = page(command);
-        let path = folder.join(page.get_filename());
-        write_file(&path, text(page)?.as_bytes())?;
+        Ok((folder.join(page.get_filename()), text(page)?))
+    };
+    let commands = std::iter::once(patchcord).chain(patchcord.get_subcommands());
+    let pages = commands.map(named_page).collect::<Result<Vec<_>, _>>()?;
+    let outputs = Outputs::default();
+    outputs.prepare(Some(folder), pages.iter().map(|(path, _)| path))?;
+    for (path, text) in &pages {
+        outputs.write(path, text.as_bytes())?;
         print(&format!("wrote {}\n", path.display()))?;
     }
     Ok(())

@@ -1,8 +1,8 @@
 //! The command line: parses options, calls the library and prints the results.
 //!
 //! Each command has its own file with its options and its function. `load`, `times` and `files` hold options that
-//! several commands share. Files named `*_report` format results as text and as JSON; long reports have their JSON in a
-//! file named `*_document`. `failure` maps errors to messages and exit codes.
+//! several commands share. `outputs` writes all files. Files named `*_report` format results as text and as JSON; long
+//! reports have their JSON in a file named `*_document`. `failure` maps errors to messages and exit codes.
 //!
 //! Every command follows the same order: parse and check the options, read the input, check that the output files can
 //! be written, do the work, write the files, print. A wrong option or an unwritable file is so reported before a long
@@ -36,6 +36,7 @@ mod machines;
 mod man;
 mod new;
 mod numbers;
+mod outputs;
 mod overloads;
 mod phases;
 mod profile;

@@ -1,6 +1,5 @@
 //! `patchcord new`
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,9 +7,9 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::{path_texts, write_failure};
+use super::files::path_texts;
+use super::outputs::write_new_file;
 use super::{print, print_json};
-use patchcord::output::write_new;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -50,18 +49,13 @@ pub(super) fn new(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Writes the patch. An existing file is never overwritten.
 fn write(file: &Path) -> Result<(), Failure> {
-    let shown = file.display();
     if file.extension().is_none_or(|ending| ending != "json") {
         return Err(Failure::usage(format!(
-            "the name of a patch file must end in .json, such as {shown}.json"
+            "the name of a patch file must end in .json, such as {}.json",
+            file.display()
         )));
     }
-    write_new(file, first_patch(file).as_bytes()).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => {
-            Failure::usage(format!("{shown} already exists: choose another name, or remove it first"))
-        }
-        _ => write_failure(file, &error),
-    })
+    write_new_file(file, first_patch(file).as_bytes())
 }
 
 /// The text of the patch for a file.

@@ -11,9 +11,7 @@ use serde::Serialize;
 
 use super::criteria::{advice_on, advice_on_cycles};
 use super::failure::Failure;
-use super::files::{
-    check_distinct_from_patch, path_texts, picture_format, prepare_outputs, write_pictures, written_paragraph,
-};
+use super::files::{path_texts, picture_format, write_pictures, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::{positive, positive_in};
 use super::profile_report::{self, ProfileDocument, ProfileReading};
@@ -79,16 +77,16 @@ struct Document<'a> {
 pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     let files = || arguments.plot.iter();
-    check_distinct_from_patch(&arguments.patch.patch, files())?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let settings = arguments.settings(&circuit, &program)?;
-    prepare_outputs(None, files())?;
+    let outputs = arguments.patch.outputs(&circuit);
+    outputs.prepare(None, files())?;
     let trace = run_with_progress(&program, &settings).map_err(|stopped| {
         run_failure(&stopped.error, &circuit, arguments.times.is_cause_of(&stopped.error))
     })?;
     let reading = arguments.read(&trace, &settings.record, &circuit)?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
-        write_pictures(path, &[picture(&reading, &circuit)], format, Size::default())?;
+        write_pictures(&outputs, path, &[picture(&reading, &circuit)], format, Size::default())?;
     }
     if arguments.patch.json {
         let document = Document { profile: ProfileDocument::of(&reading), files: path_texts(files()) };

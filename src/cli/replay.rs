@@ -11,9 +11,8 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{
-    distinct_destinations, path_texts, picture_format, prepare_outputs, write_file, written_text,
-};
+use super::files::{path_texts, picture_format, written_text};
+use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::table::Table;
 use super::{print, print_json};
@@ -40,16 +39,16 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// Runs come before any file is written, because the names of the patches are known only then. Folders are checked at
-/// the start.
+/// Runs come before any file is written. The names of the patches are known only after them. All other files are
+/// checked at the start.
 pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
     let figures = arguments.figures()?;
     if figures.is_empty() {
         return arguments.list();
     }
     let plot = arguments.plot(&figures)?;
-    let files: Vec<_> = plot.iter().map(|(path, _)| path.clone()).collect();
-    prepare_outputs(arguments.out.as_deref(), files.iter())?;
+    let writer = Outputs::default();
+    writer.prepare(arguments.out.as_deref(), arguments.known_files(&figures))?;
     let claims = arguments.claims(&figures)?;
     let (drawn, examined) = perform(&figures, &claims)?;
     let entries: Vec<_> = figures
@@ -65,9 +64,8 @@ pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
         outputs.extend(in_folder(folder, &entries, &examined));
     }
     let files: Vec<_> = outputs.iter().map(|output| output.path.clone()).collect();
-    distinct_destinations(files.iter())?;
-    prepare_outputs(None, files.iter())?;
-    outputs.iter().try_for_each(Output::write)?;
+    writer.prepare(None, &files)?;
+    outputs.iter().try_for_each(|output| output.write(&writer))?;
     if arguments.json {
         return print_json(&Document::new(&entries, &examined, &files));
     }
@@ -96,6 +94,14 @@ impl Arguments {
             return Err(Failure::usage(message));
         }
         Ok(Some((path.clone(), picture_format(path)?)))
+    }
+
+    /// The files whose names are known before the runs: all except the patches.
+    fn known_files(&self, figures: &[&Figure]) -> Vec<PathBuf> {
+        let pictures = figures.iter().map(|figure| figure.picture());
+        let names: Vec<String> = pictures.chain([page_name(figures)]).collect();
+        let in_folder = self.out.iter().flat_map(|folder| names.iter().map(move |name| folder.join(name)));
+        self.plot.iter().cloned().chain(in_folder).collect()
     }
 
     /// All claims for `all`, otherwise those that concern the requested figures.
@@ -161,12 +167,12 @@ enum Content<'a> {
 
 impl Output<'_> {
     /// Writes the file.
-    fn write(&self) -> Result<(), Failure> {
+    fn write(&self, outputs: &Outputs) -> Result<(), Failure> {
         match &self.content {
-            Content::Text(text) => write_file(&self.path, text.as_bytes()),
+            Content::Text(text) => outputs.write(&self.path, text.as_bytes()),
             Content::Drawn(drawn, format) => {
                 let bytes = drawn.render(*format).map_err(|error| Failure::data(error.to_string()))?;
-                write_file(&self.path, &bytes)
+                outputs.write(&self.path, &bytes)
             }
         }
     }
@@ -182,20 +188,21 @@ fn in_folder<'a>(
 ) -> Vec<Output<'a>> {
     let output = |name: &str, content| Output { path: folder.join(name), content };
     let of_entry = |entry: &'a GalleryFigure<'a>| {
-        let picture = output(&entry.picture(), Content::Drawn(entry.drawn, Format::Svg));
+        let picture = output(&entry.figure.picture(), Content::Drawn(entry.drawn, Format::Svg));
         let patches = entry.drawn.patches.iter();
         let patches = patches.map(|patch| output(patch.file(), Content::Text(patch.text().into())));
         [picture].into_iter().chain(patches).collect::<Vec<_>>()
     };
-    let page = output(&page_name(entries), Content::Text(replay::gallery(entries, examined).into()));
+    let drawn: Vec<&Figure> = entries.iter().map(|entry| entry.figure).collect();
+    let page = output(&page_name(&drawn), Content::Text(replay::gallery(entries, examined).into()));
     entries.iter().flat_map(of_entry).chain([page]).collect()
 }
 
 /// The name of the page. Only the page with all figures is index.html, so a page with some does not overwrite it.
-fn page_name(entries: &[GalleryFigure<'_>]) -> String {
-    match entries {
-        _ if entries.len() == figures().count() => "index.html".to_owned(),
-        [one] => format!("{}.html", one.figure.id),
+fn page_name(drawn: &[&Figure]) -> String {
+    match drawn {
+        _ if drawn.len() == figures().count() => "index.html".to_owned(),
+        [one] => format!("{}.html", one.id),
         _ => "figures.html".to_owned(),
     }
 }
@@ -298,7 +305,7 @@ impl<'a> FigureDocument<'a> {
             title: figure.title,
             settings: &drawn.settings,
             reading: &drawn.reading,
-            picture: entry.picture(),
+            picture: figure.picture(),
             commands: &drawn.commands,
             table: drawn.table.as_ref().map(TableDocument::of),
             patches: drawn.patches.iter().map(Patch::file).collect(),

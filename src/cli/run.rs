@@ -63,8 +63,8 @@ fn name(text: &str) -> Result<String, String> {
 
 /// Files are checked before the run and written after it. The JSON document is printed last.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let files = arguments.files.files(&arguments.patch.patch)?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
+    let files = arguments.files.files(&arguments.patch, &circuit)?;
     let settings = arguments.settings(&circuit, &program)?;
     files.prepare()?;
     let trace = match run_with_progress(&program, &settings) {

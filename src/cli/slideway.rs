@@ -9,11 +9,9 @@ use clap::Args;
 
 use super::criteria::advice_on;
 use super::failure::Failure;
-use super::files::{
-    distinct_destinations, path_texts, picture_format, prepare_outputs, write_file, write_pictures,
-    written_paragraph,
-};
+use super::files::{path_texts, picture_format, write_pictures, written_paragraph};
 use super::numbers::{positive_in, setting};
+use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::slideway_document::Document;
 use super::slideway_report::{self as report, criterion_text};
@@ -88,14 +86,14 @@ const PANEL: Size = Size { width: 900, height: 440 };
 /// The chain takes eight runs: the slideway as it is, and one for each piece of advice.
 pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
-    distinct_destinations(arguments.files())?;
     if arguments.steps.step == Some(StepChoice::Automatic) {
         return Err(Failure::usage("--step auto is not possible here: give seconds, or --tol"));
     }
+    let outputs = Outputs::default();
+    outputs.prepare(None, arguments.files())?;
     let settings = arguments.settings();
     let chain = run_chain(&arguments.inputs(), &settings).map_err(|error| arguments.failure(error))?;
-    prepare_outputs(None, arguments.files())?;
-    arguments.write(&chain, format)?;
+    arguments.write(&outputs, &chain, format)?;
     if arguments.json {
         return print_json(&Document::new(&chain, path_texts(arguments.files())));
     }
@@ -147,14 +145,14 @@ impl Arguments {
     }
 
     /// Writes the patch and the picture.
-    fn write(&self, chain: &Chain, format: Option<Format>) -> Result<(), Failure> {
+    fn write(&self, outputs: &Outputs, chain: &Chain, format: Option<Format>) -> Result<(), Failure> {
         if let Some(path) = &self.out {
-            write_file(path, chain.simulation.patch().text().as_bytes())?;
+            outputs.write(path, chain.simulation.patch().text().as_bytes())?;
         }
         if let Some((path, format)) = self.plot.as_ref().zip(format) {
             let line = parameter_line(&chain.simulation.circuit);
             let criterion = criterion_text(&chain.simulation);
-            write_pictures(path, &pictures(chain, [&line, &criterion]), format, PANEL)?;
+            write_pictures(outputs, path, &pictures(chain, [&line, &criterion]), format, PANEL)?;
         }
         Ok(())
     }

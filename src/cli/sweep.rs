@@ -11,7 +11,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{check_distinct_from_patch, prepare_outputs, written_text};
+use super::files::written_text;
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
@@ -20,7 +20,6 @@ use super::{eprint, print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{Measure, MeasureColumn, measures};
 use patchcord::ir::Program;
-use patchcord::output::destination;
 use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, SweepSummary};
 
 #[derive(Args)]
@@ -86,7 +85,7 @@ struct ColumnDocument {
 
 /// A failed run is not an error of the command: its row has the reason, and the summary counts it.
 pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.check_files()?;
+    arguments.check_output()?;
     let axes = arguments.vary.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(plan_failure)?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
@@ -96,7 +95,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     let Some(out) = &arguments.out else {
         return report_output(sweep.write(&mut io::stdout().lock(), arguments.threads(), &mut progress));
     };
-    prepare_outputs(None, [out].into_iter())?;
+    arguments.patch.outputs(&circuit).reading("the file of --rows", &arguments.rows).prepare_append(out)?;
     let summary = sweep.append_to(out, arguments.threads(), &mut progress).map_err(journal_failure)?;
     if arguments.patch.json {
         return print_json(&PatchDocument::new(&circuit, arguments.document(&sweep, summary, out)));
@@ -109,19 +108,10 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// Checks that the output file is given if necessary and is not an input file.
-    fn check_files(&self) -> Result<(), Failure> {
-        let Some(out) = &self.out else {
-            let message = "with --json the rows cannot go to standard output: give --out FILE";
-            return if self.patch.json { Err(Failure::usage(message)) } else { Ok(()) };
-        };
-        check_distinct_from_patch(&self.patch.patch, [out].into_iter())?;
-        let is_out =
-            |rows: &PathBuf| destination(rows).ok().zip(destination(out).ok()).is_some_and(|(a, b)| a == b);
-        if self.rows.as_ref().is_some_and(is_out) {
-            return Err(Failure::usage(format!("{} is the input of --rows", out.display())));
-        }
-        Ok(())
+    /// Checks that the output file is given if necessary.
+    fn check_output(&self) -> Result<(), Failure> {
+        let message = "with --json the rows cannot go to standard output: give --out FILE";
+        if self.patch.json && self.out.is_none() { Err(Failure::usage(message)) } else { Ok(()) }
     }
 
     /// Creates the sweep from the options.

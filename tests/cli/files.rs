@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use super::run_errors::DIVISION;
+use super::sweep::driven;
 use super::{FIG_8_16, code, errors, out, patchcord, path, spring};
 
 #[test]
@@ -79,6 +81,97 @@ fn no_file_is_written_twice_or_over_the_patch() {
     assert_eq!(fs::read_to_string(&patch).unwrap(), fs::read_to_string(FIG_8_16).unwrap());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     assert_eq!(code(&patchcord(&["run", &patch, "--for", "0.001", "--csv", &table])), 0);
+}
+
+/// Asserts that a command is refused because it would write a file that it reads.
+fn check_refused(arguments: &[&str], message: &str) {
+    let ran = patchcord(arguments);
+    assert_eq!(code(&ran), 2, "{arguments:?}: {}", errors(&ran));
+    assert!(errors(&ran).contains(message), "{arguments:?}: {}", errors(&ran));
+}
+
+#[test]
+fn no_command_writes_a_file_that_it_has_read() {
+    let folder = driven();
+    let [patch, table, rows] = ["driven.json", "u.csv", "k.csv"].map(|name| path(&folder, name));
+    let before = [&patch, &table, &rows].map(|file| fs::read(file).unwrap());
+    let roundabout = path(&folder, "../") + folder.path().file_name().unwrap().to_str().unwrap() + "/u.csv";
+    let sweep = ["sweep", &patch, "--vary", "k=0.1,0.2", "--measure", "voltmeter:s", "--out"];
+    let linearise = ["linearise", &patch, "--from", "u", "--to", "s", "--csv"];
+    let run = ["run", &patch, "--csv"];
+    for command in [&run[..], &linearise, &sweep] {
+        for file in [&table, &roundabout] {
+            check_refused(&[command, &[file.as_str()][..]].concat(), "u.csv is a table of the patch itself");
+        }
+        check_refused(&[command, &[patch.as_str()][..]].concat(), "driven.json is the patch itself");
+    }
+    let with_rows = ["sweep", &patch, "--rows", &rows, "--measure", "voltmeter:s", "--out", &rows];
+    check_refused(&with_rows, "k.csv is the file of --rows itself");
+    assert_eq!([&patch, &table, &rows].map(|file| fs::read(file).unwrap()), before);
+}
+
+#[test]
+fn results_do_not_replace_a_table_with_the_name_of_the_patch() {
+    let folder = driven();
+    let [patch, table] = ["driven.json", "driven.csv"].map(|name| path(&folder, name));
+    let text = fs::read_to_string(&patch).unwrap();
+    fs::write(&patch, text.replace("u.csv", "driven.csv")).unwrap();
+    fs::rename(path(&folder, "u.csv"), &table).unwrap();
+    let before = fs::read(&table).unwrap();
+    check_refused(&["run", &patch, "--out", &path(&folder, "")], "driven.csv is a table of the patch itself");
+    assert_eq!(fs::read(&table).unwrap(), before);
+    assert_eq!(code(&patchcord(&["run", &patch, "--out", &path(&folder, "results")])), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_is_read_is_recognised_through_links() {
+    let folder = driven();
+    let [patch, table] = ["driven.json", "u.csv"].map(|name| path(&folder, name));
+    let [symbolic, hard] = ["symbolic.csv", "hard.csv"].map(|name| path(&folder, name));
+    std::os::unix::fs::symlink("u.csv", &symbolic).unwrap();
+    fs::hard_link(&table, &hard).unwrap();
+    for link in [&symbolic, &hard] {
+        check_refused(&["run", &patch, "--csv", link], "is a table of the patch itself");
+    }
+    assert_eq!(fs::read_to_string(&table).unwrap(), "t,u\n0,0\n1,50\n");
+}
+
+/// Each command would fail in its run.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_without_write_access_is_reported_before_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let division = path(&folder, "division.json");
+    fs::write(&division, DIVISION).unwrap();
+    let [csv, svg] = ["/proc/new.csv", "/proc/new.svg"];
+    let commands: &[&[&str]] = &[
+        &["run", &division, "--csv", csv],
+        &["draw", FIG_8_16, "--values", "1e15", "--plot", svg],
+        &["linearise", FIG_8_16, "--at", "1e15", "--from", "v_i", "--to", "v_o", "--csv", csv],
+        &["profile", FIG_8_16, "--threshold", "1e9", "--plot", svg],
+        &["slideway", "--oil", "0.34", "--weight", "450", "--stiffness", "1e9", "--plot", svg],
+        &["sweep", FIG_8_16, "--vary", "Tc=0.01,0.02", "--measure", "overload", "--out", csv],
+        &["new", "/proc/new.json"],
+    ];
+    for arguments in commands {
+        let ran = patchcord(arguments);
+        assert_eq!(code(&ran), 1, "{arguments:?}: {}", errors(&ran));
+        assert!(errors(&ran).contains("error: cannot write /proc/new."), "{}", errors(&ran));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn temporary_files_of_killed_commands_are_removed() {
+    let (folder, file) = spring();
+    // No process has this number: it is above the largest that Linux permits.
+    let left = path(&folder, ".patchcord-4194305-a1b2c3.tmp");
+    let own = path(&folder, &format!(".patchcord-{}-a1b2c3.tmp", std::process::id()));
+    [&left, &own].into_iter().for_each(|temporary| fs::write(temporary, "half").unwrap());
+    assert_eq!(code(&patchcord(&["run", &file, "--for", "0.01", "--csv", &path(&folder, "x.csv")])), 0);
+    assert!(!Path::new(&left).exists(), "the process of the file does not exist");
+    assert!(Path::new(&own).exists(), "the process of the file is this one");
 }
 
 #[test]

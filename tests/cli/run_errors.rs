@@ -94,7 +94,7 @@ fn check_reports_errors_that_only_the_machine_detects() {
 }
 
 /// -1000 V by a voltage that falls from 50 V through 0 within the run.
-const DIVISION: &str = r#"{"patchcord": 1, "title": "division", "machine": "unlimited", "elements": {
+pub(super) const DIVISION: &str = r#"{"patchcord": 1, "title": "division", "machine": "unlimited", "elements": {
     "D": {"kind": "integrator", "in": {"x1": ["+100"]}, "initial": 50},
     "M": {"kind": "multiplier", "mode": "product", "a": "A5", "b": "D"},
   "A5": {"kind": "open-amplifier", "in": {"x0.1": ["+100"], "x1": ["M"]}}

@@ -69,7 +69,7 @@ fn the_file_of_another_sweep_is_left_unchanged() {
 }
 
 /// A folder with a patch, the table of its drive, and a file of rows.
-fn driven() -> tempfile::TempDir {
+pub(super) fn driven() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let patch = r#"{"patchcord": 1, "title": "driven", "machine": "unlimited",
         "parameters": {"k": {"value": 0.5, "unit": "1", "range": [0, 1]}},
@@ -141,6 +141,36 @@ fn changed_inputs_of_an_existing_file_are_reported() {
 }
 
 #[test]
+fn a_changed_row_of_an_existing_file_is_reported_with_line_and_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "sweep.csv");
+    assert_eq!(code(&run_sweep(&["--out", &csv])), 0);
+    let table = fs::read_to_string(&csv).unwrap();
+    let row = table.lines().find(|line| line.starts_with("0.001,")).unwrap();
+    let number = table.lines().position(|line| line == row).unwrap() + 1;
+    let peak = row.split(',').nth(1).unwrap();
+    for (changed, reason) in [
+        ("0.001,".to_owned(), "it has 2 fields, expected 6"),
+        (row.to_owned() + ",7", "it has 7 fields, expected 6"),
+        (row.replace(peak, "fast"), "in the column peak:v_o, \"fast\" is not a finite number"),
+        (row.replace(peak, "NaN"), "in the column peak:v_o, \"NaN\" is not a finite number"),
+        (row.replace("none", "Z9"), "in the column overload, \"Z9\" is no element"),
+    ] {
+        let text = table.replacen(row, &changed, 1);
+        fs::write(&csv, &text).unwrap();
+        let failed = run_sweep(&["--out", &csv]);
+        let expected = format!("error: line {number} of {csv} is no row of this sweep: {reason}");
+        assert_eq!(code(&failed), 1, "{changed}");
+        assert!(errors(&failed).starts_with(&expected), "{}", errors(&failed));
+        assert_eq!(fs::read_to_string(&csv).unwrap(), text);
+    }
+    // Without the changed row and the rows after it, the sweep is continued to the same bytes.
+    fs::write(&csv, &table[..table.find(row).unwrap()]).unwrap();
+    assert_eq!(code(&run_sweep(&["--out", &csv])), 0);
+    assert_eq!(fs::read_to_string(&csv).unwrap(), table);
+}
+
+#[test]
 fn a_file_that_another_sweep_is_writing_is_left_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "sweep.csv");
@@ -174,7 +204,7 @@ fn a_wrong_command_line_gives_exit_code_2_before_any_run() {
         (&["--tol", "-1e-6"], "must be from 1e-13 to 1"),
         (&["--step", "1"], "longer than the run"),
         (&["--json"], "give --out FILE"),
-        (&["--rows", &rows, "--out", &rows], "is the input of --rows"),
+        (&["--rows", &rows, "--out", &rows], "is the file of --rows itself"),
     ];
     for (more, wanted) in cases {
         let needs_none = more.contains(&"--json") || more.contains(&"--out");

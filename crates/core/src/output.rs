@@ -1,11 +1,24 @@
 //! Writes output files so that no reader sees a file half written.
 //!
 //! A file is first written under a temporary name in the same folder and flushed to disk. Then it is renamed to its
-//! final name, which replaces an older file in one step. If anything fails, the older file stays as it was.
+//! final name, which replaces an older file in one step. If anything fails, the older file stays as it was. Several
+//! files can be staged under temporary names before the first one is renamed.
+//!
+//! `identity` decides whether two paths lead to one file. `temporary` names temporary files, and removes those that a
+//! killed process has left.
 
-use std::fs::{self, File, OpenOptions};
+mod identity;
+mod temporary;
+
+pub use identity::{FileIdentity, file_number};
+pub use temporary::remove_leftovers;
+
+use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Error, ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};
+
+use identity::destination;
+use tempfile::NamedTempFile;
 
 /// Writes a file completely or not at all.
 ///
@@ -32,18 +45,64 @@ use std::path::{Path, PathBuf};
 /// ```
 pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
-    check_writable(path)?;
-    match fs::metadata(path) {
-        Ok(_) if path == Path::new("/dev/stdout") => {
+    match target_of(path)? {
+        Target::StandardOutput => {
             // If standard output is redirected to a file, a second handle would overwrite it from the beginning.
             let mut out = io::stdout().lock();
             out.write_all(bytes).and_then(|()| out.flush())
         }
-        Ok(metadata) if is_replaced(path, &metadata) => {
-            replace(&fs::canonicalize(path)?, bytes, Some(metadata.permissions()))
-        }
-        Ok(_) => OpenOptions::new().append(true).open(path)?.write_all(bytes),
-        Err(_) => replace(&destination(path)?, bytes, None),
+        Target::Stream => OpenOptions::new().append(true).open(path)?.write_all(bytes),
+        Target::File { path, permissions } => staged(path, permissions, bytes)?.commit(),
+    }
+}
+
+/// A file that is written completely under a temporary name, and waits for its final name.
+///
+/// If it is dropped without [`commit`](StagedFile::commit), it is removed.
+#[derive(Debug)]
+pub struct StagedFile {
+    /// The file under its temporary name.
+    temporary: NamedTempFile,
+    /// The final path, without links.
+    path: PathBuf,
+}
+
+impl StagedFile {
+    /// Renames the file to its final name. An existing file is replaced in one step.
+    ///
+    /// # Errors
+    /// If the file system reports an error.
+    pub fn commit(self) -> Result<()> {
+        self.temporary.persist(&self.path)?;
+        Ok(())
+    }
+}
+
+/// Writes a file under a temporary name. [`StagedFile::commit`] gives it its final name.
+///
+/// If all files of a set are staged before the first one is renamed, only an interruption between two renamings can
+/// leave a part of the set.
+///
+/// # Errors
+/// If the file system reports an error, if the file is read-only, or if the path is a pipe or a device.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::output::stage;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("trace.csv");
+/// let staged = stage(&path, b"t,x\n")?;
+/// assert!(!path.exists());
+/// staged.commit()?;
+/// assert_eq!(std::fs::read(&path)?, b"t,x\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn stage(path: impl AsRef<Path>, bytes: &[u8]) -> Result<StagedFile> {
+    match target_of(path.as_ref())? {
+        Target::File { path, permissions } => staged(path, permissions, bytes),
+        Target::StandardOutput | Target::Stream => Err(Error::other("it is a pipe or a device")),
     }
 }
 
@@ -68,14 +127,16 @@ pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
 pub fn write_new(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
     check_folder(path)?;
-    write_temporary(folder_of(path), bytes, None)?.persist_noclobber(path)?;
+    staged(path.to_owned(), None, bytes)?.temporary.persist_noclobber(path)?;
     Ok(())
 }
 
-/// Checks whether a file can be written, as far as that is known before writing.
+/// Checks whether [`write_atomic`] can write a file, as far as that is known before writing.
+///
+/// Whether the folder permits new files is tested with a temporary file.
 ///
 /// # Errors
-/// If the folder does not exist, if the path is a folder, or if the file is write-protected.
+/// If the folder does not exist or is write-protected, if the path is a folder, or if the file is write-protected.
 ///
 /// # Examples
 ///
@@ -86,14 +147,33 @@ pub fn write_new(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
 /// assert_eq!(error.to_string(), "no such folder");
 /// ```
 pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
-    let path = path.as_ref();
-    match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
-        // Renaming does not check the permissions of the file that it replaces.
-        Ok(metadata) if is_replaced(path, &metadata) => check_permitted(path, &metadata),
-        Ok(_) => Ok(()),
-        Err(error) if error.kind() == ErrorKind::NotFound => check_folder(&destination(path)?),
-        Err(error) => Err(error),
+    match target_of(path.as_ref())? {
+        Target::File { path, .. } => check_folder_writable(folder_of(&path)),
+        Target::StandardOutput | Target::Stream => Ok(()),
+    }
+}
+
+/// Checks whether lines can be appended to a file, as far as that is known before writing.
+///
+/// The folder of an existing file may be write-protected.
+///
+/// # Errors
+/// If the path is a folder, if the file is write-protected, or if the file does not exist and cannot be created.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::output::check_appendable;
+///
+/// let file = tempfile::NamedTempFile::new()?;
+/// assert!(check_appendable(file.path()).is_ok());
+/// assert!(check_appendable("no/such/folder/rows.csv").is_err());
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn check_appendable(path: impl AsRef<Path>) -> Result<()> {
+    match target_of(path.as_ref())? {
+        Target::File { path, permissions: None } => check_folder_writable(folder_of(&path)),
+        _ => Ok(()),
     }
 }
 
@@ -102,7 +182,7 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
 /// # Errors
 /// If the system reports an error.
 pub fn check_folder_writable(folder: impl AsRef<Path>) -> Result<()> {
-    create_temporary(folder.as_ref()).map(drop).map_err(|error| Error::from(error.kind()))
+    temporary::create(folder.as_ref()).map(drop)
 }
 
 /// The system's description of an error, without the error number.
@@ -120,51 +200,51 @@ pub fn io_reason(error: &Error) -> String {
     text.split(" (os error ").next().unwrap_or_default().to_owned()
 }
 
+/// How a path is written.
+enum Target {
+    /// To the standard output of this process.
+    StandardOutput,
+    /// Directly, because it is a pipe or a device.
+    Stream,
+    /// By renaming a temporary file.
+    File {
+        /// The final path, without links.
+        path: PathBuf,
+        /// The permissions of the file that is replaced. `None` if the file is new.
+        permissions: Option<Permissions>,
+    },
+}
+
+/// How a path is written, after the checks that do not need a temporary file.
+fn target_of(path: &Path) -> Result<Target> {
+    let metadata = match fs::metadata(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return new_target(path),
+        found => found?,
+    };
+    if metadata.is_dir() {
+        return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if path == Path::new("/dev/stdout") {
+        return Ok(Target::StandardOutput);
+    }
+    if !is_replaced(path, &metadata) {
+        return Ok(Target::Stream);
+    }
+    // Renaming does not check the permissions of the file that it replaces.
+    check_permitted(path, &metadata)?;
+    Ok(Target::File { path: fs::canonicalize(path)?, permissions: Some(metadata.permissions()) })
+}
+
+/// The target of a file that does not exist.
+fn new_target(path: &Path) -> Result<Target> {
+    let path = destination(path)?;
+    check_folder(&path)?;
+    Ok(Target::File { path, permissions: None })
+}
+
 /// Reports an error if the folder of a path does not exist.
 fn check_folder(target: &Path) -> Result<()> {
     if folder_of(target).is_dir() { Ok(()) } else { Err(Error::new(ErrorKind::NotFound, "no such folder")) }
-}
-
-/// The path that a path leads to after all links are followed. The file need not exist. Two paths to the same file
-/// have the same destination.
-///
-/// # Errors
-/// If the path is empty, or if its links form a cycle.
-///
-/// # Examples
-///
-/// ```
-/// use patchcord_core::output::destination;
-///
-/// let folder = tempfile::tempdir()?;
-/// let [plain, dotted] = ["new.csv", "./new.csv"].map(|name| destination(folder.path().join(name)));
-/// assert_eq!(plain?, dotted?);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn destination(path: impl AsRef<Path>) -> Result<PathBuf> {
-    let path = path.as_ref();
-    if let Ok(existing) = fs::canonicalize(path) {
-        return Ok(existing);
-    }
-    let target = follow_links(path)?;
-    let Some(name) = target.file_name() else { return std::path::absolute(target) };
-    match fs::canonicalize(folder_of(&target)) {
-        Ok(folder) => Ok(folder.join(name)),
-        Err(_) => std::path::absolute(target),
-    }
-}
-
-/// A chain of more symbolic links than this counts as a cycle. Linux has the same limit.
-const MAX_LINKS: usize = 40;
-
-/// The end of a chain of symbolic links.
-fn follow_links(path: &Path) -> Result<PathBuf> {
-    let mut path = path.to_owned();
-    for _ in 0..MAX_LINKS {
-        let Ok(next) = fs::read_link(&path) else { return Ok(path) };
-        path = folder_of(&path).join(next);
-    }
-    Err(Error::other("its links form a cycle"))
 }
 
 /// The folder that contains a path; "." for a bare file name.
@@ -172,10 +252,13 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// The streams of a process, by their paths.
+const STREAMS: [&str; 5] = ["/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc"];
+
 /// Whether the path is replaced by a new file. Devices and the streams of this process are not, even if they are
 /// redirected to a regular file.
 fn is_replaced(path: &Path, metadata: &fs::Metadata) -> bool {
-    metadata.is_file() && !["/dev", "/proc"].iter().any(|folder| path.starts_with(folder))
+    metadata.is_file() && !STREAMS.iter().any(|stream| path.starts_with(stream))
 }
 
 /// Reports an error if an existing file is write-protected.
@@ -198,39 +281,16 @@ fn is_read_only(metadata: &fs::Metadata) -> bool {
     metadata.permissions().readonly()
 }
 
-/// Replaces or creates a file by renaming a temporary one.
-fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> Result<()> {
-    write_temporary(folder_of(target), bytes, permissions)?.persist(target)?;
-    Ok(())
-}
-
-/// A temporary file in a folder with these bytes, flushed to disk.
-fn write_temporary(
-    folder: &Path,
-    bytes: &[u8],
-    permissions: Option<fs::Permissions>,
-) -> Result<tempfile::NamedTempFile> {
-    // Only the kind of the error is kept: its message names the temporary file, which the user does not know.
-    let temporary = create_temporary(folder).map_err(|error| Error::from(error.kind()))?;
+/// A temporary file with these bytes next to its final path, flushed to disk.
+fn staged(path: PathBuf, permissions: Option<Permissions>, bytes: &[u8]) -> Result<StagedFile> {
+    let temporary = temporary::create(folder_of(&path))?;
     let mut file: &File = temporary.as_file();
     file.write_all(bytes)?;
     if let Some(permissions) = permissions {
         file.set_permissions(permissions)?;
     }
     file.sync_all()?;
-    Ok(temporary)
-}
-
-/// A temporary file with the usual mode of a new file. By default, the library makes it private to the owner.
-#[cfg(unix)]
-fn create_temporary(folder: &Path) -> Result<tempfile::NamedTempFile> {
-    use std::os::unix::fs::PermissionsExt as _;
-    tempfile::Builder::new().permissions(fs::Permissions::from_mode(0o666)).tempfile_in(folder)
-}
-
-#[cfg(not(unix))]
-fn create_temporary(folder: &Path) -> Result<tempfile::NamedTempFile> {
-    tempfile::NamedTempFile::new_in(folder)
+    Ok(StagedFile { temporary, path })
 }
 
 #[cfg(test)]

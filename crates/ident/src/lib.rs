@@ -132,6 +132,5 @@ pub use fit::model::ModelError;
 pub use fit::problem::Problem;
 pub use localise::{Localisation, localise};
 pub use report::Report;
-pub use report::provenance::table_files;
 pub use search::progress::{Progress, SearchPhase};
 pub use search::{Outcome, SearchSettings, Verdict, search};

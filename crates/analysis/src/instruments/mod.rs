@@ -32,6 +32,7 @@ pub use first_oscillation::{FirstOscillation, FirstOscillationError, first_oscil
 pub use friction_loop::{FrictionLoop, FrictionLoopError, LoopSense, friction_loop};
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
 pub use log::{phase_description, phase_end_description, unmet_condition};
+pub(crate) use measure::ColumnContent;
 pub use measure::{Measure, MeasureColumn, MeasureError, MeasureValue, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use parameters::parameter_line;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use patchcord_core::document::{ParameterRangeError, format_number};
 use patchcord_core::ir::SettingError;
+use patchcord_core::output::io_reason;
 
 /// Why a plan is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -80,7 +81,7 @@ pub enum PlanError {
 #[non_exhaustive]
 pub enum JournalError {
     /// The file cannot be read or written.
-    #[error("cannot write {}: {error}", .file.display())]
+    #[error("cannot write {}: {}", .file.display(), io_reason(.error))]
     Io {
         /// Path of the file.
         file: PathBuf,
@@ -133,5 +134,53 @@ pub enum JournalError {
         file: PathBuf,
         /// Number of the first such line, from 1.
         line: u64,
+    },
+    /// A line that begins like a row is no row of the sweep.
+    #[error(
+        "line {line} of {} is no row of this sweep: {reason}; the file is unchanged: correct the line, or remove it \
+         and all lines after it to compute them again",
+        .file.display()
+    )]
+    BadRow {
+        /// Path of the file.
+        file: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// What is wrong with the line, with the name of the column.
+        reason: String,
+    },
+    /// The file was deleted or renamed while the sweep was running.
+    #[error(
+        "{} was deleted or renamed during the sweep, and no more rows were written: put it back and give the same \
+         command to continue, or start again",
+        .file.display()
+    )]
+    Removed {
+        /// Path of the file.
+        file: PathBuf,
+    },
+    /// Another file took the place of the file while the sweep was running.
+    #[error(
+        "{} was replaced by another file during the sweep, and no more rows were written: the new file is unchanged; \
+         specify another file",
+        .file.display()
+    )]
+    Replaced {
+        /// Path of the file.
+        file: PathBuf,
+    },
+    /// Another program changed the file while the sweep was running.
+    #[error(
+        "another program changed {} during the sweep, and no more rows were written: it has {found} bytes instead of \
+         {expected}; the same command checks its rows and continues",
+        .file.display()
+    )]
+    Resized {
+        /// Path of the file.
+        file: PathBuf,
+        /// Size of the file, in bytes.
+        found: u64,
+        /// Size of the head and the rows that were written, in bytes.
+        expected: u64,
     },
 }

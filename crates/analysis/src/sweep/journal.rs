@@ -4,13 +4,17 @@
 //! survive the end of the process. Its head of comment lines and column names identifies the sweep exactly. When the
 //! file is opened again, it must contain this head, complete rows of this sweep, and at most one incomplete row. The
 //! incomplete row is removed, so the completed file is identical to that of an uninterrupted sweep.
+//!
+//! Before each row is appended, the file must still be the one that was opened, with the size of what was written. So
+//! no row is lost in a deleted file or added to a file that another program has changed.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::error::JournalError;
 use super::fingerprint::FORMAT_VERSION;
+use patchcord_core::output::file_number;
 
 /// An open sweep file, locked for other sweeps.
 pub(super) struct Journal {
@@ -20,11 +24,14 @@ pub(super) struct Journal {
     file: File,
     /// The number of complete rows in the file.
     pub rows: u64,
+    /// Size of the file, in bytes. None for a pipe or a device, which has no size.
+    size: Option<u64>,
 }
 
 impl Journal {
     /// Opens a sweep file, or creates it. An existing file must have this head and at most `runs` rows. Row n must
-    /// start with `beginning(n)`. Each existing row is passed to `inspect`. The file stays locked until it is closed.
+    /// start with `beginning(n)`. Each existing row is passed to `inspect`, whose error says what is wrong with it. The
+    /// file stays locked until it is closed.
     ///
     /// # Errors
     /// If the file cannot be opened, is locked, or is not the beginning of this sweep. It is then unchanged.
@@ -33,24 +40,25 @@ impl Journal {
         head: &str,
         runs: u64,
         beginning: impl Fn(u64) -> String,
-        inspect: impl FnMut(&[u8]),
+        inspect: impl FnMut(&[u8]) -> Result<(), String>,
     ) -> Result<Journal, JournalError> {
         let io_error = |error| JournalError::Io { file: path.to_owned(), error };
         if path.metadata().is_ok_and(|existing| !existing.is_file()) {
             // A pipe or a device has no existing content.
             let file = OpenOptions::new().write(true).open(path).map_err(io_error)?;
-            let mut journal = Journal { path: path.to_owned(), file, rows: 0 };
+            let mut journal = Journal { path: path.to_owned(), file, rows: 0, size: None };
             journal.append(head)?;
             return Ok(journal);
         }
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
-        let file = file.map_err(io_error)?;
+        let file = open(path).map_err(io_error)?;
         lock(&file, path)?;
         let mut reader = Reader { path, lines: BufReader::new(&file), line: 0, whole: 0 };
         let rows = if reader.head(head)? { reader.rows(runs, beginning, inspect)? } else { 0 };
         let whole = reader.whole;
-        file.set_len(whole).map_err(io_error)?;
-        let mut journal = Journal { path: path.to_owned(), file, rows };
+        if file.metadata().map_err(io_error)?.len() != whole {
+            file.set_len(whole).map_err(io_error)?;
+        }
+        let mut journal = Journal { path: path.to_owned(), file, rows, size: Some(whole) };
         journal.file.seek(SeekFrom::End(0)).map_err(io_error)?;
         if whole == 0 {
             journal.append(head)?;
@@ -61,11 +69,45 @@ impl Journal {
     /// Appends complete rows.
     ///
     /// # Errors
-    /// If the file cannot be written, for example because the disk is full.
+    /// If the file cannot be written, for example because the disk is full, or if others have changed it.
     pub(super) fn append(&mut self, text: &str) -> Result<(), JournalError> {
+        self.check_unchanged()?;
         let written = self.file.write_all(text.as_bytes());
-        written.map_err(|error| JournalError::Io { file: self.path.clone(), error })
+        written.map_err(|error| JournalError::Io { file: self.path.clone(), error })?;
+        self.size = self.size.map(|size| size + text.len() as u64);
+        Ok(())
     }
+
+    /// Checks that the path still leads to this file, and that the file has the size of what was written.
+    ///
+    /// # Errors
+    /// If the file was deleted, replaced or changed by others.
+    pub(super) fn check_unchanged(&self) -> Result<(), JournalError> {
+        let Some(expected) = self.size else { return Ok(()) };
+        let file = self.path.clone();
+        let [at_path, own] = match (self.path.metadata(), self.file.metadata()) {
+            (Ok(at_path), Ok(own)) => [at_path, own],
+            (Err(error), _) if error.kind() == ErrorKind::NotFound => {
+                return Err(JournalError::Removed { file });
+            }
+            (Err(error), _) | (_, Err(error)) => return Err(JournalError::Io { file, error }),
+        };
+        if file_number(&at_path) != file_number(&own) {
+            return Err(JournalError::Replaced { file });
+        }
+        match own.len() {
+            found if found != expected => Err(JournalError::Resized { file, found, expected }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Opens or creates a sweep file for reading and appending. Windows cannot shorten a file that is open for appending,
+/// so it is opened for writing there.
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).append(cfg!(unix)).create(true).truncate(false);
+    options.open(path)
 }
 
 /// Locks the file against other sweeps. The operating system releases the lock when the process ends. A system without
@@ -122,7 +164,7 @@ impl Reader<'_> {
         &mut self,
         runs: u64,
         beginning: impl Fn(u64) -> String,
-        mut inspect: impl FnMut(&[u8]),
+        mut inspect: impl FnMut(&[u8]) -> Result<(), String>,
     ) -> Result<u64, JournalError> {
         let mut rows = 0;
         loop {
@@ -144,7 +186,11 @@ impl Reader<'_> {
             if !is_whole {
                 return Ok(rows);
             }
-            inspect(&found);
+            inspect(&found).map_err(|reason| JournalError::BadRow {
+                file: self.path.to_owned(),
+                line: self.line,
+                reason,
+            })?;
             self.whole += found.len() as u64;
             rows += 1;
         }
@@ -220,7 +266,7 @@ mod tests {
     fn continued(text: &str) -> Result<String, String> {
         let file = tempfile::NamedTempFile::new().unwrap();
         fs::write(file.path(), text).unwrap();
-        let journal = Journal::open(file.path(), HEAD, 3, |row| format!("{row},"), |_| ());
+        let journal = Journal::open(file.path(), HEAD, 3, |row| format!("{row},"), |_| Ok(()));
         let mut journal = match journal {
             Ok(journal) => journal,
             Err(error) => {
@@ -270,7 +316,7 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         fs::write(file.path(), "# patchcord 0.1.0 sweep\n# patch: a.json\n").unwrap();
         let head = format!("# {}\n", first_line());
-        let error = Journal::open(file.path(), &head, 3, row, |_| ()).err().unwrap().to_string();
+        let error = Journal::open(file.path(), &head, 3, row, |_| Ok(())).err().unwrap().to_string();
         let expected = "was written by another version of patchcord (its first line is \"patchcord 0.1.0 sweep\", this \
              version writes \"patchcord 0.1.0 sweep, format 2\"); the file is unchanged: complete it with the version \
              that started it, or specify another file";
@@ -280,6 +326,7 @@ mod tests {
     #[test]
     fn a_folder_returns_an_error() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(matches!(Journal::open(folder.path(), HEAD, 3, row, |_| ()), Err(JournalError::Io { .. })));
+        let opened = Journal::open(folder.path(), HEAD, 3, row, |_| Ok(()));
+        assert!(matches!(opened, Err(JournalError::Io { .. })));
     }
 }

@@ -31,6 +31,7 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{Backend, LANES, Phase, RunError, RunSettings};
 use patchcord_core::trace::format_exact;
+use row::RowFormat;
 
 /// A sweep: the runs, their settings, and the measures of each run.
 ///
@@ -294,7 +295,8 @@ impl Sweep {
     /// without a row.
     ///
     /// # Errors
-    /// If the file belongs to another sweep or cannot be written. The existing rows are then unchanged.
+    /// If the file belongs to another sweep, has a row that no sweep has written, cannot be written, or is changed by
+    /// others during the sweep. The existing rows are then unchanged.
     pub fn append_to(
         &self,
         path: impl AsRef<Path>,
@@ -303,10 +305,13 @@ impl Sweep {
     ) -> Result<SweepSummary, JournalError> {
         let beginning = |run| row::beginning(&self.plan.values(run));
         let mut existing = SweepSummary::default();
-        let inspect = |line: &[u8]| existing.count(row::error_and_note(line));
+        let format = RowFormat::new(self.column_names(), &self.measures, &self.program);
+        let inspect = |line: &[u8]| format.check(line).map(|found| existing.count(found));
         let mut journal = Journal::open(path.as_ref(), &self.head(), self.plan.runs(), beginning, inspect)?;
         existing.kept = journal.rows;
-        self.compute_remaining(existing, threads, progress, |line| journal.append(line))
+        let summary = self.compute_remaining(existing, threads, progress, |line| journal.append(line))?;
+        journal.check_unchanged()?;
+        Ok(summary)
     }
 
     /// The largest number of runs that a thread computes together. Its first run is computed alone.

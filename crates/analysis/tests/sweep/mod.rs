@@ -3,6 +3,9 @@
 mod lanes;
 mod measures;
 
+#[cfg(unix)]
+use std::{fs, path::Path};
+
 use crate::common::slideway;
 use patchcord_analysis::instruments::Measure;
 use patchcord_analysis::sweep::{Axis, Plan, Sweep, SweepSummary};
@@ -151,6 +154,53 @@ fn a_continued_sweep_counts_the_existing_rows() {
     std::fs::write(file.path(), &table[..cut]).unwrap();
     assert_eq!(summary(), SweepSummary { kept: 2, written: 2, failed: 1, noted: 3 });
     assert_eq!(std::fs::read_to_string(file.path()).unwrap(), table);
+}
+
+/// The error of a sweep of four runs if `change` is made to its file after `done` rows. On Windows,
+/// others cannot change a locked file.
+#[cfg(unix)]
+fn error_after_change(done: u64, change: impl Fn(&Path)) -> String {
+    let sweep = sweep(&pot(), &["k=0.1,0.2,0.3,0.4"], &["voltmeter:s"], |settings| settings);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("rows.csv");
+    let mut progress = |rows: u64| {
+        if rows == done {
+            change(&file);
+        }
+    };
+    let error = sweep.append_to(&file, 1, &mut progress).unwrap_err().to_string();
+    error.replace(&file.display().to_string(), "FILE")
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_others_change_during_the_sweep_is_detected() {
+    // After the last row the change must be detected too.
+    for done in [2, 4] {
+        let error = error_after_change(done, |file| fs::remove_file(file).unwrap());
+        assert!(error.starts_with("FILE was deleted or renamed during the sweep"), "{error}");
+        let error = error_after_change(done, |file| fs::write(file, "").unwrap());
+        assert!(error.starts_with("another program changed FILE during the sweep"), "{error}");
+        assert!(error.contains("it has 0 bytes instead of "), "{error}");
+        let add_row = |file: &Path| {
+            let text = fs::read_to_string(file).unwrap();
+            fs::write(file, text + "5,\n").unwrap();
+        };
+        let error = error_after_change(done, add_row);
+        assert!(error.starts_with("another program changed FILE"), "{error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_others_replace_during_the_sweep_is_left_unchanged() {
+    let replace = |file: &Path| {
+        fs::remove_file(file).unwrap();
+        fs::write(file, "mine").unwrap();
+    };
+    // While the old file is open, the system cannot give its number to the new one.
+    let error = error_after_change(2, replace);
+    assert!(error.starts_with("FILE was replaced by another file during the sweep"), "{error}");
 }
 
 #[test]

@@ -35,12 +35,27 @@ fn messages_name_no_temporary_file() {
 #[test]
 fn two_paths_to_one_file_have_one_destination() {
     let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| destination(folder.path().join(name)).unwrap();
+    let at = |name: &str| destination(&folder.path().join(name)).unwrap();
     fs::create_dir(folder.path().join("inner")).unwrap();
     assert_eq!(at("new.csv"), at("inner/../new.csv"));
-    assert_eq!(at("later/new.csv"), at("later/new.csv"));
+    assert_eq!(at("later/new.csv"), at("later/./sub/../new.csv"));
+    assert_eq!(at("later/../new.csv"), at("new.csv"));
     assert_ne!(at("new.csv"), at("inner/new.csv"));
     assert!(write_atomic(Path::new(""), b"x").is_err());
+}
+
+#[test]
+fn a_staged_file_replaces_the_existing_one_only_when_it_is_committed() {
+    let folder = tempfile::tempdir().unwrap();
+    let [kept, new] = ["kept", "new"].map(|name| folder.path().join(name));
+    fs::write(&kept, "old").unwrap();
+    drop(stage(&kept, b"dropped").unwrap());
+    assert_eq!((entry_count(folder.path()), fs::read(&kept).unwrap()), (1, b"old".to_vec()));
+    let both = [&kept, &new].map(|path| stage(path, b"new").unwrap());
+    assert_eq!(fs::read(&kept).unwrap(), b"old");
+    both.into_iter().for_each(|file| file.commit().unwrap());
+    assert_eq!((fs::read(&kept).unwrap(), fs::read(&new).unwrap()), (b"new".to_vec(), b"new".to_vec()));
+    assert_eq!(entry_count(folder.path()), 2);
 }
 
 #[cfg(target_os = "linux")]
@@ -50,6 +65,11 @@ fn a_folder_without_write_access_is_reported() {
     assert!(check_folder_writable(folder.path()).is_ok());
     assert_eq!(entry_count(folder.path()), 0);
     assert!(check_folder_writable("/proc").is_err());
+    assert!(check_writable("/proc/new.csv").is_err() && check_appendable("/proc/new.csv").is_err());
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    assert!(check_writable(&file).is_ok() && check_appendable(&file).is_ok());
+    assert_eq!(entry_count(folder.path()), 1);
 }
 
 #[cfg(unix)]
@@ -74,6 +94,22 @@ mod unix {
         }
         assert_eq!(destination(&link).unwrap(), destination(&file).unwrap());
         assert_eq!(entry_count(folder.path()), 2);
+    }
+
+    #[test]
+    fn a_file_is_the_same_through_links_of_both_kinds() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let identity = |name: &str| FileIdentity::of(path(name)).unwrap();
+        fs::write(path("file"), "x").unwrap();
+        fs::write(path("other"), "x").unwrap();
+        symlink("file", path("link")).unwrap();
+        fs::hard_link(path("file"), path("name")).unwrap();
+        symlink("new", path("dangling")).unwrap();
+        let same = ["link", "name", "./file"].map(|name| identity(name).is_same(&identity("file")));
+        assert_eq!(same, [true; 3]);
+        assert!(identity("dangling").is_same(&identity("new")));
+        assert!(!identity("other").is_same(&identity("file")));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! units of the document, and names are kept with their position ([`Placed`]) for reports.
 
 use std::collections::HashSet;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
@@ -234,6 +235,8 @@ pub struct Patch {
     pub(super) element_section: IndexMap<String, SectionEntry>,
     /// The points that were read from CSV files. Copies of the patch share them.
     pub(super) tables: Arc<PointsBySpan>,
+    /// The CSV files that were read, each once.
+    pub(super) table_files: Vec<PathBuf>,
     /// Title of the patch; empty if the document has none.
     pub title: String,
     /// Source of the patch, such as a book and a figure.
@@ -280,6 +283,7 @@ impl Patch {
             unread: UnreadNames::default(),
             element_section: IndexMap::new(),
             tables: Arc::default(),
+            table_files: Vec::new(),
             title: String::new(),
             source: String::new(),
             note: String::new(),
@@ -313,6 +317,27 @@ impl Patch {
     /// The name of the file, as the caller specified it.
     pub fn file(&self) -> &str {
         &self.file
+    }
+
+    /// The CSV files from which the tables of the patch were read, each once.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::Patch;
+    /// use std::fs;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let [patch, table] = ["pump.json", "pump.csv"].map(|name| folder.path().join(name));
+    /// let drive = r#""u": {"kind": "table", "scale": "volt", "points": {"csv": "pump.csv"}}"#;
+    /// let scale = r#""scales": {"volt": {"per_volt": 1, "unit": "V"}}"#;
+    /// fs::write(&patch, format!("{{\"patchcord\": 1, {scale}, \"drives\": {{{drive}}}}}"))?;
+    /// fs::write(&table, "t,u\n0,0\n1,50\n")?;
+    /// assert_eq!(Patch::read(&patch)?.table_files(), [table]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn table_files(&self) -> &[PathBuf] {
+        &self.table_files
     }
 
     /// The text of the document, as read or as printed by [`Patch::from_value`].

@@ -5,7 +5,7 @@
 //! once, even if many instances of a macro use it.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::decode_curve::{PointList, SORT_HINT, Symmetry, checked_curve, checked_time_points};
@@ -67,7 +67,7 @@ pub(super) type PointsBySpan = HashMap<Span, Option<Vec<[f64; 2]>>>;
 ///
 /// A reference that the patch has read before is not read again: edited patches keep their tables.
 pub(super) fn read_tables(patch: &mut Patch, folder: &Path) {
-    let Patch { scales, drives, elements, tables, findings, .. } = patch;
+    let Patch { scales, drives, elements, tables, table_files, findings, .. } = patch;
     // The drives of an edited patch have their points already.
     let present = drives.values().flat_map(|drive| &drive.settings).flatten();
     let present = present.map(|setting| match &setting.value {
@@ -75,7 +75,7 @@ pub(super) fn read_tables(patch: &mut Patch, folder: &Path) {
         _ => 0,
     });
     let remaining_points = MAX_TABLE_POINTS.checked_sub(present.sum());
-    let mut reader = TableReader { folder, tables, remaining_points };
+    let mut reader = TableReader { folder, tables, files: table_files, remaining_points };
     for entry in drives.values_mut().chain(elements.values_mut()) {
         let scale = entry.scale.as_ref().and_then(|scale| scales.get(&scale.value));
         for table_file in std::mem::take(&mut entry.table_files) {
@@ -92,6 +92,8 @@ struct TableReader<'f> {
     folder: &'f Path,
     /// The points that have been read.
     tables: &'f mut Arc<PointsBySpan>,
+    /// The files that have been read, each once.
+    files: &'f mut Vec<PathBuf>,
     /// Number of points that the patch may still contain. `None` once the limit is exceeded.
     remaining_points: Option<usize>,
 }
@@ -107,8 +109,12 @@ impl TableReader<'_> {
     ) -> Option<Vec<[f64; 2]>> {
         let remaining_points = self.remaining_points?;
         if !self.tables.contains_key(&table_file.span) {
-            let points = table_file.read(self.folder, unit, findings);
+            let path = self.folder.join(&table_file.file.value);
+            let points = table_file.read(&path, unit, findings);
             Arc::make_mut(self.tables).insert(table_file.span, points);
+            if !self.files.contains(&path) {
+                self.files.push(path);
+            }
         }
         let points = self.tables.get(&table_file.span)?.as_ref()?;
         self.remaining_points = remaining_points.checked_sub(points.len());
@@ -130,15 +136,14 @@ impl TableFile {
         texts.map(|text| text.value.len()).sum()
     }
 
-    /// Reads the columns, converts their units and checks the points. `None` after a report.
-    fn read(&self, folder: &Path, unit: Option<&Unit>, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
-        let path = folder.join(&self.file.value);
-        match csv_table::read(&path, &self.column_selectors())
-            .and_then(|rows| self.converted(rows, unit, &path))
+    /// Reads the columns of the file at `path`, converts their units and checks the points. `None` after a report.
+    fn read(&self, path: &Path, unit: Option<&Unit>, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+        match csv_table::read(path, &self.column_selectors())
+            .and_then(|rows| self.converted(rows, unit, path))
         {
             Ok(rows) => {
-                findings.extend(self.unclear_time(&rows, &path));
-                self.checked_points(rows, &path, findings)
+                findings.extend(self.unclear_time(&rows, path));
+                self.checked_points(rows, path, findings)
             }
             Err(faults) => {
                 findings.extend(faults.into_iter().map(|fault| self.diagnostic(fault)));

@@ -4,7 +4,7 @@
 //! replaces a shipped effect of the same name. Its forms are also wired into an example patch at once, so that faults
 //! are reported with their position in the file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
 
@@ -34,6 +34,8 @@ pub struct Library {
     effects: IndexMap<String, Effect>,
     /// Warnings about the files of a folder.
     notes: Vec<String>,
+    /// The files that were read from folders.
+    files: Vec<PathBuf>,
 }
 
 /// Why the effects of a folder cannot be read.
@@ -129,6 +131,7 @@ impl Library {
                 Ok(Some(_)) => self.notes.push(format!("{name} replaces the shipped effect of that name")),
                 Err(report) => reports.push(*report),
             }
+            self.files.push(file);
         }
         if !reports.is_empty() {
             return Err(EffectError::Invalid(reports));
@@ -153,6 +156,11 @@ impl Library {
     /// Warnings about the files of a folder: shipped effects that were replaced, and aliases that name no effect.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The files that [`Library::with_folder`] has read, in the order of reading.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// All effects: the shipped ones in the order of their names, then the added ones in the order of theirs.

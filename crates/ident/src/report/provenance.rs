@@ -122,12 +122,6 @@ fn finish_patch(
     Ok(editor.finish(file)?)
 }
 
-/// The paths of all CSV files with tables of a patch.
-pub fn table_files(patch: &Patch) -> Vec<PathBuf> {
-    let folder = Path::new(patch.file()).parent().unwrap_or(Path::new(""));
-    table_references(patch).map(|(_, csv)| folder.join(csv)).collect()
-}
-
 /// The table references of a patch with their paths relative to the folder of `file`. Paths that do not exist are
 /// left out.
 fn relocated_tables<'p>(patch: &'p Patch, file: &str) -> Vec<(Vec<&'p str>, String)> {

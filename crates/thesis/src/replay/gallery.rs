@@ -31,11 +31,6 @@ impl<'a> GalleryFigure<'a> {
         let is_related_to = |row: &&ExaminedClaim| figure.is_related_to(&row.claim);
         GalleryFigure { figure, drawn, claims: claims.iter().filter(is_related_to).collect() }
     }
-
-    /// Returns the file name of its picture.
-    pub fn picture(&self) -> String {
-        format!("{}.svg", self.figure.id)
-    }
 }
 
 /// Returns the page of these figures. Claims that belong to none of them are at its end.
@@ -48,7 +43,7 @@ impl<'a> GalleryFigure<'a> {
 /// let figure = figures().find(|figure| figure.id == "fig-2-02").ok_or("a figure of the thesis")?;
 /// let drawn = figure.draw()?;
 /// let entry = GalleryFigure::new(figure, &drawn, &[]);
-/// assert_eq!(entry.picture(), "fig-2-02.svg");
+/// assert_eq!(entry.figure.picture(), "fig-2-02.svg");
 /// assert!(gallery(&[entry], &[]).contains("Fig 2.2: size of stick-slip by sliding velocity"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -138,7 +133,7 @@ fn section(entry: &GalleryFigure<'_>) -> Markup {
 
 /// Formats the picture of a figure with its settings, its commands and its numbers.
 fn picture(entry: &GalleryFigure<'_>) -> Markup {
-    let (file, drawn) = (entry.picture(), entry.drawn);
+    let (file, drawn) = (entry.figure.picture(), entry.drawn);
     html! {
         figure {
             a href=(file) { img src=(file) alt=(entry.figure.heading()) loading="lazy"; }

@@ -74,6 +74,17 @@ pub struct MeasureColumn {
     pub unit: String,
 }
 
+/// What a column may contain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ColumnContent {
+    /// A number. A cell without one has a reason.
+    Number,
+    /// A number, or nothing if nothing happened.
+    OptionalNumber,
+    /// The name of an element, or "none".
+    Name,
+}
+
 /// The value of a measure in one column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasureValue {
@@ -279,6 +290,18 @@ impl Measure {
             },
         });
         columns.collect()
+    }
+
+    /// What each column may contain, in the order of [`Measure::columns`].
+    pub(crate) fn contents(&self) -> impl Iterator<Item = ColumnContent> {
+        let columns = self.definition.columns;
+        // A number next to a name belongs to it: "none" has no number.
+        let has_names = columns.iter().any(|(_, unit)| unit.is_of_names());
+        columns.iter().map(move |(_, unit)| match has_names {
+            true if unit.is_of_names() => ColumnContent::Name,
+            true => ColumnContent::OptionalNumber,
+            false => ColumnContent::Number,
+        })
     }
 
     /// The names of the signals that a run must record for this measure.

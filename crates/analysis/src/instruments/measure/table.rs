@@ -43,6 +43,13 @@ pub(super) enum ColumnUnit {
     Fixed(&'static str),
 }
 
+impl ColumnUnit {
+    /// Whether the column has names instead of numbers.
+    pub(super) fn is_of_names(&self) -> bool {
+        matches!(self, ColumnUnit::Fixed(""))
+    }
+}
+
 /// The signals that a measure reads.
 #[derive(Debug)]
 pub(super) enum MeasureInputs {

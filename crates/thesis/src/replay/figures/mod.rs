@@ -188,6 +188,11 @@ impl Figure {
         }
     }
 
+    /// Returns the file name of its picture in a gallery.
+    pub fn picture(&self) -> String {
+        format!("{}.svg", self.id)
+    }
+
     /// Returns the title of its chapter. Figures on differences have their own title, which sorts after the chapters.
     pub fn chapter(&self) -> &'static str {
         match self.id.split_once('-') {
