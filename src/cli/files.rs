@@ -79,11 +79,18 @@ impl Files {
         self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
     }
 
-    /// Creates the folder, and checks before the run that all files can be written.
+    /// Creates the folder, and checks before the run that all files can be written and that the pictures fit on a
+    /// sheet. `recorded` is the number of recorded signals.
     ///
     /// # Errors
-    /// If two files are the same, if one was read, or if the folder or a file cannot be written.
-    pub(super) fn prepare(&self) -> Result<(), Failure> {
+    /// If there are too many pictures, two files are the same, one was read, or the folder or a file cannot be written.
+    pub(super) fn prepare(&self, circuit: &Circuit, recorded: usize) -> Result<(), Failure> {
+        if !self.sheets.is_empty() {
+            // Without pictures in the patch, every recorded signal gets one.
+            let pictures = Some(circuit.patch().pictures.len()).filter(|count| *count > 0);
+            plot::check_sheet(pictures.unwrap_or(recorded), Size::default())
+                .map_err(|error| Failure::data(error.to_string()))?;
+        }
         self.outputs.prepare(self.folder.as_deref(), self.paths())
     }
 

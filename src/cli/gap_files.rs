@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::outputs::{Outputs, write_failure};
+use patchcord::document::read_text;
 use patchcord::ident::effects::Library;
 use patchcord::ident::report::Report;
 use patchcord::patch::Patch;
@@ -86,7 +87,7 @@ impl<'f> Folder<'f> {
     /// The names of the files of earlier searches, according to the report of the last one and to the marker of one
     /// that was killed.
     fn earlier(&self) -> Vec<String> {
-        let read = |file: &str| fs::read_to_string(self.path(file)).unwrap_or_default();
+        let read = |file: &str| read_text(self.path(file)).unwrap_or_default();
         let marker = read(MARKER);
         let names = marker.strip_prefix(MARKER_HEAD).unwrap_or_default().lines().map(str::to_owned);
         names.chain(files_of_report(&read(REPORT))).collect()

@@ -166,6 +166,7 @@ fn only_drive<'m>(model: &'m StateSpace, from: &str) -> Option<&'m str> {
 fn linear_failure(error: &LinearError) -> Failure {
     match error {
         LinearError::NoDerivative { .. }
+        | LinearError::DerivativeTooLarge { .. }
         | LinearError::NoEigenvalues { .. }
         | LinearError::NoInfluence { .. } => Failure::data(error.to_string()),
         LinearError::NotADrive { .. } => {

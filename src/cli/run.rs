@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let files = arguments.files.files(&arguments.patch, &circuit)?;
     let settings = arguments.settings(&circuit, &program)?;
-    files.prepare()?;
+    files.prepare(&circuit, settings.record.len())?;
     let trace = match run_with_progress(&program, &settings) {
         Ok(trace) => trace,
         Err(stopped) => return Err(arguments.stopped_failure(*stopped, &files, &circuit)),

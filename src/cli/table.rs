@@ -59,7 +59,9 @@ impl Table {
 /// Pads the cells to the widths. Two spaces separate columns, and spaces at the end are removed.
 fn line(row: &[String], widths: &[usize], numeric: &[bool]) -> String {
     let cells = row.iter().zip(widths).zip(numeric).map(|((cell, width), numeric)| {
-        if *numeric { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+        // The width of a format is limited to 65535, and names inside macros can be longer.
+        let padding = " ".repeat(width - cell.chars().count());
+        if *numeric { padding + cell } else { cell.clone() + &padding }
     });
     let line = cells.collect::<Vec<_>>().join("  ");
     format!("{}\n", line.trim_end())
@@ -75,5 +77,12 @@ mod tests {
         table.row(["A1".into(), "100".into()]);
         table.row(["long".into(), "-5".into()]);
         assert_eq!(table.text(), "name  volts\nA1      100\nlong     -5\n");
+    }
+
+    #[test]
+    fn a_cell_can_have_more_than_65535_characters() {
+        let mut table = Table::new(["name", "volts"]);
+        table.row(["a".repeat(70_000), "1".into()]);
+        assert!(table.text().ends_with("a      1\n"));
     }
 }

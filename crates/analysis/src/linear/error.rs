@@ -12,6 +12,12 @@ pub enum LinearError {
         /// The state, delay line or signal with this derivative.
         element: String,
     },
+    /// A derivative is too large for the analysis.
+    #[error("the derivative of {element} exceeds 1e100 at this point: reduce the gains in front of it")]
+    DerivativeTooLarge {
+        /// The state, delay line or signal with this derivative.
+        element: String,
+    },
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalues of {states} cannot be computed: the iteration does not converge")]
     NoEigenvalues {

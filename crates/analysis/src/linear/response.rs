@@ -12,7 +12,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::LinearError;
 use super::band::FrequencyBand;
 use super::phase::PhaseUnwrapper;
-use super::roots::{Root, Stability, check_finite, roots};
+use super::roots::{Root, Stability, check_derivatives, roots};
 use patchcord_core::document::suggestion;
 use patchcord_core::ir::{Port, StateSpace};
 
@@ -178,7 +178,7 @@ impl<'m> TransferFunction<'m> {
             LinearError::NotADrive { name: drive.to_owned(), hint: hint(drive, &model.inputs, "no drive") }
         })?;
         let output = OutputRow::new(model, input, signal)?;
-        check_finite(model)?;
+        check_derivatives(model)?;
         let inner = model.states.len() + model.delays.len();
         Ok(TransferFunction {
             model,

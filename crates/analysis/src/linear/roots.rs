@@ -79,7 +79,7 @@ impl Root {
 /// Roots that differ only by rounding are merged into one multiple root.
 ///
 /// # Errors
-/// If a derivative is not finite, the iteration does not converge, or a delay line is part of a loop.
+/// If a derivative is not finite or too large, the iteration does not converge, or a delay line is part of a loop.
 ///
 /// # Examples
 ///
@@ -106,7 +106,7 @@ impl Root {
 /// # }
 /// ```
 pub fn roots(model: &StateSpace) -> Result<Vec<Root>, LinearError> {
-    check_finite(model)?;
+    check_derivatives(model)?;
     let delays = delays_in_loops(model);
     if !delays.is_empty() {
         return Err(LinearError::DelayInLoop(delays));
@@ -173,14 +173,23 @@ fn order(root: &Root) -> (f64, f64, f64) {
     (root.natural_frequency(), root.real, root.imaginary)
 }
 
-/// An error if a derivative is not finite.
-pub(super) fn check_finite(model: &StateSpace) -> Result<(), LinearError> {
-    let bad = model.matrix.iter().position(|row| row.iter().any(|slope| !slope.is_finite()));
+/// Largest derivative that is analysed. The square of a derivative must be finite: balancing a matrix would otherwise
+/// never end.
+const MAX_DERIVATIVE: f64 = 1e100;
+
+/// An error if a derivative is not finite or too large.
+pub(super) fn check_derivatives(model: &StateSpace) -> Result<(), LinearError> {
+    let is_bad = |slope: &f64| !slope.is_finite() || slope.abs() > MAX_DERIVATIVE;
+    let bad = model.matrix.iter().position(|row| row.iter().any(is_bad));
     let Some(row) = bad else { return Ok(()) };
     let states = model.states.iter().map(|state| &state.name);
     let delays = model.delays.iter().map(|delay| &delay.name);
     let mut names = states.chain(delays).chain(model.outputs.iter().map(|port| &port.name));
-    Err(LinearError::NoDerivative { element: names.nth(row).cloned().unwrap_or_default() })
+    let element = names.nth(row).cloned().unwrap_or_default();
+    match model.matrix[row].iter().all(|slope| slope.is_finite()) {
+        true => Err(LinearError::DerivativeTooLarge { element }),
+        false => Err(LinearError::NoDerivative { element }),
+    }
 }
 
 /// Names of the delay lines whose output is fed back to their input.

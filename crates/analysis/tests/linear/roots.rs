@@ -263,3 +263,13 @@ fn an_infinite_derivative_returns_an_error_with_its_element() {
     let error = LinearError::NoDerivative { element: model.states[1].name.clone() };
     assert_eq!(patchcord_analysis::linear::roots(&model), Err(error));
 }
+
+#[test]
+fn a_derivative_whose_square_overflows_returns_an_error_with_its_element() {
+    let mut model = crate::linear::model(&built(companion(&[2.0, 1.0])));
+    for huge in [1e101, -1e200] {
+        model.matrix[1][0] = huge;
+        let error = LinearError::DerivativeTooLarge { element: model.states[1].name.clone() };
+        assert_eq!(patchcord_analysis::linear::roots(&model), Err(error));
+    }
+}

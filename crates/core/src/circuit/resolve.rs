@@ -15,7 +15,7 @@ use super::scope::Quantities;
 use super::{
     Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals, table_times,
 };
-use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, suggestion};
+use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, factor_violation, suggestion};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
 use crate::machines::{self, MachineModel};
 use crate::patch::{Amount, ElementEntry, Patch, Plug, cord_hint, cord_notation, no_cord, outputs_tied};
@@ -227,10 +227,14 @@ impl CordPlugger<'_> {
         Diagnostic::at(Code::UNKNOWN_INPUT, jack.span, message).hint(hint)
     }
 
-    /// Reports a gain that the machine does not have for this kind.
+    /// Reports a gain outside the limits of all gains, or one that the machine does not have for this kind.
     ///
-    /// The machine without limits permits every gain, so its lists of gains are empty.
+    /// The machine without limits permits every other gain, so its lists of gains are empty.
     fn check_gain(&self, jack: &Placed<String>, gain: f64, findings: &mut Vec<Diagnostic>) {
+        let what = format!("an input gain of {}", self.name);
+        if let Some(finding) = factor_violation(&what, Placed { value: gain, span: jack.span }) {
+            return findings.push(finding);
+        }
         let gains = available_gains(self.machine, self.entry.kind);
         if gains.is_empty() || gains.contains(&gain) {
             return;

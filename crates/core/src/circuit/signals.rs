@@ -5,7 +5,7 @@
 //! A name in a picture can also be the time "t", or the derivative of a signal with respect to a parameter. The methods
 //! of [`Circuit`] for signals and pictures are at the end.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use indexmap::IndexSet;
 
@@ -119,9 +119,11 @@ impl<'a> Recordable<'a> {
         self.points[point].scale.is_none() && !names_scale && !self.patch.drives.contains_key(name)
     }
 
-    /// Reports pictures with more than two units: a picture has a left and a right axis.
+    /// Reports signals that a picture draws twice, and pictures with more than two units: a picture has a left and a
+    /// right axis.
     fn pictures(&self, findings: &mut Vec<Diagnostic>) {
         for picture in &self.patch.pictures {
+            report_repeated(&picture.y, findings);
             self.drawn_unit(&picture.x, findings);
             let drawn = picture.y.iter().filter_map(|name| self.drawn_unit(name, findings));
             let units: BTreeSet<String> = drawn.collect();
@@ -166,6 +168,15 @@ impl<'a> Recordable<'a> {
     }
 }
 
+/// Reports every name that a picture draws more than once.
+fn report_repeated(names: &[Placed<String>], findings: &mut Vec<Diagnostic>) {
+    let mut drawn = HashSet::new();
+    for name in names.iter().filter(|name| !drawn.insert(name.value.as_str())) {
+        let message = format!("the picture shows {} twice", name.value);
+        findings.push(Diagnostic::at(Code::DUPLICATE_NAME, name.span, message).hint("remove one of the two"));
+    }
+}
+
 impl Circuit {
     /// Everything that can be recorded: the signals of the patch, then the drives, then the elements.
     ///
@@ -204,13 +215,7 @@ impl Circuit {
     /// Names of the signals that the patch records or draws, without repetitions. The recorded ones come first.
     pub fn recorded_signals(&self) -> Vec<String> {
         let recorded = self.record.iter().map(|index| self.signals[*index].name.clone());
-        let mut names: Vec<String> = recorded.collect();
-        for name in self.drawn_signals() {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        names
+        recorded.chain(self.drawn_signals()).collect::<IndexSet<_>>().into_iter().collect()
     }
 
     /// Names of the signals that the pictures of the patch show, or whose derivatives they show. Names may be repeated.

@@ -8,12 +8,12 @@
 mod column_name;
 mod reader;
 
-use std::fs::File;
-use std::io::{BufRead as _, BufReader, ErrorKind};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read as _};
 use std::path::Path;
 
+use super::input_file::InputFile;
 use crate::output::io_reason;
-use reader::Reader;
+use reader::{MAX_LINE_BYTES, Reader};
 
 pub use column_name::{split_unit, unclear_time, without_unit};
 
@@ -147,31 +147,20 @@ fn read_until<'a>(
     selectors: &'a [ColumnSelector<'a>],
     is_done: impl Fn(&Reader<'a>) -> bool,
 ) -> Result<CsvTable, Vec<CsvFault>> {
-    let mut lines = BufReader::new(open(path).map_err(|fault| vec![fault])?);
+    let unreadable = |error: std::io::Error| vec![unreadable(path, &error)];
+    let mut lines = BufReader::new(InputFile::open(path, MAX_FILE_BYTES).map_err(unreadable)?);
     let mut reader = Reader::new(path, selectors);
     let mut line = Vec::new();
     while !is_done(&reader) {
         line.clear();
-        match lines.read_until(b'\n', &mut line) {
-            Ok(0) => break,
-            Ok(_) => reader.line(&line),
-            Err(error) => return Err(vec![unreadable(path, &error)]),
+        // One byte above the limit is enough for the reader to report the line.
+        let mut bounded = lines.by_ref().take(MAX_LINE_BYTES as u64 + 1);
+        match bounded.read_until(b'\n', &mut line).map_err(unreadable)? {
+            0 => break,
+            _ => reader.line(&line),
         }
     }
     reader.finish()
-}
-
-/// Opens a file, if it is a regular file of at most 100 MB.
-fn open(path: &Path) -> Result<File, CsvFault> {
-    let metadata = path.metadata().map_err(|error| unreadable(path, &error))?;
-    if !metadata.is_file() {
-        return Err(CsvFault::new(format!("{} is not a file", path.display()), "name a CSV file"));
-    }
-    if metadata.len() > MAX_FILE_BYTES {
-        let message = format!("{} has more than {} MB", path.display(), MAX_FILE_BYTES / 1_000_000);
-        return Err(CsvFault::new(message, "use fewer columns or rows"));
-    }
-    File::open(path).map_err(|error| unreadable(path, &error))
 }
 
 /// The fault for an error of the file system.
@@ -180,10 +169,12 @@ fn unreadable(path: &Path, error: &std::io::Error) -> CsvFault {
         let hint = "paths are relative to the folder of the document that names the file";
         return CsvFault::new(format!("there is no file {}", path.display()), hint);
     }
-    CsvFault::new(
-        format!("cannot read {}: {}", path.display(), io_reason(error)),
-        "check the file's permissions",
-    )
+    let hint = match error.kind() {
+        ErrorKind::FileTooLarge => "use fewer columns or rows",
+        ErrorKind::IsADirectory | ErrorKind::InvalidInput => "name a CSV file",
+        _ => "check the file's permissions",
+    };
+    CsvFault::new(format!("cannot read {}: {}", path.display(), io_reason(error)), hint)
 }
 
 /// Number of characters of a field that a message shows at most. It limits how much of a wrong file is shown.

@@ -1,11 +1,11 @@
 //! Reads the text of a document from its file, with a limit on the size.
 
-use std::fs;
-use std::io::Read as _;
+use std::io::{ErrorKind, Read as _};
 use std::path::Path;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
+use super::input_file::InputFile;
 use super::report::Report;
 use crate::output::io_reason;
 
@@ -35,7 +35,7 @@ pub(crate) const MAX_DOCUMENT_BYTES: usize = 16_000_000;
 /// Reads the text of a document.
 ///
 /// # Errors
-/// If the file cannot be read, has more than 16 MB, or is not UTF-8 text.
+/// If the file cannot be read, is not a regular file, has more than 16 MB, or is not UTF-8 text.
 ///
 /// # Examples
 ///
@@ -48,14 +48,10 @@ pub(crate) const MAX_DOCUMENT_BYTES: usize = 16_000_000;
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, DocumentError> {
     let path = path.as_ref();
     let file = path.display().to_string();
-    let bytes = read_limited(path).map_err(|source| DocumentError::File {
-        verb: "read",
-        file: file.clone(),
-        source,
+    let bytes = read_limited(path).map_err(|source| match source.kind() {
+        ErrorKind::FileTooLarge => DocumentError::Text(document_too_large(&file)),
+        _ => DocumentError::File { verb: "read", file: file.clone(), source },
     })?;
-    if bytes.len() > MAX_DOCUMENT_BYTES {
-        return Err(document_too_large(&file).into());
-    }
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
@@ -67,10 +63,10 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, DocumentError> {
     Ok(text)
 }
 
-/// The bytes of a file, at most one byte more than the limit.
+/// The bytes of a file, at most [`MAX_DOCUMENT_BYTES`].
 fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    fs::File::open(path)?.take(MAX_DOCUMENT_BYTES as u64 + 1).read_to_end(&mut bytes)?;
+    InputFile::open(path, MAX_DOCUMENT_BYTES as u64)?.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

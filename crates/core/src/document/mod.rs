@@ -22,6 +22,7 @@ mod diagnostic;
 pub mod fields;
 pub(crate) mod file;
 mod formula_error;
+mod input_file;
 mod json_value;
 mod kind;
 mod line_index;
@@ -38,6 +39,7 @@ pub use derivative::{derivative_name, derivative_of, derivative_unit};
 pub use diagnostic::{Diagnostic, Severity, Span, any_error};
 pub use file::{DocumentError, read_text};
 pub use formula_error::{formula_diagnostic, unit_mismatch};
+pub use input_file::InputFile;
 pub use json_value::json_value;
 pub use kind::DocumentKind;
 pub use parameter_range::{ParameterRangeError, parameter_in_si};
@@ -57,8 +59,36 @@ pub struct Placed<T> {
     pub span: Span,
 }
 
+/// The largest number of characters of a name in a document or a table. Tables and pictures print names in full.
+pub const MAX_NAME_CHARACTERS: usize = 200;
+
+/// Whether a name has more than [`MAX_NAME_CHARACTERS`] characters.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::is_name_too_long;
+///
+/// assert!(!is_name_too_long(&"a".repeat(200)));
+/// assert!(is_name_too_long(&"a".repeat(201)));
+/// ```
+pub fn is_name_too_long(name: &str) -> bool {
+    name.chars().nth(MAX_NAME_CHARACTERS).is_some()
+}
+
 /// Name under which formulas can use the time scale, in machine seconds per problem second.
 pub const TIME_SCALE: &str = "time_scale";
+
+/// Largest time scale and largest input gain. The smallest ones are 1 / `MAX_FACTOR`. No real machine comes near either,
+/// and the products of gains in a circuit stay finite.
+const MAX_FACTOR: f64 = 1e12;
+
+/// The diagnostic for a time scale or an input gain outside its limits. `what` is the subject of the message.
+pub(crate) fn factor_violation(what: &str, factor: Placed<f64>) -> Option<Diagnostic> {
+    let is_allowed = (1.0 / MAX_FACTOR..=MAX_FACTOR).contains(&factor.value);
+    let message = format!("{what} must be from 1e-12 to 1e12, not {}", format_number(factor.value));
+    (!is_allowed).then(|| Diagnostic::at(Code::BAD_NUMBER, factor.span, message))
+}
 
 /// The smallest tolerance of a run. Below it, rounding errors exceed the errors of the steps: none of the test
 /// problems with a known solution becomes more accurate.

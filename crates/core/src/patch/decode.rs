@@ -15,7 +15,9 @@ use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Scale, Sign
 use super::macros;
 use crate::document::fields::{Fields, Findings, list, number, positive, string, strings};
 use crate::document::tree::{self, Content, Node};
-use crate::document::{Code, Diagnostic, DocumentKind, Placed, Span, any_error, formula, parse_unit, range};
+use crate::document::{
+    Code, Diagnostic, DocumentKind, Placed, Span, any_error, factor_violation, formula, parse_unit, range,
+};
 use crate::elements::Family;
 use patchcord_expr::{Unit, nearest};
 
@@ -125,7 +127,15 @@ fn version(fields: &mut Fields<'_>, findings: &mut Findings) {
 
 /// The time scale in machine seconds per problem second; 1 if it is absent or invalid.
 fn time_scale(fields: &mut Fields<'_>, findings: &mut Findings) -> f64 {
-    positive(fields, "time_scale", findings).map_or(1.0, |placed| placed.value)
+    let Some(scale) = positive(fields, "time_scale", findings) else { return 1.0 };
+    let value = scale.value;
+    match factor_violation("\"time_scale\"", scale) {
+        None => value,
+        Some(finding) => {
+            findings.push(finding);
+            1.0
+        }
+    }
 }
 
 /// Decodes an entry of "parameters". `None` if the value or the unit cannot be read.

@@ -3,7 +3,8 @@
 //! Parameters, scales and settings of macros are named in formulas. Elements, drives, signals and ports are named by
 //! cords and in recorded tables. The second group may contain more characters.
 
-use crate::document::{Code, Diagnostic, Span, TIME_SCALE};
+use crate::document::csv_table::excerpt;
+use crate::document::{Code, Diagnostic, MAX_NAME_CHARACTERS, Span, TIME_SCALE, is_name_too_long};
 use crate::elements::REFERENCES;
 use patchcord_expr::Callee;
 
@@ -12,8 +13,8 @@ const TABLE_COLUMNS: [&str; 3] = ["t", "run", "phase"];
 
 /// Checks a name that formulas use. `noun` is the kind of object, such as "parameter".
 ///
-/// A valid name consists of ASCII letters, digits and _, and does not begin with a digit. It is not "pi", the time
-/// scale or a function. `None` if the name is valid.
+/// A valid name consists of at most 200 ASCII letters, digits and _, and does not begin with a digit. It is not "pi",
+/// the time scale or a function. `None` if the name is valid.
 ///
 /// # Examples
 ///
@@ -31,16 +32,18 @@ pub fn check_quantity_name(name: &str, span: Span, noun: &str) -> Option<Diagnos
     let is_reserved = name == "pi" || name == TIME_SCALE || Callee::from_name(name).is_some();
     let hint = if is_reserved {
         "the name is reserved in formulas"
-    } else {
+    } else if !has_valid_start || !has_valid_characters {
         "use letters, digits and _, and begin with a letter"
+    } else {
+        return check_length(name, span, noun);
     };
-    (!has_valid_start || !has_valid_characters || is_reserved).then(|| invalid_name(name, span, noun, hint))
+    Some(invalid_name(name, span, noun, hint))
 }
 
 /// Checks a name that cords use or that can be recorded. `noun` is the kind of object, such as "element".
 ///
-/// A valid name begins with a letter and consists of letters, digits, _, - and the dot. It is not a reference ("+100")
-/// or a column of recorded tables. `None` if the name is valid.
+/// A valid name begins with a letter and consists of at most 200 letters, digits, _, - and dots. It is not a reference
+/// ("+100") or a column of recorded tables. `None` if the name is valid.
 ///
 /// # Examples
 ///
@@ -58,10 +61,18 @@ pub fn check_output_name(name: &str, span: Span, noun: &str) -> Option<Diagnosti
     let is_reserved = TABLE_COLUMNS.contains(&name) || is_reference(name);
     let hint = if is_reserved {
         "the name is reserved"
-    } else {
+    } else if !has_valid_start || !has_valid_characters {
         "use letters, digits, _, - and ., and begin with a letter"
+    } else {
+        return check_length(name, span, noun);
     };
-    (!has_valid_start || !has_valid_characters || is_reserved).then(|| invalid_name(name, span, noun, hint))
+    Some(invalid_name(name, span, noun, hint))
+}
+
+/// The diagnostic for a name with too many characters. `None` if it is short enough.
+fn check_length(name: &str, span: Span, noun: &str) -> Option<Diagnostic> {
+    let hint = format!("use at most {MAX_NAME_CHARACTERS} characters");
+    is_name_too_long(name).then(|| invalid_name(name, span, noun, &hint))
 }
 
 /// Whether a name is that of a reference: +100, -100 or ground.
@@ -69,9 +80,10 @@ pub(crate) fn is_reference(name: &str) -> bool {
     REFERENCES.iter().any(|(reference, _)| *reference == name)
 }
 
-/// The diagnostic for an invalid name.
+/// The diagnostic for an invalid name. Only the beginning of a long name is shown.
 fn invalid_name(name: &str, span: Span, noun: &str, hint: &str) -> Diagnostic {
-    let message = format!("\"{name}\" cannot name {}", with_article(noun));
+    let shown = if is_name_too_long(name) { excerpt(name) } else { name.to_owned() };
+    let message = format!("\"{shown}\" cannot name {}", with_article(noun));
     Diagnostic::at(Code::BAD_NAME, span, message).hint(hint)
 }
 

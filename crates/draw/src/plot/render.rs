@@ -68,7 +68,7 @@ impl Default for Size {
 /// # Ok::<(), PlotError>(())
 /// ```
 pub fn render(pictures: &[Picture], format: Format, size: Size) -> Result<Vec<u8>, PlotError> {
-    check_size(size, pictures.len())?;
+    check_sheet(pictures.len(), size)?;
     pictures.iter().flat_map(Picture::axes).try_for_each(check_axis)?;
     let font = Font::load()?;
     let frame = Frame::for_pictures(pictures, size, &font);
@@ -78,8 +78,22 @@ pub fn render(pictures: &[Picture], format: Format, size: Size) -> Result<Vec<u8
     }
 }
 
-/// Checks the size of a picture and the number of pictures, before anything is drawn.
-fn check_size(size: Size, pictures: usize) -> Result<(), PlotError> {
+/// Checks the number of pictures of a sheet and the size of each, before anything is drawn.
+///
+/// # Errors
+///
+/// As for [`render`]: [`PlotError::NoPictures`], [`PlotError::Size`] or [`PlotError::TooTall`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{PlotError, Size, check_sheet};
+///
+/// // A sheet has at most 60000 pixels, and each picture has 560.
+/// assert!(check_sheet(107, Size::default()).is_ok());
+/// assert!(matches!(check_sheet(108, Size::default()), Err(PlotError::TooTall { pictures: 108 })));
+/// ```
+pub fn check_sheet(pictures: usize, size: Size) -> Result<(), PlotError> {
     let permitted = Size::MIN_SIDE..=Size::MAX_SIDE;
     if pictures == 0 {
         Err(PlotError::NoPictures)

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 
 use crate::effects::{Effect, wiring_check};
-use patchcord_core::document::Report;
+use patchcord_core::document::{DocumentError, Report, read_text};
 use patchcord_core::output::io_reason;
 
 /// The files of `patches/effects`: name and text. The build script writes the list.
@@ -42,14 +42,17 @@ pub struct Library {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EffectError {
-    /// The file system returned an error.
-    #[error("cannot read {file}: {}", io_reason(source))]
-    File {
-        /// The file or folder.
-        file: String,
+    /// The folder cannot be read.
+    #[error("cannot read {folder}: {}", io_reason(source))]
+    Folder {
+        /// The folder.
+        folder: String,
         /// The error of the file system.
         source: std::io::Error,
     },
+    /// A file in the folder cannot be read.
+    #[error(transparent)]
+    File(DocumentError),
     /// The path is a file instead of a folder.
     #[error("{file} is a file: name the folder that it is in; all effects in that folder are read")]
     NotAFolder {
@@ -110,13 +113,13 @@ impl Library {
     /// ```
     pub fn with_folder(mut self, folder: impl AsRef<Path>) -> Result<Library, EffectError> {
         let folder = folder.as_ref();
-        let unreadable = |path: &Path, source| EffectError::File { file: path.display().to_string(), source };
+        let unreadable = |source| EffectError::Folder { folder: folder.display().to_string(), source };
         if folder.is_file() {
             return Err(EffectError::NotAFolder { file: folder.display().to_string() });
         }
-        let entries = std::fs::read_dir(folder).map_err(|source| unreadable(folder, source))?;
+        let entries = std::fs::read_dir(folder).map_err(unreadable)?;
         let files: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| entry.path())).collect();
-        let mut files = files.map_err(|source| unreadable(folder, source))?;
+        let mut files = files.map_err(unreadable)?;
         files.retain(|file| file.extension().is_some_and(|extension| extension == "json"));
         if files.is_empty() {
             return Err(EffectError::EmptyFolder { folder: folder.display().to_string() });
@@ -124,12 +127,12 @@ impl Library {
         files.sort();
         let mut reports = Vec::new();
         for file in files {
-            let text = std::fs::read_to_string(&file).map_err(|source| unreadable(&file, source))?;
             let name = file.display().to_string();
-            match read_and_wire(&name, &text).map(|effect| self.add(effect)) {
+            match read_and_wire(&file, &name).map(|effect| self.add(effect)) {
                 Ok(None) => (),
                 Ok(Some(_)) => self.notes.push(format!("{name} replaces the shipped effect of that name")),
-                Err(report) => reports.push(*report),
+                Err(DocumentError::Text(report)) => reports.push(*report),
+                Err(error) => return Err(EffectError::File(error)),
             }
             self.files.push(file);
         }
@@ -174,11 +177,12 @@ impl Library {
     }
 }
 
-/// Reads an effect and wires it into the example patch.
+/// Reads an effect from a file and wires it into the example patch. Reports name the file as `name`.
 ///
 /// The two steps find different faults: the first those of the document, the second those of the wiring.
-fn read_and_wire(name: &str, text: &str) -> Result<Effect, Box<Report>> {
-    let effect = Effect::parse(name, text)?;
-    wiring_check::check(name, text, &effect)?;
+fn read_and_wire(file: &Path, name: &str) -> Result<Effect, DocumentError> {
+    let text = read_text(file)?;
+    let effect = Effect::parse(name, &text)?;
+    wiring_check::check(name, &text, &effect)?;
     Ok(effect)
 }

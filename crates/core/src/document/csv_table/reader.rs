@@ -6,8 +6,14 @@ use std::rc::Rc;
 use super::{
     ColumnSelector, CsvFault, CsvTable, MAX_EXCERPT_CHARACTERS, MAX_FAULTS, UnitComment, excerpt, split_unit,
 };
-use crate::document::suggestion;
+use crate::document::{MAX_NAME_CHARACTERS, is_name_too_long, suggestion};
 use patchcord_expr::Unit;
+
+/// Number of bytes of a line at most. A file without line ends would otherwise be one line of 100 MB.
+pub(super) const MAX_LINE_BYTES: usize = 10_000_000;
+
+/// Number of columns of a table at most, and of comment lines that give units. Every name takes memory.
+pub(super) const MAX_COLUMNS: usize = 10_000;
 
 /// Number of rows of a table at most. Every row ends a step, so a longer table would make a run of hours.
 pub(super) const MAX_ROWS: usize = 2_000_000;
@@ -73,33 +79,40 @@ impl<'a> Reader<'a> {
     /// Reads one line: a comment, the names, or a row. A byte order mark at the start of the file is skipped.
     pub(super) fn line(&mut self, bytes: &[u8]) {
         self.line_number += 1;
-        let Ok(text) = std::str::from_utf8(bytes) else {
-            return self.fault("is not UTF-8 text", NOT_TEXT_HINT);
+        if bytes.len() > MAX_LINE_BYTES {
+            // The rest of the line would count as the next line, so the reader stops.
+            self.columns = None;
+            return self.fault(&format!("has more than {} MB", MAX_LINE_BYTES / 1_000_000), NOT_TEXT_HINT);
+        }
+        let text = match line_text(bytes, self.line_number == 1) {
+            Ok(text) => text,
+            Err([what, hint]) => return self.fault(what, hint),
         };
-        let text = text.trim_end_matches(['\r', '\n']);
-        let text = if self.line_number == 1 { text.strip_prefix('\u{feff}').unwrap_or(text) } else { text };
-        if text.contains('\r') {
-            return self.fault(
-                "contains a carriage return",
-                "end lines with a line feed, with or without a carriage return before it",
-            );
-        }
-        if text.contains(is_control_character) {
-            return self.fault("contains control characters", NOT_TEXT_HINT);
-        }
         if let Some(comment) = text.strip_prefix('#') {
-            let unit_comment =
-                |unit: &str| UnitComment { text: unit.trim().to_owned(), line: self.line_number };
-            self.unit_comments.extend(
-                comment.split_once(':').map(|(name, unit)| (name.trim().to_owned(), unit_comment(unit))),
-            );
-        } else if !text.trim().is_empty() {
-            let fields = fields(text);
-            match self.columns.clone() {
-                None => self.names(&fields),
-                Some(columns) => self.row(&columns, &fields),
-            }
+            return self.comment(comment);
         }
+        if text.trim().is_empty() {
+            return;
+        }
+        let fields = fields(text);
+        if fields.len() > MAX_COLUMNS {
+            return self.fault(&format!("has more than {MAX_COLUMNS} columns"), "use fewer columns");
+        }
+        match self.columns.clone() {
+            None => self.names(&fields),
+            Some(columns) => self.row(&columns, &fields),
+        }
+    }
+
+    /// Reads a comment line without its `#`. In front of the line of names, `name: unit` gives the unit of a column.
+    fn comment(&mut self, comment: &str) {
+        let Some((name, unit)) = comment.split_once(':').filter(|_| self.columns.is_none()) else { return };
+        if self.unit_comments.len() == MAX_COLUMNS {
+            let what = format!("exceeds the limit of {MAX_COLUMNS} comment lines with a colon");
+            return self.fault(&what, "remove the comment lines that give no unit of a column");
+        }
+        let unit = UnitComment { text: unit.trim().to_owned(), line: self.line_number };
+        self.unit_comments.push((name.trim().to_owned(), unit));
     }
 
     /// Adds a fault of the current line. `what` is a predicate, such as "is empty".
@@ -126,6 +139,15 @@ impl<'a> Reader<'a> {
             indices.push(self.column(fields, selector_index, *selector, before));
         }
         let Some(indices) = indices.into_iter().collect::<Option<Rc<[usize]>>>() else { return };
+        if let Some(selector_index) = indices.iter().position(|index| is_name_too_long(&fields[*index])) {
+            let message = format!(
+                "line {} of {} has a column name of more than {MAX_NAME_CHARACTERS} characters",
+                self.line_number,
+                self.path.display()
+            );
+            let fault = CsvFault::new(message, "give the column a shorter name");
+            return self.faults.push(CsvFault { column: Some(selector_index), ..fault });
+        }
         self.table.columns = vec![Vec::new(); indices.len()];
         self.table.names = indices.iter().map(|index| fields[*index].clone()).collect();
         self.table.all_names = fields.to_vec();
@@ -286,21 +308,40 @@ fn column_hint(name: &str, fields: &[String]) -> String {
     hint.unwrap_or_else(|| "a table begins with a line of names, such as t,x".to_owned())
 }
 
+/// The text of a line without its line end, and without the byte order mark of the first line.
+///
+/// # Errors
+/// If the bytes are not text: what is wrong with the line, and the hint.
+fn line_text(bytes: &[u8], is_first: bool) -> Result<&str, [&'static str; 2]> {
+    let text = std::str::from_utf8(bytes).map_err(|_| ["is not UTF-8 text", NOT_TEXT_HINT])?;
+    let text = text.trim_end_matches(['\r', '\n']);
+    let text = if is_first { text.strip_prefix('\u{feff}').unwrap_or(text) } else { text };
+    if text.contains('\r') {
+        let hint = "end lines with a line feed, with or without a carriage return before it";
+        return Err(["contains a carriage return", hint]);
+    }
+    if text.contains(is_control_character) {
+        return Err(["contains control characters", NOT_TEXT_HINT]);
+    }
+    Ok(text)
+}
+
 /// Whether a character cannot be part of a text file. Tabs can.
 fn is_control_character(letter: char) -> bool {
     letter.is_control() && letter != '\t'
 }
 
-/// The fields of a line, without quotes and surrounding blanks. There is at least one field.
+/// The fields of a line, without quotes and surrounding blanks. There is at least one field, and at most one more than
+/// [`MAX_COLUMNS`].
 fn fields(text: &str) -> Vec<String> {
     if !text.contains('"') {
-        return text.split(',').map(|field| field.trim().to_owned()).collect();
+        return text.split(',').take(MAX_COLUMNS + 1).map(|field| field.trim().to_owned()).collect();
     }
     let mut builder = csv::ReaderBuilder::new();
     builder.has_headers(false).flexible(true).trim(csv::Trim::All).buffer_capacity(text.len().max(1));
     let record = builder.from_reader(text.as_bytes()).into_records().next();
     let fields: Vec<String> = match record {
-        Some(Ok(record)) => record.iter().map(str::to_owned).collect(),
+        Some(Ok(record)) => record.iter().take(MAX_COLUMNS + 1).map(str::to_owned).collect(),
         _ => Vec::new(),
     };
     if fields.is_empty() { vec![String::new()] } else { fields }

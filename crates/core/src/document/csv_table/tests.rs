@@ -1,6 +1,6 @@
 //! Unit tests of `csv_table`.
 
-use super::reader::MAX_ROWS;
+use super::reader::{MAX_COLUMNS, MAX_ROWS};
 use super::*;
 
 /// Selects the first two columns.
@@ -143,7 +143,56 @@ fn at_most_one_field_of_a_file_that_is_not_a_table_is_shown() {
 #[test]
 fn a_folder_and_a_table_with_too_many_rows_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(read(folder.path(), &FIRST_TWO).unwrap_err()[0].message.ends_with("is not a file"));
+    let faults = read(folder.path(), &FIRST_TWO).unwrap_err();
+    assert!(faults[0].message.ends_with(": it is a folder"), "{faults:?}");
     let endless = "t,x\n".to_owned() + &"0,1\n".repeat(MAX_ROWS + 1);
     assert!(only_fault(&endless).contains("the limit of 2000000 rows"), "{}", only_fault(&endless));
+}
+
+#[test]
+fn more_than_10000_columns_are_refused_in_the_line_of_names_and_in_a_row() {
+    let names: Vec<_> = (0..MAX_COLUMNS).map(|index| format!("c{index}")).collect();
+    let allowed = format!("{}\n{}0\n", names.join(","), "0,".repeat(MAX_COLUMNS - 1));
+    assert_eq!(columns(&allowed, &FIRST_TWO), [[0.0], [0.0]]);
+    let wide = format!("{},c\n0\n", names.join(","));
+    assert!(only_fault(&wide).starts_with("line 1 of FILE has more than 10000 columns; use fewer columns"));
+    let quoted = format!("\"t\"{}\n0\n", ",x".repeat(MAX_COLUMNS));
+    assert!(only_fault(&quoted).starts_with("line 1 of FILE has more than 10000 columns"));
+    let row = format!("t,x\n{}0\n", "0,".repeat(MAX_COLUMNS));
+    assert!(only_fault(&row).starts_with("line 2 of FILE has more than 10000 columns"));
+}
+
+#[test]
+fn a_line_above_10_mb_is_refused() {
+    let line = "x".repeat(MAX_LINE_BYTES + 1);
+    assert!(only_fault(&line).starts_with("line 1 of FILE has more than 10 MB"));
+    assert!(only_fault(&format!("t,x\n0,1\n{line}")).starts_with("line 3 of FILE has more than 10 MB"));
+}
+
+#[test]
+fn more_than_10000_comment_lines_with_a_colon_are_refused_in_front_of_the_names() {
+    let comments = "# a: b\n".repeat(MAX_COLUMNS);
+    assert_eq!(columns(&format!("{comments}t,x\n0,1\n# a: b\n"), &FIRST_TWO), [[0.0], [1.0]]);
+    let fault = only_fault(&format!("{comments}# a: b\nt,x\n0,1\n"));
+    assert!(fault.starts_with("line 10001 of FILE exceeds the limit of 10000 comment lines"), "{fault}");
+}
+
+#[test]
+fn a_selected_column_with_a_name_above_200_characters_is_refused() {
+    let name = "x".repeat(201);
+    let faults = table(&format!("t,{name}\n0,1\n"), &[ColumnSelector::Named(&name)]).unwrap_err();
+    assert!(faults[0].message.ends_with("has a column name of more than 200 characters"), "{faults:?}");
+    assert_eq!(faults[0].column, Some(0));
+    // Other columns may have a name of any length.
+    assert_eq!(columns(&format!("t,{name}\n0,1\n"), &[ColumnSelector::First]), [[0.0]]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_device_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("zero.csv");
+    std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+    let faults = read(&link, &FIRST_TWO).unwrap_err();
+    assert!(faults[0].message.ends_with(": it is a device, not a regular file"), "{faults:?}");
 }
