@@ -14,7 +14,7 @@ use indexmap::IndexMap;
 use super::{Circuit, Cord, Element, SignalPoint};
 use crate::elements::{SettingDefault, SettingQuantity, Transfer};
 use crate::patch::Amount;
-use block::Block;
+use block::Blocks;
 use patchcord_expr::Dimension;
 
 /// The linear wiring between two scaled signals, compared with eq. 4-8.
@@ -74,11 +74,11 @@ impl ScalingRow {
 
 /// All linear wiring between scaled signals, in the order of the output signals.
 pub(super) fn audit(circuit: &Circuit) -> Vec<ScalingRow> {
-    let wiring = Wiring::new(circuit);
+    let (wiring, blocks) = (Wiring::new(circuit), Blocks::new(circuit));
     let mut rows = Vec::new();
     for output in circuit.signals().iter().filter(|point| point.scale.is_some()) {
         let paths = wiring.paths_to(output.element);
-        rows.extend(paths.iter().filter_map(|path| row(circuit, output, path)));
+        rows.extend(paths.iter().filter_map(|path| row(circuit, &blocks, output, path)));
     }
     rows
 }
@@ -252,7 +252,12 @@ fn pot_setting(circuit: &Circuit, element: &Element) -> Option<f64> {
 }
 
 /// Compares a path with eq. 4-8. `None` if a scale is 0 or has no value.
-fn row(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Option<ScalingRow> {
+fn row(
+    circuit: &Circuit,
+    blocks: &Blocks,
+    output: &SignalPoint,
+    path: &SignalPath<'_>,
+) -> Option<ScalingRow> {
     let (input_scale, input_unit) = value_per_volt(circuit, path.input)?;
     let (output_scale, output_unit) = value_per_volt(circuit, output)?;
     if input_scale == 0.0 || output_scale == 0.0 {
@@ -263,7 +268,7 @@ fn row(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Option
     let block_gain = path.gain * per_second * output_scale / input_scale;
     let seconds = Dimension::TIME.power(f64::from(integrations));
     let dimension = output_unit.over(input_unit).over(seconds);
-    let block = Block::find(circuit, dimension, block_gain);
+    let block = blocks.find(dimension, block_gain);
     let expected_gain = block
         .as_ref()
         .map(|block| input_scale * block.value * block_gain.signum() / output_scale / per_second);

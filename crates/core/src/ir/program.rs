@@ -3,6 +3,7 @@
 //! Copies of a program share the part that no run changes ([`Lowered`]). Parameter values and tables belong to each
 //! copy, because a run or a fit sets them.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{
@@ -63,6 +64,8 @@ pub(crate) struct Lowered {
     pub(crate) sections: Sections,
     /// The output of every reference, drive and element, in the order of the circuit.
     pub(crate) elements: Vec<ElementOutput>,
+    /// The index of every element in `elements`, by name.
+    pub(crate) element_indices: HashMap<String, usize>,
     /// The registers of the drives' outputs.
     pub(crate) drives: Vec<Register>,
     /// The states; the index is the one in [`Op::State`].
@@ -93,7 +96,7 @@ pub(crate) struct Lowered {
     pub(crate) signals: Vec<SignalInfo>,
     /// The scales that formulas in a run can name.
     pub(crate) scales: Vec<ScaleFactor>,
-    /// The elements that switch between positions.
+    /// The elements that switch between positions, in the order of the elements.
     pub(crate) switches: Vec<Switch>,
     /// Machine seconds per problem second.
     pub(crate) time_scale: f64,
@@ -129,7 +132,7 @@ impl Program {
 
     /// Index of the element, drive or reference with this name.
     pub(crate) fn element(&self, name: &str) -> Option<usize> {
-        self.lowered.elements.iter().position(|output| output.name == name)
+        self.lowered.element_indices.get(name).copied()
     }
 
     /// Index of the drive with this name.

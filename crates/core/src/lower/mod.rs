@@ -133,12 +133,16 @@ impl<'c> Lowering<'c> {
     fn outputs(&mut self) {
         let circuit = self.circuit;
         circuit.evaluation_order().iter().for_each(|step| self.step(step));
-        self.draft.program.lowered_mut().elements = (self.circuit.elements().iter().zip(&self.draft.outputs))
+        let elements: Vec<_> = (circuit.elements().iter().zip(&self.draft.outputs))
             .map(|(element, register)| ElementOutput {
                 name: element.name.clone(),
                 register: register.expect("every element is in one step"),
             })
             .collect();
+        let named = elements.iter().enumerate();
+        let lowered = self.draft.program.lowered_mut();
+        lowered.element_indices = named.map(|(index, output)| (output.name.clone(), index)).collect();
+        lowered.elements = elements;
     }
 
     /// Emits an element, or a loop with its elements. All voltages that it reads are emitted by now, except the unknowns

@@ -58,7 +58,9 @@ impl Machine<'_> {
     pub fn position(&self, element: &str) -> Option<&'static str> {
         let program = self.solver.setup.program;
         let index = program.element(element)?;
-        let switch = program.lowered.switches.iter().find(|switch| switch.element == index)?;
+        // The switches are in the order of the elements.
+        let switches = &program.lowered.switches;
+        let switch = &switches[switches.binary_search_by_key(&index, |switch| switch.element).ok()?];
         switch.positions.get(self.solver.state.modes[switch.mode] as usize).copied()
     }
 

@@ -4,6 +4,7 @@ use super::Circuit;
 use patchcord_expr::{Dimension, Scope as _};
 
 /// A physical gain as an expression of parameters.
+#[derive(Clone)]
 pub(super) struct Block {
     /// The expression, such as "1 / M".
     pub name: String,
@@ -12,37 +13,40 @@ pub(super) struct Block {
     dimension: Dimension,
 }
 
+/// The expressions that a circuit offers for a physical gain.
+pub(super) struct Blocks {
+    /// 1, and then every parameter followed by its reciprocal.
+    singles: Vec<Block>,
+    /// The pairs with a positive value, in the order of their values.
+    pairs: Vec<Pair>,
+}
+
+/// The quotient or the product of two different parameters.
+struct Pair {
+    /// Indices of the two parameters in `singles`.
+    factors: [usize; 2],
+    /// Whether it is the product.
+    is_product: bool,
+    /// The value in SI units.
+    value: f64,
+    dimension: Dimension,
+    /// Position in the order of preference.
+    rank: usize,
+}
+
 /// Difference of the logarithms of two gains up to which they agree. It is far above rounding errors and far below the
 /// accuracy of any scale.
 const GAIN_AGREEMENT: f64 = 1e-6;
 
-impl Block {
-    /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
-    /// a quotient or product of two.
-    ///
-    /// If none agrees, the nearest of the first three kinds. The sign of the gain does not count.
-    pub(super) fn find(circuit: &Circuit, dimension: Dimension, gain: f64) -> Option<Block> {
-        let singles = Block::singles(circuit);
-        let unity = Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE };
-        let distance = |block: &Block| (gain.abs() / block.value).ln().abs();
-        let fits = |block: &Block| block.dimension == dimension && block.value > 0.0;
-        let pair =
-            Block::pairs(&singles).into_iter().filter(fits).find(|pair| distance(pair) < GAIN_AGREEMENT);
-        let nearest = [unity]
-            .into_iter()
-            .chain(singles)
-            .filter(fits)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        match nearest {
-            Some(nearest) if pair.is_none() || distance(&nearest) < GAIN_AGREEMENT => Some(nearest),
-            _ => pair,
-        }
-    }
+/// Number of parameters up to which pairs are considered. With more parameters, some pair is likely to agree with any
+/// gain by coincidence.
+const MAX_PAIRED_PARAMETERS: usize = 100;
 
-    /// Every parameter and its reciprocal.
-    fn singles(circuit: &Circuit) -> Vec<Block> {
+impl Blocks {
+    /// The expressions in the parameters of a circuit.
+    pub(super) fn new(circuit: &Circuit) -> Blocks {
         let quantities = circuit.quantities();
-        let mut singles = Vec::new();
+        let mut singles = vec![Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE }];
         for (name, ..) in circuit.parameters() {
             let (Some(value), Some(dimension)) = (quantities.value(name), quantities.dimension(name)) else {
                 continue;
@@ -51,27 +55,70 @@ impl Block {
             let dimension = Dimension::NONE.over(dimension);
             singles.push(Block { name: format!("1 / {name}"), value: 1.0 / value, dimension });
         }
-        singles
+        let pairs = pairs(&singles);
+        Blocks { singles, pairs }
     }
 
-    /// The quotients and products of two different parameters.
-    fn pairs(singles: &[Block]) -> Vec<Block> {
-        let parameters: Vec<_> = singles.iter().filter(|block| !block.name.starts_with("1 /")).collect();
-        let mut pairs = Vec::new();
-        for first in &parameters {
-            for second in parameters.iter().filter(|second| second.name != first.name) {
-                pairs.push(Block {
-                    name: format!("{} / {}", first.name, second.name),
-                    value: first.value / second.value,
-                    dimension: first.dimension.over(second.dimension),
-                });
-                pairs.push(Block {
-                    name: format!("{} * {}", first.name, second.name),
-                    value: first.value * second.value,
-                    dimension: first.dimension.times(second.dimension),
-                });
+    /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
+    /// a quotient or product of two.
+    ///
+    /// If none agrees, the nearest of the first three kinds. The sign of the gain does not count.
+    pub(super) fn find(&self, dimension: Dimension, gain: f64) -> Option<Block> {
+        let distance = |block: &Block| logarithmic_distance(gain, block.value);
+        let fits = |block: &&Block| block.dimension == dimension && block.value > 0.0;
+        let nearest =
+            self.singles.iter().filter(fits).min_by(|a, b| distance(a).total_cmp(&distance(b))).cloned();
+        match nearest {
+            Some(nearest) if distance(&nearest) < GAIN_AGREEMENT => Some(nearest),
+            nearest => self.pair(dimension, gain).or(nearest),
+        }
+    }
+
+    /// The first pair in the order of preference that has this dimension and agrees with the gain.
+    fn pair(&self, dimension: Dimension, gain: f64) -> Option<Block> {
+        // The window is wider than the agreement, so that rounding excludes no pair.
+        let margin = 2.0 * GAIN_AGREEMENT;
+        let [low, high] = [1.0 - margin, 1.0 + margin].map(|end| gain.abs() * end);
+        let begin = self.pairs.partition_point(|pair| pair.value < low);
+        let near = self.pairs[begin..].iter().take_while(|pair| pair.value <= high);
+        let agrees = |pair: &&Pair| {
+            pair.dimension == dimension && logarithmic_distance(gain, pair.value) < GAIN_AGREEMENT
+        };
+        near.filter(agrees).min_by_key(|pair| pair.rank).map(|pair| self.block_of(pair))
+    }
+
+    /// A pair with its name, such as "k / m".
+    fn block_of(&self, pair: &Pair) -> Block {
+        let [first, second] = pair.factors.map(|index| &self.singles[index].name);
+        let sign = if pair.is_product { "*" } else { "/" };
+        Block { name: format!("{first} {sign} {second}"), value: pair.value, dimension: pair.dimension }
+    }
+}
+
+/// The absolute difference of the logarithms of a gain and a positive value. The sign of the gain does not count.
+fn logarithmic_distance(gain: f64, value: f64) -> f64 {
+    (gain.abs() / value).ln().abs()
+}
+
+/// The quotients and products of two different parameters with a positive value, in the order of their values. Empty if
+/// there are more than [`MAX_PAIRED_PARAMETERS`] parameters.
+fn pairs(singles: &[Block]) -> Vec<Pair> {
+    let parameters: Vec<usize> = (1..singles.len()).step_by(2).collect();
+    let mut pairs = Vec::new();
+    if parameters.len() > MAX_PAIRED_PARAMETERS {
+        return pairs;
+    }
+    let with_each = |first: usize| parameters.iter().map(move |second| [first, *second]);
+    for factors in parameters.iter().copied().flat_map(with_each) {
+        let [first, second] = factors.map(|index| &singles[index]);
+        let quotient = (first.value / second.value, first.dimension.over(second.dimension));
+        let product = (first.value * second.value, first.dimension.times(second.dimension));
+        for (is_product, (value, dimension)) in [(false, quotient), (true, product)] {
+            if factors[0] != factors[1] && value > 0.0 {
+                pairs.push(Pair { factors, is_product, value, dimension, rank: pairs.len() });
             }
         }
-        pairs
     }
+    pairs.sort_by(|one, other| one.value.total_cmp(&other.value));
+    pairs
 }

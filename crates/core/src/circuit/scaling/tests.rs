@@ -4,7 +4,7 @@ use super::*;
 use crate::patch::{ElementBuilder, Patch, PatchBuilder};
 
 /// Position and velocity of a mass, with a pot between them that represents k / m.
-fn patch(setting: &str) -> Patch {
+fn spring(setting: &str) -> PatchBuilder {
     PatchBuilder::new("spring")
         .time_scale(10.0)
         .parameter("k", 40.0, "N/m", [1.0, 100.0])
@@ -22,8 +22,10 @@ fn patch(setting: &str) -> Patch {
         .element("P1", ElementBuilder::new("pot").cord("in", "A2").set("setting", setting))
         .signal("v", "A1", "velocity", 1.0)
         .signal("x", "A2", "position", -1.0)
-        .build()
-        .unwrap()
+}
+
+fn patch(setting: &str) -> Patch {
+    spring(setting).build().unwrap()
 }
 
 fn row(setting: &str, output: &str) -> ScalingRow {
@@ -37,6 +39,20 @@ fn a_pot_for_k_over_m_has_the_block_gain_k_over_m() {
     assert_eq!(right.block.as_deref(), Some("k / m"));
     assert!(right.relative_error().unwrap().abs() < 1e-12);
     assert!((right.block_gain - 20.0).abs() < 1e-9, "{right:?}");
+}
+
+#[test]
+fn pairs_are_considered_up_to_100_parameters() {
+    let block = |more: usize| {
+        let spring = spring("k / m * position / velocity / 10 / time_scale");
+        let with_times = (0..more).fold(spring, |builder, index| {
+            builder.parameter(&format!("T{index}"), 3.0, "s", [1.0, 10.0])
+        });
+        let circuit = Circuit::new(&with_times.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
+        circuit.scaling().into_iter().find(|row| row.output == "v").unwrap().block
+    };
+    assert_eq!(block(98).as_deref(), Some("k / m"));
+    assert_eq!(block(99), None);
 }
 
 #[test]
