@@ -59,6 +59,28 @@ fn points_notes_and_parts_count_towards_the_size_of_an_expansion() {
     assert!(is_too_large(listed, 400));
 }
 
+#[test]
+fn a_short_text_that_expands_without_bound_is_refused_at_the_instance_that_exceeds_the_limit() {
+    let macro_with_ports = || MacroBuilder::new().input("in", "");
+    let inverter = macro_with_ports().output("out", "F").element("F", element("inverter").cord("in", "in"));
+    // Every macro contains two instances of the one before, so the last one has 2^18 elements.
+    let nested = (1..=18).fold(volts("doubled").define("m0", inverter), |patch, depth| {
+        let inner = format!("m{}", depth - 1);
+        let doubled = macro_with_ports()
+            .output("out", "Y")
+            .element("X", element(&inner).cord("in", "in"))
+            .element("Y", element(&inner).cord("in", "X"));
+        patch.define(&format!("m{depth}"), doubled)
+    });
+    let small = nested.element("A", element("m1").cord("in", "+100"));
+    let large = small.element("B", element("m18").cord("in", "A")).build().unwrap();
+    let report = refusal(&large);
+    let [finding] = &report.findings[..] else { panic!("{report}") };
+    assert_eq!(finding.code, Code::MACRO_TOO_LARGE);
+    let span = finding.span.unwrap();
+    assert_eq!(&report.text[span.start..span.end], "\"B\"");
+}
+
 /// A patch that is read from a folder with the table file tables/half.csv of `count` points.
 fn with_table_file(patch: PatchBuilder, count: usize) -> Patch {
     let folder = tempfile::tempdir().unwrap();

@@ -3,7 +3,8 @@
 //! The expansion walks through the section of the patch and, for each instance, through the section of its macro. Cords
 //! from ports become cords from the elements, drives or references behind the ports. Names of settings in formulas
 //! become names of the instance's settings ("L1.T"). Nested instances can multiply elements without limit, so the
-//! expansion counts the bytes that it produces and stops at the size of the largest document.
+//! expansion counts the bytes that it produces and stops at the size of the largest document. `size` estimates them
+//! first.
 
 use std::collections::HashMap;
 
@@ -11,6 +12,7 @@ use indexmap::IndexMap;
 
 use super::check::{check_macros, warn_unused};
 use super::resolve::{CordOrigin, SectionScope};
+use super::size::{ENTRY_OVERHEAD_BYTES, first_instance_above};
 use super::{DrivenJack, Instance, InstanceOutput, Macros, SectionEntry};
 use crate::document::fields::Findings;
 use crate::document::file::MAX_DOCUMENT_BYTES;
@@ -140,9 +142,6 @@ pub(super) struct Expansion<'p> {
     is_full: bool,
 }
 
-/// Estimated size of an element, a port or a cord in addition to its texts, in bytes. A rough value is sufficient,
-/// because it only bounds the memory that nested instances use.
-pub(super) const ENTRY_OVERHEAD_BYTES: usize = 50;
 /// Estimated size of a point of a table, in bytes: twice its two numbers of 8 bytes.
 const POINT_BYTES: usize = 32;
 
@@ -166,6 +165,9 @@ impl<'p> Expansion<'p> {
             remaining_bytes: MAX_DOCUMENT_BYTES,
             is_full: false,
         };
+        if let Some(span) = first_instance_above(MAX_DOCUMENT_BYTES, macros, entries) {
+            expansion.report_too_large(span, findings);
+        }
         expansion.add_section(&section, findings);
         expansion
     }
@@ -283,15 +285,18 @@ impl<'p> Expansion<'p> {
         let Some(span) = section.span.filter(|_| !self.is_full) else { return };
         match self.remaining_bytes.checked_sub(bytes + ENTRY_OVERHEAD_BYTES) {
             Some(remaining_bytes) => self.remaining_bytes = remaining_bytes,
-            None => {
-                let message = format!(
-                    "the elements of all macro instances together are larger than {} MB",
-                    MAX_DOCUMENT_BYTES / 1_000_000
-                );
-                findings.push(Diagnostic::at(Code::MACRO_TOO_LARGE, span, message));
-                self.is_full = true;
-            }
+            None => self.report_too_large(span, findings),
         }
+    }
+
+    /// Reports an expansion above the limit and ends it.
+    fn report_too_large(&mut self, span: Span, findings: &mut Findings) {
+        let message = format!(
+            "the elements of all macro instances together are larger than {} MB",
+            MAX_DOCUMENT_BYTES / 1_000_000
+        );
+        findings.push(Diagnostic::at(Code::MACRO_TOO_LARGE, span, message));
+        self.is_full = true;
     }
 }
 

@@ -11,8 +11,9 @@ use std::collections::HashMap;
 use indexmap::IndexMap;
 
 use super::decode::INSTANCE_KEYS;
-use super::expand::{ENTRY_OVERHEAD_BYTES, ExpandedSection, Expansion, JacksByPort};
+use super::expand::{ExpandedSection, Expansion, JacksByPort};
 use super::resolve::CordOrigin;
+use super::size::ENTRY_OVERHEAD_BYTES;
 use super::{Instance, InstanceEntry, InstanceInput, InstanceOutput, InstanceSetting, Macro, MacroSetting};
 use crate::document::fields::Findings;
 use crate::document::{Code, Diagnostic, Placed, Span};

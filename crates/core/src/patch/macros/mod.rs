@@ -6,8 +6,9 @@
 //! box.
 //!
 //! The expansion first checks the definitions (`check`), so that a fault in a macro is reported once. `resolve` finds
-//! the output that a cord means by a name, and the macros that contain themselves. `expand` and `instance` do the
-//! expansion. `edit` changes instances and elements of a patch that has been read.
+//! the output that a cord means by a name, and the macros that contain themselves. `size` refuses an expansion that
+//! would be too large. `expand` and `instance` do the expansion. `edit` changes instances and elements of a patch that
+//! has been read.
 
 mod check;
 mod decode;
@@ -15,6 +16,7 @@ mod edit;
 mod expand;
 mod instance;
 mod resolve;
+mod size;
 
 use std::collections::HashSet;
 
