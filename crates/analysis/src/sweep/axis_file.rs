@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::error::PlanError;
 use super::plan::{Axis, AxisValues, parameter};
-use patchcord_core::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable};
+use patchcord_core::document::csv_table::{self, ColumnNames, ColumnSelector, CsvFault, CsvTable};
 use patchcord_core::ir::{ParameterValue, Program};
 use patchcord_core::output::io_reason;
 use patchcord_expr::Unit;
@@ -48,15 +48,16 @@ impl Axis {
             .map_err(|error| PlanError::Unread { file: path.to_owned(), why: io_reason(&error) })?;
         let (names, values) = read_rows(path, program).map_err(PlanError::Rows)?;
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Axis { names, values: AxisValues::Rows { file, values } })
+        Ok(Axis { names, values: AxisValues::Rows { file, values }, typed: Vec::new() })
     }
 }
 
 /// The names of the parameters and their values row by row, or the faults of the file.
 fn read_rows(path: &Path, program: &Program) -> Result<(Vec<String>, Vec<f64>), Vec<String>> {
     // The names decide which columns are selected.
-    let names = csv_table::read_names(path).map_err(texts)?;
-    let parameters = parameters(path, &names, program)?;
+    let columns = csv_table::read_names(path).map_err(texts)?;
+    let parameters = parameters(path, &columns, program)?;
+    let names = columns.names;
     let selectors: Vec<_> = names.iter().map(|name| ColumnSelector::Named(name)).collect();
     let table = csv_table::read(path, &selectors).map_err(texts)?;
     if table.lines.is_empty() {
@@ -82,11 +83,12 @@ fn texts(faults: Vec<CsvFault>) -> Vec<String> {
 /// The parameter of each column, or an error for each name that is not a parameter.
 fn parameters<'p>(
     path: &Path,
-    names: &[String],
+    columns: &ColumnNames,
     program: &'p Program,
 ) -> Result<Vec<&'p ParameterValue>, Vec<String>> {
-    let found = || names.iter().map(move |name| parameter(program, name));
-    check(found().filter_map(Result::err).map(|error| format!("{}: {error}", path.display())))?;
+    let found = || columns.names.iter().map(move |name| parameter(program, name));
+    let unknown = found().filter_map(Result::err);
+    check(unknown.map(|error| format!("line {} of {}: {error}", columns.line, path.display())))?;
     Ok(found().filter_map(Result::ok).collect())
 }
 
@@ -165,7 +167,7 @@ mod tests {
         let cases = [
             ("", "FILE is empty; a table is a line of names"),
             ("VcL\n", "FILE: the table needs a line of parameter names"),
-            ("VLc\n1\n", "FILE: there is no parameter VLc; did you mean \"VcL\"?"),
+            ("# by hand\nVLc\n1\n", "line 2 of FILE: there is no parameter VLc; did you mean \"VcL\"?"),
             ("VcL,Tc\n1e-3\n", "line 2 of FILE has 1 field, but the line of names has 2; write one field"),
             (
                 "VcL,Tc\n1e-3,\n",
@@ -201,7 +203,10 @@ mod tests {
     fn at_most_ten_faults_are_reported_together() {
         let faults = |text: &str| plan(text).unwrap_err().lines().map(str::to_owned).collect::<Vec<_>>();
         let unknown = faults("VLc,Tcc\n1,2\n");
-        assert!(unknown.len() == 2 && unknown[1].contains("there is no parameter Tcc"), "{unknown:?}");
+        assert!(
+            unknown.len() == 2 && unknown[1].contains("line 1 of FILE: there is no parameter Tcc"),
+            "{unknown:?}"
+        );
         let outside = faults(&format!("VcL,Tc\n1e-3,0.01\n{}", "1,5\n".repeat(20)));
         assert_eq!(outside.len(), MAX_FAULTS);
         assert!(outside[1].starts_with("line 3 of FILE: Tc = 5 s is outside its range"), "{outside:?}");

@@ -48,8 +48,7 @@ mod tests {
 
     #[test]
     fn powers_near_whole_numbers_are_whole() {
-        let powers =
-            [(1.0, ""), (2.0, "2"), (0.5, "^0.5"), (1.0 / 3.0, "^0.333333"), (1e6, "1000000")];
+        let powers = [(1.0, ""), (2.0, "2"), (0.5, "^0.5"), (1.0 / 3.0, "^0.333333"), (1e6, "1000000")];
         for (power, text) in powers {
             assert_eq!(power_text(power), text);
         }

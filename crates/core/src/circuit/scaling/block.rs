@@ -18,24 +18,36 @@ const GAIN_AGREEMENT: f64 = 1e-6;
 
 impl Block {
     /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
-    /// a quotient or product of two.
+    /// a quotient or product of two. The sign of the gain does not count.
     ///
-    /// If none agrees, the nearest of the first three kinds. The sign of the gain does not count.
+    /// If none agrees, the gain is wrong or is none of these expressions. Then the expression of the first three kinds
+    /// that differs by a power of ten, as with a wrong input, or the only one with this dimension. `None` if it is not
+    /// clear which of several is meant: the right unit alone is no reason.
     pub(super) fn find(circuit: &Circuit, dimension: Dimension, gain: f64) -> Option<Block> {
         let singles = Block::singles(circuit);
-        let unity = Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE };
-        let distance = |block: &Block| (gain.abs() / block.value).ln().abs();
         let fits = |block: &Block| block.dimension == dimension && block.value > 0.0;
-        let pair =
-            Block::pairs(&singles).into_iter().filter(fits).find(|pair| distance(pair) < GAIN_AGREEMENT);
-        let nearest = [unity]
-            .into_iter()
-            .chain(singles)
-            .filter(fits)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        match nearest {
-            Some(nearest) if pair.is_none() || distance(&nearest) < GAIN_AGREEMENT => Some(nearest),
-            _ => pair,
+        let agrees = |block: &Block| (gain.abs() / block.value).ln().abs() < GAIN_AGREEMENT;
+        let pair = Block::pairs(&singles).into_iter().filter(fits).find(agrees);
+        let unity = Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE };
+        let mut fitting: Vec<Block> = [unity].into_iter().chain(singles).filter(fits).collect();
+        if let Some(index) = fitting.iter().position(agrees) {
+            return Some(fitting.swap_remove(index));
+        }
+        pair.or_else(|| Block::probable(fitting, gain))
+    }
+
+    /// The only expression that differs from the gain by a power of ten, or else the only expression.
+    fn probable(mut fitting: Vec<Block>, gain: f64) -> Option<Block> {
+        let is_decades_off = |block: &Block| {
+            let decades = (gain.abs() / block.value).log10();
+            (decades - decades.round()).abs() < GAIN_AGREEMENT
+        };
+        let decades_off: Vec<usize> =
+            (0..fitting.len()).filter(|index| is_decades_off(&fitting[*index])).collect();
+        match (decades_off.as_slice(), fitting.len()) {
+            ([only], _) => Some(fitting.swap_remove(*only)),
+            (_, 1) => fitting.pop(),
+            _ => None,
         }
     }
 

@@ -126,6 +126,7 @@ impl<'a> Reader<'a> {
         self.table.columns = vec![Vec::new(); indices.len()];
         self.table.names = indices.iter().map(|index| fields[*index].clone()).collect();
         self.table.all_names = fields.to_vec();
+        self.table.names_line = self.line_number;
         // If a column has several units, the last one counts.
         let unit = |name: &String| {
             self.unit_comments.iter().rev().find(|(column, _)| column == name).map(|(_, unit)| unit.clone())
