@@ -13,7 +13,7 @@ pub(super) fn number_in(unit: &str, text: &str) -> Result<f64, String> {
     let expected = Unit::parse(unit).map_err(|error| error.to_string())?;
     let number = TypedNumber::parse(text).and_then(|typed| typed.in_unit(&expected));
     number.map_err(|error| match error {
-        TypedNumberError::NotANumber(_) => format!("{error}: give a value in {unit}"),
+        TypedNumberError::NotANumber(_) => format!("{error}: give the value in {unit}"),
         other => other.to_string(),
     })
 }
@@ -97,7 +97,7 @@ mod tests {
         }
         let message = |unit: &str, text: &str| number_in(unit, text).unwrap_err();
         assert_eq!(message("cm2", "700 kg"), "\"700 kg\" is in kg, but cm2 is expected");
-        assert_eq!(message("s", "soon"), "\"soon\" is not a number: give a value in s");
+        assert_eq!(message("s", "soon"), "\"soon\" is not a number: give the value in s");
         assert_eq!(message("s", "0,5"), "\"0,5\" is not a number: write 0.5");
         assert_eq!(message("s", "inf"), "inf is not a finite number");
         assert_eq!(positive("0.25"), Ok(0.25));

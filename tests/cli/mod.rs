@@ -245,6 +245,13 @@ fn the_reference_page_of_elements_is_printed() {
 }
 
 #[test]
+fn an_element_is_found_by_its_name_in_other_programs() {
+    let failed = patchcord(&["elements", "comparator"]);
+    assert_eq!(code(&failed), 2);
+    assert!(errors(&failed).contains("there is no element or drive \"comparator\"; use a \"relay\": it compares"));
+}
+
+#[test]
 fn help_and_version_give_exit_code_0() {
     for arguments in [["--help"], ["--version"]] {
         assert_eq!(code(&patchcord(&arguments)), 0);

@@ -96,7 +96,7 @@ impl TypedNumber {
         let Some((number, unit)) = leading_number(&text) else {
             return Err(TypedNumberError::NotANumber(text));
         };
-        let Ok(number) = number.parse() else { return Err(TypedNumberError::NotANumber(text)) };
+        let Ok(number) = number.parse::<f64>() else { return Err(TypedNumberError::NotANumber(text)) };
         if !begins_unit(unit) {
             return Err(TypedNumberError::NotANumber(text));
         }
