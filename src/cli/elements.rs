@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::table::Table;
 use super::{print, print_json};
 use patchcord::document::suggestion;
-use patchcord::elements::{Input, Kind, KindPage, REGISTRY, Setting, reference_page};
+use patchcord::elements::{Family, Input, Kind, KindPage, REGISTRY, Setting, kind_advice, reference_page};
 use patchcord::patch::json_schema;
 
 #[derive(Args)]
@@ -54,8 +54,10 @@ pub(super) fn elements(arguments: &Arguments) -> Result<(), Failure> {
 fn find(name: &str) -> Result<&'static Kind, Failure> {
     let found = REGISTRY.iter().copied().find(|kind| kind.name == name);
     found.ok_or_else(|| {
+        let advice =
+            [Family::Computing, Family::Drive].into_iter().find_map(|family| kind_advice(family, name));
         let known: Vec<_> = REGISTRY.iter().map(|kind| kind.name).collect();
-        let hint = suggestion(name, &known).unwrap_or_default();
+        let hint = advice.map(str::to_owned).or_else(|| suggestion(name, &known)).unwrap_or_default();
         Failure::usage(format!("there is no element or drive \"{name}\"; {hint}"))
     })
 }

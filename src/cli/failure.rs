@@ -6,6 +6,8 @@
 //!
 //! The dispatcher in `mod.rs` decides whether a failure is also printed as JSON. Commands only return it.
 
+use std::io::ErrorKind;
+use std::path::Path;
 use std::process::ExitCode;
 
 use serde::Serialize;
@@ -157,13 +159,16 @@ fn concerns_command_line(report: &Report) -> bool {
     errors.all(|finding| finding.span.is_none())
 }
 
-/// Prints the findings of a report and their number.
+/// Prints the findings of a report. If there are errors, their number follows. A command that succeeds with warnings
+/// prints its own summary.
 pub(super) fn eprint_report(report: &Report) {
     if report.findings.is_empty() {
         return;
     }
     eprint_coloured(&report.render(errors_in_colour()));
-    eprint(&format!("\n{}: {}", report.file, counts_text(report)));
+    if report.has_errors() {
+        eprint(&format!("\n{}: {}", report.file, counts_text(report)));
+    }
 }
 
 /// The number of errors and warnings: "1 error, 2 warnings".
@@ -184,9 +189,17 @@ impl From<DocumentError> for Failure {
     fn from(error: DocumentError) -> Self {
         match error {
             DocumentError::Text(report) => report.into(),
-            error => Failure::data(error.to_string()),
+            error => Failure::data(format!("{error}{}", missing_ending_hint(&error))),
         }
     }
+}
+
+/// The hint about a file with the ending .json, if the named file does not exist and that file does. Otherwise empty.
+fn missing_ending_hint(error: &DocumentError) -> String {
+    let DocumentError::File { file, source, .. } = error else { return String::new() };
+    let with_ending = format!("{file}.json");
+    let is_meant = source.kind() == ErrorKind::NotFound && Path::new(&with_ending).is_file();
+    if is_meant { format!("; did you mean {with_ending}?") } else { String::new() }
 }
 
 impl From<ExperimentError> for Failure {

@@ -10,9 +10,10 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::{Failure, eprint_report};
-use super::numbers::setting;
+use super::numbers::{in_declared_units, setting};
 use super::outputs::Outputs;
 use patchcord::circuit::Circuit;
+use patchcord::document::TypedNumber;
 use patchcord::ir::Program;
 use patchcord::patch::Patch;
 use patchcord::solve::{Machine, RunError};
@@ -22,9 +23,10 @@ use patchcord::solve::{Machine, RunError};
 pub(super) struct PatchArguments {
     /// Patch file (JSON)
     pub patch: PathBuf,
-    /// Set a parameter, in the unit that the patch declares for it; may be given several times
+    /// Set a parameter, in the unit that the patch declares for it or with a unit, such as VcL=2.54mm/s; may be given
+    /// several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
-    pub set: Vec<(String, f64)>,
+    pub set: Vec<(String, TypedNumber)>,
     /// Print one JSON document on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
@@ -57,7 +59,7 @@ impl PatchArguments {
     /// Reads, wires and compiles, without printing.
     fn read(&self) -> Result<LoadedPatch, Failure> {
         let patch = Patch::read(&self.patch)?;
-        let circuit = Circuit::with_parameters(&patch, self.set.iter().cloned())?;
+        let circuit = Circuit::with_parameters(&patch, in_declared_units(&self.set, &patch)?)?;
         let program = Program::new(&circuit)?;
         Ok(LoadedPatch { circuit, program })
     }

@@ -1,20 +1,21 @@
 //! Parsers for numbers on the command line.
 //!
-//! An option takes a number in one unit. A number with a unit is an error, and the message says what to write instead.
+//! An option takes a number in one unit. A number with another unit of the same dimension is converted. `TypedNumber` is
+//! the only reader of such numbers.
 
-use patchcord::expr::{Unit, leading_number, round_significant};
+use super::failure::Failure;
+use patchcord::document::{TypedNumber, TypedNumberError};
+use patchcord::expr::Unit;
+use patchcord::patch::Patch;
 
-/// The number of digits of a suggested value. More digits would show the rounding errors of a conversion.
-const SUGGESTED_DIGITS: usize = 12;
-
-/// Parses a finite number in `unit`.
+/// Parses a finite number in `unit`, or with a unit of the same dimension.
 pub(super) fn number_in(unit: &str, text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("{text} is not a finite number")),
-        Err(_) => Err(format!("\"{text}\" is not a number: {}", advice(text, unit))),
-    }
+    let expected = Unit::parse(unit).map_err(|error| error.to_string())?;
+    let number = TypedNumber::parse(text).and_then(|typed| typed.in_unit(&expected));
+    number.map_err(|error| match error {
+        TypedNumberError::NotANumber(_) => format!("{error}: give the value in {unit}"),
+        other => other.to_string(),
+    })
 }
 
 /// A parser for positive numbers in `unit`.
@@ -27,14 +28,13 @@ pub(super) fn positive_in(
     }
 }
 
-/// Parses a positive number in a unit that depends on the patch.
+/// Parses a positive number in the unit of the signals, which depends on the patch.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
-    let number: f64 =
-        text.trim().parse().map_err(|_| format!("\"{text}\" is not a number: leave out its unit"))?;
-    match number {
-        infinite if !infinite.is_finite() => Err(format!("{text} is not a finite number")),
-        positive if positive > 0.0 => Ok(positive),
-        _ => Err("must be a positive number".to_owned()),
+    let TypedNumber { number, unit, .. } = TypedNumber::parse(text).map_err(|error| error.to_string())?;
+    match unit {
+        Some(unit) => Err(format!("give the number in the unit of the signals, without the unit {unit}")),
+        None if number > 0.0 => Ok(number),
+        None => Err("must be a positive number".to_owned()),
     }
 }
 
@@ -44,45 +44,30 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     if seconds > 0.0 { Ok(seconds) } else { Err("must be a positive time in seconds".to_owned()) }
 }
 
-/// Parses NAME=VALUE. The value is in the unit that the patch declares, which is not known here.
-pub(super) fn setting(text: &str) -> Result<(String, f64), String> {
+/// Parses NAME=VALUE. The declared unit of the parameter is not known here, see [`in_declared_units`].
+pub(super) fn setting(text: &str) -> Result<(String, TypedNumber), String> {
     let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, such as VcL=2.54e-3")?;
-    let (name, value) = (name.trim(), value.trim());
-    match value.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok((name.to_owned(), number)),
-        Ok(_) => Err(format!("{value} is not a finite number")),
-        Err(_) => Err(format!("\"{value}\" is not a number{}", setting_advice(name, value))),
-    }
+    let value = TypedNumber::parse(value).map_err(|error| error.to_string())?;
+    Ok((name.trim().to_owned(), value))
 }
 
-/// What to write instead of a value that is not a number. Empty if the text has no number.
-fn setting_advice(name: &str, value: &str) -> String {
-    let decimal_point = value.replacen(',', ".", 1);
-    match leading_number(value) {
-        Some((number, unit)) if Unit::parse(unit).is_ok() => {
-            format!(": write {name}={number} if the patch declares {name} in {unit}")
-        }
-        _ if decimal_point.parse::<f64>().is_ok() => {
-            format!(": write a decimal point: {name}={decimal_point}")
-        }
-        _ => String::new(),
-    }
-}
-
-/// What to write instead of a text that is not a number: "leave out its unit and give the value in s: 0.001".
-fn advice(text: &str, unit: &str) -> String {
-    let Some((number, given)) = leading_number(text) else { return format!("give the value in {unit}") };
-    let number: Option<f64> = number.parse().ok();
-    let value = if given == unit { number } else { number.and_then(|number| converted(number, given, unit)) };
-    let value = value.map_or_else(String::new, |value| format!(": {value}"));
-    format!("leave out its unit and give the value in {unit}{value}")
-}
-
-/// Converts a number from one unit to another. None if a unit is unknown or they have different dimensions.
-fn converted(number: f64, from: &str, to: &str) -> Option<f64> {
-    let [from, to] = [Unit::parse(from).ok()?, Unit::parse(to).ok()?];
-    let is_possible = from.dimension() == to.dimension();
-    is_possible.then(|| round_significant(from.convert(number, &to), SUGGESTED_DIGITS))
+/// The settings of `--set` with their values in the units that the patch declares.
+///
+/// A name that the patch does not have keeps its number. The check of the circuit reports the name.
+pub(super) fn in_declared_units(
+    settings: &[(String, TypedNumber)],
+    patch: &Patch,
+) -> Result<Vec<(String, f64)>, Failure> {
+    let in_declared_unit = |(name, typed): &(String, TypedNumber)| {
+        let value = match patch.parameters.get(name) {
+            Some(parameter) => typed.in_unit(&parameter.unit),
+            None => Ok(typed.number),
+        };
+        value
+            .map(|value| (name.clone(), value))
+            .map_err(|error| Failure::usage(format!("--set {name}: {error}")))
+    };
+    settings.iter().map(in_declared_unit).collect()
 }
 
 /// The largest number of threads. More only slow each other down.
@@ -104,27 +89,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_number_with_a_unit_is_converted_in_the_message() {
+    fn a_number_with_a_unit_is_converted() {
+        let cases =
+            [("s", "1ms", 0.001), ("s", "2.5e-1 s", 0.25), ("µm", "3um", 3.0), ("Hz", "1kHz", 1000.0)];
+        for (unit, text, number) in cases {
+            assert_eq!(number_in(unit, text), Ok(number), "{text}");
+        }
         let message = |unit: &str, text: &str| number_in(unit, text).unwrap_err();
-        let stem =
-            |text: &str| format!("\"{text}\" is not a number: leave out its unit and give the value in");
-        assert_eq!(message("s", "1ms"), format!("{} s: 0.001", stem("1ms")));
-        assert_eq!(message("s", "2.5e-1 s"), format!("{} s: 0.25", stem("2.5e-1 s")));
-        assert_eq!(message("µm", "3um"), format!("{} µm: 3", stem("3um")));
-        assert_eq!(message("cm2", "700 kg"), format!("{} cm2", stem("700 kg")));
-        assert_eq!(message("Hz", "120 rpm"), format!("{} Hz: 2", stem("120 rpm")));
+        assert_eq!(message("cm2", "700 kg"), "\"700 kg\" is in kg, but cm2 is expected");
         assert_eq!(message("s", "soon"), "\"soon\" is not a number: give the value in s");
+        assert_eq!(message("s", "0,5"), "\"0,5\" is not a number: write 0.5");
         assert_eq!(message("s", "inf"), "inf is not a finite number");
+        assert_eq!(positive("0.25"), Ok(0.25));
+        let without_unit = "give the number in the unit of the signals, without the unit mm/s";
+        assert_eq!(positive("0.25 mm/s"), Err(without_unit.to_owned()));
+    }
+
+    #[test]
+    fn the_unit_of_every_option_is_a_unit() {
+        for unit in ["s", "Hz", "P", "kgf", "kN/mm", "cm2", "µm", "mm/s", "%"] {
+            assert_eq!(number_in(unit, "2"), Ok(2.0), "{unit}");
+        }
     }
 
     #[test]
     fn a_setting_has_a_name_and_a_number() {
-        assert_eq!(setting(" m = 4 "), Ok(("m".to_owned(), 4.0)));
-        let wanted = "\"4kg\" is not a number: write m=4 if the patch declares m in kg";
-        assert_eq!(setting("m=4kg"), Err(wanted.to_owned()));
-        let wanted = "\"4,5\" is not a number: write a decimal point: m=4.5";
-        assert_eq!(setting("m=4,5"), Err(wanted.to_owned()));
-        assert_eq!(setting("m=four"), Err("\"four\" is not a number".to_owned()));
-        assert_eq!(setting("m=inf"), Err("inf is not a finite number".to_owned()));
+        let parsed = |text: &str| setting(text).map(|(name, typed)| (name, typed.number));
+        assert_eq!(parsed(" m = 4 "), Ok(("m".to_owned(), 4.0)));
+        assert_eq!(parsed("m=4kg"), Ok(("m".to_owned(), 4.0)));
+        assert_eq!(parsed("m=4,5"), Err("\"4,5\" is not a number: write 4.5".to_owned()));
+        assert_eq!(parsed("m=four"), Err("\"four\" is not a number".to_owned()));
+        assert_eq!(parsed("m=inf"), Err("inf is not a finite number".to_owned()));
     }
 }

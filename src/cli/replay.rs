@@ -4,6 +4,7 @@
 //! every claim of the ledger and takes minutes.
 
 use std::borrow::Cow;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::thread;
 
@@ -16,8 +17,8 @@ use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::table::Table;
 use super::{print, print_json};
-use patchcord::document::suggestion;
 use patchcord::draw::plot::Format;
+use patchcord::expr::nearest;
 use patchcord::patch::Patch;
 use patchcord::thesis::replay::{
     self, Claim, DrawnFigure, ExaminedClaim, Figure, GalleryFigure, NumberTable, figures,
@@ -76,11 +77,9 @@ pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     /// The requested figures, each once, in the order of the thesis.
     fn figures(&self) -> Result<Vec<&'static Figure>, Failure> {
-        let known: Vec<&str> = figures().map(|figure| figure.id).chain(["all"]).collect();
         let is_known = |id: &&String| id.as_str() == "all" || figures().any(|figure| has_name(figure, id));
         if let Some(id) = self.ids.iter().find(|id| !is_known(id)) {
-            let hint = suggestion(id, &known).unwrap_or_else(|| "patchcord replay lists them".to_owned());
-            return Err(Failure::usage(format!("there is no figure {id}; {hint}")));
+            return Err(unknown_figure(id));
         }
         let is_requested = |figure: &&Figure| self.ids.iter().any(|id| id == "all" || has_name(figure, id));
         Ok(figures().filter(is_requested).collect())
@@ -130,6 +129,24 @@ impl Arguments {
         figures().for_each(|figure| table.row([figure.id, figure.place, figure.title].map(str::to_owned)));
         print(&table.text())
     }
+}
+
+/// The failure for a name that no figure has. A file in place of a name gets the figure of its name, if there is one.
+fn unknown_figure(id: &str) -> Failure {
+    let path = Path::new(id);
+    let has_ending = |ending: &OsStr| ["json", "svg", "png", "html"].iter().any(|known| ending == *known);
+    if !path.extension().is_some_and(has_ending) {
+        let known = figures().map(|figure| figure.id).chain(["all"]);
+        let hint = nearest(id, known).map(|near| format!("did you mean \"{near}\"?"));
+        let hint = hint.unwrap_or_else(|| "`patchcord replay` lists the figures".to_owned());
+        return Failure::usage(format!("there is no figure {id}; {hint}"));
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let hint = match figures().find(|figure| has_name(figure, &stem)) {
+        Some(figure) => format!("write {} for \"{}\"", figure.id, figure.title),
+        None => "`patchcord replay` lists the figures, and `patchcord run` runs a patch".to_owned(),
+    };
+    Failure::usage(format!("{id} is a file, where the name of a figure is expected; {hint}"))
 }
 
 /// Whether `id` is a name of the figure: fig-8-24, 8.24 or "Fig 8.24".

@@ -10,18 +10,19 @@ use clap::Args;
 use super::criteria::advice_on;
 use super::failure::Failure;
 use super::files::{path_texts, picture_format, write_pictures, written_paragraph};
-use super::numbers::{positive_in, setting};
+use super::numbers::{in_declared_units, positive_in, setting};
 use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::slideway_document::Document;
 use super::slideway_report::{self as report, criterion_text};
 use super::times::{StepArguments, StepChoice, message_with_advice};
 use super::{print, print_json};
+use patchcord::document::TypedNumber;
 use patchcord::draw::plot::{Format, Size};
 use patchcord::format::format_pure_number;
 use patchcord::instruments::parameter_line;
 use patchcord::solve::RunError;
-use patchcord::thesis::chain::{Chain, ChainError, Input, Inputs, Settings, pictures};
+use patchcord::thesis::chain::{Chain, ChainError, Input, Inputs, Settings, pictures, template};
 use patchcord::thesis::slideway::ridge::Ridge;
 use patchcord::thesis::slideway::units::{CM2, KGF, MM_PER_S, N_PER_MM, POISE, UM};
 
@@ -48,10 +49,10 @@ pub(super) struct Arguments {
     /// Height Z of the ridges, in micrometres
     #[arg(long, value_name = "MICROMETRES", default_value = "2.5", allow_hyphen_values = true, value_parser = positive_in("µm"))]
     ridge_height: f64,
-    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units,
-    /// instead of the computed value; may be given several times
+    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units or
+    /// with a unit, instead of the computed value; may be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
-    set: Vec<(String, f64)>,
+    set: Vec<(String, TypedNumber)>,
     /// By how many percent each piece of advice changes its quantity
     #[arg(long = "by", value_name = "PERCENT", default_value = "10", allow_hyphen_values = true, value_parser = percent)]
     percent: f64,
@@ -91,7 +92,7 @@ pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
     }
     let outputs = Outputs::default();
     outputs.prepare(None, arguments.files())?;
-    let settings = arguments.settings();
+    let settings = arguments.settings()?;
     let chain = run_chain(&arguments.inputs(), &settings).map_err(|error| arguments.failure(error))?;
     arguments.write(&outputs, &chain, format)?;
     if arguments.json {
@@ -123,11 +124,14 @@ impl Arguments {
     }
 
     /// The settings of the simulation in SI units.
-    fn settings(&self) -> Settings {
+    ///
+    /// # Errors
+    /// If a parameter is set in a unit of another dimension.
+    fn settings(&self) -> Result<Settings, Failure> {
         let StepArguments { step, tolerance, every, backend } = self.steps;
         let step = step.and_then(StepChoice::seconds);
-        Settings {
-            set: self.set.clone(),
+        Ok(Settings {
+            set: in_declared_units(&self.set, template())?,
             threshold: self.threshold * MM_PER_S,
             window: self.window,
             step,
@@ -136,7 +140,7 @@ impl Arguments {
             backend,
             share: self.percent / 100.0,
             ..Settings::default()
-        }
+        })
     }
 
     /// The files to write.

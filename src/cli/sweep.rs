@@ -27,9 +27,9 @@ use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, S
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Vary a parameter, in the unit that the patch declares: NAME=FIRST:LAST:COUNT, NAME=FIRST:LAST:COUNT:log or
-    /// NAME=VALUE,VALUE,...; may be given several times: all combinations are run, and the last parameter changes
-    /// fastest
+    /// Vary a parameter, in the unit that the patch declares or with a unit: NAME=FIRST:LAST:COUNT,
+    /// NAME=FIRST:LAST:COUNT:log or NAME=VALUE,VALUE,...; may be given several times: all combinations are run, and the
+    /// last parameter changes fastest
     #[arg(long, value_name = "NAME=VALUES")]
     vary: Vec<String>,
     /// Read parameter values from a CSV file: parameter names in the first line, then one line per run

@@ -180,7 +180,45 @@ fn warnings_are_counted_and_do_not_change_exit_codes() {
     let checked = patchcord(&["check", &file]);
     assert_eq!(code(&checked), 0);
     assert!(out(&checked).contains("spring.json: no errors, 1 warning\n"), "{}", out(&checked));
+    assert!(!errors(&checked).contains("1 warning"), "{}", errors(&checked));
     assert_eq!(code(&patchcord(&["check", &file, "--set", "k=1"])), 2);
+}
+
+#[test]
+fn a_file_without_its_ending_is_recognised() {
+    let (folder, file) = spring();
+    let without = path(&folder, "spring");
+    let ran = patchcord(&["run", &without]);
+    assert_eq!(code(&ran), 1);
+    let wanted = format!("cannot read {without}: No such file or directory; did you mean {file}?");
+    assert!(errors(&ran).contains(&wanted), "{}", errors(&ran));
+    let missing = patchcord(&["run", &path(&folder, "wheel")]);
+    assert!(!errors(&missing).contains("did you mean"), "{}", errors(&missing));
+}
+
+#[test]
+fn numbers_may_have_units() {
+    let loaded = |arguments: &[&str]| {
+        let checked = patchcord(&[&["check", FIG_8_16, "--json"], arguments].concat());
+        assert_eq!(code(&checked), 0, "{}", errors(&checked));
+        let parameters = json(&checked)["parameters"].as_array().unwrap().clone();
+        let value = parameters.iter().find(|parameter| parameter["name"] == "VcL").unwrap()["value"].clone();
+        value.as_f64().unwrap()
+    };
+    assert_eq!(loaded(&["--set", "VcL=5.08mm/s"]), 5.08e-3);
+    assert_eq!(loaded(&["--set", "VcL=5.08e-3"]), 5.08e-3);
+    let cases = [
+        (["--set", "VcL=3s"], "--set VcL: \"3s\" is in s, but m/s is expected"),
+        (["--set", "K=45,000,000"], "\"45,000,000\" is not a number: write 45000000"),
+        (["--set", "VcL=0,003"], "\"0,003\" is not a number: write 0.003"),
+        (["--for", "2 kg"], "\"2 kg\" is in kg, but s is expected"),
+    ];
+    for (arguments, wanted) in cases {
+        let failed = patchcord(&[&["run", FIG_8_16][..], &arguments[..]].concat());
+        assert_eq!(code(&failed), 2, "{}", errors(&failed));
+        assert!(errors(&failed).contains(wanted), "{}", errors(&failed));
+    }
+    assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "10ms"])), 0);
 }
 
 #[test]
@@ -204,6 +242,13 @@ fn the_reference_page_of_elements_is_printed() {
         page.contains("law       d out / dt = ") && page.contains("\nsetting      unit  default"),
         "{page}"
     );
+}
+
+#[test]
+fn an_element_is_found_by_its_name_in_other_programs() {
+    let failed = patchcord(&["elements", "comparator"]);
+    assert_eq!(code(&failed), 2);
+    assert!(errors(&failed).contains("there is no element or drive \"comparator\"; use a \"relay\": it compares"));
 }
 
 #[test]

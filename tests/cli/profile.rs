@@ -238,7 +238,9 @@ fn wrong_criteria_return_errors_with_advice() {
         for value in ["nan", "inf"] {
             assert_error(&[FIG_8_16, option, value], 2, "is not a finite number");
         }
-        assert_error(&[FIG_8_16, option, "1mm"], 2, "\"1mm\" is not a number: leave out its unit");
+        let reason =
+            if option == "--window" { "\"1mm\" is in mm, but s is expected" } else { "without the unit mm" };
+        assert_error(&[FIG_8_16, option, "1mm"], 2, reason);
     }
     let still = "no velocity profile: the run reaches only 10.16 mm/s, and velocities up to";
     for (option, example) in [("--threshold", "0.00025"), ("--standstill", "0.000125")] {

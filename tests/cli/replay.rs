@@ -93,6 +93,10 @@ fn wrong_requests_return_errors() {
         errors(&output)
     };
     assert!(error(&["fig-8-42"]).contains("there is no figure fig-8-42; did you mean"));
+    let file = "fig-8-16.json is a file, where the name of a figure is expected; write fig-8-16 for";
+    assert!(error(&["fig-8-16.json"]).contains(file));
+    assert!(error(&["my/spring.json"]).contains("`patchcord run` runs a patch"));
+    assert!(error(&["nothing"]).contains("there is no figure nothing; `patchcord replay` lists the figures"));
     assert!(error(&["fig-8-24", "fig-8-25", "--plot", "x.svg"]).contains("--plot draws only one figure"));
     assert!(error(&["fig-8-24", "--plot", "x.jpg"]).contains("x.jpg"));
     assert!(error(&["--out", "x"]).contains("no figure is specified"));

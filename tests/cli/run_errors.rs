@@ -27,11 +27,11 @@ fn negative_times_return_a_clear_error() {
 }
 
 #[test]
-fn numbers_with_units_return_the_number_to_write() {
+fn wrong_units_return_the_expected_unit() {
     let cases = [
-        (["--step", "1ms"], "\"1ms\" is not a number: leave out its unit and give the value in s: 0.001\n"),
+        (["--step", "1mm"], "\"1mm\" is in mm, but s is expected\n"),
         (["--for", "soon"], "\"soon\" is not a number: give the value in s\n"),
-        (["--set", "M=433kg"], "\"433kg\" is not a number: write M=433 if the patch declares M in kg\n"),
+        (["--set", "M=433s"], "--set M: \"433s\" is in s, but kg is expected\n"),
     ];
     for (options, expected) in cases {
         let ran = patchcord(&[&["run", FIG_8_16], &options[..]].concat());

@@ -74,7 +74,7 @@ fn the_written_patch_reproduces_the_simulation() {
 
 #[test]
 fn wrong_inputs_return_errors_with_the_option_that_helps() {
-    let cases: [(&[&str], &str); 19] = [
+    let cases: [(&[&str], &str); 20] = [
         (
             &["--set", "M=20"],
             "M = 20 kg is below the range of the circuit of Fig 8.16, 180 ... 4000 kg: it is set by --set M",
@@ -95,10 +95,8 @@ fn wrong_inputs_return_errors_with_the_option_that_helps() {
             "weight / area must be within 0.0001 ... 8, got 450 kgf/cm2: change --weight or --area",
         ),
         (&["--by", "100"], "must be less than 100 %"),
-        (
-            &["--area", "700cm2"],
-            "\"700cm2\" is not a number: leave out its unit and give the value in cm2: 700",
-        ),
+        (&["--area", "700kg"], "\"700kg\" is in kg, but cm2 is expected"),
+        (&["--set", "VcL=3s"], "--set VcL: \"3s\" is in s, but m/s is expected"),
         (&["--ridge-height", "-1"], "must be a positive number"),
         (&["--step", "1e-9"], "at most 1e10 are allowed: give a longer --step\n"),
         (&["--step", "1e-5", "--tol", "1e-6"], "cannot be used with"),

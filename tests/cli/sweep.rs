@@ -194,6 +194,7 @@ fn a_wrong_command_line_gives_exit_code_2_before_any_run() {
         (&["--vary", "VcL=1e-3:2e-3:3"], "VcL is varied twice"),
         (&["--vary", "Tc=5"], "Tc = 5 s is outside its range 0.001 ... 1 s"),
         (&["--vary", "Tcc=0.5"], "did you mean \"Tc\"?"),
+        (&["--vary", "Tc=1kg:3kg:5"], "Tc: \"1kg\" is in kg, but s is expected"),
         (&["--vary", "Tc=1:2"], "\"Tc=1:2\" gives no values"),
         (&["--set", "VcL=1e-3"], "VcL is set and varied"),
         (&["--measure", "peek:v_o"], "did you mean \"peak\"?"),

@@ -6,6 +6,7 @@
 use super::cut::{Point, cut};
 use super::cycles::rises;
 use super::{NOT_A_SIGNAL, is_signal};
+use patchcord_core::document::plural;
 
 /// The loop of force against velocity. In N, m/s and s, `area` is in W and `work` is in J.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +59,7 @@ pub enum FrictionLoopError {
     #[error("number of cycles must be at least 1")]
     NoCycle,
     /// The run has fewer whole cycles than requested. The fields are the number found and the number requested.
-    #[error("the velocity completes {0} of {1} whole cycles")]
+    #[error("the velocity completes {} of {} requested", plural(*.0, "whole cycle"), .1)]
     TooFewCycles(usize, usize),
     /// The first cycles have too few samples. The field is the mean number of samples per cycle.
     #[error("{0:.1} samples per cycle, at least {MIN_SAMPLES} are needed")]

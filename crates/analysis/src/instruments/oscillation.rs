@@ -2,6 +2,7 @@
 
 use super::ringing::vertex;
 use super::{NOT_A_SIGNAL, is_signal};
+use patchcord_core::document::plural;
 
 /// Amplitude and frequency of a sustained oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,12 +22,20 @@ pub enum OscillationError {
     /// Times and values do not form a signal.
     #[error("{NOT_A_SIGNAL}")]
     NotASignal,
+    /// The signal is constant, except for rounding errors.
+    #[error("no oscillation: apart from rounding, the signal is constant")]
+    Constant,
     /// The signal has too few whole cycles. The field is their number.
-    #[error("no oscillation: {0} whole cycles, at least {MIN_CYCLES} are needed")]
+    #[error("no oscillation: {} was found, at least {MIN_CYCLES} are needed", cycles_text(*.0))]
     TooFewCycles(usize),
     /// The cycles have too few samples. The field is the mean number per cycle.
     #[error("{0:.1} samples per cycle, at least {MIN_SAMPLES} are needed")]
     TooCoarse(f64),
+}
+
+/// A number of cycles for messages: "no whole cycle" or "only 1 whole cycle".
+fn cycles_text(cycles: usize) -> String {
+    if cycles == 0 { "no whole cycle".to_owned() } else { format!("only {}", plural(cycles, "whole cycle")) }
 }
 
 /// The fewest whole cycles that count as an oscillation.
@@ -46,8 +55,8 @@ const NEGLIGIBLE_SWING: f64 = 1e-9;
 /// increasing.
 ///
 /// # Errors
-/// If the slices do not form a signal, or the signal has fewer than two whole cycles or fewer than eight samples per
-/// cycle.
+/// If the slices do not form a signal, or the signal is constant, or it has fewer than two whole cycles or fewer than
+/// eight samples per cycle.
 ///
 /// # Examples
 ///
@@ -77,10 +86,13 @@ pub(super) fn oscillation_within(
         return Err(OscillationError::NotASignal);
     }
     let (low, high) = (extreme(time, values, -1.0, least), extreme(time, values, 1.0, most));
+    if high - low <= NEGLIGIBLE_SWING * low.abs().max(high.abs()) {
+        return Err(OscillationError::Constant);
+    }
     let rises = rises(time, values, (low, high));
     let cycles = rises.len().saturating_sub(1);
-    if cycles < MIN_CYCLES || high - low <= NEGLIGIBLE_SWING * low.abs().max(high.abs()) {
-        return Err(OscillationError::TooFewCycles(cycles.min(MIN_CYCLES - 1)));
+    if cycles < MIN_CYCLES {
+        return Err(OscillationError::TooFewCycles(cycles));
     }
     let (begin, end) = (rises[0], rises[cycles]);
     let samples = time.iter().filter(|instant| (begin..end).contains(*instant)).count() as f64;
@@ -201,11 +213,14 @@ mod tests {
             let (time, values) = sampled(1000, 1e-3, signal);
             oscillation(&time, &values)
         };
-        assert_eq!(read(&|_| 2.0), Err(OscillationError::TooFewCycles(0)));
+        assert_eq!(read(&|_| 2.0), Err(OscillationError::Constant));
         assert_eq!(read(&|t| t), Err(OscillationError::TooFewCycles(0)));
         assert_eq!(read(&|t| (TAU * t).sin()), Err(OscillationError::TooFewCycles(0)));
-        assert_eq!(read(&|t| 1.0 + 1e-12 * (50.0 * t).sin()), Err(OscillationError::TooFewCycles(1)));
+        assert_eq!(read(&|t| 1.0 + 1e-12 * (50.0 * t).sin()), Err(OscillationError::Constant));
         assert!(matches!(read(&|t| (TAU * 180.0 * t).sin()), Err(OscillationError::TooCoarse(_))));
+        let texts = [0, 1].map(|cycles| OscillationError::TooFewCycles(cycles).to_string());
+        assert_eq!(texts[0], "no oscillation: no whole cycle was found, at least 2 are needed");
+        assert_eq!(texts[1], "no oscillation: only 1 whole cycle was found, at least 2 are needed");
         assert_eq!(oscillation(&[], &[]), Err(OscillationError::NotASignal));
         assert_eq!(oscillation(&[0.0, 1.0], &[0.0, f64::NAN]), Err(OscillationError::NotASignal));
     }

@@ -49,7 +49,7 @@ impl Axis {
             .map_err(|error| PlanError::Unread { file: path.to_owned(), why: io_reason(&error) })?;
         let (names, values) = read_rows(path, program).map_err(PlanError::Rows)?;
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Axis { names, values: AxisValues::Rows { file, values } })
+        Ok(Axis { names, values: AxisValues::Rows { file, values }, typed: Vec::new() })
     }
 }
 
@@ -57,9 +57,10 @@ impl Axis {
 fn read_rows(path: &Path, program: &Program) -> Result<(Vec<String>, Vec<f64>), Vec<String>> {
     // The names decide which columns are selected.
     let columns = csv_table::read_names(path).map_err(texts)?;
-    let names: Vec<_> = columns.iter().map(|column| csv_table::without_unit(column).to_owned()).collect();
-    let parameters = parameters(path, &names, program)?;
-    let selectors: Vec<_> = columns.iter().map(|column| ColumnSelector::Named(column)).collect();
+    let names: Vec<_> =
+        columns.names.iter().map(|column| csv_table::without_unit(column).to_owned()).collect();
+    let parameters = parameters(path, &names, columns.line, program)?;
+    let selectors: Vec<_> = columns.names.iter().map(|column| ColumnSelector::Named(column)).collect();
     let mut table = csv_table::read(path, &selectors).map_err(texts)?;
     if table.lines.is_empty() {
         let message = "the table needs a line of parameter names, then one line of values per run";
@@ -82,14 +83,16 @@ fn texts(faults: Vec<CsvFault>) -> Vec<String> {
     texts
 }
 
-/// The parameter of each column, or an error for each name that is not a parameter.
+/// The parameter of each column, or an error for each name that is not a parameter. `line` has the names.
 fn parameters<'p>(
     path: &Path,
     names: &[String],
+    line: usize,
     program: &'p Program,
 ) -> Result<Vec<&'p ParameterValue>, Vec<String>> {
     let found = || names.iter().map(move |name| parameter(program, name));
-    check(found().filter_map(Result::err).map(|error| format!("{}: {error}", path.display())))?;
+    let unknown = found().filter_map(Result::err);
+    check(unknown.map(|error| format!("line {line} of {}: {error}", path.display())))?;
     Ok(found().filter_map(Result::ok).collect())
 }
 
@@ -186,7 +189,7 @@ mod tests {
         let cases = [
             ("", "FILE is empty; a table is a line of names"),
             ("VcL\n", "FILE: the table needs a line of parameter names"),
-            ("VLc\n1\n", "FILE: there is no parameter VLc; did you mean \"VcL\"?"),
+            ("# by hand\nVLc\n1\n", "line 2 of FILE: there is no parameter VLc; did you mean \"VcL\"?"),
             ("VcL,Tc\n1e-3\n", "line 2 of FILE has 1 field, but the line of names has 2; write one field"),
             (
                 "VcL,Tc\n1e-3,\n",
@@ -228,7 +231,10 @@ mod tests {
     fn at_most_ten_faults_are_reported_together() {
         let faults = |text: &str| plan(text).unwrap_err().lines().map(str::to_owned).collect::<Vec<_>>();
         let unknown = faults("VLc,Tcc\n1,2\n");
-        assert!(unknown.len() == 2 && unknown[1].contains("there is no parameter Tcc"), "{unknown:?}");
+        assert!(
+            unknown.len() == 2 && unknown[1].contains("line 1 of FILE: there is no parameter Tcc"),
+            "{unknown:?}"
+        );
         let outside = faults(&format!("VcL,Tc\n1e-3,0.01\n{}", "1,5\n".repeat(20)));
         assert_eq!(outside.len(), MAX_FAULTS);
         assert!(outside[1].starts_with("line 3 of FILE: Tc = 5 s is outside its range"), "{outside:?}");

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use patchcord_core::document::{ParameterRangeError, format_number};
+use patchcord_core::document::{ParameterRangeError, TypedNumberError, format_number};
 use patchcord_core::ir::SettingError;
 use patchcord_core::output::io_reason;
 
@@ -18,13 +18,13 @@ pub enum PlanError {
         "\"{0}\" gives no values: write NAME=FIRST:LAST:COUNT, NAME=FIRST:LAST:COUNT:log or NAME=VALUE,VALUE,..."
     )]
     NotAnAxis(String),
-    /// A value is not a finite number.
-    #[error("{name}: \"{text}\" is not a finite number")]
+    /// A value is not a finite number, or has a unit of another dimension than the parameter.
+    #[error("{name}: {reason}")]
     NotANumber {
         /// Name of the parameter.
         name: String,
-        /// The text that was given.
-        text: String,
+        /// Why the text is not a value of the parameter.
+        reason: TypedNumberError,
     },
     /// The axis has an empty value, such as after a comma at the end.
     #[error("{name}: a value is missing in \"{values}\": write a number there, or remove the extra comma")]

@@ -3,9 +3,10 @@
 use std::str::FromStr;
 
 use super::error::PlanError;
+use patchcord_core::document::{TypedNumber, TypedNumberError};
 use patchcord_core::ir::{ParameterValue, Program, SettingError};
 use patchcord_core::trace::format_exact;
-use patchcord_expr::Function;
+use patchcord_expr::{Function, Unit};
 
 /// All combinations of the values of its axes. The last axis changes fastest, the first slowest.
 ///
@@ -36,7 +37,8 @@ pub struct Plan {
     runs: u64,
 }
 
-/// One axis: one or several parameters that change together, in their declared units.
+/// One axis: one or several parameters that change together, in their declared units. A plan converts values with
+/// other units.
 ///
 /// [`Axis::parse`] reads an axis of one parameter from text. [`Axis::read`] reads one or several parameters from a CSV
 /// file.
@@ -74,6 +76,8 @@ pub struct Axis {
     pub(super) names: Vec<String>,
     /// Their values.
     pub(super) values: AxisValues,
+    /// The values as they were typed, if one of them has a unit: the ends or the list. Otherwise empty.
+    pub(super) typed: Vec<TypedNumber>,
 }
 
 /// The values of an axis.
@@ -94,7 +98,7 @@ const MAX_RUNS: u64 = 1_000_000_000;
 
 impl Axis {
     /// Parses `NAME=FIRST:LAST:COUNT` (equal differences), `NAME=FIRST:LAST:COUNT:log` (equal ratios) or
-    /// `NAME=VALUE,VALUE,...`.
+    /// `NAME=VALUE,VALUE,...`. A value is in the declared unit, or has a unit such as `2.54mm/s`.
     ///
     /// # Errors
     /// If the text has none of these forms, a value is missing or not finite, or the count is less than 2.
@@ -108,15 +112,19 @@ impl Axis {
     /// assert!(Axis::parse("k=0.001:1:7:log").is_ok());
     /// assert!(Axis::parse("k=1,2,5").is_ok());
     /// let error = Axis::parse("k=1:fast:3").unwrap_err();
-    /// assert_eq!(error.to_string(), "k: \"fast\" is not a finite number");
+    /// assert_eq!(error.to_string(), "k: \"fast\" is not a number");
     /// ```
     pub fn parse(text: &str) -> Result<Axis, PlanError> {
         let unreadable = || PlanError::NotAnAxis(text.to_owned());
         let (name, values) = text.split_once('=').ok_or_else(unreadable)?;
-        let number = |text: &str| number(name.trim(), values, text);
+        let mut typed = Vec::new();
+        let mut number = |text: &str| -> Result<f64, PlanError> {
+            typed.push(number(name.trim(), values, text)?);
+            Ok(typed[typed.len() - 1].number)
+        };
         let parts: Vec<_> = values.split(':').collect();
         let values = match parts[..] {
-            [list] => AxisValues::List(list.split(',').map(number).collect::<Result<_, _>>()?),
+            [list] => AxisValues::List(list.split(',').map(&mut number).collect::<Result<_, _>>()?),
             [first, last, count] => {
                 let count = count_of(name, count)?;
                 AxisValues::Linear { first: number(first)?, last: number(last)?, count }
@@ -130,7 +138,36 @@ impl Axis {
             }
             _ => return Err(unreadable()),
         };
-        Ok(Axis { names: vec![name.trim().to_owned()], values })
+        if typed.iter().all(|typed| typed.unit.is_none()) {
+            typed.clear();
+        }
+        Ok(Axis { names: vec![name.trim().to_owned()], values, typed })
+    }
+
+    /// The same axis with all values in the declared unit of its parameter.
+    ///
+    /// # Errors
+    /// If the program does not have the parameter, or a value has a unit of another dimension.
+    fn in_declared_units(mut self, program: &Program) -> Result<Axis, PlanError> {
+        let typed = std::mem::take(&mut self.typed);
+        if typed.is_empty() {
+            return Ok(self);
+        }
+        let name = &self.names[0];
+        let unit = &parameter(program, name)?.declared.unit;
+        let failure = |reason| PlanError::NotANumber { name: name.clone(), reason };
+        let unit = Unit::parse(unit)
+            .map_err(|reason| failure(TypedNumberError::NotAUnit { text: unit.clone(), reason }))?;
+        let numbers = typed.iter().map(|typed| typed.in_unit(&unit)).collect::<Result<Vec<_>, _>>();
+        let numbers = numbers.map_err(failure)?;
+        match &mut self.values {
+            AxisValues::Linear { first, last, .. } | AxisValues::Logarithmic { first, last, .. } => {
+                (*first, *last) = (numbers[0], numbers[1]);
+            }
+            AxisValues::List(values) => *values = numbers,
+            AxisValues::Rows { .. } => {}
+        }
+        Ok(self)
     }
 
     /// The number of points.
@@ -218,12 +255,11 @@ fn interpolate_by_ratio(first: f64, last: f64, share: f64) -> f64 {
 }
 
 /// Parses one number of the axis `name`. `values` is the text after the equals sign.
-fn number(name: &str, values: &str, text: &str) -> Result<f64, PlanError> {
+fn number(name: &str, values: &str, text: &str) -> Result<TypedNumber, PlanError> {
     if text.trim().is_empty() {
         return Err(PlanError::MissingValue { name: name.to_owned(), values: values.to_owned() });
     }
-    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| PlanError::NotANumber { name: name.to_owned(), text: text.to_owned() })
+    TypedNumber::parse(text).map_err(|reason| PlanError::NotANumber { name: name.to_owned(), reason })
 }
 
 /// Parses the number of points of the axis `name`.
@@ -245,10 +281,11 @@ impl Plan {
     /// Combines axes. `program` has the parameters that they vary.
     ///
     /// # Errors
-    /// If there is no axis, a parameter is unknown or varied twice, a value is outside its declared range, or there are
-    /// too many runs.
+    /// If there is no axis, a parameter is unknown or varied twice, a value has a unit of another dimension or is outside
+    /// its declared range, or there are too many runs.
     pub fn new(axes: impl IntoIterator<Item = Axis>, program: &Program) -> Result<Plan, PlanError> {
-        let axes: Vec<Axis> = axes.into_iter().collect();
+        let axes = axes.into_iter().map(|axis| axis.in_declared_units(program));
+        let axes: Vec<Axis> = axes.collect::<Result<_, _>>()?;
         if axes.is_empty() {
             return Err(PlanError::NoAxis);
         }
@@ -301,82 +338,4 @@ impl Plan {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use patchcord_core::circuit::Circuit;
-    use patchcord_core::patch::Patch;
-
-    fn plan(axes: &[&str]) -> Result<Plan, String> {
-        let patch = Patch::read("../../patches/thesis/fig-8-16.json").unwrap();
-        let program = Program::new(&Circuit::new(&patch).unwrap()).unwrap();
-        let axes: Result<Vec<_>, _> = axes.iter().map(|text| Axis::parse(text)).collect();
-        axes.and_then(|axes: Vec<Axis>| Plan::new(axes, &program)).map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn the_last_axis_changes_fastest() {
-        let plan = plan(&["VcL=1e-3:3e-3:3", "Tc=0.01,0.02"]).unwrap();
-        assert_eq!((plan.runs(), plan.names().collect::<Vec<_>>()), (6, vec!["VcL", "Tc"]));
-        let all: Vec<_> = (0..6).map(|run| plan.values(run)).collect();
-        let expected = [[1e-3, 0.01], [1e-3, 0.02], [2e-3, 0.01], [2e-3, 0.02], [3e-3, 0.01], [3e-3, 0.02]];
-        assert_eq!(all, expected);
-    }
-
-    #[test]
-    fn ends_are_exact_and_spacing_is_regular() {
-        let values = |axis: &str| {
-            let plan = plan(&[axis]).unwrap();
-            (0..plan.runs()).map(|run| plan.values(run)[0]).collect::<Vec<_>>()
-        };
-        let even = values("VcL=1.27e-3:25.4e-3:40");
-        assert_eq!((even.len(), even[0], even[39]), (40, 1.27e-3, 25.4e-3));
-        assert!(even.windows(2).all(|pair| ((pair[1] - pair[0]) / (24.13e-3 / 39.0) - 1.0).abs() < 1e-12));
-        let ratios = values("Tc=0.001:1:7:log");
-        assert_eq!((ratios[0], ratios[6]), (0.001, 1.0));
-        assert!(ratios.windows(2).all(|pair| (pair[1] / pair[0] / 10f64.sqrt() - 1.0).abs() < 1e-12));
-        assert_eq!(values("Tc=0.02:0.01:2"), [0.02, 0.01]);
-    }
-
-    #[test]
-    fn the_range_between_the_ends_may_overflow() {
-        let values = |axis: &str| {
-            let axis = Axis::parse(axis).unwrap();
-            (0..axis.count()).map(|index| axis.value(index, 0)).collect::<Vec<_>>()
-        };
-        assert_eq!(values("k=-1e308:1e308:3"), [-1e308, 0.0, 1e308]);
-        for axis in ["k=1e300:1e-300:3:log", "k=1e-300:1e300:3:log"] {
-            assert!((values(axis)[1] - 1.0).abs() < 1e-12, "{axis}: {:?}", values(axis));
-        }
-        // Decimal steps are exact: not 1.2999999999999998.
-        assert_eq!(values("k=1:2:11")[3], 1.3);
-    }
-
-    #[test]
-    fn bad_plans_return_errors() {
-        let cases: [(&[&str], &str); 16] = [
-            (&[], "no parameter is varied"),
-            (&["VcL"], "\"VcL\" gives no values: write NAME=FIRST:LAST:COUNT"),
-            (&["VcL=1:2:3:4"], "\"VcL=1:2:3:4\" gives no values"),
-            (&["VcL=1e-3:fast:3"], "VcL: \"fast\" is not a finite number"),
-            (&["VcL=1e-3,NaN"], "VcL: \"NaN\" is not a finite number"),
-            (
-                &["VcL=1e-3,2e-3,"],
-                "VcL: a value is missing in \"1e-3,2e-3,\": write a number there, or remove the extra comma",
-            ),
-            (&["VcL=1e-3::3"], "VcL: a value is missing in \"1e-3::3\": write a number there"),
-            (&["VcL="], "VcL: a value is missing in \"\": write a number there"),
-            (&["VcL=1e-3:2e-3:1"], "VcL: number of points must be an integer from 2 to 1e9, got \"1\""),
-            (&["VcL=1e-3:2e-3:1e12"], "VcL: number of points must be an integer"),
-            (&["VcL=1e-3:2e-3:2.5:log"], "VcL: number of points must be an integer"),
-            (&["VcL=0:2e-3:5:log"], "VcL: logarithmic spacing needs positive ends"),
-            (&["VLc=1e-3:2e-3:5"], "there is no parameter VLc; did you mean \"VcL\"?"),
-            (&["VcL=1e-3:1:5"], "VcL = 1 m/s is outside its range 0.000254 ... 0.05 m/s"),
-            (&["Tc=1e-2,2e-2", "VcL=1e-3,2e-3", "Tc=3e-2"], "Tc is varied twice"),
-            (&["VcL=1e-3:2e-3:100000", "Tc=0.01:0.02:100000"], "the plan has more than 1000000000 runs"),
-        ];
-        for (axes, expected) in cases {
-            let error = plan(axes).unwrap_err();
-            assert!(error.starts_with(expected), "{axes:?}: {error}");
-        }
-    }
-}
+mod tests;

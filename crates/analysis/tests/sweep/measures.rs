@@ -98,7 +98,7 @@ fn profile_and_range_agree_with_the_critical_velocity() {
         assert!(!sticks || (number(11) == number(9) && number(12) < rising), "{row}");
         // If friction falls slowly, the last half of the run still oscillates.
         assert_eq!((cells[14].is_empty(), cells[15].is_empty()), (sticks, sticks), "{row}");
-        let none = "friction_loop_area: the velocity completes 0 of 1 whole cycles";
+        let none = "friction_loop_area: the velocity completes 0 whole cycles of 1 requested";
         assert_eq!(row.contains(none), sticks, "{row}");
     }
 }

@@ -59,7 +59,8 @@ pub struct ScalingRow {
     pub block_gain: f64,
     /// Unit of the block gain; "1" if it is a pure number.
     pub unit: String,
-    /// The block gain as an expression of the parameters, such as "K", "1 / M" or "1". `None` if none has its unit.
+    /// The block gain as an expression of the parameters, such as "K", "1 / M" or "1". `None` if none has its unit, or
+    /// if it is not clear which of several is meant.
     pub block: Option<String>,
     /// The computer gain that eq. 4-8 requires for this block.
     pub expected_gain: Option<f64>,

@@ -213,28 +213,26 @@ impl Quantities {
             && !fits(found)
         {
             let message = format!("{} {}, but {expected} is expected here", formula.text(), describe(found));
-            let hint = fits(Dimension::NONE).then(|| self.divisor(formula, found));
+            let hint = fits(Dimension::NONE).then(|| self.divisor(found, fits(Dimension::VOLTAGE)));
             findings.push(Diagnostic::at(Code::UNIT_MISMATCH, placed.span, message).maybe_hint(hint));
             return None;
         }
         Some(())
     }
 
-    /// The hint that names a divisor to get a pure number: a scale, or a parameter that is not in the formula.
+    /// The hint that names a divisor to get a pure number.
     ///
-    /// A formula that must be in volts most often lacks the division by a scale.
-    fn divisor(&self, formula: &Formula, found: Dimension) -> String {
-        if let Some((name, _)) = self.scales().find(|(_, scale)| scale.unit.dimension() == found) {
-            return format!("divide it by the scale {name} to get volts");
-        }
-        let named = formula.names();
-        let parameter = self
-            .parameters
-            .iter()
-            .find(|(name, parameter)| parameter.unit.dimension() == found && !named.contains(&name.as_str()));
-        match parameter {
-            Some((name, _)) => format!("divide it by a quantity in {found}, such as the parameter {name}"),
-            None => format!("divide it by a quantity in {found}, made of parameters and scales"),
+    /// A formula that must be in volts most often lacks the division by a scale, so the scales with its unit are named.
+    /// No parameter is named: a parameter with the right unit is rarely the right divisor.
+    fn divisor(&self, found: Dimension, expects_volts: bool) -> String {
+        let scales = self.scales().filter(|(_, scale)| expects_volts && scale.unit.dimension() == found);
+        let scales: Vec<&str> = scales.map(|(name, _)| name.as_str()).collect();
+        match scales.as_slice() {
+            [] => format!("divide it by a quantity in {found}, made of parameters and scales"),
+            [only] => format!("divide it by the scale {only} to get volts"),
+            several => {
+                format!("divide it by the scale of this voltage to get volts: {}", several.join(" or "))
+            }
         }
     }
 

@@ -274,9 +274,23 @@ impl SettingChecker<'_> {
                 let [low, high] = [low, high].map(format_number);
                 let message =
                     format!("{lower} of {} is {low}, which is not below {upper} = {high}", self.name);
-                let hint = "exchange the two, or change one of them";
+                let hint = self.order_hint(lower, upper, low == high);
                 findings.push(Diagnostic::at(Code::BAD_NUMBER, self.position(lower), message).hint(hint));
             }
+        }
+    }
+
+    /// The hint for two settings in the wrong order. Equal thresholds of a relay would make it chatter.
+    fn order_hint(&self, lower: &str, upper: &str, is_equal: bool) -> String {
+        let is_relay = !self.entry.kind.positions.is_empty();
+        match (is_equal, is_relay) {
+            (true, true) => {
+                format!(
+                    "lower \"{lower}\" or raise \"{upper}\": with equal thresholds the relay would chatter"
+                )
+            }
+            (true, false) => format!("lower \"{lower}\" or raise \"{upper}\": the two must differ"),
+            (false, _) => "exchange the two, or change one of them".to_owned(),
         }
     }
 

@@ -86,6 +86,8 @@ pub struct CsvTable {
     pub names: Vec<String>,
     /// Names of all columns of the file.
     pub all_names: Vec<String>,
+    /// Line of the names in the file, from 1.
+    pub names_line: usize,
     /// Units of the selected columns. `None` if neither a comment line nor the name gives the unit.
     pub units: Vec<Option<UnitComment>>,
 }
@@ -115,6 +117,15 @@ pub fn read(path: impl AsRef<Path>, selectors: &[ColumnSelector<'_>]) -> Result<
     read_until(path.as_ref(), selectors, Reader::is_stopped)
 }
 
+/// The names of all columns of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnNames {
+    /// The names, in the order of the columns.
+    pub names: Vec<String>,
+    /// Line of the names in the file, from 1.
+    pub line: usize,
+}
+
 /// Reads the names of all columns of a file, and nothing after them.
 ///
 /// # Errors
@@ -128,14 +139,15 @@ pub fn read(path: impl AsRef<Path>, selectors: &[ColumnSelector<'_>]) -> Result<
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let file = tempfile::NamedTempFile::new()?;
 /// std::fs::write(&file, "# measured\nt,x\n0,1\n")?;
-/// let names = csv_table::read_names(&file).map_err(|faults| faults[0].message.clone())?;
-/// assert_eq!(names, ["t", "x"]);
+/// let columns = csv_table::read_names(&file).map_err(|faults| faults[0].message.clone())?;
+/// assert_eq!((columns.names, columns.line), (vec!["t".to_owned(), "x".to_owned()], 2));
 /// # Ok(())
 /// # }
 /// ```
-pub fn read_names(path: impl AsRef<Path>) -> Result<Vec<String>, Vec<CsvFault>> {
+pub fn read_names(path: impl AsRef<Path>) -> Result<ColumnNames, Vec<CsvFault>> {
     let has_names = |reader: &Reader<'_>| reader.has_names() || reader.is_stopped();
-    read_until(path.as_ref(), &[], has_names).map(|table| table.all_names)
+    let table = read_until(path.as_ref(), &[], has_names)?;
+    Ok(ColumnNames { names: table.all_names, line: table.names_line })
 }
 
 /// Reads the lines of a file until the reader meets a condition.

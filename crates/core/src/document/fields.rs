@@ -119,6 +119,15 @@ fn quoted_number_hint(text: &str, key: &str) -> Option<String> {
     Some(format!("write {number} without quotes: {}", unit_rule(key)))
 }
 
+/// A hint about a key that the format does not have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyAdvice {
+    /// The key of the format that was meant.
+    pub key: &'static str,
+    /// What to write instead.
+    pub hint: String,
+}
+
 /// The keys of an object while a decoder takes them. Keys that remain at the end are unknown.
 ///
 /// # Examples
@@ -224,15 +233,43 @@ impl<'a> Fields<'a> {
 
     /// Reports the required keys that are missing and the keys that are unknown.
     pub fn finish(&mut self, findings: &mut Findings) {
-        self.report_missing(findings);
+        self.finish_with_advice(&|_| None, findings);
+    }
+
+    /// Like [`Fields::finish`]. `advice` knows keys that people write for keys of this object.
+    pub fn finish_with_advice(
+        &mut self,
+        advice: &dyn Fn(&str) -> Option<KeyAdvice>,
+        findings: &mut Findings,
+    ) {
+        self.report_missing_with_advice(advice, findings);
         for entry in self.remaining() {
-            findings.push(self.unknown_key(entry).maybe_hint(suggestion(&entry.key, &self.known_keys)));
+            let hint = match advice(&entry.key) {
+                Some(advice) => Some(advice.hint),
+                None => suggestion(&entry.key, &self.known_keys),
+            };
+            findings.push(self.unknown_key(entry).maybe_hint(hint));
         }
     }
 
     /// Reports the required keys that are missing. A misspelled key is reported as unknown, with the right spelling.
     pub fn report_missing(&mut self, findings: &mut Findings) {
+        self.report_missing_with_advice(&|_| None, findings);
+    }
+
+    /// Like [`Fields::report_missing`]. A key that is written for the missing one is reported in its place.
+    fn report_missing_with_advice(
+        &mut self,
+        advice: &dyn Fn(&str) -> Option<KeyAdvice>,
+        findings: &mut Findings,
+    ) {
         for (key, meaning) in std::mem::take(&mut self.missing) {
+            let is_for_key = |entry: &KeyValue| advice(&entry.key).is_some_and(|advice| advice.key == key);
+            if let Some(entry) = self.take_first(is_for_key) {
+                let hint = advice(&entry.key).map(|advice| advice.hint);
+                findings.push(self.unknown_key(entry).maybe_hint(hint));
+                continue;
+            }
             findings.push(match self.take_similar(key) {
                 Some(entry) => self.unknown_key(entry).hint(format!("did you mean \"{key}\"?")),
                 None => {
@@ -247,7 +284,12 @@ impl<'a> Fields<'a> {
     /// Takes the entry with the most similar key, if a key is similar enough to be a misspelling.
     fn take_similar(&mut self, key: &str) -> Option<&'a KeyValue> {
         let near = nearest(key, self.remaining().map(|entry| entry.key.as_str()))?;
-        let (entry, taken) = self.entries.iter_mut().find(|(entry, _)| entry.key == near)?;
+        self.take_first(|entry| entry.key == near)
+    }
+
+    /// Takes the first entry that was not taken and meets a condition.
+    fn take_first(&mut self, is_meant: impl Fn(&KeyValue) -> bool) -> Option<&'a KeyValue> {
+        let (entry, taken) = self.entries.iter_mut().find(|(entry, taken)| !*taken && is_meant(entry))?;
         *taken = true;
         Some(entry)
     }

@@ -3,6 +3,7 @@
 //! The unit of a number in a document is given by the format, or by the key "unit" next to it. A unit in the number
 //! itself is a common mistake, so it gets a hint of its own.
 
+use super::typed_number::begins_unit;
 use patchcord_expr::{Unit, leading_number, round_significant};
 
 /// The keys whose numbers are times in seconds.
@@ -23,8 +24,7 @@ impl<'a> Quantity<'a> {
     /// Reads a text. `None` if it is not a number with a unit.
     pub(super) fn parse(text: &'a str) -> Option<Self> {
         let (number, unit) = leading_number(text)?;
-        let is_unit = unit.starts_with(|first: char| first.is_alphabetic() || "%°".contains(first));
-        let unit = Unit::parse(unit).ok().filter(|_| is_unit)?;
+        let unit = Unit::parse(unit).ok().filter(|_| begins_unit(unit))?;
         Some(Quantity { number, unit })
     }
 

@@ -8,6 +8,7 @@ use super::diagnostic::{Diagnostic, Span};
 use super::fields::{Findings, list, number, string, wrong_type};
 use super::quantity::{Quantity, unit_rule};
 use super::tree::{Content, Node};
+use super::typed_number::without_separators;
 use patchcord_expr::{Formula, FormulaError, Unit};
 
 /// Reads a list of two numbers, the lower and the upper bound.
@@ -30,7 +31,8 @@ pub fn range(node: &Node, key: &str, findings: &mut Findings) -> Option<(f64, f6
     let bounds = list(node, key, findings)?;
     let [low, high] = bounds else {
         let message = format!("\"{key}\" must be a list of two numbers: the least and the largest value");
-        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message));
+        let hint = may_have_decimal_commas(bounds).then(|| "write decimal points: 0.5, not 0,5".to_owned());
+        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message).maybe_hint(hint));
         return None;
     };
     let (low, high) = (number(low, key, findings)?, number(high, key, findings)?);
@@ -41,6 +43,15 @@ pub fn range(node: &Node, key: &str, findings: &mut Findings) -> Option<(f64, f6
         return None;
     }
     Some((low, high))
+}
+
+/// Whether a list may be two numbers with a decimal comma: it has three or four whole numbers.
+fn may_have_decimal_commas(items: &[Node]) -> bool {
+    let is_whole = |item: &Node| match &item.value {
+        Content::Number(text) => text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-'),
+        _ => false,
+    };
+    (3..=4).contains(&items.len()) && items.iter().all(is_whole)
 }
 
 /// Reads the text of a unit, such as "m/s". `None` if the value is not a text or not a unit.
@@ -87,7 +98,10 @@ fn formula_syntax_error(text: &str, span: Span, key: &str, error: FormulaError) 
             };
             Diagnostic::at(Code::BAD_FORMULA, span, message).hint(hint)
         }
-        None => Diagnostic::at(Code::BAD_FORMULA, span, error.message).maybe_hint(error.hint),
+        None => {
+            let advised = without_separators(text).map(|advised| format!("write {advised}"));
+            Diagnostic::at(Code::BAD_FORMULA, span, error.message).maybe_hint(advised.or(error.hint))
+        }
     }
 }
 

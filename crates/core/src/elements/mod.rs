@@ -35,6 +35,7 @@ mod sine;
 mod soft_limit;
 mod step;
 mod summer;
+mod synonyms;
 mod table;
 mod track_hold;
 mod triangle;
@@ -46,6 +47,8 @@ pub use page::markdown_table;
 pub use page::{KindPage, reference_page};
 pub use reference::{REFERENCE, REFERENCES};
 pub use setting::{Setting, SettingDefault, SettingQuantity};
+pub use synonyms::kind_advice;
+pub(crate) use synonyms::{key_advice, meant_word};
 
 /// Every kind of element and drive, in the order of listings.
 ///

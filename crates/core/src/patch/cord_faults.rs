@@ -26,7 +26,7 @@ pub(crate) fn no_cord(element: &str, input: &str, hint: String, span: Span) -> D
 
 /// The hint for an input without enough cords: how to write them, and the purpose of the input if it is known.
 pub(crate) fn cord_hint(notation: &str, purpose: &str) -> String {
-    let purpose = if purpose.is_empty() { String::new() } else { format!(" (the input: {purpose})") };
+    let purpose = if purpose.is_empty() { String::new() } else { format!(" (purpose: {purpose})") };
     format!("write {notation}, with the name of an output, or \"ground\" for 0 V{purpose}")
 }
 

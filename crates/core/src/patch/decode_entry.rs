@@ -14,7 +14,7 @@ use super::table_file::{self, TablePurpose};
 use crate::document::fields::{Fields, Findings, flag, string, strings};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{Code, Diagnostic, Placed, Span, formula, suggestion};
-use crate::elements::{self, Family, Kind, SettingDefault, SettingQuantity};
+use crate::elements::{self, Family, Kind, Setting, SettingDefault, SettingQuantity};
 use crate::machines::Part;
 
 /// Decodes an element or a drive. `None` if its kind cannot be read.
@@ -47,8 +47,9 @@ pub(super) fn element_entry(
         if let Some(node) = fields.take(group)
             && let Some(mut inner) = Fields::of(node, format!("\"{group}\""), findings)
         {
-            settings(&mut inner, &format!("{group}."), &mut entry, findings);
-            inner.finish(findings);
+            let group = format!("{group}.");
+            settings(&mut inner, &group, &mut entry, findings);
+            inner.finish_with_advice(&|key| elements::key_advice(kind, &group, key), findings);
         }
     }
     if family == Family::Drive {
@@ -59,7 +60,7 @@ pub(super) fn element_entry(
             fields.take("uses").map(|node| machine_parts(node, findings)).unwrap_or_default();
     }
     entry.is_incomplete |= fields.remaining().next().is_some();
-    fields.finish(findings);
+    fields.finish_with_advice(&|key| elements::key_advice(kind, "", key), findings);
     Some(entry)
 }
 
@@ -74,7 +75,9 @@ fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Opt
     let kind = elements::find(family, &name.value);
     if kind.is_none() {
         let message = format!("there is no kind \"{}\" of {}", name.value, family_noun(family));
-        let hint = wrong_section_hint(family, &name.value)
+        let hint = elements::kind_advice(family, &name.value)
+            .map(str::to_owned)
+            .or_else(|| wrong_section_hint(family, &name.value))
             .or_else(|| suggestion(&name.value, &elements::names(family)));
         findings.push(Diagnostic::at(Code::UNKNOWN_KIND, node.span, message).maybe_hint(hint));
     }
@@ -118,13 +121,20 @@ fn plugs(fields: &mut Fields<'_>, entry: &mut ElementEntry, findings: &mut Findi
 fn jacks(node: &Node, entry: &mut ElementEntry, findings: &mut Findings) {
     if !matches!(node.value, Content::Object(_)) {
         let message = "an amplifier's cords go to inputs with gains";
-        let hint = "write \"in\": {\"x1\": [...], \"x10\": [...]}";
-        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message).hint(hint));
+        findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message).hint(bare_cords_hint(node)));
         entry.is_incomplete = true;
         return;
     }
     let Some(jacks) = Fields::of(node, "\"in\"", findings) else { return };
     jacks.remaining().for_each(|jack| plug(&jack.key, jack.key_span, &jack.value, entry, findings));
+}
+
+/// The hint for cords without the names of their inputs: the same cords at the input with gain 1.
+fn bare_cords_hint(node: &Node) -> String {
+    let names = strings(node, "in", &mut Findings::new());
+    let quoted: Vec<_> = names.iter().map(|name| format!("\"{}\"", name.value)).collect();
+    let cords = if quoted.is_empty() { "\"A1\"".to_owned() } else { quoted.join(", ") };
+    format!("write \"in\": {{\"x1\": [{cords}]}}, or another gain than 1 in the name, such as x10")
 }
 
 /// Decodes the cords of one jack: a name or a list of names.
@@ -155,7 +165,7 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut ElementEntry, fin
     for (index, setting) in entry.kind.settings.iter().enumerate() {
         let Some(key) = setting.name.strip_prefix(prefix).filter(|key| !key.contains('.')) else { continue };
         let node = match setting.default {
-            SettingDefault::Required => fields.require(key, setting.description),
+            SettingDefault::Required => fields.require(key, &meaning(key, setting)),
             _ => fields.take(key),
         };
         let Some(node) = node else { continue };
@@ -166,6 +176,13 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut ElementEntry, fin
             None => entry.settings[index] = amount(node, key, setting.quantity, entry, findings),
         }
     }
+}
+
+/// The meaning of a setting for the hint if it is missing. A choice lists its words.
+fn meaning(key: &str, setting: &Setting) -> String {
+    let SettingQuantity::Choice(words) = setting.quantity else { return setting.description.to_owned() };
+    let written: Vec<_> = words.iter().map(|word| format!("\"{key}\": \"{word}\"")).collect();
+    format!("{}: write {}", setting.description, written.join(" or "))
 }
 
 /// The purpose of the points of a setting. `None` if the setting does not consist of points.
@@ -213,12 +230,15 @@ fn symmetry(entry: &ElementEntry, setting: &str) -> Symmetry {
 }
 
 /// Decodes one of several words. Returns the index of the word.
-fn choice(node: &Node, key: &str, permitted: &[&str], findings: &mut Findings) -> Option<usize> {
+fn choice(node: &Node, key: &str, permitted: &[&'static str], findings: &mut Findings) -> Option<usize> {
     let chosen = string(node, key, findings)?;
     let index = permitted.iter().position(|word| *word == chosen.value);
     if index.is_none() {
         let message = format!("\"{}\" is not a value of \"{key}\"", chosen.value);
-        let hint = suggestion(&chosen.value, permitted);
+        let meant = elements::meant_word(&chosen.value, permitted);
+        let hint = meant
+            .map(|word| format!("write \"{key}\": \"{word}\""))
+            .or_else(|| suggestion(&chosen.value, permitted));
         findings.push(Diagnostic::at(Code::UNKNOWN_NAME, node.span, message).maybe_hint(hint));
     }
     index

@@ -31,14 +31,88 @@ pub fn check_quantity_name(name: &str, span: Span, noun: &str) -> Option<Diagnos
     let has_valid_characters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let is_reserved = name == "pi" || name == TIME_SCALE || Callee::from_name(name).is_some();
     let hint = if is_reserved {
-        "the name is reserved in formulas"
+        "the name is reserved in formulas".to_owned()
     } else if !has_valid_start || !has_valid_characters {
-        "use letters, digits and _, and begin with a letter"
+        quantity_name_hint(name)
     } else {
         return check_length(name, span, noun);
     };
-    Some(invalid_name(name, span, noun, hint))
+    Some(invalid_name(name, span, noun, &hint))
 }
+
+/// The hint for a name that formulas cannot use. A name with Greek or accented letters gets an ASCII spelling.
+fn quantity_name_hint(name: &str) -> String {
+    let rule = "use letters, digits and _, and begin with a letter";
+    if name.is_ascii() {
+        return rule.to_owned();
+    }
+    match ascii_spelling(name) {
+        Some(spelling) => format!("formulas have the letters a to z and A to Z only: write \"{spelling}\""),
+        None => format!("formulas have the letters a to z and A to Z only: {rule}"),
+    }
+}
+
+/// A name with its Greek and accented letters written in ASCII: "mu" for "µ". `None` if another character is left, or if
+/// the result is not a valid name.
+fn ascii_spelling(name: &str) -> Option<String> {
+    let spelling = name.chars().map(ascii_letter).collect::<Option<String>>()?;
+    check_quantity_name(&spelling, Span::default(), "").is_none().then_some(spelling)
+}
+
+/// A letter in ASCII. `None` for a letter that [`SPELLINGS`] does not have.
+fn ascii_letter(letter: char) -> Option<String> {
+    if letter.is_ascii() {
+        return Some(letter.to_string());
+    }
+    let lower_case = letter.to_lowercase().next()?;
+    let (_, spelling) = SPELLINGS.iter().find(|(letters, _)| letters.contains(lower_case))?;
+    let is_upper_case = letter.is_uppercase();
+    let first = spelling.chars().next().filter(|_| is_upper_case);
+    Some(first.map_or((*spelling).to_owned(), |first| {
+        format!("{}{}", first.to_ascii_uppercase(), &spelling[first.len_utf8()..])
+    }))
+}
+
+/// Letters that people use in names of quantities, and their spelling in ASCII.
+const SPELLINGS: [(&str, &str); 37] = [
+    ("α", "alpha"),
+    ("β", "beta"),
+    ("γ", "gamma"),
+    ("δ", "delta"),
+    ("ε", "epsilon"),
+    ("ζ", "zeta"),
+    ("η", "eta"),
+    ("θϑ", "theta"),
+    ("ι", "iota"),
+    ("κ", "kappa"),
+    ("λ", "lambda"),
+    ("μµ", "mu"),
+    ("ν", "nu"),
+    ("ξ", "xi"),
+    ("ο", "omicron"),
+    ("ρ", "rho"),
+    ("σς", "sigma"),
+    ("τ", "tau"),
+    ("υ", "upsilon"),
+    ("φϕ", "phi"),
+    ("χ", "chi"),
+    ("ψ", "psi"),
+    ("ω", "omega"),
+    ("ä", "ae"),
+    ("ö", "oe"),
+    ("ü", "ue"),
+    ("ß", "ss"),
+    ("àáâãå", "a"),
+    ("çč", "c"),
+    ("èéêë", "e"),
+    ("ìíîï", "i"),
+    ("ñ", "n"),
+    ("òóôõø", "o"),
+    ("ùúû", "u"),
+    ("ýÿ", "y"),
+    ("₀", "_0"),
+    ("₁", "_1"),
+];
 
 /// Checks a name that cords use or that can be recorded. `noun` is the kind of object, such as "element".
 ///
@@ -108,4 +182,38 @@ pub fn duplicate_name(name: &str, span: Span, noun: &str, first_noun: &str) -> D
 fn with_article(noun: &str) -> String {
     let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     format!("{article} {noun}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn greek_and_accented_letters_get_an_ascii_spelling() {
+        let cases = [
+            ("µ", Some("mu")),
+            ("ω_0", Some("omega_0")),
+            ("Δx", Some("Deltax")),
+            ("größe", Some("groesse")),
+            ("Öl", Some("Oel")),
+            ("v₀", Some("v_0")),
+            ("π", None),
+            ("力", None),
+            ("1µ", None),
+            ("µ s", None),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(ascii_spelling(name).as_deref(), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_hint_for_a_name_gives_the_spelling() {
+        let hint =
+            |name: &str| check_quantity_name(name, Span::default(), "parameter").unwrap().hint.unwrap();
+        assert_eq!(hint("µ"), "formulas have the letters a to z and A to Z only: write \"mu\"");
+        assert!(hint("力").ends_with("only: use letters, digits and _, and begin with a letter"));
+        assert_eq!(hint("F s"), "use letters, digits and _, and begin with a letter");
+        assert_eq!(hint("sin"), "the name is reserved in formulas");
+    }
 }

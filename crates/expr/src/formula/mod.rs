@@ -12,6 +12,7 @@ mod evaluate;
 mod expression;
 mod parse;
 mod scope;
+mod synonyms;
 mod tokens;
 mod unit_check;
 mod wording;

@@ -17,6 +17,7 @@ use std::ops::Range;
 use super::callee::Callee;
 use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
+use super::synonyms;
 use super::tokens::{Token, TokenKind, tokenize};
 use crate::units::nearest;
 
@@ -248,11 +249,16 @@ fn negated(sign: Range<usize>, inner: Node) -> Node {
     Node { range: sign.start..inner.range.end, expression: Expression::Negate(Box::new(inner)) }
 }
 
-/// Returns the error for a call of an unknown function: it is misspelt, or a `*` is missing.
+/// Returns the error for a call of an unknown function: it is one of other languages, it is misspelt, or a
+/// `*` is missing.
 fn unknown_function(name: &str, range: Range<usize>) -> FormulaError {
-    let hint = match nearest(name, Callee::all().map(Callee::name)) {
-        Some(near) => format!("did you mean {near}?"),
-        None => format!("a product is written {name} * ( ... )"),
+    let similar = || nearest(name, Callee::all().map(Callee::name));
+    let hint = match synonyms::advice(name) {
+        Some(advice) => advice.to_owned(),
+        None => match similar() {
+            Some(near) => format!("did you mean {near}?"),
+            None => format!("a product is written {name} * ( ... )"),
+        },
     };
     FormulaError::new(range, format!("{name} is not a function")).with_hint(hint)
 }

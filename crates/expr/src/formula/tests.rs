@@ -173,6 +173,22 @@ fn suggests_the_intended_name() {
 }
 
 #[test]
+fn functions_and_signs_of_other_notations_get_a_hint() {
+    let hint = |text: &str| Formula::parse(text).unwrap_err().hint.unwrap();
+    let cases = [
+        ("pow(2, 3)", "a power is written with ^, such as x^2"),
+        ("ASIN(0.5)", "the arc sine of x is atan(x / sqrt(1 - x^2))"),
+        ("squrt(2)", "did you mean sqrt?"),
+        ("spring(2)", "a product is written spring * ( ... )"),
+        ("2 × 3", "write * instead"),
+        ("2 * µ", "names consist of the letters a to z and A to Z, digits and _"),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(hint(text), expected, "{text}");
+    }
+}
+
+#[test]
 fn derives_units() {
     let cases = [
         ("2 * 3 + 1", "free"),

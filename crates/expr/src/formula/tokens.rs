@@ -108,18 +108,23 @@ fn number(text: &str, range: Range<usize>) -> Result<TokenKind, FormulaError> {
     }
 }
 
-/// Returns the error for a character that no token starts with, with the ASCII sign as hint.
+/// Returns the error for a character that no token starts with, with the ASCII sign or the rule for names
+/// as hint.
 fn unexpected_character(start: usize, letter: char) -> FormulaError {
     let range = start..start + letter.len_utf8();
-    let meant = match letter {
-        '×' | '·' | '⋅' => Some('*'),
-        '÷' | ':' => Some('/'),
-        '−' | '–' => Some('-'),
-        '[' | '{' => Some('('),
-        ']' | '}' => Some(')'),
+    let hint = match letter {
+        '×' | '·' | '⋅' => Some("write * instead"),
+        '÷' | ':' => Some("write / instead"),
+        '−' | '–' => Some("write - instead"),
+        '[' | '{' => Some("write ( instead"),
+        ']' | '}' => Some("write ) instead"),
+        '²' => Some("write ^2 instead"),
+        '³' => Some("write ^3 instead"),
+        'π' => Some("write pi instead"),
+        _ if letter.is_alphabetic() => Some("names consist of the letters a to z and A to Z, digits and _"),
         _ => None,
     };
     let shown = letter.escape_debug();
     FormulaError::new(range, format!("{shown} is not allowed in a formula"))
-        .with_hint_if(meant.map(|sign| format!("write {sign} instead")))
+        .with_hint_if(hint.map(str::to_owned))
 }

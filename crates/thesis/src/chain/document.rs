@@ -35,8 +35,16 @@ const SCALED: [&str; 4] = ["Fs", "VcL", "v_start", "x_step"];
 /// Maximum voltage of the velocity command in V. The rest of the 100 V is for the overshoot of velocity.
 const MAX_COMMAND_VOLTS: f64 = 90.0;
 
-/// The thesis's circuit.
-pub(super) fn template() -> &'static Patch {
+/// The circuit of Fig 8.16, whose parameters a chain sets.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_thesis::chain::template;
+///
+/// assert_eq!(template().parameters["VcL"].unit.text(), "m/s");
+/// ```
+pub fn template() -> &'static Patch {
     &FIG_8_16
 }
 

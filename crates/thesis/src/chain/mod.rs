@@ -39,6 +39,7 @@ mod simulation;
 mod table_9_2;
 
 pub use advice::{Advice, AdviceOutcome, AdviceVerdict};
+pub use document::template;
 pub use error::{ChainError, RangeViolation};
 pub use inputs::{Input, Inputs};
 pub use origin::{AlternativeValue, Origin};

@@ -60,17 +60,18 @@ impl Blocks {
     }
 
     /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
-    /// a quotient or product of two.
+    /// a quotient or product of two. The sign of the gain does not count.
     ///
-    /// If none agrees, the nearest of the first three kinds. The sign of the gain does not count.
+    /// If none agrees, the gain is wrong or is none of these expressions. Then the expression of the first three kinds
+    /// that differs by a power of ten, as with a wrong input, or the only one with this dimension. `None` if it is not
+    /// clear which of several is meant: the right unit alone is no reason.
     pub(super) fn find(&self, dimension: Dimension, gain: f64) -> Option<Block> {
-        let distance = |block: &Block| logarithmic_distance(gain, block.value);
         let fits = |block: &&Block| block.dimension == dimension && block.value > 0.0;
-        let nearest =
-            self.singles.iter().filter(fits).min_by(|a, b| distance(a).total_cmp(&distance(b))).cloned();
-        match nearest {
-            Some(nearest) if distance(&nearest) < GAIN_AGREEMENT => Some(nearest),
-            nearest => self.pair(dimension, gain).or(nearest),
+        let fitting: Vec<&Block> = self.singles.iter().filter(fits).collect();
+        let agrees = |block: &&&Block| logarithmic_distance(gain, block.value) < GAIN_AGREEMENT;
+        match fitting.iter().find(agrees) {
+            Some(block) => Some((*block).clone()),
+            None => self.pair(dimension, gain).or_else(|| probable(&fitting, gain).cloned()),
         }
     }
 
@@ -92,6 +93,19 @@ impl Blocks {
         let [first, second] = pair.factors.map(|index| &self.singles[index].name);
         let sign = if pair.is_product { "*" } else { "/" };
         Block { name: format!("{first} {sign} {second}"), value: pair.value, dimension: pair.dimension }
+    }
+}
+
+/// The only expression that differs from the gain by a power of ten, or else the only expression.
+fn probable<'b>(fitting: &[&'b Block], gain: f64) -> Option<&'b Block> {
+    let is_decades_off = |block: &&Block| {
+        let decades = (gain.abs() / block.value).log10();
+        (decades - decades.round()).abs() < GAIN_AGREEMENT
+    };
+    let decades_off: Vec<&Block> = fitting.iter().copied().filter(is_decades_off).collect();
+    match (decades_off.as_slice(), fitting) {
+        ([only], _) | (_, [only]) => Some(*only),
+        _ => None,
     }
 }
 

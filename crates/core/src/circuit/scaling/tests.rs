@@ -63,6 +63,29 @@ fn integrating_velocity_into_position_has_a_block_gain_of_1() {
     assert!((row.relative_error().unwrap() + 0.9).abs() < 1e-9, "{row:?}");
 }
 
+/// The block of a pot with a number as its setting, next to two parameters of the same unit.
+fn block_of(setting: f64) -> Option<String> {
+    let builder = PatchBuilder::new("two springs")
+        .parameter("k1", 2.0, "N/m", [1.0, 100.0])
+        .parameter("k2", 3.0, "N/m", [1.0, 100.0])
+        .scale("position", 1.0, "m")
+        .scale("force", 10.0, "N")
+        .drive("D", "position", ElementBuilder::new("step").set("height", 1))
+        .element("P", ElementBuilder::new("pot").cord("in", "D").set("setting", setting))
+        .signal("x", "D", "position", 1.0)
+        .signal("F", "P", "force", 1.0);
+    let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
+    circuit.scaling().into_iter().next().unwrap().block
+}
+
+#[test]
+fn a_block_is_named_only_if_its_value_is_a_reason() {
+    assert_eq!(block_of(0.3).as_deref(), Some("k2"));
+    // A tenth of the right gain of k1.
+    assert_eq!(block_of(0.02).as_deref(), Some("k1"));
+    assert_eq!(block_of(0.25), None);
+}
+
 #[test]
 fn an_inverter_is_linear_and_a_curve_is_not() {
     for (kind, gains) in [("inverter", vec![-1.0]), ("absolute", vec![]), ("sin", vec![])] {

@@ -153,6 +153,7 @@ impl<'a> Reader<'a> {
         self.table.all_names = fields.to_vec();
         self.table.units = self.table.names.iter().map(|name| self.unit(name)).collect();
         self.check_units();
+        self.table.names_line = self.line_number;
         self.columns = Some(SelectedColumns { count: fields.len(), indices });
     }
 

@@ -1,0 +1,280 @@
+//! Names of elements, keys and words in other programs and in textbooks, and what to write here.
+//!
+//! Hints for unknown names use these tables before they look for a similar name. Functions of formulas have a table of
+//! their own in `patchcord_expr`.
+
+use super::kind::{Family, Kind};
+use crate::document::fields::KeyAdvice;
+
+/// Names for a kind of element or drive.
+struct KindSynonyms {
+    /// The section in which the names are written.
+    family: Family,
+    /// What people write, in lower case with hyphens.
+    names: &'static [&'static str],
+    /// What to write here. Every kind in it is in quotes.
+    advice: &'static str,
+}
+
+/// Names in the section "elements".
+const fn element(names: &'static [&'static str], advice: &'static str) -> KindSynonyms {
+    KindSynonyms { family: Family::Computing, names, advice }
+}
+
+/// Names in the section "drives".
+const fn drive(names: &'static [&'static str], advice: &'static str) -> KindSynonyms {
+    KindSynonyms { family: Family::Drive, names, advice }
+}
+
+/// The names for kinds.
+static KINDS: &[KindSynonyms] = &[
+    element(
+        &["adder", "add", "sum", "plus", "subtractor", "subtract", "minus", "difference"],
+        "use a \"summer\": it adds its inputs and inverts the sum; to subtract, put an \"inverter\" in front",
+    ),
+    element(
+        &["gain", "amplifier", "scale", "coefficient", "potentiometer", "attenuator", "voltage-divider"],
+        "a gain up to 1 is a \"pot\"; a larger gain is an input of a \"summer\": \"in\": {\"x10\": [\"A1\"]}",
+    ),
+    element(&["negate", "negator", "invert", "neg"], "use an \"inverter\""),
+    element(
+        &["op-amp", "opamp", "operational-amplifier"],
+        "use a \"summer\", an \"integrator\", or an \"open-amplifier\" with the feedback that you patch",
+    ),
+    element(
+        &["comparator", "compare", "schmitt-trigger", "hysteresis", "threshold", "bang-bang"],
+        "use a \"relay\": it compares \"in\" with \"against\", and has two thresholds, \"drop_out\" below \
+         \"pull_in\"",
+    ),
+    element(
+        &["switch", "selector", "mux", "multiplexer"],
+        "a \"relay\" is switched by a voltage, and a \"key-switch\" is set by hand",
+    ),
+    element(
+        &["sign", "signum", "sgn"],
+        "use a \"relay\" with \"on\": \"+100\", \"off\": \"-100\", and \"pull_in\" and \"drop_out\" above and below \
+         0 V",
+    ),
+    element(
+        &["divider", "divide", "division", "quotient", "reciprocal"],
+        "use an \"open-amplifier\" with a \"multiplier\" in its feedback, as in patches/lessons/\
+         square-root-and-division.json; a voltage divider is a \"pot\"",
+    ),
+    element(
+        &["sqrt", "square-root", "root"],
+        "use an \"open-amplifier\" with a \"multiplier\" in its feedback, as in patches/lessons/\
+         square-root-and-division.json",
+    ),
+    element(
+        &["asin", "arcsin", "arcsine"],
+        "use an \"open-amplifier\" with a \"sin\" in its feedback, as in patches/lessons/\
+         square-root-and-division.json",
+    ),
+    element(
+        &["product", "multiply", "mult", "mul", "times"],
+        "use a \"multiplier\" with \"mode\": \"product\"",
+    ),
+    element(
+        &["square", "squarer", "sqr"],
+        "use a \"multiplier\" with \"mode\": \"product\" and the same output at \"a\" and \"b\"",
+    ),
+    element(
+        &["limiter", "limit", "saturation", "saturate", "clamp", "clip", "clipper"],
+        "give a \"summer\" or an \"integrator\" the key \"limit\": {\"lower\": -10, \"upper\": 10}, in volts",
+    ),
+    element(
+        &["constant", "const", "bias", "source", "dc", "voltage", "reference"],
+        "use a \"pot\" with \"in\": \"+100\" or \"-100\": a \"setting\" of 0.2 gives 20 V or -20 V",
+    ),
+    element(
+        &["sample-hold", "sample-and-hold", "sampler", "track-and-hold", "track-store", "zoh"],
+        "use a \"track-hold\": it follows \"in\", inverted, while \"track\" is at or above its threshold",
+    ),
+    element(&["integral", "integrate", "int"], "use an \"integrator\": it inverts"),
+    element(
+        &["derivative", "differentiator", "differentiate", "derivator"],
+        "no element differentiates: the derivative is at the input of the \"integrator\" that makes the signal",
+    ),
+    element(&["filter", "low-pass", "lowpass", "pt1", "first-order"], "use a \"lag\": it inverts"),
+    element(&["dead-time", "transport-delay", "time-delay", "delay-line"], "use a \"delay\""),
+    element(&["abs", "absolute-value", "rectifier", "magnitude"], "use an \"absolute\""),
+    element(&["deadband", "dead-band", "deadzone"], "use a \"dead-zone\""),
+    element(&["play", "gear-play"], "use a \"backlash\""),
+    element(&["min", "minimum", "lower-of"], "use a \"diode-lower-of\""),
+    element(&["max", "maximum", "upper-of"], "use a \"diode-upper-of\""),
+    element(
+        &["lookup", "lookup-table", "table", "curve", "function", "nonlinearity", "characteristic"],
+        "a curve of a voltage is a \"function-generator\"; a \"table\" over time belongs in \"drives\"",
+    ),
+    element(&["ln", "logarithm"], "use a \"log\": its base is 10"),
+    drive(
+        &["constant", "const", "dc", "heaviside", "jump"],
+        "use a \"step\" with \"at\": 0: it has its \"height\" from the start",
+    ),
+    drive(&["sin", "sinus", "sinusoid", "cos", "cosine", "oscillator"], "use a \"sine\""),
+    drive(
+        &["square", "square-wave", "rectangle", "pulse", "pulse-train", "staircase"],
+        "use a \"table\" with \"hold\": \"previous\"",
+    ),
+    drive(&["sawtooth", "saw", "csv", "file", "data", "curve", "lookup", "points"], "use a \"table\""),
+    drive(&["random", "white-noise", "gaussian"], "use a \"noise\""),
+];
+
+/// What to write instead of a kind of other programs. `None` if the tables do not have the name.
+///
+/// Capitals, blanks and underscores in the name do not count.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::elements::{Family, kind_advice};
+///
+/// assert_eq!(kind_advice(Family::Drive, "random"), Some("use a \"noise\""));
+/// assert_eq!(kind_advice(Family::Computing, "Low Pass"), Some("use a \"lag\": it inverts"));
+/// assert_eq!(kind_advice(Family::Computing, "sumer"), None);
+/// ```
+pub fn kind_advice(family: Family, name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase().replace(['_', ' '], "-");
+    let found = KINDS.iter().find(|row| row.family == family && row.names.contains(&name.as_str()));
+    found.map(|row| row.advice)
+}
+
+/// Keys that people write, and the key of this format. A row counts only for a kind that has the key.
+const KEYS: [(&[&str], &str); 20] = [
+    (&["ic", "initial_condition", "initial_value", "init", "start", "x0", "y0"], "initial"),
+    (&["input", "inputs", "from", "source"], "in"),
+    (&["gain", "k", "value", "coefficient", "fraction", "factor", "position"], "setting"),
+    (&["tau", "time_constant", "t"], "time"),
+    (&["time", "delay_time", "dead_time", "tau"], "delay"),
+    (&["threshold", "upper", "hysteresis", "level"], "pull_in"),
+    (&["lower", "release", "dropout"], "drop_out"),
+    (&["high", "true", "then"], "on"),
+    (&["low", "false", "else"], "off"),
+    (&["reference", "compare", "than"], "against"),
+    (&["control", "sample", "sampling"], "track"),
+    (&["x", "in1", "first"], "a"),
+    (&["y", "in2", "second"], "b"),
+    (&["max", "maximum", "high"], "upper"),
+    (&["min", "minimum", "low"], "lower"),
+    (&["operation", "type", "connection"], "mode"),
+    (&["amplitude", "value", "size"], "height"),
+    (&["time", "start", "t0", "delay"], "at"),
+    (&["slope", "speed"], "rate"),
+    (&["freq", "hz"], "frequency"),
+];
+
+/// The hint about a key that a kind does not have. `None` if the tables do not have the key.
+///
+/// `group` is the group of settings that has the key and a dot, such as "limit."; it is empty for the keys of the
+/// element itself.
+pub(crate) fn key_advice(kind: &Kind, group: &str, written: &str) -> Option<KeyAdvice> {
+    if group.is_empty()
+        && kind.has_gains()
+        && let Some(hint) = jack_hint(kind, written)
+    {
+        return Some(KeyAdvice { key: "in", hint });
+    }
+    let written = written.to_lowercase();
+    let has_key = |key: &str| {
+        let has_input = kind.inputs.iter().any(|input| input.name == key);
+        let is_input = group.is_empty() && (has_input || (kind.has_gains() && key == "in"));
+        is_input || kind.setting(&format!("{group}{key}")).is_some()
+    };
+    let mut rows = KEYS.iter().filter(|(words, _)| words.contains(&written.as_str()));
+    let &(_, key) = rows.find(|(_, key)| has_key(key))?;
+    Some(KeyAdvice { key, hint: format!("did you mean \"{key}\"?") })
+}
+
+/// The hint for a jack, or for a gain, that is written next to "in" and not in it. `None` for other keys.
+fn jack_hint(kind: &Kind, written: &str) -> Option<String> {
+    if kind.input(written).is_some() {
+        return Some(format!("write \"in\": {{\"{written}\": [\"A1\"]}}"));
+    }
+    let is_gain = ["gain", "gains"].contains(&written);
+    is_gain.then(|| "the gain is in the name of an input: write \"in\": {\"x10\": [\"A1\"]}".to_owned())
+}
+
+/// Words that people write for a word of a setting.
+const WORDS: [(&[&str], &str); 3] = [
+    (&["multiply", "multiplication", "mult", "times", "four-quadrant", "quarter-squares", "xy"], "product"),
+    (&["squares", "sum-squares", "sum_of_squares", "square"], "sum-of-squares"),
+    (&["zoh", "zero-order", "hold", "staircase", "steps"], "previous"),
+];
+
+/// The permitted word that is meant by another one. `None` if the table does not have the word.
+pub(crate) fn meant_word(written: &str, permitted: &[&'static str]) -> Option<&'static str> {
+    let written = written.to_lowercase();
+    let (_, meant) = WORDS.iter().find(|(words, _)| words.contains(&written.as_str()))?;
+    permitted.iter().copied().find(|word| word == meant)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::{REGISTRY, find};
+
+    /// The texts in quotes.
+    fn quoted(text: &str) -> Vec<&str> {
+        text.split('"').skip(1).step_by(2).collect()
+    }
+
+    #[test]
+    fn every_kind_has_one_row_and_advice_names_a_kind() {
+        for (index, row) in KINDS.iter().enumerate() {
+            for name in row.names {
+                assert!(find(row.family, name).is_none(), "{name} is a kind");
+                let first =
+                    KINDS.iter().position(|row_2| row_2.family == row.family && row_2.names.contains(name));
+                assert_eq!(first, Some(index), "{name}");
+                assert_eq!(kind_advice(row.family, name), Some(row.advice));
+            }
+            let is_kind = |word: &&str| find(row.family, word).is_some();
+            assert!(quoted(row.advice).iter().any(is_kind), "{}", row.advice);
+        }
+    }
+
+    #[test]
+    fn advice_quotes_only_words_of_the_format() {
+        let mut words: Vec<&str> =
+            vec!["+100", "-100", "A1", "x10", "in", "limit", "lower", "upper", "drives", "mode"];
+        words.extend(["product", "previous", "hold"]);
+        for kind in REGISTRY {
+            words.push(kind.name);
+            words.extend(kind.inputs.iter().map(|input| input.name));
+            words.extend(kind.settings.iter().map(|setting| setting.name));
+        }
+        for word in KINDS.iter().flat_map(|row| quoted(row.advice)) {
+            assert!(words.contains(&word), "{word}");
+        }
+    }
+
+    #[test]
+    fn keys_of_other_programs_are_recognised() {
+        let hint = |family, kind: &str, group: &str, key: &str| {
+            key_advice(find(family, kind).unwrap(), group, key).map(|advice| advice.hint)
+        };
+        let element = |kind: &str, key: &str| hint(Family::Computing, kind, "", key);
+        let meant = |key: &str| Some(format!("did you mean \"{key}\"?"));
+        assert_eq!(element("integrator", "ic"), meant("initial"));
+        assert_eq!(element("pot", "K"), meant("setting"));
+        assert_eq!(element("lag", "tau"), meant("time"));
+        assert_eq!(element("delay", "tau"), meant("delay"));
+        assert_eq!(element("relay", "threshold"), meant("pull_in"));
+        assert_eq!(hint(Family::Computing, "summer", "limit.", "max"), meant("upper"));
+        assert_eq!(hint(Family::Drive, "step", "", "value"), meant("height"));
+        assert_eq!(element("pot", "ic"), None);
+        assert_eq!(element("summer", "x10").as_deref(), Some("write \"in\": {\"x10\": [\"A1\"]}"));
+        let gain = "the gain is in the name of an input: write \"in\": {\"x10\": [\"A1\"]}";
+        assert_eq!(element("integrator", "gain").as_deref(), Some(gain));
+        assert_eq!(element("summer", "inputs"), meant("in"));
+        assert_eq!(element("multiplier", "y"), meant("b"));
+    }
+
+    #[test]
+    fn words_of_other_programs_are_recognised() {
+        let modes = ["sum-of-squares", "product"];
+        assert_eq!(meant_word("Multiply", &modes), Some("product"));
+        assert_eq!(meant_word("zoh", &modes), None);
+        assert_eq!(meant_word("quotient", &modes), None);
+    }
+}
