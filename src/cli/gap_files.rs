@@ -4,7 +4,6 @@
 //! Files that no search has written are never overwritten. The report of the earlier search says which files are its
 //! own. While a search replaces files, a marker has their names: so the next search knows them if this one is killed.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;

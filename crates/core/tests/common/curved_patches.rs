@@ -4,6 +4,7 @@
 //! search from many random voltages looks for a second one.
 
 use super::random::SplitMix64;
+use super::static_patches::{Eliminated, eliminate};
 use super::{element, run_for, voltage, volts};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -122,13 +123,13 @@ impl CurvedPatch {
                     residuals(&moved).iter().zip(&here).map(|(there, here)| (there - here) / step).collect()
                 })
                 .collect();
-            let matrix = nalgebra::DMatrix::from_fn(count, count, |row, column| columns[column][row]);
-            let change = matrix.lu().solve(&nalgebra::DVector::from_vec(here))?;
+            let row = |index: usize| columns.iter().map(|column| column[index]).chain([here[index]]).collect();
+            let Eliminated::One(change) = eliminate((0..count).map(row).collect()) else { return None };
             if is_solved {
                 // Where two solutions meet, small residuals do not mean a solution.
-                return (change.amax() < 1e-6).then_some(outputs);
+                return change.iter().all(|change| change.abs() < 1e-6).then_some(outputs);
             }
-            for (output, change) in outputs.iter_mut().zip(change.iter()) {
+            for (output, change) in outputs.iter_mut().zip(&change) {
                 *output = (*output - change).clamp(-100.0, 100.0);
             }
         }

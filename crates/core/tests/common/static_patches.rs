@@ -385,7 +385,7 @@ impl StaticPatch {
 }
 
 /// The solutions of linear equations.
-enum Eliminated {
+pub(super) enum Eliminated {
     /// One solution.
     One(Form),
     /// A point and any multiple of a direction.
@@ -410,7 +410,7 @@ fn line(rows: &[Form], solved: &[Option<usize>], free: usize) -> Eliminated {
 
 /// Solves linear equations by elimination with complete pivoting. Each row has the coefficients and then the right-hand
 /// side.
-fn eliminate(mut rows: Vec<Form>) -> Eliminated {
+pub(super) fn eliminate(mut rows: Vec<Form>) -> Eliminated {
     let count = rows.len();
     for row in &mut rows {
         let scale = row[..count].iter().fold(0.0f64, |most, term| most.max(term.abs()));
