@@ -63,3 +63,19 @@ pub const TIME_SCALE: &str = "time_scale";
 /// The smallest tolerance of a run. Below it, rounding errors exceed the errors of the steps: none of the test
 /// problems with a known solution becomes more accurate.
 pub const MIN_TOLERANCE: f64 = 1e-13;
+/// The largest tolerance of a run: an error of 100 V. A larger one would permit any result.
+pub const MAX_TOLERANCE: f64 = 1.0;
+
+/// Whether a tolerance of a run, in machine units of 100 V, is between [`MIN_TOLERANCE`] and [`MAX_TOLERANCE`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::is_tolerance;
+///
+/// assert!([1e-13, 1e-6, 1.0].into_iter().all(is_tolerance));
+/// assert!([0.0, 1e-14, 2.0, f64::INFINITY, f64::NAN].into_iter().all(|value| !is_tolerance(value)));
+/// ```
+pub fn is_tolerance(value: f64) -> bool {
+    (MIN_TOLERANCE..=MAX_TOLERANCE).contains(&value)
+}

@@ -216,16 +216,18 @@ pub enum RunError {
         /// The value that was given, in problem seconds.
         value: f64,
     },
-    /// The tolerance is too small or not finite.
+    /// The tolerance is too small, too large or not a number.
     #[error(
-        "the tolerance must be finite and at least {min}, got {value}; rounding makes smaller errors impossible",
-        value = format_number(*value), min = format_number(*min)
+        "the tolerance must be from {min} to {max}, got {value}; rounding makes smaller errors impossible",
+        value = format_number(*value), min = format_number(*min), max = format_number(*max)
     )]
     NotATolerance {
         /// The value that was given, as a share of 100 V.
         value: f64,
         /// The smallest tolerance that is allowed, [`MIN_TOLERANCE`](crate::document::MIN_TOLERANCE).
         min: f64,
+        /// The largest tolerance that is allowed, [`MAX_TOLERANCE`](crate::document::MAX_TOLERANCE).
+        max: f64,
     },
     /// The step, or the time between samples, is longer than the run.
     #[error(
