@@ -62,6 +62,17 @@ pub enum RunError {
         /// The reason and the advice, separated by ";".
         why: String,
     },
+    /// A derivative by a parameter is too large for a number, in its unit or in volts.
+    #[error(
+        "there is no derivative by {parameter}: at t = {time} s it is not a finite number; check the scales and the \
+         range of the parameter, or end the run earlier"
+    )]
+    InfiniteDerivative {
+        /// Name of the parameter.
+        parameter: String,
+        /// Problem time in seconds.
+        time: f64,
+    },
     /// The derivative by a parameter exists up to an event, and not after it. The state after the event would jump if
     /// the parameter changed.
     #[error(
@@ -305,7 +316,7 @@ impl RunError {
         match self {
             RunError::NotANumber { .. } => "not-a-number",
             RunError::Loop { .. } => "loop-unsolved",
-            RunError::NoDerivative { .. } => "no-derivative",
+            RunError::NoDerivative { .. } | RunError::InfiniteDerivative { .. } => "no-derivative",
             RunError::DerivativeLost { .. } => "derivative-lost",
             RunError::Chatter { .. } => "chatter",
             RunError::StepTooShort { .. } => "step-too-short",
