@@ -11,7 +11,9 @@ use std::{fs, io};
 use clap::Args;
 
 use super::failure::Failure;
+use super::standard_output_result;
 use patchcord::circuit::Circuit;
+use patchcord::document::escape_controls;
 use patchcord::draw;
 use patchcord::draw::plot::{self, Format, Picture, Size};
 use patchcord::instruments::parameter_line;
@@ -119,6 +121,11 @@ pub(super) fn path_texts<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Ve
     paths.into_iter().map(|path| path.display().to_string()).collect()
 }
 
+/// A path in a message, on one line and without control characters.
+pub(super) fn path_text(path: &Path) -> String {
+    escape_controls(&path.display().to_string())
+}
+
 /// The list of written files after an empty line; empty if there are none.
 pub(super) fn written_paragraph<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
     let text = written_text(paths);
@@ -127,7 +134,7 @@ pub(super) fn written_paragraph<'a>(paths: impl Iterator<Item = &'a PathBuf>) ->
 
 /// "wrote FILE" for each file, one per line.
 pub(super) fn written_text<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
-    paths.map(|path| format!("wrote {}\n", path.display())).collect()
+    paths.map(|path| format!("wrote {}\n", path_text(path))).collect()
 }
 
 /// An error if two output files are the same, or one is the patch.
@@ -149,7 +156,7 @@ pub(super) fn check_distinct_from<'a>(
     let input = resolved_destination(read)?;
     match distinct_destinations(paths)?.iter().find(|(_, output)| *output == input) {
         Some((path, _)) => {
-            let path = path.display();
+            let path = path_text(path);
             Err(Failure::usage(format!("{path} is {what} itself: give another name or folder to write to")))
         }
         None => Ok(()),
@@ -164,7 +171,7 @@ pub(super) fn distinct_destinations<'a>(
     for path in paths.filter(|path| !is_stream(path)) {
         let destination = resolved_destination(path)?;
         if taken.iter().any(|(_, other)| *other == destination) {
-            return Err(Failure::usage(format!("{} would be written twice", path.display())));
+            return Err(Failure::usage(format!("{} would be written twice", path_text(path))));
         }
         taken.push((path, destination));
     }
@@ -179,7 +186,11 @@ pub(super) fn prepare_outputs<'a>(
     if let Some(folder) = folder {
         create_folder(folder)?;
         check_folder_writable(folder).map_err(|error| {
-            Failure::data(format!("cannot write into the folder {}: {}", folder.display(), io_reason(&error)))
+            Failure::data(format!(
+                "cannot write into the folder {}: {}",
+                path_text(folder),
+                io_reason(&error)
+            ))
         })?;
     }
     for path in paths {
@@ -196,7 +207,7 @@ fn is_stream(path: &Path) -> bool {
 /// The path under which a file will exist, without links and "..".
 fn resolved_destination(path: &Path) -> Result<PathBuf, Failure> {
     let no_file =
-        |error| Failure::usage(format!("\"{}\" is not a file name: {}", path.display(), io_reason(&error)));
+        |error| Failure::usage(format!("\"{}\" is not a file name: {}", path_text(path), io_reason(&error)));
     destination(path).map_err(no_file)
 }
 
@@ -204,7 +215,7 @@ fn resolved_destination(path: &Path) -> Result<PathBuf, Failure> {
 pub(super) fn create_folder(folder: &Path) -> Result<(), Failure> {
     let failure = |error| {
         let why = blocking_file(folder).unwrap_or_else(|| io_reason(&error));
-        Failure::data(format!("cannot create the folder {}: {why}", folder.display()))
+        Failure::data(format!("cannot create the folder {}: {why}", path_text(folder)))
     };
     fs::create_dir_all(folder).map_err(failure)
 }
@@ -217,13 +228,17 @@ fn blocking_file(folder: &Path) -> Option<String> {
     Some(if file == folder {
         "a file with this name exists".to_owned()
     } else {
-        format!("{} is a file", file.display())
+        format!("{} is a file", path_text(file))
     })
 }
 
-/// Writes a file completely, or not at all.
+/// Writes a file completely, or not at all. If the file is standard output, a closed pipe is not an error.
 pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    write_atomic(path, bytes).map_err(|error| write_failure(path, &error))
+    let outcome = write_atomic(path, bytes);
+    if path == Path::new("/dev/stdout") {
+        return standard_output_result(outcome);
+    }
+    outcome.map_err(|error| write_failure(path, &error))
 }
 
 /// Draws pictures on one sheet and writes the file.
@@ -239,7 +254,7 @@ pub(super) fn write_pictures(
 
 /// The failure for a file that cannot be written.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
-    Failure::data(format!("cannot write {}: {}", path.display(), io_reason(error)))
+    Failure::data(format!("cannot write {}: {}", path_text(path), io_reason(error)))
 }
 
 /// The pictures of the patch, or every recorded signal against time if it has none. Pictures of derivatives follow.

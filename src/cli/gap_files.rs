@@ -10,7 +10,7 @@ use std::{fs, io};
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::{check_distinct_from, prepare_outputs, write_failure, write_file};
+use super::files::{check_distinct_from, path_text, prepare_outputs, write_failure, write_file};
 use patchcord::ident::effects::Library;
 use patchcord::ident::report::Report;
 use patchcord::ident::{Experiment, table_files};
@@ -62,7 +62,7 @@ impl<'f> Folder<'f> {
         match foreign.map(|file| self.folder.join(file)).find(|path| path.exists()) {
             Some(path) => Err(Failure::usage(format!(
                 "{} exists and was not written by a search: give another folder, or remove it",
-                path.display()
+                path_text(&path)
             ))),
             None => Ok(()),
         }
@@ -142,13 +142,13 @@ fn put_patches(
 /// Writes a file and returns the line that reports it.
 fn write_with_line(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
     write_file(path, bytes)?;
-    Ok(format!("wrote {}\n", path.display()))
+    Ok(format!("wrote {}\n", path_text(path)))
 }
 
 /// Removes a file of an earlier search and returns the line that reports it; empty if there is none.
 fn remove_with_line(path: &Path) -> Result<String, Failure> {
     match fs::remove_file(path) {
-        Ok(()) => Ok(format!("removed {}, written by an earlier search\n", path.display())),
+        Ok(()) => Ok(format!("removed {}, written by an earlier search\n", path_text(path))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(String::new()),
         Err(error) => Err(write_failure(path, &error)),
     }

@@ -7,7 +7,7 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use super::failure::Failure;
-use super::files::{create_folder, write_file};
+use super::files::{create_folder, path_text, write_file};
 use super::{definition, print, write_out};
 use patchcord::document::suggestion;
 
@@ -71,7 +71,7 @@ fn write_pages(patchcord: &Command, folder: &std::path::Path) -> Result<(), Fail
         let page = page(command);
         let path = folder.join(page.get_filename());
         write_file(&path, text(page)?.as_bytes())?;
-        print(&format!("wrote {}\n", path.display()))?;
+        print(&format!("wrote {}\n", path_text(&path)))?;
     }
     Ok(())
 }

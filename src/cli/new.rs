@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::{path_texts, write_failure};
+use super::files::{path_text, path_texts, write_failure};
 use super::{print, print_json};
 use patchcord::output::write_new;
 
@@ -44,13 +44,13 @@ pub(super) fn new(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!(
         "wrote {}\n\nRead its notes, then:\n  patchcord check {patch} --voltages\n  \
          patchcord draw {patch} --plot {drawing}\n  patchcord run {patch} --plot {picture}\n",
-        file.display()
+        path_text(file)
     ))
 }
 
 /// Writes the patch. An existing file is never overwritten.
 fn write(file: &Path) -> Result<(), Failure> {
-    let shown = file.display();
+    let shown = path_text(file);
     if file.extension().is_none_or(|ending| ending != "json") {
         return Err(Failure::usage(format!(
             "the name of a patch file must end in .json, such as {shown}.json"
