@@ -116,6 +116,7 @@ impl<'a> ExperimentBuilder<'a> {
             file: String::new(),
             title: document.title.clone(),
             patch: patch.patch().clone(),
+            patch_name: document.patch.as_ref().map_or_else(String::new, |named| named.value.clone()),
             drives: drives.into_iter().flatten().collect(),
             outputs: outputs.into_iter().flatten().collect(),
             fit,

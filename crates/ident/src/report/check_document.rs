@@ -58,7 +58,7 @@ impl<'a> CheckDocument<'a> {
             ok: true,
             experiment: &experiment.file,
             title: &experiment.title,
-            patch: experiment.patch.file(),
+            patch: &experiment.patch_name,
             diagnostics: experiment.warnings.documents(),
             fit: &experiment.fit,
             records: records
