@@ -56,8 +56,8 @@ pub enum Inconclusive {
 /// Number of samples of every output from which [`is_noise_only`] decides. Fewer samples often look like noise by
 /// chance.
 const MIN_NOISE_SAMPLES: usize = 100;
-/// Standard deviations by which the mean squared residual of an output is below that of its declared noise if the
-/// residual counts as below the noise. White noise of that size is so low in one of 700 cases.
+/// Standard deviations by which the mean square of a white residual must be below that of the declared noise, so that it
+/// counts as below the noise. White noise of that size is so low in one of 700 cases.
 const BELOW_NOISE_Z: f64 = 3.0;
 /// Maximum rms of a residual over the stated noise. A larger residual is not only noise, even if it is white.
 pub(crate) const MAX_NOISE_RATIO: f64 = 2.0;
@@ -113,11 +113,12 @@ pub(crate) fn is_noise_only(problem: &Problem) -> bool {
 }
 
 /// Whether the residual of every output is below the noise that the experiment declares for it, in the training and
-/// the validation records. In training, it must be so low that white noise of the declared size is unlikely.
+/// the validation records. A white residual must be so low in training that noise of the declared size is unlikely.
 pub(crate) fn agrees_within_noise(experiment: &Experiment, base: &FittedModel) -> bool {
+    let z = if base.residuals_are_coloured() { 0.0 } else { BELOW_NOISE_Z };
     experiment.outputs.iter().enumerate().all(|(index, output)| {
         let squares = squared_residuals(&base.train.residuals, index);
-        let limit = 1.0 - BELOW_NOISE_Z * (2.0 / squares.len() as f64).sqrt();
+        let limit = 1.0 - z * (2.0 / squares.len() as f64).sqrt();
         output.sigma.is_some()
             && mean(&squares) < limit
             && normalised_output_rms(&base.validation, index) < 1.0
