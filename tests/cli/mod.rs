@@ -225,6 +225,12 @@ fn control_characters_of_names_are_shown_as_escape_sequences() {
         assert_eq!(code(&ran), *expected, "{arguments:?}: {shown}");
         assert!(shown.contains("\\u001b[31m") && is_printable(&shown), "{arguments:?}: {shown:?}");
     }
+    // The rows of a sweep go to standard output, with the name of the patch above them.
+    let named = path(&folder, "c\u{1b}[31m.json");
+    fs::copy(FIG_8_16, &named).unwrap();
+    let vary = ["--for", "0.01", "--vary", "VcL=1e-3,2e-3", "--measure", "peak:v_o"];
+    let table = out(&patchcord(&[&["sweep", &named], &vary[..]].concat()));
+    assert!(table.contains("# patch: c\\u001b[31m.json\n") && is_printable(&table), "{table:?}");
     assert!(errors(&patchcord(&["check", &missing])).contains("no\\u001b[31m\\u000a.json: No such file"));
 }
 
