@@ -156,8 +156,11 @@ fn no_effect_is_named_if_the_residual_is_below_the_declared_noise() {
 #[ignore = "takes several seconds: fits with many steps"]
 fn a_solver_error_above_the_noise_makes_the_search_inconclusive() {
     let mut experiment = Experiment::read(SPRING).unwrap_or_else(|error| panic!("{error}"));
-    let records = experiment.train.iter_mut().chain(&mut experiment.validation);
-    records.for_each(|record| record.interval *= 1e3);
+    for record in experiment.train.iter_mut().chain(&mut experiment.validation) {
+        // 100 samples keep the test short.
+        record.outputs.iter_mut().for_each(|column| column.truncate(100));
+        record.interval *= 1e3;
+    }
     let problem = Problem::of(&experiment).unwrap();
     let outcome = search_for(&["viscous-friction"], &experiment, &problem);
     assert_eq!((outcome.verdict, outcome.rounds.len()), (Verdict::CannotJudge, 0));
