@@ -12,4 +12,5 @@ mod problems;
 #[path = "../crates/draw/tests/schematic_checks/mod.rs"]
 mod schematic_checks;
 mod shipped_patches;
+mod third_party;
 mod wording;

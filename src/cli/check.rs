@@ -6,7 +6,7 @@
 
 use clap::Args;
 use indexmap::IndexMap;
-use patchcord::document::{DiagnosticDocument, plural};
+use patchcord::document::{DiagnosticDocument, escape_controls, plural};
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -95,7 +95,8 @@ fn check_problem(circuit: &Circuit, program: &Program) -> Result<ProblemCheck, F
 /// Lines that do not apply are left out. The last line, "cannot be run: ...", concerns a run without options.
 fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> String {
     let patch = circuit.patch();
-    let mut text = format!("{}: {}\n", patch.file(), verdict(circuit.warnings().warning_count()));
+    let mut text =
+        format!("{}: {}\n", escape_controls(patch.file()), verdict(circuit.warnings().warning_count()));
     if !patch.title.is_empty() {
         text += &format!("{}\n", patch.title);
     }

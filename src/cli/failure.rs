@@ -1,8 +1,9 @@
 //! Failures of a command: their messages, JSON documents and exit codes.
 //!
-//! Exit code 2 means that the command line must be changed, 1 that the patch or the data must be changed. Text goes to
-//! standard error. With `--json`, a document follows on standard output: `ok` is false, and `error` has the message or
-//! `diagnostics` the list of findings. Further keys depend on the command, such as `code` of a run error.
+//! Exit code 2 means that the command line must be changed. Exit code 1 means that the patch or the data must be changed,
+//! or that output cannot be written. Text goes to standard error. With `--json`, a document follows on standard output:
+//! `ok` is false, and `error` has the message or `diagnostics` the list of findings. Further keys depend on the command,
+//! such as `code` of a run error.
 //!
 //! The dispatcher in `mod.rs` decides whether a failure is also printed as JSON. Commands only return it.
 
@@ -14,7 +15,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::{eprint, eprint_coloured, errors_in_colour, print_json};
-use patchcord::document::{DiagnosticDocument, DocumentError, Report, Severity, plural};
+use patchcord::document::{DiagnosticDocument, DocumentError, Report, Severity, escape_controls, plural};
 use patchcord::ident::ExperimentError;
 use patchcord::ident::effects::EffectError;
 use patchcord::ident::fit::model::ModelError;
@@ -77,9 +78,9 @@ impl Failure {
         Failure::new(Cause::Usage(message.into()))
     }
 
-    /// An error in the command line whose message was already printed. The JSON document is still printed.
+    /// An error in the command line whose message was already printed. A JSON document is still printed.
     pub(super) fn already_printed(message: impl Into<String>) -> Self {
-        Failure::new(Cause::AlreadyPrinted(message.into())).with_json_output(true)
+        Failure::new(Cause::AlreadyPrinted(message.into()))
     }
 
     /// An error in the patch or the data, with exit code 1.
@@ -167,7 +168,7 @@ pub(super) fn eprint_report(report: &Report) {
     }
     eprint_coloured(&report.render(errors_in_colour()));
     if report.has_errors() {
-        eprint(&format!("\n{}: {}", report.file, counts_text(report)));
+        eprint(&format!("\n{}: {}", escape_controls(&report.file), counts_text(report)));
     }
 }
 

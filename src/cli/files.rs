@@ -9,6 +9,7 @@ use super::failure::Failure;
 use super::load::PatchArguments;
 use super::outputs::Outputs;
 use patchcord::circuit::Circuit;
+use patchcord::document::escape_controls;
 use patchcord::draw;
 use patchcord::draw::plot::{self, Format, Picture, Size};
 use patchcord::instruments::parameter_line;
@@ -128,6 +129,11 @@ pub(super) fn path_texts<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Ve
     paths.into_iter().map(|path| path.display().to_string()).collect()
 }
 
+/// A path in a message, on one line and without control characters.
+pub(super) fn path_text(path: &Path) -> String {
+    escape_controls(&path.display().to_string())
+}
+
 /// The list of written files after an empty line; empty if there are none.
 pub(super) fn written_paragraph<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
     let text = written_text(paths);
@@ -136,7 +142,7 @@ pub(super) fn written_paragraph<'a>(paths: impl Iterator<Item = &'a PathBuf>) ->
 
 /// "wrote FILE" for each file, one per line.
 pub(super) fn written_text<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
-    paths.map(|path| format!("wrote {}\n", path.display())).collect()
+    paths.map(|path| format!("wrote {}\n", path_text(path))).collect()
 }
 
 /// Draws pictures on one sheet and writes the file.

@@ -35,16 +35,17 @@ pub(super) fn limits_text(
     detectability: &Detectability,
     library: &Library,
 ) -> String {
-    let LimitsCheck { skipped, introduction, undetectable, .. } =
+    let LimitsCheck { solver_warning, skipped, introduction, undetectable, .. } =
         CheckReport::new(experiment, sites).limits(detectability, library);
-    let skipped = lines(&skipped);
+    let warning = solver_warning.map_or(String::new(), |warning| format!("\n{warning}\n"));
+    let before = warning + &lines(&skipped);
     if detectability.limits.is_empty() {
-        return skipped;
+        return before;
     }
     let table = Table::from_rows(DETECTION_LIMIT_HEADINGS, &detection_limit_rows(&detectability.limits));
     let undetectable =
         if undetectable.is_empty() { String::new() } else { format!("\n{}", lines(&undetectable)) };
-    format!("{skipped}\n{introduction}\n\n{table}{undetectable}")
+    format!("{before}\n{introduction}\n\n{table}{undetectable}")
 }
 
 /// Each text on a line.

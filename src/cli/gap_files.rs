@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::failure::Failure;
+use super::files::path_text;
 use super::outputs::{Outputs, write_failure};
 use patchcord::document::read_text;
 use patchcord::ident::effects::Library;
@@ -77,7 +78,7 @@ impl<'f> Folder<'f> {
         match foreign.map(|file| self.path(file)).find(|path| path.exists()) {
             Some(path) => Err(Failure::usage(format!(
                 "{} exists and was not written by a search: give another folder, or remove it",
-                path.display()
+                path_text(&path)
             ))),
             None => Ok(()),
         }

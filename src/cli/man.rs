@@ -7,6 +7,7 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use super::failure::Failure;
+use super::files::path_text;
 use super::outputs::Outputs;
 use super::{definition, print, write_out};
 use patchcord::document::suggestion;
@@ -77,7 +78,7 @@ fn write_pages(patchcord: &Command, folder: &Path) -> Result<(), Failure> {
     outputs.prepare(Some(folder), pages.iter().map(|(path, _)| path))?;
     for (path, text) in &pages {
         outputs.write(path, text.as_bytes())?;
-        print(&format!("wrote {}\n", path.display()))?;
+        print(&format!("wrote {}\n", path_text(path)))?;
     }
     Ok(())
 }

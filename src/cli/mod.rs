@@ -53,6 +53,7 @@ mod sweep;
 mod table;
 mod times;
 
+use std::ffi::OsString;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
@@ -60,11 +61,13 @@ use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _, Parser, Subcomm
 use serde::Serialize;
 
 use failure::Failure;
+use patchcord::document::{escape_controls, printable};
 use patchcord::output::io_reason;
 
 /// A virtual analogue computer: patches in JSON, run in volts, read with the instruments of the period
 ///
-/// Exit codes: 0 success, 1 error in the patch or the data, 2 error in the command line.
+/// Exit codes: 0 success, 1 error in the patch or the data, or output that cannot be written, 2 error in the command
+/// line.
 #[derive(Parser)]
 #[command(name = "patchcord", version, arg_required_else_help = true)]
 struct Arguments {
@@ -111,12 +114,13 @@ fn definition() -> clap::Command {
     Arguments::command()
 }
 
-/// Runs the command line of this process and returns the exit code: 0 success, 1 error in the patch or the data, 2
-/// error in the command line.
+/// Runs the command line of this process and returns the exit code: 0 success, 1 error in the patch or the data, or
+/// output that cannot be written, 2 error in the command line.
 pub(crate) fn main() -> ExitCode {
-    let outcome = match parse() {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let outcome = match parse(&arguments) {
         Ok((command, json)) => run_command(&command).map_err(|failure| failure.with_json_output(json)),
-        Err(error) => report_usage(&error),
+        Err(error) => report_usage(&with_escaped_arguments(error, &arguments), &arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -124,9 +128,9 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-/// Parses the command line of this process. Returns the command, and whether it was given `--json`.
-fn parse() -> Result<(Command, bool), clap::Error> {
-    let mut matches = definition().try_get_matches()?;
+/// Parses a command line. Returns the command, and whether it was given `--json`.
+fn parse(arguments: &[OsString]) -> Result<(Command, bool), clap::Error> {
+    let mut matches = definition().try_get_matches_from(arguments)?;
     let json = matches.subcommand().is_some_and(|(_, options)| has_json(options));
     let arguments = Arguments::from_arg_matches_mut(&mut matches);
     let arguments = arguments.map_err(|error| error.format(&mut definition()))?;
@@ -159,23 +163,34 @@ fn run_command(command: &Command) -> Result<(), Failure> {
     }
 }
 
-/// Prints help, version or an error of the command line. With `--json` an error is also printed as a JSON document.
-///
-/// Help and version end the process here with exit code 0, an error without `--json` with 2. The JSON document has the
-/// first paragraph of the message as `error`.
-fn report_usage(error: &clap::Error) -> Result<(), Failure> {
-    if !error.use_stderr() || !std::env::args_os().any(|argument| argument == "--json") {
-        error.exit();
-    }
-    let message = error.render().to_string();
-    eprint(message.trim_end());
-    let first = message.split("\n\n").next().unwrap_or_default();
-    Err(Failure::already_printed(first.trim_start_matches("error: ")))
+/// The error of the same command line without control characters, because the message of an error repeats arguments.
+fn with_escaped_arguments(error: clap::Error, arguments: &[OsString]) -> clap::Error {
+    let escaped: Vec<OsString> =
+        arguments.iter().map(|argument| escape_controls(&argument.to_string_lossy()).into()).collect();
+    parse(&escaped).err().unwrap_or(error)
 }
 
-/// Prints to standard output without control characters. A closed pipe is not an error.
+/// Prints help, version or an error of the command line. With `--json` an error is also printed as a JSON document.
 ///
-/// Line feeds stay; tabs become spaces. A title of a patch can therefore not manipulate the terminal.
+/// The JSON document has the first paragraph of the message as `error`.
+///
+/// # Errors
+/// The error of the command line, or the failure to write help or version.
+fn report_usage(error: &clap::Error, arguments: &[OsString]) -> Result<(), Failure> {
+    let printed = error.print();
+    if !error.use_stderr() {
+        return standard_output_result(printed.and_then(|()| io::stdout().flush()));
+    }
+    let message = error.render().to_string();
+    let first = message.split("\n\n").next().unwrap_or_default();
+    let failure = Failure::already_printed(first.trim_start_matches("error: "));
+    Err(failure.with_json_output(arguments.iter().any(|argument| argument == "--json")))
+}
+
+/// Prints to standard output without control characters, which could manipulate a terminal. A closed pipe is not an
+/// error.
+///
+/// Line feeds stay; tabs become spaces; other control characters become escape sequences, such as `\u001b`.
 fn print(text: &str) -> Result<(), Failure> {
     write_out(&printable(text))
 }
@@ -183,21 +198,19 @@ fn print(text: &str) -> Result<(), Failure> {
 /// Prints a JSON document. Control characters in texts are escaped, so that they are preserved.
 fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(document).map_err(|error| Failure::data(error.to_string()))?;
-    let text = text + "\n";
-    let escaped = text.chars().map(|letter| match letter {
-        '\n' => "\n".to_owned(),
-        letter if letter.is_control() => format!("\\u{:04x}", u32::from(letter)),
-        letter => letter.to_string(),
-    });
-    write_out(&escaped.collect::<String>())
+    print(&(text + "\n"))
 }
 
 /// Writes text to standard output. A closed pipe is not an error.
-///
-/// A pipe that closes early, as with `head`, ends the output without a message.
 fn write_out(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    standard_output_result(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// The result of writing to standard output. A pipe that closes early, as with `head`, ends the output without a
+/// message.
+fn standard_output_result(outcome: io::Result<()>) -> Result<(), Failure> {
+    match outcome {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::data(format!("cannot write to standard output: {}", io_reason(&error))))
         }
@@ -210,22 +223,18 @@ fn eprint(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", printable(text));
 }
 
-/// Prints a message with colour codes to standard error, without other control characters.
+/// Prints a message with colour codes to standard error, without other control characters. Texts from outside in the
+/// message have no control characters.
 fn eprint_coloured(text: &str) {
     let mut parts = text.split("\x1b[");
     let mut shown = printable(parts.next().unwrap_or_default());
     for part in parts {
         let end = part.find(|letter: char| !letter.is_ascii_digit() && letter != ';').unwrap_or(part.len());
         let is_colour = part[end..].starts_with('m');
-        shown += if is_colour { "\x1b[" } else { "[" };
+        shown += if is_colour { "\x1b[" } else { "\\u001b[" };
         shown += &printable(part);
     }
     let _ = writeln!(io::stderr().lock(), "{shown}");
-}
-
-/// The text without control characters, which could manipulate a terminal.
-fn printable(text: &str) -> String {
-    text.replace('\t', " ").chars().filter(|letter| *letter == '\n' || !letter.is_control()).collect()
 }
 
 /// Whether errors are printed in colour: standard error is a terminal and NO_COLOR is not set.

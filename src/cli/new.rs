@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::path_texts;
+use super::files::{path_text, path_texts};
 use super::outputs::write_new_file;
 use super::{print, print_json};
 
@@ -43,7 +43,7 @@ pub(super) fn new(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!(
         "wrote {}\n\nRead its notes, then:\n  patchcord check {patch} --voltages\n  \
          patchcord draw {patch} --plot {drawing}\n  patchcord run {patch} --plot {picture}\n",
-        file.display()
+        path_text(file)
     ))
 }
 
@@ -52,7 +52,7 @@ fn write(file: &Path) -> Result<(), Failure> {
     if file.extension().is_none_or(|ending| ending != "json") {
         return Err(Failure::usage(format!(
             "the name of a patch file must end in .json, such as {}.json",
-            file.display()
+            path_text(file)
         )));
     }
     write_new_file(file, first_patch(file).as_bytes())

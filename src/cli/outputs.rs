@@ -10,6 +10,8 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use super::failure::Failure;
+use super::files::path_text;
+use super::standard_output_result;
 use patchcord::output::{
     FileIdentity, StagedFile, check_appendable, check_folder_writable, check_writable, io_reason,
     remove_leftovers, stage, write_atomic, write_new,
@@ -67,7 +69,7 @@ impl Outputs {
             let path = path.as_ref();
             let Some(identity) = self.identity(path)? else { continue };
             if found.iter().any(|other| other.is_same(&identity)) {
-                return Err(Failure::usage(format!("{} would be written twice", path.display())));
+                return Err(Failure::usage(format!("{} would be written twice", path_text(path))));
             }
             found.push(identity);
         }
@@ -82,7 +84,7 @@ impl Outputs {
         if is_stream(path) {
             return Ok(None);
         }
-        let shown = path.display();
+        let shown = path_text(path);
         let identity = FileIdentity::of(path).map_err(|error| {
             Failure::usage(format!("\"{shown}\" is not a file name: {}", io_reason(&error)))
         })?;
@@ -109,7 +111,7 @@ impl Outputs {
         if let Some(folder) = folder {
             create_folder(folder)?;
             check_folder_writable(folder).map_err(|error| {
-                let (folder, reason) = (folder.display(), io_reason(&error));
+                let (folder, reason) = (path_text(folder), io_reason(&error));
                 Failure::data(format!("cannot write into the folder {folder}: {reason}"))
             })?;
         }
@@ -132,7 +134,11 @@ impl Outputs {
     /// If the file was read, or if it cannot be written.
     pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         self.identity(path)?;
-        write_atomic(path, bytes).map_err(|error| write_failure(path, &error))
+        let outcome = write_atomic(path, bytes);
+        if path == Path::new("/dev/stdout") {
+            return standard_output_result(outcome);
+        }
+        outcome.map_err(|error| write_failure(path, &error))
     }
 
     /// Writes a file under a temporary name.
@@ -172,7 +178,7 @@ pub(super) fn write_new_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_new(path, bytes).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => Failure::usage(format!(
             "{} already exists: choose another name, or remove it first",
-            path.display()
+            path_text(path)
         )),
         _ => write_failure(path, &error),
     })
@@ -193,7 +199,7 @@ fn is_stream(path: &Path) -> bool {
 fn create_folder(folder: &Path) -> Result<(), Failure> {
     let failure = |error| {
         let why = blocking_file(folder).unwrap_or_else(|| io_reason(&error));
-        Failure::data(format!("cannot create the folder {}: {why}", folder.display()))
+        Failure::data(format!("cannot create the folder {}: {why}", path_text(folder)))
     };
     fs::create_dir_all(folder).map_err(failure)
 }
@@ -206,11 +212,11 @@ fn blocking_file(folder: &Path) -> Option<String> {
     Some(if file == folder {
         "a file with this name exists".to_owned()
     } else {
-        format!("{} is a file", file.display())
+        format!("{} is a file", path_text(file))
     })
 }
 
 /// The failure for a file that cannot be written.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
-    Failure::data(format!("cannot write {}: {}", path.display(), io_reason(error)))
+    Failure::data(format!("cannot write {}: {}", path_text(path), io_reason(error)))
 }

@@ -16,7 +16,7 @@ use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
 use super::times::{TimeArguments, TimesDocument, run_failure};
-use super::{eprint, print, print_json};
+use super::{eprint, print, print_json, standard_output_result};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{Measure, MeasureColumn, measures};
 use patchcord::ir::Program;
@@ -101,7 +101,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
         return print_json(&PatchDocument::new(&circuit, arguments.document(&sweep, summary, out)));
     }
     let result = match summary.written {
-        0 => format!("{} is complete: nothing to do\n", out.display()),
+        0 => format!("{} is complete: nothing to do\n", path_text(out)),
         _ => written_text([out].into_iter()),
     };
     print(&(summary_text(summary) + &result))
@@ -194,14 +194,12 @@ fn journal_failure(error: JournalError) -> Failure {
 
 /// Reports failed runs on standard error if the rows went to standard output. A closed pipe is not an error.
 fn report_output(outcome: io::Result<SweepSummary>) -> Result<(), Failure> {
-    match outcome {
-        Ok(summary) if summary.failed > 0 => eprint(summary_text(summary).trim_end()),
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(Failure::data(format!("cannot write to standard output: {error}")));
+    let written = outcome.map(|summary| {
+        if summary.failed > 0 {
+            eprint(summary_text(summary).trim_end());
         }
-        _ => (),
-    }
-    Ok(())
+    });
+    standard_output_result(written)
 }
 
 /// "2 runs: 0 failed, 0 with a note".

@@ -10,7 +10,10 @@ use patchcord::circuit::Circuit;
 use patchcord::document::{Placed, Span};
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
-use patchcord::solve::{Backend, MIN_TOLERANCE, RunError, RunSettings, TimeSetting, sufficient_step};
+use patchcord::solve::{
+    Backend, MAX_TOLERANCE, MIN_TOLERANCE, RunError, RunSettings, TimeSetting, is_tolerance,
+    sufficient_step,
+};
 
 #[derive(Args)]
 pub(super) struct TimeArguments {
@@ -69,10 +72,12 @@ fn backend() -> impl TypedValueParser<Value = Backend> {
 /// Parses a tolerance.
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
-    if (MIN_TOLERANCE..1.0).contains(&share) {
+    if is_tolerance(share) {
         Ok(share)
     } else {
-        Err(format!("must be from {MIN_TOLERANCE:e} to 1, such as 1e-6: rounding errors are not smaller"))
+        Err(format!(
+            "must be from {MIN_TOLERANCE:e} to {MAX_TOLERANCE}, such as 1e-6: rounding errors are not smaller"
+        ))
     }
 }
 

@@ -184,6 +184,11 @@ fn warnings_are_counted_and_do_not_change_exit_codes() {
     assert_eq!(code(&patchcord(&["check", &file, "--set", "k=1"])), 2);
 }
 
+/// Whether a text has no control characters except line feeds.
+fn is_printable(text: &str) -> bool {
+    text.chars().all(|letter| letter == '\n' || !letter.is_control())
+}
+
 #[test]
 fn a_file_without_its_ending_is_recognised() {
     let (folder, file) = spring();
@@ -226,12 +231,45 @@ fn control_characters_do_not_reach_the_terminal() {
     let (_folder, file) = spring_with("Mass on a spring", "Mass\\u001b[2J\\u0007\\u009b1m on a spring");
     for arguments in [["check", &file], ["run", &file]] {
         let shown = out(&patchcord(&arguments));
-        assert!(shown.contains("Mass[2J1m on a spring\n"), "{shown:?}");
-        assert!(shown.chars().all(|letter| letter == '\n' || !letter.is_control()), "{shown:?}");
+        assert!(shown.contains("Mass\\u001b[2J\\u0007\\u009b1m on a spring\n"), "{shown:?}");
+        assert!(is_printable(&shown), "{shown:?}");
     }
     let document = patchcord(&["check", &file, "--json"]);
     assert_eq!(json(&document)["title"], "Mass\u{1b}[2J\u{7}\u{9b}1m on a spring");
-    assert!(out(&document).chars().all(|letter| letter == '\n' || !letter.is_control()));
+    assert!(is_printable(&out(&document)));
+}
+
+/// The name is the same in messages about a missing file, a wrong patch, a written file and a wrong command line.
+#[cfg(unix)]
+#[test]
+fn control_characters_of_names_are_shown_as_escape_sequences() {
+    let (folder, right) = spring();
+    let name = "a\u{1b}[31m\u{7}\n.json";
+    let (missing, wrong) = (path(&folder, "no\u{1b}[31m\n.json"), path(&folder, name));
+    fs::write(&wrong, SPRING.replace("\"title\"", "\"titel\"")).unwrap();
+    let csv = path(&folder, "b\u{1b}[31m.csv");
+    let parameter = "k\u{1b}[31m=1";
+    let cases: &[(&[&str], i32)] = &[
+        (&["check", &missing], 1),
+        (&["check", &wrong], 1),
+        (&["run", &right, "--csv", &csv], 0),
+        (&["run", &right, "--set", parameter], 2),
+        (&["run", &right, "--tol", parameter], 2),
+        (&[parameter], 2),
+    ];
+    for (arguments, expected) in cases {
+        let ran = patchcord(arguments);
+        let shown = out(&ran) + &errors(&ran);
+        assert_eq!(code(&ran), *expected, "{arguments:?}: {shown}");
+        assert!(shown.contains("\\u001b[31m") && is_printable(&shown), "{arguments:?}: {shown:?}");
+    }
+    // The rows of a sweep go to standard output, with the name of the patch above them.
+    let named = path(&folder, "c\u{1b}[31m.json");
+    fs::copy(FIG_8_16, &named).unwrap();
+    let vary = ["--for", "0.01", "--vary", "VcL=1e-3,2e-3", "--measure", "peak:v_o"];
+    let table = out(&patchcord(&[&["sweep", &named], &vary[..]].concat()));
+    assert!(table.contains("# patch: c\\u001b[31m.json\n") && is_printable(&table), "{table:?}");
+    assert!(errors(&patchcord(&["check", &missing])).contains("no\\u001b[31m\\u000a.json: No such file"));
 }
 
 #[test]
@@ -257,4 +295,42 @@ fn help_and_version_give_exit_code_0() {
         assert_eq!(code(&patchcord(&arguments)), 0);
     }
     assert!(out(&patchcord(&["run", "--json", "--help"])).contains("Usage"));
+}
+
+/// /dev/full refuses every write.
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_gives_exit_code_1() {
+    let binary = env!("CARGO_BIN_EXE_patchcord");
+    let cases: &[&[&str]] = &[
+        &["--help"],
+        &["--version"],
+        &["help", "run"],
+        &["run", "--help"],
+        &["run", "--json", "--help"],
+        &["elements"],
+        &["man"],
+        &["completions", "bash"],
+        &["check", FIG_8_16],
+        &["check", FIG_8_16, "--json"],
+        &["sweep", FIG_8_16, "--for", "0.01", "--vary", "VcL=1e-3,2e-3", "--measure", "peak:v_o"],
+    ];
+    for arguments in cases {
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let ran = std::process::Command::new(binary).args(*arguments).stdout(full).output().unwrap();
+        let message = "error: cannot write to standard output: No space left on device\n";
+        assert_eq!((code(&ran), errors(&ran).as_str()), (1, message), "{arguments:?}");
+    }
+}
+
+/// The reader of the pipe is gone before the command writes, as with `head`.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let binary = env!("CARGO_BIN_EXE_patchcord");
+    for arguments in [&["--help"][..], &["check", FIG_8_16], &["run", FIG_8_16, "--csv", "/dev/stdout"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let ran = std::process::Command::new(binary).args(arguments).stdout(writer).output().unwrap();
+        assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""), "{arguments:?}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring_with};
+use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring, spring_with};
 
 #[test]
 fn negative_times_return_a_clear_error() {
@@ -37,6 +37,27 @@ fn wrong_units_return_the_expected_unit() {
         let ran = patchcord(&[&["run", FIG_8_16], &options[..]].concat());
         assert_eq!(code(&ran), 2);
         assert!(errors(&ran).contains(expected), "{}", errors(&ran));
+    }
+}
+
+/// The range is that of the number that the user writes, for every length of the run.
+#[test]
+fn tolerances_have_the_same_range_in_the_patch_and_on_the_command_line() {
+    for (tolerance, expected_patch, expected_option) in
+        [("1e-14", 1, 2), ("1e-13", 0, 0), ("1", 0, 0), ("1.5", 1, 2), ("1e300", 1, 2)]
+    {
+        let run = format!("\"for\": 0.25, \"tolerance\": {tolerance}");
+        let (_folder, file) = spring_with("\"for\": 3.25, \"step\": 1e-3", &run);
+        let of_patch = patchcord(&["run", &file]);
+        assert_eq!(code(&of_patch), expected_patch, "{tolerance}: {}", errors(&of_patch));
+        if expected_patch == 1 {
+            let wanted = format!("\"tolerance\" must be from 1e-13 to 1, not {tolerance}\n");
+            assert!(errors(&of_patch).contains(&wanted), "{}", errors(&of_patch));
+            assert!(errors(&of_patch).contains("spring.json:13:37"), "{}", errors(&of_patch));
+        }
+        let (_folder, file) = spring();
+        let of_option = patchcord(&["run", &file, "--tol", tolerance]);
+        assert_eq!(code(&of_option), expected_option, "{tolerance}: {}", errors(&of_option));
     }
 }
 

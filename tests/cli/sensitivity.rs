@@ -101,6 +101,31 @@ fn a_derivative_that_ceases_to_exist_stops_the_run() {
     assert!(fs::read_to_string(&csv).unwrap().lines().count() > 90);
 }
 
+/// The derivative is -1 N/N. In units of the largest offset it is too large for a number.
+#[test]
+fn a_derivative_that_is_not_finite_leaves_no_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let (patch, csv) = (path(&folder, "huge.json"), path(&folder, "huge.csv"));
+    let text = serde_json::json!({
+        "patchcord": 1,
+        "machine": "unlimited",
+        "parameters": {"offset": {"value": 0, "unit": "N", "range": [-20, 1.7976931348623157e308]}},
+        "scales": {"force": {"per_volt": 5, "unit": "N"}},
+        "elements": {
+            "PO": {"kind": "free-pot", "in": "+100", "end": "-100", "setting": "0.5 + offset / force / 200"},
+            "SF": {"kind": "summer", "in": {"x1": ["PO"]}}
+        },
+        "signals": {"net_force": {"at": "SF", "scale": "force"}},
+        "run": {"for": 1, "step": 0.1}
+    });
+    fs::write(&patch, text.to_string()).unwrap();
+    let stopped = patchcord(&["run", &patch, "--sensitivity", "offset", "--csv", &csv]);
+    let text = errors(&stopped);
+    assert_eq!(code(&stopped), 1, "{text}");
+    assert!(text.contains("no derivative by offset: at t = 0 s it is not a finite number"), "{text}");
+    assert!(!fs::exists(&csv).unwrap());
+}
+
 #[test]
 fn a_patch_may_plot_derivatives() {
     let folder = tempfile::tempdir().unwrap();

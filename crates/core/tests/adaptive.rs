@@ -7,7 +7,7 @@ use crate::common::{
 };
 use patchcord_core::ir::Program;
 use patchcord_core::patch::PatchBuilder;
-use patchcord_core::solve::{Machine, RunError, RunSettings, run};
+use patchcord_core::solve::{Machine, Phase, RunError, RunSettings, run};
 
 /// Tolerances for a whole run, in machine units.
 const TOLERANCES: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
@@ -354,9 +354,26 @@ fn chatter_is_reported_with_equal_and_adaptive_steps() {
 #[test]
 fn a_tolerance_out_of_range_is_refused() {
     let program = oscillator();
-    for tolerance in [0.0, -1e-6, 1e-14, f64::NAN, f64::INFINITY] {
+    for tolerance in [0.0, -1e-6, 1e-14, 2.0, 1e300, f64::NAN, f64::INFINITY] {
         let refused = Machine::adaptive(&program, tolerance, 1e-3);
         assert!(matches!(refused, Err(RunError::NotATolerance { .. })), "{tolerance}");
+        let settings = RunSettings::from_phases([Phase::operate(1.0)], 1e-3).with_tolerance(tolerance);
+        let message = settings.check().unwrap_err().to_string();
+        assert!(message.starts_with("the tolerance must be from 1e-13 to 1, got "), "{message}");
+    }
+}
+
+/// The range concerns the tolerance of the whole run, not its share of a second.
+#[test]
+fn the_range_of_tolerances_does_not_depend_on_the_duration() {
+    let program = oscillator();
+    for (duration, tolerance) in [(3.0, 1e-13), (0.01, 1.0)] {
+        let settings = RunSettings::from_phases([Phase::operate(duration)], 1e-3).with_tolerance(tolerance);
+        let trace = run(&program, &settings.with_signals(["A2"])).unwrap();
+        let last = trace.values("A2").and_then(|values| values.last().copied()).unwrap();
+        let error = (last - 50.0 * (2.0 * duration).cos()).abs() / 100.0;
+        // Rounding may add to an error of 1e-13.
+        assert!(error < tolerance.max(1e-12), "{duration} s: {error:e}");
     }
 }
 

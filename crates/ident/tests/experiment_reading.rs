@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use patchcord_expr::Unit;
-use patchcord_ident::{Experiment, Hold, Record};
+use patchcord_ident::report::experiment_summary::ExperimentSummary;
+use patchcord_ident::{Experiment, Hold, Problem, Record};
 
 /// A new folder that contains base.json, the patch of these tests.
 fn folder() -> TempDir {
@@ -50,6 +51,20 @@ fn table(rows: impl Iterator<Item = usize>, interval: f64) -> String {
 fn time_range(record: &Record) -> (f64, f64) {
     let rounded = |time: f64| (1e6 * time).round() / 1e6;
     (rounded(record.begin), rounded(record.begin + record.duration()))
+}
+
+/// Results name files as the experiment names them, not with the folder of the caller.
+#[test]
+fn results_name_the_patch_as_the_experiment_does() {
+    let folder = folder();
+    write_file(&folder, "data.csv", &table(0..80, 0.1));
+    let experiment = read(&folder, &json!({}));
+    assert_eq!(experiment.patch_name, "base.json");
+    assert_eq!(experiment.patch.file(), folder.path().join("base.json").display().to_string());
+    let problem = Problem::of(&experiment).unwrap();
+    let summary = serde_json::to_value(ExperimentSummary::of(&experiment, &problem, 1)).unwrap();
+    assert_eq!((&summary["patch"], &summary["train"][0]["data"]), (&json!("base.json"), &json!("data.csv")));
+    assert!(!summary.to_string().contains(&folder.path().display().to_string()), "{summary}");
 }
 
 #[test]

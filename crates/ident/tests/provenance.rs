@@ -73,7 +73,7 @@ fn an_augmented_patch_reproduces_the_fit_and_its_note_names_its_source() {
     assert!((after / expected_after - 1.0).abs() < 0.01, "{after} {expected_after}");
     let (augmented_note, original_note) = (note(&augmented), note(&experiment.patch));
     let label = candidate_label(&outcome.rounds[0].trials[0].candidate);
-    for part in [experiment.patch.file(), "train.csv", &label, "(95 %: ", original_note] {
+    for part in [experiment.patch_name.as_str(), "train.csv", &label, "(95 %: ", original_note] {
         assert!(augmented_note.contains(part), "{part}: {augmented_note}");
     }
     assert!(note(&fitted).contains("train.csv") && !note(&fitted).contains("95 %"));

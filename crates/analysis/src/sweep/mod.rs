@@ -27,6 +27,7 @@ use crate::parallel;
 use fingerprint::{canonical_rows, canonical_run, canonical_tables, of_text};
 use group_size::GroupSizer;
 use journal::{Journal, fingerprint_line, first_line};
+use patchcord_core::document::escape_controls;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{Backend, LANES, Phase, RunError, RunSettings};
@@ -219,8 +220,10 @@ impl Sweep {
         lines.extend(self.fingerprints());
         let units = self.columns().into_iter().filter(|column| !column.unit.is_empty());
         lines.extend(units.map(|column| format!("{}: {}", column.name, column.unit)));
-        let one_line =
-            |line: String| format!("# {}\n", line.split_whitespace().collect::<Vec<_>>().join(" "));
+        let one_line = |line: String| {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            format!("# {}\n", escape_controls(&words.join(" ")))
+        };
         lines.into_iter().map(one_line).collect::<String>() + &row::csv_line(&self.column_names())
     }
 

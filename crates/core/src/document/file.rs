@@ -6,6 +6,7 @@ use std::path::Path;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
 use super::input_file::InputFile;
+use super::printable::escape_controls;
 use super::report::Report;
 use crate::output::io_reason;
 
@@ -14,7 +15,7 @@ use crate::output::io_reason;
 #[non_exhaustive]
 pub enum DocumentError {
     /// The file system reported an error.
-    #[error("cannot {verb} {file}: {}", io_reason(source))]
+    #[error("cannot {verb} {}: {}", escape_controls(file), io_reason(source))]
     File {
         /// The operation that failed, as a verb: "read" or "write".
         verb: &'static str,

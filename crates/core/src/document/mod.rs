@@ -29,6 +29,7 @@ mod kind;
 mod line_index;
 mod parameter_range;
 mod phase;
+mod printable;
 mod quantity;
 mod report;
 pub mod tree;
@@ -47,6 +48,7 @@ pub use kind::DocumentKind;
 pub use parameter_range::{ParameterRangeError, parameter_in_si};
 pub(crate) use phase::RunExtent;
 pub use phase::{ParameterChange, Phase, SwitchCondition};
+pub use printable::{escape_controls, printable};
 pub use report::{DiagnosticDocument, Report};
 pub use typed_number::{TypedNumber, TypedNumberError};
 pub use values::{formula, parse_unit, range};
@@ -95,3 +97,19 @@ pub(crate) fn factor_violation(what: &str, factor: Placed<f64>) -> Option<Diagno
 /// The smallest tolerance of a run. Below it, rounding errors exceed the errors of the steps: none of the test
 /// problems with a known solution becomes more accurate.
 pub const MIN_TOLERANCE: f64 = 1e-13;
+/// The largest tolerance of a run: an error of 100 V. A larger one would permit any result.
+pub const MAX_TOLERANCE: f64 = 1.0;
+
+/// Whether a tolerance of a run, in machine units of 100 V, is between [`MIN_TOLERANCE`] and [`MAX_TOLERANCE`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::is_tolerance;
+///
+/// assert!([1e-13, 1e-6, 1.0].into_iter().all(is_tolerance));
+/// assert!([0.0, 1e-14, 2.0, f64::INFINITY, f64::NAN].into_iter().all(|value| !is_tolerance(value)));
+/// ```
+pub fn is_tolerance(value: f64) -> bool {
+    (MIN_TOLERANCE..=MAX_TOLERANCE).contains(&value)
+}

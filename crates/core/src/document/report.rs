@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::diagnostic::{Diagnostic, Severity, Span};
 use super::line_index::LineIndex;
+use super::printable::{escape_controls, printable};
 
 /// Length in bytes above which a line is not printed whole. Such lines come from documents without line breaks.
 const MAX_LINE_BYTES: usize = 4000;
@@ -75,7 +76,8 @@ impl Report {
 
     /// The report for a terminal, with the faulty line of each diagnostic. `colour` adds ANSI colours.
     ///
-    /// At most 50 diagnostics are printed; a last line counts the others.
+    /// At most 50 diagnostics are printed; a last line counts the others. Control characters of the path and of the
+    /// messages become escape sequences of JSON, and the renderer replaces those of the source lines.
     pub fn render(&self, colour: bool) -> String {
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
         let shown = self.findings.iter().take(MAX_FINDINGS_SHOWN);
@@ -91,12 +93,12 @@ impl Report {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
-        let title = level.primary_title(&finding.message).id(finding.code.as_str());
+        let title = level.primary_title(printable(&finding.message)).id(finding.code.as_str());
         let mut group = Group::with_title(title);
         if let Some(span) = finding.span {
             group = self.with_source_lines(group, span);
         }
-        group.element(Level::HELP.message(finding.advice()))
+        group.element(Level::HELP.message(printable(finding.advice())))
     }
 
     /// Adds the lines of a span. If they are longer than [`MAX_LINE_BYTES`], adds an excerpt around its start.
@@ -110,7 +112,7 @@ impl Report {
         }
         let annotation = AnnotationKind::Primary.span(start - from..end - from);
         let snippet = Snippet::source(&self.text[lines]).line_start(first + 1);
-        group.element(snippet.path(&self.file).annotation(annotation))
+        group.element(snippet.path(escape_controls(&self.file)).annotation(annotation))
     }
 
     /// Adds the part of a long line around the start of a span, with "..." where the line is cut.
@@ -127,7 +129,7 @@ impl Report {
         let annotation = AnnotationKind::Primary.span(in_excerpt(span.start)..in_excerpt(end));
         let excerpt = format!("{before}{}{after}", &self.text[from..to]);
         group
-            .element(Origin::path(&self.file).line(line).char_column(column))
+            .element(Origin::path(escape_controls(&self.file)).line(line).char_column(column))
             .element(Snippet::source(excerpt).line_start(line).annotation(annotation))
     }
 
@@ -199,6 +201,19 @@ mod tests {
         assert_eq!(report.line_and_column(8), (2, 6));
         assert_eq!(report.line_and_column(0), (1, 1));
         assert_eq!(report.line_and_column(999), (3, 2));
+    }
+
+    #[test]
+    fn control_characters_of_paths_and_messages_are_escaped() {
+        let control = "\u{1b}[31m\u{9b}1m";
+        for text in ["[1]".to_owned(), format!("[{}]", " ".repeat(2 * MAX_LINE_BYTES))] {
+            let finding = Diagnostic::at(Code::SYNTAX, Span { start: 1, end: 2 }, format!("no {control}"));
+            let report = Report::new(&format!("a\n{control}.json"), &text, vec![finding.hint(control)]);
+            let shown = report.to_string();
+            assert!(shown.chars().all(|letter| letter == '\n' || !letter.is_control()), "{shown:?}");
+            assert!(shown.contains("a\\u000a\\u001b[31m\\u009b1m.json:1:2"), "{shown}");
+            assert_eq!(shown.matches("\\u001b[31m").count(), 3, "{shown}");
+        }
     }
 
     #[test]

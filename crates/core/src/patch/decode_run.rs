@@ -20,8 +20,8 @@ use super::document::RunPlan;
 use crate::document::fields::{Fields, Findings, flag, list, positive, string, wrong_type};
 use crate::document::tree::{Content, Node};
 use crate::document::{
-    Code, Diagnostic, MIN_TOLERANCE, ParameterChange, Phase, Placed, RunExtent, Span, SwitchCondition,
-    format_number, formula, suggestion,
+    Code, Diagnostic, MAX_TOLERANCE, MIN_TOLERANCE, ParameterChange, Phase, Placed, RunExtent, Span,
+    SwitchCondition, format_number, formula, is_tolerance, suggestion,
 };
 
 /// Decodes the section "run". Parts that cannot be read are absent in the plan.
@@ -55,16 +55,20 @@ pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
     plan
 }
 
-/// Decodes the tolerance. It must be at least `MIN_TOLERANCE`.
+/// Decodes the tolerance. It must be from `MIN_TOLERANCE` to `MAX_TOLERANCE`.
 fn tolerance(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<f64>> {
     let tolerance = positive(fields, "tolerance", findings)?;
-    if tolerance.value < MIN_TOLERANCE {
-        let message = format!("\"tolerance\" must be {MIN_TOLERANCE:e} or more, not {:e}", tolerance.value);
-        let hint = "rounding errors are as large as that";
-        findings.push(Diagnostic::at(Code::BAD_NUMBER, tolerance.span, message).hint(hint));
-        return None;
+    if is_tolerance(tolerance.value) {
+        return Some(tolerance);
     }
-    Some(tolerance)
+    let [least, most, value] = [MIN_TOLERANCE, MAX_TOLERANCE, tolerance.value].map(format_number);
+    let message = format!("\"tolerance\" must be from {least} to {most}, not {value}");
+    let hint = match tolerance.value > MAX_TOLERANCE {
+        true => "it is a share of 100 V, such as 1e-6",
+        false => "rounding errors are as large as that",
+    };
+    findings.push(Diagnostic::at(Code::BAD_NUMBER, tolerance.span, message).hint(hint));
+    None
 }
 
 /// Reports "for" and "repeat" in a run with phases, because the phases specify the length of the run.

@@ -130,7 +130,7 @@ pub struct RunPlan {
     /// Step of the solver. It may be absent if there is a tolerance.
     pub step: Option<Placed<f64>>,
     /// Permitted sum of the errors of all steps, in machine units of 100 V. The solver then chooses the longest steps
-    /// that keep this tolerance. The value is at least [`MIN_TOLERANCE`](crate::document::MIN_TOLERANCE).
+    /// that keep this tolerance. The value satisfies [`is_tolerance`](crate::document::is_tolerance).
     pub tolerance: Option<Placed<f64>>,
     /// Time between recorded samples. `None` if it equals the step.
     pub every: Option<Placed<f64>>,

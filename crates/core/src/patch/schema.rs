@@ -9,7 +9,7 @@ mod kind;
 use serde_json::{Map, Value, json};
 
 use super::document::FORMAT_VERSION;
-use crate::document::MIN_TOLERANCE;
+use crate::document::{MAX_TOLERANCE, MIN_TOLERANCE};
 use crate::elements::{Family, REGISTRY};
 use crate::machines;
 use kind::entry;
@@ -153,6 +153,7 @@ fn run() -> Value {
             "tolerance": {
                 "type": "number",
                 "minimum": MIN_TOLERANCE,
+                "maximum": MAX_TOLERANCE,
                 "description": "permitted sum of the errors of all steps, in machine units of 100 V",
             },
             "every": time,

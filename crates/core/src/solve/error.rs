@@ -62,6 +62,17 @@ pub enum RunError {
         /// The reason and the advice, separated by ";".
         why: String,
     },
+    /// A derivative by a parameter is too large for a number, in its unit or in volts.
+    #[error(
+        "there is no derivative by {parameter}: at t = {time} s it is not a finite number; check the scales and the \
+         range of the parameter, or end the run earlier"
+    )]
+    InfiniteDerivative {
+        /// Name of the parameter.
+        parameter: String,
+        /// Problem time in seconds.
+        time: f64,
+    },
     /// The derivative by a parameter exists up to an event, and not after it. The state after the event would jump if
     /// the parameter changed.
     #[error(
@@ -216,16 +227,18 @@ pub enum RunError {
         /// The value that was given, in problem seconds.
         value: f64,
     },
-    /// The tolerance is too small or not finite.
+    /// The tolerance is too small, too large or not a number.
     #[error(
-        "the tolerance must be finite and at least {min}, got {value}; rounding makes smaller errors impossible",
-        value = format_number(*value), min = format_number(*min)
+        "the tolerance must be from {min} to {max}, got {value}; rounding makes smaller errors impossible",
+        value = format_number(*value), min = format_number(*min), max = format_number(*max)
     )]
     NotATolerance {
         /// The value that was given, as a share of 100 V.
         value: f64,
         /// The smallest tolerance that is allowed, [`MIN_TOLERANCE`](crate::document::MIN_TOLERANCE).
         min: f64,
+        /// The largest tolerance that is allowed, [`MAX_TOLERANCE`](crate::document::MAX_TOLERANCE).
+        max: f64,
     },
     /// The step, or the time between samples, is longer than the run.
     #[error(
@@ -303,7 +316,7 @@ impl RunError {
         match self {
             RunError::NotANumber { .. } => "not-a-number",
             RunError::Loop { .. } => "loop-unsolved",
-            RunError::NoDerivative { .. } => "no-derivative",
+            RunError::NoDerivative { .. } | RunError::InfiniteDerivative { .. } => "no-derivative",
             RunError::DerivativeLost { .. } => "derivative-lost",
             RunError::Chatter { .. } => "chatter",
             RunError::StepTooShort { .. } => "step-too-short",

@@ -115,8 +115,9 @@ impl<'p> Machine<'p> {
     /// first step tried, in problem seconds.
     ///
     /// # Errors
-    /// If the tolerance is below [`MIN_TOLERANCE`](super::MIN_TOLERANCE) or not finite, the first step is not a
-    /// positive time, or [`Machine::initial_condition`] fails.
+    /// If the tolerance is not from [`MIN_TOLERANCE`](super::MIN_TOLERANCE) to
+    /// [`MAX_TOLERANCE`](super::MAX_TOLERANCE), the first step is not a positive time, or
+    /// [`Machine::initial_condition`] fails.
     ///
     /// # Examples
     ///
@@ -138,7 +139,16 @@ impl<'p> Machine<'p> {
     /// ```
     pub fn adaptive(program: &'p Program, tolerance: f64, first: f64) -> Result<Self, RunError> {
         check_tolerance(tolerance)?;
-        let control = StepControl::new(tolerance, first);
+        Machine::with_error_rate(program, tolerance, first)
+    }
+
+    /// The same for an error per problem second that need not be a tolerance of a run. A long or short run divides its
+    /// tolerance by its duration, and the quotient may be outside the range of tolerances.
+    ///
+    /// # Errors
+    /// If the first step is not a positive time, or [`Machine::initial_condition`] fails.
+    pub(super) fn with_error_rate(program: &'p Program, rate: f64, first: f64) -> Result<Self, RunError> {
+        let control = StepControl::new(rate, first);
         Machine::allocate(program, first, &DORMAND_PRINCE, Some(control))?.start()
     }
 

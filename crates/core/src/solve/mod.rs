@@ -44,7 +44,9 @@ mod tableau;
 mod time_setting;
 mod turning_points;
 
-pub use crate::document::{MIN_TOLERANCE, ParameterChange, Phase, SwitchCondition};
+pub use crate::document::{
+    MAX_TOLERANCE, MIN_TOLERANCE, ParameterChange, Phase, SwitchCondition, is_tolerance,
+};
 pub use crate::kernel::{Backend, LANES};
 pub use crate::trace::{Overload, WorkCounters};
 pub use drive_table::{CurveError, DriveTableError, set_curve, set_drive_table};

@@ -263,7 +263,7 @@ pub fn check(program: &Program, settings: &RunSettings) -> Result<(), RunError> 
 }
 
 /// Makes a player with a machine in initial condition and its recorder. The tolerance of the run is divided by its
-/// duration, because [`Machine::adaptive`] takes it per problem second.
+/// duration, because the machine takes it per problem second. Its range is that of the number before the division.
 ///
 /// # Errors
 /// The errors of [`run`] that come before the first step.
@@ -275,7 +275,7 @@ pub(super) fn prepare<'p, 'w>(
     settings.check()?;
     player::check(program, &settings.phases)?;
     let mut machine = match settings.tolerance {
-        Some(tolerance) => Machine::adaptive(program, tolerance / settings.duration(), settings.step)?,
+        Some(tolerance) => Machine::with_error_rate(program, tolerance / settings.duration(), settings.step)?,
         None => Machine::new(program, settings.step)?,
     };
     if !settings.sensitivities.is_empty() {

@@ -42,9 +42,9 @@ pub struct RunSettings {
     /// this is the first step tried.
     pub step: f64,
     /// The tolerance to which the length of steps adapts; `None` for equal steps. It bounds the sum of the errors of
-    /// the steps from one initial condition to the next, in any state, in machine units of 100 V. It is at least
-    /// [`MIN_TOLERANCE`](super::MIN_TOLERANCE). If the motion amplifies errors, as stick-slip does, the result is less
-    /// accurate.
+    /// the steps from one initial condition to the next, in any state, in machine units of 100 V. It is from
+    /// [`MIN_TOLERANCE`](super::MIN_TOLERANCE) to [`MAX_TOLERANCE`](super::MAX_TOLERANCE). If the motion amplifies
+    /// errors, as stick-slip does, the result is less accurate.
     pub tolerance: Option<f64>,
     /// Time between recorded samples, above 0 and at most [`duration`](Self::duration). Recording never changes
     /// the steps.

@@ -5,7 +5,7 @@
 use super::error::RunError;
 use super::settings::RunSettings;
 use super::time_setting::TimeSetting;
-use crate::document::{MIN_TOLERANCE, Phase, RunExtent};
+use crate::document::{MAX_TOLERANCE, MIN_TOLERANCE, Phase, RunExtent, is_tolerance};
 use crate::grid::SAME_INSTANT;
 
 impl RunSettings {
@@ -78,13 +78,15 @@ impl RunSettings {
     }
 }
 
-/// Checks that a tolerance is finite and at least [`MIN_TOLERANCE`].
+/// Checks that a tolerance is from [`MIN_TOLERANCE`] to [`MAX_TOLERANCE`].
 ///
 /// # Errors
 /// If it is not.
 pub(super) fn check_tolerance(value: f64) -> Result<(), RunError> {
-    let is_valid = value >= MIN_TOLERANCE && value.is_finite();
-    if is_valid { Ok(()) } else { Err(RunError::NotATolerance { value, min: MIN_TOLERANCE }) }
+    match is_tolerance(value) {
+        true => Ok(()),
+        false => Err(RunError::NotATolerance { value, min: MIN_TOLERANCE, max: MAX_TOLERANCE }),
+    }
 }
 
 /// Checks that a time is positive and finite.

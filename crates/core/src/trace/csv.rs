@@ -9,8 +9,20 @@ use super::Trace;
 
 /// Why a trace could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write the table: {0}")]
-pub struct CsvError(#[from] std::io::Error);
+#[non_exhaustive]
+pub enum CsvError {
+    /// The writer reports an error.
+    #[error("cannot write the table: {0}")]
+    Io(#[from] std::io::Error),
+    /// A value is too large for a number in the unit of its column.
+    #[error("cannot write the table: {column} is not finite at t = {time} s; check its scale")]
+    NotFinite {
+        /// The name of the column.
+        column: String,
+        /// The time of the first such sample in seconds.
+        time: f64,
+    },
+}
 
 impl Trace {
     /// Writes the trace as CSV.
@@ -20,7 +32,7 @@ impl Trace {
     /// from 1. Numbers read back to the same bits.
     ///
     /// # Errors
-    /// If the writer reports an error.
+    /// If a value is not a finite number, or if the writer reports an error. In the first case nothing is written.
     ///
     /// # Examples
     ///
@@ -37,6 +49,7 @@ impl Trace {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn write_csv(&self, mut to: impl Write) -> Result<(), CsvError> {
+        self.check_finite()?;
         writeln!(to, "# t: s")?;
         for track in &self.tracks {
             writeln!(to, "# {}: {}", track.name, on_one_line(&track.unit))?;
@@ -53,6 +66,18 @@ impl Trace {
         }
         writer.flush()?;
         Ok(())
+    }
+
+    /// Checks that every value is finite in the unit of its column.
+    ///
+    /// # Errors
+    /// If one is not. The error has the first one of the first such column.
+    fn check_finite(&self) -> Result<(), CsvError> {
+        let fault = self.tracks.iter().find_map(|track| {
+            let sample = track.values().position(|value| !value.is_finite())?;
+            Some(CsvError::NotFinite { column: track.name.clone(), time: self.time[sample] })
+        });
+        fault.map_or(Ok(()), Err)
     }
 
     /// The cells of one sample, without the phase.
@@ -95,6 +120,17 @@ fn into_io(error: csv::Error) -> std::io::Error {
 mod tests {
     use super::*;
     use crate::trace::Track;
+
+    #[test]
+    fn a_value_that_is_not_finite_is_refused_before_anything_is_written() {
+        let mut track = Track::new("x", "m", 1e308);
+        [(0.0, 1.0), (0.5, 50.0)].into_iter().for_each(|(time, volts)| track.record(0, time, volts));
+        let trace = Trace { time: vec![0.0, 0.5], tracks: vec![track], ..Trace::default() };
+        let mut table = Vec::new();
+        let error = trace.write_csv(&mut table).unwrap_err();
+        assert!(matches!(&error, CsvError::NotFinite { column, time: 0.5 } if column == "x"), "{error}");
+        assert!(table.is_empty());
+    }
 
     #[test]
     fn a_unit_stays_on_its_line() {

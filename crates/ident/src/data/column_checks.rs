@@ -1,8 +1,8 @@
 //! Checks of every column against the scale of its drive or signal, and of its noise and its wild samples.
 //!
 //! The checks run if the experiment has no error so far. They report columns that never change, and columns that exceed
-//! full scale or use almost nothing of it, often because of a wrong unit. They also report implausible noise, and
-//! single samples far from their neighbours.
+//! full scale or use almost nothing of it, often because of a wrong unit. They also report implausible noise, such as
+//! noise above the span of its column, and single samples far from their neighbours.
 
 use crate::data::codes;
 use crate::data::examine::{estimate_noise, wild_samples};
@@ -11,7 +11,7 @@ use crate::data::experiment_document::{ColumnBinding, ExperimentDocument};
 use crate::data::record::Record;
 use crate::statistics::descriptive::extremes;
 use patchcord_core::document::fields::Findings;
-use patchcord_core::document::{Code, Diagnostic, format_number, unit_suffix};
+use patchcord_core::document::{Code, Diagnostic, Placed, format_number, unit_suffix};
 use patchcord_core::machines::REFERENCE;
 use patchcord_expr::Unit;
 
@@ -95,6 +95,7 @@ pub(crate) fn check_columns(experiment: &Experiment, document: &ExperimentDocume
         .extend(columns.iter().filter_map(|column| column.constant_fault().or_else(|| column.scale_fault())));
     findings.extend(unknown_noise(experiment, document));
     findings.extend(implausible_sigma(experiment, document));
+    findings.extend(excessive_sigma(experiment, document));
     findings.extend(wild_sample_warnings(experiment, document));
 }
 
@@ -152,6 +153,57 @@ fn implausible_sigma(experiment: &Experiment, document: &ExperimentDocument) -> 
             .then(|| Diagnostic::at(Code::BAD_NUMBER, column.span, message()).hint(hint))
     });
     faults.collect()
+}
+
+/// Reports columns with a "sigma" that is larger than their span.
+fn excessive_sigma(experiment: &Experiment, document: &ExperimentDocument) -> Vec<Diagnostic> {
+    let drives = experiment.drives.iter().zip(&document.drives).enumerate();
+    let of_drives = drives.filter_map(|(index, (drive, entry))| {
+        let extremes = all_extremes(experiment, |record| record.drives[index].as_slice());
+        let sigma = drive.sigma.zip(entry.sigma.as_ref())?;
+        sigma_above_span(&entry.binding, sigma, &drive.unit, extremes)
+    });
+    let outputs = experiment.outputs.iter().zip(&document.outputs).enumerate();
+    let of_outputs = outputs.filter_map(|(index, (output, entry))| {
+        let extremes = all_extremes(experiment, |record| record.outputs[index].as_slice());
+        let sigma = output.sigma.zip(entry.sigma.as_ref())?;
+        sigma_above_span(&entry.binding, sigma, &output.unit, extremes)
+    });
+    of_drives.chain(of_outputs).collect()
+}
+
+/// The extremes of one column over the training and validation records.
+fn all_extremes(experiment: &Experiment, samples: impl Fn(&Record) -> &[f64]) -> SampleExtremes {
+    let [train, validation] =
+        [&experiment.train, &experiment.validation].map(|records| SampleExtremes::of(records, &samples));
+    train.union(validation)
+}
+
+/// Reports a "sigma" that is larger than the span of its column, in the unit in which it is written. `sigma` is its
+/// value in `unit`, which is also that of the extremes, and the value as written. A constant column has its own report.
+fn sigma_above_span(
+    binding: &ColumnBinding,
+    (sigma, written): (f64, &Placed<f64>),
+    unit: &Unit,
+    extremes: SampleExtremes,
+) -> Option<Diagnostic> {
+    let span = extremes.maximum - extremes.minimum;
+    if sigma <= span || !extremes.is_moving() {
+        return None;
+    }
+    let as_written = |value: f64| format_number(value * written.value / sigma);
+    let unit = unit_suffix(binding.unit.as_ref().map_or(unit, |unit| &unit.value).text());
+    let message = format!(
+        "the \"sigma\" of {} is {}{unit}, but the column spans only {}{unit}, from {} to {}{unit}",
+        binding.column.value,
+        format_number(written.value),
+        as_written(span),
+        as_written(extremes.minimum),
+        as_written(extremes.maximum)
+    );
+    let hint =
+        "specify the standard deviation of the noise in this unit, or omit \"sigma\" to have it estimated";
+    Some(Diagnostic::at(Code::BAD_NUMBER, written.span, message).hint(hint))
 }
 
 /// Reports outputs whose noise is neither specified nor possible to estimate.

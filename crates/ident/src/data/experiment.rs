@@ -31,8 +31,10 @@ pub struct Experiment {
     pub file: String,
     /// The title; empty if the experiment has none.
     pub title: String,
-    /// The patch as written, without errors.
+    /// The patch as written, without errors. Its file is the path from the caller's folder.
     pub patch: Patch,
+    /// The path of the patch as the experiment specifies it. Results name the patch so.
+    pub patch_name: String,
     /// The drives that columns feed. The other drives of the patch keep their definition.
     pub drives: Vec<MeasuredDrive>,
     /// The measured signals.

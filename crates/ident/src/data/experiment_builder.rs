@@ -116,6 +116,7 @@ impl<'a> ExperimentBuilder<'a> {
             file: String::new(),
             title: document.title.clone(),
             patch: patch.patch().clone(),
+            patch_name: document.patch.as_ref().map_or_else(String::new, |named| named.value.clone()),
             drives: drives.into_iter().flatten().collect(),
             outputs: outputs.into_iter().flatten().collect(),
             fit,
@@ -185,7 +186,7 @@ impl<'a> ExperimentBuilder<'a> {
     fn drive(&mut self, drive: &DriveBinding, patch: Option<&CheckedPatch>) -> Option<MeasuredDrive> {
         let target = patch?.drive(&drive.binding, self.findings)?;
         let BindingTarget { name, unit, per_volt } = target;
-        let sigma = drive.sigma.map(|sigma| in_target_unit(sigma, &drive.binding, &unit));
+        let sigma = drive.sigma.as_ref().map(|sigma| in_target_unit(sigma.value, &drive.binding, &unit));
         let column = drive.binding.column.value.clone();
         Some(MeasuredDrive { drive: name, column, hold: drive.hold, sigma, unit, per_volt })
     }
@@ -193,7 +194,7 @@ impl<'a> ExperimentBuilder<'a> {
     /// Finds the signal of a column. None if the patch has errors or does not have the signal.
     fn output(&mut self, output: &OutputBinding, patch: Option<&CheckedPatch>) -> Option<MeasuredOutput> {
         let BindingTarget { name, unit, per_volt } = patch?.signal(&output.binding, self.findings)?;
-        let sigma = output.sigma.map(|sigma| in_target_unit(sigma, &output.binding, &unit));
+        let sigma = output.sigma.as_ref().map(|sigma| in_target_unit(sigma.value, &output.binding, &unit));
         let column = output.binding.column.value.clone();
         Some(MeasuredOutput { signal: name, column, sigma, has_offset: output.has_offset, unit, per_volt })
     }

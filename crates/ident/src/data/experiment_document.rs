@@ -118,7 +118,7 @@ pub(crate) struct DriveBinding {
     /// What the drive does between samples.
     pub hold: Hold,
     /// Standard deviation of the noise, at least 0, in the unit of the column.
-    pub sigma: Option<f64>,
+    pub sigma: Option<Placed<f64>>,
 }
 
 /// A signal that a column measures.
@@ -127,7 +127,7 @@ pub(crate) struct OutputBinding {
     /// The column and the signal.
     pub binding: ColumnBinding,
     /// Standard deviation of the noise, above 0, in the unit of the column.
-    pub sigma: Option<f64>,
+    pub sigma: Option<Placed<f64>>,
     /// Whether the column may differ from the signal by an unknown constant.
     pub has_offset: bool,
 }

@@ -36,6 +36,12 @@ impl StepRefinement {
     pub fn is_sufficient(&self) -> bool {
         self.error < self.limit
     }
+
+    /// Whether the solver error is above its limit and larger than the noise. The residual may then be an error of the
+    /// solver. False if the error is unknown.
+    pub fn exceeds_noise(&self) -> bool {
+        self.error.is_finite() && self.error > 1.0 && !self.is_sufficient()
+    }
 }
 
 /// The solver steps of a fitted model and their error.
@@ -251,5 +257,14 @@ pub(crate) mod tests {
         // No permitted number of steps reaches such a small error.
         let insufficient = refinement(1e-12);
         assert!(!insufficient.is_sufficient() && insufficient.error.is_finite(), "{insufficient:?}");
+        assert!(insufficient.exceeds_noise() && !sufficient.exceeds_noise(), "{insufficient:?}");
+    }
+
+    #[test]
+    fn a_solver_error_is_compared_with_the_noise_and_with_its_limit() {
+        let exceeds = |error, limit| StepRefinement { steps: 64, error, limit }.exceeds_noise();
+        assert!(exceeds(50.0, 20.0));
+        // A larger residual than that is no error of the solver, and a smaller error is only a doubt.
+        assert!(!exceeds(50.0, 60.0) && !exceeds(0.5, 0.1) && !exceeds(f64::INFINITY, 0.1));
     }
 }

@@ -13,6 +13,7 @@ use crate::effects::Library;
 use crate::effects::effect_sites::EffectSites;
 use crate::report::detection_limits::{limit_label, needs_text};
 use crate::report::effect_sites::{inapplicable_effects_sentence, site_lines, unscaled_integrator_sentences};
+use crate::report::reasons::solver_error_sentence;
 use crate::report::rounds::skipped_trial_sentence;
 use crate::report::values::{QuantityFormat, format_pure_number, format_quantity, percent_text};
 use patchcord_core::document::plural;
@@ -62,6 +63,8 @@ pub struct RecordCheck {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LimitsCheck {
+    /// A warning if the error of the solver exceeds the noise. The limits are then not reliable.
+    pub solver_warning: Option<String>,
     /// The effects that cannot be tried at a site, a line each.
     pub skipped: Vec<String>,
     /// What the limits assume. It states how far the residual of the fitted patch is from the assumption.
@@ -109,7 +112,7 @@ impl<'a> CheckReport<'a> {
 
     /// The detection limits as text. `library` has the effects that were tried.
     pub fn limits(&self, detectability: &Detectability, library: &Library) -> LimitsCheck {
-        let Detectability { residual_rms, limits, skipped } = detectability;
+        let Detectability { residual_rms, step_refinement, limits, skipped } = detectability;
         let mut undetectable: Vec<&DetectionLimit> =
             limits.iter().filter(|limit| !limit.is_detectable()).collect();
         undetectable.dedup_by(|limit, before| limit.effect == before.effect && limit.site == before.site);
@@ -117,7 +120,11 @@ impl<'a> CheckReport<'a> {
             let (label, needs) = (limit_label(limit), needs_text(limit, library));
             format!("Not detectable at any strength in its range: {label}{needs}.")
         });
+        let solver_warning = step_refinement.exceeds_noise().then(|| {
+            format!("warning: a search will be inconclusive: {}", solver_error_sentence(step_refinement))
+        });
         LimitsCheck {
+            solver_warning,
             skipped: skipped.iter().map(skipped_trial_sentence).collect(),
             introduction: format!(
                 "weakest effects that are detectable in addition to the fitted patch, if the residuals were only \

@@ -15,6 +15,7 @@ use crate::design::detectability::Detectability;
 use crate::effects::effect_sites::EffectSites;
 use crate::report::check::parts_and_records;
 use crate::report::detection_limits::DetectionLimitDocument;
+use crate::report::fit_quality::StepsDocument;
 use crate::report::rounds::SkippedTrialDocument;
 
 /// The check of an experiment.
@@ -42,6 +43,8 @@ pub struct CheckDocument<'a> {
     pub nameless: &'a [String],
     /// The residual of the fitted patch in training, rms over the noise.
     pub leaves: f64,
+    /// The steps of the solver along the fitted patch, and their error.
+    pub solver: StepsDocument,
     /// The smallest detectable effects.
     pub limits: Vec<DetectionLimitDocument>,
     /// Effects that could not be tried at a site.
@@ -58,7 +61,7 @@ impl<'a> CheckDocument<'a> {
             ok: true,
             experiment: &experiment.file,
             title: &experiment.title,
-            patch: experiment.patch.file(),
+            patch: &experiment.patch_name,
             diagnostics: experiment.warnings.documents(),
             fit: &experiment.fit,
             records: records
@@ -68,6 +71,7 @@ impl<'a> CheckDocument<'a> {
             nowhere: sites.inapplicable_effects(),
             nameless: &sites.unscaled_integrators,
             leaves: detectability.residual_rms,
+            solver: StepsDocument::from(&detectability.step_refinement),
             limits: detectability.limits.iter().map(DetectionLimitDocument::from).collect(),
             left_out: left_out.collect(),
         }

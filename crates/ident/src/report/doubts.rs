@@ -200,7 +200,7 @@ fn excessive_noise(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
 fn loud_residuals(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
     let model = outcome.reported_model();
     let is_conclusive = outcome.verdict.has_names() || outcome.verdict == Verdict::NothingMissing;
-    if !is_conclusive || model.residuals_are_coloured() {
+    if !is_conclusive || outcome.agrees_within_noise || model.residuals_are_coloured() {
         return Vec::new();
     }
     let sentences = |(index, output): (usize, &MeasuredOutput)| {

@@ -14,7 +14,7 @@ pub struct ExperimentSummary {
     pub file: String,
     /// Its title; empty if it has none.
     pub title: String,
-    /// The file of the patch.
+    /// The file of the patch, as the experiment specifies it.
     pub patch: String,
     /// The drives that the data feed, by name.
     pub drives: IndexMap<String, DriveDocument>,
@@ -43,7 +43,7 @@ impl ExperimentSummary {
         ExperimentSummary {
             file: experiment.file.clone(),
             title: experiment.title.clone(),
-            patch: experiment.patch.file().to_owned(),
+            patch: experiment.patch_name.clone(),
             drives: drives
                 .map(|(drive, sigma)| (drive.drive.clone(), DriveDocument::of(drive, *sigma)))
                 .collect(),

@@ -107,7 +107,7 @@ fn finish_patch(
     file: &str,
 ) -> Result<Patch, ModelError> {
     let original = if patch.note.is_empty() { String::new() } else { format!("\n\n{}", patch.note) };
-    let (source, data) = (experiment.patch.file(), training_files(experiment));
+    let (source, data) = (&experiment.patch_name, training_files(experiment));
     let note = format!("Made by patchcord gap from {source} and {data}: {changes}{original}");
     let mut editor = patch.edit();
     editor.set_note(&note);
@@ -122,8 +122,8 @@ fn finish_patch(
     Ok(editor.finish(file)?)
 }
 
-/// The table references of a patch with their paths relative to the folder of `file`. Paths that do not exist are
-/// left out.
+/// The table references of a patch with their paths relative to the folder of `file`. Absolute paths, which stay as
+/// they are, and paths that do not exist are left out.
 fn relocated_tables<'p>(patch: &'p Patch, file: &str) -> Vec<(Vec<&'p str>, String)> {
     table_references(patch)
         .filter_map(|(path, csv)| Some((path, relocated(patch.file(), csv, file)?)))
@@ -158,11 +158,14 @@ fn members(value: &Value) -> impl Iterator<Item = (&String, &Value)> {
     value.as_object().into_iter().flatten()
 }
 
-/// The path `name`, which is relative to the folder of `from_file`, relative to the folder of `to_file`. None if a
-/// folder does not exist, or if the path is not valid UTF-8.
+/// The path `name`, which is relative to the folder of `from_file`, relative to the folder of `to_file`. None if it is
+/// absolute, if a folder does not exist, or if the path is not valid UTF-8.
 ///
 /// Both folders are resolved without links first, so that the number of ".." is right.
 fn relocated(from_file: &str, name: &str, to_file: &str) -> Option<String> {
+    if Path::new(name).is_absolute() {
+        return None;
+    }
     let folder = |file: &str| Path::new(".").join(Path::new(file).parent()?).canonicalize().ok();
     let (base, target) = (folder(to_file)?, folder(from_file)?.join(name));
     let shared = base.components().zip(target.components()).take_while(|(one, other)| one == other).count();

@@ -4,6 +4,7 @@
 //! advice. The sentences have no full stop, because they follow "inconclusive: " in the verdict.
 
 use crate::fit::coloured_residual::{ColouredResidual, ResidualSource};
+use crate::fit::step_size::StepRefinement;
 use crate::report::ranges::extension_text;
 use crate::report::values::format_pure_number;
 use crate::residuals::divergence::Divergence;
@@ -11,6 +12,7 @@ use crate::residuals::misspecification::{Misspecification, Respecification};
 use crate::residuals::residual_analysis::{DRIVE_NOISE_RATIO, SlowNoise};
 use crate::search::inconclusive::Inconclusive;
 use crate::search::range_extension::RangeExtension;
+use patchcord_core::document::plural;
 
 /// Advice for a fit that diverges.
 const DIVERGENCE_ADVICE: &str = "check the signs in the loops of the patch, or write \"pieces\" in the experiment if the real system is unstable";
@@ -44,6 +46,11 @@ pub fn inconclusive_sentence(reason: &Inconclusive, extension: Option<&RangeExte
         ),
         Inconclusive::Misspecification(misspecification) => misspecification_sentence(misspecification),
         Inconclusive::Divergence(divergence) => divergence_sentence(divergence),
+        Inconclusive::NoiseAboveMotion => {
+            "the patch agrees with the data within the declared noise, but so does a constant: the outputs do not move beyond the noise"
+                .to_owned()
+        }
+        Inconclusive::SolverError(refinement) => solver_error_sentence(refinement),
     }
 }
 
@@ -72,6 +79,15 @@ pub fn coloured_sentence(residual: &ColouredResidual) -> String {
             "the residual of {output} does not exceed its noise, {rms} times, but is not white: the noise is slow, or smaller than its \"sigma\""
         ),
     }
+}
+
+/// How large the error of the solver is, and what to check.
+pub fn solver_error_sentence(refinement: &StepRefinement) -> String {
+    format!(
+        "the error of the solver is {} times the noise, rms, with {} from sample to sample: check the unit of \"time\", which is s if none is specified, and what sets the speed of the patch, or sample faster",
+        format_pure_number(refinement.error),
+        plural(refinement.steps as usize, "step")
+    )
 }
 
 /// Why a residual is slow noise of a sensor.
@@ -126,4 +142,18 @@ pub fn divergence_sentence(divergence: &Divergence) -> String {
     format!(
         "the fit diverges: it leaves {residual} times the noise of {output}, which moves by {motion}, and a change of the initial voltages grows more than {growth} times: {DIVERGENCE_ADVICE}"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_has_the_error_of_the_solver_and_its_steps() {
+        let reason = Inconclusive::SolverError(StepRefinement { steps: 64, error: 50.0, limit: 20.0 });
+        let sentence = inconclusive_sentence(&reason, None);
+        let beginning =
+            "the error of the solver is 50 times the noise, rms, with 64 steps from sample to sample: ";
+        assert!(sentence.starts_with(beginning), "{sentence}");
+    }
 }

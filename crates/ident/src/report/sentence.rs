@@ -22,6 +22,9 @@ pub fn verdict_sentence(outcome: &Outcome) -> String {
     match outcome.verdict {
         Verdict::Named => format!("{}{}", missing_text(outcome), remainder_text(outcome)),
         Verdict::Ambiguous => ambiguous_sentence(outcome),
+        Verdict::NothingMissing if outcome.agrees_within_noise => {
+            "the patch agrees with the data within the declared noise; no effect was searched".to_owned()
+        }
         Verdict::NothingMissing => {
             let least = best_sites(&outcome.detection_limits).into_iter().find_map(limit_sentence);
             let least = least.map(|least| format!("; {least}")).unwrap_or_default();

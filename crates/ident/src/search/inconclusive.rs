@@ -1,6 +1,7 @@
 //! Reasons why data are inconclusive. If such a reason applies, a white residual does not prove that nothing is
 //! missing.
 
+use crate::data::experiment::Experiment;
 use crate::data::record::Record;
 use crate::design::detectability::detection_limit::DetectionLimit;
 use crate::fit::coloured_residual::ColouredResidual;
@@ -8,10 +9,12 @@ use crate::fit::estimate::{Estimate, normalised_output_rms, squared_residuals};
 use crate::fit::fitted_model::{FittedModel, WHITENESS_Z};
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
+use crate::fit::step_size::StepRefinement;
 use crate::fit::validation::is_any_validation_worse;
 use crate::fit::validation::is_significantly_larger;
 use crate::residuals::divergence::Divergence;
 use crate::residuals::misspecification::Misspecification;
+use crate::residuals::output_motion::normalised_motion;
 use crate::residuals::residual_analysis::SlowNoise;
 use crate::search::round::Round;
 use crate::statistics::descriptive::{about_mean, mean};
@@ -44,11 +47,18 @@ pub enum Inconclusive {
     Misspecification(Misspecification),
     /// The fit diverges.
     Divergence(Divergence),
+    /// The residual is below the declared noise, but the outputs do not move beyond that noise.
+    NoiseAboveMotion,
+    /// The solver error of the fitted patch exceeds the noise.
+    SolverError(StepRefinement),
 }
 
 /// Number of samples of every output from which [`is_noise_only`] decides. Fewer samples often look like noise by
 /// chance.
 const MIN_NOISE_SAMPLES: usize = 100;
+/// Standard deviations by which the mean square of a white residual must be below that of the declared noise, so that it
+/// counts as below the noise. White noise of that size is so low in one of 700 cases.
+const BELOW_NOISE_Z: f64 = 3.0;
 /// Maximum rms of a residual over the stated noise. A larger residual is not only noise, even if it is white.
 pub(crate) const MAX_NOISE_RATIO: f64 = 2.0;
 
@@ -100,6 +110,24 @@ pub(crate) fn is_noise_only(problem: &Problem) -> bool {
     let is_enough = all.iter().flatten().all(|track| track.len() >= MIN_NOISE_SAMPLES);
     let is_quiet = |output: usize| mean(&squared_residuals(&all, output)) < MAX_NOISE_RATIO * MAX_NOISE_RATIO;
     is_enough && (0..problem.outputs.len()).all(is_quiet) && ljung_box_z(&all) < WHITENESS_Z
+}
+
+/// Whether the residual of every output is below the noise that the experiment declares for it, in the training and
+/// the validation records. A white residual must be so low in training that noise of the declared size is unlikely.
+pub(crate) fn agrees_within_noise(experiment: &Experiment, base: &FittedModel) -> bool {
+    let z = if base.residuals_are_coloured() { 0.0 } else { BELOW_NOISE_Z };
+    experiment.outputs.iter().enumerate().all(|(index, output)| {
+        let squares = squared_residuals(&base.train.residuals, index);
+        let limit = 1.0 - z * (2.0 / squares.len() as f64).sqrt();
+        output.sigma.is_some()
+            && mean(&squares) < limit
+            && normalised_output_rms(&base.validation, index) < 1.0
+    })
+}
+
+/// Whether at least one output moves by more than the noise, rms about its mean.
+pub(crate) fn has_motion_above_noise(problem: &Problem) -> bool {
+    (0..problem.outputs.len()).any(|output| normalised_motion(problem, output) > 1.0)
 }
 
 /// Whether the patch explains all records if it is fitted to all of them. The training records may leave a parameter

@@ -57,14 +57,16 @@ pub(crate) fn judge(
     let detection_limits = limits.unwrap_or_default();
     let conclusion = conclude(problem, &base, &final_model, &rounds, &detection_limits, progress)?;
     let range_extension = extend_ranges(problem, &base, &final_model)?;
+    let conclusion = conclusion.considering(range_extension.as_ref());
     let Conclusion { verdict, inconclusive, localisations } =
-        conclusion.considering(range_extension.as_ref());
+        conclusion.considering_solver_error(problem, &base, &final_model)?;
     let is_ambiguous = verdict == Verdict::Ambiguous;
     let discriminating_experiment = if is_ambiguous { discriminate(problem, &rounds)? } else { None };
     add_errors_of_rivals(problem, &mut rounds)?;
     let reported = if verdict.has_names() { &final_model } else { &base };
     Ok(Outcome {
         verdict,
+        agrees_within_noise: false,
         seed: settings.seed,
         step_refinement: step_refinement(problem, reported)?,
         overload: first_overload(problem, reported)?,
@@ -113,6 +115,26 @@ impl Conclusion {
         let verdict = extension.map_or(self.verdict, |extension| extension.adjust_verdict(self.verdict));
         let inconclusive = inconclusive.filter(|_| verdict == Verdict::CannotJudge);
         Conclusion { verdict, inconclusive, localisations: self.localisations }
+    }
+
+    /// The conclusion if the solver error of the reported model is considered as well. If it exceeds the noise, the data
+    /// are inconclusive.
+    ///
+    /// # Errors
+    /// If the patch cannot be simulated with the drives of the records.
+    fn considering_solver_error(
+        self,
+        problem: &Problem,
+        base: &FittedModel,
+        final_model: &FittedModel,
+    ) -> Result<Conclusion, ModelError> {
+        let reported = if self.verdict.has_names() { final_model } else { base };
+        let refinement = step_refinement(problem, reported)?;
+        if self.verdict == Verdict::CannotJudge || !refinement.exceeds_noise() {
+            return Ok(self);
+        }
+        let inconclusive = Some(Inconclusive::SolverError(refinement));
+        Ok(Conclusion { verdict: Verdict::CannotJudge, inconclusive, localisations: Vec::new() })
     }
 }
 
@@ -182,9 +204,24 @@ pub(crate) fn inconclusive_outcome(
     reason: Inconclusive,
     seed: u64,
 ) -> Result<Outcome, ModelError> {
+    let outcome = agreeing_outcome(problem, base, seed)?;
+    let verdict = Verdict::CannotJudge;
+    Ok(Outcome { verdict, agrees_within_noise: false, inconclusive: Some(reason), ..outcome })
+}
+
+/// The outcome for a patch whose residual is below the declared noise, so that no effect is searched.
+///
+/// # Errors
+/// If the patch cannot be simulated with the drives of the records.
+pub(crate) fn agreeing_outcome(
+    problem: &Problem,
+    base: FittedModel,
+    seed: u64,
+) -> Result<Outcome, ModelError> {
     let base = with_standard_errors(problem, base)?;
     Ok(Outcome {
-        verdict: Verdict::CannotJudge,
+        verdict: Verdict::NothingMissing,
+        agrees_within_noise: true,
         seed,
         step_refinement: step_refinement(problem, &base)?,
         overload: first_overload(problem, &base)?,
@@ -199,7 +236,7 @@ pub(crate) fn inconclusive_outcome(
         localisations: Vec::new(),
         detection_limits: Vec::new(),
         range_extension: None,
-        inconclusive: Some(reason),
+        inconclusive: None,
         discriminating_experiment: None,
         effect_sites: EffectSites::default(),
     })

@@ -1,7 +1,7 @@
 //! The search for missing effects.
 //!
-//! 1. The patch is fitted without any effect. The search ends if the data are only noise, the fit diverges, or a sign
-//!    or unit is wrong.
+//! 1. The patch is fitted without any effect. The search ends if the data are only noise, the residual is below the
+//!    declared noise, the fit diverges, a sign or unit is wrong, or the solver error exceeds the noise.
 //! 2. A round tries every effect of the library at every site, and fits each extended patch (module `trials`).
 //! 3. The best trial is accepted if its `delta_bic` is large enough and the validation records confirm it
 //!    (module `round`).
@@ -30,11 +30,12 @@ use crate::fit::base_fit::{fit_base, refit_from_trial};
 use crate::fit::fitted_model::FittedModel;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
+use crate::fit::step_size::step_refinement;
 use crate::residuals::divergence::find_divergence;
-use crate::residuals::misspecification::find_misspecification;
+use crate::residuals::misspecification::{find_long_times, find_misspecification};
 use crate::residuals::residual_analysis::is_drive_noise;
-use crate::search::inconclusive::{Inconclusive, is_noise_only};
-use crate::search::judgement::{inconclusive_outcome, judge};
+use crate::search::inconclusive::{Inconclusive, agrees_within_noise, has_motion_above_noise, is_noise_only};
+use crate::search::judgement::{agreeing_outcome, inconclusive_outcome, judge};
 use crate::search::pairs::search_pairs;
 use crate::search::progress::{Progress, SearchPhase};
 use crate::search::refinement::refine;
@@ -98,12 +99,26 @@ fn search_on_threads(
     if is_noise_only(problem) {
         return inconclusive_outcome(problem, base, Inconclusive::NoMotion, settings.seed).map(Some);
     }
+    if agrees_within_noise(experiment, &base) {
+        return match has_motion_above_noise(problem) {
+            true => agreeing_outcome(problem, base, settings.seed),
+            false => inconclusive_outcome(problem, base, Inconclusive::NoiseAboveMotion, settings.seed),
+        }
+        .map(Some);
+    }
     if let Some(divergence) = find_divergence(problem, &base)? {
         let reason = Inconclusive::Divergence(divergence);
         return inconclusive_outcome(problem, base, reason, settings.seed).map(Some);
     }
-    if let Some(misspecification) = find_misspecification(problem, &base, patch, fit, settings.seed)? {
+    let refinement = step_refinement(problem, &base)?;
+    // If the solver cannot follow the patch, times that are too long are the usual cause, and other fits take minutes.
+    let find = if refinement.exceeds_noise() { find_long_times } else { find_misspecification };
+    if let Some(misspecification) = find(problem, &base, patch, fit, settings.seed)? {
         let reason = Inconclusive::Misspecification(misspecification);
+        return inconclusive_outcome(problem, base, reason, settings.seed).map(Some);
+    }
+    if refinement.exceeds_noise() {
+        let reason = Inconclusive::SolverError(refinement);
         return inconclusive_outcome(problem, base, reason, settings.seed).map(Some);
     }
     let (base, state, before_tentative) = run_rounds(problem, base, settings, progress)?;

@@ -46,6 +46,9 @@ const SUBSTANTIAL_FRACTION: f64 = 0.1;
 pub struct Outcome {
     /// The verdict.
     pub verdict: Verdict,
+    /// Whether the residual of `base` is below the declared noise. No effect was tried then, and the verdict is that
+    /// nothing is missing.
+    pub agrees_within_noise: bool,
     /// The seed of the search.
     pub seed: u64,
     /// The patch as it was, fitted.

@@ -27,10 +27,11 @@ impl Solver<'_> {
             return Err(fault);
         }
         let program = self.setup.program;
-        match sensitivities.by_parameter.iter().find(|slopes| !slopes.is_finite(program)) {
-            Some(slopes) => Err(RunError::NoDerivative {
+        let state = &self.state;
+        match sensitivities.by_parameter.iter().find(|slopes| !slopes.is_finite(program, state)) {
+            Some(slopes) => Err(RunError::InfiniteDerivative {
                 parameter: program.parameters[slopes.parameter].declared.name.clone(),
-                why: format!("at t = {} s it is not a finite number; end the run earlier", self.state.time),
+                time: state.time,
             }),
             None => Ok(()),
         }

@@ -12,7 +12,7 @@ use crate::ir::{ParameterValue, Program, SignalInfo, SourceSlopes, TangentBase};
 use crate::solve::dense_output::Curve;
 use crate::solve::error::RunError;
 use crate::solve::runge_kutta::advance_states;
-use crate::solve::state::read_rates;
+use crate::solve::state::{SolverState, read_rates};
 use crate::solve::tableau::Tableau;
 
 /// The derivatives of all quantities by one parameter, each multiplied by the size of the parameter.
@@ -299,9 +299,14 @@ impl ParameterSlopes {
         (slope * per_volt + volts * per_volt_slope) / signal.per_unit / unit
     }
 
-    /// Whether the slopes of all states, sampled values and recordable signals are finite.
-    pub(super) fn is_finite(&self, program: &Program) -> bool {
-        let recorded = program.lowered.signals.iter().map(|signal| &self.voltages[signal.register.index()]);
-        self.states.iter().chain(&self.sampled).chain(recorded).all(|slope| slope.is_finite())
+    /// Whether the slopes of all states and sampled values are finite, and the present derivatives of all recordable
+    /// signals. A derivative in units may be infinite although its slope in volts is not.
+    pub(super) fn is_finite(&self, program: &Program, state: &SolverState) -> bool {
+        let recordable = program.lowered.signals.iter().map(|signal| {
+            let register = signal.register.index();
+            let pair = [state.voltages[register], self.voltages[register]];
+            self.derivative(program, &state.coefficients, signal, pair)
+        });
+        self.states.iter().chain(&self.sampled).copied().chain(recordable).all(f64::is_finite)
     }
 }

@@ -235,7 +235,6 @@ fn drive(entry: &KeyValue, findings: &mut Findings) -> Option<DriveBinding> {
         let hold = fields.take("hold").and_then(|node| hold(node, findings));
         (hold, non_negative(fields, "sigma", findings))
     })?;
-    let sigma = sigma.map(|sigma| sigma.value);
     Some(DriveBinding { binding, hold: hold.unwrap_or(Hold::Linear), sigma })
 }
 
@@ -262,5 +261,5 @@ fn output(entry: &KeyValue, findings: &mut Findings) -> Option<OutputBinding> {
         (sigma, fields.take("offset").and_then(|node| flag(node, "offset", findings)))
     })?;
     let has_offset = has_offset.unwrap_or(false);
-    Some(OutputBinding { binding, sigma: sigma.map(|sigma| sigma.value), has_offset })
+    Some(OutputBinding { binding, sigma, has_offset })
 }

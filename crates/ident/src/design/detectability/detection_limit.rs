@@ -2,6 +2,7 @@
 
 use crate::fit::extended_model::SkippedTrial;
 use crate::fit::parameter_values::ParameterValues;
+use crate::fit::step_size::StepRefinement;
 
 /// The smallest strength of an effect at a site that would be detected in given data.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +32,8 @@ pub struct DetectionLimit {
 pub struct Detectability {
     /// Rms residual of the fitted patch in training, over the noise.
     pub residual_rms: f64,
+    /// The number of solver steps of the fitted patch, and the solver's error.
+    pub step_refinement: StepRefinement,
     /// The detection limits if the residual were only noise, the most detectable effect first.
     pub limits: Vec<DetectionLimit>,
     /// Effects that cannot be tried at a site, with the reason.

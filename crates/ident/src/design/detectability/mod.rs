@@ -26,6 +26,7 @@ use crate::fit::fitted_model::{FittedModel, ModelVariant};
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::fit::signal_extents::signal_extents;
+use crate::fit::step_size::step_refinement;
 use crate::statistics::acceptance::AcceptanceCriterion;
 use patchcord_analysis::parallel;
 
@@ -85,7 +86,8 @@ fn detectability_of(
     let variants: Vec<_> = variants.iter().map(|(candidate, variant)| (candidate, variant)).collect();
     let criterion = AcceptanceCriterion::white_noise(variants.len());
     let limits = detection_limits(problem, base, criterion, &variants)?;
-    Ok(Detectability { residual_rms: base.train.normalised_rms(), limits, skipped })
+    let (residual_rms, step_refinement) = (base.train.normalised_rms(), step_refinement(problem, base)?);
+    Ok(Detectability { residual_rms, step_refinement, limits, skipped })
 }
 
 /// Returns the variant if it can be simulated with the training records.

@@ -32,7 +32,7 @@ fn fit_text(report: &Report<'_>) -> Markup {
     let [train, validation] = residual_texts(&report.outcome.base);
     html! {
         p {
-            "The parameters and initial voltages of " (report.experiment.patch.file())
+            "The parameters and initial voltages of " (report.experiment.patch_name)
             " are fitted to the training data. The result is " a href="fitted.json" { "fitted.json" }
             ". The residual is " (train) " times the noise (rms). In the validation data, where \
             only initial voltages and declared offsets are fitted, it is " (validation)
