@@ -11,7 +11,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::written_text;
+use super::files::{path_text, written_text};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
