@@ -19,7 +19,6 @@ use super::run::run_with_progress;
 use super::times::{TimeArguments, run_failure};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::ir::Program;
 use patchcord::document::suggestion;
 use patchcord::draw::plot::{Picture, Size};
 use patchcord::draw::{ProfileSignal, profile_picture};
@@ -28,6 +27,7 @@ use patchcord::instruments::{
     Criterion, CriticalVelocityError, ProfileCriterion, ProfileError, RampDirection, critical_range,
     parameter_line, velocity_profile,
 };
+use patchcord::ir::Program;
 use patchcord::solve::RunSettings;
 use patchcord::trace::{Trace, Track};
 

@@ -11,8 +11,7 @@ use patchcord::document::{Placed, Span};
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
 use patchcord::solve::{
-    Backend, MAX_TOLERANCE, MIN_TOLERANCE, RunError, RunSettings, TimeSetting, is_tolerance,
-    sufficient_step,
+    Backend, MAX_TOLERANCE, MIN_TOLERANCE, RunError, RunSettings, TimeSetting, is_tolerance, sufficient_step,
 };
 
 #[derive(Args)]

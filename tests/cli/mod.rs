@@ -286,7 +286,9 @@ fn the_reference_page_of_elements_is_printed() {
 fn an_element_is_found_by_its_name_in_other_programs() {
     let failed = patchcord(&["elements", "comparator"]);
     assert_eq!(code(&failed), 2);
-    assert!(errors(&failed).contains("there is no element or drive \"comparator\"; use a \"relay\": it compares"));
+    assert!(
+        errors(&failed).contains("there is no element or drive \"comparator\"; use a \"relay\": it compares")
+    );
 }
 
 #[test]

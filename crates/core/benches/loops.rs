@@ -14,7 +14,9 @@ use common::static_patches::{Tally, compare_random, random_count, random_patch, 
 
 fn main() -> ExitCode {
     let seed = std::env::args().find_map(|argument| argument.parse().ok()).unwrap_or(53);
-    println!("patches                      number  one solution  refused  rounding decides  different  seconds");
+    println!(
+        "patches                      number  one solution  refused  rounding decides  different  seconds"
+    );
     let static_patches = report("static, 2 to 6 elements", 12_000, |cases| {
         compare_random(seed, cases, |random| {
             let count = random_count(random, 2, 6);
@@ -30,7 +32,11 @@ fn main() -> ExitCode {
     let start = Instant::now();
     let curved = curved_patches::check_random(seed + 2, 4_000);
     let CurvedTally { solved, refused, wrong } = &curved;
-    println!("\nwith products and squares: {solved} solved, {refused} refused, {} wrong, {:.1} s", wrong.len(), start.elapsed().as_secs_f64());
+    println!(
+        "\nwith products and squares: {solved} solved, {refused} refused, {} wrong, {:.1} s",
+        wrong.len(),
+        start.elapsed().as_secs_f64()
+    );
     wrong.iter().take(5).for_each(|text| println!("{text}\n"));
     if static_patches && summers && wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -206,10 +206,7 @@ mod tests {
                 "line 1 of FILE separates its columns by tabs; separate the columns by commas",
             ),
             ("VcL,VcL\n1e-3,1e-3\n", "line 1 of FILE has more than one column \"VcL\"; give every column"),
-            (
-                "# VcL: mm\nVcL\n1\n",
-                "line 1 of FILE: the unit of VcL is \"mm\", but the patch declares m/s",
-            ),
+            ("# VcL: mm\nVcL\n1\n", "line 1 of FILE: the unit of VcL is \"mm\", but the patch declares m/s"),
             ("VcL [N]\n1\n", "line 1 of FILE: the unit of VcL is \"N\", but the patch declares m/s"),
             (
                 "# VcL: m/s\nVcL (mm/s)\n1\n",

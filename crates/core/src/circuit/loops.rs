@@ -6,9 +6,9 @@
 
 use std::collections::HashSet;
 
+use petgraph::Direction::Incoming;
 use petgraph::algo::{kosaraju_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
-use petgraph::Direction::Incoming;
 use petgraph::visit::{EdgeFiltered, EdgeRef as _, NodeFiltered};
 
 use super::EvaluationStep;
@@ -96,8 +96,11 @@ fn opener(graph: &Graph, direct: &DirectGraph, component: &[NodeIndex]) -> NodeI
     let cycle = cycle(direct, &inside, candidates[0]);
     let opens_all = |node: &&NodeIndex| {
         cycle.contains(*node)
-            && toposort(&NodeFiltered::from_fn(direct, |other| other != **node && inside.contains(&other)), None)
-                .is_ok()
+            && toposort(
+                &NodeFiltered::from_fn(direct, |other| other != **node && inside.contains(&other)),
+                None,
+            )
+            .is_ok()
     };
     let drives_itself = |node: &&NodeIndex| direct.find_edge(**node, **node).is_some();
     let pairs = |node: NodeIndex| {

@@ -39,7 +39,8 @@ fn warning(drive: &str, span: Span, (first, last): (f64, f64), end: f64) -> Opti
             "the table of {drive} ends at {last_text} s, about {} times the length of the run, {end_text} s",
             format_number(ratio)
         );
-        let hint = format!("are its times in {unit}? convert them to seconds, or name the column \"t ({unit})\"");
+        let hint =
+            format!("are its times in {unit}? convert them to seconds, or name the column \"t ({unit})\"");
         (message, hint)
     };
     Some(Diagnostic::at(Code::UNREACHED_TABLE, span, message).hint(hint))

@@ -30,7 +30,8 @@ impl Angle {
 impl Program {
     /// The angles that vary within a step. `owners` has the element of every operation.
     pub(crate) fn find_angles(&self, owners: &[usize]) -> Vec<Angle> {
-        let moving = self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear { .. }));
+        let moving =
+            self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear { .. }));
         let angles = self.lowered.body.iter().zip(owners).filter_map(|(op, owner)| {
             let (at, period) = match *op {
                 Op::Call(Function::Sin | Function::Cos, at, _) => (at, TAU),

@@ -112,7 +112,8 @@ impl Program {
     /// Finds two lists of kinks: those that affect a rate, a sampled value or a delay line's input, and those that
     /// affect guards only. `owners` has the element of every operation.
     pub(crate) fn find_kinks(&self, owners: &[usize]) -> [Vec<Kink>; 2] {
-        let moving = self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear { .. }));
+        let moving =
+            self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear { .. }));
         let rates = self.lowered.states.iter().map(|state| state.rate);
         let inputs = self.lowered.delays.iter().map(|delay| delay.input);
         let samples = self.lowered.sampled.iter().map(|sampled| sampled.next);

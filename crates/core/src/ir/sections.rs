@@ -89,7 +89,8 @@ impl Program {
         });
         // Loops are solved in every stage: a loop without a solution stops the run there.
         let rates = self.lowered.states.iter().map(|state| state.rate);
-        let needed = self.needed_for(rates.chain(self.lowered.loops.iter().map(|entry| entry.tears[0].register)));
+        let needed =
+            self.needed_for(rates.chain(self.lowered.loops.iter().map(|entry| entry.tears[0].register)));
         let section = |(moves, needed)| match (moves, needed) {
             (false, _) => Section::Fixed,
             (true, true) => Section::Moving,
@@ -144,7 +145,10 @@ impl Program {
         self.lowered_mut().sampled.iter_mut().for_each(|sampled| renumbered(&mut sampled.next));
         for entry in &mut self.lowered_mut().loops {
             for tear in &mut entry.tears {
-                [&mut tear.register, &mut tear.result].into_iter().chain(&mut tear.demand).for_each(renumbered);
+                [&mut tear.register, &mut tear.result]
+                    .into_iter()
+                    .chain(&mut tear.demand)
+                    .for_each(renumbered);
             }
         }
         for lamp in &mut self.lowered_mut().lamps {

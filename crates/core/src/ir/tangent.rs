@@ -7,9 +7,9 @@
 use std::ops::Range;
 
 use super::loops::close_slopes;
-use super::parts::Loop;
 use super::number::{Dual, Number, segment};
 use super::op::{Op, Register, Sources};
+use super::parts::Loop;
 use super::{Program, RunScope};
 use crate::document::TIME_SCALE;
 use patchcord_expr::{Callee, Expression, Formula, Function, Node, Operator};

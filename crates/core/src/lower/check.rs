@@ -141,7 +141,8 @@ fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
 
 /// The diagnostic for a loop without exactly one solution. Its position is that of the element that opens the loop.
 fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnostic {
-    let element = circuit.elements().into_iter().find(|element| Some(element.name.as_str()) == entry.openers().next());
+    let element =
+        circuit.elements().into_iter().find(|element| Some(element.name.as_str()) == entry.openers().next());
     let (code, hint) = remedy(entry, solutions);
     let message = format!(
         "the loop {} has no integrator and {}",

@@ -260,7 +260,10 @@ mod tests {
         // 4 (1 - exp(-t)), in one step and in many.
         let once = driven(0.0, 4.0, -1.0, 2.0);
         let often = (0..100).fold(0.0, |overdrive, _| driven(overdrive, 4.0, -1.0, 0.02));
-        assert!((once - 4.0 * (1.0 - (-2.0f64).exp())).abs() < 1e-14 && (once - often).abs() < 1e-13, "{once} {often}");
+        assert!(
+            (once - 4.0 * (1.0 - (-2.0f64).exp())).abs() < 1e-14 && (once - often).abs() < 1e-13,
+            "{once} {often}"
+        );
         assert!(driven(1.0, 4.0, 1e9, 1e9).is_finite());
     }
 

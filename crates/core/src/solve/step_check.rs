@@ -109,7 +109,8 @@ impl StepCheck {
         let Solver { setup, state, delay_lines, buffers, .. } = solver;
         let length = setup.step;
         try_step(setup, state, delay_lines, buffers, length);
-        let response = response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
+        let response =
+            response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
         if has_event(setup, state, buffers) {
             if let Some(response) = response.filter(|response| response.change > HARMLESS_CHANGE) {
                 self.unstable_events += 1;
@@ -227,12 +228,7 @@ fn response(stage_rates: &[Vec<f64>], length: f64) -> Option<Response> {
 }
 
 /// Moves a copy of the state to the end of the step that was tried from it.
-fn move_to_end(
-    setup: &Setup<'_>,
-    state: &mut SolverState,
-    buffers: &StepBuffers,
-    length: f64,
-) {
+fn move_to_end(setup: &Setup<'_>, state: &mut SolverState, buffers: &StepBuffers, length: f64) {
     state.time += length;
     state.states.copy_from_slice(&buffers.states);
     state.states.iter_mut().filter(|volts| volts.abs() < MIN_STATE).for_each(|volts| *volts = 0.0);

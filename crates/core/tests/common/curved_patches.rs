@@ -77,8 +77,9 @@ fn random_patch(random: &mut SplitMix64, count: usize) -> CurvedPatch {
 fn random_element(random: &mut SplitMix64, count: usize) -> (ElementBuilder, Law) {
     let mut cord = || random.uniform(0.0, count as f64 + 0.5) as usize;
     let (a, b) = (cord(), cord());
-    let multiplier =
-        |mode: &str| element("multiplier").set("mode", mode).cord("a", &name(a, count)).cord("b", &name(b, count));
+    let multiplier = |mode: &str| {
+        element("multiplier").set("mode", mode).cord("a", &name(a, count)).cord("b", &name(b, count))
+    };
     match random.uniform(0.0, 8.0) as usize {
         0 => (multiplier("product"), Law::Product(a, b)),
         1 | 2 => (multiplier("sum-of-squares"), Law::Squares(a, b)),
@@ -123,7 +124,8 @@ impl CurvedPatch {
                     residuals(&moved).iter().zip(&here).map(|(there, here)| (there - here) / step).collect()
                 })
                 .collect();
-            let row = |index: usize| columns.iter().map(|column| column[index]).chain([here[index]]).collect();
+            let row =
+                |index: usize| columns.iter().map(|column| column[index]).chain([here[index]]).collect();
             let Eliminated::One(change) = eliminate((0..count).map(row).collect()) else { return None };
             if is_solved {
                 // Where two solutions meet, small residuals do not mean a solution.

@@ -204,9 +204,8 @@ fn random_element(random: &mut SplitMix64, count: usize) -> (ElementBuilder, Vec
             let kind = if kind % 2 == 0 { "diode-upper-of" } else { "diode-lower-of" };
             let (first, second) =
                 if kind == "diode-upper-of" { (difference, opposite) } else { (opposite, difference) };
-            let entry = element(kind)
-                .set("in", serde_json::json!([cord.name(), other.name()]))
-                .set("drop", 0);
+            let entry =
+                element(kind).set("in", serde_json::json!([cord.name(), other.name()])).set("drop", 0);
             let cases = vec![
                 Case { output: form, conditions: vec![first] },
                 Case { output: other.form(count), conditions: vec![second] },
@@ -261,10 +260,12 @@ impl StaticPatch {
     /// Largest difference, in volts, between an output and the law of its element at these outputs. The law of an
     /// amplifier with much gain counts at its inputs.
     pub(crate) fn violation(&self, outputs: &[f64]) -> f64 {
-        let value = |form: &Form| form[outputs.len()] + form.iter().zip(outputs).map(|(a, v)| a * v).sum::<f64>();
+        let value =
+            |form: &Form| form[outputs.len()] + form.iter().zip(outputs).map(|(a, v)| a * v).sum::<f64>();
         let of = |(index, cases): (usize, &Vec<Case>)| {
             let of_case = |case: &Case| {
-                let scale = case.output.iter().take(outputs.len()).fold(1.0f64, |most, term| most.max(term.abs()));
+                let scale =
+                    case.output.iter().take(outputs.len()).fold(1.0f64, |most, term| most.max(term.abs()));
                 let scale = if scale >= 100.0 { scale } else { 1.0 };
                 let broken = case.conditions.iter().map(|form| -value(form) / scale).fold(0.0, f64::max);
                 ((value(&case.output) - outputs[index]).abs() / scale).max(broken)
@@ -289,8 +290,7 @@ impl StaticPatch {
             }
         };
         let machine = run_for(&program, 1e-3, 0.0);
-        let outputs: Vec<f64> =
-            (0..self.laws.len()).map(|index| voltage(&machine, &name(index))).collect();
+        let outputs: Vec<f64> = (0..self.laws.len()).map(|index| voltage(&machine, &name(index))).collect();
         let violation = self.violation(&outputs);
         let is_expected = match expected.solutions.as_slice() {
             [only] => only.iter().zip(&outputs).all(|(a, b)| (a - b).abs() < 1e-6),

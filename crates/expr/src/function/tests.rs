@@ -52,8 +52,12 @@ fn slope_bounds_contain_the_derivatives_inside_and_are_attained() {
             let slopes = (0..=1000).map(|step| low + (high - low) * f64::from(step) / 1000.0);
             let slopes: Vec<f64> = slopes.map(|at| function.derivative(at, at).0).collect();
             let known = slopes.iter().filter(|slope| !slope.is_nan());
-            assert!(known.clone().all(|slope| bounds.0 <= *slope && *slope <= bounds.1), "{function:?} {low} {high}");
-            let (least, most) = known.fold((f64::MAX, f64::MIN), |(a, b), slope| (a.min(*slope), b.max(*slope)));
+            assert!(
+                known.clone().all(|slope| bounds.0 <= *slope && *slope <= bounds.1),
+                "{function:?} {low} {high}"
+            );
+            let (least, most) =
+                known.fold((f64::MAX, f64::MIN), |(a, b), slope| (a.min(*slope), b.max(*slope)));
             if bounds.0.is_finite() && bounds.1.is_finite() {
                 let gap = (least - bounds.0).max(bounds.1 - most);
                 assert!(gap < 1e-4 * (1.0 + bounds.1.abs()), "{function:?} {low} {high}: {gap}");

@@ -45,9 +45,8 @@ fn a_pot_for_k_over_m_has_the_block_gain_k_over_m() {
 fn pairs_are_considered_up_to_100_parameters() {
     let block = |more: usize| {
         let spring = spring("k / m * position / velocity / 10 / time_scale");
-        let with_times = (0..more).fold(spring, |builder, index| {
-            builder.parameter(&format!("T{index}"), 3.0, "s", [1.0, 10.0])
-        });
+        let with_times = (0..more)
+            .fold(spring, |builder, index| builder.parameter(&format!("T{index}"), 3.0, "s", [1.0, 10.0]));
         let circuit = Circuit::new(&with_times.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
         circuit.scaling().into_iter().find(|row| row.output == "v").unwrap().block
     };

@@ -85,9 +85,8 @@ pub fn unclear_time(column: &str, path: impl AsRef<Path>) -> Option<CsvFault> {
         "the times in the column {column} of {} are read as seconds, but its name has \"{unit}\"",
         path.as_ref().display()
     );
-    let hint = format!(
-        "write a unit above the names, as in \"# {column}: ms\", or in the name, as in \"t (ms)\""
-    );
+    let hint =
+        format!("write a unit above the names, as in \"# {column}: ms\", or in the name, as in \"t (ms)\"");
     Some(CsvFault::new(message, hint))
 }
 

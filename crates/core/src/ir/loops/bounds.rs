@@ -118,7 +118,8 @@ impl Number for Bounds {
             (Some(first), Some(last)) => self.value.low < first[0] || self.value.high > last[0],
             _ => true,
         };
-        let segments = points.windows(2).filter(|pair| self.value.low <= pair[1][0] && pair[0][0] <= self.value.high);
+        let segments =
+            points.windows(2).filter(|pair| self.value.low <= pair[1][0] && pair[0][0] <= self.value.high);
         let slopes = segments.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
         let slopes = slopes.map(Interval::constant).chain(is_outside.then_some(level));
         let all = slopes.reduce(Interval::hull).unwrap_or(level);

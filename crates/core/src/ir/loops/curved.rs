@@ -212,7 +212,8 @@ impl Search<'_> {
             for (column, other) in free.iter().enumerate() {
                 let mut product = Interval::constant(if row == column { 1.0 } else { 0.0 });
                 for (inner, entries) in slopes.iter().enumerate() {
-                    product = product.subtract(Interval::constant(inverse[(row, inner)]).multiply(entries[column]));
+                    product =
+                        product.subtract(Interval::constant(inverse[(row, inner)]).multiply(entries[column]));
                 }
                 let offset = present.tears[*other].subtract(Interval::constant(middle[*other]));
                 image = image.add(product.multiply(offset));

@@ -211,7 +211,8 @@ impl LoopMemory {
         if self.inputs.iter().any(|volts| volts.is_nan()) {
             return Err(Solutions::NotANumber);
         }
-        let is_found = self.uniqueness.is_proven(problem) && self.newton.follow(problem, &mut self.tears, inside);
+        let is_found =
+            self.uniqueness.is_proven(problem) && self.newton.follow(problem, &mut self.tears, inside);
         if !is_found {
             let search = if problem.entry.is_straight { pieces::solutions } else { curved::solutions };
             self.tears = search(problem)?.only()?;

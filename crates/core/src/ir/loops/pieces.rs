@@ -350,7 +350,10 @@ impl<'a> Search<'a> {
             *tear >= interval.low - SLACK && *tear <= interval.high + SLACK
         };
         tears.iter().zip(&self.tears).all(is_within)
-            && self.bounds.iter().all(|bound| bound.is_equation || value(&bound.form, tears) >= -slack(&bound.form))
+            && self
+                .bounds
+                .iter()
+                .all(|bound| bound.is_equation || value(&bound.form, tears) >= -slack(&bound.form))
     }
 }
 

@@ -71,7 +71,8 @@ fn along(point: &[f64], direction: &[f64], limits: &[(Vec<f64>, f64)]) -> Feasib
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     for (form, slack) in limits {
         let (start, rate) = (value(form, point) + slack, rate(form, direction));
-        if rate.abs() <= RANK_TOLERANCE * form.iter().fold(1.0, |largest, term| f64::max(largest, term.abs())) {
+        if rate.abs() <= RANK_TOLERANCE * form.iter().fold(1.0, |largest, term| f64::max(largest, term.abs()))
+        {
             if start < 0.0 {
                 return Feasible::Nothing;
             }

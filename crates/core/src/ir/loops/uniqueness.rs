@@ -40,7 +40,10 @@ impl Uniqueness {
     /// Whether the loop has at most one solution. `false` if it is not known.
     pub(super) fn is_proven(&mut self, problem: &Problem<'_>) -> bool {
         let is_covered = self.proven.len() == problem.entry.inputs.len()
-            && problem.inputs().zip(&self.proven).all(|(volts, proven)| proven.low <= volts && volts <= proven.high);
+            && problem
+                .inputs()
+                .zip(&self.proven)
+                .all(|(volts, proven)| proven.low <= volts && volts <= proven.high);
         is_covered || MARGINS.into_iter().any(|margin| self.prove(problem, margin))
     }
 

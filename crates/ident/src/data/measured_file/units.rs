@@ -12,12 +12,7 @@ use patchcord_expr::Unit;
 impl FileReader<'_> {
     /// Returns the unit that the file specifies for a column. The outer None means that it is invalid, the inner None
     /// that the file does not specify it.
-    fn unit_in_file(
-        &self,
-        rows: &CsvTable,
-        column: usize,
-        findings: &mut Findings,
-    ) -> Option<Option<Unit>> {
+    fn unit_in_file(&self, rows: &CsvTable, column: usize, findings: &mut Findings) -> Option<Option<Unit>> {
         let Some(comment) = &rows.units[column] else { return Some(None) };
         let unit = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
         if unit.is_none() {
