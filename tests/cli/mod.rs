@@ -325,7 +325,7 @@ fn output_that_cannot_be_written_gives_exit_code_1() {
     }
 }
 
-/// The reader of the pipe is gone before the command writes, as with `head`.
+/// The reader closes the pipe before the command writes, as with `head`.
 #[test]
 fn a_closed_pipe_is_no_error() {
     let binary = env!("CARGO_BIN_EXE_patchcord");

@@ -53,7 +53,7 @@ fn tolerances_have_the_same_range_in_the_patch_and_on_the_command_line() {
         if expected_patch == 1 {
             let wanted = format!("\"tolerance\" must be from 1e-13 to 1, not {tolerance}\n");
             assert!(errors(&of_patch).contains(&wanted), "{}", errors(&of_patch));
-            assert!(errors(&of_patch).contains("spring.json:13:37"), "{}", errors(&of_patch));
+            assert!(errors(&of_patch).contains("spring.json:12:37"), "{}", errors(&of_patch));
         }
         let (_folder, file) = spring();
         let of_option = patchcord(&["run", &file, "--tol", tolerance]);

@@ -97,7 +97,7 @@ pub struct Loop {
     /// The registers before the loop that its operations read, in ascending order.
     pub(crate) inputs: Vec<Register>,
     /// Whether the recomputed outputs are piecewise linear in the tears: no tear is multiplied by another, is a divisor
-    /// or goes through a function.
+    /// or is the argument of a function.
     pub(crate) is_straight: bool,
     /// Names of the members in order of evaluation.
     pub members: Vec<String>,

@@ -3,7 +3,7 @@
 //! Copies of a program share the part that no run changes ([`Lowered`]). Parameter values and tables belong to each
 //! copy, because a run or a fit sets them.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{
@@ -65,7 +65,7 @@ pub(crate) struct Lowered {
     /// The output of every reference, drive and element, in the order of the circuit.
     pub(crate) elements: Vec<ElementOutput>,
     /// The index of every element in `elements`, by name.
-    pub(crate) element_indices: HashMap<String, usize>,
+    pub(crate) element_indices: BTreeMap<String, usize>,
     /// The registers of the drives' outputs.
     pub(crate) drives: Vec<Register>,
     /// The states; the index is the one in [`Op::State`].

@@ -38,7 +38,7 @@ pub(crate) struct Enumerated {
     pub is_borderline: bool,
 }
 
-/// The result of the solver beside that of the enumeration.
+/// The result of the solver compared with that of the enumeration.
 pub(crate) enum Comparison {
     /// The same, only solution.
     Equal,
