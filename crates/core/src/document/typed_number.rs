@@ -59,14 +59,14 @@ pub enum TypedNumberError {
         reason: UnitError,
     },
     /// The unit has another dimension than the expected one.
-    #[error("\"{text}\" is in {found}, but {} is expected", expected_unit(.expected))]
+    #[error("\"{text}\" is in {found}, but {expected} is expected")]
     WrongUnit {
         /// The typed text.
         text: String,
         /// The typed unit.
-        found: Unit,
-        /// The expected unit.
-        expected: Unit,
+        found: String,
+        /// The expected unit, in words.
+        expected: String,
     },
 }
 
@@ -115,10 +115,10 @@ impl TypedNumber {
             return Ok(self.number);
         };
         if unit.dimension() != expected.dimension() {
-            let (text, found, expected) = (self.text.clone(), unit.clone(), expected.clone());
-            return Err(TypedNumberError::WrongUnit { text, found, expected });
+            let (found, expected) = (unit.text().to_owned(), expected_unit(expected));
+            return Err(TypedNumberError::WrongUnit { text: self.text.clone(), found, expected });
         }
-        let converted = expected.out_of_si(unit.to_si(self.number));
+        let converted = unit.convert(self.number, expected);
         match converted.is_finite() {
             true => Ok(round_significant(converted, CONVERTED_DIGITS)),
             false => Err(TypedNumberError::NotFinite(self.text.clone())),

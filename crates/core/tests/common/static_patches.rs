@@ -428,7 +428,7 @@ pub(super) fn eliminate(mut rows: Vec<Form>) -> Eliminated {
         if pivot > 1e-13 && pivot < 1e-9 {
             return Eliminated::Unknown;
         }
-        if !(pivot > 1e-13) {
+        if pivot.is_nan() || pivot <= 1e-13 {
             return if rows[step..].iter().any(|row| row[count].abs() > 1e-6) {
                 Eliminated::Nothing
             } else if step + 1 == count {
