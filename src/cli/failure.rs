@@ -1,7 +1,7 @@
 //! Failures of a command: their messages, JSON documents and exit codes.
 //!
-//! Exit code 2 means that the command line must be changed, 1 that the patch or the data must be changed. Text goes to
-//! standard error. With `--json`, a document follows on standard output: `ok` is false, and `error` has the message or
+//! Exit code 2 means that the command line must be changed, 1 that the patch or the data must be changed, 3 that a run
+//! had an overload and the command line forbids it. Text goes to standard error. With `--json`, a document follows on standard output: `ok` is false, and `error` has the message or
 //! `diagnostics` the list of findings. Further keys depend on the command, such as `code` of a run error.
 //!
 //! The dispatcher in `mod.rs` decides whether a failure is also printed as JSON. Commands only return it.
@@ -42,6 +42,8 @@ enum Cause {
     Experiment(Vec<Report>),
     /// Effects are wrong.
     Effects(Vec<Report>),
+    /// A run had an overload, and the command line forbids it.
+    Overload(String),
 }
 
 /// The JSON document of a failure. It has either `error` or `diagnostics`.
@@ -85,6 +87,11 @@ impl Failure {
         Failure::new(Cause::Data(message.into()))
     }
 
+    /// An overload in a run that must have none, with exit code 3.
+    pub(super) fn overload(message: impl Into<String>) -> Self {
+        Failure::new(Cause::Overload(message.into()))
+    }
+
     /// Sets whether the failure is also printed as a JSON document.
     pub(super) fn with_json_output(self, json: bool) -> Self {
         Failure { json, ..self }
@@ -96,10 +103,25 @@ impl Failure {
         self
     }
 
+    /// Adds all keys of a document to the JSON document of the failure, except its `ok`.
+    ///
+    /// # Errors
+    /// If the document cannot be formatted.
+    pub(super) fn with_document(mut self, document: &impl Serialize) -> Result<Self, Self> {
+        match serde_json::to_value(document) {
+            Ok(Value::Object(keys)) => self.details.extend(keys.into_iter().filter(|(key, _)| key != "ok")),
+            Ok(_) => (),
+            Err(error) => return Err(Failure::data(error.to_string())),
+        }
+        Ok(self)
+    }
+
     /// Prints the failure and returns the exit code.
     pub(super) fn report(self) -> ExitCode {
         match &self.cause {
-            Cause::Usage(message) | Cause::Data(message) => eprint(&format!("error: {message}")),
+            Cause::Usage(message) | Cause::Data(message) | Cause::Overload(message) => {
+                eprint(&format!("error: {message}"));
+            }
             Cause::Patch(report) => eprint_report(report),
             Cause::Experiment(reports) | Cause::Effects(reports) => reports.iter().for_each(eprint_report),
             Cause::AlreadyPrinted(_) => (),
@@ -116,6 +138,7 @@ impl Failure {
         match &self.cause {
             Cause::Usage(_) | Cause::AlreadyPrinted(_) => 2,
             Cause::Data(_) | Cause::Experiment(_) | Cause::Effects(_) => 1,
+            Cause::Overload(_) => 3,
             Cause::Patch(report) if concerns_command_line(report) => 2,
             Cause::Patch(_) => 1,
         }
@@ -124,9 +147,10 @@ impl Failure {
     /// The JSON document.
     fn document(&self) -> FailureDocument<'_> {
         let cause = match &self.cause {
-            Cause::Usage(error) | Cause::AlreadyPrinted(error) | Cause::Data(error) => {
-                CauseDocument::Message { error }
-            }
+            Cause::Usage(error)
+            | Cause::AlreadyPrinted(error)
+            | Cause::Data(error)
+            | Cause::Overload(error) => CauseDocument::Message { error },
             Cause::Patch(report) => {
                 CauseDocument::Patch { patch: &report.file, diagnostics: report.documents() }
             }
