@@ -38,6 +38,6 @@ pub use error::PlotError;
 pub(crate) use font::with_minus_sign;
 pub use format::Format;
 pub use picture::{Channel, Marker, Picture};
-pub use render::{Size, render};
+pub use render::{Size, check_sheet, render, render_scaled};
 pub use theme::{Ink, Theme};
 pub use thin::{drop_repeats, thin};
