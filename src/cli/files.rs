@@ -11,11 +11,11 @@ use std::{fs, io};
 use clap::Args;
 
 use super::failure::Failure;
+use super::pictures::{PictureArguments, Resolution, pictures};
 use patchcord::circuit::Circuit;
-use patchcord::draw;
 use patchcord::draw::plot::{self, Format, Picture, Size};
-use patchcord::instruments::parameter_line;
 use patchcord::output::{check_folder_writable, check_writable, destination, io_reason, write_atomic};
+use patchcord::solve::RunSettings;
 use patchcord::trace::Trace;
 
 #[derive(Args)]
@@ -26,9 +26,11 @@ pub(super) struct FileArguments {
     /// Draw the pictures of the patch on one sheet; the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write table and pictures into this folder, under the name of the patch
+    /// Write table, sheet and each picture into this folder, under the name of the patch
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    pictures: PictureArguments,
 }
 
 impl FileArguments {
@@ -39,16 +41,20 @@ impl FileArguments {
 
     /// The files to write.
     ///
-    /// `--out` adds NAME.csv and NAME.svg in the folder.
+    /// `--out` adds NAME.csv and NAME.svg in the folder. [`Files::plan_pictures`] adds the single pictures.
     ///
     /// # Errors
-    /// If two files are the same, if one is the patch, or if the name of a picture has an unknown ending.
+    /// If two files are the same, if one is the patch, if the name of a picture has an unknown ending, or if an option
+    /// for pictures has no effect.
     pub(super) fn files(&self, patch: &Path) -> Result<Files, Failure> {
         let in_folder = |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(patch, ending)));
         let tables = self.csv.clone().into_iter().chain(in_folder(".csv")).collect();
         let sheets = self.plot.clone().into_iter().chain(in_folder(".svg"));
         let sheets = sheets.map(|path| picture_format(&path).map(|format| (path, format)));
-        let files = Files { folder: self.out.clone(), tables, sheets: sheets.collect::<Result<_, _>>()? };
+        let sheets: Vec<_> = sheets.collect::<Result<_, _>>()?;
+        let formats: Vec<Format> = sheets.iter().map(|(_, format)| *format).collect();
+        let resolution = self.pictures.resolution(&formats)?;
+        let files = Files { folder: self.out.clone(), tables, sheets, singles: Vec::new(), resolution };
         check_distinct_from_patch(patch, files.paths())?;
         Ok(files)
     }
@@ -69,12 +75,40 @@ pub(super) struct Files {
     tables: Vec<PathBuf>,
     /// The sheets of pictures with their formats.
     sheets: Vec<(PathBuf, Format)>,
+    /// The files of single pictures, in the order of the pictures. The last ones remain unused if pictures of
+    /// derivatives are omitted.
+    singles: Vec<PathBuf>,
+    /// The resolution of all pictures.
+    resolution: Resolution,
 }
 
 impl Files {
     /// The paths of all files.
     pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
+        self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path)).chain(&self.singles)
+    }
+
+    /// Checks whether the sheets have space for the pictures of a run. Adds a file for each picture if there is a folder.
+    ///
+    /// The files are NAME.picture-1.svg and so on in the folder. There is at most one picture of derivatives for each
+    /// recorded signal.
+    ///
+    /// # Errors
+    /// If a sheet is too large, or if a file would be written twice or over the patch.
+    pub(super) fn plan_pictures(
+        &mut self,
+        patch: &Path,
+        circuit: &Circuit,
+        settings: &RunSettings,
+    ) -> Result<(), Failure> {
+        let count = circuit.picture_specs(&settings.record).len();
+        self.sheets.iter().try_for_each(|(_, format)| self.resolution.check(count, *format))?;
+        let derivatives = if settings.sensitivities.is_empty() { 0 } else { settings.record.len() };
+        if let Some(folder) = &self.folder {
+            let name = |number: usize| name_with_suffix(patch, &format!(".picture-{number}.svg"));
+            self.singles = (1..=count + derivatives).map(|number| folder.join(name(number))).collect();
+        }
+        check_distinct_from_patch(patch, self.paths())
     }
 
     /// Creates the folder, and checks before the run that all files can be written.
@@ -85,24 +119,31 @@ impl Files {
         prepare_outputs(self.folder.as_deref(), self.paths())
     }
 
-    /// Writes tables and pictures.
+    /// Writes tables and pictures, and returns the paths of the written files.
     ///
     /// # Errors
     /// If a picture cannot be drawn, or if a file cannot be written.
-    pub(super) fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
+    pub(super) fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<Vec<PathBuf>, Failure> {
         for path in &self.tables {
             let mut bytes = Vec::new();
             trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
             write_file(path, &bytes)?;
         }
+        let mut written = self.tables.clone();
         if self.sheets.is_empty() {
-            return Ok(());
+            return Ok(written);
         }
         let pictures = pictures(circuit, trace)?;
+        let Resolution { size, scale, .. } = self.resolution;
         for (path, format) in &self.sheets {
-            write_pictures(path, &pictures, *format, Size::default())?;
+            write_scaled_pictures(path, &pictures, *format, (size, scale))?;
+            written.push(path.clone());
         }
-        Ok(())
+        for (path, picture) in self.singles.iter().zip(&pictures) {
+            write_pictures(path, std::slice::from_ref(picture), Format::Svg, size)?;
+            written.push(path.clone());
+        }
+        Ok(written)
     }
 }
 
@@ -233,26 +274,21 @@ pub(super) fn write_pictures(
     format: Format,
     size: Size,
 ) -> Result<(), Failure> {
-    let bytes = plot::render(pictures, format, size).map_err(|error| Failure::data(error.to_string()))?;
-    write_file(path, &bytes)
+    write_scaled_pictures(path, pictures, format, (size, 1.0))
+}
+
+/// Draws pictures on one sheet and writes the file. A PNG has `scale` pixels per pixel of the size.
+fn write_scaled_pictures(
+    path: &Path,
+    pictures: &[Picture],
+    format: Format,
+    (size, scale): (Size, f64),
+) -> Result<(), Failure> {
+    let bytes = plot::render_scaled(pictures, format, size, scale);
+    write_file(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)
 }
 
 /// The failure for a file that cannot be written.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
     Failure::data(format!("cannot write {}: {}", path.display(), io_reason(error)))
-}
-
-/// The pictures of the patch, or every recorded signal against time if it has none. Pictures of derivatives follow.
-///
-/// The note of each picture has the parameters.
-fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
-    let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
-    let specs = circuit.picture_specs(signals.map(|track| track.name.as_str()));
-    let note = parameter_line(circuit);
-    let drawn = specs.iter().map(|spec| draw::picture(trace, spec, Some(&note)));
-    let drawn = drawn.collect::<Result<Vec<_>, _>>().and_then(|mut pictures| {
-        pictures.extend(draw::sensitivity_pictures(trace, Some(&note))?);
-        Ok(pictures)
-    });
-    drawn.map_err(|error| Failure::data(error.to_string()))
 }

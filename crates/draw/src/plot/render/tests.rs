@@ -77,7 +77,7 @@ fn a_scale_changes_the_pixels_of_a_png_only() {
 fn a_warning_is_written_and_wrong_points_are_pale() {
     let mut marked = wave();
     marked.warning = Some("A2 over 100 V".to_owned());
-    marked.channels[0].wrong = vec![250..500];
+    marked.channels[0].wrong.push(250..500);
     let text = svg(&[marked]);
     assert!(text.contains(">\nA2 over 100 V\n<"), "{text}");
     // The pale part is drawn first, the correct part in front of it.
