@@ -44,12 +44,12 @@ impl PictureArguments {
     pub(super) fn resolution(&self, formats: &[Format]) -> Result<Resolution, Failure> {
         let is_given = self.width.is_some() || self.height.is_some() || self.scale.is_some();
         if is_given && formats.is_empty() {
-            let message = "--width, --height and --scale are for pictures: also give --plot FILE or --out DIR";
-            return Err(Failure::usage(message));
+            let advice = "also give --plot FILE or --out DIR";
+            return Err(Failure::usage(format!("--width, --height and --scale are for pictures: {advice}")));
         }
         if self.scale.is_some() && !formats.contains(&Format::Png) {
-            let message = "--scale is for PNG files: also give --plot FILE.png, or use --width and --height";
-            return Err(Failure::usage(message));
+            let advice = "also give --plot FILE.png, or use --width and --height";
+            return Err(Failure::usage(format!("--scale is for PNG files: {advice}")));
         }
         let usual = Size::default();
         Ok(Resolution {

@@ -30,7 +30,7 @@ pub(super) fn picture(
             drawn.extend(lines);
         }
     }
-    labels::draw(picture, &drawn, marker_labels, screen, font, surface)?;
+    labels::draw(picture, drawn, marker_labels, screen, font, surface)?;
     graticule::border(screen, surface)?;
     scales::draw(picture, frame, screen, font, surface)
 }

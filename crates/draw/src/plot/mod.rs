@@ -8,6 +8,7 @@
 
 mod axis;
 mod band;
+mod callout;
 mod clip;
 mod draw;
 mod drawing;

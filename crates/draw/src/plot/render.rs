@@ -99,7 +99,7 @@ pub fn render(pictures: &[Picture], format: Format, size: Size) -> Result<Vec<u8
 /// let axis = || Axis::fit("x", "", [0.0, 1.0], 10);
 /// let (pictures, size) = ([Picture::new("", axis(), axis())], Size { width: 320, height: 240 });
 /// let fine = render_scaled(&pictures, Format::Png, size, 2.0)?;
-/// assert_eq!(fine[16..24], [0, 0, 2, 128, 0, 0, 1, 224], "640 x 480 pixels");
+/// assert_eq!(fine[16..24], [0_u8, 0, 2, 128, 0, 0, 1, 224], "640 x 480 pixels");
 /// # Ok::<(), PlotError>(())
 /// ```
 pub fn render_scaled(
