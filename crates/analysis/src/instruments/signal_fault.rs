@@ -136,9 +136,8 @@ mod tests {
             .map(|fault| (fault.signal, fault.repetition, fault.time, fault.cause))
             .collect();
         let expected = [("B1", 2.0, "B1"), ("B2", 1.0, "B2"), ("B3", 1.0, "B2")];
-        let expected = expected.map(|(signal, time, element)| {
-            (signal.to_owned(), 1, time, format!("{element} over 100 V"))
-        });
+        let expected = expected
+            .map(|(signal, time, element)| (signal.to_owned(), 1, time, format!("{element} over 100 V")));
         assert_eq!(faults, expected);
     }
 }

@@ -33,12 +33,7 @@ pub(super) fn draw(picture: &Picture, screen: Area, surface: &mut dyn Surface) -
 }
 
 /// Draws the strong lines, or the others.
-fn lines(
-    picture: &Picture,
-    screen: Area,
-    strong: bool,
-    surface: &mut dyn Surface,
-) -> Result<(), PlotError> {
+fn lines(picture: &Picture, screen: Area, strong: bool, surface: &mut dyn Surface) -> Result<(), PlotError> {
     let colour = if strong { palette::ZERO } else { palette::GRID };
     for line in inner_lines(&picture.horizontal, strong) {
         vertical_line(column(screen, line), (screen.top, screen.bottom), colour, surface)?;

@@ -57,11 +57,15 @@ pub(super) fn parts(channel: &Channel, colour: RGBColor) -> Vec<(Cow<'_, Channel
     if channel.wrong.is_empty() {
         return vec![(Cow::Borrowed(channel), colour)];
     }
-    let is_wrong = |index: usize| channel.wrong.iter().any(|range| range.contains(&index));
+    let mut is_wrong = vec![false; channel.points.len()];
+    for range in &channel.wrong {
+        is_wrong.get_mut(range.clone()).unwrap_or_default().fill(true);
+    }
     // The correct part includes the first wrong point of a line, so that the line has no gap.
-    let is_joint = |index: usize| index > 0 && !is_wrong(index - 1) && !channel.breaks.contains(&index);
-    let correct = with_points(channel, |index| !is_wrong(index) || is_joint(index));
-    vec![(Cow::Owned(with_points(channel, is_wrong)), palette::wrong(colour)), (Cow::Owned(correct), colour)]
+    let is_joint = |index: usize| index > 0 && !is_wrong[index - 1] && !channel.breaks.contains(&index);
+    let correct = with_points(channel, |index| !is_wrong[index] || is_joint(index));
+    let wrong = with_points(channel, |index| is_wrong[index]);
+    vec![(Cow::Owned(wrong), palette::wrong(colour)), (Cow::Owned(correct), colour)]
 }
 
 /// Returns a channel in which the points that are not selected are gaps.

@@ -134,8 +134,7 @@ fn errors_are_bands_behind_lines_and_bars_through_dots() {
     let banded = svg(&[Picture { channels: vec![line], ..plain.clone() }]);
     // The band is clamped to the screen.
     let heights = areas(&banded).into_iter().map(|corners| {
-        let ends =
-            corners.iter().map(|at| at.1).fold([f64::MAX, f64::MIN], |[a, b], y| [a.min(y), b.max(y)]);
+        let ends = corners.iter().map(|at| at.1).fold([f64::MAX, f64::MIN], |[a, b], y| [a.min(y), b.max(y)]);
         ends[1] - ends[0]
     });
     let heights: Vec<f64> = heights.collect();
