@@ -78,7 +78,7 @@
 //! assert!(position.is_some_and(|reading| reading.least.value < 0.0 && reading.most.value > 0.0));
 //!
 //! let specs = circuit.picture_specs(["x"]);
-//! let picture = draw::picture(&trace, &specs[0], None)?;
+//! let picture = draw::picture(&trace, &specs[0], None, &[])?;
 //! let svg = render(&[picture], Format::Svg, Size::default())?;
 //! assert!(svg.starts_with(b"<?xml"));
 //! # Ok(())

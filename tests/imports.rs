@@ -40,7 +40,18 @@ const MODULES: [(&str, &[&str]); 6] = [
     ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),
     (
         "draw",
-        &["html", "plot", "family", "scope", "plane", "profile_picture", "sensitivity", "bode", "schematic"],
+        &[
+            "html",
+            "plot",
+            "family",
+            "faults",
+            "scope",
+            "plane",
+            "profile_picture",
+            "sensitivity",
+            "bode",
+            "schematic",
+        ],
     ),
     (
         "ident",

@@ -11,10 +11,10 @@ use serde::Serialize;
 
 use super::failure::Failure;
 use super::load::{LoadedPatch, ParameterDocument, PatchArguments, problem_check};
-use super::overloads::{OverloadDocument, overload_text};
+use super::overloads::{OverloadDocument, overload_lines};
 use super::table::Table;
 use super::times::advice;
-use super::{print, print_json};
+use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::ir::Program;
 use patchcord::patch::Instance;
@@ -41,7 +41,11 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.patch.json {
         return print_json(&Document::new(&circuit, &program, &problem));
     }
-    print(&summary(&circuit, &program, &problem.overloads))?;
+    print(&summary(&circuit, &program))?;
+    print_coloured(&overload_lines("", &problem.overloads, output_in_colour()))?;
+    if let Some(error) = run_error(&circuit, &program) {
+        print(&format!("cannot be run: {}\n", run_error_text(&error)))?;
+    }
     if arguments.voltages {
         print(&format!("\n{}", voltage_table(&problem.voltages)))?;
     }
@@ -90,10 +94,8 @@ fn check_problem(circuit: &Circuit, program: &Program) -> Result<ProblemCheck, F
     Ok(ProblemCheck { voltages, overloads: machine.overloads() })
 }
 
-/// The summary: warnings, machine parts, macros, loops, overloads, and why a run is impossible.
-///
-/// Lines that do not apply are left out. The last line, "cannot be run: ...", concerns a run without options.
-fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> String {
+/// The summary: warnings, machine parts, macros and loops. Lines that do not apply are left out.
+fn summary(circuit: &Circuit, program: &Program) -> String {
     let patch = circuit.patch();
     let mut text =
         format!("{}: {}\n", escape_controls(patch.file()), verdict(circuit.warnings().warning_count()));
@@ -114,18 +116,12 @@ fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> Stri
     for entry in program.loops() {
         text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
     }
-    for (order, overload) in overloads.iter().enumerate() {
-        text += &format!("{}\n", overload_text(order, overload));
-    }
-    if let Some(error) = run_error(circuit, program) {
-        text += &format!("cannot be run: {}\n", run_error_text(&error));
-    }
     text
 }
 
 /// The error of a run as the patch specifies it; None if it can be run.
 ///
-/// A patch without run settings is valid, because options can specify them.
+/// A patch without run settings is valid, because options can specify them. The line concerns a run without options.
 fn run_error(circuit: &Circuit, program: &Program) -> Option<RunError> {
     RunSettings::of(circuit).and_then(|settings| solve::check(program, &settings)).err()
 }

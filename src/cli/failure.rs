@@ -1,9 +1,9 @@
 //! Failures of a command: their messages, JSON documents and exit codes.
 //!
-//! Exit code 2 means that the command line must be changed. Exit code 1 means that the patch or the data must be changed,
-//! or that output cannot be written. Text goes to standard error. With `--json`, a document follows on standard output:
-//! `ok` is false, and `error` has the message or `diagnostics` the list of findings. Further keys depend on the command,
-//! such as `code` of a run error.
+//! Exit code 2 means that the command line must be changed, 1 that the patch or the data must be changed or that output
+//! cannot be written, 3 that a run had an overload and the command line forbids it. Text goes to standard error. With
+//! `--json`, a document follows on standard output: `ok` is false, and `error` has the message or `diagnostics` the list
+//! of findings. Further keys depend on the command, such as `code` of a run error.
 //!
 //! The dispatcher in `mod.rs` decides whether a failure is also printed as JSON. Commands only return it.
 
@@ -45,6 +45,8 @@ enum Cause {
     Experiment(Vec<Report>),
     /// Effects are wrong.
     Effects(Vec<Report>),
+    /// A run had an overload, and the command line forbids it.
+    Overload(String),
 }
 
 /// The JSON document of a failure. It has either `error` or `diagnostics`.
@@ -88,6 +90,11 @@ impl Failure {
         Failure::new(Cause::Data(message.into()))
     }
 
+    /// An overload in a run that must have none, with exit code 3.
+    pub(super) fn overload(message: impl Into<String>) -> Self {
+        Failure::new(Cause::Overload(message.into()))
+    }
+
     /// Sets whether the failure is also printed as a JSON document.
     pub(super) fn with_json_output(self, json: bool) -> Self {
         Failure { json, ..self }
@@ -99,10 +106,25 @@ impl Failure {
         self
     }
 
+    /// Adds all keys of a document to the JSON document of the failure, except its `ok`.
+    ///
+    /// # Errors
+    /// If the document cannot be formatted.
+    pub(super) fn with_document(mut self, document: &impl Serialize) -> Result<Self, Self> {
+        match serde_json::to_value(document) {
+            Ok(Value::Object(keys)) => self.details.extend(keys.into_iter().filter(|(key, _)| key != "ok")),
+            Ok(_) => (),
+            Err(error) => return Err(Failure::data(error.to_string())),
+        }
+        Ok(self)
+    }
+
     /// Prints the failure and returns the exit code.
     pub(super) fn report(self) -> ExitCode {
         match &self.cause {
-            Cause::Usage(message) | Cause::Data(message) => eprint(&format!("error: {message}")),
+            Cause::Usage(message) | Cause::Data(message) | Cause::Overload(message) => {
+                eprint(&format!("error: {message}"));
+            }
             Cause::Patch(report) => eprint_report(report),
             Cause::Experiment(reports) | Cause::Effects(reports) => reports.iter().for_each(eprint_report),
             Cause::AlreadyPrinted(_) => (),
@@ -119,6 +141,7 @@ impl Failure {
         match &self.cause {
             Cause::Usage(_) | Cause::AlreadyPrinted(_) => 2,
             Cause::Data(_) | Cause::Experiment(_) | Cause::Effects(_) => 1,
+            Cause::Overload(_) => 3,
             Cause::Patch(report) if concerns_command_line(report) => 2,
             Cause::Patch(_) => 1,
         }
@@ -127,9 +150,10 @@ impl Failure {
     /// The JSON document.
     fn document(&self) -> FailureDocument<'_> {
         let cause = match &self.cause {
-            Cause::Usage(error) | Cause::AlreadyPrinted(error) | Cause::Data(error) => {
-                CauseDocument::Message { error }
-            }
+            Cause::Usage(error)
+            | Cause::AlreadyPrinted(error)
+            | Cause::Data(error)
+            | Cause::Overload(error) => CauseDocument::Message { error },
             Cause::Patch(report) => {
                 CauseDocument::Patch { patch: &report.file, diagnostics: report.documents() }
             }

@@ -8,11 +8,11 @@ use clap::Args;
 use super::failure::Failure;
 use super::load::PatchArguments;
 use super::outputs::Outputs;
+use super::pictures::{PictureArguments, Resolution, pictures};
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
-use patchcord::draw;
 use patchcord::draw::plot::{self, Format, Picture, Size};
-use patchcord::instruments::parameter_line;
+use patchcord::solve::RunSettings;
 use patchcord::trace::Trace;
 
 #[derive(Args)]
@@ -23,9 +23,11 @@ pub(super) struct FileArguments {
     /// Draw the pictures of the patch on one sheet; the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write table and pictures into this folder, under the name of the patch
+    /// Write table, sheet and each picture into this folder, under the name of the patch
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    pictures: PictureArguments,
 }
 
 impl FileArguments {
@@ -36,21 +38,25 @@ impl FileArguments {
 
     /// The files to write.
     ///
-    /// `--out` adds NAME.csv and NAME.svg in the folder.
+    /// `--out` adds NAME.csv and NAME.svg in the folder. [`Files::plan_pictures`] adds the single pictures.
     ///
     /// # Errors
-    /// If the name of a picture has an unknown ending.
+    /// If the name of a picture has an unknown ending, or if an option for pictures has no effect.
     pub(super) fn files(&self, patch: &PatchArguments, circuit: &Circuit) -> Result<Files, Failure> {
         let in_folder =
             |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(&patch.patch, ending)));
         let tables = self.csv.clone().into_iter().chain(in_folder(".csv")).collect();
         let sheets = self.plot.clone().into_iter().chain(in_folder(".svg"));
         let sheets = sheets.map(|path| picture_format(&path).map(|format| (path, format)));
+        let sheets: Vec<_> = sheets.collect::<Result<_, _>>()?;
+        let formats: Vec<Format> = sheets.iter().map(|(_, format)| *format).collect();
         Ok(Files {
             outputs: patch.outputs(circuit),
             folder: self.out.clone(),
             tables,
-            sheets: sheets.collect::<Result<_, _>>()?,
+            sheets,
+            singles: Vec::new(),
+            resolution: self.pictures.resolution(&formats)?,
         })
     }
 }
@@ -72,47 +78,75 @@ pub(super) struct Files {
     tables: Vec<PathBuf>,
     /// The sheets of pictures with their formats.
     sheets: Vec<(PathBuf, Format)>,
+    /// The files of single pictures, in the order of the pictures. The last ones remain unused if pictures of
+    /// derivatives are omitted.
+    singles: Vec<PathBuf>,
+    /// The resolution of all pictures.
+    resolution: Resolution,
 }
 
 impl Files {
     /// The paths of all files.
     pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
+        self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path)).chain(&self.singles)
     }
 
-    /// Creates the folder, and checks before the run that all files can be written and that the pictures fit on a
-    /// sheet. `recorded` is the number of recorded signals.
+    /// Checks whether the sheets have space for the pictures of a run. Adds a file for each picture if there is a folder.
+    ///
+    /// The files are NAME.picture-1.svg and so on in the folder. There is at most one picture of derivatives for each
+    /// recorded signal.
     ///
     /// # Errors
-    /// If there are too many pictures, two files are the same, one was read, or the folder or a file cannot be written.
-    pub(super) fn prepare(&self, circuit: &Circuit, recorded: usize) -> Result<(), Failure> {
-        if !self.sheets.is_empty() {
-            // Without pictures in the patch, every recorded signal gets one.
-            let pictures = Some(circuit.patch().pictures.len()).filter(|count| *count > 0);
-            plot::check_sheet(pictures.unwrap_or(recorded), Size::default())
-                .map_err(|error| Failure::data(error.to_string()))?;
+    /// If a sheet is too large.
+    pub(super) fn plan_pictures(
+        &mut self,
+        patch: &Path,
+        circuit: &Circuit,
+        settings: &RunSettings,
+    ) -> Result<(), Failure> {
+        let count = circuit.picture_specs(&settings.record).len();
+        self.sheets.iter().try_for_each(|(_, format)| self.resolution.check(count, *format))?;
+        let derivatives = if settings.sensitivities.is_empty() { 0 } else { settings.record.len() };
+        if let Some(folder) = &self.folder {
+            let name = |number: usize| name_with_suffix(patch, &format!(".picture-{number}.svg"));
+            self.singles = (1..=count + derivatives).map(|number| folder.join(name(number))).collect();
         }
+        Ok(())
+    }
+
+    /// Creates the folder, and checks before the run that all files can be written.
+    ///
+    /// # Errors
+    /// If two files are the same, one was read, or the folder or a file cannot be written.
+    pub(super) fn prepare(&self) -> Result<(), Failure> {
         self.outputs.prepare(self.folder.as_deref(), self.paths())
     }
 
-    /// Writes tables and pictures.
+    /// Writes tables and pictures, and returns the paths of the written files.
     ///
     /// # Errors
     /// If a picture cannot be drawn, or if a file cannot be written.
-    pub(super) fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
+    pub(super) fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<Vec<PathBuf>, Failure> {
         for path in &self.tables {
             let mut bytes = Vec::new();
             trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
             self.outputs.write(path, &bytes)?;
         }
+        let mut written = self.tables.clone();
         if self.sheets.is_empty() {
-            return Ok(());
+            return Ok(written);
         }
         let pictures = pictures(circuit, trace)?;
+        let Resolution { size, scale, .. } = self.resolution;
         for (path, format) in &self.sheets {
-            write_pictures(&self.outputs, path, &pictures, *format, Size::default())?;
+            write_scaled_pictures(&self.outputs, path, &pictures, *format, (size, scale))?;
+            written.push(path.clone());
         }
-        Ok(())
+        for (path, picture) in self.singles.iter().zip(&pictures) {
+            write_pictures(&self.outputs, path, std::slice::from_ref(picture), Format::Svg, size)?;
+            written.push(path.clone());
+        }
+        Ok(written)
     }
 }
 
@@ -153,21 +187,17 @@ pub(super) fn write_pictures(
     format: Format,
     size: Size,
 ) -> Result<(), Failure> {
-    let bytes = plot::render(pictures, format, size).map_err(|error| Failure::data(error.to_string()))?;
-    outputs.write(path, &bytes)
+    write_scaled_pictures(outputs, path, pictures, format, (size, 1.0))
 }
 
-/// The pictures of the patch, or every recorded signal against time if it has none. Pictures of derivatives follow.
-///
-/// The note of each picture has the parameters.
-fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
-    let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
-    let specs = circuit.picture_specs(signals.map(|track| track.name.as_str()));
-    let note = parameter_line(circuit);
-    let drawn = specs.iter().map(|spec| draw::picture(trace, spec, Some(&note)));
-    let drawn = drawn.collect::<Result<Vec<_>, _>>().and_then(|mut pictures| {
-        pictures.extend(draw::sensitivity_pictures(trace, Some(&note))?);
-        Ok(pictures)
-    });
-    drawn.map_err(|error| Failure::data(error.to_string()))
+/// Draws pictures on one sheet and writes the file. A PNG has `scale` pixels per pixel of the size.
+fn write_scaled_pictures(
+    outputs: &Outputs,
+    path: &Path,
+    pictures: &[Picture],
+    format: Format,
+    (size, scale): (Size, f64),
+) -> Result<(), Failure> {
+    let bytes = plot::render_scaled(pictures, format, size, scale);
+    outputs.write(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)
 }

@@ -39,6 +39,7 @@ mod numbers;
 mod outputs;
 mod overloads;
 mod phases;
+mod pictures;
 mod profile;
 mod profile_report;
 mod progress;
@@ -67,7 +68,7 @@ use patchcord::output::io_reason;
 /// A virtual analogue computer: patches in JSON, run in volts, read with the instruments of the period
 ///
 /// Exit codes: 0 success, 1 error in the patch or the data, or output that cannot be written, 2 error in the command
-/// line.
+/// line, 3 overload in a run with --fail-on-overload.
 #[derive(Parser)]
 #[command(name = "patchcord", version, arg_required_else_help = true)]
 struct Arguments {
@@ -115,7 +116,7 @@ fn definition() -> clap::Command {
 }
 
 /// Runs the command line of this process and returns the exit code: 0 success, 1 error in the patch or the data, or
-/// output that cannot be written, 2 error in the command line.
+/// output that cannot be written, 2 error in the command line, 3 overload in a run with `--fail-on-overload`.
 pub(crate) fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let outcome = match parse(&arguments) {
@@ -195,6 +196,11 @@ fn print(text: &str) -> Result<(), Failure> {
     write_out(&printable(text))
 }
 
+/// Prints a text with colour codes to standard output, without other control characters.
+fn print_coloured(text: &str) -> Result<(), Failure> {
+    write_out(&printable_coloured(text))
+}
+
 /// Prints a JSON document. Control characters in texts are escaped, so that they are preserved.
 fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(document).map_err(|error| Failure::data(error.to_string()))?;
@@ -226,6 +232,11 @@ fn eprint(text: &str) {
 /// Prints a message with colour codes to standard error, without other control characters. Texts from outside in the
 /// message have no control characters.
 fn eprint_coloured(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", printable_coloured(text));
+}
+
+/// The text without control characters except colour codes.
+fn printable_coloured(text: &str) -> String {
     let mut parts = text.split("\x1b[");
     let mut shown = printable(parts.next().unwrap_or_default());
     for part in parts {
@@ -234,10 +245,20 @@ fn eprint_coloured(text: &str) {
         shown += if is_colour { "\x1b[" } else { "\\u001b[" };
         shown += &printable(part);
     }
-    let _ = writeln!(io::stderr().lock(), "{shown}");
+    shown
 }
 
 /// Whether errors are printed in colour: standard error is a terminal and NO_COLOR is not set.
 fn errors_in_colour() -> bool {
-    io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+    io::stderr().is_terminal() && is_colour_permitted()
+}
+
+/// Whether overloads are printed in colour: standard output is a terminal and NO_COLOR is not set.
+fn output_in_colour() -> bool {
+    io::stdout().is_terminal() && is_colour_permitted()
+}
+
+/// Whether the environment permits colours: NO_COLOR is not set.
+fn is_colour_permitted() -> bool {
+    std::env::var_os("NO_COLOR").is_none()
 }

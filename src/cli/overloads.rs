@@ -2,10 +2,22 @@
 
 use serde::Serialize;
 
-use patchcord::trace::Overload;
+use super::failure::Failure;
+use patchcord::trace::{Overload, Trace};
+
+/// The codes that begin and end the colour of overloads on a terminal: bold red, as for errors.
+const COLOUR: [&str; 2] = ["\x1b[1;31m", "\x1b[0m"];
+
+/// The overloads of one run, one per line. `run` is the beginning of each line, such as "run 2: ". `is_coloured` adds
+/// the colour of errors.
+pub(super) fn overload_lines(run: &str, overloads: &[Overload], is_coloured: bool) -> String {
+    let [begin, end] = if is_coloured { COLOUR } else { ["", ""] };
+    let lines = overloads.iter().enumerate();
+    lines.map(|(order, overload)| format!("{begin}{run}{}{end}\n", overload_text(order, overload))).collect()
+}
 
 /// An overload in one line. `order` is its position among those of its run, from 0.
-pub(super) fn overload_text(order: usize, overload: &Overload) -> String {
+fn overload_text(order: usize, overload: &Overload) -> String {
     let Overload { element, time, peak, caused_by } = overload;
     let cause = match caused_by {
         Some(cause) => format!("caused by {cause}"),
@@ -13,6 +25,18 @@ pub(super) fn overload_text(order: usize, overload: &Overload) -> String {
         None => "not caused by an earlier one".to_owned(),
     };
     format!("overload: {element} at t = {time:.6} s, needs {peak:.1} V ({cause})")
+}
+
+/// The failure of a run with overloads, with an exit code of its own. None if there is no overload.
+pub(super) fn overload_failure(trace: &Trace) -> Option<Failure> {
+    let first = trace.overloads().next()?;
+    let more = match trace.overloads().count() - 1 {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    let advice = "the curves are wrong from there on; choose larger scales or smaller gains";
+    let message = format!("overload of {} at t = {:.6} s{more}: {advice}", first.element, first.time);
+    Some(Failure::overload(message))
 }
 
 /// An overload for `--json`: time in seconds, peak in volts.
@@ -35,5 +59,19 @@ impl<'a> OverloadDocument<'a> {
             caused_by: overload.caused_by.as_deref(),
         };
         overloads.iter().map(document).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overloads_are_coloured_on_request_only() {
+        let overload = Overload { element: "A2".to_owned(), time: 0.31, peak: 120.0, caused_by: None };
+        let plain = "run 2: overload: A2 at t = 0.310000 s, needs 120.0 V (first)";
+        let overloads = std::slice::from_ref(&overload);
+        assert_eq!(overload_lines("run 2: ", overloads, false), format!("{plain}\n"));
+        assert_eq!(overload_lines("run 2: ", overloads, true), format!("\x1b[1;31m{plain}\x1b[0m\n"));
     }
 }

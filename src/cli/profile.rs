@@ -22,10 +22,10 @@ use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
 use patchcord::draw::plot::{Picture, Size};
 use patchcord::draw::{ProfileSignal, profile_picture};
-use patchcord::format::{QuantityFormat, format_pure_number};
+use patchcord::format::{QuantityFormat, format_pure_number, format_quantity};
 use patchcord::instruments::{
     Criterion, CriticalVelocityError, ProfileCriterion, ProfileError, RampDirection, critical_range,
-    parameter_line, velocity_profile,
+    parameter_line, signal_faults, velocity_profile,
 };
 use patchcord::ir::Program;
 use patchcord::solve::RunSettings;
@@ -86,7 +86,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     let reading = arguments.read(&trace, &settings.record, &circuit)?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
-        write_pictures(&outputs, path, &[picture(&reading, &circuit)], format, Size::default())?;
+        write_pictures(&outputs, path, &[picture(&reading, &circuit, &trace)], format, Size::default())?;
     }
     if arguments.patch.json {
         let document = Document { profile: ProfileDocument::of(&reading), files: path_texts(files()) };
@@ -237,8 +237,9 @@ fn early_end_note(time: &[f64], command: &[f64], standstill: f64, unit: &str) ->
 
 /// The picture of the profile.
 ///
-/// The note has the parameters of the patch, so that the picture is complete by itself.
-fn picture(reading: &ProfileReading, circuit: &Circuit) -> Picture {
+/// The note has the parameters of the patch, so that the picture is complete by itself. If an overload makes one of the
+/// velocities wrong, a warning says from when.
+fn picture(reading: &ProfileReading, circuit: &Circuit, trace: &Trace) -> Picture {
     let drawn = |which: usize| ProfileSignal {
         name: &reading.names[which],
         unit: &reading.unit,
@@ -246,7 +247,18 @@ fn picture(reading: &ProfileReading, circuit: &Circuit) -> Picture {
     };
     let what = reading.profile.direction.select(["velocity profile", "command falling"]);
     let title = format!("{}: {what}", circuit.patch().title);
-    profile_picture(title, drawn(0), drawn(1), &reading.profile, Some(&parameter_line(circuit)))
+    let note = parameter_line(circuit);
+    let picture = profile_picture(title, drawn(0), drawn(1), &reading.profile, Some(&note));
+    Picture { warning: overload_warning(circuit, trace), ..picture }
+}
+
+/// The first overload that makes the recorded signals of the last run wrong. None if there is none.
+fn overload_warning(circuit: &Circuit, trace: &Trace) -> Option<String> {
+    let last_run = trace.repetitions.len().saturating_sub(1);
+    let faults = signal_faults(circuit, trace).into_iter().filter(|fault| fault.repetition == last_run);
+    let first = faults.min_by(|one, other| one.time.total_cmp(&other.time))?;
+    let time = format_quantity(first.time, "s");
+    Some(format!("{} from {time}: the curve is wrong from there on", first.cause))
 }
 
 /// The failure for an unknown signal.

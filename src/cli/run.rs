@@ -1,8 +1,10 @@
 //! `patchcord run`
 //!
 //! The text output has the title, the parameters, the table of readings, the phases, the work of the solver and the
-//! overloads. An overload does not fail the command. If a run stops with an error, the samples before the error are
-//! still written to the files.
+//! overloads. An overload fails the command only with `--fail-on-overload`, after everything is written and printed.
+//! If a run stops with an error, the samples before the error are still written to the files.
+
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
@@ -10,7 +12,7 @@ use serde::Serialize;
 use super::failure::Failure;
 use super::files::{FileArguments, Files, path_texts, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
-use super::overloads::{OverloadDocument, overload_text};
+use super::overloads::{OverloadDocument, overload_failure, overload_lines};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::progress::RunProgress;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
@@ -18,7 +20,7 @@ use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::times::{
     TimeArguments, TimesDocument, from_command_line, message_with_advice, position_text, run_failure,
 };
-use super::{print, print_json};
+use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::{plural, suggestion};
 use patchcord::instruments::parameter_line;
@@ -39,6 +41,9 @@ pub(super) struct Arguments {
     /// Switch to hold at the first overload
     #[arg(long)]
     hold_on_overload: bool,
+    /// Fail with exit code 3 if there is an overload; files and results are written first
+    #[arg(long)]
+    fail_on_overload: bool,
     /// Record these signals, drives or elements instead of those that the patch specifies
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     record: Vec<String>,
@@ -64,23 +69,25 @@ fn name(text: &str) -> Result<String, String> {
 /// Files are checked before the run and written after it. The JSON document is printed last.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
-    let files = arguments.files.files(&arguments.patch, &circuit)?;
+    let mut files = arguments.files.files(&arguments.patch, &circuit)?;
     let settings = arguments.settings(&circuit, &program)?;
-    files.prepare(&circuit, settings.record.len())?;
+    files.plan_pictures(&arguments.patch.patch, &circuit, &settings)?;
+    files.prepare()?;
     let trace = match run_with_progress(&program, &settings) {
         Ok(trace) => trace,
         Err(stopped) => return Err(arguments.stopped_failure(*stopped, &files, &circuit)),
     };
-    files.write(&trace, &circuit)?;
+    let written = files.write(&trace, &circuit)?;
+    let failure = overload_failure(&trace).filter(|_| arguments.fail_on_overload);
     if arguments.patch.json {
-        return print_json(&PatchDocument::new(&circuit, Document::new(&settings, &trace, &files)));
+        let document = PatchDocument::new(&circuit, Document::new(&settings, &trace, &written));
+        return match failure {
+            None => print_json(&document),
+            Some(failure) => Err(failure.with_document(&document)?),
+        };
     }
-    let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
-    print(&(head + &readings_text(&trace)))?;
-    print(&phases_text(&trace))?;
-    let warning = trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default();
-    print(&format!("\n{}{}{warning}", work_text(&trace), overloads_text(&trace)))?;
-    print(&written_paragraph(files.paths()))
+    arguments.print_results(&circuit, &trace, &written)?;
+    failure.map_or(Ok(()), Err)
 }
 
 /// Runs a program and shows the progress on a terminal.
@@ -93,6 +100,20 @@ pub(super) fn run_with_progress(
 }
 
 impl Arguments {
+    /// Prints the results of a run. `written` are the files. Without a picture the text says how to get one.
+    fn print_results(&self, circuit: &Circuit, trace: &Trace, written: &[PathBuf]) -> Result<(), Failure> {
+        let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(circuit));
+        print(&(head + &readings_text(trace)))?;
+        print(&phases_text(trace))?;
+        print(&format!("\n{}", work_text(trace)))?;
+        print_coloured(&overloads_text(trace, output_in_colour()))?;
+        print(&trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default())?;
+        if !self.files.draw() {
+            print(NO_PICTURE)?;
+        }
+        print(&written_paragraph(written.iter()))
+    }
+
     /// The run settings from the patch and the options.
     ///
     /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn.
@@ -157,13 +178,15 @@ impl Arguments {
         if files.paths().next().is_none() {
             return failure("");
         }
-        if let Err(unwritten) = files.write(&stopped.trace, circuit) {
-            unwritten.report();
-            return failure("");
+        match files.write(&stopped.trace, circuit) {
+            Err(unwritten) => {
+                unwritten.report();
+                failure("")
+            }
+            Ok(written) => failure(&format!("\nthe files contain the run up to t = {last} s"))
+                .with_detail("recorded_until", (*last).into())
+                .with_detail("files", path_texts(&written).into()),
         }
-        failure(&format!("\nthe files contain the run up to t = {last} s"))
-            .with_detail("recorded_until", (*last).into())
-            .with_detail("files", path_texts(files.paths()).into())
     }
 
     /// The signals of `--record`, and those of the pictures if they are drawn.
@@ -234,16 +257,17 @@ fn work_text(trace: &Trace) -> String {
     format!("{steps}{rejected}, {switchings}, {kinks}, {evaluations}\n")
 }
 
-/// The overloads of all runs, one per line.
+/// The line of a run without a picture.
+const NO_PICTURE: &str = "no picture: add --plot FILE.svg or --plot FILE.png to draw the curves\n";
+
+/// The overloads of all runs, one per line, in colour if `is_coloured`.
 ///
 /// The cause is named if an earlier overload explains it. A run that was switched to hold has a line with its time.
-fn overloads_text(trace: &Trace) -> String {
+fn overloads_text(trace: &Trace, is_coloured: bool) -> String {
     let mut text = String::new();
     for (index, run) in trace.repetitions.iter().enumerate() {
         let which = if trace.repetitions.len() > 1 { format!("run {}: ", index + 1) } else { String::new() };
-        for (order, overload) in run.overloads.iter().enumerate() {
-            text += &format!("{which}{}\n", overload_text(order, overload));
-        }
+        text += &overload_lines(&which, &run.overloads, is_coloured);
         if run.is_held {
             text += &format!("{which}held at t = {:.6} s\n", run.end);
         }
@@ -290,8 +314,8 @@ struct RepetitionDocument<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// The document of a run.
-    fn new(settings: &RunSettings, trace: &'a Trace, files: &Files) -> Self {
+    /// The document of a run. `written` are the files.
+    fn new(settings: &RunSettings, trace: &'a Trace, written: &[PathBuf]) -> Self {
         Document {
             run: SettingsDocument {
                 times: TimesDocument::of(settings),
@@ -304,7 +328,7 @@ impl<'a> Document<'a> {
             repetitions: trace.repetitions.iter().map(RepetitionDocument::of).collect(),
             phases: PhaseDocument::all(trace),
             step_warning: trace.step_warning.as_ref().map(StepWarningDocument::of),
-            files: path_texts(files.paths()),
+            files: path_texts(written),
         }
     }
 }

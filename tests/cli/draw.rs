@@ -213,10 +213,10 @@ fn a_drawing_that_is_too_large_returns_an_error_with_advice() {
 fn too_many_cords_return_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let patch = path(&folder, "cords.json");
-    fs::write(&patch, wide_and_tall(1, 149)).unwrap();
+    fs::write(&patch, wide_and_tall(1, 999)).unwrap();
     let failed = patchcord(&["draw", &patch, "--board", "--plot", &path(&folder, "cords.svg")]);
     let text =
-        "151 cords are too many for one panel; the maximum is 150; the schematic, without --board, may fit";
+        "1001 cords are too many for one panel; the maximum is 1000; the schematic, without --board, may fit";
     assert!(code(&failed) == 1 && errors(&failed).contains(text), "{}", errors(&failed));
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::run_errors::DIVISION;
 use super::sweep::driven;
-use super::{FIG_8_16, code, errors, out, patchcord, path, spring};
+use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring, spring_with};
 
 #[test]
 fn a_run_writes_table_and_picture() {
@@ -231,4 +231,80 @@ fn a_file_in_place_of_a_folder_is_reported() {
             (1, format!("error: cannot create the folder {requested}: {why}\n"))
         );
     }
+}
+
+#[test]
+fn a_folder_has_a_file_for_each_picture() {
+    let (folder, file) = spring_with(
+        "\n  \"run\"",
+        "\n  \"pictures\": [{\"y\": \"x\"}, {\"x\": \"A1\", \"y\": \"A2\"}],\n  \"run\"",
+    );
+    let inside = path(&folder, "new");
+    let document = json(&patchcord(&["run", &file, "--out", &inside, "--json"]));
+    let names = ["spring.csv", "spring.svg", "spring.picture-1.svg", "spring.picture-2.svg"];
+    let paths = names.map(|name| Path::new(&inside).join(name).display().to_string());
+    assert_eq!(document["files"], serde_json::json!(paths));
+    let [sheet, first, second] = [1, 2, 3].map(|index| fs::read_to_string(&paths[index]).unwrap());
+    assert!(sheet.contains("x against t") && sheet.contains("A2 against A1"));
+    assert!(first.contains("x against t") && !first.contains("A2 against A1"));
+    assert!(second.contains("A2 against A1") && second.contains("width=\"900\" height=\"560\""));
+    let twice = patchcord(&["run", &file, "--out", &inside, "--plot", &paths[2]]);
+    assert!(code(&twice) == 2 && errors(&twice).contains("would be written twice"), "{}", errors(&twice));
+}
+
+#[test]
+fn options_set_the_size_of_pictures() {
+    let (folder, file) = spring();
+    let [svg, png] = ["sized.svg", "sized.png"].map(|name| path(&folder, name));
+    let sized = ["--width", "400", "--height", "300"];
+    assert_eq!(code(&patchcord(&[&["run", &file, "--plot", &svg], &sized[..]].concat())), 0);
+    assert!(fs::read_to_string(&svg).unwrap().contains("width=\"400\" height=\"300\""));
+    assert_eq!(code(&patchcord(&[&["run", &file, "--plot", &png, "--scale", "2"], &sized[..]].concat())), 0);
+    // The header of a PNG file has the width and the height.
+    assert_eq!(fs::read(&png).unwrap()[16..24], [0_u8, 0, 3, 32, 0, 0, 2, 88]);
+}
+
+#[test]
+fn wrong_sizes_are_reported_before_the_run() {
+    let (folder, file) = spring();
+    let [svg, png] = ["wrong.svg", "wrong.png"].map(|name| path(&folder, name));
+    let wrong: &[(&[&str], &str)] = &[
+        (&["--plot", &svg, "--width", "20"], "must be an integer from 240 to 4000"),
+        (&["--plot", &svg, "--height", "1e3"], "must be an integer from 240 to 4000"),
+        (&["--plot", &png, "--scale", "0"], "must be a factor from 0.25 to 10"),
+        (&["--plot", &svg, "--scale", "2"], "--scale is for PNG files: also give --plot FILE.png"),
+        (&["--width", "400"], "are for pictures: also give --plot FILE or --out DIR"),
+        (&["--plot", &png, "--width", "4000", "--height", "4000", "--scale", "10"], "100 million pixels"),
+    ];
+    for (options, message) in wrong {
+        let ran = patchcord(&[&["run", &file], *options].concat());
+        assert_eq!((code(&ran), out(&ran).as_str()), (2, ""), "{options:?}");
+        assert!(errors(&ran).contains(message), "{}", errors(&ran));
+    }
+    assert!(!Path::new(&svg).exists() && !Path::new(&png).exists());
+}
+
+/// The ramp reaches 100 V after 1 s, and the circuit of x does not read it.
+#[test]
+fn overloads_are_marked_in_pictures() {
+    let before = "0.394784176}\n  },\n  \"signals\": {";
+    let after = r#"0.394784176},
+    "C1": {"kind": "integrator", "in": {"x1": ["-100"]}}
+  },
+  "pictures": [{"y": "x"}, {"y": "ramp"}, {"x": "x", "y": "ramp"}],
+  "signals": {"ramp": {"at": "C1", "scale": "position"}, "#;
+    let (folder, file) = spring_with(before, after);
+    let inside = path(&folder, "new");
+    assert_eq!(code(&patchcord(&["run", &file, "--out", &inside])), 0);
+    let [clean, against_time, against_x] = [1, 2, 3].map(|number| {
+        let picture = format!("spring.picture-{number}.svg");
+        fs::read_to_string(Path::new(&inside).join(picture)).unwrap()
+    });
+    assert!(!clean.contains("C1 over 100 V"));
+    let warning = "C1 over 100 V from 1 s: curves are wrong where they are pale";
+    assert!(against_time.contains(warning) && against_x.contains(warning), "{against_time}");
+    assert!(against_time.contains(">\nC1 over 100 V from 1 s\n<"), "the marker has a label");
+    // The pale part and the correct part of the curve.
+    let curves = |text: &str| text.matches("<polyline").count();
+    assert_eq!([curves(&clean), curves(&against_time), curves(&against_x)], [1, 2, 2]);
 }

@@ -120,3 +120,41 @@ fn a_ball_at_rest_has_the_reading_0() {
     let height = text.lines().find(|line| line.starts_with("height")).unwrap();
     assert_eq!(height.split_whitespace().nth(3), Some("0"), "{text}");
 }
+
+#[test]
+fn an_overload_fails_on_request_after_everything_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "out.csv");
+    let overloaded =
+        ["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1", "--fail-on-overload", "--csv", &csv];
+    let ran = patchcord(&overloaded);
+    assert_eq!(code(&ran), 3);
+    let (text, message) = (out(&ran), errors(&ran));
+    assert!(text.contains("\noverload: ") && text.ends_with(&format!("wrote {csv}\n")), "{text}");
+    assert!(message.starts_with("error: overload of ") && message.contains(" more: "), "{message}");
+    assert!(fs::read_to_string(&csv).unwrap().contains("# v_o: m/s\n"));
+    let document = patchcord(&[&overloaded[..], &["--json"]].concat());
+    assert_eq!((code(&document), &json(&document)["ok"]), (3, &false.into()));
+    assert!(!json(&document)["sweeps"][0]["overloads"].as_array().unwrap().is_empty());
+    assert!(json(&document)["error"].as_str().unwrap().starts_with("overload of "));
+    let (_folder, file) = spring();
+    assert_eq!(code(&patchcord(&["run", &file, "--fail-on-overload"])), 0);
+    assert!(out(&patchcord(&["--help"])).contains("--fail-on-overload"));
+}
+
+#[test]
+fn a_run_without_a_picture_says_how_to_get_one() {
+    let (folder, file) = spring();
+    let text = out(&patchcord(&["run", &file]));
+    let hint = "no picture: add --plot FILE.svg or --plot FILE.png to draw the curves\n";
+    assert!(text.ends_with(hint), "{text}");
+    let svg = path(&folder, "spring.svg");
+    assert!(!out(&patchcord(&["run", &file, "--plot", &svg])).contains("no picture"));
+    assert!(!out(&patchcord(&["run", &file, "--json"])).contains("no picture"));
+}
+
+#[test]
+fn output_that_is_no_terminal_has_no_colours() {
+    let ran = patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1"]);
+    assert!(!out(&ran).contains('\u{1b}'), "{}", out(&ran));
+}

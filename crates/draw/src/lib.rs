@@ -9,6 +9,7 @@
 
 mod bode;
 mod family;
+mod faults;
 pub mod html;
 mod plane;
 pub mod plot;

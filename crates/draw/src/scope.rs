@@ -3,9 +3,10 @@
 use std::collections::HashSet;
 
 use crate::family::labels;
+use crate::faults;
 use crate::plot::{Axis, Channel, Marker, Picture};
 use patchcord_analysis::format::QuantityFormat;
-use patchcord_analysis::instruments::phase_description;
+use patchcord_analysis::instruments::{SignalFault, phase_description};
 use patchcord_core::patch::PictureSpec;
 use patchcord_core::trace::{PhaseKind, PhaseRecord, Trace, Track};
 
@@ -49,7 +50,11 @@ impl<'t> Quantity<'t> {
 /// Returns the picture that a patch specifies, from the recorded signals.
 ///
 /// Channels with the same unit share an axis; those with a second unit use the right axis. Every run
-/// starts a new line. `note` is printed below the title.
+/// starts a new line. `note` is printed below the title. The curves are pale from the times of `faults` on, and a
+/// warning says why.
+///
+/// A picture against a signal has equal scales if the signals along both axes have the same unit and the patch does
+/// not say otherwise.
 ///
 /// # Errors
 ///
@@ -72,14 +77,19 @@ impl<'t> Quantity<'t> {
 /// let trace = run(&Program::new(&circuit)?, &RunSettings::of(&circuit)?)?;
 ///
 /// let specs = circuit.picture_specs(["A1", "A2"].into_iter());
-/// let shown = picture(&trace, &specs[0], None)?;
+/// let shown = picture(&trace, &specs[0], None, &[])?;
 /// assert_eq!((shown.title.as_str(), shown.channels[0].name.as_str()), ("A1 against t", "A1"));
 /// assert_eq!(shown.channels[0].points.len(), trace.time.len());
-/// assert!(matches!(picture(&trace, &specs[1], None), Err(ScopeError::NotRecorded { .. })));
+/// assert!(matches!(picture(&trace, &specs[1], None, &[]), Err(ScopeError::NotRecorded { .. })));
 /// # Ok(())
 /// # }
 /// ```
-pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<&str>) -> Result<Picture, ScopeError> {
+pub fn picture(
+    trace: &Trace,
+    spec: &PictureSpec,
+    note: Option<&str>,
+    faults: &[SignalFault],
+) -> Result<Picture, ScopeError> {
     let along = find(trace, spec, &spec.x.value)?;
     let shown: Result<Vec<_>, _> = spec.y.iter().map(|name| find(trace, spec, &name.value)).collect();
     let shown = shown?;
@@ -88,31 +98,51 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<&str>) -> Result<
     if right.iter().any(|quantity| quantity.unit != right[0].unit) {
         return Err(ScopeError::TooManyUnits { picture: title(spec) });
     }
-    let (horizontal, across) = axis(&[&along], Axis::HORIZONTAL_DIVISIONS);
-    let (vertical, up) = axis(&left, Axis::VERTICAL_DIVISIONS);
+    let equal_scales = spec.equal_scales && along.name != "t" && along.unit == left_unit;
+    let [(horizontal, across), (vertical, up)] = if equal_scales {
+        equal_axes(&along, &left)
+    } else {
+        [axis(&[&along], Axis::HORIZONTAL_DIVISIONS), axis(&left, Axis::VERTICAL_DIVISIONS)]
+    };
     let second = (!right.is_empty()).then(|| axis(&right, Axis::VERTICAL_DIVISIONS));
+    let displays = [&up, second.as_ref().map_or(&up, |(_, display)| display)];
+    let drawn = Picture {
+        channels: channels(trace, (&along, &across), &shown, displays),
+        vertical_right: second.map(|(axis, _)| axis),
+        note: note.map(str::to_owned),
+        markers: markers(trace, &along, &across),
+        equal_scales,
+        ..Picture::new(title(spec), horizontal, vertical)
+    };
+    Ok(faults::mark(drawn, trace, spec, faults, &across))
+}
+
+/// Returns the channels of the quantities along the vertical axes.
+///
+/// `displays` are those of the left and the right axis. The first quantity uses the left one.
+fn channels(
+    trace: &Trace,
+    (along, across): (&Quantity<'_>, &QuantityFormat),
+    shown: &[Quantity<'_>],
+    [left, right]: [&QuantityFormat; 2],
+) -> Vec<Channel> {
+    let left_unit = shown.first().map_or("", |quantity| quantity.unit);
     let breaks: Vec<usize> = trace.repetitions.iter().map(|repetition| repetition.first).collect();
     // The first channel has the labels of the family; the other channels would only repeat them.
     let mut labels = labels(trace);
-    let channels = shown.iter().map(|quantity| {
+    let channel = |quantity: &Quantity<'_>| {
         let on_right = quantity.unit != left_unit;
-        let scale = if on_right { second.as_ref().map_or(&up, |(_, scale)| scale) } else { &up };
-        let points =
-            along.values.iter().zip(&quantity.values).map(|(x, y)| (across.value(*x), scale.value(*y)));
+        let display = if on_right { right } else { left };
+        let pairs = along.values.iter().zip(&quantity.values);
+        let points = pairs.map(|(x, y)| (across.value(*x), display.value(*y))).collect();
         Channel {
             right: on_right,
             breaks: breaks.clone(),
             labels: std::mem::take(&mut labels),
-            ..Channel::line(quantity.name, points.collect())
+            ..Channel::line(quantity.name, points)
         }
-    });
-    Ok(Picture {
-        channels: channels.collect(),
-        vertical_right: second.map(|(axis, _)| axis),
-        note: note.map(str::to_owned),
-        markers: markers(trace, &along, &across),
-        ..Picture::new(title(spec), horizontal, vertical)
-    })
+    };
+    shown.iter().map(channel).collect()
 }
 
 /// Returns markers where phases begin within the runs, for a picture against time only.
@@ -168,103 +198,34 @@ fn find<'t>(trace: &'t Trace, spec: &PictureSpec, name: &str) -> Result<Quantity
 
 /// Returns an axis for quantities with the same unit, and the display that scales their values.
 pub(super) fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, QuantityFormat) {
-    let all = || quantities.iter().flat_map(|quantity| quantity.values.iter().copied());
+    let display = display(quantities);
+    let (names, shown) = displayed(quantities, &display);
+    (Axis::fit_tight(names, display.unit.clone(), shown, divisions), display)
+}
+
+/// Returns a horizontal and a vertical axis with divisions of one size, each with the display of its values.
+///
+/// All quantities have the same unit, so both axes have the same display.
+fn equal_axes(along: &Quantity<'_>, up: &[&Quantity<'_>]) -> [(Axis, QuantityFormat); 2] {
+    let display = display(&[&[along][..], up].concat());
+    let axes = Axis::fit_equal(&display.unit, [displayed(&[along], &display), displayed(up, &display)]);
+    axes.map(|axis| (axis, display.clone()))
+}
+
+/// Returns the display for quantities with the same unit; the largest value selects the prefix of the unit.
+fn display(quantities: &[&Quantity<'_>]) -> QuantityFormat {
+    let all = quantities.iter().flat_map(|quantity| quantity.values.iter().copied());
     let largest =
-        all().filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    let display = QuantityFormat::new(quantities.first().map_or("", |quantity| quantity.unit), largest);
-    let shown: Vec<f64> = all().map(|value| display.value(value)).collect();
+        all.filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    QuantityFormat::new(quantities.first().map_or("", |quantity| quantity.unit), largest)
+}
+
+/// Returns the names of quantities, joined, and all their values as displayed.
+fn displayed(quantities: &[&Quantity<'_>], display: &QuantityFormat) -> (String, Vec<f64>) {
     let names: Vec<_> = quantities.iter().map(|quantity| quantity.name).collect();
-    (Axis::fit_tight(names.join(", "), display.unit.clone(), shown, divisions), display)
+    let values = quantities.iter().flat_map(|quantity| quantity.values.iter());
+    (names.join(", "), values.map(|value| display.value(*value)).collect())
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use patchcord_core::document::{Placed, Span};
-    use patchcord_core::trace::{NewValue, PhaseEnd, Repetition};
-
-    fn spec(x: &str, y: &[&str]) -> PictureSpec {
-        let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
-        PictureSpec { title: String::new(), x: placed(x), y: y.iter().map(|name| placed(name)).collect() }
-    }
-
-    fn trace() -> Trace {
-        let track = |name: &str, unit: &str| Track {
-            name: name.into(),
-            unit: unit.into(),
-            per_volt: 1e-3,
-            volts: vec![0.0, 2.0, 1.0, 0.0, 2.0, 1.0],
-            extremes: Vec::new(),
-            derivative: None,
-        };
-        Trace {
-            time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
-            tracks: vec![track("v", "m/s"), track("w", "m/s"), track("F", "N"), track("p", "Pa")],
-            repetitions: vec![Repetition::default(), Repetition { first: 3, ..Repetition::default() }],
-            ..Trace::default()
-        }
-    }
-
-    #[test]
-    fn values_are_shown_in_a_prefixed_unit() {
-        let picture = picture(&trace(), &spec("t", &["v", "w"]), None).unwrap();
-        assert_eq!((picture.vertical.unit.as_str(), picture.vertical.label.as_str()), ("mm/s", "v, w"));
-        assert_eq!(picture.channels[1].points[1], (1.0, 2.0));
-        assert!(picture.vertical_right.is_none());
-    }
-
-    #[test]
-    fn a_second_unit_uses_the_right_axis() {
-        let picture = picture(&trace(), &spec("v", &["w", "F"]), None).unwrap();
-        assert_eq!(picture.vertical_right.unwrap().unit, "mN");
-        assert_eq!(picture.channels.iter().map(|channel| channel.right).collect::<Vec<_>>(), [false, true]);
-    }
-
-    #[test]
-    fn every_repetition_begins_a_new_line() {
-        let picture = picture(&trace(), &spec("t", &["v"]), None).unwrap();
-        assert_eq!(picture.channels[0].breaks, [0, 3]);
-    }
-
-    fn phase(phase: PhaseKind, repetition: usize, begin: f64) -> PhaseRecord {
-        let (end, sample, ended) = (begin, 3 * repetition, PhaseEnd::Time);
-        PhaseRecord { phase, repetition, begin, end, problem_time: begin, sample, ended }
-    }
-
-    #[test]
-    fn phases_within_a_run_are_marked_where_they_begin() {
-        let operate = || PhaseKind::Operate { until: None };
-        let set = |before: f64, value: f64| {
-            PhaseKind::Set(vec![NewValue { parameter: "k".into(), value, before, unit: "N/m".into() }])
-        };
-        let mut trace = trace();
-        trace.repetitions.iter_mut().for_each(|repetition| repetition.end = 2.0);
-        for (repetition, first) in [(0, 1.0), (1, 3.0)] {
-            trace.phase_records.extend([
-                phase(PhaseKind::InitialCondition, repetition, 0.0),
-                phase(operate(), repetition, 0.0),
-                phase(PhaseKind::Hold, repetition, 0.5),
-                phase(set(first, first + 1.0), repetition, 1.0),
-                phase(operate(), repetition, 1.0),
-                phase(set(first + 1.0, 3.0), repetition, 2.0),
-            ]);
-        }
-        let against_time = picture(&trace, &spec("t", &["v", "w"]), None).unwrap();
-        let markers: Vec<_> =
-            against_time.markers.iter().map(|marker| (marker.at, marker.label.as_str())).collect();
-        assert_eq!(markers, [(0.5, "hold"), (1.0, "k = 2 N/m, operate"), (1.0, "k = 4 N/m, operate")]);
-        let labels = [(2, "k = 1, then 2 N/m".to_owned()), (5, "k = 3, then 4 N/m".to_owned())];
-        assert_eq!(
-            (&against_time.channels[0].labels[..], against_time.channels[1].labels.len()),
-            (&labels[..], 0)
-        );
-        assert!(picture(&trace, &spec("v", &["w"]), None).unwrap().markers.is_empty());
-    }
-
-    #[test]
-    fn invalid_pictures_are_rejected() {
-        assert!(matches!(picture(&trace(), &spec("t", &["x"]), None), Err(ScopeError::NotRecorded { .. })));
-        let three = spec("t", &["v", "F", "p"]);
-        assert!(matches!(picture(&trace(), &three, None), Err(ScopeError::TooManyUnits { .. })));
-    }
-}
+mod tests;

@@ -2,6 +2,7 @@
 
 use crate::plot::{Axis, Picture};
 use crate::scope::{ScopeError, picture};
+use patchcord_analysis::instruments::SignalFault;
 use patchcord_core::document::{Placed, Span};
 use patchcord_core::patch::PictureSpec;
 use patchcord_core::trace::{Trace, Track};
@@ -9,7 +10,8 @@ use patchcord_core::trace::{Trace, Track};
 /// Returns a picture for each signal: its derivatives with respect to parameters against time.
 ///
 /// Each derivative is multiplied by its parameter, p ds/dp, so that all have the unit of the signal.
-/// Derivatives with respect to parameters of value 0, and derivatives that are 0, are omitted.
+/// Derivatives with respect to parameters of value 0, and derivatives that are 0, are omitted. The derivatives of a
+/// signal are wrong where the signal is, which `faults` says.
 ///
 /// # Errors
 ///
@@ -34,17 +36,22 @@ use patchcord_core::trace::{Trace, Track};
 /// let settings = RunSettings::of(&circuit)?.with_sensitivities(["k"]);
 /// let trace = run(&Program::new(&circuit)?, &settings)?;
 ///
-/// let pictures = sensitivity_pictures(&trace, None)?;
+/// let pictures = sensitivity_pictures(&trace, None, &[])?;
 /// assert_eq!(pictures.len(), 1);
 /// assert_eq!(pictures[0].title, "What A1 owes to its parameters");
 /// # Ok(())
 /// # }
 /// ```
-pub fn sensitivity_pictures(trace: &Trace, note: Option<&str>) -> Result<Vec<Picture>, ScopeError> {
+pub fn sensitivity_pictures(
+    trace: &Trace,
+    note: Option<&str>,
+    faults: &[SignalFault],
+) -> Result<Vec<Picture>, ScopeError> {
     let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
     let scaled = signals.map(|signal| (signal, scaled_derivatives(trace, signal)));
     let drawn = scaled.filter(|(_, trace)| !trace.tracks.is_empty()).map(|(signal, trace)| {
-        let drawn = picture(&trace, &spec(&signal.name, &trace), note)?;
+        let faults = derivative_faults(faults, &signal.name, &trace);
+        let drawn = picture(&trace, &spec(&signal.name, &trace), note, &faults)?;
         // The names of several derivatives are in the legend.
         let several = drawn.channels.len() > 1;
         let label = if several { format!("p d {} / d p", signal.name) } else { drawn.vertical.label };
@@ -65,9 +72,20 @@ fn scaled_derivatives(trace: &Trace, signal: &Track) -> Trace {
     Trace { tracks: trace.tracks.iter().filter_map(track).collect(), ..trace.without_tracks() }
 }
 
+/// Returns the faults of a signal, as faults of every derivative in the trace.
+fn derivative_faults(faults: &[SignalFault], signal: &str, trace: &Trace) -> Vec<SignalFault> {
+    let own = faults.iter().filter(|fault| fault.signal == signal);
+    let of_each_track = |fault: &SignalFault| -> Vec<SignalFault> {
+        let of_track = |track: &Track| SignalFault { signal: track.name.clone(), ..fault.clone() };
+        trace.tracks.iter().map(of_track).collect()
+    };
+    own.flat_map(of_each_track).collect()
+}
+
 /// Returns the specification of a picture of all tracks of a trace against time.
 fn spec(signal: &str, trace: &Trace) -> PictureSpec {
     let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
     let y = trace.tracks.iter().map(|track| placed(&track.name)).collect();
-    PictureSpec { title: format!("What {signal} owes to its parameters"), x: placed("t"), y }
+    let title = format!("What {signal} owes to its parameters");
+    PictureSpec { title, x: placed("t"), y, equal_scales: true }
 }

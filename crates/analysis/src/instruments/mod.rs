@@ -18,6 +18,7 @@ mod parameters;
 mod profile;
 mod ringing;
 mod sensitivity;
+mod signal_fault;
 mod steadiness;
 mod steady_friction;
 mod stick;
@@ -42,6 +43,7 @@ pub use profile::{
 };
 pub use ringing::{Ringing, RingingError, ringing};
 pub use sensitivity::{Sensitivity, sensitivities};
+pub use signal_fault::{SignalFault, signal_faults};
 pub use steady_friction::{SteadyFriction, SteadyFrictionError, steady_friction};
 pub use stick::{StickError, stick_end};
 pub use voltmeter::{Extreme, VoltmeterReading, readings};

@@ -268,8 +268,12 @@ impl Circuit {
             return self.patch.pictures.clone();
         }
         let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
-        let against_time =
-            |name: &str| PictureSpec { title: String::new(), x: placed("t"), y: vec![placed(name)] };
+        let against_time = |name: &str| PictureSpec {
+            title: String::new(),
+            x: placed("t"),
+            y: vec![placed(name)],
+            equal_scales: true,
+        };
         recorded.into_iter().map(|name| against_time(name.as_ref())).collect()
     }
 }

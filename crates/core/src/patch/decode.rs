@@ -13,7 +13,7 @@ use super::decode_entry::element_entry;
 use super::decode_run::run;
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Scale, Signal};
 use super::macros;
-use crate::document::fields::{Fields, Findings, list, number, positive, string, strings};
+use crate::document::fields::{Fields, Findings, flag, list, number, positive, string, strings};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{
     Code, Diagnostic, DocumentKind, Placed, Span, any_error, factor_violation, formula, parse_unit, range,
@@ -200,7 +200,8 @@ fn pictures(node: &Node, findings: &mut Findings) -> Vec<PictureSpec> {
     items.iter().filter_map(|item| picture(item, findings)).collect()
 }
 
-/// Decodes one picture. Without "x" it shows the signals against time.
+/// Decodes one picture. Without "x" it shows the signals against time. Scales are equal unless the picture says
+/// otherwise.
 ///
 /// Time is written as the name "t". The position of this name is that of the picture.
 fn picture(node: &Node, findings: &mut Findings) -> Option<PictureSpec> {
@@ -213,9 +214,11 @@ fn picture(node: &Node, findings: &mut Findings) -> Option<PictureSpec> {
     let y = fields
         .require("y", "the signals along the vertical axis")
         .map(|node| picture_signals(node, findings));
+    let equal_scales =
+        fields.take("equal_scales").and_then(|node| flag(node, "equal_scales", findings)).unwrap_or(true);
     fields.text("note", findings);
     fields.finish(findings);
-    Some(PictureSpec { title, x: x?, y: y? })
+    Some(PictureSpec { title, x: x?, y: y?, equal_scales })
 }
 
 /// Decodes the signals along the vertical axis of a picture. At least one is required.

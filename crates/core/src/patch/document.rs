@@ -182,6 +182,8 @@ pub struct PictureSpec {
     pub x: Placed<String>,
     /// Names of the signals along the vertical axis.
     pub y: Vec<Placed<String>>,
+    /// Whether one unit has the same length along both axes of a picture against a signal in the same unit.
+    pub equal_scales: bool,
 }
 
 /// Names of entries that the document has but that could not be read. Their faults have been reported.

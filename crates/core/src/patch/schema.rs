@@ -223,6 +223,10 @@ fn picture() -> Value {
             "title": text("title above the picture"),
             "x": text("signal along the horizontal axis; t is time"),
             "y": {"$ref": "#/$defs/cords"},
+            "equal_scales": {
+                "type": "boolean",
+                "description": "same length of one unit on both axes if they have the same unit; true if absent",
+            },
             "note": text("free text"),
         }),
     )

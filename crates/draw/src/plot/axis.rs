@@ -45,6 +45,9 @@ const MIN_MAGNITUDE: f64 = 1e-290;
 /// A relative spread of the values below this is rounding, and the values count as constant.
 const MIN_RELATIVE_SPREAD: f64 = 1e-9;
 
+/// The minimum number of divisions of an axis whose divisions have the size of those of another axis.
+const MIN_EQUAL_DIVISIONS: f64 = 4.0;
+
 /// The range is extended to zero if the gap to zero is at most this part of the spread.
 const MAX_GAP_TO_ZERO: f64 = 0.25;
 
@@ -74,14 +77,7 @@ impl Axis {
         let divisions = divisions.clamp(2, Axis::MAX_DIVISIONS);
         let span = ValueRange::of(values);
         let (step, first) = span.covering_step(divisions as f64);
-        Axis {
-            label: label.into(),
-            unit: unit.into(),
-            low: step.times(first),
-            high: step.times(first + divisions as f64),
-            divisions,
-            logarithmic: false,
-        }
+        Axis::between(label, unit, step, (first, first + divisions as f64))
     }
 
     /// Returns an axis like [`Axis::fit`], but without empty divisions at the ends.
@@ -97,7 +93,33 @@ impl Axis {
         let max = divisions.clamp(2, Axis::MAX_DIVISIONS);
         let span = ValueRange::of(values);
         let (step, _) = span.covering_step(max as f64);
-        let (first, last) = span.lines_around(step);
+        Axis::between(label, unit, step, span.lines_around(step))
+    }
+
+    /// Returns a horizontal and a vertical axis like [`Axis::fit_tight`] whose divisions have the same size.
+    ///
+    /// Both have the same unit; each has a label and values. An axis has at least 4 divisions, so that the screen
+    /// is not too narrow. Example: 0 to 30 and 0 to 3 give 0 to 30 and -5 to 15, in divisions of 5.
+    pub fn fit_equal(unit: &str, quantities: [(String, Vec<f64>); 2]) -> [Axis; 2] {
+        let [across, up] = quantities.map(|(label, values)| (label, ValueRange::of(values)));
+        let steps = [(&across.1, Axis::HORIZONTAL_DIVISIONS), (&up.1, Axis::VERTICAL_DIVISIONS)]
+            .map(|(span, divisions)| span.covering_step(divisions as f64).0);
+        let step = if steps[0].times(1.0) >= steps[1].times(1.0) { steps[0] } else { steps[1] };
+        [across, up].map(|(label, span)| {
+            let (first, last) = span.lines_around(step);
+            let missing = (MIN_EQUAL_DIVISIONS - (last - first)).max(0.0);
+            let lines = (first - (missing / 2.0).floor(), last + (missing / 2.0).ceil());
+            Axis::between(label, unit, step, lines)
+        })
+    }
+
+    /// Returns an axis between two lines, which are counted in steps from zero.
+    fn between(
+        label: impl Into<String>,
+        unit: impl Into<String>,
+        step: Step,
+        (first, last): (f64, f64),
+    ) -> Axis {
         Axis {
             label: label.into(),
             unit: unit.into(),
@@ -167,10 +189,13 @@ impl Axis {
         self.low * (1.0 - part) + self.high * part
     }
 
-    /// Returns the division line at zero; `None` if zero is not on a line of the axis.
-    pub(super) fn zero_line(&self) -> Option<usize> {
-        let line = self.lines_to_zero()?;
-        (0.0..=self.divisions as f64).contains(&line).then_some(line as usize)
+    /// Returns the position of zero between the ends of the axis; `None` if zero is not between them.
+    pub(super) fn zero_fraction(&self) -> Option<f64> {
+        if self.logarithmic {
+            return None;
+        }
+        let on_line = self.lines_to_zero().map(|line| line / self.divisions as f64);
+        on_line.or(Some(self.fraction(0.0))).filter(|fraction| *fraction > 0.0 && *fraction < 1.0)
     }
 
     /// Returns the first line that has a number if only every `stride`-th line has one.

@@ -14,7 +14,7 @@ pub(super) fn picture(
 ) -> Result<(), PlotError> {
     surface.rectangle((0.0, 0.0), (frame.width, frame.height), palette::PAGE)?;
     let top = header::draw(picture, frame, font, surface)?;
-    let screen = frame.screen(top);
+    let screen = frame.screen(picture, top);
     graticule::background(screen, surface)?;
     band::spans(picture, screen, surface)?;
     band::draw(picture, screen, surface)?;
@@ -24,11 +24,13 @@ pub(super) fn picture(
     let (background, foreground): (Vec<_>, Vec<_>) =
         picture.channels.iter().enumerate().partition(|(_, channel)| channel.faint);
     for (index, channel) in background.into_iter().chain(foreground) {
-        let lines = trace::lines(picture, channel, screen, frame.unit);
-        trace::draw(&lines, (index, channel), surface)?;
-        drawn.extend(lines);
+        for (part, colour) in trace::parts(channel, palette::channel(index, channel)) {
+            let lines = trace::lines(picture, &part, screen, frame.unit);
+            trace::draw(&lines, &part, colour, surface)?;
+            drawn.extend(lines);
+        }
     }
-    labels::draw(picture, &drawn, marker_labels, screen, font, surface)?;
+    labels::draw(picture, drawn, marker_labels, screen, font, surface)?;
     graticule::border(screen, surface)?;
     scales::draw(picture, frame, screen, font, surface)
 }

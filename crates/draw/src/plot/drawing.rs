@@ -231,14 +231,17 @@ impl Drawing {
                 width,
                 height,
                 limit: match sides_fit {
-                    true => format!(
-                        "a PNG has at most {:.0} million pixels; an SVG has no such limit",
-                        Self::MAX_PNG_PIXELS / 1e6
-                    ),
+                    true => Self::pixel_limit(),
                     false => format!("a side has at most {} pixels", Self::MAX_SIDE),
                 },
             })
         }
+    }
+
+    /// Returns the limit of the pixels of a PNG, as a sentence.
+    pub(super) fn pixel_limit() -> String {
+        let millions = Self::MAX_PNG_PIXELS / 1e6;
+        format!("a PNG has at most {millions:.0} million pixels; an SVG has no such limit")
     }
 
     /// Draws the page and then the primitives from back to front.

@@ -21,6 +21,12 @@ pub enum PlotError {
         width = .0.width, height = .0.height, min = Size::MIN_SIDE, max = Size::MAX_SIDE
     )]
     Size(Size),
+    /// The scale of a PNG is less than [`Size::MIN_SCALE`] or greater than [`Size::MAX_SCALE`].
+    #[error(
+        "the scale must be {min} to {max}, got {scale}",
+        scale = .0, min = Size::MIN_SCALE, max = Size::MAX_SCALE
+    )]
+    Scale(f64),
     /// The stacked pictures are higher than [`Size::MAX_SHEET_HEIGHT`].
     #[error(
         "a sheet of {pictures} pictures is higher than {max} pixels; draw fewer or smaller pictures",

@@ -6,10 +6,10 @@ use super::clip::Area;
 use super::surface::Surface;
 use super::{Axis, Picture, PlotError, palette};
 
-/// The number of small marks per division on the centre lines.
+/// The number of small marks per division along the middle of the screen.
 const MARKS_PER_DIVISION: usize = 5;
 
-/// The length of a small mark on each side of the centre line.
+/// The length of a small mark on each side of the middle line.
 const HALF_MARK: f64 = 3.5;
 
 /// The minimum distance of small marks; closer marks would merge, so none are drawn.
@@ -23,18 +23,25 @@ pub(super) fn background(screen: Area, surface: &mut dyn Surface) -> Result<(), 
     surface.rectangle((screen.left, screen.top), (screen.right, screen.bottom), palette::SCREEN)
 }
 
-/// Draws the division lines of the screen.
+/// Draws the division lines of the screen, and stronger lines at zero and at decades.
+///
+/// The lines in the middle are ordinary division lines. A stronger line there would look like an axis through zero.
 pub(super) fn draw(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
-    for strong in [false, true] {
-        let colour = if strong { palette::CENTRE } else { palette::GRID };
-        for line in inner_lines(&picture.horizontal, strong) {
-            vertical_line(column(screen, line), (screen.top, screen.bottom), colour, surface)?;
-        }
-        for line in inner_lines(&picture.vertical, strong) {
-            horizontal_line(row(screen, line), (screen.left, screen.right), colour, surface)?;
-        }
+    lines(picture, screen, false, surface)?;
+    marks(picture, screen, surface)?;
+    lines(picture, screen, true, surface)
+}
+
+/// Draws the strong lines, or the others.
+fn lines(picture: &Picture, screen: Area, strong: bool, surface: &mut dyn Surface) -> Result<(), PlotError> {
+    let colour = if strong { palette::ZERO } else { palette::GRID };
+    for line in inner_lines(&picture.horizontal, strong) {
+        vertical_line(column(screen, line), (screen.top, screen.bottom), colour, surface)?;
     }
-    marks(picture, screen, surface)
+    for line in inner_lines(&picture.vertical, strong) {
+        horizontal_line(row(screen, line), (screen.left, screen.right), colour, surface)?;
+    }
+    Ok(())
 }
 
 /// Draws the edges of the screen.
@@ -50,19 +57,18 @@ pub(super) fn border(screen: Area, surface: &mut dyn Surface) -> Result<(), Plot
 
 /// Returns the division lines between the edges, as fractions of the axis.
 ///
-/// The strong lines are those in the centre, at zero and at decades. Depending on `strong`, these or
-/// the other lines are returned.
+/// The strong lines are those at zero and at decades. Depending on `strong`, these or the other lines are
+/// returned. Zero has a line also if it is between two division lines.
 fn inner_lines(axis: &Axis, strong: bool) -> Vec<f64> {
     if axis.logarithmic {
         return decade_lines(axis, strong);
     }
-    let zero = axis.zero_line();
-    let centre = centre_line(axis);
-    let divisions = axis.divisions;
-    (1..divisions)
-        .filter(|line| (*line == centre || zero == Some(*line)) == strong)
-        .map(|line| line as f64 / divisions as f64)
-        .collect()
+    let zero = axis.zero_fraction();
+    if strong {
+        return zero.into_iter().collect();
+    }
+    let lines = (1..axis.divisions).map(|line| line as f64 / axis.divisions as f64);
+    lines.filter(|line| zero != Some(*line)).collect()
 }
 
 /// The maximum number of decades with lines at 2 to 9 times the powers of ten; with more decades the
@@ -84,7 +90,7 @@ fn centre_line(axis: &Axis) -> usize {
     axis.divisions / 2
 }
 
-/// Draws the small marks along both centre lines; a logarithmic screen has none.
+/// Draws the small marks along both middle lines, in the colour of these lines; a logarithmic screen has none.
 fn marks(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
     if picture.horizontal.logarithmic || picture.vertical.logarithmic {
         return Ok(());
@@ -94,11 +100,11 @@ fn marks(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(
     let y = row(screen, centre(&picture.vertical));
     for fraction in mark_fractions(&picture.horizontal, screen.width()) {
         let ends = (y - HALF_MARK, y + HALF_MARK);
-        vertical_line(column(screen, fraction), ends, palette::CENTRE, surface)?;
+        vertical_line(column(screen, fraction), ends, palette::GRID, surface)?;
     }
     for fraction in mark_fractions(&picture.vertical, screen.height()) {
         let ends = (x - HALF_MARK, x + HALF_MARK);
-        horizontal_line(row(screen, fraction), ends, palette::CENTRE, surface)?;
+        horizontal_line(row(screen, fraction), ends, palette::GRID, surface)?;
     }
     Ok(())
 }
@@ -138,4 +144,19 @@ fn horizontal_line(
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
     surface.rectangle((ends.0, y - HALF_WIDTH), (ends.1, y + HALF_WIDTH), colour)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_line_at_zero_is_strong() {
+        let axis = |low: f64, high: f64| Axis::fit_tight("x", "", [low, high], 10);
+        assert_eq!(inner_lines(&axis(-10.0, 30.0), true), [0.25]);
+        assert_eq!(inner_lines(&axis(-10.0, 30.0), false).len(), 6);
+        // The line in the middle of 0 to 10 is an ordinary one.
+        assert!(inner_lines(&axis(0.0, 10.0), true).is_empty());
+        assert!(inner_lines(&axis(0.0, 10.0), false).contains(&0.5));
+    }
 }

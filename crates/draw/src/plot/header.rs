@@ -1,4 +1,4 @@
-//! The rows above the screen: title, note and legend.
+//! The rows above the screen: title, note, warning and legend.
 
 use plotters::style::RGBColor;
 
@@ -9,12 +9,12 @@ use super::{Channel, Picture, PlotError, palette, trace};
 
 /// The em size of the title.
 const TITLE_TEXT: f64 = 18.0;
-/// The em size of the note.
+/// The em size of the note and of the warning.
 const NOTE_TEXT: f64 = 12.5;
 
 /// The height of the row of the title.
 const TITLE_ROW: f64 = 24.0;
-/// The height of the row of the note.
+/// The height of the row of the note, and of that of the warning.
 const NOTE_ROW: f64 = 20.0;
 /// The height of a row of the legend.
 const LEGEND_ROW: f64 = 21.0;
@@ -38,7 +38,7 @@ const ENTRY_GAP: f64 = 22.0;
 /// The maximum number of rows of the legend; more rows would leave too little height for the screen.
 const MAX_LEGEND_ROWS: usize = 4;
 
-/// Draws title, note and legend, and returns the upper edge of the screen.
+/// Draws title, note, warning and legend, and returns the upper edge of the screen.
 pub(super) fn draw(
     picture: &Picture,
     frame: &Frame,
@@ -51,6 +51,10 @@ pub(super) fn draw(
     if let Some(note) = &picture.note {
         header.baseline += NOTE_ROW;
         header.write(note, NOTE_TEXT, palette::NOTE)?;
+    }
+    if let Some(warning) = &picture.warning {
+        header.baseline += NOTE_ROW;
+        header.write(warning, NOTE_TEXT, palette::WARNING)?;
     }
     for row in rows(remaining, frame.max_text_width()) {
         header.baseline += LEGEND_ROW;

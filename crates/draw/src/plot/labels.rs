@@ -2,8 +2,10 @@
 //!
 //! For each label the positions next to points near the end of its line are tried. A position must be
 //! on the screen and free of other texts. The first one that crosses no line and is close to its own
-//! line only is used; if there is none, the one with the smallest penalty.
+//! line only is used; if there is none, the one with the smallest penalty. If a line crosses that one too, the
+//! label is placed away from its line, with a leader.
 
+use super::callout;
 use super::clip::{Area, clip};
 use super::font::Font;
 use super::surface::{Align, Surface, TextStyle};
@@ -30,12 +32,15 @@ const STEPS: usize = 40;
 /// The share of the points of a line, from its end backward, at which a label may be.
 const MAX_SHARE: f64 = 0.7;
 
+/// The thickness of the leader of a label.
+const LEADER_WIDTH: f64 = 0.8;
+
 /// Writes the labels of the channels. A label is omitted if no position is free.
 ///
 /// `lines` are the visible lines of all channels, and `taken` the areas of other texts.
 pub(super) fn draw(
     picture: &Picture,
-    lines: &[Line],
+    mut lines: Vec<Line>,
     mut taken: Vec<Area>,
     screen: Area,
     font: &Font,
@@ -47,18 +52,51 @@ pub(super) fn draw(
             let label = font.truncated(label, TEXT_SIZE, screen.width() / 2.0);
             let width = font.width(&label, TEXT_SIZE);
             let points = candidate_points(channel, *end).filter_map(|point| channel.points.get(point));
-            let all =
-                points.flat_map(|point| label_areas(projection.project(*point), clearance(channel), width));
-            let is_free =
-                |area: &Area| screen.encloses(area) && !taken.iter().any(|other| other.overlaps(area));
-            if let Some(area) = least_ambiguous(all.filter(is_free), lines) {
-                let style = TextStyle { size: TEXT_SIZE, colour: palette::TEXT, align: Align::Start };
-                surface.text(&label, (area.left, area.bottom - 0.2 * HEIGHT), style)?;
-                taken.push(area);
+            let points: Vec<_> = points.map(|point| projection.project(*point)).collect();
+            let Some(place) = place(&points, (clearance(channel), width), screen, &lines, &taken) else {
+                continue;
+            };
+            if let Some(leader) = place.leader {
+                surface.line(&leader, LEADER_WIDTH, palette::NOTE)?;
+                lines.push(leader.to_vec());
             }
+            let style = TextStyle { size: TEXT_SIZE, colour: palette::TEXT, align: Align::Start };
+            surface.text(&label, (place.area.left, place.area.bottom - 0.2 * HEIGHT), style)?;
+            taken.push(place.area);
         }
     }
     Ok(())
+}
+
+/// The place of a label.
+struct Place {
+    /// The area of the text.
+    area: Area,
+    /// The leader from the line to the text; `None` if the text is next to its line.
+    leader: Option<[(f64, f64); 2]>,
+}
+
+/// Returns the place of a label for a line through `points`; `None` if no position is free.
+///
+/// The label has a clearance from its point and a width. If a line crosses every position next to the line, the label
+/// gets a leader if there is space for it.
+fn place(
+    points: &[(f64, f64)],
+    (clearance, width): (f64, f64),
+    screen: Area,
+    lines: &[Line],
+    taken: &[Area],
+) -> Option<Place> {
+    let all = points.iter().flat_map(|point| label_areas(*point, clearance, width));
+    let is_free = |area: &Area| screen.encloses(area) && !taken.iter().any(|other| other.overlaps(area));
+    let next_to_line = least_ambiguous(all.filter(is_free), lines);
+    if let Some((_, area)) = next_to_line.filter(|(penalty, _)| *penalty < CROSSING_PENALTY) {
+        return Some(Place { area, leader: None });
+    }
+    match callout::best(points, (width, HEIGHT), screen, lines, taken) {
+        Some(callout) => Some(Place { area: callout.area, leader: Some(callout.leader) }),
+        None => next_to_line.map(|(_, area)| Place { area, leader: None }),
+    }
 }
 
 /// Returns the distance of a label from its point. The label of a dot is clear of the dot.
@@ -100,23 +138,23 @@ fn label_areas((x, y): (f64, f64), clearance: f64, width: f64) -> [Area; 5] {
     ]
 }
 
-/// Returns the first area that no line crosses and that is close to one line only.
+/// Returns the first area that no line crosses and that is close to one line only, with its penalty.
 ///
 /// If there is none, the area with the smallest penalty is returned; `None` if there are no areas.
-fn least_ambiguous(areas: impl Iterator<Item = Area>, lines: &[Line]) -> Option<Area> {
+fn least_ambiguous(areas: impl Iterator<Item = Area>, lines: &[Line]) -> Option<(usize, Area)> {
     let mut best: Option<(usize, Area)> = None;
     for area in areas {
         let line_count = |area: Area| lines.iter().filter(|line| !clip(line, area).is_empty()).count();
         let close = line_count(area.grown(AMBIGUITY_DISTANCE));
         let penalty = CROSSING_PENALTY * line_count(area) + close.saturating_sub(1);
         if penalty == 0 {
-            return Some(area);
+            return Some((penalty, area));
         }
         if best.is_none_or(|(lowest, _)| penalty < lowest) {
             best = Some((penalty, area));
         }
     }
-    best.map(|(_, area)| area)
+    best
 }
 
 #[cfg(test)]
@@ -129,11 +167,11 @@ mod tests {
     fn a_label_avoids_lines() {
         let next = Area { left: 30.0, right: 40.0, ..LABEL };
         let line = vec![(0.0, 15.0), (21.0, 15.0)];
-        assert_eq!(least_ambiguous([LABEL, next].into_iter(), std::slice::from_ref(&line)), Some(next));
+        assert_eq!(least_ambiguous([LABEL, next].into_iter(), std::slice::from_ref(&line)), Some((0, next)));
         let other = vec![(35.0, 0.0), (35.0, 40.0)];
         let both = [line, other.clone(), other];
         assert_eq!(
-            least_ambiguous([next, LABEL].into_iter(), &both),
+            least_ambiguous([next, LABEL].into_iter(), &both).map(|(_, area)| area),
             Some(LABEL),
             "one crossing is better than two"
         );
@@ -142,7 +180,7 @@ mod tests {
         let clear = Area { left: 50.0, right: 60.0, ..LABEL };
         assert_eq!(
             least_ambiguous([LABEL, clear].into_iter(), &near),
-            Some(clear),
+            Some((0, clear)),
             "a label between two lines is ambiguous"
         );
     }
@@ -155,5 +193,18 @@ mod tests {
         assert_eq!(candidate_points(&channel, 100).collect::<Vec<_>>(), [100]);
         let dots = Channel::dots("", vec![(0.0, 0.0); 300]);
         assert_eq!(candidate_points(&dots, 199).collect::<Vec<_>>(), [199]);
+    }
+
+    #[test]
+    fn a_label_between_close_lines_gets_a_leader() {
+        let screen = Area { left: 0.0, top: 0.0, right: 400.0, bottom: 300.0 };
+        let line = |y: f64| -> Line { (0..6).map(|n| (80.0 * f64::from(n), y)).collect() };
+        let close: Vec<Line> = (0..6).map(|n| line(150.0 + 3.0 * f64::from(n))).collect();
+        let placed = |lines: &[Line]| {
+            let middle = &lines[lines.len() / 2];
+            place(middle, (5.0, 50.0), screen, lines, &[]).unwrap()
+        };
+        assert!(placed(&close).leader.is_some());
+        assert!(placed(&close[..1]).leader.is_none());
     }
 }

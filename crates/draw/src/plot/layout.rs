@@ -67,18 +67,41 @@ impl Frame {
     /// Returns the screen of a picture whose header ends at `top`.
     ///
     /// Its edges are in the middle of pixels, so that the border is sharp.
-    pub(super) fn screen(&self, top: f64) -> Area {
-        Area {
+    pub(super) fn screen(&self, picture: &Picture, top: f64) -> Area {
+        let whole = Area {
             left: self.left_gutter + 0.5,
             top: top.floor() + 0.5,
             right: (self.width - self.right_gutter).floor() - 0.5,
             bottom: (self.height - FOOT_HEIGHT).floor() - 0.5,
-        }
+        };
+        if picture.equal_scales { equally_scaled(picture, whole) } else { whole }
+    }
+
+    /// Returns the frame with more pixels per picture unit by a factor.
+    pub(super) fn magnified(&self, factor: f64) -> Frame {
+        Frame { unit: self.unit * factor, ..self.clone() }
     }
 
     /// Returns the maximum width of a line of text above the screen.
     pub(super) fn max_text_width(&self) -> f64 {
         self.width - 2.0 * MARGIN
+    }
+}
+
+/// Returns the upper left part of a screen in which one unit has the same length along both axes.
+///
+/// The lengths of its edges are rounded to whole picture units. A logarithmic axis has no length of a unit, so the
+/// whole screen is returned.
+fn equally_scaled(picture: &Picture, whole: Area) -> Area {
+    let axes = [&picture.horizontal, &picture.vertical];
+    let [across, up] = axes.map(|axis| (axis.high - axis.low).abs());
+    let unit_length = (whole.width() / across).min(whole.height() / up);
+    let is_linear = axes.iter().all(|axis| !axis.logarithmic);
+    if is_linear && unit_length > 0.0 && unit_length.is_finite() {
+        let (width, height) = ((across * unit_length).round(), (up * unit_length).round());
+        Area { right: whole.left + width, bottom: whole.top + height, ..whole }
+    } else {
+        whole
     }
 }
 
@@ -102,4 +125,22 @@ fn half_number(axis: &Axis, font: &Font) -> f64 {
 /// Returns the width of the widest number of an axis.
 fn widest_number(axis: &Axis, font: &Font) -> f64 {
     ticks::with_stride(axis, 1).iter().map(|tick| font.width(&tick.text, TICK_TEXT)).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_scales_give_one_length_of_a_unit() {
+        let axis = |low: f64, high: f64| Axis::fit_tight("x", "mm", [low, high], 10);
+        let whole = Area { left: 50.5, top: 80.5, right: 850.5, bottom: 480.5 };
+        let screen = |horizontal: Axis| equally_scaled(&Picture::new("", horizontal, axis(0.0, 40.0)), whole);
+        let narrow = screen(axis(0.0, 20.0));
+        assert_eq!((narrow.width(), narrow.height()), (200.0, 400.0));
+        let wide = screen(axis(0.0, 100.0));
+        assert_eq!((wide.width(), wide.height()), (800.0, 320.0));
+        assert_eq!((wide.left, wide.top), (whole.left, whole.top));
+        assert_eq!(screen(Axis::logarithmic("f", "Hz", 1.0, 10.0)), whole);
+    }
 }

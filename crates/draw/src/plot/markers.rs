@@ -52,8 +52,8 @@ pub(super) fn draw(
             next_line_from = x + MIN_LINE_GAP;
         }
         let label = font.truncated(&marker.label, TEXT_SIZE, screen.width());
-        let (from, to) = (x + LABEL_OFFSET, x + LABEL_OFFSET + font.width(&label, TEXT_SIZE));
-        let row = free_from.iter().position(|free_from| from >= *free_from).filter(|_| to <= screen.right);
+        let (from, to) = label_extent(x, font.width(&label, TEXT_SIZE), screen);
+        let row = free_from.iter().position(|free_from| from >= *free_from);
         if let Some(row) = row {
             let style = TextStyle { size: TEXT_SIZE, colour: palette::NOTE, align: Align::Start };
             let top = screen.top + ROW_HEIGHT * row as f64;
@@ -63,6 +63,13 @@ pub(super) fn draw(
         }
     }
     Ok(labels)
+}
+
+/// Returns the left and right end of a label of this width: right of its line, or left of it near the right edge.
+fn label_extent(x: f64, width: f64, screen: Area) -> (f64, f64) {
+    let right = x + LABEL_OFFSET;
+    let from = if right + width <= screen.right { right } else { x - LABEL_OFFSET - width };
+    (from, from + width)
 }
 
 /// Draws a dashed vertical line at `x` from the upper to the lower edge of the screen.

@@ -8,6 +8,7 @@
 
 mod axis;
 mod band;
+mod callout;
 mod clip;
 mod draw;
 mod drawing;
@@ -38,6 +39,6 @@ pub use error::PlotError;
 pub(crate) use font::with_minus_sign;
 pub use format::Format;
 pub use picture::{Channel, Marker, Picture};
-pub use render::{Size, check_sheet, render};
+pub use render::{Size, check_sheet, render, render_scaled};
 pub use theme::{Ink, Theme};
 pub use thin::{drop_repeats, thin};

@@ -1,5 +1,7 @@
 //! A scope picture as data.
 
+use std::ops::Range;
+
 use super::Axis;
 
 /// A scope picture: axes, channels and texts.
@@ -31,10 +33,15 @@ pub struct Picture {
     pub channels: Vec<Channel>,
     /// A line under the title, such as the settings of the run.
     pub note: Option<String>,
+    /// A line under the note in a strong colour, such as why curves are wrong.
+    pub warning: Option<String>,
     /// Events, drawn as dashed vertical lines with labels.
     pub markers: Vec<Marker>,
     /// Highlighted ranges `[from, to]` of the horizontal axis; the screen is darker there.
     pub spans: Vec<[f64; 2]>,
+    /// Whether one unit has the same length along the horizontal and the left axis. The screen is then smaller than
+    /// the picture permits. Logarithmic axes have no equal scales.
+    pub equal_scales: bool,
 }
 
 /// An event on the horizontal axis.
@@ -77,6 +84,8 @@ pub struct Channel {
     pub errors: Vec<f64>,
     /// Whether the trace is drawn thin and grey behind the others.
     pub faint: bool,
+    /// Ranges of points that are wrong. The trace is pale there.
+    pub wrong: Vec<Range<usize>>,
 }
 
 impl Channel {
@@ -91,6 +100,7 @@ impl Channel {
             dots: false,
             errors: vec![],
             faint: false,
+            wrong: vec![],
         }
     }
 
@@ -103,8 +113,18 @@ impl Channel {
 impl Picture {
     /// Returns a picture without channels.
     pub fn new(title: impl Into<String>, horizontal: Axis, vertical: Axis) -> Picture {
-        let (vertical_right, channels, note, markers, spans) = (None, vec![], None, vec![], vec![]);
-        Picture { title: title.into(), horizontal, vertical, vertical_right, channels, note, markers, spans }
+        Picture {
+            title: title.into(),
+            horizontal,
+            vertical,
+            vertical_right: None,
+            channels: vec![],
+            note: None,
+            warning: None,
+            markers: vec![],
+            spans: vec![],
+            equal_scales: false,
+        }
     }
 
     /// Returns the vertical axis that a channel uses.

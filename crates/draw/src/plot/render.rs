@@ -2,7 +2,7 @@
 
 use super::font::Font;
 use super::layout::Frame;
-use super::{Axis, Format, Picture, PlotError, raster, svg};
+use super::{Axis, Drawing, Format, Picture, PlotError, raster, svg};
 
 /// The size of one picture in pixels.
 ///
@@ -32,6 +32,16 @@ impl Size {
     pub const MAX_SIDE: u32 = 4000;
     /// The maximum height of a sheet of pictures.
     pub const MAX_SHEET_HEIGHT: u32 = 60_000;
+    /// The minimum of the pixels of a PNG file per pixel of this size.
+    pub const MIN_SCALE: f64 = 0.25;
+    /// The maximum of the pixels of a PNG file per pixel of this size.
+    pub const MAX_SCALE: f64 = 10.0;
+
+    /// Returns the size with both sides multiplied by a factor.
+    fn scaled(self, scale: f64) -> Size {
+        let side = |length: u32| (f64::from(length) * scale).round() as u32;
+        Size { width: side(self.width), height: side(self.height) }
+    }
 }
 
 impl Default for Size {
@@ -68,32 +78,75 @@ impl Default for Size {
 /// # Ok::<(), PlotError>(())
 /// ```
 pub fn render(pictures: &[Picture], format: Format, size: Size) -> Result<Vec<u8>, PlotError> {
-    check_sheet(pictures.len(), size)?;
+    render_scaled(pictures, format, size, 1.0)
+}
+
+/// Renders pictures like [`render()`]; a PNG file has `scale` times as many pixels per side.
+///
+/// The layout and the relative size of texts do not depend on `scale`. An SVG file has no pixels, so `scale` does not
+/// change it.
+///
+/// # Errors
+///
+/// As for [`render()`]. Also [`PlotError::Scale`] if `scale` is not [`Size::MIN_SCALE`] to [`Size::MAX_SCALE`], and
+/// [`PlotError::TooLarge`] if a PNG has more than [`Drawing::MAX_PNG_PIXELS`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::plot::{Axis, Format, Picture, PlotError, Size, render_scaled};
+///
+/// let axis = || Axis::fit("x", "", [0.0, 1.0], 10);
+/// let (pictures, size) = ([Picture::new("", axis(), axis())], Size { width: 320, height: 240 });
+/// let fine = render_scaled(&pictures, Format::Png, size, 2.0)?;
+/// assert_eq!(fine[16..24], [0_u8, 0, 2, 128, 0, 0, 1, 224], "640 x 480 pixels");
+/// # Ok::<(), PlotError>(())
+/// ```
+pub fn render_scaled(
+    pictures: &[Picture],
+    format: Format,
+    size: Size,
+    scale: f64,
+) -> Result<Vec<u8>, PlotError> {
+    check_sheet(pictures.len(), format, size, scale)?;
     pictures.iter().flat_map(Picture::axes).try_for_each(check_axis)?;
     let font = Font::load()?;
     let frame = Frame::for_pictures(pictures, size, &font);
     match format {
         Format::Svg => svg::render_sheet(pictures, size, &frame, &font),
-        Format::Png => raster::render_sheet(pictures, size, &frame, &font),
+        Format::Png => raster::render_sheet(pictures, size.scaled(scale), &frame.magnified(scale), &font),
     }
 }
 
-/// Checks the number of pictures of a sheet and the size of each, before anything is drawn.
+/// Checks whether a sheet with this number of pictures can be rendered, before there are any pictures.
 ///
 /// # Errors
 ///
-/// As for [`render`]: [`PlotError::NoPictures`], [`PlotError::Size`] or [`PlotError::TooTall`].
+/// The errors of [`render_scaled()`] that concern the number of pictures, the size and the scale.
 ///
 /// # Examples
 ///
 /// ```
-/// use patchcord_draw::plot::{PlotError, Size, check_sheet};
+/// use patchcord_draw::plot::{Format, Size, check_sheet};
 ///
-/// // A sheet has at most 60000 pixels, and each picture has 560.
-/// assert!(check_sheet(107, Size::default()).is_ok());
-/// assert!(matches!(check_sheet(108, Size::default()), Err(PlotError::TooTall { pictures: 108 })));
+/// assert!(check_sheet(4, Format::Png, Size::default(), 2.0).is_ok());
+/// assert!(check_sheet(40, Format::Png, Size::default(), 10.0).is_err(), "too many pixels");
 /// ```
-pub fn check_sheet(pictures: usize, size: Size) -> Result<(), PlotError> {
+pub fn check_sheet(pictures: usize, format: Format, size: Size, scale: f64) -> Result<(), PlotError> {
+    check_size(size, pictures)?;
+    if !(Size::MIN_SCALE..=Size::MAX_SCALE).contains(&scale) {
+        return Err(PlotError::Scale(scale));
+    }
+    let pixels = size.scaled(scale);
+    let (width, height) = (f64::from(pixels.width), f64::from(pixels.height) * pictures as f64);
+    if format == Format::Png && width * height > Drawing::MAX_PNG_PIXELS {
+        return Err(PlotError::TooLarge { width, height, limit: Drawing::pixel_limit() });
+    }
+    Ok(())
+}
+
+/// Checks the size of a picture and the number of pictures.
+fn check_size(size: Size, pictures: usize) -> Result<(), PlotError> {
     let permitted = Size::MIN_SIDE..=Size::MAX_SIDE;
     if pictures == 0 {
         Err(PlotError::NoPictures)
@@ -120,185 +173,4 @@ fn check_axis(axis: &Axis) -> Result<(), PlotError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plot::{Channel, Marker};
-
-    fn channel(name: &str, points: Vec<(f64, f64)>) -> Channel {
-        Channel::line(name, points)
-    }
-
-    fn picture(channels: Vec<Channel>) -> Picture {
-        let values = || channels.iter().flat_map(|channel| &channel.points);
-        let horizontal = Axis::fit("t", "s", values().map(|at| at.0), Axis::HORIZONTAL_DIVISIONS);
-        let vertical = Axis::fit("v_o", "mm/s", values().map(|at| at.1), Axis::VERTICAL_DIVISIONS);
-        let note = Some("100 ms/div".to_owned());
-        Picture { channels, note, ..Picture::new("Stick & <slip>", horizontal, vertical) }
-    }
-
-    fn wave() -> Picture {
-        let points = (0..500).map(|n| (f64::from(n) * 0.02, (f64::from(n) * 0.05).sin() * 3.0));
-        picture(vec![channel("v_o", points.collect())])
-    }
-
-    fn svg(pictures: &[Picture]) -> String {
-        String::from_utf8(render(pictures, Format::Svg, Size::default()).unwrap()).unwrap()
-    }
-
-    /// Returns the width and height in the header of a PNG file.
-    fn png_size(file: &[u8]) -> (u32, u32) {
-        let number = |at: usize| u32::from_be_bytes(file[at..at + 4].try_into().unwrap());
-        (number(16), number(20))
-    }
-
-    #[test]
-    fn svg_contains_the_texts() {
-        let text = svg(&[wave()]);
-        for part in ["Stick &amp; &lt;slip&gt;", "v_o, mm/s", "t, s", "100 ms/div", "−4"] {
-            assert!(text.contains(part), "{part}");
-        }
-        assert!(text.contains(r#"width="900" height="560""#));
-    }
-
-    #[test]
-    fn legend_names_the_axis_of_each_channel() {
-        let mut two = wave();
-        let mut second = channel("x_o", vec![(0.0, 1.0), (10.0, 2.0)]);
-        second.right = true;
-        two.channels.push(second);
-        two.vertical_right = Some(Axis::fit("x_o", "mm", [0.0, 2.0], Axis::VERTICAL_DIVISIONS));
-        let text = svg(&[two]);
-        for part in ["v_o (left)", "x_o (right)", "x_o, mm"] {
-            assert!(text.contains(part), "{part}");
-        }
-    }
-
-    #[test]
-    fn png_has_signature_and_size() {
-        let size = Size { width: 320, height: 240 };
-        let file = render(&[wave(), wave()], Format::Png, size).unwrap();
-        assert!(file.starts_with(b"\x89PNG\r\n\x1a\n"));
-        assert_eq!(png_size(&file), (320, 480));
-    }
-
-    #[test]
-    fn same_pictures_give_same_bytes() {
-        for format in [Format::Svg, Format::Png] {
-            let size = Size { width: 300, height: 240 };
-            let one = render(&[wave()], format, size).unwrap();
-            assert_eq!(one, render(&[wave()], format, size).unwrap());
-        }
-    }
-
-    #[test]
-    fn markers_and_labels_are_written_if_they_fit() {
-        let mark = |at: f64, label: &str| Marker { at, label: label.to_owned() };
-        let mut marked = wave();
-        marked.markers =
-            vec![mark(4.0, "k = 20 N/m"), mark(2.0, "hold"), mark(2.1, "below"), mark(2.2, "no space")];
-        marked.markers.push(mark(99.0, "outside"));
-        marked.channels[0].labels = vec![(499, "m = 2 kg".to_owned()), (7000, "no such point".to_owned())];
-        let text = svg(&[marked.clone()]);
-        for part in ["hold", "below", "k = 20 N/m", "m = 2 kg"] {
-            assert!(text.contains(&format!(">\n{part}\n<")), "{part}");
-        }
-        for part in ["no space", "outside", "no such point"] {
-            assert!(!text.contains(part), "{part}");
-        }
-        assert!(!render(&[marked], Format::Png, Size::default()).unwrap().is_empty());
-    }
-
-    /// Returns the corners of each polygon of an SVG file.
-    fn areas(text: &str) -> Vec<Vec<(f64, f64)>> {
-        let corner = |pair: &str| {
-            let (x, y) = pair.split_once(',').unwrap();
-            (x.parse().unwrap(), y.parse().unwrap())
-        };
-        let corners = |part: &str| part.split('"').next().unwrap().split_whitespace().map(corner).collect();
-        text.split("<polygon").skip(1).map(|part| corners(part.split("points=\"").nth(1).unwrap())).collect()
-    }
-
-    #[test]
-    fn errors_are_bands_behind_lines_and_bars_through_dots() {
-        let errors = vec![0.5, 0.5, 0.5, 99.0];
-        let points = vec![(0.0, 0.0), (4.0, 1.0), (f64::NAN, 0.0), (8.0, 2.0)];
-        let line = Channel { errors: errors.clone(), ..channel("line", points.clone()) };
-        let dots = Channel { errors, ..Channel::dots("dots", points) };
-        let plain = picture(vec![channel("line", line.points.clone())]);
-        let lines = |picture: Picture| svg(&[picture]).matches("<polyline").count();
-        let banded = svg(&[Picture { channels: vec![line], ..plain.clone() }]);
-        // The band is clamped to the screen.
-        let heights = areas(&banded).into_iter().map(|corners| {
-            let ends =
-                corners.iter().map(|at| at.1).fold([f64::MAX, f64::MIN], |[a, b], y| [a.min(y), b.max(y)]);
-            ends[1] - ends[0]
-        });
-        let heights: Vec<f64> = heights.collect();
-        assert_eq!(heights.len(), 2);
-        assert!(heights[0] > 0.0 && heights[1] > heights[0] && heights[1] < 5600.0, "{heights:?}");
-        let barred = Picture { channels: vec![dots.clone()], ..plain.clone() };
-        let bare = Picture { channels: vec![Channel { errors: vec![], ..dots }], ..plain.clone() };
-        assert_eq!(lines(barred), lines(bare) + 3);
-    }
-
-    #[test]
-    fn faint_traces_are_behind_and_spans_are_at_the_back() {
-        let faint = Channel { faint: true, ..channel("scatter", vec![(0.0, 0.0), (9.0, 3.0)]) };
-        let marked = Picture { spans: vec![[2.0, 4.0], [9.0, 99.0]], ..wave() };
-        let rectangles = |picture: Picture| svg(&[picture]).matches("<rect").count();
-        assert_eq!(rectangles(marked), rectangles(wave()) + 2);
-        let mut both = wave();
-        both.channels.push(faint);
-        let text = svg(&[both]);
-        let lines: Vec<&str> = text.split("<polyline").collect();
-        let [before, last] = [lines[lines.len() - 2], lines[lines.len() - 1]];
-        assert!(before.contains("#B0B7C0") && last.contains("#0B3D91"), "{before} {last}");
-    }
-
-    #[test]
-    fn degenerate_pictures_are_drawn() {
-        let nan = f64::NAN;
-        let mut odd = picture(vec![
-            channel("", vec![]),
-            channel("only gaps", vec![(nan, 1.0), (0.0, f64::INFINITY)]),
-            channel("far", vec![(f64::MIN, f64::MAX), (1.0, f64::MIN)]),
-            channel("dot", vec![(0.0, 0.0)]),
-        ]);
-        odd.title = "very long \u{1}\n".repeat(200);
-        odd.vertical.label = "long".repeat(200);
-        odd.channels[0].name = "name ".repeat(200);
-        odd.note = Some("note ".repeat(200));
-        let marks = [f64::NAN, f64::INFINITY, f64::MIN, 0.0, 0.5, 0.5];
-        odd.markers = marks.map(|at| Marker { at, label: "mark ".repeat(200) }).to_vec();
-        odd.channels[1].labels = vec![(0, "label ".repeat(200)), (1, String::new())];
-        odd.channels[2].labels = vec![(1, "far".to_owned())];
-        odd.channels[1].errors = vec![f64::NAN, 1.0];
-        odd.channels[2].errors = vec![f64::MAX, f64::INFINITY];
-        odd.channels[3].errors = vec![1.0; 7];
-        odd.spans = vec![[f64::NAN, 1.0], [f64::MIN, f64::MAX], [1.0, 0.0]];
-        odd.channels.extend((0..40).map(|n| channel(&format!("channel number {n}"), vec![])));
-        let size = Size { width: Size::MIN_SIDE, height: Size::MIN_SIDE };
-        for format in [Format::Svg, Format::Png] {
-            assert!(!render(&[odd.clone(), picture(vec![])], format, size).unwrap().is_empty());
-        }
-        assert!(!svg(&[odd]).contains('\u{1}'));
-    }
-
-    #[test]
-    fn invalid_requests_are_rejected() {
-        let rejection = |pictures: &[Picture], width| {
-            let size = Size { width, height: 560 };
-            render(pictures, Format::Svg, size).unwrap_err()
-        };
-        assert!(matches!(rejection(&[], 900), PlotError::NoPictures));
-        let error = rejection(&[wave()], 10);
-        assert!(matches!(error, PlotError::Size(_)));
-        assert_eq!(error.to_string(), "each side of a picture must have 240 to 4000 pixels, got 10 x 560");
-        assert!(matches!(rejection(&vec![wave(); 200], 900), PlotError::TooTall { .. }));
-        for (low, high, divisions) in [(0.0, f64::NAN, 8), (1.0, 1.0, 8), (0.0, 1.0, 0)] {
-            let mut bad = wave();
-            bad.vertical = Axis { low, high, divisions, ..bad.vertical };
-            assert!(matches!(rejection(&[bad], 900), PlotError::Range { .. }));
-        }
-    }
-}
+mod tests;

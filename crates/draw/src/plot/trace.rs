@@ -3,6 +3,10 @@
 //! The points are split at breaks and gaps, projected, thinned to the resolution of the picture, and
 //! clipped at the screen. All lengths are in picture units; an ordinary picture is 900 units wide.
 
+use std::borrow::Cow;
+
+use plotters::style::RGBColor;
+
 use super::clip::{Area, clip};
 use super::surface::Surface;
 use super::thin::{drop_repeats, is_finite, is_monotonic, thin};
@@ -48,13 +52,37 @@ pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f6
         .collect()
 }
 
-/// Draws the lines, or dots, of a channel in its colour.
+/// Returns the parts of a channel with their colours: the correct points, and in a pale colour the wrong ones.
+pub(super) fn parts(channel: &Channel, colour: RGBColor) -> Vec<(Cow<'_, Channel>, RGBColor)> {
+    if channel.wrong.is_empty() {
+        return vec![(Cow::Borrowed(channel), colour)];
+    }
+    let mut is_wrong = vec![false; channel.points.len()];
+    for range in &channel.wrong {
+        is_wrong.get_mut(range.clone()).unwrap_or_default().fill(true);
+    }
+    // The correct part includes the first wrong point of a line, so that the line has no gap.
+    let is_joint = |index: usize| index > 0 && !is_wrong[index - 1] && !channel.breaks.contains(&index);
+    let correct = with_points(channel, |index| !is_wrong[index] || is_joint(index));
+    let wrong = with_points(channel, |index| is_wrong[index]);
+    vec![(Cow::Owned(wrong), palette::wrong(colour)), (Cow::Owned(correct), colour)]
+}
+
+/// Returns a channel in which the points that are not selected are gaps.
+fn with_points(channel: &Channel, is_selected: impl Fn(usize) -> bool) -> Channel {
+    let gap = (f64::NAN, f64::NAN);
+    let points = channel.points.iter().enumerate();
+    let points = points.map(|(index, point)| if is_selected(index) { *point } else { gap });
+    Channel { points: points.collect(), ..channel.clone() }
+}
+
+/// Draws the lines, or dots, of a channel in a colour.
 pub(super) fn draw(
     lines: &[Line],
-    (index, channel): (usize, &Channel),
+    channel: &Channel,
+    colour: RGBColor,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
-    let colour = palette::channel(index, channel);
     lines.iter().try_for_each(|line| surface.line(line, width(channel), colour))
 }
 
@@ -175,6 +203,19 @@ mod tests {
         let picture = picture(Channel::dots("", points));
         let drawn = lines(&picture, &picture.channels[0], SCREEN, 1.0);
         assert_eq!(drawn, [[(0.0, 100.0)], [(100.0, 0.0)]]);
+    }
+
+    #[test]
+    fn wrong_points_are_pale_and_joined_to_the_correct_ones() {
+        let points: Vec<(f64, f64)> = (0..8).map(|n| (f64::from(n), 5.0)).collect();
+        let line = Channel { breaks: vec![0, 4], wrong: vec![2..4, 4..8], ..Channel::line("", points) };
+        let black = RGBColor(0, 0, 0);
+        let parts = parts(&line, black);
+        let finite = |channel: &Channel| channel.points.iter().filter(|point| is_finite(**point)).count();
+        assert_eq!(parts.iter().map(|(part, _)| finite(part)).collect::<Vec<_>>(), [6, 3]);
+        assert!(parts[0].1 != black && parts[1].1 == black);
+        let correct = Channel { wrong: vec![], ..line.clone() };
+        assert_eq!(super::parts(&correct, black).len(), 1);
     }
 
     #[test]

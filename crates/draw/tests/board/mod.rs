@@ -16,6 +16,7 @@ use self::paths::{
 };
 use crate::common::files::{representative_files, shipped_files, test_patch_files};
 use patchcord_core::circuit::Circuit;
+use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 use patchcord_draw::schematic::Board;
 
 /// Returns the panel of a circuit.
@@ -80,3 +81,30 @@ on_boards!(
     every_given_setting_is_on_the_sheet,
     all_modules_of_a_row_have_the_same_jacks,
 );
+
+/// A ring of integrators. Each reads its two neighbours and itself, so it has seven cords.
+fn ring(cells: usize) -> Circuit {
+    let cell = |patch: PatchBuilder, index: usize| {
+        let name = |letter: &str, index: usize| format!("{letter}{}", index % cells);
+        let pot = |from: String| ElementBuilder::new("pot").cord("in", &from).set("setting", 0.3);
+        let [left, right, own] = ["PL", "PR", "PS"].map(|letters| name(letters, index));
+        patch
+            .element(&name("A", index), ElementBuilder::new("integrator").cords("x1", [&left, &right, &own]))
+            .element(&name("S", index), ElementBuilder::new("inverter").cord("in", &name("A", index)))
+            .element(&left, pot(name("A", index + cells - 1)))
+            .element(&right, pot(name("A", index + 1)))
+            .element(&own, pot(name("S", index)))
+    };
+    let patch = (0..cells).fold(PatchBuilder::new("Ring"), cell).build();
+    Circuit::new(&patch.unwrap_or_else(|report| panic!("{report}"))).unwrap()
+}
+
+#[test]
+fn a_panel_with_more_than_two_hundred_cords_is_complete() {
+    let circuit = ring(30);
+    let board = board(&circuit);
+    assert_eq!(board.cords.len(), 210);
+    let panels = [("ring".to_owned(), circuit, board)];
+    every_cord_is_drawn_exactly_once(&panels);
+    every_cord_ends_in_its_jacks(&panels);
+}

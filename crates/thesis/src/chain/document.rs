@@ -190,7 +190,7 @@ impl PatchRequest<'_> {
 /// The pictures of a patch: the velocity profile, and the loops of spring force against velocity.
 fn pictures() -> Value {
     let pictures = [
-        PictureEntry::new("System velocity profile", COMMAND, [VELOCITY]),
+        PictureEntry::new("System velocity profile", COMMAND, [VELOCITY]).with_own_ranges(),
         PictureEntry::new("Error force against output velocity", VELOCITY, ["spring_force"]),
     ];
     json_value(&pictures)

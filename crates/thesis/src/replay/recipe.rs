@@ -169,9 +169,10 @@ impl Recipe {
         self.set("v_start", velocity).set("v_rate", 0.0)
     }
 
-    /// Adds a picture. Pictures that are added replace those of the circuit.
+    /// Adds a picture. Pictures that are added replace those of the circuit. Each axis has the range of its own values,
+    /// as in the figures of the thesis.
     pub(super) fn add_picture(mut self, title: &str, x: &str, y: &[&str]) -> Recipe {
-        self.pictures.push(PictureEntry::new(title, x, y));
+        self.pictures.push(PictureEntry::new(title, x, y).with_own_ranges());
         self
     }
 

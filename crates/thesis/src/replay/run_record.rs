@@ -6,7 +6,7 @@ use super::recipe::BoxError;
 use patchcord_analysis::format::format_quantity;
 use patchcord_analysis::instruments::{
     Criterion, CriticalVelocity, CriticalVelocityError, Measure, MeasureValue, critical_velocity,
-    parameter_line,
+    parameter_line, signal_faults,
 };
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, SignalInfo};
@@ -47,7 +47,8 @@ impl ReplayedRun {
     pub(super) fn pictures(&self) -> Result<Vec<Picture>, BoxError> {
         let specs = &self.patch().pictures;
         let settings = self.settings();
-        let drawn = specs.iter().map(|spec| picture(&self.record.trace, spec, Some(&settings)));
+        let faults = signal_faults(&self.circuit, &self.record.trace);
+        let drawn = specs.iter().map(|spec| picture(&self.record.trace, spec, Some(&settings), &faults));
         Ok(drawn.collect::<Result<_, _>>()?)
     }
 

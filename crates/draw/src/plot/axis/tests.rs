@@ -45,6 +45,27 @@ fn tight_axes_have_no_empty_divisions() {
 }
 
 #[test]
+fn equal_axes_have_divisions_of_one_size() {
+    let axes = |across: &[f64], up: &[f64]| {
+        let axes = Axis::fit_equal("mm", [("x".to_owned(), across.to_vec()), ("y".to_owned(), up.to_vec())]);
+        axes.map(|axis| (axis.low, axis.high, axis.divisions))
+    };
+    assert_eq!(axes(&[0.0, 30.0], &[0.0, 3.0]), [(0.0, 30.0, 6), (-5.0, 15.0, 4)]);
+    assert_eq!(axes(&[-1.0, 1.0], &[-8.0, 8.0]), [(-4.0, 4.0, 4), (-8.0, 8.0, 8)]);
+    assert_eq!(axes(&[], &[2.0, 2.0])[1], (0.0, 2.0, 4));
+}
+
+#[test]
+fn zero_is_found_between_the_ends_only() {
+    let zero = |low: f64, high: f64, divisions: usize| {
+        Axis { low, high, divisions, ..Axis::fit("x", "", [0.0, 1.0], 10) }.zero_fraction()
+    };
+    assert_eq!(zero(-2.0, 6.0, 8), Some(0.25));
+    assert_eq!(zero(-1.0, 3.0, 3), Some(0.25), "zero between two division lines");
+    assert_eq!([zero(0.0, 5.0, 5), zero(-5.0, 0.0, 5), zero(2.0, 4.0, 2)], [None; 3]);
+}
+
+#[test]
 fn constant_values_have_a_sensible_range() {
     assert_eq!(range(&[], 10), (-1.0, 1.0));
     assert_eq!(range(&[0.0, 0.0], 10), (-1.0, 1.0));
@@ -75,7 +96,7 @@ fn logarithmic_axes_have_the_given_ends() {
     assert_eq!(ends(axis(5.0, 5.0)), (5.0, 50.0, 1));
     let four = axis(0.1, 1000.0);
     assert_eq!([0.1, 1.0, 10.0, 1000.0].map(|value| four.fraction(value)), [0.0, 0.25, 0.5, 1.0]);
-    assert!(four.is_drawable() && four.fraction(-1.0) < -10.0 && four.zero_line().is_none());
+    assert!(four.is_drawable() && four.fraction(-1.0) < -10.0 && four.zero_fraction().is_none());
     assert!(
         four.has_decade_divisions()
             && !axis(25.0, 40.0).has_decade_divisions()

@@ -7,6 +7,7 @@
 mod colour;
 mod composites;
 mod cords;
+mod corners;
 mod face;
 mod json;
 mod module_rows;
@@ -141,7 +142,7 @@ const LAYOUT_NOTE: &str = "layout of the panel arranged by us: that of the machi
 
 impl Board {
     /// The maximum number of cords. More cords are not readable, and routing them takes too long.
-    pub const MAX_CORDS: usize = 150;
+    pub const MAX_CORDS: usize = 1000;
 
     /// Returns the patch panel of a circuit; `note` is printed below the title.
     ///

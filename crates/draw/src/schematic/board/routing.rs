@@ -3,11 +3,13 @@
 //! The panel is divided into square cells. Each cord takes the cheapest path between its plugs, found
 //! with A* over cells and eight directions. A path costs its length, plus penalties for turns and for
 //! cells with texts, jacks or other cords. All cords are routed several times, so that early cords also
-//! avoid later ones. At the end the corners are rounded.
+//! avoid later ones. With many cords the estimate is weighted (Pohl 1970): the search is faster, and a path
+//! costs at most the weight times the minimum. At the end the corners are rounded.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use super::corners;
 use crate::plot::{Area, Primitive};
 use crate::schematic::layout::Point;
 
@@ -37,11 +39,28 @@ const PLUG_RADIUS: f64 = 10.0;
 /// The maximum distance of a path from the rectangle around its plugs. It limits the search.
 const MAX_DETOUR: f64 = 180.0;
 
-/// The number of rounds in which all cords are routed, as (maximum number of cords, rounds).
-const ROUNDS: [(usize, usize); 2] = [(80, 3), (usize::MAX, 1)];
+/// The effort for a panel, by its number of cords and links. The first row that fits applies.
+const EFFORTS: [Effort; 3] = [
+    Effort { max_cords: 80, rounds: 3, weight: 1.0 },
+    Effort { max_cords: 200, rounds: 1, weight: 1.0 },
+    Effort { max_cords: usize::MAX, rounds: 1, weight: 2.0 },
+];
 
-/// The number of times that the corners of a path are cut.
-const CUTS: usize = 3;
+/// How thoroughly the cords of a panel are routed.
+#[derive(Debug, Clone, Copy)]
+struct Effort {
+    /// The maximum number of cords and links for which this effort applies.
+    max_cords: usize,
+    /// The number of rounds in which all cords are routed.
+    rounds: usize,
+    /// The factor of the estimate of the remaining cost; with 1 every path is the cheapest.
+    weight: f32,
+}
+
+/// Returns the effort for a number of cords and links.
+fn effort(count: usize) -> Effort {
+    EFFORTS.into_iter().find(|effort| count <= effort.max_cords).unwrap_or(EFFORTS[2])
+}
 
 /// The directions of a path in steps of 45 degrees, as cells (right, down).
 const DIRECTIONS: [(i32, i32); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
@@ -134,10 +153,10 @@ impl PanelGrid {
 
     /// Routes cords between their plugs and returns the points of each path.
     pub(super) fn route(&mut self, ends: &[[Point; 2]]) -> Vec<Vec<Point>> {
-        let rounds = ROUNDS.iter().find(|(max, _)| ends.len() <= *max).map_or(1, |(_, rounds)| *rounds);
+        let effort = effort(ends.len());
         let mut paths: Vec<Vec<State>> = vec![Vec::new(); ends.len()];
-        let mut search = Search::new(self.contents.len());
-        for _ in 0..rounds {
+        let mut search = Search::new(self.contents.len(), effort.weight);
+        for _ in 0..effort.rounds {
             for (cord, ends) in ends.iter().enumerate() {
                 paths[cord]
                     .iter()
@@ -179,7 +198,7 @@ impl PanelGrid {
         let turns = path.get(1..).unwrap_or_default().windows(2).filter(|pair| pair[0] % 8 != pair[1] % 8);
         corners.extend(turns.map(|pair| centre(self.position_of(pair[0] / 8))));
         corners.push(to);
-        (0..CUTS).fold(corners, |corners, _| cut(&corners))
+        corners::rounded(corners)
     }
 }
 
@@ -193,13 +212,16 @@ struct Search {
     before: Vec<u32>,
     /// The number of the current search.
     number: u32,
+    /// The factor of the estimate of the remaining cost.
+    weight: f32,
 }
 
 impl Search {
     /// Returns a search for a panel with this number of cells. It serves all cords, so its lists are allocated once.
-    fn new(cells: usize) -> Search {
+    fn new(cells: usize, weight: f32) -> Search {
         let states = 8 * cells;
-        Search { costs: vec![0.0; states], found_in: vec![0; states], before: vec![0; states], number: 0 }
+        let (costs, found_in, before) = (vec![0.0; states], vec![0; states], vec![0; states]);
+        Search { costs, found_in, before, number: 0, weight }
     }
 
     /// Returns the cost of the best path to a state in the current search; infinite if there is none yet.
@@ -214,13 +236,14 @@ impl Search {
 
     /// Returns the states of the cheapest path between two plugs; empty if there is none.
     ///
-    /// The search may start in any direction. The estimate never exceeds the remaining cost, so the first path
-    /// that reaches the goal is the cheapest.
+    /// The search may start in any direction. The estimate without its weight never exceeds the remaining cost. The
+    /// first path that reaches the goal therefore costs at most the weight times the minimum.
     fn cheapest(&mut self, grid: &PanelGrid, ends: [Point; 2]) -> Vec<State> {
         self.number += 1;
         let [start, goal] = ends.map(cell_of);
         let (Some(first), Some(last)) = (grid.index(start), grid.index(goal)) else { return Vec::new() };
-        let remaining = |cell: usize| FREE_COST * estimate(grid.position_of(cell), goal);
+        let weight = self.weight * FREE_COST;
+        let remaining = |cell: usize| weight * estimate(grid.position_of(cell), goal);
         let mut open: BinaryHeap<Candidate> = BinaryHeap::new();
         for direction in 0..8 {
             self.record(8 * first + direction, 0.0, 8 * first + direction);
@@ -300,28 +323,6 @@ fn centre((column, row): (i32, i32)) -> Point {
 /// Returns the distance of two points in pixels.
 fn distance(one: Point, other: Point) -> f64 {
     (one.0 - other.0).hypot(one.1 - other.1)
-}
-
-/// The maximum length that is cut off a segment at its ends.
-const MAX_CUT: f64 = 5.0;
-
-/// Returns the line with every corner cut off (Chaikin 1974).
-fn cut(points: &[Point]) -> Vec<Point> {
-    let mut rounder = vec![points[0]];
-    for (index, pair) in points.windows(2).enumerate() {
-        let share = (MAX_CUT / distance(pair[0], pair[1]).max(1e-9)).min(0.25);
-        let at = |share: f64| {
-            (pair[0].0 + share * (pair[1].0 - pair[0].0), pair[0].1 + share * (pair[1].1 - pair[0].1))
-        };
-        if index > 0 {
-            rounder.push(at(share));
-        }
-        if index + 2 < points.len() {
-            rounder.push(at(1.0 - share));
-        }
-    }
-    rounder.push(points[points.len() - 1]);
-    rounder
 }
 
 impl Ord for Candidate {
