@@ -23,7 +23,7 @@ fn trace() -> Trace {
         time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
         tracks: vec![track("v", "m/s"), track("w", "m/s"), track("F", "N"), track("p", "Pa")],
         repetitions: vec![Repetition::default(), Repetition { first: 3, ..Repetition::default() }],
-        phase_records: Vec::new(),
+        ..Trace::default()
     }
 }
 
