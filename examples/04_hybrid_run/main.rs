@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let specs = circuit.picture_specs(["y"]);
-    let picture = draw::picture(&trace, &specs[0], None)?;
+    let picture = draw::picture(&trace, &specs[0], None, &[])?;
     let file = std::env::temp_dir().join("shots.svg");
     write_atomic(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
     println!("wrote {}", file.display());
