@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     // The first picture of the patch that shows the output velocity.
     let specs = circuit.picture_specs(["v_o"]);
-    let picture = draw::picture(&trace, &specs[0], None)?;
+    let picture = draw::picture(&trace, &specs[0], None, &[])?;
     let file = std::env::temp_dir().join("velocity-profile.svg");
     write_atomic(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
     println!("wrote {}", file.display());
