@@ -56,7 +56,7 @@ fn an_output_that_is_thrown_to_its_limit_counts_as_an_overload() {
 #[test]
 fn a_maximum_holder_above_the_maximum_is_reported() {
     // P' = 1000 (max(S, P) - P) for S = 60 sin t: P must not exceed 60 V.
-    let sine = element("sine").set("amplitude", 60).set("frequency", "1 / (2 * pi) * 1");
+    let sine = element("sine").set("amplitude", 60).set("frequency", "1 / (2 * pi)");
     let builder = volts("holder")
         .drive("S", "volt", sine)
         .element("U", element("diode-upper-of").set("in", json!(["S", "P"])).set("drop", 0))

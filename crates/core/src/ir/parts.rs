@@ -118,6 +118,13 @@ pub(crate) struct Tear {
     pub amplification: Option<u32>,
 }
 
+impl Tear {
+    /// Register of the recomputed output before the limit, or of the output itself if it is not limited.
+    pub(crate) fn demanded(&self) -> Register {
+        self.demand.unwrap_or(self.result)
+    }
+}
+
 impl Loop {
     /// Names of the elements at which the loop is opened.
     pub fn openers(&self) -> impl Iterator<Item = &str> {

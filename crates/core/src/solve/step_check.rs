@@ -6,7 +6,7 @@
 
 use super::buffers::StepBuffers;
 use super::events::event_at;
-use super::runge_kutta::{MIN_STATE, try_step};
+use super::runge_kutta::try_step;
 use super::state::{Setup, Solver, SolverState, read_rates};
 
 /// The product of a decay rate and the step above which the classical method of order 4 is unstable.
@@ -231,7 +231,6 @@ fn response(stage_rates: &[Vec<f64>], length: f64) -> Option<Response> {
 fn move_to_end(setup: &Setup<'_>, state: &mut SolverState, buffers: &StepBuffers, length: f64) {
     state.time += length;
     state.states.copy_from_slice(&buffers.states);
-    state.states.iter_mut().filter(|volts| volts.abs() < MIN_STATE).for_each(|volts| *volts = 0.0);
     state.voltages.copy_from_slice(&buffers.voltages);
     read_rates(setup.program, &state.voltages, &mut state.rates);
     for (value, sampled) in state.sampled.iter_mut().zip(&setup.program.lowered.sampled) {

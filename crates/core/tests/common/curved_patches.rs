@@ -4,7 +4,7 @@
 //! search from many random voltages looks for a second one.
 
 use super::random::SplitMix64;
-use super::static_patches::{Eliminated, eliminate};
+use super::static_patches::{Eliminated, eliminate, random_count};
 use super::{element, run_for, voltage, volts};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -155,7 +155,7 @@ pub(crate) fn check_random(seed: u64, cases: usize) -> CurvedTally {
     let mut random = SplitMix64(seed);
     let mut tally = CurvedTally::default();
     for _ in 0..cases {
-        let count = 2 + random.uniform(0.0, 5.0) as usize;
+        let count = random_count(&mut random, 2, 6);
         let patch = random_patch(&mut random, count);
         let built = patch.builder.clone().build().unwrap_or_else(|report| panic!("{report}"));
         let circuit = Circuit::new(&built).unwrap_or_else(|report| panic!("{report}"));

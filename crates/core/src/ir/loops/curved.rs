@@ -61,14 +61,14 @@ enum Place {
 
 /// Intervals of all tears.
 #[derive(Debug, Clone)]
-struct Box {
+struct TearBox {
     /// The intervals.
     tears: Vec<Interval>,
     /// Where the tears are.
     places: Vec<Place>,
 }
 
-impl Box {
+impl TearBox {
     /// The largest width of an interval.
     fn width(&self) -> f64 {
         self.tears.iter().fold(0.0, |widest, tear| f64::max(widest, tear.width()))
@@ -99,7 +99,7 @@ enum Narrowed {
     /// It has exactly one solution.
     One,
     /// It may have solutions.
-    Open(Box),
+    Open(TearBox),
 }
 
 /// The search.
@@ -115,7 +115,7 @@ struct Search<'a> {
     /// The iteration that ends the search for a solution.
     newton: Newton,
     /// Boxes of the smallest width that may have solutions.
-    candidates: Vec<Box>,
+    candidates: Vec<TearBox>,
     /// The solutions so far.
     found: SolutionSet,
 }
@@ -147,8 +147,8 @@ impl Search<'_> {
     }
 
     /// The boxes at the start: every limited tear is at a limit or between them.
-    fn all_places(&self) -> Vec<Box> {
-        let mut boxes = vec![Box { tears: Vec::new(), places: Vec::new() }];
+    fn all_places(&self) -> Vec<TearBox> {
+        let mut boxes = vec![TearBox { tears: Vec::new(), places: Vec::new() }];
         for tear in &self.problem.entry.tears {
             let within = (Interval::new(-REFERENCE, REFERENCE), Place::Within);
             let limits = [
@@ -170,12 +170,12 @@ impl Search<'_> {
     }
 
     /// Narrows a box by the recomputed outputs and by Newton's method.
-    fn narrow(&mut self, mut present: Box) -> Narrowed {
+    fn narrow(&mut self, mut present: TearBox) -> Narrowed {
         let problem = self.problem;
         self.intervals[..problem.order()].copy_from_slice(&present.tears);
         problem.evaluate(&mut self.intervals);
         for (position, tear) in problem.entry.tears.iter().enumerate() {
-            let demand = problem.get(&self.intervals, tear.demand.unwrap_or(tear.result));
+            let demand = problem.get(&self.intervals, tear.demanded());
             let margin = SLACK.0 + SLACK.1 * problem.amplification(tear);
             let interval = &mut present.tears[position];
             let is_empty = match present.places[position] {
@@ -198,7 +198,7 @@ impl Search<'_> {
     ///
     /// With g(y) = y - a(y), the middle m, and the inverse C of the middle of the slopes S, every solution in the box X
     /// is in m - C g(m) + (1 - C S) (X - m).
-    fn narrow_by_slopes(&mut self, mut present: Box) -> Narrowed {
+    fn narrow_by_slopes(&mut self, mut present: TearBox) -> Narrowed {
         let free: Vec<usize> =
             (0..present.places.len()).filter(|tear| present.places[*tear] == Place::Within).collect();
         let middle = present.middle();
@@ -236,12 +236,12 @@ impl Search<'_> {
     /// What is demanded of a tear less than its voltage, at the voltages evaluated last.
     fn gap(&self, tear: usize, tears: &[f64]) -> f64 {
         let entry = &self.problem.entry.tears[tear];
-        tears[tear] - self.problem.get(&self.inside, entry.demand.unwrap_or(entry.result))
+        tears[tear] - self.problem.get(&self.inside, entry.demanded())
     }
 
     /// Bounds of the slopes of y - a(y) over a box, by rows, for the tears between their limits, and the inverse of
     /// their middle. `None` if they are not bounded or the middle is singular.
-    fn slopes(&mut self, present: &Box, free: &[usize]) -> Option<(Vec<Vec<Interval>>, DMatrix<f64>)> {
+    fn slopes(&mut self, present: &TearBox, free: &[usize]) -> Option<(Vec<Vec<Interval>>, DMatrix<f64>)> {
         let problem = self.problem;
         let mut slopes = vec![vec![Interval::constant(0.0); free.len()]; free.len()];
         for (column, moving) in free.iter().enumerate() {
@@ -251,7 +251,7 @@ impl Search<'_> {
             problem.evaluate(&mut self.bounds);
             for (row, tear) in free.iter().enumerate() {
                 let entry = &problem.entry.tears[*tear];
-                let demand = problem.get(&self.bounds, entry.demand.unwrap_or(entry.result)).slope;
+                let demand = problem.get(&self.bounds, entry.demanded()).slope;
                 let own = Interval::constant(if row == column { 1.0 } else { 0.0 });
                 slopes[row][column] = own.subtract(demand);
             }
@@ -263,7 +263,7 @@ impl Search<'_> {
     }
 
     /// Adds the solution that Newton's method reaches from the middle of a box. `false` if it is not in the box.
-    fn settle(&mut self, present: &Box) -> bool {
+    fn settle(&mut self, present: &TearBox) -> bool {
         let mut tears = present.middle();
         self.newton.forget();
         let is_settled = present.places.iter().all(|place| *place != Place::Within)

@@ -10,7 +10,6 @@
 use super::matrix::Factors;
 use super::{Problem, SOLUTION_SPACING, clamped};
 use crate::ir::Register;
-use crate::ir::parts::Tear;
 use crate::ir::tangent::SourceSlopes;
 use crate::machines::REFERENCE;
 
@@ -142,7 +141,7 @@ impl Newton {
             differentiate(problem, inside, &mut self.slopes);
             for (row, tear) in problem.entry.tears.iter().enumerate() {
                 let own = if row == column { 1.0 } else { 0.0 };
-                let slope = own - slope_of(problem, &self.slopes, demand_of(tear));
+                let slope = own - slope_of(problem, &self.slopes, tear.demanded());
                 let entry = &mut self.rows[row * order + column];
                 are_same &= *entry == slope;
                 *entry = slope;
@@ -167,7 +166,7 @@ impl Newton {
         let mut largest = 0.0;
         for (position, tear) in problem.entry.tears.iter().enumerate() {
             let output = inside[position];
-            let gap = output - problem.get(inside, demand_of(tear));
+            let gap = output - problem.get(inside, tear.demanded());
             let row = &self.rows[position * order..(position + 1) * order];
             let aim = output - gap / row[position].abs();
             let (side, residual) = match aim {
@@ -238,11 +237,6 @@ impl Newton {
 /// Whether a residual is as small as rounding permits.
 fn settles(tears: &[f64], residual: f64) -> bool {
     residual <= SETTLED * tears.iter().fold(1.0, |largest, tear| f64::max(largest, tear.abs()))
-}
-
-/// The register with the demanded output of a tear.
-fn demand_of(tear: &Tear) -> Register {
-    tear.demand.unwrap_or(tear.result)
 }
 
 /// The slope of a register. Registers before the loop do not vary.

@@ -70,7 +70,7 @@ impl Uniqueness {
         for column in 0..order {
             self.evaluate(problem, column, &input);
             for (row, tear) in problem.entry.tears.iter().enumerate() {
-                let register = tear.demand.unwrap_or(tear.result).index();
+                let register = tear.demanded().index();
                 let slope = match register.checked_sub(problem.outside.len()) {
                     Some(at) => self.bounds[at].slope,
                     None => Interval::constant(0.0),
