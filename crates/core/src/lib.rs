@@ -25,6 +25,7 @@ mod kernel;
 mod lower;
 pub mod machines;
 pub mod output;
+mod parabola;
 pub mod patch;
 mod run_settings;
 pub mod solve;

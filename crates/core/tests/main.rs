@@ -23,3 +23,4 @@ mod relay;
 mod scipy;
 mod sensitivity;
 mod step_length;
+mod within_step;

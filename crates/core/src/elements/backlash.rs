@@ -12,9 +12,8 @@ use crate::machines::{Part, REFERENCE};
 pub(super) static KIND: Kind = Kind {
     name: "backlash",
     summary: "play operator: keeps its output until the input has crossed the play, then follows at half the width",
-    law: "out is constant while |in - out| < width / 2, and otherwise follows in at that distance; if in reverses \
-          within a step of length h, out falls short of its turning point by up to h^2 / 8 x |d2 in / dt2|; exact if \
-          in reverses at the end of a step",
+    law: "out is constant while |in - out| < width / 2, and otherwise follows in at that distance; the instants at \
+          which in reverses are located, and a step ends there",
     modes: "has the value initial in initial condition, moved into the play of its input; in hold its output changes \
             only if its input is changed by hand",
     source: "backlash circuits of the handbooks: an integrator of high gain behind a dead zone",
@@ -42,10 +41,12 @@ pub(super) static KIND: Kind = Kind {
 
 /// out = min(in + width / 2, max(in - width / 2, was)), in volts, with `was` the output at the end of the last step.
 ///
-/// At the edge of the play the output follows the input, so its derivative there is that of the input.
+/// At the edge of the play the output follows the input, so its derivative there is that of the input. Steps end where
+/// the input turns, so that the output reaches its own turning points.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (was, signal, width) =
         (builder.new_sampled_value("initial"), builder.input("in"), builder.get("width"));
+    builder.sample_turning_points_of(signal);
     let half = builder.constant(0.5);
     let play = builder.multiply(half, width);
     let (least, most) = (builder.subtract(signal, play), builder.add(signal, play));

@@ -81,6 +81,9 @@ pub(crate) struct SampledValue {
     pub initial: u32,
     /// Register whose value is sampled at the end of every step.
     pub next: Register,
+    /// Register with the input that the sampled value follows up to its turning points, if there is one. Steps end at
+    /// these turning points.
+    pub follows: Option<Register>,
 }
 
 /// A loop without an integrator.

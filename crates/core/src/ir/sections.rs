@@ -142,7 +142,9 @@ impl Program {
             transition.reset.iter_mut().for_each(|reset| renumbered(&mut reset.to));
         }
         self.lowered_mut().delays.iter_mut().for_each(|delay| renumbered(&mut delay.input));
-        self.lowered_mut().sampled.iter_mut().for_each(|sampled| renumbered(&mut sampled.next));
+        for sampled in &mut self.lowered_mut().sampled {
+            [&mut sampled.next].into_iter().chain(&mut sampled.follows).for_each(renumbered);
+        }
         for entry in &mut self.lowered_mut().loops {
             for tear in &mut entry.tears {
                 [&mut tear.register, &mut tear.result]

@@ -121,6 +121,9 @@ impl Kernel {
     /// bounds.
     pub(crate) fn accept_present(&self, frame: &mut Frame<f64>) -> bool {
         frame.accept_present();
+        for followed in &self.followed[..self.curved_intervals] {
+            frame.slots[followed.begin as usize] = frame.slots[followed.slot as usize];
+        }
         let outside = self.short(frame, self.corners..self.watches.len()).next();
         outside.is_none()
     }
@@ -162,8 +165,8 @@ impl Kernel {
     /// Guards come first, because modes may change at a corner. Corners come before ranges, because the kernel gives
     /// wrong voltages beyond a corner.
     pub(crate) fn first_hit(&self, frame: &Frame<f64>) -> Option<WatchHit> {
-        let guard = self.short(frame, self.corners..self.thorough.in_middle).next();
-        let range = || self.short(frame, self.thorough.in_middle..self.thorough.all).next();
+        let guard = self.short(frame, self.corners..self.thorough.within).next();
+        let range = || self.short(frame, self.thorough.within..self.thorough.all).next();
         let watch = guard.or_else(|| self.passed(frame).next()).or_else(range)?;
         let kind = self.kind(watch);
         Some(WatchHit { watch, margin: if kind == WatchKind::Corner { CORNER_MARGIN } else { 0.0 }, kind })
@@ -179,7 +182,7 @@ impl Kernel {
     /// The corners that were crossed. If a range was hit as well, a corner counts even within its tolerance, as the
     /// voltages behind it may be wrong.
     fn passed(&self, frame: &Frame<f64>) -> impl Iterator<Item = usize> {
-        let ranges = self.thorough.in_middle..self.thorough.all;
+        let ranges = self.thorough.within..self.thorough.all;
         let least = if self.short(frame, ranges).next().is_some() { KINK_TOLERANCE } else { 0.0 };
         (0..self.corners).filter(move |watch| frame.margins[*watch] < least)
     }
@@ -196,7 +199,7 @@ impl Kernel {
     fn kind(&self, watch: usize) -> WatchKind {
         match watch {
             _ if watch < self.corners => WatchKind::Corner,
-            _ if watch < self.thorough.in_middle => WatchKind::Guard,
+            _ if watch < self.thorough.within => WatchKind::Guard,
             _ => WatchKind::Range,
         }
     }

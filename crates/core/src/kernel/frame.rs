@@ -39,6 +39,11 @@ pub(crate) struct Frame<V> {
     pub(super) slopes: Vec<V>,
     /// Offset of every watch, in volts; infinity if the watch cannot be hit.
     pub(super) offsets: Vec<V>,
+    /// The sum of every followed voltage at the first two stages, in volts.
+    pub(super) sums: Vec<V>,
+    /// At each of the first two stages of a look-ahead: the margins of the watches that are tested within a step, and
+    /// the sampled values whose turning points count.
+    pub(super) inner: [Vec<f64>; 2],
     /// Lower bound of every safe interval, in volts.
     pub(super) lows: Vec<V>,
     /// Upper bound of every safe interval, in volts.
@@ -115,6 +120,8 @@ impl Kernel {
             parameter_registers: Vec::with_capacity(self.parameter_code.len()),
             slopes: zeros(self.watches.len()),
             offsets: zeros(self.watches.len()),
+            sums: zeros(self.followed.len()),
+            inner: [(); 2].map(|()| vec![0.0; self.thorough.within + self.turning().len()]),
             lows: zeros(self.safe_intervals.len()),
             highs: zeros(self.safe_intervals.len()),
             extremes: Extremes::of(self.tracked.len()),
@@ -200,9 +207,9 @@ impl Frame<f64> {
         }
     }
 
-    /// The sampled values.
+    /// The sampled values of the program.
     pub(crate) fn sampled(&self, kernel: &Kernel) -> &[f64] {
-        &self.slots[kernel.layout.sampled..kernel.layout.levels]
+        &self.slots[kernel.layout.sampled..kernel.layout.begins]
     }
 
     /// A recorded voltage at the last evaluation.

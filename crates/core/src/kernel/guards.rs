@@ -19,8 +19,10 @@ pub(super) struct SafeIntervals {
     pub all: Vec<SafeInterval>,
     /// The atom of every interval.
     pub atoms: Vec<Atom>,
-    /// Number of intervals that are also tested in the middle of a step; the first ones of all.
-    pub in_middle: usize,
+    /// Number of intervals of linear functions that are tested within a step; the first ones of all.
+    pub straight: usize,
+    /// Number of intervals that are tested within a step, the straight ones included.
+    pub within: usize,
     /// Index of the interval of each atom.
     indices: HashMap<Atom, usize>,
 }
@@ -38,21 +40,24 @@ impl SafeIntervals {
 }
 
 impl Layouter {
-    /// The safe intervals for these watches, of which the first `in_middle` are also tested in the middle of a step.
-    /// Every state gets one, too.
-    pub(super) fn safe_intervals(
-        &self,
-        watched: &[(Atom, WatchCondition)],
-        in_middle: usize,
-    ) -> SafeIntervals {
+    /// The safe intervals for these watches, of which the first `within` are also tested within a step. Every state gets
+    /// one, too.
+    pub(super) fn safe_intervals(&self, watched: &[(Atom, WatchCondition)], within: usize) -> SafeIntervals {
         let mut safe_intervals = SafeIntervals::default();
-        for (watch, (atom, _)) in watched.iter().enumerate() {
-            let (of, line) = self.as_line(*atom, |_| true);
+        let lines: Vec<_> = watched.iter().map(|(atom, _)| self.as_line(*atom, |_| true)).collect();
+        let is_straight = |watch: &usize| self.straight[lines[*watch].0 as usize];
+        let (straight, curved): (Vec<usize>, Vec<usize>) = (0..within).partition(is_straight);
+        let mut add = |watch: usize| {
+            let (of, line) = lines[watch];
             safe_intervals.at(of, self.slots[of as usize]).watches.push(IntervalWatch { watch, line });
-            if watch < in_middle {
-                safe_intervals.in_middle = safe_intervals.all.len();
-            }
-        }
+            safe_intervals.all.len()
+        };
+        let straight = straight.into_iter().map(&mut add).last().unwrap_or(0);
+        let within_all = curved.into_iter().map(&mut add).last().unwrap_or(straight);
+        (within..watched.len()).for_each(|watch| {
+            add(watch);
+        });
+        (safe_intervals.straight, safe_intervals.within) = (straight, within_all);
         for (atom, node) in self.specialised.nodes.iter().enumerate() {
             if matches!(node, Node::State(_)) {
                 safe_intervals.at(atom as Atom, self.slots[atom]);
@@ -78,7 +83,11 @@ impl Layouter {
 
     /// An atom as constant + factor x another atom, if it has this form and both numbers are acceptable. Otherwise the
     /// atom itself.
-    fn as_line(&self, atom: Atom, is_acceptable: impl Fn(Factor) -> bool) -> (Atom, Option<[Slot; 2]>) {
+    pub(super) fn as_line(
+        &self,
+        atom: Atom,
+        is_acceptable: impl Fn(Factor) -> bool,
+    ) -> (Atom, Option<[Slot; 2]>) {
         match &self.specialised.nodes[atom as usize] {
             Node::Sum(Form { constant, terms }) if terms.len() == 1 => {
                 let (of, line) = (terms[0].0, [*constant, terms[0].1]);

@@ -13,7 +13,7 @@ use super::code::{Code, Instruction, Slot};
 use super::form::{Atom, Factor, Form};
 use super::node::{Node, Operand, atoms, needed};
 use super::specialise::{At, Corner, Specialised};
-use super::{Checks, Kernel, Layout, Watch, WatchCondition};
+use super::{Checks, Followed, Kernel, Layout, Watch, WatchCondition};
 use crate::ir::{Op, Program};
 
 /// Makes the kernel of a specialised program.
@@ -37,6 +37,12 @@ pub(super) struct Layouter {
     depths: Vec<u32>,
     /// For every operation of the parameter code, whether it depends on the branch.
     pub branch_dependent: Vec<bool>,
+    /// For every atom, whether it is a linear function of states, time and constants within a step.
+    pub straight: Vec<bool>,
+    /// The other atoms that have an interval which is tested within a step.
+    curved: Vec<Atom>,
+    /// Indices of the sampled values whose turning points count.
+    turning: Vec<usize>,
 }
 
 impl Layouter {
@@ -49,11 +55,16 @@ impl Layouter {
             slots: Vec::new(),
             depths: Vec::new(),
             branch_dependent: Vec::new(),
+            straight: Vec::new(),
+            curved: Vec::new(),
+            turning: Vec::new(),
             specialised,
         };
         layouter.trace_branches();
         layouter.measure_depths();
         layouter.list_factors();
+        layouter.find_straight_atoms();
+        layouter.list_followed(program);
         layouter.assign_slots(program);
         layouter
     }
@@ -102,6 +113,48 @@ impl Layouter {
         }
     }
 
+    /// Finds the atoms that are linear functions of states and time. Tables of time are, because steps end at their
+    /// corners.
+    fn find_straight_atoms(&mut self) {
+        for node in &self.specialised.nodes {
+            self.straight.push(match node {
+                Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Sampled(_) | Node::Level(_) => true,
+                Node::Sum(form) => form.terms.iter().all(|(atom, _)| self.straight[*atom as usize]),
+                _ => false,
+            });
+        }
+    }
+
+    /// Lists the voltages whose parabola within a step has to be computed.
+    fn list_followed(&mut self, program: &Program) {
+        let (watched, within) = self.watched();
+        for (atom, _) in &watched[..within] {
+            let (of, _) = self.as_line(*atom, |_| true);
+            if !self.straight[of as usize] && !self.curved.contains(&of) {
+                self.curved.push(of);
+            }
+        }
+        let sampled = program.lowered.sampled.iter().zip(&self.specialised.sampled).enumerate();
+        let turning = sampled
+            .filter(|(_, (sampled, next))| sampled.follows.is_some() && matches!(next, Operand::Atom(_)));
+        self.turning = turning.map(|(index, _)| index).collect();
+    }
+
+    /// The atoms of the sampled values whose turning points count.
+    fn turning_atoms(&self) -> impl Iterator<Item = Atom> + '_ {
+        self.turning.iter().flat_map(|index| atoms(&self.specialised.sampled[*index..=*index]))
+    }
+
+    /// The voltages whose parabola is computed: those with an interval first.
+    fn followed(&self) -> Vec<Followed> {
+        let Layout { sampled, begins, .. } = self.layout;
+        let curved = self.curved.iter().copied().zip(begins..);
+        let turning = self.turning_atoms().zip(self.turning.iter().map(|index| sampled + index));
+        let slots =
+            |(atom, begin): (Atom, usize)| Followed { slot: self.slots[atom as usize], begin: begin as Slot };
+        curved.chain(turning).map(slots).collect()
+    }
+
     /// Assigns the slots of inputs and results. All inputs of the program get a slot, even if the kernel does not read
     /// them, so that the solver can copy its lists as a whole.
     fn assign_slots(&mut self, program: &Program) {
@@ -110,7 +163,8 @@ impl Layouter {
         let scheduled = time + 1;
         let delayed = scheduled + self.specialised.scheduled.len();
         let sampled = delayed + program.lowered.delays.len();
-        let levels = sampled + program.lowered.sampled.len();
+        let begins = sampled + program.lowered.sampled.len();
+        let levels = begins + self.curved.len();
         let results = levels + program.lowered.levels.len();
         let mut next = results;
         for node in &self.specialised.nodes {
@@ -127,7 +181,8 @@ impl Layouter {
                 }
             });
         }
-        self.layout = Layout { states, time, scheduled, delayed, sampled, levels, results, all: next };
+        self.layout =
+            Layout { states, time, scheduled, delayed, sampled, begins, levels, results, all: next };
     }
 
     /// The slot of an operand.
@@ -147,8 +202,8 @@ impl Layouter {
     /// checks, which leave out what is already computed.
     fn kernel(self) -> Kernel {
         let specialised = &self.specialised;
-        let (watched, watched_in_middle) = self.watched();
-        let safe_intervals = self.safe_intervals(&watched, watched_in_middle);
+        let (watched, watched_within) = self.watched();
+        let safe_intervals = self.safe_intervals(&watched, watched_within);
         let mut tracked = Vec::new();
         let recorded =
             specialised.recorded.iter().map(|operand| self.recorded(*operand, &mut tracked)).collect();
@@ -163,13 +218,30 @@ impl Layouter {
             moving,
             quick: self.checks(
                 &done,
-                &safe_intervals.atoms,
-                safe_intervals.in_middle,
+                (&safe_intervals.atoms, safe_intervals.within),
+                &self.curved,
                 tracked.iter().copied(),
             ),
-            thorough: self.checks(&done, &watched_atoms, watched_in_middle, atoms(&specialised.recorded)),
+            thorough: self.checks(
+                &done,
+                (&watched_atoms, watched_within),
+                &watched_atoms[..watched_within],
+                atoms(&specialised.recorded),
+            ),
             rates: slots(&specialised.rates),
-            sampled: slots(&specialised.sampled),
+            sampled: specialised
+                .sampled
+                .iter()
+                .map(|operand| self.operand(*operand))
+                .chain(self.curved.iter().map(|atom| slot(*atom)))
+                .collect(),
+            is_straight: watched_atoms[..watched_within]
+                .iter()
+                .map(|atom| self.straight[*atom as usize])
+                .collect(),
+            straight_intervals: safe_intervals.straight,
+            followed: self.followed(),
+            curved_intervals: self.curved.len(),
             delay_inputs: slots(&specialised.delay_inputs),
             recorded,
             tracked: tracked.into_iter().map(slot).collect(),
@@ -187,8 +259,7 @@ impl Layouter {
         }
     }
 
-    /// The watched atoms with their conditions, and how many of the first ones are also tested in the middle of a
-    /// step.
+    /// The watched atoms with their conditions, and how many of the first ones are also tested within a step.
     ///
     /// The order is: corners, guards and ends of overloads, ranges of amplifiers. A table has two watches, for the next
     /// point below and above. Ranges are tested at the end of a step only.
@@ -202,15 +273,15 @@ impl Layouter {
                 ),
             }
         }
-        let mut in_middle = watched.len();
+        let mut within = watched.len();
         let bounds = &self.specialised.bounds;
         for (index, (atom, low, high)) in bounds.all.iter().enumerate() {
             watched.extend(self.bounds(*low, *high).into_iter().map(|condition| (*atom, condition)));
             if index < bounds.guards {
-                in_middle = watched.len();
+                within = watched.len();
             }
         }
-        (watched, in_middle)
+        (watched, within)
     }
 
     /// The conditions for a voltage between two bounds: one if the bounds are symmetric or if one is infinite,
@@ -227,22 +298,23 @@ impl Layouter {
     }
 
     /// The operations for testing some atoms, except those that are done already. The rates are done, because their
-    /// code always runs before. The first `in_middle` atoms are tested in the middle of a step, too. Sampled values,
-    /// inputs of delay lines and recorded voltages are added at the end.
+    /// code always runs before. The first `within` atoms are tested within a step, too, and some of them need the second
+    /// stage. Sampled values, inputs of delay lines and recorded voltages are added at the end.
     fn checks(
         &self,
         done: &[bool],
-        tested: &[Atom],
-        in_middle: usize,
+        (tested, within): (&[Atom], usize),
+        in_second: &[Atom],
         recorded: impl Iterator<Item = Atom>,
     ) -> Checks {
         let mut done = done.to_vec();
         let ending =
             atoms(&self.specialised.sampled).chain(atoms(&self.specialised.delay_inputs)).chain(recorded);
         Checks {
-            middle: self.code(&mut done, tested[..in_middle].iter().copied()),
-            ending: self.code(&mut done, tested[in_middle..].iter().copied().chain(ending)),
-            in_middle,
+            second: self.code(&mut done.clone(), in_second.iter().copied().chain(self.turning_atoms())),
+            first: self.code(&mut done, tested[..within].iter().copied().chain(self.turning_atoms())),
+            ending: self.code(&mut done, tested[within..].iter().copied().chain(ending)),
+            within,
             all: tested.len(),
         }
     }

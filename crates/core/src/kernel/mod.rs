@@ -109,7 +109,8 @@ pub(crate) struct Kernel {
     thorough: Checks,
     /// Slots of the rates, by state.
     pub rates: Vec<Slot>,
-    /// Slots of the sampled values.
+    /// Slots of what is sampled at the end of every step: first the sampled values of the program, then the voltages
+    /// whose value at the beginning of a step is needed.
     pub sampled: Vec<Slot>,
     /// Slots of the inputs of the delay lines.
     delay_inputs: Vec<Slot>,
@@ -121,8 +122,19 @@ pub(crate) struct Kernel {
     pub watches: Vec<Watch>,
     /// Number of watches that are corners.
     corners: usize,
-    /// The voltages that a quick step tests, with their intervals.
+    /// For every watch that is tested within a step, whether the watched voltage is a linear function of states and
+    /// time.
+    is_straight: Vec<bool>,
+    /// The voltages that a quick step tests, with their intervals. Those that are tested within a step come first, and
+    /// of these first the ones that are linear functions of states and time.
     safe_intervals: Vec<SafeInterval>,
+    /// Number of the first intervals that are tested within a step at the first stage: those of linear functions.
+    straight_intervals: usize,
+    /// The voltages whose parabola within a step is computed: first those of the other intervals that are tested within
+    /// a step, then the sampled values whose turning points count.
+    followed: Vec<Followed>,
+    /// Number of the first followed voltages that have an interval.
+    curved_intervals: usize,
     /// Number of values that depend on the branch: on which side of each corner the voltages are.
     branch_values: usize,
     /// The tables that are looked up at time.
@@ -140,8 +152,10 @@ pub(crate) struct Layout {
     pub scheduled: usize,
     /// The outputs of the delay lines, in volts.
     pub delayed: usize,
-    /// The sampled values.
+    /// The sampled values of the program.
     pub sampled: usize,
+    /// The followed voltages at the beginning of a step.
+    pub begins: usize,
     /// The levels.
     pub levels: usize,
     /// The results of the operations.
@@ -153,14 +167,25 @@ pub(crate) struct Layout {
 /// What is computed and tested in a step in addition to the rates.
 #[derive(Debug, Clone)]
 struct Checks {
-    /// Operations for the tests in the middle of a step. They run at its end, too.
-    middle: Code,
+    /// Operations for the tests within a step. They run at the first stage and at the end.
+    first: Code,
+    /// Operations for the voltages whose value at the second stage is needed as well.
+    second: Code,
     /// Operations for the tests at the end of a step only, and for the recorded voltages.
     ending: Code,
-    /// Number of tests in the middle of a step; the first ones of all.
-    in_middle: usize,
-    /// Number of tests at the end of a step, with those that are also made in the middle.
+    /// Number of tests within a step; the first ones of all.
+    within: usize,
+    /// Number of tests at the end of a step, with those that are also made within it.
     all: usize,
+}
+
+/// A voltage whose parabola within a step is computed.
+#[derive(Debug, Clone, Copy)]
+struct Followed {
+    /// Slot of the voltage.
+    slot: Slot,
+    /// Slot of its value at the beginning of the step.
+    begin: Slot,
 }
 
 /// A voltage with an interval in which no watch of it is hit. Watches of linear functions of the voltage count as
@@ -257,10 +282,15 @@ impl Kernel {
     fn operations(&self) -> usize {
         let length = |code: &Code| code.instructions.len() + code.terms.len();
         let moving = length(&self.moving);
-        let all = |checks: &Checks| length(&checks.middle) + length(&checks.ending) + checks.all;
-        let in_the_middle = |checks: &Checks| length(&checks.middle) + checks.in_middle;
-        let stepped = |checks: &Checks| 4 * moving + in_the_middle(checks) + all(checks);
+        let all = |checks: &Checks| length(&checks.first) + length(&checks.ending) + checks.all;
+        let within = |checks: &Checks| length(&checks.first) + length(&checks.second) + checks.within;
+        let stepped = |checks: &Checks| 4 * moving + within(checks) + all(checks) + self.followed.len();
         stepped(&self.quick) + stepped(&self.thorough) + moving + all(&self.thorough)
+    }
+
+    /// The sampled values whose turning points count.
+    fn turning(&self) -> &[Followed] {
+        &self.followed[self.curved_intervals..]
     }
 
     /// The value in a slot if it is a fixed number, whatever the parameters are.

@@ -3,7 +3,7 @@
 //! `Native::new` returns `None`, so every run is interpreted. The other functions cannot be called.
 
 use super::frame::Frame;
-use super::{Kernel, LookResult, Steps};
+use super::{Kernel, Steps};
 
 /// An uninhabited type: there is no native code.
 #[derive(Debug)]
@@ -11,22 +11,22 @@ pub(crate) enum Native {}
 
 impl Native {
     /// Always `None`.
-    pub fn new(_: &Kernel) -> Option<Native> {
+    pub(crate) fn new(_: &Kernel) -> Option<Native> {
         None
     }
 
     /// Never called, because there is no value of this type.
-    pub fn steps(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: &Steps) -> u64 {
+    pub(crate) fn steps(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: &Steps) -> u64 {
         match *self {}
     }
 
     /// Never called.
-    pub fn look(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: f64) -> LookResult {
+    pub(crate) fn look(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: f64) -> bool {
         match *self {}
     }
 
     /// Never called.
-    pub fn evaluate(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>]) {
+    pub(crate) fn evaluate(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>]) {
         match *self {}
     }
 }

@@ -4,8 +4,8 @@
 //! Afterwards the rows are tested in vector registers: the steps before the first hit are accepted, with the extremes
 //! of their voltages. The rest of the block is discarded.
 //!
-//! A row has, in this order: voltages at the end of the step, voltages in its middle, padding to a whole vector, rates,
-//! sampled values, and the values of the tables of time. Native code writes all of them except the last, which it
+//! A row has, in this order: voltages at the end of the step, voltages at its first stage, what is computed of the
+//! followed voltages, padding to a whole vector, rates, sampled values, and the values of the tables of time. Native code writes all of them except the last, which it
 //! reads.
 
 mod survey;
@@ -37,10 +37,14 @@ const MAX_ROW_NUMBERS: usize = 4096;
 pub(super) struct RowLayout {
     /// Slots whose values at the end of a step are written: the voltages with safe intervals, and the tracked ones.
     pub ends: Vec<Slot>,
-    /// Slots whose values in the middle of a step are written, in the columns after `ends`.
-    pub middles: Vec<Slot>,
+    /// Slots whose values at the first stage are written, in the columns after `ends`.
+    pub straight: Vec<Slot>,
+    /// The columns of the followed voltages. Those that have no interval are tested to be at least 0.
+    pub followed: Range<usize>,
     /// Columns with a safe interval, and the index of the interval.
     safe_intervals: Vec<(usize, usize)>,
+    /// The first of the followed columns that has no interval.
+    turning: usize,
     /// The safe interval of time, if there is one. The ends of steps are known without rows.
     of_time: Option<usize>,
     /// The columns of the states, in their order.
@@ -88,31 +92,37 @@ impl Clone for Rows {
 impl RowLayout {
     /// The layout for a kernel. States and tracked voltages get a column even if no interval tests them.
     pub(super) fn of(kernel: &Kernel) -> Self {
-        let Checks { in_middle, all, .. } = kernel.quick;
+        let Checks { within, all, .. } = kernel.quick;
         let is_time = |interval: &SafeInterval| interval.slot as usize == kernel.layout.time;
-        let safe_intervals =
-            |count: usize| (0..count).filter(|interval| !is_time(&kernel.safe_intervals[*interval]));
-        let slots = |count: usize| {
-            safe_intervals(count).map(|interval| kernel.safe_intervals[interval].slot).collect()
+        let intervals =
+            |range: Range<usize>| range.filter(|interval| !is_time(&kernel.safe_intervals[*interval]));
+        let slots = |range: Range<usize>| {
+            intervals(range).map(|interval| kernel.safe_intervals[interval].slot).collect::<Vec<Slot>>()
         };
-        let (mut ends, middles): (Vec<Slot>, Vec<Slot>) = (slots(all), slots(in_middle));
+        let mut ends = slots(0..all);
+        let straight = slots(0..kernel.straight_intervals);
         let states = kernel.layout.states..kernel.layout.time;
         let states = states.map(|slot| column_of(slot as Slot, &mut ends)).collect();
         let tracked = kernel.tracked.iter().map(|slot| column_of(*slot, &mut ends)).collect();
-        let rates = (ends.len() + middles.len()).next_multiple_of(VECTOR_LENGTH);
+        let first_followed = ends.len() + straight.len();
+        let followed = first_followed..first_followed + kernel.followed.len();
+        let rates = followed.end.next_multiple_of(VECTOR_LENGTH);
         let sampled = rates + kernel.rates.len();
         let sampled_slots = kernel.layout.sampled..kernel.layout.levels;
         let scheduled = sampled + sampled_slots.len();
         RowLayout {
             safe_intervals: (0..)
-                .zip(safe_intervals(all))
-                .chain((ends.len()..).zip(safe_intervals(in_middle)))
+                .zip(intervals(0..all))
+                .chain((ends.len()..).zip(intervals(0..kernel.straight_intervals)))
+                .chain(followed.clone().zip(kernel.straight_intervals..within))
                 .collect(),
+            turning: followed.start + kernel.curved_intervals,
             of_time: kernel.safe_intervals.iter().position(is_time),
             // Even a kernel without columns needs one row.
             width: (scheduled + 2 * kernel.scheduled.len()).max(1).next_multiple_of(VECTOR_LENGTH),
             ends,
-            middles,
+            straight,
+            followed,
             states,
             tracked,
             rates,
@@ -186,6 +196,7 @@ impl Rows {
         for (bounds, all) in [(&mut self.lows, lows), (&mut self.highs, highs)] {
             columns.safe_intervals.iter().for_each(|(column, interval)| put(bounds, *column, all[*interval]));
         }
+        (columns.turning..columns.followed.end).for_each(|column| put(&mut self.lows, column, 0.0));
         self.are_intervals_current = true;
     }
 

@@ -16,53 +16,127 @@ use super::lane::Lane;
 use super::span::Span;
 use super::{Checks, Kernel, Steps};
 use crate::delay_line::DelayLine;
+use crate::parabola::Parabola;
 
 /// The weight of the first and the last rate of a step. It is a factor because a division takes longer.
 pub(super) const SIXTH: f64 = 1.0 / 6.0;
 
 /// The result of a look-ahead.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum LookResult {
     /// No watch is hit.
     Quiet,
-    /// A watch is hit in the middle of the step, but not at its end.
-    Inside,
+    /// A watch is hit within the step near this share of it (0 ... 1), but not at its end.
+    Inside(f64),
     /// A watch is hit at the end of the step.
     AtEnd,
 }
 
 impl Kernel {
     /// Evaluates a step that ends at `end`, without taking it, and tests every watch. The slots, stages and margins are
-    /// then those of its end, so that the step can be accepted.
+    /// then those of its end, so that the step can be accepted. Returns whether a watch is hit at the end.
     #[inline(always)]
-    fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> LookResult {
+    fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> bool {
         let span = Span::same(frame.time, length, end);
         self.select_pieces(frame, tables, span.middle);
-        self.to_middle(frame, tables, &span, &self.thorough);
-        let within = self.update_margins(frame, self.thorough.in_middle);
+        self.first_stage(frame, tables, &span);
+        self.thorough.first.run(&mut frame.slots, tables);
+        self.store_inner(frame, 0);
+        self.stage(frame, tables, 1, span.half);
+        self.thorough.second.run(&mut frame.slots, tables);
+        self.store_inner(frame, 1);
         self.to_end(frame, tables, &span, &self.thorough);
-        match (within, self.update_margins(frame, self.thorough.all)) {
-            (_, false) => LookResult::AtEnd,
-            (false, true) => LookResult::Inside,
-            (true, true) => LookResult::Quiet,
+        !self.update_margins(frame, self.thorough.all)
+    }
+
+    /// Stores what is tested within a step, from the slots of one of the first two stages.
+    #[inline(always)]
+    fn store_inner(&self, frame: &mut Frame<f64>, stage: usize) {
+        let Frame { slots, slopes, offsets, inner, .. } = frame;
+        let (margins, turning) = inner[stage].split_at_mut(self.thorough.within);
+        let lines = slopes.iter().zip(offsets.iter());
+        for ((margin, watch), (slope, offset)) in margins.iter_mut().zip(&self.watches).zip(lines) {
+            *margin = watch.value(slots).multiply_add(*slope, *offset);
+        }
+        for (value, followed) in turning.iter_mut().zip(self.turning()) {
+            *value = slots[followed.slot as usize];
         }
     }
 
-    /// Computes the first half of a span, with the tests in its middle: stages 0 and 1. The slots then have the
-    /// voltages of stage 1, which are an estimate for the middle.
+    /// The result of a look-ahead, after it has evaluated a step and tested its end.
+    pub(super) fn look_result(&self, frame: &Frame<f64>, is_hit_at_end: bool) -> LookResult {
+        if is_hit_at_end {
+            return LookResult::AtEnd;
+        }
+        let dips = (0..self.thorough.within).filter_map(|watch| {
+            let [begin, end] = [frame.present[watch], frame.margins[watch]];
+            let [first, second] = [&frame.inner[0], &frame.inner[1]].map(|margins| margins[watch]);
+            let curve = if self.is_straight[watch] {
+                Parabola { begin, control: first, end }
+            } else {
+                Parabola::of_stages([first, second], [begin, end])
+            };
+            curve.dip()
+        });
+        dips.reduce(f64::min).map_or(LookResult::Quiet, LookResult::Inside)
+    }
+
+    /// Whether a sampled value whose turning points count turns within the step ahead.
+    pub(crate) fn has_turn(&self, frame: &Frame<f64>) -> bool {
+        let first_values = frame.inner.each_ref().map(|stage| &stage[self.thorough.within..]);
+        self.turning().iter().enumerate().any(|(index, followed)| {
+            let ends = [followed.begin, followed.slot].map(|slot| frame.slots[slot as usize]);
+            Parabola::of_stages(first_values.map(|values| values[index]), ends).turns()
+        })
+    }
+
+    /// Computes the first stage of a span, which is in its middle.
     #[inline(always)]
-    fn to_middle<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        tables: &[Vec<[f64; 2]>],
-        span: &Span<V>,
-        checks: &Checks,
-    ) {
+    fn first_stage<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], span: &Span<V>) {
         self.set_time(frame, span.middle);
         self.set_delayed(frame, span.middle, DelayLine::next_left_limit);
         self.stage(frame, tables, 0, span.half);
+    }
+
+    /// Computes the first half of a span for a quick step: stages 0 and 1, with the sums of the followed voltages.
+    /// Returns one bit for every lane in which the control point of a linear function is outside its safe interval.
+    #[inline(always)]
+    fn to_middle<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], span: &Span<V>) -> u64 {
+        self.first_stage(frame, tables, span);
+        self.quick.first.run(&mut frame.slots, tables);
+        let outside = self.outside_safe_intervals(frame, self.straight_intervals);
+        for (sum, followed) in frame.sums.iter_mut().zip(&self.followed) {
+            *sum = frame.slots[followed.slot as usize];
+        }
         self.stage(frame, tables, 1, span.half);
-        checks.middle.run(&mut frame.slots, tables);
+        self.quick.second.run(&mut frame.slots, tables);
+        for (sum, followed) in frame.sums.iter_mut().zip(&self.followed) {
+            *sum = sum.add(frame.slots[followed.slot as usize]);
+        }
+        outside
+    }
+
+    /// One bit for every lane in which the control point of a followed voltage is outside its safe interval, or in which
+    /// a sampled value turns. The control point is that of [`Parabola`].
+    #[inline(always)]
+    fn outside_parabolas<V: Lane>(&self, frame: &Frame<V>) -> u64 {
+        let mut is_inside = V::TRUE;
+        let bounds =
+            frame.lows[self.straight_intervals..].iter().zip(&frame.highs[self.straight_intervals..]);
+        for ((followed, sum), (low, high)) in
+            self.followed[..self.curved_intervals].iter().zip(&frame.sums).zip(bounds)
+        {
+            let (begin, end) = (frame.slots[followed.begin as usize], frame.slots[followed.slot as usize]);
+            let control = begin.add(end).multiply_add(V::splat(-0.5), *sum);
+            is_inside = control.is_within(*low, *high, is_inside);
+        }
+        for (followed, sum) in self.turning().iter().zip(&frame.sums[self.curved_intervals..]) {
+            let (begin, end) = (frame.slots[followed.begin as usize], frame.slots[followed.slot as usize]);
+            let control = begin.add(end).multiply_add(V::splat(-0.5), *sum);
+            let product = control.subtract(begin).multiply(end.subtract(control));
+            is_inside = product.is_within(V::splat(0.0), V::splat(f64::INFINITY), is_inside);
+        }
+        V::failing(is_inside)
     }
 
     /// Computes the second half of a span: states and rates at its end, with the tests there.
@@ -88,7 +162,7 @@ impl Kernel {
         }
         self.moving.run(&mut frame.slots, tables);
         self.store_rates(frame, 3);
-        checks.middle.run(&mut frame.slots, tables);
+        checks.first.run(&mut frame.slots, tables);
         checks.ending.run(&mut frame.slots, tables);
     }
 
@@ -108,7 +182,7 @@ impl Kernel {
     /// Evaluates everything at the states and the time in the slots. The rates become those of the last stage.
     #[inline(always)]
     fn at_slots<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
-        for code in [&self.moving, &self.thorough.middle, &self.thorough.ending] {
+        for code in [&self.moving, &self.thorough.first, &self.thorough.ending] {
             code.run(&mut frame.slots, tables);
         }
         self.store_rates(frame, 3);
@@ -200,12 +274,11 @@ impl Kernel {
     /// rates and time are those before it.
     #[inline(always)]
     fn try_piece<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], span: &Span<V>) -> bool {
-        self.to_middle(frame, tables, span, &self.quick);
-        let within = self.outside_safe_intervals(frame, self.quick.in_middle);
+        let within = self.to_middle(frame, tables, span);
         self.to_end(frame, tables, span, &self.quick);
-        frame.hit_lanes = (within | self.outside_safe_intervals(frame, self.quick.all))
-            & frame.active_lanes
-            & span.moving();
+        let outside =
+            within | self.outside_parabolas(frame) | self.outside_safe_intervals(frame, self.quick.all);
+        frame.hit_lanes = outside & frame.active_lanes & span.moving();
         if frame.hit_lanes != 0 {
             return false;
         }
@@ -263,7 +336,8 @@ impl Kernel {
         tables: &[Vec<[f64; 2]>],
         length: f64,
     ) -> LookResult {
-        Arch::new().dispatch(OneLook { kernel: self, frame, tables, length })
+        let is_hit_at_end = Arch::new().dispatch(OneLook { kernel: self, frame, tables, length });
+        self.look_result(frame, is_hit_at_end)
     }
 
     /// Takes the step that was computed. It ends at `time`.
@@ -373,10 +447,10 @@ struct OneLook<'a> {
 }
 
 impl NullaryFnOnce for OneLook<'_> {
-    type Output = LookResult;
+    type Output = bool;
 
     #[inline(always)]
-    fn call(self) -> LookResult {
+    fn call(self) -> bool {
         let end = self.frame.time + self.length;
         self.kernel.look(self.frame, self.tables, self.length, end)
     }

@@ -168,7 +168,8 @@ impl SharedKernel {
         backend: Backend,
     ) -> LookResult {
         if let Some(native) = self.native(backend) {
-            return native.look(frame, tables, length);
+            let is_hit_at_end = native.look(frame, tables, length);
+            return self.kernel.look_result(frame, is_hit_at_end);
         }
         self.count(1, backend);
         self.kernel.look_ahead(frame, tables, length)

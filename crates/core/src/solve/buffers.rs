@@ -7,6 +7,7 @@
 use super::tableau::Tableau;
 use super::turning_points::Samples;
 use crate::ir::{Program, Scratch};
+use crate::parabola::Parabola;
 
 /// The step tried last, and the start of the step accepted last.
 #[derive(Debug, Clone)]
@@ -15,13 +16,17 @@ pub(super) struct StepBuffers {
     /// rate per state.
     pub stage_rates: Vec<Vec<f64>>,
     /// Voltages of the stages that are checked for events within the step, in the order of `Tableau::checked_stages`.
-    pub checked_voltages: Vec<Vec<f64>>,
+    pub checked_voltages: [Vec<f64>; 2],
     /// The share (0 ... 1) of the tried step at which an event may come and go; `None` if no stage suggests one.
     pub hint: Option<f64>,
     /// States at the end of the tried step, or at the instant interpolated last.
     pub states: Vec<f64>,
     /// Every voltage at the end of the tried step, or at the instant interpolated last, one per operation of the body.
     pub voltages: Vec<f64>,
+    /// Every voltage just after the beginning and just before the end of the tried step.
+    pub near_ends: [Vec<f64>; 2],
+    /// States at the end of the tried step, while other states are evaluated.
+    pub end_states: Vec<f64>,
     /// Outputs of the delay lines for the present evaluation.
     pub delayed: Vec<f64>,
     /// Scratch memory of an evaluation, with the faults of loops that it could not solve.
@@ -51,10 +56,12 @@ impl StepBuffers {
             (program.lowered.states.len(), program.lowered.body.len(), program.lowered.delays.len());
         StepBuffers {
             stage_rates: vec![zeros(states); method.rates()],
-            checked_voltages: vec![zeros(body); method.checked_stages.len()],
+            checked_voltages: [(); 2].map(|()| zeros(body)),
             hint: None,
             states: zeros(states),
             voltages: zeros(body),
+            near_ends: [(); 2].map(|()| zeros(body)),
+            end_states: zeros(states),
             delayed: zeros(delays),
             evaluation: Scratch::new(program),
             fourth_differences: zeros(delays),
@@ -62,19 +69,23 @@ impl StepBuffers {
         }
     }
 
-    /// Samples of a voltage over the tried step: at both ends and at the two checked stages. `begin` and `end` are all
-    /// voltages at the ends, and `voltage` chooses or computes one from them. `None` if the method does not check two
-    /// stages.
+    /// Samples of a voltage over the tried step: at both ends and at the two checked stages. If both stages are in the
+    /// middle of the step, the samples are those of the parabola. `begin` and `end` are all voltages at the ends, and
+    /// `voltage` chooses or computes one from them.
     pub(super) fn samples(
         &self,
         method: &Tableau,
         [begin, end]: [&[f64]; 2],
         voltage: impl Fn(&[f64]) -> f64,
-    ) -> Option<Samples> {
-        let [early_stage, late_stage] = method.checked_stages else { return None };
-        let [early, late] = self.checked_voltages.as_slice() else { return None };
-        let share = |stage: &usize| method.stages[*stage].node;
-        let values = [begin, early, late, end].map(voltage);
-        Some(Samples { shares: [0.0, share(early_stage), share(late_stage), 1.0], values })
+    ) -> Samples {
+        let [early, late] = method.checked_stages.map(|stage| method.stages[stage].node);
+        let [first, second] = self.checked_voltages.each_ref().map(|voltages| voltage(voltages));
+        let [begin, end] = [begin, end].map(voltage);
+        if early < late {
+            return Samples { shares: [0.0, early, late, 1.0], values: [begin, first, second, end] };
+        }
+        let curve = Parabola::of_stages([first, second], [begin, end]);
+        let shares = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
+        Samples { shares, values: [begin, curve.value(shares[1]), curve.value(shares[2]), end] }
     }
 }

@@ -165,15 +165,20 @@ impl<'p> Machine<'p> {
         {
             mode_change = None;
         }
+        let mut turn = f64::INFINITY;
         while self.solver.state.time < target && !observer.is_phase_over() {
             let Solver { setup, state, delay_lines, .. } = &self.solver;
-            let end = next_before(setup, state, delay_lines, target);
+            let end = next_before(setup, state, delay_lines, target).min(turn);
             let length = end - state.time;
             self.step_trial().evaluate(length);
             if let Some(control) = &mut self.control
                 && let Some(shorter) = control.limit_angles(&self.solver, &mut self.work, length)?
             {
                 target = self.solver.state.time + shorter;
+                continue;
+            }
+            if let Some(shorter) = self.length_to_turn(length) {
+                turn = self.solver.state.time + shorter;
                 continue;
             }
             let expected_share = mode_change.take().map(|seconds| seconds / length);
@@ -184,6 +189,7 @@ impl<'p> Machine<'p> {
                 target = self.solver.state.time + shorter;
                 continue;
             }
+            turn = f64::INFINITY;
             let time = if share >= 1.0 { end } else { self.solver.state.time + share * length };
             self.accept_step(time, observer)?;
             if let Some(Event::Kink(kink, _)) = event {

@@ -1,7 +1,7 @@
 //! Extrema of voltages within the step accepted last, by the curve of the states.
 //!
 //! The samples at the stages show where a voltage turns. A search for the extremum then evaluates the voltage on the
-//! curve of the states. Only adaptive steps have enough stages for it. With equal steps, only the ends of steps count.
+//! curve of the states. This is done for adaptive steps only. With equal steps, only the ends of steps count.
 
 use super::state::Solver;
 use super::turning_points::TurningPoint;
@@ -33,9 +33,9 @@ impl Solver<'_> {
         let ends = [&buffers.last.voltages, &state.voltages].map(Vec::as_slice);
         let samples = buffers.samples(self.setup.method, ends, |voltages| voltages[register.index()]);
         let has_length = buffers.last.time < state.time;
-        let Some(samples) = samples.filter(|samples| samples.swing() > MIN_SWING && has_length) else {
+        if !self.setup.is_adaptive || !has_length || samples.swing() <= MIN_SWING {
             return extrema;
-        };
+        }
         for (extremum, turn) in extrema.iter_mut().zip(samples.turning_points()) {
             let value = samples.with_margin(&turn);
             if if turn.is_peak { value > high } else { value < low } {

@@ -1,8 +1,9 @@
 //! Detection of events that come and go within one step, so that the end of the step does not show them.
 //!
-//! The checked stages of the tried step are searched first. If none of them shows an event, the voltages of guards and
-//! kinks are interpolated by the cubic through the stages. A voltage that turns just before its event may graze it, so
-//! the location of events then tries a step to the turning point.
+//! The voltages of guards and kinks are interpolated by the cubic through the checked stages and the ends of the tried
+//! step, or by the parabola of an equal step. A voltage that turns just before its event may graze it, so the location
+//! of events then tries a step to the turning point. Stages of adaptive steps, which are near the solution, may also
+//! show an event themselves.
 
 use super::buffers::StepBuffers;
 use super::events::{event_at, open_transitions};
@@ -13,22 +14,23 @@ use super::turning_points::Samples;
 /// watched voltage turns just before its event. `None` if there is no sign of such an event.
 pub(super) fn hint(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
     let method = setup.method;
-    let stages = method.checked_stages.iter().map(|stage| method.stages[*stage].node);
-    let mut checked = stages.zip(&buffers.checked_voltages);
-    let visible = checked.find(|(_, voltages)| event_at(setup, state, voltages).is_some());
-    visible.map(|(share, _)| share).or_else(|| grazing_time(setup, state, buffers))
+    let mut checked = method.checked_stages.iter().zip(&buffers.checked_voltages);
+    let visible =
+        checked.find(|(_, voltages)| setup.is_adaptive && event_at(setup, state, voltages).is_some());
+    let share = visible.map(|(stage, _)| method.stages[*stage].node);
+    share.or_else(|| grazing_time(setup, state, buffers))
 }
 
 /// The share (0 ... 1) of the tried step at which the first guard or kink turns just before its event; `None` if none
-/// does, or if the method has fewer than two checked stages.
+/// does.
 fn grazing_time(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
     let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
     let guards = open_transitions(setup.program, &state.modes).filter_map(|open| {
-        let samples = buffers.samples(setup.method, ends, |voltages| open.guard.value(voltages))?;
+        let samples = buffers.samples(setup.method, ends, |voltages| open.guard.value(voltages));
         turn_towards(&samples, |_, to| to >= 0.0)
     });
     let kinks = setup.kinks().filter_map(|kink| {
-        let samples = buffers.samples(setup.method, ends, |voltages| kink.value(voltages))?;
+        let samples = buffers.samples(setup.method, ends, |voltages| kink.value(voltages));
         turn_towards(&samples, |from, to| kink.crossed(&setup.program.tables, from, to).is_some())
     });
     guards.chain(kinks).reduce(f64::min)

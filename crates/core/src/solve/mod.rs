@@ -43,6 +43,7 @@ mod stopped_run;
 mod tableau;
 mod time_setting;
 mod turning_points;
+mod turns;
 
 pub use crate::document::{
     MAX_TOLERANCE, MIN_TOLERANCE, ParameterChange, Phase, SwitchCondition, is_tolerance,

@@ -14,7 +14,7 @@ pub(super) struct Tableau {
     /// derivatives.
     pub middle_stage: usize,
     /// Indices in `stages` of the stages that are checked for events that come and go within a step.
-    pub checked_stages: &'static [usize],
+    pub checked_stages: [usize; 2],
     /// The weights of the rates at the end of a step, each multiplied by `divisor`.
     pub end_weights: &'static [StageWeight],
     /// The number by which `end_weights` are divided. Sixths as whole numbers keep straight lines exact.
@@ -50,7 +50,7 @@ pub(super) static CLASSICAL: Tableau = Tableau {
         Stage { node: 1.0, weights: &[(2, 1.0)] },
     ],
     middle_stage: 1,
-    checked_stages: &[1],
+    checked_stages: [0, 1],
     end_weights: &[(0, 1.0), (1, 2.0), (2, 2.0), (3, 1.0)],
     divisor: 6.0,
     error_weights: &[],
@@ -86,7 +86,7 @@ pub(super) static DORMAND_PRINCE: Tableau = Tableau {
         },
     ],
     middle_stage: 1,
-    checked_stages: &[1, 2],
+    checked_stages: [1, 2],
     end_weights: &[
         (0, 35.0 / 384.0),
         (2, 500.0 / 1113.0),

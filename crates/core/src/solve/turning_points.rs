@@ -4,6 +4,7 @@
 //! that come and go within the step (`grazing`), and peaks between its ends (`extrema`).
 
 use crate::divided_differences::newton_coefficients;
+use crate::parabola::TURN_MARGIN;
 
 /// A voltage at four instants of a step, in order of time. The first is the beginning of the step.
 #[derive(Debug, Clone, Copy)]
@@ -13,9 +14,6 @@ pub(super) struct Samples {
     /// The voltage at each instant, in volts.
     pub values: [f64; 4],
 }
-
-/// Margin for the error of the cubic at a turning point, as a share of the swing of the samples.
-const TURN_MARGIN: f64 = 0.1;
 
 /// A maximum or a minimum of the cubic through the samples.
 #[derive(Debug, Clone, Copy, PartialEq)]

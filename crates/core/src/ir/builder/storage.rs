@@ -154,7 +154,7 @@ impl dyn Builder + '_ {
         let initial = self.required(initial);
         let draft = self.draft_mut();
         let index = draft.program.lowered.sampled.len() as u32;
-        draft.program.lowered_mut().sampled.push(SampledValue { initial, next: Register(0) });
+        draft.program.lowered_mut().sampled.push(SampledValue { initial, next: Register(0), follows: None });
         draft.own_sampled_value.insert(draft.current, index);
         self.emit(Op::Sampled(index))
     }
@@ -164,12 +164,23 @@ impl dyn Builder + '_ {
     ///
     /// Sampling must not change this value: the body is not evaluated again afterwards.
     pub fn set_next_sample(&mut self, next: Register) {
+        self.own_sampled_value().next = next;
+    }
+
+    /// Specifies the input whose turning points the current element's sampled value must not miss. A step ends at each
+    /// turning point at which the sampled value changes.
+    pub fn sample_turning_points_of(&mut self, input: Register) {
+        self.own_sampled_value().follows = Some(input);
+    }
+
+    /// The sampled value of the current element.
+    fn own_sampled_value(&mut self) -> &mut SampledValue {
         let index = *self
             .draft()
             .own_sampled_value
             .get(&self.draft().current)
             .expect("the element's output law makes its sampled value");
-        self.draft_mut().program.lowered_mut().sampled[index as usize].next = next;
+        &mut self.draft_mut().program.lowered_mut().sampled[index as usize]
     }
 
     /// Specifies the input of the current element's delay line.

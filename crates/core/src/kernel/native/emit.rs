@@ -196,14 +196,24 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let (kernel, columns) = (self.kernel, self.columns);
         self.scheduled = self.build.ins().iadd_imm_s(next, 8 * columns.scheduled as i64);
         let length = self.build.ins().fsub(end, time);
-        let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
-            for (index, slot) in columns.middles.iter().enumerate() {
+        let mut sums: Vec<Value> = Vec::new();
+        let (after, rates) = self.stages([time, length, end], &kernel.quick, |emitter, stage| {
+            let followed: Vec<Value> =
+                kernel.followed.iter().map(|followed| emitter.get(followed.slot)).collect();
+            if stage == 1 {
+                let pairs = sums.iter().zip(followed);
+                sums = pairs.map(|(first, second)| emitter.build.ins().fadd(*first, second)).collect();
+                return;
+            }
+            sums = followed;
+            for (index, slot) in columns.straight.iter().enumerate() {
                 emitter.write(*slot, next, columns.ends.len() + index);
             }
         });
         for (column, slot) in columns.ends.iter().enumerate() {
             self.write(*slot, next, column);
         }
+        self.write_parabolas(&sums, next);
         for (index, rate) in rates.iter().enumerate() {
             self.store(*rate, next, columns.rates + index);
         }
@@ -211,6 +221,24 @@ impl<'a, 'f> Emitter<'a, 'f> {
             self.write(*slot, next, columns.sampled + index);
         }
         [after, rates]
+    }
+
+    /// Writes the control point of every followed voltage that has an interval, and for the others the product that is
+    /// negative if they turn. `sums` are the sums of the voltages at the first two stages.
+    fn write_parabolas(&mut self, sums: &[Value], row: Value) {
+        let (kernel, columns) = (self.kernel, self.columns);
+        for (index, (followed, sum)) in kernel.followed.iter().zip(sums).enumerate() {
+            let [begin, end] = [followed.begin, followed.slot].map(|slot| self.get(slot));
+            let both = self.build.ins().fadd(begin, end);
+            let minus_half = self.number(-0.5);
+            let mut tested = self.build.ins().fma(both, minus_half, *sum);
+            if index >= kernel.curved_intervals {
+                let before = self.build.ins().fsub(tested, begin);
+                let after = self.build.ins().fsub(end, tested);
+                tested = self.build.ins().fmul(before, after);
+            }
+            self.store(tested, row, columns.followed.start + index);
+        }
     }
 
     /// Stores the value of a slot into a column of a row. It is that of the present stage.
@@ -235,24 +263,20 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    /// A look-ahead. It returns 0 if no watch is hit, 1 if one is hit in the middle only, and 2 if one is hit at the
-    /// end.
+    /// A look-ahead. It returns 1 if a watch is hit at its end, otherwise 0.
     pub(super) fn one_look(mut self) {
         let kernel = self.kernel;
         let [time, length, end] =
             [offset_of!(Memory, time), offset_of!(Memory, length), offset_of!(Memory, end)]
                 .map(|offset| self.of_memory(types::F64, offset));
-        let (after, rates, within) = self.stages([time, length, end], &kernel.thorough, |emitter| {
-            emitter.watch(kernel.thorough.in_middle)
-        });
-        let is_hit_at_end = self.watch(kernel.thorough.all);
+        let (after, rates) =
+            self.stages([time, length, end], &kernel.thorough, |emitter, stage| emitter.store_inner(stage));
+        let is_hit_at_end = self.watch(kernel.thorough.all, offset_of!(Memory, margins));
         for (index, state) in after.into_iter().enumerate() {
             self.store(state, self.slots[4], kernel.layout.states + index);
         }
         self.store_end(&rates);
-        let two = self.build.ins().iconst(types::I64, 2);
-        let otherwise = self.build.ins().uextend(types::I64, within);
-        let result = self.build.ins().select(is_hit_at_end, two, otherwise);
+        let result = self.build.ins().uextend(types::I64, is_hit_at_end);
         self.build.ins().return_(&[result]);
     }
 
@@ -261,9 +285,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let kernel = self.kernel;
         self.stage = 4;
         self.run(&kernel.moving);
-        self.run(&kernel.thorough.middle);
+        self.run(&kernel.thorough.first);
         self.run(&kernel.thorough.ending);
-        self.watch(kernel.thorough.all);
+        self.watch(kernel.thorough.all, offset_of!(Memory, margins));
         let rates: Vec<Value> = kernel.rates.iter().map(|slot| self.get(*slot)).collect();
         self.store_end(&rates);
         self.return_zero();
@@ -291,21 +315,24 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.ins().return_(&[nothing]);
     }
 
-    /// The four stages of a step with its tests. Returns the states and rates at its end, and the result of
-    /// `in_the_middle`.
+    /// The four stages of a step with its tests. Returns the states and rates at its end.
     ///
-    /// The order is: stages 0 and 1, the part of the end that they determine, the tests in the middle, stage 2. The
-    /// evaluation at the end (stage 3) follows with its tests.
-    fn stages<T>(
+    /// The order is: stages 0 and 1, the part of the end that they determine, stage 2. The evaluation at the end (stage
+    /// 3) follows with its tests. `within` is called for each of the stages 0 and 1, when what is tested there is known.
+    fn stages(
         &mut self,
         [time, length, end]: [Value; 3],
         checks: &Checks,
-        in_the_middle: impl FnOnce(&mut Self) -> T,
-    ) -> (Vec<Value>, Vec<Value>, T) {
+        mut within: impl FnMut(&mut Self, usize),
+    ) -> (Vec<Value>, Vec<Value>) {
         let half = self.half_of(length);
         let middle = self.build.ins().fadd(time, half);
         let second = self.first_stage(half, middle);
+        self.run(&checks.first);
+        within(self, 0);
         let third = self.stage(1, &second, half, middle);
+        self.run(&checks.second);
+        within(self, 1);
         let two = self.of_memory(types::F64, offset_of!(Memory, two));
         let a_sixth = self.number(SIXTH);
         let sixth = self.build.ins().fmul(length, a_sixth);
@@ -318,16 +345,14 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 self.build.ins().fma(rates, sixth, state)
             })
             .collect();
-        self.run(&checks.middle);
-        let recorded = in_the_middle(self);
         let fourth = self.stage(2, &third, length, end);
         let pairs = fourth.into_iter().zip(partials);
         let after: Vec<Value> =
             pairs.map(|(rate, partial)| self.build.ins().fma(rate, sixth, partial)).collect();
         let rates = self.evaluate(3, &after, end);
-        self.run(&checks.middle);
+        self.run(&checks.first);
         self.run(&checks.ending);
-        (after, rates, recorded)
+        (after, rates)
     }
 
     /// The time at which a step ends, as in [`Steps::end_of`](super::super::Steps::end_of).

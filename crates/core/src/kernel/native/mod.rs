@@ -27,7 +27,7 @@ use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_nam
 use super::code::Instruction;
 use super::frame::Frame;
 use super::rows::RowLayout;
-use super::{Kernel, LookResult, Steps};
+use super::{Kernel, Steps};
 use crate::ir::Number;
 use emit::Emitter;
 use patchcord_expr::Function;
@@ -55,7 +55,7 @@ pub(crate) struct Native {
 type Entry = unsafe extern "C" fn(*mut Memory) -> u64;
 
 /// The number of values behind each pointer to a frame.
-type Lengths = [usize; 8];
+type Lengths = [usize; 9];
 
 /// Everything that the generated code accesses.
 #[repr(C)]
@@ -75,6 +75,8 @@ struct Memory {
     end_rates: *mut f64,
     /// The margins of the watches that a look-ahead or an evaluation computes.
     margins: *mut f64,
+    /// What a look-ahead tests at each of the first two stages.
+    inner: [*mut f64; 2],
     /// Length of a look-ahead, in problem seconds.
     length: f64,
     /// Time at which a look-ahead ends, in problem seconds.
@@ -145,15 +147,11 @@ impl Native {
         frame.accept_rows(&self.columns, steps)
     }
 
-    /// Evaluates a step of this length, without taking it, and tests every watch.
-    pub(crate) fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> LookResult {
+    /// Evaluates a step of this length, without taking it, and tests every watch. Returns whether one is hit at the end.
+    pub(crate) fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> bool {
         let end = frame.time + length;
         frame.compute_scheduled_values(tables, [frame.time + 0.5 * length, end]);
-        match self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }) {
-            0 => LookResult::Quiet,
-            1 => LookResult::Inside,
-            _ => LookResult::AtEnd,
-        }
+        self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }) != 0
     }
 
     /// Evaluates everything at the states and the time in the slots.
@@ -197,15 +195,17 @@ fn lengths(frame: &Frame<f64>) -> Lengths {
         margins,
         scheduled_values,
         stages: [.., end_rates],
+        inner: [inner, _],
         ..
     } = frame;
-    [slots, states, rates, slopes, offsets, margins, scheduled_values, end_rates].map(Vec::len)
+    [slots, states, rates, slopes, offsets, margins, scheduled_values, end_rates, inner].map(Vec::len)
 }
 
 /// The number of tables of a program that include all those the kernel reads; the first ones of all.
 fn tables(kernel: &Kernel) -> usize {
-    let checks =
-        [&kernel.quick, &kernel.thorough].into_iter().flat_map(|checks| [&checks.middle, &checks.ending]);
+    let checks = [&kernel.quick, &kernel.thorough]
+        .into_iter()
+        .flat_map(|checks| [&checks.first, &checks.second, &checks.ending]);
     let instructions = checks.chain([&kernel.moving]).flat_map(|code| &code.instructions);
     let counts = instructions.map(|instruction| match instruction {
         Instruction::Table { table, .. } => *table as usize + 1,
@@ -224,6 +224,7 @@ fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
         offsets: frame.offsets.as_ptr(),
         end_rates: frame.stages[3].as_mut_ptr(),
         margins: frame.margins.as_mut_ptr(),
+        inner: frame.inner.each_mut().map(|values| values.as_mut_ptr()),
         length: 0.0,
         end: 0.0,
         scheduled: frame.scheduled_values.as_ptr(),

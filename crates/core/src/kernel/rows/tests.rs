@@ -8,8 +8,10 @@ use super::*;
 fn columns() -> RowLayout {
     RowLayout {
         ends: vec![0, 1],
-        middles: vec![0],
+        straight: vec![0],
+        followed: 3..3,
         safe_intervals: vec![(0, 0), (2, 0)],
+        turning: 3,
         of_time: None,
         states: Vec::new(),
         tracked: vec![1],

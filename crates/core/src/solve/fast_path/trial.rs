@@ -48,6 +48,9 @@ impl KernelTrial<'_> {
         let target = self.shared.kernel.end_of_piece(self.frame, end);
         let length = target - self.frame.time;
         self.evaluate(length);
+        if self.shared.kernel.has_turn(self.frame) {
+            return TrialEnd::Halted(Halt::Unsupported);
+        }
         if let Some(hit) = self.shared.kernel.passed_corner(self.frame) {
             return TrialEnd::OnCorner(hit);
         }
@@ -94,11 +97,11 @@ impl EventFunction for KernelTrial<'_> {
     }
 
     fn has_hint(&self) -> bool {
-        self.last == LookResult::Inside
+        matches!(self.last, LookResult::Inside(_))
     }
 
     fn hint_share(&self) -> f64 {
-        0.5
+        if let LookResult::Inside(share) = self.last { share } else { 1.0 }
     }
 
     fn present_value(&self, hit: WatchHit) -> f64 {

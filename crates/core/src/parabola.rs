@@ -1,0 +1,94 @@
+//! The parabola that a voltage follows within one equal step.
+//!
+//! It is given by the values at both ends and by its control point, where the tangents at both ends meet. The first two
+//! stages of the classical method are both in the middle of the step, so their values determine the control point. A
+//! voltage that is a linear function of states and time has its control point at the first stage.
+
+/// Margin for the error of the curve at a turning point, as a share of the swing of the voltage.
+pub(crate) const TURN_MARGIN: f64 = 0.1;
+
+/// A voltage within a step, as a parabola.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Parabola {
+    /// The voltage at the beginning of the step.
+    pub begin: f64,
+    /// The control point: twice the voltage in the middle, less the mean of the ends.
+    pub control: f64,
+    /// The voltage at the end of the step.
+    pub end: f64,
+}
+
+impl Parabola {
+    /// The parabola from the voltages at the first two stages and at both ends of a step. The rounding is that of the
+    /// kernels.
+    pub(crate) fn of_stages([first, second]: [f64; 2], [begin, end]: [f64; 2]) -> Parabola {
+        Parabola { begin, control: (begin + end).mul_add(-0.5, first + second), end }
+    }
+
+    /// The voltage after a share (0 ... 1) of the step.
+    pub(crate) fn value(&self, share: f64) -> f64 {
+        let rest = 1.0 - share;
+        rest * rest * self.begin + share * (2.0 * rest * self.control + share * self.end)
+    }
+
+    /// The share of the step at which the voltage dips below 0, if it is not below 0 at either end: where it is least,
+    /// if it is negative there with a margin for the error of the parabola. If the control point is not a number, the
+    /// share is a half.
+    pub(crate) fn dip(&self) -> Option<f64> {
+        let Parabola { begin, control, end } = *self;
+        if control >= 0.0 {
+            return None;
+        }
+        if control.is_nan() {
+            return Some(0.5);
+        }
+        let share = (begin - control) / (begin - 2.0 * control + end);
+        let least = begin - (begin - control) * share;
+        let swing = begin.max(end) - least;
+        (least < TURN_MARGIN * swing).then_some(share)
+    }
+
+    /// Whether the voltage turns within the step: the control point is not between the ends.
+    pub(crate) fn turns(&self) -> bool {
+        let product = (self.control - self.begin) * (self.end - self.control);
+        product.is_nan() || product < 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The parabola of height `least` at the share `at`, with curvature 1.
+    fn parabola(at: f64, least: f64) -> Parabola {
+        let value = |share: f64| least + (share - at) * (share - at);
+        Parabola {
+            begin: value(0.0),
+            control: 2.0 * value(0.5) - 0.5 * (value(0.0) + value(1.0)),
+            end: value(1.0),
+        }
+    }
+
+    #[test]
+    fn a_dip_is_found_where_it_is_deepest() {
+        for at in [0.05, 0.3, 0.5, 0.9] {
+            // It is below 0 for a third of the step, or for as much of it as there is on both sides.
+            let half_width = f64::min(1.0 / 6.0, 0.9 * f64::min(at, 1.0 - at));
+            let dip = parabola(at, -half_width * half_width).dip().unwrap();
+            assert!((dip - at).abs() < 1e-12, "{dip} for {at}");
+        }
+        assert_eq!(parabola(0.5, 0.1).dip(), None);
+        assert_eq!(parabola(-0.2, 0.0).dip(), None);
+    }
+
+    #[test]
+    fn values_and_turns_are_those_of_the_curve() {
+        let curve = parabola(0.3, 2.0);
+        assert!((curve.value(0.3) - 2.0).abs() < 1e-12 && (curve.value(0.8) - 2.25).abs() < 1e-12);
+        assert!(curve.turns());
+        for still in [parabola(0.0, 1.0), parabola(1.5, 0.0), Parabola { begin: 3.0, control: 3.0, end: 3.0 }]
+        {
+            assert!(!still.turns(), "{still:?}");
+        }
+    }
+}

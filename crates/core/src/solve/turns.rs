@@ -1,0 +1,105 @@
+//! Turning points that a sampled value must not miss, such as those of the input of a backlash.
+//!
+//! The sampled value of a backlash follows its input while the input pushes it. If the input turned within a step, the
+//! sample at the end of the step would fall short of the turning point. So the step ends there. The turning point is
+//! that of the cubic through the values and slopes of the input at both ends of the tried step. A shorter step is then
+//! tried, until its end is so close to the turning point that the rest does not matter.
+
+use super::buffers::StepBuffers;
+use super::evaluate::{Scope, trial};
+use super::machine::Machine;
+use super::state::{Setup, Solver, SolverState};
+use crate::delay_line::DelayLine;
+
+/// Distance from the ends of a step at which the slopes are measured, as a share of the step.
+const SLOPE_DISTANCE: f64 = 1e-5;
+/// Shortfall of a turning point that does not matter, in volts.
+const SHORTFALL: f64 = 1e-10;
+
+impl Machine<'_> {
+    /// The length in problem seconds, shorter than that of the tried step, of a step that ends where the input of a
+    /// sampled value turns; `None` if no such input turns.
+    pub(super) fn length_to_turn(&mut self, length: f64) -> Option<f64> {
+        let Solver { setup, state, delay_lines, buffers, .. } = &mut self.solver;
+        if setup.program.lowered.sampled.iter().all(|sampled| sampled.follows.is_none()) {
+            return None;
+        }
+        self.work.evaluations += 2;
+        evaluate_near_ends(setup, state, delay_lines, buffers, length);
+        let shares = setup.program.lowered.sampled.iter().filter_map(|sampled| {
+            let (input, next) = (sampled.follows?.index(), sampled.next.index());
+            let [near_begin, near_end] = buffers.near_ends.each_ref().map(|voltages| voltages[input]);
+            let is_pushed = buffers.near_ends[0][next] != state.voltages[next];
+            let [begin, end] = [state.voltages[input], buffers.voltages[input]];
+            let slopes = [near_begin - begin, end - near_end].map(|change| change / SLOPE_DISTANCE);
+            turning_share([begin, end], slopes).filter(|_| is_pushed)
+        });
+        shares.reduce(f64::min).map(|share| share * length)
+    }
+}
+
+/// Evaluates all voltages near both ends of the tried step, where the states move in proportion to their rates.
+fn evaluate_near_ends(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) {
+    buffers.end_states.copy_from_slice(&buffers.states);
+    let distance = SLOPE_DISTANCE * length;
+    for (side, offset) in [distance, -distance].into_iter().enumerate() {
+        let last = buffers.stage_rates.len() - 1;
+        let (states, rates, end) = match side {
+            0 => (&state.states, &state.rates, state.time),
+            _ => (&buffers.end_states, &buffers.stage_rates[last], state.time + length),
+        };
+        for ((near, volts), rate) in buffers.states.iter_mut().zip(states).zip(rates) {
+            *near = rate.mul_add(offset, *volts);
+        }
+        buffers.near_ends[side].copy_from_slice(&state.voltages);
+        std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
+        trial(setup.program, state, delay_lines, buffers, end + offset, Scope::All);
+        std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
+    }
+    buffers.states.copy_from_slice(&buffers.end_states);
+}
+
+/// The share (0 ... 1) of a step at which the cubic with these values and slopes at its ends turns. The slopes are in
+/// volts per step. `None` if the slopes have the same sign, or if the turning point hardly differs from an end.
+fn turning_share([begin, end]: [f64; 2], [first, last]: [f64; 2]) -> Option<f64> {
+    // Only one of the cubic's two turning points is within the step if the slopes differ in sign.
+    if first * last >= 0.0 {
+        return None;
+    }
+    let rise = end - begin;
+    let square = 3.0 * rise - 2.0 * first - last;
+    let cubic = first + last - 2.0 * rise;
+    // The slope is first + 2 square s + 3 cubic s^2. Its roots are in the form without cancellation.
+    let root = (square * square - 3.0 * cubic * first).sqrt();
+    let sum = -(square + square.signum() * root);
+    let share = [sum / (3.0 * cubic), first / sum].into_iter().find(|share| *share > 0.0 && *share < 1.0)?;
+    let value = begin + share * (first + share * (square + share * cubic));
+    let shortfall = if first > 0.0 { value - begin.max(end) } else { begin.min(end) - value };
+    (shortfall > SHORTFALL).then_some(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_turns_where_its_slope_is_0() {
+        for at in [0.01, 0.3, 0.77] {
+            for sign in [1.0, -1.0] {
+                let value = |s: f64| sign * (s - at) * (s - at) * (s + 2.0);
+                let slope = |s: f64| sign * (s - at) * (3.0 * s + 4.0 - at);
+                let share = turning_share([value(0.0), value(1.0)], [slope(0.0), slope(1.0)]).unwrap();
+                assert!((share - at).abs() < 1e-12, "{share} for {at}");
+            }
+        }
+        assert_eq!(turning_share([0.0, 1.0], [1.0, 1.0]), None);
+        assert_eq!(turning_share([0.0, -1.0], [1e-7, -2.0]), None);
+        assert_eq!(turning_share([f64::NAN, 1.0], [1.0, -1.0]), None);
+    }
+}
