@@ -12,7 +12,8 @@ fn both_ways(file: &str, options: &[&str]) -> [(Vec<u8>, Value); 2] {
     let folder = tempfile::tempdir().unwrap();
     let [csv, svg] = ["out.csv", "out.svg"].map(|name| path(&folder, name));
     let run = |more: &[&str]| {
-        let mut document = json(&patchcord(&[&["run", file, "--json", "--csv", &csv], options, more].concat()));
+        let ran = patchcord(&[&["run", file, "--json", "--csv", &csv], options, more].concat());
+        let mut document = json(&ran);
         document.as_object_mut().unwrap().remove("files");
         (fs::read(&csv).unwrap(), document)
     };
