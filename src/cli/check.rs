@@ -18,7 +18,7 @@ use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::ir::Program;
 use patchcord::patch::Instance;
-use patchcord::solve::{self, RunError, RunSettings};
+use patchcord::solve::{self, BLOCK_SAMPLES, RunError, RunSettings};
 use patchcord::trace::Overload;
 
 #[derive(Args)]
@@ -123,7 +123,9 @@ fn summary(circuit: &Circuit, program: &Program) -> String {
 ///
 /// A patch without run settings is valid, because options can specify them. The line concerns a run without options.
 fn run_error(circuit: &Circuit, program: &Program) -> Option<RunError> {
-    RunSettings::of(circuit).and_then(|settings| solve::check(program, &settings)).err()
+    // Without options `patchcord run` draws no pictures, so it does not keep the samples.
+    let settings = RunSettings::of(circuit).map(|settings| settings.with_blocks(BLOCK_SAMPLES));
+    settings.and_then(|settings| solve::check(program, &settings)).err()
 }
 
 /// The message of an error, with the option of `patchcord run` that helps.

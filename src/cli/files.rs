@@ -9,6 +9,7 @@ use super::failure::Failure;
 use super::load::PatchArguments;
 use super::outputs::Outputs;
 use super::pictures::{PictureArguments, Resolution, pictures};
+use super::streamed_tables::StreamedTables;
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
 use patchcord::draw::plot::{self, Format, Picture, Size};
@@ -122,15 +123,25 @@ impl Files {
         self.outputs.prepare(self.folder.as_deref(), self.paths())
     }
 
-    /// Writes tables and pictures, and returns the paths of the written files.
+    /// The tables, to be written while the run is recorded.
+    pub(super) fn streamed_tables(&self) -> StreamedTables<'_> {
+        StreamedTables::new(&self.outputs, &self.tables)
+    }
+
+    /// Writes tables and pictures, and returns the paths of the written files. `streamed` are the tables that have been
+    /// written while the run was recorded; `None` if the trace has the samples.
     ///
     /// # Errors
     /// If a picture cannot be drawn, or if a file cannot be written.
-    pub(super) fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<Vec<PathBuf>, Failure> {
-        for path in &self.tables {
-            let mut bytes = Vec::new();
-            trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
-            self.outputs.write(path, &bytes)?;
+    pub(super) fn write(
+        &self,
+        trace: &Trace,
+        circuit: &Circuit,
+        streamed: Option<StreamedTables<'_>>,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        match streamed {
+            Some(tables) => tables.finish(trace)?,
+            None => self.tables.iter().try_for_each(|path| self.write_table(path, trace))?,
         }
         let mut written = self.tables.clone();
         if self.sheets.is_empty() {
@@ -147,6 +158,16 @@ impl Files {
             written.push(path.clone());
         }
         Ok(written)
+    }
+
+    /// Writes the samples of a trace as a table.
+    ///
+    /// # Errors
+    /// If a value is not finite, or if the file cannot be written.
+    fn write_table(&self, path: &Path, trace: &Trace) -> Result<(), Failure> {
+        let mut bytes = Vec::new();
+        trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
+        self.outputs.write(path, &bytes)
     }
 }
 

@@ -13,7 +13,7 @@ use super::failure::Failure;
 use super::files::path_text;
 use super::standard_output_result;
 use patchcord::output::{
-    FileIdentity, StagedFile, check_appendable, check_folder_writable, check_writable, io_reason,
+    FileIdentity, PendingFile, StagedFile, check_appendable, check_folder_writable, check_writable, io_reason,
     remove_leftovers, stage, write_atomic, write_new,
 };
 use patchcord::patch::Patch;
@@ -134,11 +134,16 @@ impl Outputs {
     /// If the file was read, or if it cannot be written.
     pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         self.identity(path)?;
-        let outcome = write_atomic(path, bytes);
-        if path == Path::new("/dev/stdout") {
-            return standard_output_result(outcome);
-        }
-        outcome.map_err(|error| write_failure(path, &error))
+        written(path, write_atomic(path, bytes))
+    }
+
+    /// Begins a file that is written in parts. [`publish`] ends it.
+    ///
+    /// # Errors
+    /// If the file was read, or if it cannot be written.
+    pub(super) fn begin(&self, path: &Path) -> Result<PendingFile, Failure> {
+        self.identity(path)?;
+        PendingFile::create(path).map_err(|error| write_failure(path, &error))
     }
 
     /// Writes a file under a temporary name.
@@ -162,6 +167,22 @@ impl Outputs {
             Err(error) => Err(write_failure(path, &error)),
         }
     }
+}
+
+/// Ends a file that was written in parts: it appears under its name.
+///
+/// # Errors
+/// If it cannot be written. An existing file is then unchanged.
+pub(super) fn publish(path: &Path, file: PendingFile) -> Result<(), Failure> {
+    written(path, file.commit())
+}
+
+/// The result of writing a file.
+fn written(path: &Path, outcome: io::Result<()>) -> Result<(), Failure> {
+    if path == Path::new("/dev/stdout") {
+        return standard_output_result(outcome);
+    }
+    outcome.map_err(|error| write_failure(path, &error))
 }
 
 /// Checks before the work that a file can be written.

@@ -15,7 +15,7 @@ use super::files::{path_texts, picture_format, write_pictures, written_paragraph
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::{positive, positive_in};
 use super::profile_report::{self, ProfileDocument, ProfileReading};
-use super::run::run_with_progress;
+use super::recording::run_with_progress;
 use super::times::{TimeArguments, run_failure};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;

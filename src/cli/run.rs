@@ -2,7 +2,8 @@
 //!
 //! The text output has the title, the parameters, the table of readings, the phases, the work of the solver and the
 //! overloads. An overload fails the command only with `--fail-on-overload`, after everything is written and printed.
-//! If a run stops with an error, the samples before the error are still written to the files.
+//! If a run stops with an error, the samples before the error are still written to the files. Without pictures the
+//! table is written during the run, so that the memory of the run does not grow with its rows.
 
 use std::path::PathBuf;
 
@@ -14,9 +15,10 @@ use super::files::{FileArguments, Files, path_texts, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::overloads::{OverloadDocument, overload_failure, overload_lines};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
-use super::progress::RunProgress;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
+use super::recording::record;
 use super::step_warning::{StepWarningDocument, step_warning_text};
+use super::streamed_tables::StreamedTables;
 use super::times::{
     TimeArguments, TimesDocument, from_command_line, message_with_advice, position_text, run_failure,
 };
@@ -26,7 +28,7 @@ use patchcord::document::{plural, suggestion};
 use patchcord::instruments::parameter_line;
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
-use patchcord::solve::{self, RunError, RunSettings, StoppedRunError};
+use patchcord::solve::{BLOCK_SAMPLES, RunError, RunSettings, StoppedRunError};
 use patchcord::trace::{Repetition, Trace, WorkCounters};
 
 #[derive(Args)]
@@ -66,21 +68,23 @@ fn name(text: &str) -> Result<String, String> {
     if name.is_empty() { Err("a name is missing".to_owned()) } else { Ok(name.to_owned()) }
 }
 
-/// Files are checked before the run and written after it. The JSON document is printed last.
+/// Files are checked before the run, and appear under their names after it. The JSON document is printed last.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let mut files = arguments.files.files(&arguments.patch, &circuit)?;
     let settings = arguments.settings(&circuit, &program)?;
     files.plan_pictures(&arguments.patch.patch, &circuit, &settings)?;
     files.prepare()?;
-    let trace = match run_with_progress(&program, &settings) {
+    let mut streamed = settings.block_samples.map(|_| files.streamed_tables());
+    let trace = match record(&program, &settings, streamed.as_mut()) {
         Ok(trace) => trace,
-        Err(stopped) => return Err(arguments.stopped_failure(*stopped, &files, &circuit)),
+        Err(stopped) => return Err(arguments.stopped_failure(*stopped, streamed, &files, &circuit)),
     };
-    let written = files.write(&trace, &circuit)?;
+    let samples = streamed.as_ref().map_or(trace.len(), StreamedTables::samples);
+    let written = files.write(&trace, &circuit, streamed)?;
     let failure = overload_failure(&trace).filter(|_| arguments.fail_on_overload);
     if arguments.patch.json {
-        let document = PatchDocument::new(&circuit, Document::new(&settings, &trace, &written));
+        let document = PatchDocument::new(&circuit, Document::new(&settings, &trace, samples, &written));
         return match failure {
             None => print_json(&document),
             Some(failure) => Err(failure.with_document(&document)?),
@@ -88,15 +92,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     arguments.print_results(&circuit, &trace, &written)?;
     failure.map_or(Ok(()), Err)
-}
-
-/// Runs a program and shows the progress on a terminal.
-pub(super) fn run_with_progress(
-    program: &Program,
-    settings: &RunSettings,
-) -> Result<Trace, Box<StoppedRunError>> {
-    let mut progress = RunProgress::new(settings.total_duration());
-    solve::run_with_progress(program, settings, &mut |time| progress.step(time)).map_err(Box::new)
 }
 
 impl Arguments {
@@ -116,7 +111,8 @@ impl Arguments {
 
     /// The run settings from the patch and the options.
     ///
-    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn.
+    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn. Without pictures the
+    /// trace does not keep the samples.
     fn settings(&self, circuit: &Circuit, program: &Program) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
         let settings = self.times.settings(&plan, circuit, program);
@@ -126,6 +122,7 @@ impl Arguments {
         }
         settings.sensitivities = self.parameters(circuit)?;
         settings.checks_steps = true;
+        settings.block_samples = (!self.files.draw()).then_some(BLOCK_SAMPLES);
         settings.check().map_err(|error| self.failure(&error, circuit))?;
         Ok(settings)
     }
@@ -168,8 +165,15 @@ impl Arguments {
     /// Writes the samples before the error to the files and returns the failure.
     ///
     /// The failure has the keys `code`, and `recorded_until` in seconds and `files` if files were written.
-    fn stopped_failure(&self, stopped: StoppedRunError, files: &Files, circuit: &Circuit) -> Failure {
-        let Some(last) = stopped.trace.time.last() else { return self.failure(&stopped.error, circuit) };
+    fn stopped_failure(
+        &self,
+        stopped: StoppedRunError,
+        streamed: Option<StreamedTables<'_>>,
+        files: &Files,
+        circuit: &Circuit,
+    ) -> Failure {
+        let last = streamed.as_ref().map_or(stopped.trace.time.last().copied(), StreamedTables::last_time);
+        let Some(last) = last else { return self.failure(&stopped.error, circuit) };
         let (phase, position) = (phase_prefix(&stopped.trace), position_text(&stopped.error, circuit));
         let failure = |more: &str| {
             let message = format!("{phase}{}{position}{more}", message_with_advice(&stopped.error));
@@ -178,13 +182,13 @@ impl Arguments {
         if files.paths().next().is_none() {
             return failure("");
         }
-        match files.write(&stopped.trace, circuit) {
+        match files.write(&stopped.trace, circuit, streamed) {
             Err(unwritten) => {
                 unwritten.report();
                 failure("")
             }
             Ok(written) => failure(&format!("\nthe files contain the run up to t = {last} s"))
-                .with_detail("recorded_until", (*last).into())
+                .with_detail("recorded_until", last.into())
                 .with_detail("files", path_texts(&written).into()),
         }
     }
@@ -314,15 +318,15 @@ struct RepetitionDocument<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// The document of a run. `written` are the files.
-    fn new(settings: &RunSettings, trace: &'a Trace, written: &[PathBuf]) -> Self {
+    /// The document of a run with this number of samples. `written` are the files.
+    fn new(settings: &RunSettings, trace: &'a Trace, samples: usize, written: &[PathBuf]) -> Self {
         Document {
             run: SettingsDocument {
                 times: TimesDocument::of(settings),
                 repeat: trace.repetitions.len(),
                 hold_on_overload: settings.hold_on_overload,
             },
-            samples: trace.len(),
+            samples,
             readings: ReadingDocument::all(trace),
             sensitivities: SensitivityDocument::all(trace),
             repetitions: trace.repetitions.iter().map(RepetitionDocument::of).collect(),

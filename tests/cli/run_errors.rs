@@ -19,7 +19,7 @@ fn negative_times_return_a_clear_error() {
         let message = errors(&patchcord(&["run", FIG_8_16, "--repeat", times]));
         assert!(message.contains("must be an integer from 1 to 4294967295"), "{message}");
     }
-    let message = errors(&patchcord(&["run", FIG_8_16, "--for", "0.1", "--repeat", "1000000"]));
+    let message = errors(&patchcord(&["run", FIG_8_16, "--for", "0.1", "--repeat", "5000000"]));
     assert!(
         message.contains("; at most 2e8 are allowed") && message.contains("fewer repetitions"),
         "{message}"
@@ -98,6 +98,24 @@ fn check_reports_why_a_patch_cannot_be_run() {
     let message = out(&patchcord(&["check", &file]));
     assert!(message.contains("cannot be run: the run would take 3.25e12 steps, 38 days"), "{message}");
     assert!(json(&patchcord(&["check", FIG_8_16, "--json"]))["cannot_be_run"].is_null());
+}
+
+/// Without pictures, samples do not stay in memory.
+#[test]
+fn only_a_run_with_pictures_is_refused_for_the_memory_of_its_samples() {
+    let run = "{\"for\": 3.25, \"step\": 1e-3}";
+    // 6.5e8 and 6.5e10 numbers.
+    let with_interval = |every: &str| {
+        spring_with(run, &format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}}"))
+    };
+    let (folder, file) = with_interval("1e-8");
+    assert!(json(&patchcord(&["check", &file, "--json"]))["cannot_be_run"].is_null());
+    let refused = patchcord(&["run", &file, "--plot", &path(&folder, "x.svg")]);
+    assert_eq!(code(&refused), 1);
+    assert!(errors(&refused).contains("6.5e8 numbers; at most 2e8 are allowed"), "{}", errors(&refused));
+    let (_folder, file) = with_interval("1e-10");
+    let message = out(&patchcord(&["check", &file]));
+    assert!(message.contains("6.5e10 numbers; at most 1e10 are allowed"), "{message}");
 }
 
 /// A new random number every nanosecond for 100 s.

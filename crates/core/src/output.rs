@@ -4,17 +4,19 @@
 //! final name, which replaces an older file in one step. If anything fails, the older file stays as it was. Several
 //! files can be staged under temporary names before the first one is renamed.
 //!
-//! `identity` decides whether two paths lead to one file. `temporary` names temporary files, and removes those that a
-//! killed process has left.
+//! `identity` decides whether two paths lead to one file. `pending` has files that are written in parts. `temporary`
+//! names temporary files, and removes those that a killed process has left.
 
 mod identity;
+mod pending;
 mod temporary;
 
 pub use identity::{FileIdentity, file_number};
+pub use pending::PendingFile;
 pub use temporary::remove_leftovers;
 
 use std::fs::{self, File, OpenOptions, Permissions};
-use std::io::{self, Error, ErrorKind, Result, Write as _};
+use std::io::{self, Error, ErrorKind, Read, Result, Write as _};
 use std::path::{Path, PathBuf};
 
 use identity::destination;
@@ -46,12 +48,8 @@ use tempfile::NamedTempFile;
 pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
     match target_of(path)? {
-        Target::StandardOutput => {
-            // If standard output is redirected to a file, a second handle would overwrite it from the beginning.
-            let mut out = io::stdout().lock();
-            out.write_all(bytes).and_then(|()| out.flush())
-        }
-        Target::Stream => OpenOptions::new().append(true).open(path)?.write_all(bytes),
+        Target::StandardOutput => copy_to_standard_output(bytes),
+        Target::Stream => copy_to_stream(path, bytes),
         Target::File { path, permissions } => staged(path, permissions, bytes)?.commit(),
     }
 }
@@ -68,6 +66,15 @@ pub struct StagedFile {
 }
 
 impl StagedFile {
+    /// An empty file next to its final path. `permissions` are those of the file that it replaces.
+    fn new(path: PathBuf, permissions: Option<Permissions>) -> Result<StagedFile> {
+        let temporary = temporary::create(folder_of(&path))?;
+        if let Some(permissions) = permissions {
+            temporary.as_file().set_permissions(permissions)?;
+        }
+        Ok(StagedFile { temporary, path })
+    }
+
     /// Renames the file to its final name. An existing file is replaced in one step.
     ///
     /// # Errors
@@ -283,14 +290,25 @@ fn is_read_only(metadata: &fs::Metadata) -> bool {
 
 /// A temporary file with these bytes next to its final path, flushed to disk.
 fn staged(path: PathBuf, permissions: Option<Permissions>, bytes: &[u8]) -> Result<StagedFile> {
-    let temporary = temporary::create(folder_of(&path))?;
-    let mut file: &File = temporary.as_file();
+    let staged = StagedFile::new(path, permissions)?;
+    let mut file: &File = staged.temporary.as_file();
     file.write_all(bytes)?;
-    if let Some(permissions) = permissions {
-        file.set_permissions(permissions)?;
-    }
     file.sync_all()?;
-    Ok(StagedFile { temporary, path })
+    Ok(staged)
+}
+
+/// Copies bytes to the standard output of this process.
+fn copy_to_standard_output(mut bytes: impl Read) -> Result<()> {
+    // If standard output is redirected to a file, a second handle would overwrite it from the beginning.
+    let mut out = io::stdout().lock();
+    io::copy(&mut bytes, &mut out)?;
+    out.flush()
+}
+
+/// Copies bytes to a pipe or a device.
+fn copy_to_stream(path: &Path, mut bytes: impl Read) -> Result<()> {
+    let mut stream = OpenOptions::new().append(true).open(path)?;
+    io::copy(&mut bytes, &mut stream).map(drop)
 }
 
 #[cfg(test)]

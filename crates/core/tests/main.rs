@@ -4,6 +4,7 @@ mod adaptive;
 mod allocation;
 mod backends;
 mod bad_patches;
+mod blocks;
 mod bouncing_ball;
 mod brake;
 mod common;

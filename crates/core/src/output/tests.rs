@@ -58,6 +58,22 @@ fn a_staged_file_replaces_the_existing_one_only_when_it_is_committed() {
     assert_eq!(entry_count(folder.path()), 2);
 }
 
+#[test]
+fn a_pending_file_that_is_dropped_leaves_the_old_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("kept");
+    fs::write(&path, "old").unwrap();
+    let mut file = PendingFile::create(&path).unwrap();
+    file.write_all(b"new").unwrap();
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    drop(file);
+    assert_eq!((entry_count(folder.path()), fs::read(&path).unwrap()), (1, b"old".to_vec()));
+    let mut file = PendingFile::create(&path).unwrap();
+    file.write_all(b"new").unwrap();
+    file.commit().unwrap();
+    assert_eq!((entry_count(folder.path()), fs::read(&path).unwrap()), (1, b"new".to_vec()));
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_without_write_access_is_reported() {
@@ -132,6 +148,8 @@ mod unix {
             fs::set_permissions(&kept, fs::Permissions::from_mode(wanted)).unwrap();
             write_atomic(&kept, b"new").unwrap();
             assert_eq!((mode(&kept), fs::read(&kept).unwrap()), (wanted, b"new".to_vec()));
+            PendingFile::create(&kept).unwrap().commit().unwrap();
+            assert_eq!((mode(&kept), fs::read(&kept).unwrap()), (wanted, Vec::new()));
         }
     }
 
@@ -158,6 +176,15 @@ mod unix {
         });
         write_atomic(&pipe, b"through").unwrap();
         assert_eq!(reader.join().unwrap(), b"through");
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read(pipe).unwrap().len()
+        });
+        // More bytes than stay in memory.
+        let mut file = PendingFile::create(&pipe).unwrap();
+        (0..20).for_each(|_| file.write_all(&[b'x'; 100_000]).unwrap());
+        file.commit().unwrap();
+        assert_eq!(reader.join().unwrap(), 2_000_000);
         assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
     }
 }

@@ -277,7 +277,7 @@ pub enum RunError {
         /// The largest number allowed.
         max: f64,
     },
-    /// The run would record too many numbers for the memory.
+    /// The run would record too many numbers for the memory, or for a table.
     #[error(
         "the run would record {numbers} numbers; at most {max} are allowed",
         numbers = format_number(*numbers), max = format_number(*max)

@@ -4,8 +4,9 @@
 //! it; `state` and `buffers` hold its data, and `step_control` adapts its length. `events`, `event_location`,
 //! `grazing`, `turning_points`, `levels` and `discontinuities` find the events and jumps at which a step has to end.
 //! `fast_path` runs a compiled or interpreted kernel while no event is due, and `batch` runs kernels in lanes.
-//! `settings` and `settings_check` describe a run; `operation`, `player` and `run` play its phases. `recorder` records
-//! signals, `extrema` and `lamps` find their peaks and overloads, and `sensitivity` computes derivatives. `controls` and
+//! `settings`, `settings_blocks` and `settings_check` describe a run; `operation`, `player` and `run` play its phases.
+//! `recorder` records signals, `extrema` and `lamps` find their peaks and overloads, and `sensitivity` computes
+//! derivatives. `step_check`, `step_comparison` and `thinned_trace` find steps that are too long. `controls` and
 //! `drive_table` change settings, and `readings` reads a machine.
 
 mod batch;
@@ -34,6 +35,7 @@ mod run;
 mod runge_kutta;
 mod sensitivity;
 mod settings;
+mod settings_blocks;
 mod settings_check;
 mod state;
 mod step_check;
@@ -41,6 +43,7 @@ mod step_comparison;
 mod step_control;
 mod stopped_run;
 mod tableau;
+mod thinned_trace;
 mod time_setting;
 mod turning_points;
 mod turns;
@@ -53,7 +56,8 @@ pub use crate::trace::{Overload, WorkCounters};
 pub use drive_table::{CurveError, DriveTableError, set_curve, set_drive_table};
 pub use error::RunError;
 pub use machine::{Machine, MachineMode};
-pub use run::{check, machine_after, run, run_batch, run_with_progress, sufficient_step};
+pub use run::{check, machine_after, run, run_batch, run_in_blocks, run_with_progress, sufficient_step};
 pub use settings::RunSettings;
+pub use settings_blocks::BLOCK_SAMPLES;
 pub use stopped_run::StoppedRunError;
 pub use time_setting::TimeSetting;

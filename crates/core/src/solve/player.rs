@@ -64,9 +64,10 @@ impl<'p, 'w> Player<'p, 'w> {
         self.play_all(phases)
     }
 
-    /// Ends the last repetition, and returns the record.
+    /// Ends the last repetition, passes the last samples on, and returns the record and the doubt about its steps.
     pub(super) fn finish(mut self) -> (Trace, Option<StepDoubt>) {
         self.recorder.end_repetition(&self.machine, self.is_held);
+        self.recorder.pass_on();
         (self.recorder.trace, self.recorder.step_doubt)
     }
 

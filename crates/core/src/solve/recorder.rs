@@ -5,6 +5,7 @@
 //! steps. For every signal the recorder also keeps the minimum and the maximum of each repetition, which may be between
 //! samples.
 
+mod blocks;
 mod observer;
 
 use std::ops::Range;
@@ -23,8 +24,14 @@ use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
 
 /// Samples the signals of a run, and records its repetitions and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
-    /// The record so far.
+    /// The record so far, without the samples that were passed on.
     pub trace: Trace,
+    /// Takes the samples of each block; `None` if they are dropped or stay in the record.
+    pub consumer: Option<&'a mut dyn FnMut(&Trace)>,
+    /// Number of samples of a block; `None` if the samples stay in the record.
+    block_samples: Option<usize>,
+    /// Number of samples that were passed on.
+    passed_on: usize,
     /// Called with the seconds recorded so far, summed over all repetitions.
     progress: &'a mut dyn FnMut(f64),
     /// Seconds recorded before the present repetition.
@@ -111,6 +118,9 @@ impl<'a> Recorder<'a> {
         tracks.extend(derivatives);
         Ok(Recorder {
             trace: Trace { tracks, ..Trace::default() },
+            consumer: None,
+            block_samples: settings.block_samples,
+            passed_on: 0,
             progress,
             recorded_before: 0.0,
             signals,
@@ -148,7 +158,8 @@ impl<'a> Recorder<'a> {
     /// sample.
     pub(super) fn sample_present(&mut self, solver: &Solver<'_>, lamps: &Lamps) {
         if !self.is_in_repetition {
-            self.trace.repetitions.push(Repetition { first: self.trace.time.len(), ..Repetition::default() });
+            let first = self.sample_count();
+            self.trace.repetitions.push(Repetition { first, ..Repetition::default() });
             (self.hold_time, self.is_in_repetition, self.is_fresh) = (0.0, true, false);
             self.set_next_sample(1);
             // A lamp that is lit now was lit in initial condition.
@@ -172,13 +183,14 @@ impl<'a> Recorder<'a> {
     pub(super) fn begin_phase(&mut self, time: f64, phase: PhaseKind) {
         let takes_time = matches!(phase, PhaseKind::Operate { .. } | PhaseKind::Hold);
         let begin = if self.is_in_repetition { self.clock(time) } else { 0.0 };
+        let sample = self.sample_count() - usize::from(takes_time);
         self.trace.phase_records.push(PhaseRecord {
             phase,
             repetition: self.trace.repetitions.len() - usize::from(self.is_in_repetition),
             begin,
             end: begin,
             problem_time: time,
-            sample: self.trace.len() - usize::from(takes_time),
+            sample,
             ended: PhaseEnd::Time,
         });
     }
@@ -268,6 +280,7 @@ impl<'a> Recorder<'a> {
             .iter_mut()
             .zip(values)
             .for_each(|(track, value)| track.record(repetition, time, value));
+        self.pass_on_full_block();
     }
 
     /// Writes a sample of the voltages just before the last changes of mode, at a time of the recorder's clock.
@@ -282,6 +295,7 @@ impl<'a> Recorder<'a> {
             .iter_mut()
             .zip(values)
             .for_each(|(track, value)| track.record(repetition, time, value));
+        self.pass_on_full_block();
     }
 
     /// Writes a sample of the voltages of a kernel, in the order of the tracks, and advances to the next sample.
@@ -289,6 +303,7 @@ impl<'a> Recorder<'a> {
         self.trace.time.push(time);
         self.trace.tracks.iter_mut().zip(voltages).for_each(|(track, volts)| track.volts.push(volts));
         self.set_next_sample(self.next_index + 1);
+        self.pass_on_full_block();
     }
 
     /// The time by the recorder's clock at which one of some steps ends. Steps count from 0.

@@ -4,6 +4,10 @@
 //! recorder returns the trace. Programs that differ only in their parameters can run together as a [`Batch`], with the
 //! same results to the bit.
 
+mod in_blocks;
+
+pub use in_blocks::run_in_blocks;
+
 use super::batch::Batch;
 use super::error::RunError;
 use super::levels::check_noise;
@@ -11,8 +15,8 @@ use super::machine::Machine;
 use super::player::{self, Player};
 use super::recorder::Recorder;
 use super::settings::RunSettings;
-use super::step_check::StepCheck;
-use super::step_comparison::step_warning;
+use super::settings_blocks::BLOCK_SAMPLES;
+use super::step_check::{StepCheck, StepDoubt};
 use super::stopped_run::StoppedRunError;
 use crate::document::RunExtent;
 use crate::ir::Program;
@@ -51,7 +55,8 @@ pub fn run(program: &Program, settings: &RunSettings) -> Result<Trace, StoppedRu
 }
 
 /// Runs a program, and calls `progress` after every step or block of steps with the seconds recorded so far, summed
-/// over all repetitions. [`RunSettings::total_duration`] is the largest value.
+/// over all repetitions. [`RunSettings::total_duration`] is the largest value. If checks of the steps repeat the run, the
+/// seconds count from 0 again.
 ///
 /// # Errors
 /// As for [`run`].
@@ -80,19 +85,23 @@ pub fn run_with_progress(
     settings: &RunSettings,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Trace, StoppedRunError> {
+    run_in_blocks(program, settings, progress, &mut |_| ())
+}
+
+/// Plays all phases of a run. Returns the trace, and the doubt about the steps if they were checked.
+///
+/// # Errors
+/// As for [`run`].
+fn play<'w>(
+    program: &Program,
+    settings: &RunSettings,
+    progress: &'w mut dyn FnMut(f64),
+    consumer: &'w mut dyn FnMut(&Trace),
+) -> Result<(Trace, Option<StepDoubt>), StoppedRunError> {
     let mut player = prepare(program, settings, progress)?;
+    player.recorder.consumer = Some(consumer);
     let outcome = player.run(&settings.phases);
-    let (mut trace, doubt) = player.finish();
-    if let Err(error) = outcome {
-        return Err(StoppedRunError { error, trace: Box::new(trace) });
-    }
-    if let Some(doubt) = doubt {
-        let mut half = RunSettings { checks_steps: false, step: 0.5 * settings.step, ..settings.clone() };
-        half.sensitivities.clear();
-        let half = run(program, &half).unwrap_or_else(|stopped| *stopped.trace);
-        trace.step_warning = step_warning(program, doubt, settings.step, &trace, &half);
-    }
-    Ok(trace)
+    result_of(player, outcome)
 }
 
 /// Runs several programs and returns their results in the same order. Each result is the same, to the bit, as that of
@@ -142,7 +151,8 @@ fn run_chunk(programs: &[Program], settings: &RunSettings) -> Vec<Result<Trace, 
     let preparations: Vec<Result<(), RunError>> = preparations.collect();
     let mut batch = Batch::new(players, settings.backend);
     batch.run(&settings.phases);
-    let mut results = batch.into_players().map(|(player, outcome)| result_of(player, outcome));
+    let mut results =
+        batch.into_players().map(|(player, outcome)| result_of(player, outcome).map(|(trace, _)| trace));
     let outcomes = preparations.into_iter().filter_map(|preparation| match preparation {
         Ok(()) => results.next(),
         Err(error) => Some(Err(error.into())),
@@ -150,11 +160,14 @@ fn run_chunk(programs: &[Program], settings: &RunSettings) -> Vec<Result<Trace, 
     outcomes.collect()
 }
 
-/// The result of a run: the trace, or the error with the trace up to it.
-fn result_of(player: Player<'_, '_>, outcome: Result<(), RunError>) -> Result<Trace, StoppedRunError> {
-    let (trace, _) = player.finish();
+/// The result of a run: the trace and the doubt about its steps, or the error with the trace up to it.
+fn result_of(
+    player: Player<'_, '_>,
+    outcome: Result<(), RunError>,
+) -> Result<(Trace, Option<StepDoubt>), StoppedRunError> {
+    let (trace, doubt) = player.finish();
     match outcome {
-        Ok(()) => Ok(trace),
+        Ok(()) => Ok((trace, doubt)),
         Err(error) => Err(StoppedRunError { error, trace: Box::new(trace) }),
     }
 }
@@ -197,7 +210,7 @@ pub fn machine_after<'p>(
 }
 
 /// A step with which a run of equal steps is not warned of: the step of the settings, or a shorter one that earlier
-/// runs recommended. The parameters are those of the program.
+/// runs recommended. The parameters are those of the program. The runs do not keep their samples.
 ///
 /// # Errors
 /// If the run stops with the step of the settings and with much shorter ones, or if no step is short enough.
@@ -219,7 +232,8 @@ pub fn machine_after<'p>(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn sufficient_step(program: &Program, settings: &RunSettings) -> Result<f64, RunError> {
-    let mut settings = settings.clone().with_step(settings.step).with_step_checks();
+    let settings = settings.clone().with_step(settings.step).with_step_checks();
+    let mut settings = settings.with_blocks(BLOCK_SAMPLES);
     for attempt in 1.. {
         let shorter = match run(program, &settings) {
             Ok(trace) => {

@@ -1,7 +1,7 @@
 //! The settings of a run, and the methods that change one setting each.
 //!
-//! `settings_check` checks the settings before a run. The settings for the run plan of a patch are made outside this
-//! module, because the solver does not depend on circuits.
+//! `settings_check` checks the settings before a run, and `settings_blocks` has the setting for long runs. The settings
+//! for the run plan of a patch are made outside this module, because the solver does not depend on circuits.
 
 use crate::document::{Phase, RunExtent};
 use crate::ir::Program;
@@ -58,6 +58,8 @@ pub struct RunSettings {
     /// Whether the run checks at some equal steps if they are short enough. The result is
     /// [`Trace::step_warning`](crate::trace::Trace::step_warning).
     pub checks_steps: bool,
+    /// Number of samples that the trace has at most; `None` if it keeps all. See [`with_blocks`](Self::with_blocks).
+    pub block_samples: Option<usize>,
     /// Names of the signals to record, in the order of the tracks. Elements and drives are signals, too.
     pub record: Vec<String>,
     /// Names of the parameters by which the derivatives of all these signals are also recorded. Their tracks follow the
@@ -91,6 +93,7 @@ impl RunSettings {
             hold_on_overload: false,
             has_lamps: true,
             checks_steps: false,
+            block_samples: None,
             record: Vec::new(),
             sensitivities: Vec::new(),
             backend: Backend::default(),

@@ -48,20 +48,20 @@ impl RunSettings {
         self.check_size(extent)
     }
 
-    /// Checks the number of steps and of recorded numbers.
+    /// Checks the number of steps, of recorded numbers, and of those that stay in memory.
     ///
     /// # Errors
-    /// If they exceed [`MAX_STEPS`] or [`MAX_NUMBERS`].
+    /// If they exceed [`MAX_STEPS`], [`MAX_PASSED_ON_NUMBERS`] or [`MAX_NUMBERS`].
     fn check_size(&self, extent: RunExtent) -> Result<(), RunError> {
         let steps = extent.operate_time / self.step;
         if self.tolerance.is_none() && steps > MAX_STEPS {
             return Err(RunError::TooManySteps { steps, max: MAX_STEPS });
         }
-        let numbers = self.recorded_numbers();
-        if numbers > MAX_NUMBERS {
-            return Err(RunError::TooManyNumbers { numbers, max: MAX_NUMBERS });
+        if self.block_samples.is_none() {
+            return check_numbers(self.recorded_numbers(), MAX_NUMBERS);
         }
-        Ok(())
+        check_numbers(self.recorded_numbers(), MAX_PASSED_ON_NUMBERS)?;
+        check_numbers(self.numbers_without_samples(extent), MAX_NUMBERS)
     }
 
     /// An upper limit of the numbers that the run records, with repetitions: one time and one value per track for every
@@ -70,11 +70,19 @@ impl RunSettings {
         let extent = RunExtent::of(&self.phases);
         // Every phase may write a sample at its beginning and one at its end.
         let rows = (extent.record_time / self.every).floor() + 2.0 * extent.phase_count;
+        rows * (self.track_count() + 1.0) + self.numbers_without_samples(extent)
+    }
+
+    /// An upper limit of the numbers for phases, changes and repetitions.
+    fn numbers_without_samples(&self, extent: RunExtent) -> f64 {
         let phase_records = (extent.phase_count + extent.change_count) * NUMBERS_PER_PHASE_RECORD;
-        // Every phase may also begin a repetition.
-        let tracks = self.record.len() * (1 + self.sensitivities.len());
-        let extremes = extent.phase_count * tracks as f64 * NUMBERS_PER_EXTREMES;
-        rows * (tracks + 1) as f64 + phase_records + extremes
+        // Every phase may begin a repetition.
+        phase_records + extent.phase_count * self.track_count() * NUMBERS_PER_EXTREMES
+    }
+
+    /// Number of tracks: one for every signal and every derivative.
+    fn track_count(&self) -> f64 {
+        (self.record.len() * (1 + self.sensitivities.len())) as f64
     }
 }
 
@@ -87,6 +95,14 @@ pub(super) fn check_tolerance(value: f64) -> Result<(), RunError> {
         true => Ok(()),
         false => Err(RunError::NotATolerance { value, min: MIN_TOLERANCE, max: MAX_TOLERANCE }),
     }
+}
+
+/// Checks that the numbers that a run records do not exceed a limit.
+///
+/// # Errors
+/// If they do.
+fn check_numbers(numbers: f64, max: f64) -> Result<(), RunError> {
+    if numbers > max { Err(RunError::TooManyNumbers { numbers, max }) } else { Ok(()) }
 }
 
 /// Checks that a time is positive and finite.
@@ -108,9 +124,12 @@ fn check_phase(phase: &Phase) -> Result<(), RunError> {
 /// Largest number of steps of a run, over all phases and repetitions. At a million steps a second they take 2.8 hours,
 /// so more steps are a mistake in the settings.
 pub(super) const MAX_STEPS: f64 = 1e10;
-/// Largest number of numbers that a run records. They take 8 bytes each, and as much again while they are written to a
-/// file: 3.2 GB together.
+/// Largest number of numbers of a run that stay in memory. They take 8 bytes each, and as much again while they are
+/// written to a file: 3.2 GB together.
 const MAX_NUMBERS: f64 = 2e8;
+/// Largest number of numbers that a run passes on in blocks. In a table they take up to 200 GB, so more are a mistake in
+/// the settings.
+const MAX_PASSED_ON_NUMBERS: f64 = 1e10;
 /// Memory of the record of a phase, and of every change in it, in numbers of 8 bytes.
 const NUMBERS_PER_PHASE_RECORD: f64 = 16.0;
 /// Memory of the extremes of a signal in a repetition, in numbers: first and last voltage, and two extremes with their

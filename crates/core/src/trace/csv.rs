@@ -1,11 +1,16 @@
 //! Writes traces as CSV in physical units.
 //!
 //! The comment lines at the top give the unit of each column. Numbers are printed with as few digits as read back to
-//! the same bits, so a file can be compared with a later run byte by byte.
+//! the same bits, so a file can be compared with a later run byte by byte. `table_writer` writes the same table while
+//! the run is recorded.
+
+mod table_writer;
+
+pub use table_writer::TableWriter;
 
 use std::io::Write;
 
-use super::Trace;
+use super::{Trace, Track};
 
 /// Why a trace could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -49,43 +54,78 @@ impl Trace {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn write_csv(&self, mut to: impl Write) -> Result<(), CsvError> {
-        self.check_finite()?;
-        writeln!(to, "# t: s")?;
-        for track in &self.tracks {
-            writeln!(to, "# {}: {}", track.name, on_one_line(&track.unit))?;
+        if let Some((track, time)) = first_not_finite(self) {
+            return Err(not_finite(&self.tracks[track], time));
         }
-        let mut writer = csv::Writer::from_writer(&mut to);
-        let names = self.tracks.iter().map(|track| track.name.as_str());
-        let run = (self.repetitions.len() > 1).then_some("run");
-        let phases = self.has_phases();
-        let phase = phases.then_some("phase");
-        writer.write_record(["t"].into_iter().chain(names).chain(run).chain(phase)).map_err(into_io)?;
+        let columns = RunColumns::of(self);
+        to.write_all(&header(&self.tracks, &columns.names())?)?;
+        let mut rows = csv::Writer::from_writer(to);
         for sample in 0..self.len() {
-            let phase = phases.then(|| (self.phase_of(sample) + 1).to_string());
-            writer.write_record(self.row(sample).chain(phase)).map_err(into_io)?;
+            rows.write_record(row(self, sample).chain(columns.cells(self, sample))).map_err(into_io)?;
         }
-        writer.flush()?;
+        rows.flush()?;
         Ok(())
     }
+}
 
-    /// Checks that every value is finite in the unit of its column.
-    ///
-    /// # Errors
-    /// If one is not. The error has the first one of the first such column.
-    fn check_finite(&self) -> Result<(), CsvError> {
-        let fault = self.tracks.iter().find_map(|track| {
-            let sample = track.values().position(|value| !value.is_finite())?;
-            Some(CsvError::NotFinite { column: track.name.clone(), time: self.time[sample] })
-        });
-        fault.map_or(Ok(()), Err)
+/// The columns after the signals.
+#[derive(Debug, Clone, Copy)]
+struct RunColumns {
+    /// Whether there is a column with the number of the run: the trace has several repetitions.
+    run: bool,
+    /// Whether there is a column with the number of the phase: the trace has phases.
+    phase: bool,
+}
+
+impl RunColumns {
+    /// The columns of a complete trace.
+    fn of(trace: &Trace) -> Self {
+        RunColumns { run: trace.repetitions.len() > 1, phase: trace.has_phases() }
     }
 
-    /// The cells of one sample, without the phase.
-    fn row(&self, sample: usize) -> impl Iterator<Item = String> + '_ {
-        let values = self.tracks.iter().map(move |track| format_exact(track.volts[sample] * track.per_volt));
-        let run = (self.repetitions.len() > 1).then(|| (self.repetition_of(sample) + 1).to_string());
-        [format_exact(self.time[sample])].into_iter().chain(values).chain(run)
+    /// The names of the columns; empty if there are none.
+    fn names(self) -> Vec<&'static str> {
+        let run = self.run.then_some("run");
+        run.into_iter().chain(self.phase.then_some("phase")).collect()
     }
+
+    /// The cells of one sample in the columns.
+    fn cells(self, trace: &Trace, sample: usize) -> impl Iterator<Item = String> {
+        let run = self.run.then(|| (trace.repetition_of(sample) + 1).to_string());
+        run.into_iter().chain(self.phase.then(|| (trace.phase_of(sample) + 1).to_string()))
+    }
+}
+
+/// The comment lines with the units and the line of names. The columns `more` follow those of the tracks.
+fn header<'t>(tracks: &'t [Track], more: &[&'t str]) -> Result<Vec<u8>, CsvError> {
+    let mut bytes = b"# t: s\n".to_vec();
+    for track in tracks {
+        writeln!(bytes, "# {}: {}", track.name, on_one_line(&track.unit))?;
+    }
+    let names = tracks.iter().map(|track| track.name.as_str());
+    let mut line = csv::Writer::from_writer(bytes);
+    line.write_record(["t"].into_iter().chain(names).chain(more.iter().copied())).map_err(into_io)?;
+    line.into_inner().map_err(|error| error.into_error().into())
+}
+
+/// The cells of one sample: its time and the values of all tracks.
+fn row(trace: &Trace, sample: usize) -> impl Iterator<Item = String> {
+    let values = trace.tracks.iter().map(move |track| format_exact(track.volts[sample] * track.per_volt));
+    [format_exact(trace.time[sample])].into_iter().chain(values)
+}
+
+/// The index of the first track with a value that is not finite in its unit, and the time of its first such sample in
+/// seconds.
+fn first_not_finite(trace: &Trace) -> Option<(usize, f64)> {
+    trace.tracks.iter().enumerate().find_map(|(index, track)| {
+        let sample = track.values().position(|value| !value.is_finite())?;
+        Some((index, trace.time[sample]))
+    })
+}
+
+/// The error of a track with a value that is not finite at this time in seconds.
+fn not_finite(track: &Track, time: f64) -> CsvError {
+    CsvError::NotFinite { column: track.name.clone(), time }
 }
 
 /// A unit as the patch writes it, without line breaks and control characters: these would end the comment line.
@@ -119,7 +159,6 @@ fn into_io(error: csv::Error) -> std::io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::Track;
 
     #[test]
     fn a_value_that_is_not_finite_is_refused_before_anything_is_written() {

@@ -7,8 +7,7 @@ mod csv;
 mod phase_record;
 mod track;
 
-pub use self::csv::CsvError;
-pub use self::csv::format_exact;
+pub use self::csv::{CsvError, TableWriter, format_exact};
 pub use self::phase_record::{NewValue, PhaseEnd, PhaseKind, PhaseRecord};
 pub use self::track::{Derivative, Extremum, SignalExtremes, Track};
 
@@ -44,7 +43,7 @@ pub struct Trace {
 /// One run that starts at initial condition. In repetitive operation a trace has several.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Repetition {
-    /// Index of its first sample in the trace.
+    /// Index of its first sample in the whole record.
     pub first: usize,
     /// Time at which it ended, in seconds of the recorder's clock.
     pub end: f64,

@@ -1,0 +1,30 @@
+//! Passes samples on in blocks, so that the memory of a run does not grow with their number.
+
+use super::Recorder;
+
+impl Recorder<'_> {
+    /// Number of samples so far, including those that were passed on.
+    pub(super) fn sample_count(&self) -> usize {
+        self.passed_on + self.trace.len()
+    }
+
+    /// Passes the samples of the record on if they fill a block.
+    pub(super) fn pass_on_full_block(&mut self) {
+        if self.block_samples.is_some_and(|samples| self.trace.len() >= samples) {
+            self.pass_on();
+        }
+    }
+
+    /// Passes the samples of the record on and removes them. Does nothing if the samples stay in the record.
+    pub(in crate::solve) fn pass_on(&mut self) {
+        if self.block_samples.is_none() || self.trace.is_empty() {
+            return;
+        }
+        if let Some(consumer) = &mut self.consumer {
+            consumer(&self.trace);
+        }
+        self.passed_on += self.trace.len();
+        self.trace.time.clear();
+        self.trace.tracks.iter_mut().for_each(|track| track.volts.clear());
+    }
+}

@@ -1,0 +1,78 @@
+//! Runs that pass their samples on, and the comparison of a run with one of half the step.
+
+use super::play;
+use crate::ir::Program;
+use crate::solve::settings::RunSettings;
+use crate::solve::settings_blocks::BLOCK_SAMPLES;
+use crate::solve::step_comparison::step_warning;
+use crate::solve::stopped_run::StoppedRunError;
+use crate::solve::thinned_trace::ThinnedTrace;
+use crate::trace::Trace;
+
+/// Runs a program, and passes its samples to `consumer` in blocks if the settings have
+/// [blocks](RunSettings::with_blocks). The memory of the run then does not grow with the number of samples.
+///
+/// `consumer` takes a trace with the samples of a block. The result has no samples, but the extremes, repetitions and
+/// phases of the whole run. Indices of samples count from the beginning of the run. `progress` is called as by
+/// [`run_with_progress`](super::run_with_progress).
+///
+/// If checks of the steps compare the run with another one, they use a part of the samples of a long run.
+///
+/// # Errors
+/// As for [`run`](super::run). The consumer has then taken the samples before the error.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+/// use patchcord_core::solve::{RunSettings, run_in_blocks};
+///
+/// // dx/dt = -x, from 50 V
+/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let patch = PatchBuilder::new("decay").element("A1", decay).run(1.0, 1e-3).build()?;
+/// let circuit = Circuit::new(&patch)?;
+/// let program = Program::new(&circuit)?;
+/// let settings = RunSettings::of(&circuit)?.with_blocks(400);
+/// let mut blocks = Vec::new();
+/// let trace = run_in_blocks(&program, &settings, &mut |_| (), &mut |block| blocks.push(block.len()))?;
+/// assert_eq!((blocks, trace.len()), (vec![400, 400, 201], 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn run_in_blocks(
+    program: &Program,
+    settings: &RunSettings,
+    progress: &mut dyn FnMut(f64),
+    consumer: &mut dyn FnMut(&Trace),
+) -> Result<Trace, StoppedRunError> {
+    let mut selection = ThinnedTrace::new();
+    let mut take = |block: &Trace| {
+        if settings.checks_steps {
+            selection.add(block);
+        }
+        consumer(block);
+    };
+    let (mut trace, doubt) = play(program, settings, progress, &mut take)?;
+    if let Some(doubt) = doubt {
+        let half = with_half_the_step(program, settings, progress, selection.for_other_run());
+        let compared = if settings.block_samples.is_some() { &selection.trace } else { &trace };
+        trace.step_warning = step_warning(program, doubt, settings.step, compared, &half);
+    }
+    Ok(trace)
+}
+
+/// The samples of a run with half the step, up to an error if there is one. `selection` selects them.
+fn with_half_the_step(
+    program: &Program,
+    settings: &RunSettings,
+    progress: &mut dyn FnMut(f64),
+    mut selection: ThinnedTrace,
+) -> Trace {
+    let mut half = RunSettings { checks_steps: false, step: 0.5 * settings.step, ..settings.clone() };
+    half.sensitivities.clear();
+    half.block_samples = Some(BLOCK_SAMPLES);
+    // The run before had no error. The samples before an error are compared, too.
+    let _ = play(program, &half, progress, &mut |block| selection.add(block));
+    selection.trace
+}

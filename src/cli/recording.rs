@@ -1,0 +1,31 @@
+//! Runs a program and shows the progress on a terminal.
+
+use super::progress::RunProgress;
+use super::streamed_tables::StreamedTables;
+use patchcord::ir::Program;
+use patchcord::solve::{self, RunSettings, StoppedRunError};
+use patchcord::trace::Trace;
+
+/// Runs a program whose trace keeps the samples.
+pub(super) fn run_with_progress(
+    program: &Program,
+    settings: &RunSettings,
+) -> Result<Trace, Box<StoppedRunError>> {
+    record(program, settings, None)
+}
+
+/// Runs a program. If the trace does not keep the samples, `tables` take them.
+pub(super) fn record(
+    program: &Program,
+    settings: &RunSettings,
+    mut tables: Option<&mut StreamedTables<'_>>,
+) -> Result<Trace, Box<StoppedRunError>> {
+    let mut progress = RunProgress::new(settings.total_duration());
+    let mut show = |time: f64| progress.step(time);
+    let mut write = |block: &Trace| {
+        if let Some(tables) = &mut tables {
+            tables.write(block);
+        }
+    };
+    solve::run_in_blocks(program, settings, &mut show, &mut write).map_err(Box::new)
+}

@@ -1,0 +1,70 @@
+//! Limits on input and on memory: kinds of files, names, numbers, pictures, rows.
+
+use std::fs;
+
+use super::{FIG_8_16, code, errors, patchcord, path, spring_with};
+
+/// Asserts that a command fails with exit code 1 and a message that contains `expected`.
+fn assert_refused(arguments: &[&str], expected: &str) {
+    let ran = patchcord(arguments);
+    assert_eq!(code(&ran), 1, "{arguments:?}: {}", errors(&ran));
+    assert!(errors(&ran).contains(expected), "{arguments:?}: {}", errors(&ran));
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_as_input_without_waiting() {
+    let folder = tempfile::tempdir().unwrap();
+    let [pipe, effect] = ["pipe", "zero.json"].map(|name| path(&folder, name));
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    std::os::unix::fs::symlink("/dev/zero", &effect).unwrap();
+    let expected = format!("cannot read {pipe}: it is a pipe, not a regular file");
+    assert_refused(&["check", &pipe], &expected);
+    assert_refused(&["gap", &pipe, "--check"], &expected);
+    assert_refused(&["sweep", FIG_8_16, "--rows", &pipe, "--measure", "overload"], &expected);
+    let expected = format!("cannot read {effect}: it is a device, not a regular file");
+    assert_refused(&["effects", "--effects", folder.path().to_str().unwrap()], &expected);
+}
+
+#[test]
+fn a_name_above_200_characters_is_refused() {
+    let (_folder, file) = spring_with("\"x\"", &format!("\"{}\"", "x".repeat(65_536)));
+    let ran = patchcord(&["run", &file]);
+    assert_eq!(code(&ran), 1);
+    assert!(errors(&ran).contains("cannot name a signal"), "{}", errors(&ran));
+    assert!(errors(&ran).contains("use at most 200 characters"), "{}", errors(&ran));
+    assert!(errors(&ran).len() < 2000, "the name is shortened");
+}
+
+#[test]
+fn a_huge_time_scale_is_refused_before_the_analysis() {
+    let (_folder, file) = spring_with("\"run\"", "\"time_scale\": 1e160,\n  \"run\"");
+    assert_refused(&["linearise", &file], "\"time_scale\" must be from 1e-12 to 1e12, not 1e160");
+}
+
+#[test]
+fn too_many_pictures_are_refused_before_the_run() {
+    let pictures = vec![r#"{"title": "x", "y": ["x"]}"#; 108].join(", ");
+    let (folder, file) = spring_with("\"run\"", &format!("\"pictures\": [{pictures}],\n  \"run\""));
+    let [plot, csv] = ["x.svg", "x.csv"].map(|name| path(&folder, name));
+    assert_refused(&["run", &file, "--plot", &plot, "--csv", &csv], "a sheet of 108 pictures is higher than");
+    assert!(!fs::exists(&plot).unwrap() && !fs::exists(&csv).unwrap());
+}
+
+/// The table has 54 MB, and the samples would take 24 MB.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_memory_of_a_run_does_not_grow_with_its_rows() {
+    let (folder, file) = spring_with("", "");
+    let csv = path(&folder, "long.csv");
+    // The limit is in kilobytes.
+    let limited = "ulimit -v 80000; exec \"$0\" \"$@\"";
+    let ran = std::process::Command::new("sh")
+        .args(["-c", limited, env!("CARGO_BIN_EXE_patchcord"), "run", &file])
+        .args(["--for", "1000", "--record", "x,A1", "--csv", &csv])
+        .output()
+        .unwrap();
+    assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
+    let lines = fs::read(&csv).unwrap().iter().filter(|byte| **byte == b'\n').count();
+    assert_eq!(lines, 4 + 1_000_001);
+}
