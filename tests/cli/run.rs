@@ -36,7 +36,7 @@ fn readings_use_every_step_of_the_run() {
     let (_folder, file) = spring();
     let coarse = json(&patchcord(&["run", &file, "--every", "1", "--json"]));
     let fine = json(&patchcord(&["run", &file, "--json"]));
-    assert_eq!((&coarse["samples"], &fine["samples"]), (&4.into(), &3251.into()));
+    assert_eq!((&coarse["samples"], &fine["samples"]), (&5.into(), &3251.into()));
     assert_eq!(coarse["readings"], fine["readings"]);
     let [x, t] = ["value", "t"].map(|key| coarse["readings"][0]["least"][key].as_f64().unwrap());
     assert!((x + 50.0).abs() < 1e-6 && ((t % 1.0) - 0.5).abs() < 2e-3, "{coarse}");

@@ -2,8 +2,8 @@
 //!
 //! The recorder's clock is the problem time plus the time in hold. It begins at 0 in every repetition. A repetition
 //! lasts from one initial condition to the next. A sample within a step is interpolated, so recording never changes the
-//! steps. For every signal the recorder also keeps the minimum and the maximum of each repetition, which may be between
-//! samples.
+//! steps. Every phase that takes time begins and ends with a sample, also if these instants are not on the grid. For
+//! every signal the recorder also keeps the minimum and the maximum of each repetition, which may be between samples.
 
 mod observer;
 
@@ -16,7 +16,7 @@ use super::machine::Machine;
 use super::settings::RunSettings;
 use super::state::Solver;
 use super::step_check::StepDoubt;
-use crate::grid::{Grid, SAME_INSTANT};
+use crate::grid::{Grid, RATE_TOLERANCE, SAME_INSTANT};
 use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
 use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
@@ -156,6 +156,19 @@ impl<'a> Recorder<'a> {
         }
         if !self.is_fresh {
             self.write_sample(self.clock(solver.state.time), solver, Instant::Present);
+            self.is_fresh = true;
+        }
+    }
+
+    /// Records the present voltages at the end of a phase that takes time, unless the last sample is of this instant
+    /// within the tolerance of the grid. The extremes have these voltages already.
+    pub(super) fn sample_end(&mut self, solver: &Solver<'_>) {
+        let end = self.clock(solver.state.time);
+        let is_recorded = self.trace.time.last().is_some_and(|last| *last >= end * (1.0 - RATE_TOLERANCE));
+        if !is_recorded {
+            self.trace.time.push(end);
+            let values = track_values(&self.signals, solver, Instant::Present);
+            self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.volts.push(value));
             self.is_fresh = true;
         }
     }
