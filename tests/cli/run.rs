@@ -44,6 +44,23 @@ fn readings_use_every_step_of_the_run() {
 }
 
 #[test]
+fn the_last_line_of_a_table_is_the_end_of_the_run() {
+    let (folder, file) = spring();
+    let csv = path(&folder, "out.csv");
+    let times = |options: &[&str]| -> Vec<String> {
+        assert_eq!(code(&patchcord(&[&["run", &file, "--csv", &csv], options].concat())), 0, "{options:?}");
+        let table = fs::read_to_string(&csv).unwrap();
+        let rows = table.lines().filter(|line| line.starts_with(|sign: char| sign.is_ascii_digit()));
+        rows.map(|row| row.split(',').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(times(&["--every", "1"]), ["0", "1", "2", "3", "3.25"]);
+    assert_eq!(times(&["--every", "1.25", "--tol", "1e-6"]), ["0", "1.25", "2.5", "3.25"]);
+    assert_eq!(times(&["--for", "0.3", "--every", "0.1"]), ["0", "0.1", "0.2", "0.3"]);
+    let run = ["0", "0.1", "0.2", "0.25"];
+    assert_eq!(times(&["--for", "0.25", "--every", "0.1", "--repeat", "2"]), [run, run].concat());
+}
+
+#[test]
 fn a_run_that_stops_writes_its_record() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "ball.csv");
