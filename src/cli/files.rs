@@ -1,6 +1,6 @@
 //! The options of a run for files, and the files that they select: tables and pictures.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,6 +9,7 @@ use super::failure::Failure;
 use super::load::PatchArguments;
 use super::outputs::Outputs;
 use super::pictures::{PictureArguments, Resolution, pictures};
+use super::standard_streams::{check_output, check_table, is_dash, table_path};
 use super::streamed_tables::StreamedTables;
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
@@ -18,7 +19,7 @@ use patchcord::trace::Trace;
 
 #[derive(Args)]
 pub(super) struct FileArguments {
-    /// Write the recorded signals as CSV, in physical units
+    /// Write the recorded signals as CSV, in physical units; - writes to standard output, and only there
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Draw the pictures of the patch on one sheet; the file name selects SVG or PNG
@@ -37,16 +38,23 @@ impl FileArguments {
         self.plot.is_some() || self.out.is_some()
     }
 
+    /// Whether the table goes to standard output, which then has nothing else.
+    pub(super) fn prints_table(&self) -> bool {
+        self.csv.as_deref().is_some_and(is_dash)
+    }
+
     /// The files to write.
     ///
     /// `--out` adds NAME.csv and NAME.svg in the folder. [`Files::plan_pictures`] adds the single pictures.
     ///
     /// # Errors
-    /// If the name of a picture has an unknown ending, or if an option for pictures has no effect.
+    /// If the name of a picture has an unknown ending, if an option for pictures has no effect, or if a table and a
+    /// JSON document both go to standard output.
     pub(super) fn files(&self, patch: &PatchArguments, circuit: &Circuit) -> Result<Files, Failure> {
+        check_table(self.csv.as_deref(), patch.json)?;
         let in_folder =
             |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(&patch.patch, ending)));
-        let tables = self.csv.clone().into_iter().chain(in_folder(".csv")).collect();
+        let tables = self.csv.as_deref().map(table_path).into_iter().chain(in_folder(".csv")).collect();
         let sheets = self.plot.clone().into_iter().chain(in_folder(".svg"));
         let sheets = sheets.map(|path| picture_format(&path).map(|format| (path, format)));
         let sheets: Vec<_> = sheets.collect::<Result<_, _>>()?;
@@ -62,9 +70,11 @@ impl FileArguments {
     }
 }
 
-/// The name of the patch with another ending. Dots inside the name remain.
+/// The name of the patch with another ending. Dots inside the name remain. A patch from standard input is named
+/// "stdin".
 pub(super) fn name_with_suffix(patch: &Path, ending: &str) -> OsString {
-    let mut name = patch.file_stem().unwrap_or_default().to_owned();
+    let stem = if is_dash(patch) { OsStr::new("stdin") } else { patch.file_stem().unwrap_or_default() };
+    let mut name = stem.to_owned();
     name.push(ending);
     name
 }
@@ -174,8 +184,9 @@ impl Files {
 /// The picture format that the name of a file selects.
 ///
 /// # Errors
-/// A usage error if the name has no known ending.
+/// A usage error if the name has no known ending, or is `-`.
 pub(super) fn picture_format(path: &Path) -> Result<Format, Failure> {
+    check_output(path)?;
     Format::from_path(path).map_err(|error| Failure::usage(error.to_string()))
 }
 

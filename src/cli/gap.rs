@@ -12,6 +12,7 @@ use super::gap_files::{Folder, embed};
 use super::numbers::{seed, threads};
 use super::outputs::Outputs;
 use super::progress::ProgressBar;
+use super::standard_streams::check_input;
 use super::{effects, gap_check, gap_report, print, print_json};
 use patchcord::ident::Experiment;
 use patchcord::ident::design::detectability::{Detectability, detectable_effects};
@@ -52,6 +53,7 @@ pub(super) struct Arguments {
 
 /// Warnings about the data are printed before the search, because it may take minutes.
 pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
+    check_input(&arguments.experiment)?;
     let experiment = Experiment::read(&arguments.experiment)?;
     eprint_report(&experiment.warnings);
     let outputs = arguments.outputs(&experiment);

@@ -13,6 +13,7 @@ use super::linear_report::{self, Analysis};
 use super::load::{PatchArguments, PatchDocument};
 use super::numbers::number_in;
 use super::outputs::Outputs;
+use super::standard_streams::{check_table, is_dash, table_path};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::draw::bode;
@@ -44,7 +45,7 @@ pub(super) struct Arguments {
     /// Draw the response as a Bode plot; the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png", requires = "from")]
     plot: Option<PathBuf>,
-    /// Write the response as CSV
+    /// Write the response as CSV; - writes to standard output, and only there
     #[arg(long, value_name = "FILE", requires = "from")]
     csv: Option<PathBuf>,
 }
@@ -71,12 +72,15 @@ struct Document<'a> {
     files: Vec<String>,
 }
 
-/// Files are checked before the machine is run up to the operating point, which can take time.
+/// Files are checked before the machine is run up to the operating point, which can take time. If standard output has
+/// the table, no report follows.
 pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
+    check_table(arguments.csv.as_deref(), arguments.patch.json)?;
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
+    let files = arguments.files();
     let loaded = arguments.patch.load()?;
     let outputs = arguments.patch.outputs(&loaded.circuit);
-    outputs.prepare(None, arguments.files())?;
+    outputs.prepare(None, &files)?;
     let OperatingPoint { machine, description } = AT.machine(&loaded, arguments.at)?;
     let model = machine.state_space();
     let analysis = arguments.analysis(&model, description)?;
@@ -85,18 +89,21 @@ pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
     }
     if arguments.patch.json {
         let analysis = LinearDocument::of(&analysis);
-        let document = Document { analysis, files: path_texts(arguments.files()) };
+        let document = Document { analysis, files: path_texts(&files) };
         return print_json(&PatchDocument::new(&loaded.circuit, document));
+    }
+    if arguments.csv.as_deref().is_some_and(is_dash) {
+        return Ok(());
     }
     let title = &loaded.circuit.patch().title;
     print(&format!("{title}\n{}\n\n{}", parameter_line(&loaded.circuit), linear_report::text(&analysis)))?;
-    print(&written_text(arguments.files()))
+    print(&written_text(files.iter()))
 }
 
 impl Arguments {
     /// The files to write.
-    fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        self.csv.iter().chain(&self.plot)
+    fn files(&self) -> Vec<PathBuf> {
+        self.csv.as_deref().map(table_path).into_iter().chain(self.plot.clone()).collect()
     }
 
     /// Roots and frequency response. A delay in a loop is no error: only the roots are missing.
@@ -134,10 +141,10 @@ impl Arguments {
         circuit: &Circuit,
         format: Option<Format>,
     ) -> Result<(), Failure> {
-        if let Some(path) = &self.csv {
+        if let Some(path) = self.csv.as_deref().map(table_path) {
             let mut table = Vec::new();
             response.write_csv(&mut table).map_err(|error| Failure::data(error.to_string()))?;
-            outputs.write(path, &table)?;
+            outputs.write(&path, &table)?;
         }
         if let Some((path, format)) = self.plot.as_ref().zip(format) {
             let line = parameter_line(circuit);

@@ -4,7 +4,8 @@
 //! `parameters`.
 
 use patchcord::document::DiagnosticDocument;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -12,6 +13,7 @@ use serde::Serialize;
 use super::failure::{Failure, eprint_report};
 use super::numbers::{in_declared_units, setting};
 use super::outputs::Outputs;
+use super::standard_streams::{STANDARD_INPUT_NAME, is_dash};
 use patchcord::circuit::Circuit;
 use patchcord::document::TypedNumber;
 use patchcord::ir::Program;
@@ -21,7 +23,7 @@ use patchcord::solve::{Machine, RunError};
 // No doc comment: clap would use it as the description of every command.
 #[derive(Args)]
 pub(super) struct PatchArguments {
-    /// Patch file (JSON)
+    /// Patch file (JSON); - reads standard input
     pub patch: PathBuf,
     /// Set a parameter, in the unit that the patch declares for it or with a unit, such as VcL=2.54mm/s; may be given
     /// several times
@@ -53,12 +55,17 @@ impl PatchArguments {
 
     /// The outputs of a command that reads this patch, which `circuit` has.
     pub(super) fn outputs(&self, circuit: &Circuit) -> Outputs {
-        Outputs::of_patch(&self.patch, circuit.patch())
+        // Standard input may be a file.
+        let file = if is_dash(&self.patch) { Path::new("/dev/stdin") } else { self.patch.as_path() };
+        Outputs::of_patch(file, circuit.patch())
     }
 
     /// Reads, wires and compiles, without printing.
     fn read(&self) -> Result<LoadedPatch, Failure> {
-        let patch = Patch::read(&self.patch)?;
+        let patch = match is_dash(&self.patch) {
+            true => Patch::read_from(io::stdin().lock(), STANDARD_INPUT_NAME)?,
+            false => Patch::read(&self.patch)?,
+        };
         let circuit = Circuit::with_parameters(&patch, in_declared_units(&self.set, &patch)?)?;
         let program = Program::new(&circuit)?;
         Ok(LoadedPatch { circuit, program })

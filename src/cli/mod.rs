@@ -1,8 +1,9 @@
 //! The command line: parses options, calls the library and prints the results.
 //!
 //! Each command has its own file with its options and its function. `load`, `times` and `files` hold options that
-//! several commands share. `outputs` writes all files. Files named `*_report` format results as text and as JSON; long
-//! reports have their JSON in a file named `*_document`. `failure` maps errors to messages and exit codes.
+//! several commands share. `outputs` writes all files, and `standard_streams` has the meaning of `-`. Files named
+//! `*_report` format results as text and as JSON; long reports have their JSON in a file named `*_document`. `failure`
+//! maps errors to messages and exit codes.
 //!
 //! Every command follows the same order: parse and check the options, read the input, check that the output files can
 //! be written, do the work, write the files, print. A wrong option or an unwritable file is so reported before a long
@@ -18,6 +19,7 @@
 mod check;
 mod completions;
 mod criteria;
+mod doubts;
 mod draw;
 mod effects;
 mod elements;
@@ -50,6 +52,7 @@ mod run;
 mod slideway;
 mod slideway_document;
 mod slideway_report;
+mod standard_streams;
 mod step_warning;
 mod streamed_tables;
 mod sweep;

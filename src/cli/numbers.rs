@@ -79,6 +79,12 @@ pub(super) fn threads(text: &str) -> Result<usize, String> {
     number.ok_or_else(|| format!("must be an integer from 1 to {MAX_THREADS}"))
 }
 
+/// Parses a number of repetitions.
+pub(super) fn repetitions(text: &str) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|number| *number > 0);
+    number.ok_or_else(|| format!("must be an integer from 1 to {}", u32::MAX))
+}
+
 /// Parses the seed of a random number generator.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
     text.trim().parse().map_err(|_| format!("must be an integer from 0 to {}", u64::MAX))

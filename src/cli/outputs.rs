@@ -11,10 +11,11 @@ use std::path::Path;
 
 use super::failure::Failure;
 use super::files::path_text;
+use super::standard_streams::check_output;
 use super::standard_output_result;
 use patchcord::output::{
-    FileIdentity, PendingFile, StagedFile, check_appendable, check_folder_writable, check_writable, io_reason,
-    remove_leftovers, stage, write_atomic, write_new,
+    FileIdentity, PendingFile, STANDARD_OUTPUT, StagedFile, check_appendable, check_folder_writable,
+    check_writable, io_reason, remove_leftovers, stage, write_atomic, write_new,
 };
 use patchcord::patch::Patch;
 
@@ -79,8 +80,9 @@ impl Outputs {
     /// The identity of an output. None for a pipe or a device.
     ///
     /// # Errors
-    /// If the path is no file name, or if the command has read the file.
+    /// If the path is no file name or is `-`, or if the command has read the file.
     fn identity(&self, path: &Path) -> Result<Option<FileIdentity>, Failure> {
+        check_output(path)?;
         if is_stream(path) {
             return Ok(None);
         }
@@ -109,6 +111,7 @@ impl Outputs {
         let paths: Vec<P> = paths.into_iter().collect();
         let identities = self.identities(&paths)?;
         if let Some(folder) = folder {
+            check_output(folder)?;
             create_folder(folder)?;
             check_folder_writable(folder).map_err(|error| {
                 let (folder, reason) = (path_text(folder), io_reason(&error));
@@ -179,7 +182,7 @@ pub(super) fn publish(path: &Path, file: PendingFile) -> Result<(), Failure> {
 
 /// The result of writing a file.
 fn written(path: &Path, outcome: io::Result<()>) -> Result<(), Failure> {
-    if path == Path::new("/dev/stdout") {
+    if path == Path::new(STANDARD_OUTPUT) {
         return standard_output_result(outcome);
     }
     outcome.map_err(|error| write_failure(path, &error))

@@ -25,11 +25,14 @@ pub(super) fn phases_text(trace: &Trace) -> String {
     }
     let omitted = trace.phase_records.len().saturating_sub(MAX_ROWS);
     let more = if omitted > 0 { format!("and {omitted} more: see --json\n") } else { String::new() };
+    format!("\n{}{more}{}", table.text(), phase_warnings(trace))
+}
+
+/// The warnings about phases that ended by time although they waited for a relay, one per line.
+pub(super) fn phase_warnings(trace: &Trace) -> String {
     let warning =
         |(index, record)| Some(format!("warning: phase {}: {}\n", index + 1, unmet_condition(record)?));
-    let warnings: String =
-        trace.phase_records.iter().enumerate().filter_map(warning).take(MAX_ROWS).collect();
-    format!("\n{}{more}{warnings}", table.text())
+    trace.phase_records.iter().enumerate().filter_map(warning).take(MAX_ROWS).collect()
 }
 
 /// The phase in which a run stopped, as the start of a message. Empty for a run without phases.

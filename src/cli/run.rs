@@ -10,9 +10,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::doubts::eprint_doubts;
 use super::failure::Failure;
 use super::files::{FileArguments, Files, path_texts, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
+use super::numbers::repetitions;
 use super::overloads::{OverloadDocument, overload_failure, overload_lines};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
@@ -22,7 +24,7 @@ use super::streamed_tables::StreamedTables;
 use super::times::{
     TimeArguments, TimesDocument, from_command_line, message_with_advice, position_text, run_failure,
 };
-use super::{output_in_colour, print, print_coloured, print_json};
+use super::{errors_in_colour, output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::{plural, suggestion};
 use patchcord::instruments::parameter_line;
@@ -38,7 +40,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     times: TimeArguments,
     /// Run this many times from initial condition (repetitive operation)
-    #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = times)]
+    #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = repetitions)]
     repeat: Option<u32>,
     /// Switch to hold at the first overload
     #[arg(long)]
@@ -54,12 +56,6 @@ pub(super) struct Arguments {
     sensitivity: Vec<String>,
     #[command(flatten)]
     files: FileArguments,
-}
-
-/// Parses a number of repetitions.
-fn times(text: &str) -> Result<u32, String> {
-    let times = text.parse().ok().filter(|times| *times > 0);
-    times.ok_or_else(|| format!("must be an integer from 1 to {}", u32::MAX))
 }
 
 /// Parses a name in a list.
@@ -95,8 +91,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// Prints the results of a run. `written` are the files. Without a picture the text says how to get one.
+    /// Prints the results of a run. `written` are the files. Without a picture the text says how to get one. If standard
+    /// output has the table, only the reasons to doubt it are printed.
     fn print_results(&self, circuit: &Circuit, trace: &Trace, written: &[PathBuf]) -> Result<(), Failure> {
+        if self.files.prints_table() {
+            eprint_doubts(trace, &overloads_text(trace, errors_in_colour()));
+            return Ok(());
+        }
         let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(circuit));
         print(&(head + &readings_text(trace)))?;
         print(&phases_text(trace))?;

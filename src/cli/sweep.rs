@@ -15,6 +15,7 @@ use super::files::{path_text, written_text};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
+use super::standard_streams::{check_input, is_dash};
 use super::times::{TimeArguments, TimesDocument, run_failure};
 use super::{eprint, print, print_json, standard_output_result};
 use patchcord::circuit::Circuit;
@@ -43,7 +44,8 @@ pub(super) struct Arguments {
     /// Number of threads (default: number of cores)
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = threads)]
     threads: Option<usize>,
-    /// Append the rows to this CSV file; an interrupted sweep is continued
+    /// Append the rows to this CSV file; an interrupted sweep is continued. Without this option, or with -, the rows go
+    /// to standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -85,14 +87,14 @@ struct ColumnDocument {
 
 /// A failed run is not an error of the command: its row has the reason, and the summary counts it.
 pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.check_output()?;
+    arguments.check_streams()?;
     let axes = arguments.vary.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(plan_failure)?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let sweep = arguments.sweep(axes, &circuit, program)?;
     let (mut progress, runs) = (ProgressBar::new("runs"), sweep.plan().runs());
     let mut progress = |done| progress.done(done, runs);
-    let Some(out) = &arguments.out else {
+    let Some(out) = arguments.file() else {
         return report_output(sweep.write(&mut io::stdout().lock(), arguments.threads(), &mut progress));
     };
     arguments.patch.outputs(&circuit).reading("the file of --rows", &arguments.rows).prepare_append(out)?;
@@ -108,10 +110,16 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// Checks that the output file is given if necessary.
-    fn check_output(&self) -> Result<(), Failure> {
+    /// The file for the rows. None if they go to standard output.
+    fn file(&self) -> Option<&PathBuf> {
+        self.out.as_ref().filter(|out| !is_dash(out))
+    }
+
+    /// Checks that standard input is not read for rows, and that the output file is given if necessary.
+    fn check_streams(&self) -> Result<(), Failure> {
+        self.rows.iter().try_for_each(|rows| check_input(rows))?;
         let message = "with --json the rows cannot go to standard output: give --out FILE";
-        if self.patch.json && self.out.is_none() { Err(Failure::usage(message)) } else { Ok(()) }
+        if self.patch.json && self.file().is_none() { Err(Failure::usage(message)) } else { Ok(()) }
     }
 
     /// Creates the sweep from the options.

@@ -21,6 +21,7 @@ mod run;
 mod run_errors;
 mod sensitivity;
 mod slideway;
+mod standard_streams;
 mod sweep;
 mod sweep_killed;
 mod sweep_page;
@@ -317,6 +318,7 @@ fn output_that_cannot_be_written_gives_exit_code_1() {
         &["completions", "bash"],
         &["check", FIG_8_16],
         &["check", FIG_8_16, "--json"],
+        &["run", FIG_8_16, "--for", "0.01", "--csv", "-"],
         &["sweep", FIG_8_16, "--for", "0.01", "--vary", "VcL=1e-3,2e-3", "--measure", "peak:v_o"],
     ];
     for arguments in cases {
@@ -331,7 +333,13 @@ fn output_that_cannot_be_written_gives_exit_code_1() {
 #[test]
 fn a_closed_pipe_is_no_error() {
     let binary = env!("CARGO_BIN_EXE_patchcord");
-    for arguments in [&["--help"][..], &["check", FIG_8_16], &["run", FIG_8_16, "--csv", "/dev/stdout"]] {
+    let commands: [&[&str]; 4] = [
+        &["--help"],
+        &["check", FIG_8_16],
+        &["run", FIG_8_16, "--csv", "/dev/stdout"],
+        &["run", FIG_8_16, "--csv", "-"],
+    ];
+    for arguments in commands {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let ran = std::process::Command::new(binary).args(arguments).stdout(writer).output().unwrap();

@@ -48,8 +48,10 @@ fn phases_are_printed_recorded_and_drawn() {
         table.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect();
     assert_eq!(rows[0], ["t", "x", "run", "phase"]);
     let phases: Vec<_> = rows[1..].iter().map(|row| (row[2], row[3])).collect();
-    assert_eq!(phases, [[("1", "2"); 4].as_slice(), &[("1", "3"); 6], &[("2", "6"); 2]].concat());
-    assert!(rows[4..11].iter().all(|row| row[1] == rows[4][1]), "{table}");
+    assert_eq!(phases, [[("1", "2"); 4].as_slice(), &[("1", "3"); 7], &[("2", "6"); 3]].concat());
+    let ends = [11, 14].map(|row| rows[row][0].parse::<f64>().unwrap());
+    assert!((ends[0] - 0.75).abs() < 1e-6 && ends[1] == 0.15, "{table}");
+    assert!(rows[4..12].iter().all(|row| row[1] == rows[4][1]), "{table}");
     assert!(fs::read_to_string(&svg).unwrap().contains(">\nhold\n</text>"));
 }
 

@@ -36,11 +36,28 @@ fn readings_use_every_step_of_the_run() {
     let (_folder, file) = spring();
     let coarse = json(&patchcord(&["run", &file, "--every", "1", "--json"]));
     let fine = json(&patchcord(&["run", &file, "--json"]));
-    assert_eq!((&coarse["samples"], &fine["samples"]), (&4.into(), &3251.into()));
+    assert_eq!((&coarse["samples"], &fine["samples"]), (&5.into(), &3251.into()));
     assert_eq!(coarse["readings"], fine["readings"]);
     let [x, t] = ["value", "t"].map(|key| coarse["readings"][0]["least"][key].as_f64().unwrap());
     assert!((x + 50.0).abs() < 1e-6 && ((t % 1.0) - 0.5).abs() < 2e-3, "{coarse}");
     assert!(coarse["readings"][0]["end"].as_f64().unwrap().abs() < 1e-6, "{coarse}");
+}
+
+#[test]
+fn the_last_line_of_a_table_is_the_end_of_the_run() {
+    let (folder, file) = spring();
+    let csv = path(&folder, "out.csv");
+    let times = |options: &[&str]| -> Vec<String> {
+        assert_eq!(code(&patchcord(&[&["run", &file, "--csv", &csv], options].concat())), 0, "{options:?}");
+        let table = fs::read_to_string(&csv).unwrap();
+        let rows = table.lines().filter(|line| line.starts_with(|sign: char| sign.is_ascii_digit()));
+        rows.map(|row| row.split(',').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(times(&["--every", "1"]), ["0", "1", "2", "3", "3.25"]);
+    assert_eq!(times(&["--every", "1.25", "--tol", "1e-6"]), ["0", "1.25", "2.5", "3.25"]);
+    assert_eq!(times(&["--for", "0.3", "--every", "0.1"]), ["0", "0.1", "0.2", "0.3"]);
+    let run = ["0", "0.1", "0.2", "0.25"];
+    assert_eq!(times(&["--for", "0.25", "--every", "0.1", "--repeat", "2"]), [run, run].concat());
 }
 
 #[test]

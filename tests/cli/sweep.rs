@@ -55,6 +55,21 @@ fn rows_of_a_file_are_combined_with_every_value_of_an_axis() {
 }
 
 #[test]
+fn values_of_a_range_are_short_decimal_numbers() {
+    let values = |vary: &str| -> Vec<String> {
+        let sweep = ["sweep", FIG_8_16, "--for", "0.002", "--measure", "overload", "--vary", vary];
+        let table = out(&patchcord(&sweep));
+        let rows = table.lines().filter(|line| line.starts_with(|sign: char| sign.is_ascii_digit()));
+        rows.map(|row| row.split(',').next().unwrap().to_owned()).collect()
+    };
+    let expected = ["0.003", "0.0031", "0.0032", "0.0033", "0.0034", "0.0035"];
+    assert_eq!(values("VcL=3e-3:3.5e-3:6"), expected);
+    assert_eq!(values("VcL=3mm/s:3.5mm/s:6"), expected);
+    assert_eq!(values("Tc=0.1:1:10"), ["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9", "1"]);
+    assert_eq!(values("Tc=1e-3:1:4:log"), ["0.001", "0.01", "0.1", "1"]);
+}
+
+#[test]
 fn the_file_of_another_sweep_is_left_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "sweep.csv");

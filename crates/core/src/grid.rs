@@ -6,12 +6,17 @@
 /// Two times count as the same instant if they differ by less than this share of themselves.
 pub(crate) const SAME_INSTANT: f64 = 1e-12;
 
+/// A number of steps per second counts as whole if it differs from a whole number by at most this share. So an instant
+/// of a grid may be earlier or later than a multiple of the step by this share of its time.
+pub(crate) const RATE_TOLERANCE: f64 = 1e-9;
+
 /// The instants 0, step, 2 step and so on, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Grid {
     /// Length of a step in seconds.
     step: f64,
-    /// Steps per second, if that is a whole number to within 1e-9: k / 1000 is rounded once, k x 0.001 twice.
+    /// Steps per second, if that is a whole number to within [`RATE_TOLERANCE`]: k / 1000 is rounded once, k x 0.001
+    /// twice.
     per_second: Option<f64>,
 }
 
@@ -20,7 +25,7 @@ impl Grid {
     pub(crate) fn new(step: f64) -> Self {
         let rate = 1.0 / step;
         let whole = rate.round();
-        let exact = (1.0..1e15).contains(&whole) && (rate - whole).abs() <= 1e-9 * whole;
+        let exact = (1.0..1e15).contains(&whole) && (rate - whole).abs() <= RATE_TOLERANCE * whole;
         Grid { step, per_second: exact.then_some(whole) }
     }
 

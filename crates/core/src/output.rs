@@ -224,15 +224,15 @@ enum Target {
 
 /// How a path is written, after the checks that do not need a temporary file.
 fn target_of(path: &Path) -> Result<Target> {
+    if path == Path::new(STANDARD_OUTPUT) {
+        return Ok(Target::StandardOutput);
+    }
     let metadata = match fs::metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return new_target(path),
         found => found?,
     };
     if metadata.is_dir() {
         return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
-    }
-    if path == Path::new("/dev/stdout") {
-        return Ok(Target::StandardOutput);
     }
     if !is_replaced(path, &metadata) {
         return Ok(Target::Stream);
@@ -259,8 +259,11 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// The path of the standard output of this process, on every system.
+pub const STANDARD_OUTPUT: &str = "/dev/stdout";
+
 /// The streams of a process, by their paths.
-const STREAMS: [&str; 5] = ["/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc"];
+const STREAMS: [&str; 5] = ["/dev/fd", "/dev/stdin", STANDARD_OUTPUT, "/dev/stderr", "/proc"];
 
 /// Whether the path is replaced by a new file. Devices and the streams of this process are not, even if they are
 /// redirected to a regular file.

@@ -1,9 +1,9 @@
 //! Sweeps: one run for every combination of parameter values, on all cores, with one row of measures per run.
 //!
-//! `plan` and `axis_file` define the parameter values of each run. `runner` computes runs, in groups whose size
-//! `group_size` chooses. `row` formats the results and `journal` appends them to a CSV file. `fingerprint` identifies
-//! the inputs, so that an interrupted sweep is only continued with the same inputs. The rows are identical, bit for
-//! bit, for any number of threads and after any interruption.
+//! `plan` and `axis_file` define the parameter values of each run, and `spacing` computes those of a range. `runner`
+//! computes runs, in groups whose size `group_size` chooses. `row` formats the results and `journal` appends them to a
+//! CSV file. `fingerprint` identifies the inputs, so that an interrupted sweep is only continued with the same inputs.
+//! The rows are identical, bit for bit, for any number of threads and after any interruption.
 
 mod axis_file;
 mod error;
@@ -13,6 +13,7 @@ mod journal;
 mod plan;
 mod row;
 mod runner;
+mod spacing;
 
 pub use error::{JournalError, PlanError};
 pub use plan::{Axis, Plan};

@@ -3,10 +3,11 @@
 use std::str::FromStr;
 
 use super::error::PlanError;
+use super::spacing::{value_by_difference, value_by_ratio};
 use patchcord_core::document::{TypedNumber, TypedNumberError};
 use patchcord_core::ir::{ParameterValue, Program, SettingError};
 use patchcord_core::trace::format_exact;
-use patchcord_expr::{Function, Unit};
+use patchcord_expr::Unit;
 
 /// All combinations of the values of its axes. The last axis changes fastest, the first slowest.
 ///
@@ -181,14 +182,9 @@ impl Axis {
 
     /// The value number `index` of a parameter of the axis. `position` is the index of the parameter among the names.
     fn value(&self, index: u64, position: usize) -> f64 {
-        let at = |first, last, count, between: fn(f64, f64, f64) -> f64| match index {
-            0 => first,
-            _ if index + 1 == count => last,
-            _ => between(first, last, index as f64 / (count - 1) as f64),
-        };
         match &self.values {
-            AxisValues::Linear { first, last, count } => at(*first, *last, *count, interpolate_linearly),
-            AxisValues::Logarithmic { first, last, count } => at(*first, *last, *count, interpolate_by_ratio),
+            AxisValues::Linear { first, last, count } => value_by_difference([*first, *last], index, *count),
+            AxisValues::Logarithmic { first, last, count } => value_by_ratio([*first, *last], index, *count),
             AxisValues::List(values) => values[index as usize],
             AxisValues::Rows { values, .. } => values[index as usize * self.names.len() + position],
         }
@@ -235,22 +231,6 @@ impl FromStr for Axis {
     /// Parses an axis, see [`Axis::parse`].
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         Self::parse(text)
-    }
-}
-
-/// Linear interpolation. If the difference of the ends overflows, the ends are weighted separately.
-fn interpolate_linearly(first: f64, last: f64, share: f64) -> f64 {
-    let difference = last - first;
-    if difference.is_finite() { first + share * difference } else { first * (1.0 - share) + last * share }
-}
-
-/// Interpolation with equal ratios. If the ratio of the ends overflows, the powers are computed separately.
-fn interpolate_by_ratio(first: f64, last: f64, share: f64) -> f64 {
-    let (ratio, power) = (last / first, |base, exponent| Function::Power.apply(base, exponent));
-    if ratio.is_normal() {
-        first * power(ratio, share)
-    } else {
-        power(first, 1.0 - share) * power(last, share)
     }
 }
 

@@ -171,10 +171,9 @@ fn hold_keeps_all_voltages_and_drives_while_record_time_continues() {
     }
     let plain = run(&driven(), &[Phase::operate(0.4), Phase::operate(0.4)], 0.05, &["u", "A1"]);
     for (track, plain) in trace.tracks.iter().zip(&plain.tracks) {
-        // 0.8 s of record time are 0.45 s of problem time.
+        // 0.8 s of record time are 0.45 s of problem time. The end of the run at 1.15 s is recorded, too.
         let after = &track.volts[*held.end() + 1..];
-        let expected: Vec<f64> = plain.volts[9..=15].iter().copied().step_by(2).collect();
-        assert_eq!(after, expected, "{}", track.name);
+        assert_eq!(after, [9, 11, 13, 15, 16].map(|sample| plain.volts[sample]), "{}", track.name);
     }
 }
 
@@ -311,7 +310,45 @@ fn repeat_in_a_patch_repeats_initial_condition_and_operate() {
         "\"phases\": [{\"repeat\": 3, \"phases\": [{\"initial_condition\": true}, {\"operate\": 0.0123}]}],",
     );
     assert_eq!(short, long);
-    assert!(short.contains("u,A1,run\n") && short.lines().count() == 4 + 3 * 13, "{short}");
+    assert!(short.contains("u,A1,run\n") && short.lines().count() == 4 + 3 * 14, "{short}");
+    assert_eq!(short.matches("\n0.0123,").count(), 3, "{short}");
+}
+
+#[test]
+fn every_phase_that_takes_time_ends_with_a_sample() {
+    let first = [INITIAL, Phase::operate(0.25), hold(0.12)];
+    let second = [INITIAL, Phase::operate(0.13), Phase::operate(0.07)];
+    let trace = run(&driven(), &[first, second].concat(), 0.1, &["A1"]);
+    let expected = [0.0, 0.1, 0.2, 0.25, 0.3, 0.37, 0.0, 0.1, 0.13, 0.2];
+    assert_eq!(trace.len(), expected.len(), "{:?}", trace.time);
+    let is_near = |(time, expected): (&f64, &f64)| (time - expected).abs() < 1e-12;
+    assert!(trace.time.iter().zip(&expected).all(is_near), "{:?}", trace.time);
+    let last = trace.tracks[0].extremes.iter().map(|extremes| extremes.end);
+    assert!(last.eq([trace.tracks[0].volts[5], trace.tracks[0].volts[9]]));
+}
+
+/// A change of a parameter at the end of a run adds no sample, because no time follows in which it has an effect.
+#[test]
+fn a_parameter_set_at_the_end_adds_no_sample() {
+    let phases = [INITIAL, Phase::operate(0.25), Phase::set("a", 4.0)];
+    let trace = run(&decay(), &[repeat(2, &phases)], 0.1, &["level"]);
+    assert_eq!(trace.time, [0.0, 0.1, 0.2, 0.25, 0.0, 0.1, 0.2, 0.25]);
+}
+
+#[test]
+fn a_run_that_stops_has_no_sample_of_the_error() {
+    let pole = Phase::set_by("start", "level * level / (level - level)").unwrap();
+    let stopped = try_run(&decay(), &[Phase::operate(0.25), pole], 0.1, &["level"]).unwrap_err();
+    assert_eq!(stopped.trace.time, [0.0, 0.1, 0.2, 0.25]);
+}
+
+/// The grid of samples and the length of the run are computed in different ways, with differences of rounding.
+#[test]
+fn an_end_on_the_grid_is_recorded_once() {
+    for (length, every, count) in [(0.3, 0.1, 4), (0.7, 0.007, 101), (1.0, 1.0 / 3.0, 4), (0.9, 0.3, 4)] {
+        let trace = run(&driven(), &[Phase::operate(length)], every, &["A1"]);
+        assert_eq!(trace.len(), count, "{length} s every {every} s: {:?}", trace.time);
+    }
 }
 
 /// Shooting method: y'' = -y, y(0) = 0, y(1 s) = 30 V. Each run corrects the initial slope by its error.

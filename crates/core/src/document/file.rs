@@ -1,11 +1,11 @@
-//! Reads the text of a document from its file, with a limit on the size.
+//! Reads the text of a document from its file or from standard input, with a limit on the size.
 
-use std::io::{ErrorKind, Read as _};
+use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
-use super::input_file::InputFile;
+use super::input_file::{InputFile, LimitedReader};
 use super::printable::escape_controls;
 use super::report::Report;
 use crate::output::io_reason;
@@ -22,7 +22,7 @@ pub enum DocumentError {
         /// Path of the file, as the user wrote it.
         file: String,
         /// The error of the system.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// The text is not a valid document.
     #[error(transparent)]
@@ -48,10 +48,33 @@ pub(crate) const MAX_DOCUMENT_BYTES: usize = 16_000_000;
 /// ```
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, DocumentError> {
     let path = path.as_ref();
-    let file = path.display().to_string();
-    let bytes = read_limited(path).map_err(|source| match source.kind() {
-        ErrorKind::FileTooLarge => DocumentError::Text(document_too_large(&file)),
-        _ => DocumentError::File { verb: "read", file: file.clone(), source },
+    let opened = InputFile::open(path, MAX_DOCUMENT_BYTES as u64);
+    text_of(opened.and_then(all_bytes), &path.display().to_string())
+}
+
+/// Reads the text of a document from a reader that need not be a file, such as standard input. Reports name it `file`.
+///
+/// # Errors
+/// If the reader reports an error, or has more than 16 MB or no UTF-8 text.
+pub(crate) fn read_text_from(reader: impl Read, file: &str) -> Result<String, DocumentError> {
+    text_of(all_bytes(LimitedReader::new(reader, MAX_DOCUMENT_BYTES as u64)), file)
+}
+
+/// All bytes of a reader.
+fn all_bytes(mut reader: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    reader.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The text of the bytes that were read from `file`.
+///
+/// # Errors
+/// If the bytes could not be read, are too many, or are not UTF-8 text.
+fn text_of(bytes: io::Result<Vec<u8>>, file: &str) -> Result<String, DocumentError> {
+    let bytes = bytes.map_err(|source| match source.kind() {
+        ErrorKind::FileTooLarge => DocumentError::Text(document_too_large(file)),
+        _ => DocumentError::File { verb: "read", file: file.to_owned(), source },
     })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
@@ -59,16 +82,9 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, DocumentError> {
         let span = Span { start: valid, end: valid };
         let finding = Diagnostic::at(Code::SYNTAX, span, "the file is not UTF-8 text")
             .hint("save it with the encoding UTF-8");
-        Box::new(Report::new(&file, &readable, vec![finding]))
+        Box::new(Report::new(file, &readable, vec![finding]))
     })?;
     Ok(text)
-}
-
-/// The bytes of a file, at most [`MAX_DOCUMENT_BYTES`].
-fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    InputFile::open(path, MAX_DOCUMENT_BYTES as u64)?.read_to_end(&mut bytes)?;
-    Ok(bytes)
 }
 
 /// The report on a document above [`MAX_DOCUMENT_BYTES`].

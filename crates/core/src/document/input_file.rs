@@ -1,4 +1,5 @@
-//! Opens the files that are read. Every input is a regular file of limited size, whether a document or a table.
+//! Opens the files that are read. Every named input is a regular file, whether a document or a table. The size of every
+//! input is limited, also that of standard input, which need not be a file.
 //!
 //! A device or a pipe may have no end, and reading it may wait for ever. The system makes the files of `/proc` and
 //! `/sys` while they are read. They have the same faults, although they look like regular files of length 0.
@@ -9,6 +10,32 @@ use std::path::Path;
 
 /// Folders whose files the system makes while they are read.
 const SYSTEM_FOLDERS: [&str; 2] = ["/proc", "/sys"];
+
+/// A reader of at most a number of bytes. Reading fails after them.
+#[derive(Debug)]
+pub(super) struct LimitedReader<R> {
+    /// The reader of all bytes.
+    reader: R,
+    /// The largest number of bytes that may be read.
+    limit: u64,
+    /// Number of bytes that may still be read.
+    remaining: u64,
+}
+
+impl<R> LimitedReader<R> {
+    /// A reader of at most `limit` bytes of another reader.
+    pub(super) fn new(reader: R, limit: u64) -> Self {
+        LimitedReader { reader, limit, remaining: limit }
+    }
+}
+
+impl<R: Read> Read for LimitedReader<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        let count = self.reader.read(buffer)?;
+        self.remaining = self.remaining.checked_sub(count as u64).ok_or_else(|| too_large(self.limit))?;
+        Ok(count)
+    }
+}
 
 /// An open regular file. Reading fails after a limit of bytes, even if the file grows.
 ///
@@ -23,11 +50,7 @@ const SYSTEM_FOLDERS: [&str; 2] = ["/proc", "/sys"];
 #[derive(Debug)]
 pub struct InputFile {
     /// The open file.
-    file: File,
-    /// The largest number of bytes that may be read.
-    limit: u64,
-    /// Number of bytes that may still be read.
-    remaining: u64,
+    file: LimitedReader<File>,
 }
 
 impl InputFile {
@@ -43,15 +66,13 @@ impl InputFile {
         if metadata.len() > limit {
             return Err(too_large(limit));
         }
-        Ok(InputFile { file: File::open(path)?, limit, remaining: limit })
+        Ok(InputFile { file: LimitedReader::new(File::open(path)?, limit) })
     }
 }
 
 impl Read for InputFile {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
-        let count = self.file.read(buffer)?;
-        self.remaining = self.remaining.checked_sub(count as u64).ok_or_else(|| too_large(self.limit))?;
-        Ok(count)
+        self.file.read(buffer)
     }
 }
 

@@ -1,9 +1,10 @@
-//! Reads patches from files and texts, and writes them to files.
+//! Reads patches from files, readers and texts, and writes them to files.
 //!
 //! Reading has three steps: the text is parsed to a tree, `decode` fills the fields of the patch, and `table_file`
 //! reads the tables that the patch refers to. Only a text that is not a JSON object with the key "patchcord" is an
 //! error here. All other faults are findings of the patch.
 
+use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -11,7 +12,7 @@ use serde_json::Value;
 
 use super::document::Patch;
 use super::{decode, table_file};
-use crate::document::file::{DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text};
+use crate::document::file::{DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text, read_text_from};
 use crate::document::{Report, tree};
 use crate::output::write_atomic;
 
@@ -38,6 +39,28 @@ impl Patch {
         let text = read_text(path)?;
         let file = path.display().to_string();
         Ok(Patch::parse_in(path.parent().unwrap_or(Path::new("")), &file, &text)?)
+    }
+
+    /// Reads a patch from a reader that need not be a file, such as standard input.
+    ///
+    /// Reports name the patch as `file`. Paths of tables in files are relative to the folder of `file`.
+    ///
+    /// # Errors
+    /// If the reader reports an error, has more than 16 MB, or its text is not a JSON object with the key "patchcord".
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::Patch;
+    ///
+    /// let patch = Patch::read_from(&b"{\"patchcord\": 1, \"title\": \"short\"}"[..], "<stdin>")?;
+    /// assert_eq!((patch.file(), patch.title.as_str()), ("<stdin>", "short"));
+    /// let error = Patch::read_from(std::io::repeat(b' '), "<stdin>").unwrap_err();
+    /// assert!(error.to_string().contains("the document has more than 16 MB"));
+    /// # Ok::<(), patchcord_core::document::DocumentError>(())
+    /// ```
+    pub fn read_from(reader: impl Read, file: &str) -> Result<Patch, DocumentError> {
+        Ok(Patch::parse(file, &read_text_from(reader, file)?)?)
     }
 
     /// Reads a patch from a text.

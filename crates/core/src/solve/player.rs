@@ -213,22 +213,22 @@ impl<'p, 'w> Player<'p, 'w> {
         reason.map(drop)
     }
 
-    /// Why an operation ended: by time, by an overload, or by a relay, whose new position is `switched`.
+    /// Why an operation ended: by time, by an overload, or by a relay, whose new position is `switched`. Records the
+    /// voltages at the end.
     fn end_reason(&mut self, switched: Option<String>) -> PhaseEnd {
-        match switched {
-            Some(position) => {
-                if let Some(sensitivities) = &mut self.machine.solver.sensitivities {
-                    sensitivities.end_phase();
-                }
-                self.sample_present();
-                PhaseEnd::Switched(position)
+        if let Some(position) = switched {
+            if let Some(sensitivities) = &mut self.machine.solver.sensitivities {
+                sensitivities.end_phase();
             }
-            None if self.machine.mode() == MachineMode::Hold => {
-                self.is_held = true;
-                PhaseEnd::Overload
-            }
-            None => PhaseEnd::Time,
+            self.sample_present();
+            return PhaseEnd::Switched(position);
         }
+        self.recorder.sample_end(&self.machine.solver);
+        if self.machine.mode() != MachineMode::Hold {
+            return PhaseEnd::Time;
+        }
+        self.is_held = true;
+        PhaseEnd::Overload
     }
 
     /// Holds the machine for a time in seconds. If a lamp is lit and the run holds on overload, the repetition ends
@@ -244,6 +244,7 @@ impl<'p, 'w> Player<'p, 'w> {
             player.machine.solver.enter_phase();
             player.recorder.record_hold(&player.machine.solver, time);
             player.machine.solver.leave_event()?;
+            player.recorder.sample_end(&player.machine.solver);
             Ok(PhaseEnd::Time)
         })
     }

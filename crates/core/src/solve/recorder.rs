@@ -2,8 +2,8 @@
 //!
 //! The recorder's clock is the problem time plus the time in hold. It begins at 0 in every repetition. A repetition
 //! lasts from one initial condition to the next. A sample within a step is interpolated, so recording never changes the
-//! steps. For every signal the recorder also keeps the minimum and the maximum of each repetition, which may be between
-//! samples.
+//! steps. Every phase that takes time begins and ends with a sample, also if these instants are not on the grid. For
+//! every signal the recorder also keeps the minimum and the maximum of each repetition, which may be between samples.
 
 mod blocks;
 mod observer;
@@ -17,7 +17,7 @@ use super::machine::Machine;
 use super::settings::RunSettings;
 use super::state::Solver;
 use super::step_check::StepDoubt;
-use crate::grid::{Grid, SAME_INSTANT};
+use crate::grid::{Grid, RATE_TOLERANCE, SAME_INSTANT};
 use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
 use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
@@ -44,6 +44,8 @@ pub(super) struct Recorder<'a> {
     next_index: u64,
     /// Time of the next sample by the recorder's clock, in seconds.
     next_time: f64,
+    /// Time of the last sample by the recorder's clock, in seconds.
+    last_time: f64,
     /// Seconds that the present repetition has been in hold: the recorder's clock minus problem time.
     hold_time: f64,
     /// Whether a repetition has begun since the last initial condition.
@@ -127,6 +129,7 @@ impl<'a> Recorder<'a> {
             grid: Grid::new(settings.every),
             next_index: 0,
             next_time: 0.0,
+            last_time: 0.0,
             hold_time: 0.0,
             is_in_repetition: false,
             is_fresh: false,
@@ -168,6 +171,19 @@ impl<'a> Recorder<'a> {
         if !self.is_fresh {
             self.write_sample(self.clock(solver.state.time), solver, Instant::Present);
             self.is_fresh = true;
+        }
+    }
+
+    /// Records the present voltages at the end of a phase that takes time, unless the last sample is of this instant
+    /// within the tolerance of the grid. The extremes have these voltages already.
+    pub(super) fn sample_end(&mut self, solver: &Solver<'_>) {
+        let end = self.clock(solver.state.time);
+        if self.last_time < end * (1.0 - RATE_TOLERANCE) {
+            self.push_time(end);
+            let values = track_values(&self.signals, solver, Instant::Present);
+            self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.volts.push(value));
+            self.is_fresh = true;
+            self.pass_on_full_block();
         }
     }
 
@@ -270,10 +286,16 @@ impl<'a> Recorder<'a> {
         (self.next_index, self.next_time) = (index, self.grid.time(index));
     }
 
+    /// Writes the time of a sample by the recorder's clock.
+    fn push_time(&mut self, time: f64) {
+        self.trace.time.push(time);
+        self.last_time = time;
+    }
+
     /// Writes a sample of all tracks at a time of the recorder's clock.
     fn write_sample(&mut self, time: f64, solver: &Solver<'_>, instant: Instant) {
         let repetition = self.trace.repetitions.len() - 1;
-        self.trace.time.push(time);
+        self.push_time(time);
         let values = track_values(&self.signals, solver, instant);
         self.trace
             .tracks
@@ -286,7 +308,7 @@ impl<'a> Recorder<'a> {
     /// Writes a sample of the voltages just before the last changes of mode, at a time of the recorder's clock.
     fn write_sample_before_switching(&mut self, time: f64) {
         let repetition = self.trace.repetitions.len() - 1;
-        self.trace.time.push(time);
+        self.push_time(time);
         let voltages =
             self.signals.iter().map(|signal| self.voltages_before_switching[signal.register.index()]);
         let values = voltages.chain(self.derivatives_before_switching.iter().copied());
@@ -300,7 +322,7 @@ impl<'a> Recorder<'a> {
 
     /// Writes a sample of the voltages of a kernel, in the order of the tracks, and advances to the next sample.
     fn write_kernel_sample(&mut self, time: f64, voltages: impl Iterator<Item = f64>) {
-        self.trace.time.push(time);
+        self.push_time(time);
         self.trace.tracks.iter_mut().zip(voltages).for_each(|(track, volts)| track.volts.push(volts));
         self.set_next_sample(self.next_index + 1);
         self.pass_on_full_block();

@@ -46,8 +46,8 @@ pub struct RunSettings {
     /// [`MIN_TOLERANCE`](super::MIN_TOLERANCE) to [`MAX_TOLERANCE`](super::MAX_TOLERANCE). If the motion amplifies
     /// errors, as stick-slip does, the result is less accurate.
     pub tolerance: Option<f64>,
-    /// Time between recorded samples, above 0 and at most [`duration`](Self::duration). Recording never changes
-    /// the steps.
+    /// Time between recorded samples, above 0 and at most [`duration`](Self::duration). The end of every phase that
+    /// takes time is recorded in any case. Recording never changes the steps.
     pub every: f64,
     /// Whether the machine goes into hold as soon as a lamp lights. Phases that take time are then skipped until the
     /// next initial condition.

@@ -57,7 +57,7 @@ pub(crate) enum ErrorSource {
 /// The known solution of a signal, in the unit of its scale.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Solution {
-    /// A function of time in seconds. It is valid at least at multiples of `every`.
+    /// A function of time in seconds. It is valid at least at multiples of `every` and at the end of the run.
     ClosedForm(fn(f64) -> f64),
     /// The samples at 0, every, 2 every, ... by integration of the equations in the problem's own units. The arguments
     /// are the duration and `every`; the duration is a multiple of `every`.
@@ -119,7 +119,10 @@ impl Problem {
         match self.solution {
             Solution::ClosedForm(solution) => {
                 let last = (self.duration / self.every * (1.0 + 1e-12)) as usize;
-                (0..=last).map(|sample| solution(sample as f64 * self.every)).collect()
+                let times = (0..=last).map(|sample| sample as f64 * self.every);
+                // The end of the run is recorded, too.
+                let is_end_on_grid = last as f64 * self.every > self.duration * (1.0 - 1e-12);
+                times.chain((!is_end_on_grid).then_some(self.duration)).map(solution).collect()
             }
             Solution::Integrated(integrate) => integrate(self.duration, self.every),
         }

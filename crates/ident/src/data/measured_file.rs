@@ -132,6 +132,7 @@ impl FileReader<'_> {
             self.even_times(&rows, unit_seconds?).map_err(|finding| findings.push(finding)).ok()?;
         findings.extend(self.missing_rows(&even_times, &rows.lines, unit_seconds?));
         rows.columns.drain(..self.time_columns());
+        rows.columns.iter_mut().for_each(|column| column.truncate(even_times.sample_indices.len()));
         let measured = MeasuredFile {
             name: self.record_name(),
             begin: even_times.begin,

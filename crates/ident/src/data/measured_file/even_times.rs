@@ -24,17 +24,28 @@ pub(super) struct EvenTimes {
     pub(super) interval: f64,
     /// The largest difference between the time of a row and its even time, as a fraction of the interval.
     pub(super) jitter: f64,
-    /// The index of the even time of each row.
+    /// The index of the even time of each row, without a last row that is left out.
     pub(super) sample_indices: Vec<usize>,
 }
 
 impl EvenTimes {
-    /// Fits a grid to strictly increasing times in seconds. Rows may be missing. None if the times are not even: a row
-    /// is more than [`MAX_JITTER`] from its even time, or too many rows are missing.
+    /// Fits a grid to strictly increasing times in seconds. The last row is left out if it is early and all others are
+    /// even: a run records its end even if its length is not a whole number of intervals. None if the times are not
+    /// even.
+    fn fit(times: &[f64]) -> Option<EvenTimes> {
+        EvenTimes::fit_all(times).or_else(|| {
+            let (last, others) = times.split_last()?;
+            let even_times = EvenTimes::fit_all(others)?;
+            (last - others.last()? < even_times.interval).then_some(even_times)
+        })
+    }
+
+    /// Fits a grid to all of these times. Rows may be missing. None if the times are not even: a row is more than
+    /// [`MAX_JITTER`] from its even time, or too many rows are missing.
     ///
     /// The mean of the intervals near the median estimates the interval and so the index of each row. The first and the
     /// last row then define the grid.
-    fn fit(times: &[f64]) -> Option<EvenTimes> {
+    fn fit_all(times: &[f64]) -> Option<EvenTimes> {
         let intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let median_interval = median(&intervals);
         let (sum, count) = intervals
@@ -155,3 +166,28 @@ impl FileReader<'_> {
 const LONG_GAP_ROWS: usize = 10;
 /// The hint for a long gap.
 const LONG_GAP_HINT: &str = "list the data before and after the gap as two records of this file, each with its \"range\": interpolated drives may look like an unknown force";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twenty times from 0 with an interval of 0.1 s, and one more.
+    fn times_with(last: f64) -> Vec<f64> {
+        (0..20).map(|index| 0.1 * f64::from(index)).chain([last]).collect()
+    }
+
+    #[test]
+    fn an_early_last_row_is_left_out() {
+        let found = EvenTimes::fit(&times_with(1.93)).unwrap();
+        assert!(found.sample_indices.iter().copied().eq(0..20) && (found.interval - 0.1).abs() < 1e-12);
+        assert_eq!(EvenTimes::fit(&times_with(2.0)).unwrap().sample_indices.len(), 21);
+    }
+
+    #[test]
+    fn a_late_last_row_and_an_early_row_between_others_are_uneven() {
+        assert!(EvenTimes::fit(&times_with(2.03)).is_none());
+        let mut times = times_with(2.0);
+        times.insert(5, 0.43);
+        assert!(EvenTimes::fit(&times).is_none());
+    }
+}
