@@ -286,8 +286,8 @@ impl SettingChecker<'_> {
         match (is_equal, is_relay) {
             (true, true) => {
                 format!(
-                    "lower \"{lower}\" or raise \"{upper}\"; for a single threshold, use a \"comparator\", which has no \
-                     hysteresis"
+                    "lower \"{lower}\" or raise \"{upper}\"; for a single threshold, use a \"comparator\", which \
+                     has no hysteresis"
                 )
             }
             (true, false) => format!("lower \"{lower}\" or raise \"{upper}\": the two must differ"),

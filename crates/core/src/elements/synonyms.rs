@@ -43,7 +43,8 @@ static KINDS: &[KindSynonyms] = &[
     ),
     element(
         &["compare", "threshold", "zero-crossing", "zero-crossing-detector", "logic"],
-        "use a \"comparator\": its output is \"high\" while \"in\" is at or above \"threshold\", and \"low\" below",
+        "use a \"comparator\": its output is \"high\" while \"in\" is at or above \"threshold\", and \"low\" \
+         below",
     ),
     element(
         &["schmitt-trigger", "hysteresis", "bang-bang", "hysteresis-comparator"],
