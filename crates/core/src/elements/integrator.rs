@@ -249,11 +249,8 @@ fn reset(builder: &mut dyn Builder, position: ModeHandle, modes: Modes, rate: Re
     let above = builder.subtract(control, threshold);
     let below = builder.subtract(threshold, control);
     let (over, under) = (builder.subtract(out, initial), builder.subtract(initial, out));
-    let sets = [
-        (OPERATING, Guard::reached(above)),
-        (RESET, Guard::passed(over)),
-        (RESET, Guard::passed(under)),
-    ];
+    let sets =
+        [(OPERATING, Guard::reached(above)), (RESET, Guard::passed(over)), (RESET, Guard::passed(under))];
     for (from, guard) in sets {
         let set = Transition::new(from, RESET, guard).reset(builder, initial);
         let set = with_mode(with_mode(set, modes.direction, STUCK), modes.contact, CLEAR);

@@ -15,8 +15,12 @@ pub(super) static KIND: Kind = Kind {
     symbol: "drive-square",
     settings: &[
         Setting::required("amplitude", SettingQuantity::Signal, "amplitude about the offset"),
-        Setting::required("frequency", SettingQuantity::Hertz, "periods per second; a step ends at each edge")
-            .within(1e-9, 1e9),
+        Setting::required(
+            "frequency",
+            SettingQuantity::Hertz,
+            "periods per second; a step ends at each edge",
+        )
+        .within(1e-9, 1e9),
         Setting::preset("duty", SettingQuantity::Ratio, 0.5, "share of a period during which it is high")
             .within(0.0, 1.0),
         Setting::preset("phase", SettingQuantity::Radians, 0.0, "phase at t = 0; it rises at the phase 0"),

@@ -288,10 +288,7 @@ mod tests {
         assert_eq!(hint(Family::Drive, "chirp", "", "duration"), meant("time"));
         assert_eq!(hint(Family::Drive, "square", "", "period").as_deref(), Some(PERIOD_HINT));
         assert_eq!(element("comparator", "level"), meant("threshold"));
-        assert_eq!(
-            element("integrator", "reset").as_deref(),
-            Some("write \"in\": {\"reset\": [\"A1\"]}")
-        );
+        assert_eq!(element("integrator", "reset").as_deref(), Some("write \"in\": {\"reset\": [\"A1\"]}"));
         assert_eq!(element("pot", "ic"), None);
         assert_eq!(element("summer", "x10").as_deref(), Some("write \"in\": {\"x10\": [\"A1\"]}"));
         let gain = "the gain is in the name of an input: write \"in\": {\"x10\": [\"A1\"]}";

@@ -104,9 +104,8 @@ fn a_width_must_stay_below_the_period() {
     machine.set_parameter("w", 0.2).unwrap();
     let mut wide = program.clone();
     assert!(wide.set_parameters([("w", 0.2), ("p", 0.25)]).is_ok());
-    let builder = volts("wide")
-        .parameter("w", 0.1, "s", [0.1, 1.0])
-        .drive("u", "volt", element("pulse").set("height", 1).set("width", "w").set("period", 0.5));
+    let pulse = element("pulse").set("height", 1).set("width", "w").set("period", 0.5);
+    let builder = volts("wide").parameter("w", 0.1, "s", [0.1, 1.0]).drive("u", "volt", pulse);
     let refused = built(builder).set_parameters([("w", 0.5)]).unwrap_err();
     assert!(refused.to_string().contains("not below"), "{refused}");
 }
