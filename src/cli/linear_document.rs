@@ -31,7 +31,7 @@ struct OperatingPointDocument<'a> {
     moving: &'a [String],
 }
 
-/// A state with its rate in V/s. `held` is "limit", "brake" or null.
+/// A state with its rate in V/s. `held` is "limit", "brake" (a brake, a stop or a reset) or null.
 #[derive(Serialize)]
 struct StateDocument<'a> {
     name: &'a str,

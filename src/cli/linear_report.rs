@@ -59,7 +59,7 @@ fn states_table(states: &[StateTerm]) -> String {
     for state in states.iter().take(MAX_ROWS) {
         let hold = state.hold.map_or("", |hold| match hold {
             StateHold::Limit => "held at its limit",
-            StateHold::Brake => "held by its brake or stop",
+            StateHold::Brake => "held by its brake, stop or reset",
         });
         table.row([state.name.clone(), number(state.volts), number(state.rate), hold.to_owned()]);
     }

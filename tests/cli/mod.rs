@@ -287,10 +287,11 @@ fn the_reference_page_of_elements_is_printed() {
 
 #[test]
 fn an_element_is_found_by_its_name_in_other_programs() {
-    let failed = patchcord(&["elements", "comparator"]);
+    let failed = patchcord(&["elements", "schmitt-trigger"]);
     assert_eq!(code(&failed), 2);
     assert!(
-        errors(&failed).contains("there is no element or drive \"comparator\"; use a \"relay\": it compares")
+        errors(&failed)
+            .contains("there is no element or drive \"schmitt-trigger\"; use a \"relay\": it compares")
     );
 }
 

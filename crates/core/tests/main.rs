@@ -21,6 +21,7 @@ mod macros;
 mod order;
 mod problems;
 mod relay;
+mod reset;
 mod scipy;
 mod sensitivity;
 mod step_length;

@@ -77,6 +77,7 @@ fn flags_do_not_overlap_texts_at_jacks() {
         .cords("x1", ["+100", "-100"])
         .cords("gap", ["+100", "ground"])
         .cords("brake_x10", ["-100"])
+        .cords("reset", ["ground"])
         .set("restitution", 0.5);
     let patch = PatchBuilder::new("flags").run(1.0, 1e-3).element("A", integrator).build();
     check(&crate::common::circuit(&patch.unwrap_or_else(|report| panic!("{report}")), &[]), "flags");
@@ -170,8 +171,10 @@ fn elements_with_settings() -> Vec<ElementBuilder> {
         element("integrator")
             .cords("x1", ["+100"])
             .cords("gap", ["E7"])
+            .cords("reset", ["E9"])
             .set("restitution", 0.75)
             .set("rest", 0.125)
+            .set("threshold", 3)
             .set("limit", json!({"upper": 40, "drop": 0.625})),
         element("function-generator")
             .cord("in", "+100")
@@ -190,6 +193,7 @@ fn elements_with_settings() -> Vec<ElementBuilder> {
         element("multiplier").cord("a", "+100").cord("b", "+100").set("mode", "product"),
         element("dead-zone").cord("in", "+100").set("lower", -7).set("upper", 9),
         element("backlash").cord("in", "+100").set("width", 6),
+        element("comparator").cord("in", "E8").cord("against", "E7").set("threshold", 4).set("high", 60),
     ]
 }
 
@@ -208,11 +212,13 @@ fn settings_that_the_symbol_omits_are_listed() {
     for row in [
         ("E0 restitution", "0.75", ""),
         ("E0 rest", "0.125 V", ""),
+        ("E0 threshold", "3 V", ""),
         ("E0 limit.drop", "0.625 V", ""),
         ("E1 symmetry", "odd", ""),
         ("E1 points", "", "(0, 0) (12, 34) (56, 78)"),
         ("E2 initial", "17 V", ""),
         ("E3", "closed", ""),
+        ("E9 high", "60 V", ""),
     ] {
         assert!(rows.contains(&row), "{row:?} among {rows:?}");
     }

@@ -43,7 +43,7 @@ struct PhaseChecker<'a> {
 impl PhaseChecker<'_> {
     /// Reports a condition whose element does not exist, does not switch, or does not have the position.
     ///
-    /// If the element does not switch, the hint names a similar relay, or the kind of element that is needed.
+    /// If the element does not switch, the hint names a similar relay, or the kinds of element that are needed.
     fn condition(&self, condition: &SwitchCondition, findings: &mut Vec<Diagnostic>) {
         let relay = &condition.relay;
         let message = || format!("there is no relay {} to wait for", relay.value);
@@ -54,7 +54,7 @@ impl PhaseChecker<'_> {
         if positions.is_empty() {
             let message = format!("{} (kind {}) does not switch", relay.value, entry.kind.name);
             let hint = suggestion(&relay.value, &self.relays()).unwrap_or_else(|| {
-                "add an element of kind \"relay\" that compares its voltage, and name the relay".to_owned()
+                "add a \"comparator\" or a \"relay\" that compares its voltage, and name it".to_owned()
             });
             findings.push(Diagnostic::at(Code::NOT_A_RELAY, relay.span, message).hint(hint));
         } else if let Some(becomes) = &condition.becomes

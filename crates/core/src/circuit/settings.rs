@@ -280,13 +280,14 @@ impl SettingChecker<'_> {
         }
     }
 
-    /// The hint for two settings in the wrong order. Equal thresholds of a relay would make it chatter.
+    /// The hint for two settings in the wrong order. A relay cannot have equal thresholds; a comparator has one.
     fn order_hint(&self, lower: &str, upper: &str, is_equal: bool) -> String {
         let is_relay = !self.entry.kind.positions.is_empty();
         match (is_equal, is_relay) {
             (true, true) => {
                 format!(
-                    "lower \"{lower}\" or raise \"{upper}\": with equal thresholds the relay would chatter"
+                    "lower \"{lower}\" or raise \"{upper}\"; for a single threshold, use a \"comparator\", which \
+                     has no hysteresis"
                 )
             }
             (true, false) => format!("lower \"{lower}\" or raise \"{upper}\": the two must differ"),

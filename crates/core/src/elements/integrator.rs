@@ -1,8 +1,8 @@
-//! Integrating amplifier, with or without diode limits, a brake and rebound stops.
+//! Integrating amplifier, with or without diode limits, a brake, rebound stops and a reset.
 //!
 //! The output is the state of the element. The memory law gives its rate in this order: sum of the inputs, brake,
-//! rebound, limits. Brake, contact with a stop and limits are modes, so the solver locates the instants at which they
-//! change.
+//! rebound, reset, limits. Brake, contact with a stop, reset and limits are modes, so the solver locates the instants at
+//! which they change.
 
 use super::{Input, Jacks, Kind, OutputStage, PartUse, Setting, SettingQuantity, Transfer, soft_limit};
 use crate::ir::{Builder, ChatterRemedy, Guard, ModeHandle, Register, Transition};
@@ -16,12 +16,13 @@ pub(super) static KIND: Kind = Kind {
     law: "d out / dt = -(sum of gain x input); with a brake: d out / dt = 0 while out = 0 and |sum| <= brake, \
           otherwise brake x sign(out) is subtracted from d out / dt; with a gap: when the lowest gap falls to 0, out \
           becomes -restitution x out; with a limit: out stays at the limit plus the drop while d out / dt points \
-          outward",
+          outward; with a reset: out = initial while reset >= threshold, and it integrates from initial when reset \
+          falls below the threshold",
     overload: "limited to ±100 V and leaves the limit as soon as its input reverses; the lamp lights if the demanded \
                output exceeds this, and stays dark at a diode limit",
-    modes: "has the value initial in initial condition; keeps its output in hold",
+    modes: "has the value initial in initial condition; keeps its output in hold, unless it is reset by hand",
     source: "thesis 8.1; limits: diodes across the amplifier, as in 8.2, Fig 8.9; brake: Coulomb friction that \
-             balances the net force at rest",
+             balances the net force at rest; reset: electronic mode control of the hybrid machines",
     symbol: "integrator",
     inputs: &[
         Input::gains("x", "summing inputs, the gain per machine second in the name").remembered(),
@@ -30,6 +31,9 @@ pub(super) static KIND: Kind = Kind {
             .open(),
         Input::jack("gap", "distance to a stop; when it falls to 0, the output rebounds")
             .jacks(Jacks::Any)
+            .remembered()
+            .open(),
+        Input::jack("reset", "control: it is reset while this is at or above threshold; never if open")
             .remembered()
             .open(),
     ],
@@ -49,6 +53,12 @@ pub(super) static KIND: Kind = Kind {
             "output after a rebound below which it stays at rest against the stop",
         )
         .within(0.0, REFERENCE),
+        Setting::preset(
+            "threshold",
+            SettingQuantity::Volts,
+            1.0,
+            "voltage of the reset input from which the output is initial",
+        ),
         soft_limit::UPPER,
         soft_limit::LOWER,
         soft_limit::DROP,
@@ -59,6 +69,7 @@ pub(super) static KIND: Kind = Kind {
         PartUse::always(Part::Integrator, 1),
         PartUse::with("brake_x", Part::Brake, 1),
         PartUse::with("gap", Part::Rebound, 1),
+        PartUse::with("reset", Part::ModeRelay, 1),
         soft_limit::LIMIT_PARTS[0],
         soft_limit::LIMIT_PARTS[1],
         soft_limit::LIMIT_PARTS[2],
@@ -75,18 +86,36 @@ fn output_law(builder: &mut dyn Builder) -> Register {
     builder.new_state("initial")
 }
 
-/// d out / dt = -(sum of gain x input), in volts per machine second, as changed by brake, stops and limits.
+/// The modes of the optional parts; `None` if no cord is at their input.
+#[derive(Clone, Copy)]
+struct Modes {
+    /// The mode of the brake.
+    direction: Option<ModeHandle>,
+    /// The mode of the contact with a stop.
+    contact: Option<ModeHandle>,
+    /// The mode of the reset. It is the last one: if several modes change at once, the reset sets the others.
+    reset: Option<ModeHandle>,
+}
+
+/// d out / dt = -(sum of gain x input), in volts per machine second, as changed by brake, stops, reset and limits.
 ///
-/// Without cords at `brake_x` and `gap` their modes do not exist, so a plain integrator costs nothing more.
+/// Without cords at `brake_x`, `gap` and `reset` their modes do not exist, so a plain integrator costs nothing more.
 fn memory_law(builder: &mut dyn Builder) {
     let sum = builder.sum("x");
     let mut rate = builder.negate(sum);
-    let brake_mode = builder.is_driven("brake_x").then(|| builder.new_mode(STUCK));
-    if let Some(direction) = brake_mode {
+    let modes = Modes {
+        direction: builder.is_driven("brake_x").then(|| builder.new_mode(STUCK)),
+        contact: builder.is_driven("gap").then(|| builder.new_mode(CLEAR)),
+        reset: builder.is_driven("reset").then(|| builder.new_mode(OPERATING)),
+    };
+    if let Some(direction) = modes.direction {
         rate = brake(builder, direction, rate);
     }
-    if builder.is_driven("gap") {
-        rate = rebound(builder, brake_mode, rate);
+    if let Some(contact) = modes.contact {
+        rate = rebound(builder, contact, modes, rate);
+    }
+    if let Some(position) = modes.reset {
+        rate = reset(builder, position, modes, rate);
     }
     let knees = soft_limit::knees(builder);
     builder.set_limited_rate(rate, knees);
@@ -142,13 +171,12 @@ const RESTING: f64 = 2.0;
 /// The smallest of the gaps decides. If it falls below 0 while the output closes it, the output jumps to -restitution x
 /// out. If the size of that value is below `rest`, the output becomes 0 and stays there while the rate points into the
 /// stop. The modes are CLEAR, ±REBOUNDING and ±RESTING; the sign is that of the output that closed the gap.
-fn rebound(builder: &mut dyn Builder, brake: Option<ModeHandle>, rate: Register) -> Register {
-    let contact = builder.new_mode(CLEAR);
+fn rebound(builder: &mut dyn Builder, contact: ModeHandle, modes: Modes, rate: Register) -> Register {
     builder.chatter_remedy(contact, ChatterRemedy::Rest);
     let gaps = builder.inputs("gap");
     let gap = gaps.iter().copied().reduce(|a, b| builder.minimum(a, b));
     let gap = gap.unwrap_or_else(|| builder.constant(0.0));
-    let (zero, out) = (builder.constant(0.0), builder.own_output());
+    let (zero, out) = (builder.constant(0.0), moving_output(builder, modes.reset));
     let after = rebound_output(builder, out);
     let (overlap, slow) = (builder.negate(gap), slowness(builder, after));
     for sign in [1.0, -1.0] {
@@ -159,9 +187,9 @@ fn rebound(builder: &mut dyn Builder, brake: Option<ModeHandle>, rate: Register)
         let leaves = builder.negate(pull);
         for from in [CLEAR, sign * REBOUNDING] {
             let rests = Transition::new(from, sign * RESTING, Guard::passed(settles)).reset(builder, zero);
-            builder.transition(contact, with_brake_reset(rests, brake));
+            builder.transition(contact, with_mode(rests, modes.direction, STUCK));
             let bounces = Transition::new(from, sign * REBOUNDING, Guard::passed(hits)).reset(builder, after);
-            builder.transition(contact, with_brake_reset(bounces, brake));
+            builder.transition(contact, with_mode(bounces, modes.direction, STUCK));
         }
         builder.transition(contact, Transition::new(sign * REBOUNDING, CLEAR, Guard::passed(gap)));
         builder.transition(contact, Transition::new(sign * RESTING, CLEAR, Guard::passed(gap)));
@@ -173,13 +201,21 @@ fn rebound(builder: &mut dyn Builder, brake: Option<ModeHandle>, rate: Register)
     builder.select(size, resting, zero, rate)
 }
 
-/// The same transition, which also puts the brake into the mode that holds. After an impact, the brake determines the
-/// direction of slip again.
-fn with_brake_reset(impact: Transition, brake: Option<ModeHandle>) -> Transition {
-    match brake {
-        Some(direction) => impact.with_mode(direction, STUCK),
-        None => impact,
+/// The same transition, which also sets another mode, if that mode exists. After the output has jumped, the brake
+/// determines the direction of slip again.
+fn with_mode(transition: Transition, mode: Option<ModeHandle>, value: f64) -> Transition {
+    match mode {
+        Some(mode) => transition.with_mode(mode, value),
+        None => transition,
     }
+}
+
+/// The output as the stops see it: 0 while the integrator is reset, so that it closes no gap.
+fn moving_output(builder: &mut dyn Builder, reset: Option<ModeHandle>) -> Register {
+    let out = builder.own_output();
+    let Some(position) = reset else { return out };
+    let (half, zero) = (builder.constant(0.5), builder.constant(0.0));
+    builder.select(position.value, half, zero, out)
 }
 
 /// The output after an impact: -restitution x out, in volts. The restitution is a pure number from 0 to 1.
@@ -194,4 +230,33 @@ fn rebound_output(builder: &mut dyn Builder, out: Register) -> Register {
 fn slowness(builder: &mut dyn Builder, after: Register) -> Register {
     let (rest, speed) = (builder.get("rest"), builder.absolute(after));
     builder.subtract(rest, speed)
+}
+
+/// Mode while the reset voltage is below the threshold.
+const OPERATING: f64 = 0.0;
+/// Mode while the integrator is in initial condition by its reset input.
+const RESET: f64 = 1.0;
+
+/// The rate with a reset: 0 while reset, otherwise the given rate.
+///
+/// The output becomes `initial` when the reset voltage reaches the threshold. The guards of the two modes are
+/// complementary: one includes the threshold and the other does not. While reset, the output returns to `initial`
+/// whenever it differs: if `initial` is changed by hand, or if a stop or a limit has set the output at the same
+/// instant.
+fn reset(builder: &mut dyn Builder, position: ModeHandle, modes: Modes, rate: Register) -> Register {
+    let (control, threshold) = (builder.input("reset"), builder.get("threshold"));
+    let (initial, out) = (builder.get("initial"), builder.own_output());
+    let above = builder.subtract(control, threshold);
+    let below = builder.subtract(threshold, control);
+    let (over, under) = (builder.subtract(out, initial), builder.subtract(initial, out));
+    let sets =
+        [(OPERATING, Guard::reached(above)), (RESET, Guard::passed(over)), (RESET, Guard::passed(under))];
+    for (from, guard) in sets {
+        let set = Transition::new(from, RESET, guard).reset(builder, initial);
+        let set = with_mode(with_mode(set, modes.direction, STUCK), modes.contact, CLEAR);
+        builder.transition(position, set);
+    }
+    builder.transition(position, Transition::new(RESET, OPERATING, Guard::passed(below)));
+    let (half, zero) = (builder.constant(0.5), builder.constant(0.0));
+    builder.select(position.value, half, zero, rate)
 }

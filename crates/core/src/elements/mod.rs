@@ -6,6 +6,8 @@
 
 mod absolute;
 mod backlash;
+mod chirp;
+mod comparator;
 mod cos;
 mod dead_zone;
 mod delay;
@@ -26,6 +28,7 @@ mod noise;
 mod open_amplifier;
 mod page;
 mod pot;
+mod pulse;
 mod ramp;
 mod reference;
 mod relay;
@@ -33,6 +36,7 @@ mod setting;
 mod sin;
 mod sine;
 mod soft_limit;
+mod square;
 mod step;
 mod summer;
 mod synonyms;
@@ -81,14 +85,18 @@ pub static REGISTRY: &[&Kind] = &[
     &cos::KIND,
     &log::KIND,
     &exp::KIND,
+    &comparator::KIND,
     &relay::KIND,
     &key_switch::KIND,
     &track_hold::KIND,
     &delay::KIND,
     &step::KIND,
     &ramp::KIND,
+    &pulse::KIND,
+    &square::KIND,
     &triangle::KIND,
     &sine::KIND,
+    &chirp::KIND,
     &noise::KIND,
     &table::KIND,
 ];
@@ -115,7 +123,8 @@ pub fn find(family: Family, name: &str) -> Option<&'static Kind> {
 /// ```
 /// use patchcord_core::elements::{Family, names};
 ///
-/// assert_eq!(names(Family::Drive), ["step", "ramp", "triangle", "sine", "noise", "table"]);
+/// let drives = names(Family::Drive);
+/// assert_eq!(drives, ["step", "ramp", "pulse", "square", "triangle", "sine", "chirp", "noise", "table"]);
 /// ```
 pub fn names(family: Family) -> Vec<&'static str> {
     REGISTRY.iter().filter(|kind| kind.family == family).map(|kind| kind.name).collect()

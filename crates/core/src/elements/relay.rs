@@ -1,7 +1,8 @@
 //! Comparator with a relay: two contacts, hysteresis between them.
 //!
 //! The position is a mode. The output law selects a contact by it, and the memory law switches it when the difference
-//! of the compared inputs reaches a threshold. The distance of the thresholds prevents chatter.
+//! of the compared inputs reaches a threshold. The distance of the thresholds prevents chatter. A comparator has one
+//! threshold and no contacts.
 
 use super::{Input, Kind, PartUse, Setting, SettingQuantity};
 use crate::ir::{Builder, ChatterRemedy, Guard, Register, Transition};
@@ -73,7 +74,7 @@ fn memory_law(builder: &mut dyn Builder) {
 }
 
 /// The difference of the two compared inputs, in volts; the first one alone if `against` is open.
-fn difference(builder: &mut dyn Builder) -> Register {
+pub(super) fn difference(builder: &mut dyn Builder) -> Register {
     let signal = builder.input("in");
     if !builder.is_driven("against") {
         return signal;

@@ -42,7 +42,12 @@ static KINDS: &[KindSynonyms] = &[
         "use a \"summer\", an \"integrator\", or an \"open-amplifier\" with the feedback that you patch",
     ),
     element(
-        &["comparator", "compare", "schmitt-trigger", "hysteresis", "threshold", "bang-bang"],
+        &["compare", "threshold", "zero-crossing", "zero-crossing-detector", "logic"],
+        "use a \"comparator\": its output is \"high\" while \"in\" is at or above \"threshold\", and \"low\" \
+         below",
+    ),
+    element(
+        &["schmitt-trigger", "hysteresis", "bang-bang", "hysteresis-comparator"],
         "use a \"relay\": it compares \"in\" with \"against\", and has two thresholds, \"drop_out\" below \
          \"pull_in\"",
     ),
@@ -52,8 +57,7 @@ static KINDS: &[KindSynonyms] = &[
     ),
     element(
         &["sign", "signum", "sgn"],
-        "use a \"relay\" with \"on\": \"+100\", \"off\": \"-100\", and \"pull_in\" and \"drop_out\" above and below \
-         0 V",
+        "use a \"comparator\": its output is \"high\", 100 V, from 0 V on and \"low\", -100 V, below",
     ),
     element(
         &["divider", "divide", "division", "quotient", "reciprocal"],
@@ -112,10 +116,13 @@ static KINDS: &[KindSynonyms] = &[
         "use a \"step\" with \"at\": 0: it has its \"height\" from the start",
     ),
     drive(&["sin", "sinus", "sinusoid", "cos", "cosine", "oscillator"], "use a \"sine\""),
+    drive(&["square-wave", "rectangle", "rectangular", "clock", "pwm"], "use a \"square\""),
     drive(
-        &["square", "square-wave", "rectangle", "pulse", "pulse-train", "staircase"],
-        "use a \"table\" with \"hold\": \"previous\"",
+        &["pulse-train", "rectangular-pulse", "impulse", "burst", "gate"],
+        "use a \"pulse\": with a \"period\" it repeats",
     ),
+    drive(&["sweep", "swept-sine", "sine-sweep", "frequency-sweep", "fm"], "use a \"chirp\""),
+    drive(&["staircase"], "use a \"table\" with \"hold\": \"previous\""),
     drive(&["sawtooth", "saw", "csv", "file", "data", "curve", "lookup", "points"], "use a \"table\""),
     drive(&["random", "white-noise", "gaussian"], "use a \"noise\""),
 ];
@@ -140,7 +147,7 @@ pub fn kind_advice(family: Family, name: &str) -> Option<&'static str> {
 }
 
 /// Keys that people write, and the key of this format. A row counts only for a kind that has the key.
-const KEYS: [(&[&str], &str); 20] = [
+const KEYS: [(&[&str], &str); 29] = [
     (&["ic", "initial_condition", "initial_value", "init", "start", "x0", "y0"], "initial"),
     (&["input", "inputs", "from", "source"], "in"),
     (&["gain", "k", "value", "coefficient", "fraction", "factor", "position"], "setting"),
@@ -150,6 +157,9 @@ const KEYS: [(&[&str], &str); 20] = [
     (&["lower", "release", "dropout"], "drop_out"),
     (&["high", "true", "then"], "on"),
     (&["low", "false", "else"], "off"),
+    (&["on", "true", "then", "upper", "max"], "high"),
+    (&["off", "false", "else", "lower", "min"], "low"),
+    (&["level", "pull_in", "trigger", "reset_threshold", "reset_level"], "threshold"),
     (&["reference", "compare", "than"], "against"),
     (&["control", "sample", "sampling"], "track"),
     (&["x", "in1", "first"], "a"),
@@ -161,7 +171,16 @@ const KEYS: [(&[&str], &str); 20] = [
     (&["time", "start", "t0", "delay"], "at"),
     (&["slope", "speed"], "rate"),
     (&["freq", "hz"], "frequency"),
+    (&["duty_cycle", "duty_factor", "ratio"], "duty"),
+    (&["pulse_width", "length", "duration", "on_time"], "width"),
+    (&["at", "time", "start", "t0", "delay"], "begin"),
+    (&["f0", "start", "start_frequency", "f_start"], "from"),
+    (&["f1", "end", "stop", "end_frequency", "f_end"], "to"),
+    (&["duration", "sweep_time", "t1", "length"], "time"),
 ];
+
+/// The hint for a period where the format has a frequency.
+const PERIOD_HINT: &str = "write the frequency, 1 / period: \"frequency\": \"1 / 0.5\" for a period of 0.5 s";
 
 /// The hint about a key that a kind does not have. `None` if the tables do not have the key.
 ///
@@ -175,6 +194,9 @@ pub(crate) fn key_advice(kind: &Kind, group: &str, written: &str) -> Option<KeyA
         return Some(KeyAdvice { key: "in", hint });
     }
     let written = written.to_lowercase();
+    if group.is_empty() && written == "period" && kind.setting("frequency").is_some() {
+        return Some(KeyAdvice { key: "frequency", hint: PERIOD_HINT.to_owned() });
+    }
     let has_key = |key: &str| {
         let has_input = kind.inputs.iter().any(|input| input.name == key);
         let is_input = group.is_empty() && (has_input || (kind.has_gains() && key == "in"));
@@ -262,6 +284,11 @@ mod tests {
         assert_eq!(element("relay", "threshold"), meant("pull_in"));
         assert_eq!(hint(Family::Computing, "summer", "limit.", "max"), meant("upper"));
         assert_eq!(hint(Family::Drive, "step", "", "value"), meant("height"));
+        assert_eq!(hint(Family::Drive, "pulse", "", "at"), meant("begin"));
+        assert_eq!(hint(Family::Drive, "chirp", "", "duration"), meant("time"));
+        assert_eq!(hint(Family::Drive, "square", "", "period").as_deref(), Some(PERIOD_HINT));
+        assert_eq!(element("comparator", "level"), meant("threshold"));
+        assert_eq!(element("integrator", "reset").as_deref(), Some("write \"in\": {\"reset\": [\"A1\"]}"));
         assert_eq!(element("pot", "ic"), None);
         assert_eq!(element("summer", "x10").as_deref(), Some("write \"in\": {\"x10\": [\"A1\"]}"));
         let gain = "the gain is in the name of an input: write \"in\": {\"x10\": [\"A1\"]}";

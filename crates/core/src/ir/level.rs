@@ -5,6 +5,7 @@
 
 use super::Program;
 use super::noise::Noise;
+use super::pulses::{Pulses, pulse_value};
 
 /// The source of a level.
 #[derive(Debug, Clone)]
@@ -14,6 +15,8 @@ pub(crate) enum Level {
     /// A stepped table of time: each value applies until the next point. Before the first point, the first value
     /// applies.
     Points { table: usize },
+    /// Rectangular pulses.
+    Pulses(Pulses),
 }
 
 impl Program {
@@ -21,7 +24,15 @@ impl Program {
     pub(crate) fn noises(&self) -> impl Iterator<Item = &Noise> {
         self.lowered.levels.iter().filter_map(|level| match level {
             Level::Noise(noise) => Some(noise),
-            Level::Points { .. } => None,
+            Level::Points { .. } | Level::Pulses(_) => None,
+        })
+    }
+
+    /// The sources of pulses among the levels.
+    pub(crate) fn pulses(&self) -> impl Iterator<Item = &Pulses> {
+        self.lowered.levels.iter().filter_map(|level| match level {
+            Level::Pulses(pulses) => Some(pulses),
+            Level::Noise(_) | Level::Points { .. } => None,
         })
     }
 
@@ -32,6 +43,7 @@ impl Program {
             Level::Points { table } => {
                 held_value(&self.tables[*table], points_passed(&self.tables[*table], 0.0))
             }
+            Level::Pulses(pulses) => pulse_value(pulses.at(coefficients).edges_until(0.0)),
         };
         self.lowered.levels.iter().map(first).collect()
     }

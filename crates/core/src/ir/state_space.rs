@@ -54,7 +54,7 @@ pub struct StateTerm {
 pub enum StateHold {
     /// It is at a limit and its rate points outward.
     Limit,
-    /// Its brake holds it, or it rests against a stop.
+    /// Its brake holds it, it rests against a stop, or it is reset.
     Brake,
 }
 

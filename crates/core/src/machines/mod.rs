@@ -34,6 +34,8 @@ pub enum Part {
     Rebound,
     /// A brake at an integrator.
     Brake,
+    /// A relay that puts a single integrator into initial condition.
+    ModeRelay,
 }
 
 impl Part {
@@ -51,6 +53,7 @@ impl Part {
         Part::DelayLine,
         Part::Rebound,
         Part::Brake,
+        Part::ModeRelay,
     ];
 
     /// The key of the part in documents and listings, in the plural.
@@ -68,6 +71,7 @@ impl Part {
             Part::DelayLine => "delay_lines",
             Part::Rebound => "rebounds",
             Part::Brake => "brakes",
+            Part::ModeRelay => "mode_relays",
         }
     }
 
@@ -175,7 +179,7 @@ mod tests {
     fn the_1451_has_the_parts_of_the_text() {
         let machine = find("solartron-1451").unwrap();
         let counts = Part::ALL.iter().map(|part| machine.count(*part));
-        let expected = [16, 8, 12, 6, 4, 2, 0, 0, 0, 0, 0, 0].map(Some);
+        let expected = [16, 8, 12, 6, 4, 2, 0, 0, 0, 0, 0, 0, 0].map(Some);
         assert!(counts.eq(expected));
     }
 

@@ -277,6 +277,20 @@ pub enum RunError {
         /// The largest number allowed.
         max: f64,
     },
+    /// A drive would have too many edges.
+    #[error(
+        "{element} would have {edges} edges in the run; at most {max} are allowed; choose a lower frequency or a \
+         longer period",
+        edges = format_number(*edges), max = format_number(*max)
+    )]
+    PulsesTooFast {
+        /// Name of the drive.
+        element: String,
+        /// Edges in all phases, with repetitions.
+        edges: f64,
+        /// The largest number allowed.
+        max: f64,
+    },
     /// The run would record too many numbers for the memory, or for a table.
     #[error(
         "the run would record {numbers} numbers; at most {max} are allowed",
@@ -306,7 +320,8 @@ impl RunError {
             | RunError::StateOutsideRange { integrator: element, .. }
             | RunError::NotARelay(element)
             | RunError::UnknownPosition { relay: element, .. }
-            | RunError::NoiseTooFine { element, .. } => Some(element),
+            | RunError::NoiseTooFine { element, .. }
+            | RunError::PulsesTooFast { element, .. } => Some(element),
             _ => None,
         }
     }
@@ -333,6 +348,7 @@ impl RunError {
             RunError::NoTime => "no-time",
             RunError::EmptyRepeat => "empty-repeat",
             RunError::NoiseTooFine { .. } => "noise-too-fine",
+            RunError::PulsesTooFast { .. } => "pulses-too-fast",
             RunError::MissingTimes(_) => "missing-time",
             RunError::NotATime { .. } | RunError::NotAnOperatingTime { .. } => "not-a-time",
             RunError::NotATolerance { .. } => "not-a-tolerance",

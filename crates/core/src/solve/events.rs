@@ -334,6 +334,10 @@ fn chatter(setup: &Setup<'_>, time: f64, element: usize, remedy: ChatterRemedy) 
     let within = if setup.is_adaptive { CHATTER_SPAN_SHARE * setup.step } else { setup.step };
     let advice = match (remedy, setup.is_adaptive) {
         (ChatterRemedy::Rest, _) => "give it a larger \"rest\": a rebound below it ends at the stop",
+        (ChatterRemedy::TwoThresholds, false) => {
+            "use a \"relay\", which has hysteresis, or choose a shorter step"
+        }
+        (ChatterRemedy::TwoThresholds, true) => "use a \"relay\", which has hysteresis",
         (ChatterRemedy::Hysteresis, false) => "give it hysteresis, or choose a shorter step",
         (ChatterRemedy::Hysteresis, true) => "give it hysteresis",
         (ChatterRemedy::Input, false) => "find out why its input oscillates, or choose a shorter step",

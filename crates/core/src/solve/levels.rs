@@ -1,14 +1,16 @@
 //! Levels in a run: values that stay constant between known instants, at which they jump to the next value.
 //!
-//! A level is a noise voltage, which draws a number at every instant of its grid, or a table whose values are held
-//! until the next point. The instants are known in advance, so every step ends at the next of them.
+//! A level is a noise voltage, which draws a number at every instant of its grid, a table whose values are held until
+//! the next point, or rectangular pulses. The instants are known in advance, so every step ends at the next of them.
 
 use super::discontinuities::INSTANT_TOLERANCE;
 use super::error::RunError;
 use super::settings_check::MAX_STEPS;
 use super::state::{Setup, SolverState};
 use crate::grid::Grid;
-use crate::ir::{Distribution, Level, Noise, Program, Tables, held_value, points_passed};
+use crate::ir::{
+    Distribution, Level, Noise, Program, PulseTrain, Pulses, Tables, held_value, points_passed, pulse_value,
+};
 
 /// The position of a level in its sequence of values.
 #[derive(Debug, Clone)]
@@ -23,6 +25,8 @@ pub(super) enum LevelSource {
         /// any.
         passed: usize,
     },
+    /// Rectangular pulses.
+    Pulses(PulseSource),
 }
 
 /// The position of a noise voltage in its sequence of numbers.
@@ -38,6 +42,15 @@ pub(super) struct NoiseSource {
     grid: Grid,
     /// Index of the present number, from 0.
     index: u64,
+}
+
+/// The position of rectangular pulses in the sequence of their edges.
+#[derive(Debug, Clone)]
+pub(super) struct PulseSource {
+    /// The pulses, with their present settings.
+    train: PulseTrain<f64>,
+    /// Number of edges that have passed, which is the index of the next edge.
+    edges: u64,
 }
 
 impl NoiseSource {
@@ -61,11 +74,6 @@ impl NoiseSource {
     fn next(&self) -> f64 {
         self.grid.time(self.index + 1)
     }
-
-    /// Numbers per problem second.
-    fn rate(&self) -> f64 {
-        1.0 / self.every
-    }
 }
 
 impl LevelSource {
@@ -74,25 +82,22 @@ impl LevelSource {
         let source = |level: &Level| match level {
             Level::Noise(noise) => LevelSource::Noise(NoiseSource::new(noise, coefficients)),
             Level::Points { table } => LevelSource::Points { table: *table, passed: 0 },
+            Level::Pulses(pulses) => {
+                LevelSource::Pulses(PulseSource { train: pulses.at(coefficients), edges: 0 })
+            }
         };
         program.lowered.levels.iter().map(source).collect()
     }
 
-    /// The source of a noise voltage; `None` for a table.
-    fn as_noise(&self) -> Option<&NoiseSource> {
-        match self {
-            LevelSource::Noise(source) => Some(source),
-            LevelSource::Points { .. } => None,
-        }
-    }
-
-    /// Moves to the value of a problem time. Points of a table up to `tolerance` seconds later count as passed.
+    /// Moves to the value of a problem time. Points of a table and edges of pulses up to `tolerance` seconds later
+    /// count as passed.
     fn seek(&mut self, tables: &Tables, time: f64, tolerance: f64) {
         match self {
             LevelSource::Noise(source) => source.seek(time),
             LevelSource::Points { table, passed } => {
                 *passed = points_passed(&tables[*table], time + tolerance);
             }
+            LevelSource::Pulses(source) => source.edges = source.train.edges_until(time + tolerance),
         }
     }
 
@@ -104,6 +109,9 @@ impl LevelSource {
                 source.index = source.grid.steps_in(time).max(source.index + 1);
             }
             LevelSource::Points { table, passed } if is_due => *passed = points_passed(&tables[*table], time),
+            LevelSource::Pulses(source) if is_due => {
+                source.edges = source.train.edges_until(time).max(source.edges + 1);
+            }
             _ => {}
         }
         is_due
@@ -114,31 +122,37 @@ impl LevelSource {
         match self {
             LevelSource::Noise(source) => source.number(),
             LevelSource::Points { table, passed } => held_value(&tables[*table], *passed),
+            LevelSource::Pulses(source) => pulse_value(source.edges),
         }
     }
 
-    /// The problem time of the next jump; infinity after the last point of a table.
+    /// The problem time of the next jump; infinity after the last point of a table and after a single pulse.
     pub(super) fn next(&self, tables: &Tables) -> f64 {
         match self {
             LevelSource::Noise(source) => source.next(),
             LevelSource::Points { table, passed } => {
                 tables[*table].get(*passed).map_or(f64::INFINITY, |point| point[0])
             }
+            LevelSource::Pulses(source) => source.train.time(source.edges),
+        }
+    }
+
+    /// The number of jumps per problem second. For a table it is the average over its length.
+    fn rate(&self, tables: &Tables) -> f64 {
+        match self {
+            LevelSource::Noise(source) => 1.0 / source.every,
+            LevelSource::Points { table, .. } => match &tables[*table][..] {
+                [first, .., last] => tables[*table].len() as f64 / (last[0] - first[0]),
+                _ => 0.0,
+            },
+            LevelSource::Pulses(source) => source.train.rate(),
         }
     }
 }
 
-/// The number of jumps of all levels per problem second. For a table it is the average over its length. Delay lines
-/// allocate memory by it.
+/// The number of jumps of all levels per problem second. Delay lines allocate memory by it.
 pub(super) fn jump_rate(program: &Program, sources: &[LevelSource]) -> f64 {
-    let rate = |source: &LevelSource| match source {
-        LevelSource::Noise(source) => source.rate(),
-        LevelSource::Points { table, .. } => match &program.tables[*table][..] {
-            [first, .., last] => program.tables[*table].len() as f64 / (last[0] - first[0]),
-            _ => 0.0,
-        },
-    };
-    sources.iter().map(rate).sum()
+    sources.iter().map(|source| source.rate(&program.tables)).sum()
 }
 
 impl SolverState {
@@ -165,17 +179,40 @@ impl SolverState {
     }
 }
 
-/// Checks that a run of this length in problem seconds draws an acceptable number of noise values.
+/// The pulses with an edge at the present instant, each with the index of this edge.
+pub(super) fn due_edges<'a>(
+    setup: &'a Setup<'_>,
+    state: &'a SolverState,
+) -> impl Iterator<Item = (&'a Pulses, u64)> {
+    let due_time = state.time + INSTANT_TOLERANCE * setup.step;
+    let levels = setup.program.lowered.levels.iter().zip(&state.level_sources);
+    levels.filter_map(move |pair| {
+        let (Level::Pulses(pulses), LevelSource::Pulses(source)) = pair else { return None };
+        (source.train.time(source.edges) <= due_time).then_some((pulses, source.edges))
+    })
+}
+
+/// Checks that the levels jump an acceptable number of times in a run of this length in problem seconds.
 ///
 /// # Errors
-/// If a noise voltage draws more than [`MAX_STEPS`] numbers: every number ends a step.
-pub(super) fn check_noise(program: &Program, sources: &[LevelSource], length: f64) -> Result<(), RunError> {
-    let noises = sources.iter().filter_map(LevelSource::as_noise);
-    for (source, noise) in noises.zip(program.noises()) {
-        let numbers = length * source.rate();
-        if numbers > MAX_STEPS {
-            let element = program.name(noise.element).to_owned();
-            return Err(RunError::NoiseTooFine { element, numbers, max: MAX_STEPS });
+/// If a noise voltage draws more than [`MAX_STEPS`] numbers, or pulses have more edges: each of them ends a step.
+pub(super) fn check_jump_counts(
+    program: &Program,
+    sources: &[LevelSource],
+    length: f64,
+) -> Result<(), RunError> {
+    for (source, level) in sources.iter().zip(&program.lowered.levels) {
+        let jumps = length * source.rate(&program.tables);
+        match level {
+            Level::Noise(noise) if jumps > MAX_STEPS => {
+                let element = program.name(noise.element).to_owned();
+                return Err(RunError::NoiseTooFine { element, numbers: jumps, max: MAX_STEPS });
+            }
+            Level::Pulses(pulses) if jumps > MAX_STEPS => {
+                let element = program.name(pulses.element).to_owned();
+                return Err(RunError::PulsesTooFast { element, edges: jumps, max: MAX_STEPS });
+            }
+            _ => {}
         }
     }
     Ok(())

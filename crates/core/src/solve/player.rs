@@ -5,7 +5,7 @@
 //! steps of an operation itself, between [`Player::begin_operating`] and [`Player::end_operating`].
 
 use super::error::RunError;
-use super::levels::check_noise;
+use super::levels::check_jump_counts;
 use super::machine::{Machine, MachineMode};
 use super::observer::StepObserver as _;
 use super::recorder::{EndCondition, Recorder};
@@ -252,7 +252,7 @@ impl<'p, 'w> Player<'p, 'w> {
     /// Sets parameters to the values of their formulas, which are all evaluated before the first change.
     ///
     /// # Errors
-    /// If a formula has no value, a parameter cannot have its value, noise becomes too fine, or the scale of a recorded
+    /// If a formula has no value, a parameter cannot have its value, noise becomes too fine or pulses too fast, or the scale of a recorded
     /// signal changes.
     fn set(&mut self, changes: &[ParameterChange]) -> Result<(), RunError> {
         self.recorder.sample_before_change(&self.machine.solver, &self.machine.lamps, self.is_held);
@@ -265,7 +265,7 @@ impl<'p, 'w> Player<'p, 'w> {
             let pairs = values.iter().map(|new| (new.parameter.as_str(), new.value));
             player.machine.set_with_slopes(pairs, Some(&slopes))?;
             let solver = &player.machine.solver;
-            check_noise(solver.setup.program, &solver.state.level_sources, player.operating_time_left)?;
+            check_jump_counts(solver.setup.program, &solver.state.level_sources, player.operating_time_left)?;
             player.recorder.invalidate_sample();
             match player.recorder.rescaled(solver) {
                 Some(signal) => Err(RunError::Rescaled { signal: signal.to_owned() }),

@@ -10,7 +10,7 @@ pub use in_blocks::run_in_blocks;
 
 use super::batch::Batch;
 use super::error::RunError;
-use super::levels::check_noise;
+use super::levels::check_jump_counts;
 use super::machine::Machine;
 use super::player::{self, Player};
 use super::recorder::Recorder;
@@ -296,7 +296,7 @@ pub(super) fn prepare<'p, 'w>(
         machine.differentiate(&settings.sensitivities)?;
     }
     let operated = RunExtent::of(&settings.phases).operate_time;
-    check_noise(program, &machine.solver.state.level_sources, operated)?;
+    check_jump_counts(program, &machine.solver.state.level_sources, operated)?;
     let recorder = Recorder::new(program, &machine.solver, settings, progress)?;
     machine.fast_path.restart(settings.backend, recorder.registers());
     if settings.checks_steps && settings.tolerance.is_none() {

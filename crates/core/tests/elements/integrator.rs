@@ -1,5 +1,5 @@
-//! Integrating amplifier. crates/core/tests/limit.rs tests its limits, crates/core/tests/brake.rs its brake, and
-//! crates/core/tests/bouncing_ball.rs its gap.
+//! Integrating amplifier. crates/core/tests/limit.rs tests its limits, crates/core/tests/brake.rs its brake,
+//! crates/core/tests/bouncing_ball.rs its gap, and crates/core/tests/reset.rs its reset.
 
 use proptest::prelude::*;
 use serde_json::json;

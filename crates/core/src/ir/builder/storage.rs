@@ -5,8 +5,8 @@
 
 use super::Builder;
 use crate::ir::{
-    ChatterRemedy, Delay, Distribution, Guard, Level, Mode, ModeHandle, Noise, Op, Register, SampledValue,
-    State, TimeConstant, Transition,
+    ChatterRemedy, Delay, Distribution, Guard, Level, Mode, ModeHandle, Noise, Op, PulseTrain, Pulses,
+    Register, SampledValue, State, TimeConstant, Transition,
 };
 use crate::machines::REFERENCE;
 
@@ -146,6 +146,27 @@ impl dyn Builder + '_ {
         };
         let element = self.draft().current;
         self.level(Level::Noise(Noise { element, seed, every, distribution }))
+    }
+
+    /// Adds pulses without beginning and end to the current element: 1 within a pulse, 0 outside. Settings are the
+    /// frequency, the width of a pulse as a share of its period, and the phase at t = 0.
+    pub fn pulse_wave(&mut self, frequency: &str, duty: &str, phase: &str) -> Register {
+        let [frequency, duty, phase] = [frequency, duty, phase].map(|name| self.required(name));
+        self.pulses(PulseTrain::Wave { frequency, duty, phase })
+    }
+
+    /// Adds one pulse to the current element, or pulses that repeat: 1 within a pulse, 0 outside. Settings are the
+    /// beginning and the width of the first pulse, and the period. Without a period there is one pulse.
+    pub fn pulse_train(&mut self, begin: &str, width: &str, period: &str) -> Register {
+        let [begin, width] = [begin, width].map(|name| self.required(name));
+        let period = self.coefficient(period);
+        self.pulses(PulseTrain::Train { begin, width, period })
+    }
+
+    /// Adds a source of pulses to the current element.
+    fn pulses(&mut self, train: PulseTrain<u32>) -> Register {
+        let element = self.draft().current;
+        self.level(Level::Pulses(Pulses { element, train }))
     }
 
     /// Adds a sampled value to the current element: it is constant within a step. A setting is its value in initial

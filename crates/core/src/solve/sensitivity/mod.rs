@@ -99,12 +99,13 @@ impl Sensitivities {
         }
     }
 
-    /// Checks that the program depends on every parameter in a way that has a derivative.
+    /// Checks that the program depends on every parameter in a way that has a derivative. `coefficients` are the
+    /// present ones.
     ///
     /// # Errors
     /// If it does not, for example because a parameter is the seed of a noise voltage.
-    pub(super) fn check_parameters(&self, program: &Program) -> Result<(), RunError> {
-        self.by_parameter.iter().try_for_each(|slopes| slopes.check(program))
+    pub(super) fn check_parameters(&self, program: &Program, coefficients: &[f64]) -> Result<(), RunError> {
+        self.by_parameter.iter().try_for_each(|slopes| slopes.check(program, coefficients))
     }
 }
 
@@ -151,7 +152,7 @@ impl Machine<'_> {
             for slopes in &mut sensitivities.by_parameter {
                 slopes.lines = delayed_slopes_of(&self.solver, &slopes.coefficients);
             }
-            sensitivities.check_parameters(program)?;
+            sensitivities.check_parameters(program, &self.solver.state.coefficients)?;
             self.solver.sensitivities = Some(Box::new(sensitivities));
         }
         self.initial_condition()

@@ -112,11 +112,13 @@ impl ParameterSlopes {
         }
     }
 
-    /// Checks that everything depends on the parameter in a way that has a derivative.
+    /// Checks that everything depends on the parameter in a way that has a derivative. `coefficients` are the present
+    /// ones.
     ///
     /// # Errors
-    /// If a noise voltage would draw different numbers for another value, or a coefficient has no finite derivative.
-    pub(super) fn check(&self, program: &Program) -> Result<(), RunError> {
+    /// If a noise voltage would draw different numbers for another value, the edge of a pulse is exactly at t = 0, or a
+    /// coefficient has no finite derivative.
+    pub(super) fn check(&self, program: &Program, coefficients: &[f64]) -> Result<(), RunError> {
         let no_derivative = |why: String| RunError::NoDerivative {
             parameter: program.parameters[self.parameter].declared.name.clone(),
             why,
@@ -130,6 +132,15 @@ impl ParameterSlopes {
                      the parameter"
                 )));
             }
+        }
+        let mut pulses = program.pulses();
+        if let Some(drive) =
+            pulses.find(|pulses| pulses.has_shifting_edge_at_start(coefficients, &self.coefficients))
+        {
+            let name = program.name(drive.element);
+            return Err(no_derivative(format!(
+                "{name} has an edge exactly at t = 0; change its phase or its beginning slightly"
+            )));
         }
         match self.coefficients.iter().position(|slope| !slope.is_finite()) {
             Some(index) => {

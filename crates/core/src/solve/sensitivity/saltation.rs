@@ -2,14 +2,15 @@
 //!
 //! Before an event the slopes move to the shifting instant ([`Solver::enter_event`]). After it they return to a fixed
 //! time ([`Solver::leave_event`]). The shift is the derivative of the instant by the parameter. It follows from the
-//! guard of the mode that changes, or from the earlier jump that arrives from a delay line. The beginning of a phase
-//! shifts with the event that ended the phase before ([`Solver::enter_phase`]).
+//! guard of the mode that changes, from the edge of a pulse, or from the earlier jump that arrives from a delay line. The
+//! beginning of a phase shifts with the event that ended the phase before ([`Solver::enter_phase`]).
 
 use super::Sensitivities;
 use super::parameter_slopes::ParameterSlopes;
 use crate::delay_line::DelayLine;
 use crate::ir::{Guard, KINK_TOLERANCE, Program, SourceSlopes, TangentBase};
 use crate::solve::error::RunError;
+use crate::solve::levels::due_edges;
 use crate::solve::state::{Setup, Solver, SolverState};
 
 /// Slope of a guard without sign, in volts for the size of a parameter, up to which it counts as 0.
@@ -37,15 +38,16 @@ impl Solver<'_> {
     pub(in crate::solve) fn enter_event(&mut self) -> Result<(), RunError> {
         let Solver { setup, state, delay_lines, sensitivities, .. } = self;
         let Some(sensitivities) = sensitivities else { return Ok(()) };
-        let has_arrival = delay_lines.iter().any(|line| line.has_jump_at(state.time));
-        if !has_arrival && due_changes(setup.program, &state.modes, &state.voltages).next().is_none() {
+        let has_jump = delay_lines.iter().any(|line| line.has_jump_at(state.time))
+            || due_edges(setup, state).next().is_some();
+        if !has_jump && due_changes(setup.program, &state.modes, &state.voltages).next().is_none() {
             sensitivities.by_parameter.iter_mut().for_each(|slopes| slopes.event_shift = 0.0);
             return Ok(());
         }
         let mut outcome = Ok(());
         sensitivities.evaluate_flow(setup, state, delay_lines);
         for index in 0..sensitivities.by_parameter.len() {
-            match sensitivities.shift(index, setup.program, state, delay_lines) {
+            match sensitivities.shift(index, setup, state, delay_lines) {
                 Ok(shift) => sensitivities.by_parameter[index].event_shift = shift,
                 Err(error) => outcome = Err(error),
             }
@@ -129,19 +131,22 @@ impl Sensitivities {
     fn shift(
         &self,
         index: usize,
-        program: &Program,
+        setup: &Setup<'_>,
         state: &SolverState,
         delay_lines: &[DelayLine],
     ) -> Result<f64, RunError> {
-        let (slopes, time) = (&self.by_parameter[index], state.time);
+        let (slopes, program, time) = (&self.by_parameter[index], setup.program, state.time);
         let guards = due_changes(program, &state.modes, &state.voltages)
             .map(|due| Ok::<_, RunError>((self.crossing_shift(slopes, due, program, time)?, due.element)));
         let lines = delay_lines.iter().zip(&slopes.lines).zip(&program.lowered.delays);
         let arrivals = lines
             .filter(|((line, _), _)| line.has_jump_at(time))
             .map(|((_, line), delay)| Ok((line.arrival_shift(time), delay.element)));
+        let edges = due_edges(setup, state).map(|(pulses, edge)| {
+            Ok((pulses.shift(edge, &state.coefficients, &slopes.coefficients), pulses.element))
+        });
         let mut first: Option<(f64, usize)> = None;
-        for shift_and_element in guards.chain(arrivals) {
+        for shift_and_element in guards.chain(arrivals).chain(edges) {
             let (shift, element) = shift_and_element?;
             let Some((previous_shift, first_element)) = first else {
                 first = Some((shift, element));

@@ -271,7 +271,7 @@ fn named_jacks(part: Part) -> &'static [&'static str] {
         Part::Relay => &["in", "on", "off", "against"],
         Part::TrackHold => &["in", "track"],
         // These are jacks of the integrator.
-        Part::Rebound | Part::Brake => &[],
+        Part::Rebound | Part::Brake | Part::ModeRelay => &[],
         _ => &["in"],
     }
 }

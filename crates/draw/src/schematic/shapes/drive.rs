@@ -34,6 +34,16 @@ pub(super) fn ramp(symbol: &Symbol) -> Art {
     corners(symbol, &[(-1.0, -0.7), (0.9, 0.8)])
 }
 
+/// Draws a rectangular pulse.
+pub(super) fn pulse(symbol: &Symbol) -> Art {
+    corners(symbol, &[(-1.0, -0.6), (-0.4, -0.6), (-0.4, 0.7), (0.3, 0.7), (0.3, -0.6), (1.0, -0.6)])
+}
+
+/// Draws one and a half periods of a square wave.
+pub(super) fn square(symbol: &Symbol) -> Art {
+    corners(symbol, &[(-1.0, 0.6), (-0.33, 0.6), (-0.33, -0.6), (0.33, -0.6), (0.33, 0.6), (1.0, 0.6)])
+}
+
 /// Draws one period of a triangular wave.
 pub(super) fn triangle(symbol: &Symbol) -> Art {
     corners(symbol, &[(-1.0, 0.0), (-0.5, 0.7), (0.5, -0.7), (1.0, 0.0)])
@@ -42,6 +52,11 @@ pub(super) fn triangle(symbol: &Symbol) -> Art {
 /// Draws one period of a sine.
 pub(super) fn sine(symbol: &Symbol) -> Art {
     source(symbol, |art| art.curve((0.0, 0.0), HALF_SIDE, |x| 0.7 * wave(x)))
+}
+
+/// Draws a sine whose frequency rises.
+pub(super) fn chirp(symbol: &Symbol) -> Art {
+    source(symbol, |art| art.curve((0.0, 0.0), HALF_SIDE, |x| 0.7 * wave(0.75 * (x + 1.0).powi(2) + 0.5 * x)))
 }
 
 /// The samples of the noise symbol, from -1 to 1.

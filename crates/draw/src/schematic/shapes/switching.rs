@@ -1,6 +1,7 @@
-//! Relays and switches.
+//! Comparators, relays and switches.
 
-use super::art::{Art, NAME, PRINT, SMALL};
+use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL};
+use super::function::square;
 use super::{Align, Ink, Symbol};
 
 /// Draws a relay: a coil with its switching levels, and a changeover contact.
@@ -31,6 +32,21 @@ pub(super) fn relay(symbol: &Symbol) -> Art {
         if let Some(setting) = symbol.setting(name) {
             art.below(&format!("{sign} {}", setting.shown), PRINT, Ink::Line);
         }
+    }
+    art
+}
+
+/// Draws a comparator: a box with a step and, below it, its threshold.
+pub(super) fn comparator(symbol: &Symbol) -> Art {
+    let mut art = square(symbol, 24.0);
+    for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
+        let sign = if jack.input == "against" { "−" } else { "+" };
+        art.text(sign, (at.0 + 4.0, at.1 + HALF_LETTER * SMALL), SMALL, Align::Start, Ink::Soft);
+    }
+    art.bold(&[(-10.0, 10.0), (4.0, 10.0), (4.0, -12.0), (18.0, -12.0)]);
+    art.above(&symbol.name, NAME, Ink::Line);
+    if let Some(threshold) = symbol.setting("threshold") {
+        art.below(&format!("high ≥ {}", threshold.shown), PRINT, Ink::Line);
     }
     art
 }
