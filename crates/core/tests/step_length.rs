@@ -83,3 +83,22 @@ fn the_demand_of_a_held_integrator_follows_its_feedback() {
         assert!((overloads[0].peak - expected).abs() < 1e-6, "{seconds}: {overloads:?} {expected}");
     }
 }
+
+#[test]
+fn feedback_through_inverters_at_their_limits_counts() {
+    // A' = -A + 120 without limits. Both inverters are exactly at ±100 V while A is held.
+    for reference in ["-100", "+100"] {
+        let builder = volts("inverters")
+            .element("P", element("pot").cord("in", reference).set("setting", 0.2))
+            .element("N", element("inverter").cord("in", "A"))
+            .element("B", element("inverter").cord("in", "N"))
+            .element("A", element("integrator").cords("x1", ["B", reference, "P"]));
+        let program = built(builder);
+        for seconds in [5.0, 100.0] {
+            let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
+            let lit = overloads.iter().find(|overload| overload.element == "A").unwrap();
+            let expected = 120.0 - 20.0 * (-(seconds - 6.0f64.ln())).exp();
+            assert!((lit.peak - expected).abs() < 1e-6, "{seconds}: {lit:?} {expected}");
+        }
+    }
+}
