@@ -6,6 +6,7 @@ mod draw;
 mod effects;
 mod files;
 mod gap;
+mod limits;
 mod linearise;
 mod macros;
 mod man;
