@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::{FIG_8_16, code, errors, patchcord, path, spring_with};
+use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring, spring_with};
 
 /// Asserts that a command fails with exit code 1 and a message that contains `expected`.
 fn assert_refused(arguments: &[&str], expected: &str) {
@@ -49,6 +49,32 @@ fn too_many_pictures_are_refused_before_the_run() {
     let [plot, csv] = ["x.svg", "x.csv"].map(|name| path(&folder, name));
     assert_refused(&["run", &file, "--plot", &plot, "--csv", &csv], "a sheet of 108 pictures is higher than");
     assert!(!fs::exists(&plot).unwrap() && !fs::exists(&csv).unwrap());
+}
+
+#[test]
+fn a_long_name_of_a_column_gets_a_short_report() {
+    let (folder, _file) = spring();
+    let experiment = path(&folder, "experiment.json");
+    let name = "a".repeat(70_000);
+    let outputs = format!(r#"{{"patch": "spring.json", "data": "data.csv", "outputs": {{"x": "{name}"}}}}"#);
+    fs::write(&experiment, outputs).unwrap();
+    fs::write(path(&folder, "data.csv"), format!("t,{name}\n0,0\n1,1\n")).unwrap();
+    let failed = patchcord(&["gap", &experiment, "--check"]);
+    let report = errors(&failed);
+    assert_eq!(code(&failed), 1);
+    assert!(report.contains("has a column name of more than 200 characters"), "{report}");
+    assert!(report.len() < 5000, "{report}");
+}
+
+#[test]
+fn the_document_of_a_check_grows_with_the_number_of_parameters() {
+    let parameters: Vec<_> =
+        (0..3000).map(|index| format!(r#""p{index}": {{"value": 1, "unit": "m"}}"#)).collect();
+    let section = format!("\n  \"parameters\": {{{}}},\n  \"scales\"", parameters.join(", "));
+    let (_folder, file) = spring_with("\n  \"scales\"", &section);
+    let checked = patchcord(&["check", &file, "--json"]);
+    assert_eq!(json(&checked)["parameters"].as_array().unwrap().len(), 3000);
+    assert!(out(&checked).len() < 500_000, "{}", out(&checked).len());
 }
 
 /// The table has 54 MB, and the samples would take 24 MB.

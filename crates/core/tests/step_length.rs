@@ -83,3 +83,65 @@ fn the_demand_of_a_held_integrator_follows_its_feedback() {
         assert!((overloads[0].peak - expected).abs() < 1e-6, "{seconds}: {overloads:?} {expected}");
     }
 }
+
+#[test]
+fn feedback_through_inverters_at_their_limits_counts() {
+    // A' = -A + 120 without limits. Both inverters are exactly at ±100 V while A is held.
+    for reference in ["-100", "+100"] {
+        let builder = volts("inverters")
+            .element("P", element("pot").cord("in", reference).set("setting", 0.2))
+            .element("N", element("inverter").cord("in", "A"))
+            .element("B", element("inverter").cord("in", "N"))
+            .element("A", element("integrator").cords("x1", ["B", reference, "P"]));
+        let program = built(builder);
+        for seconds in [5.0, 100.0] {
+            let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
+            let lit = overloads.iter().find(|overload| overload.element == "A").unwrap();
+            let expected = 120.0 - 20.0 * (-(seconds - 6.0f64.ln())).exp();
+            assert!((lit.peak - expected).abs() < 1e-6, "{seconds}: {lit:?} {expected}");
+        }
+    }
+}
+
+/// An oscillating reaction (the Oregonator): three reactants in volts, of which one jumps within milliseconds.
+fn oregonator() -> PatchBuilder {
+    let product = |a: &str, b: &str| element("multiplier").set("mode", "product").cord("a", a).cord("b", b);
+    let inverters = ["X", "Y", "Z"].map(|of| (format!("N{of}"), of));
+    let pots = [
+        ("P1", "NY", 0.26940935994722465),
+        ("P2", "XY", 0.3367616999340309),
+        ("P3", "NX", 0.25),
+        ("P4", "XX", 0.25),
+        ("P5", "Y", 0.2),
+        ("P6", "XY", 0.25),
+        ("P7", "NZ", 0.18559117623008584),
+    ];
+    let x = element("integrator").cords("x10", ["P1"]).cords("x10000", ["P2"]).cords("x100", ["P3", "P4"]);
+    let y = element("integrator").cords("x10", ["P5"]).cords("x10000", ["P6"]).cords("x100", ["P7"]);
+    let builder = volts("oscillating reaction")
+        .element("XY", product("X", "Y"))
+        .element("XX", product("X", "X"))
+        .element("X", x.set("initial", 10))
+        .element("Y", y.set("initial", 0.07423647049203434))
+        .element("Z", element("integrator").cords("x1", ["NX", "Z"]).set("initial", 10));
+    let builder = inverters
+        .iter()
+        .fold(builder, |builder, (name, of)| builder.element(name, element("inverter").cord("in", of)));
+    pots.iter().fold(builder, |builder, (name, from, setting)| {
+        builder.element(name, element("pot").cord("in", from).set("setting", *setting))
+    })
+}
+
+#[test]
+fn an_oscillating_reaction_is_wrong_with_a_warning_or_right_without_one() {
+    let program = built(oregonator());
+    let warning = checked(&program, 1e-3, 8.0, &["X", "Y", "Z"]).step_warning.unwrap();
+    assert!(warning.error > 10.0 && warning.unstable.is_some(), "{warning:?}");
+    assert!((5e-5..=5e-4).contains(&warning.recommended), "{warning:?}");
+    assert_eq!(checked(&program, 1e-4, 8.0, &["X", "Y", "Z"]).step_warning, None);
+    // An independent computation by the classical Runge-Kutta method with steps of 5e-5 s.
+    let machine = crate::common::run_for(&program, 1e-4, 8.0);
+    for (element, expected) in [("X", 0.08524685250), ("Y", 12.01951713), ("Z", 2.02736322547)] {
+        assert!((voltage(&machine, element) - expected).abs() < 1e-6, "{element}");
+    }
+}

@@ -6,7 +6,7 @@
 //!
 //! The checks run in the order in which they need each other: names, machine, quantities, cords, settings, parts,
 //! phases, signals, loops. Warnings about unused elements and about times of tables come last, and only if there is no
-//! error.
+//! error. Scales are compared with the wiring when the warnings are requested.
 
 mod element;
 mod inventory;
@@ -172,7 +172,7 @@ impl Circuit {
         match self.reread() {
             Some(Ok(read)) => read.warnings(),
             Some(Err(report)) => *report,
-            None => self.report_with(Vec::new()),
+            None => self.report_with(macros::merge_instances(&self.patch, scaling::integral_warnings(self))),
         }
     }
 

@@ -253,8 +253,21 @@ impl CordPlugger<'_> {
     fn driver(&self, plug: &Plug, findings: &mut Vec<Diagnostic>) -> Option<NodeIndex> {
         let message = || format!("{} is driven by {}, which is not in the patch", self.name, plug.from.value);
         let found = self.nodes.get(plug.from.value.as_str()).copied();
+        if let (None, Some(hint)) = (found, self.inversion_hint(&plug.from.value)) {
+            findings.push(Diagnostic::at(Code::UNKNOWN_NAME, plug.from.span, message()).hint(hint));
+            return None;
+        }
         let known = || output_names(self.patch, self.nodes);
         found_or_report(self.patch, &plug.from, found, message, known, findings)
+    }
+
+    /// The hint for a cord from a negative output, such as "-A1". `None` if the name does not mean this.
+    fn inversion_hint(&self, name: &str) -> Option<String> {
+        let output = name.strip_prefix('-')?.trim_start();
+        let is_output = self.nodes.contains_key(output) || self.patch.instance_outputs.contains_key(output);
+        is_output.then(|| {
+            format!("a cord does not invert: plug in an \"inverter\" that has the cord \"in\": \"{output}\"")
+        })
     }
 
     /// Reports an input with more cords than it can take.

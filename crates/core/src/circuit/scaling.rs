@@ -6,6 +6,7 @@
 //! the equations.
 
 mod block;
+mod integrals;
 
 use std::collections::{HashMap, HashSet};
 
@@ -15,6 +16,7 @@ use super::{Circuit, Cord, Element, SignalPoint};
 use crate::elements::{SettingDefault, SettingQuantity, Transfer};
 use crate::patch::Amount;
 use block::Blocks;
+pub(super) use integrals::integral_warnings;
 use patchcord_expr::Dimension;
 
 /// The linear wiring between two scaled signals, compared with eq. 4-8.
@@ -252,6 +254,35 @@ fn pot_setting(circuit: &Circuit, element: &Element) -> Option<f64> {
     formula.evaluate(circuit.quantities()).ok()
 }
 
+/// The physical gain of a path, with the factors between it and the computer gain.
+struct PhysicalGain {
+    /// Value of one volt at the start of the path in SI units.
+    input_scale: f64,
+    /// Value of one volt at the end of the path in SI units.
+    output_scale: f64,
+    /// The time scale to the power of the number of integrators.
+    time_factor: f64,
+    /// The block gain in SI units.
+    block_gain: f64,
+    /// The dimension of the block gain.
+    dimension: Dimension,
+}
+
+/// The physical gain of a path to an output. `None` if a scale is 0 or has no value.
+fn physical_gain(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Option<PhysicalGain> {
+    let (input_scale, input_unit) = value_per_volt(circuit, path.input)?;
+    let (output_scale, output_unit) = value_per_volt(circuit, output)?;
+    if input_scale == 0.0 || output_scale == 0.0 {
+        return None;
+    }
+    let integrations = i32::try_from(path.integrations).ok()?;
+    let time_factor = circuit.time_scale().powi(integrations);
+    let block_gain = path.gain * time_factor * output_scale / input_scale;
+    let seconds = Dimension::TIME.power(f64::from(integrations));
+    let dimension = output_unit.over(input_unit).over(seconds);
+    Some(PhysicalGain { input_scale, output_scale, time_factor, block_gain, dimension })
+}
+
 /// Compares a path with eq. 4-8. `None` if a scale is 0 or has no value.
 fn row(
     circuit: &Circuit,
@@ -259,20 +290,12 @@ fn row(
     output: &SignalPoint,
     path: &SignalPath<'_>,
 ) -> Option<ScalingRow> {
-    let (input_scale, input_unit) = value_per_volt(circuit, path.input)?;
-    let (output_scale, output_unit) = value_per_volt(circuit, output)?;
-    if input_scale == 0.0 || output_scale == 0.0 {
-        return None;
-    }
-    let integrations = i32::try_from(path.integrations).ok()?;
-    let per_second = circuit.time_scale().powi(integrations);
-    let block_gain = path.gain * per_second * output_scale / input_scale;
-    let seconds = Dimension::TIME.power(f64::from(integrations));
-    let dimension = output_unit.over(input_unit).over(seconds);
+    let PhysicalGain { input_scale, output_scale, time_factor, block_gain, dimension } =
+        physical_gain(circuit, output, path)?;
     let block = blocks.find(dimension, block_gain);
     let expected_gain = block
         .as_ref()
-        .map(|block| input_scale * block.value * block_gain.signum() / output_scale / per_second);
+        .map(|block| input_scale * block.value * block_gain.signum() / output_scale / time_factor);
     Some(ScalingRow {
         element: circuit.element(output.element).name.clone(),
         input: path.input.name.clone(),

@@ -147,7 +147,7 @@ impl Code {
             "choose a number in the allowed range";
         BAD_TABLE "bad-table" Error "The file of a table cannot be read or does not contain a table."
             "a table is a CSV file: a line of names, and a line of numbers for every point";
-        UNCLEAR_UNIT "unclear-unit" Warning "The name of a column of times has a unit that is not understood."
+        UNCLEAR_UNIT "unclear-unit" Warning "The name of a column seems to contain a unit, which is not understood."
             "write the unit above the names of the file: \"# t: ms\"";
         UNREACHED_TABLE "unreached-table" Warning "The times of a table do not fit the length of the run."
             "times are in seconds from the start of the run";
@@ -176,6 +176,9 @@ impl Code {
             "list as many parts as the element consists of";
         UNSCALED_SIGNAL "unscaled-signal" Warning "A recorded signal has no scale and is recorded in volts."
             "define a signal at it, with a scale";
+        SCALE_MISMATCH "scale-mismatch" Warning "The wiring between a rate and its integral does not agree with their \
+            scales."
+            "compare the gains by `patchcord check --scaling`";
         UNUSED_ELEMENT "unused-element" Warning "Nothing reads the output of an element."
             "use its output, or remove the element";
         NOT_A_RELAY "not-a-relay" Error "A phase of a run waits for an element that does not switch."

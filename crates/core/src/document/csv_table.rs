@@ -15,7 +15,7 @@ use super::input_file::InputFile;
 use crate::output::io_reason;
 use reader::{MAX_LINE_BYTES, Reader};
 
-pub use column_name::{split_unit, unclear_time, without_unit};
+pub use column_name::{split_unit, unclear_time, unclear_value, without_unit};
 
 /// Size of the largest file that is read, in bytes.
 const MAX_FILE_BYTES: u64 = 100_000_000;

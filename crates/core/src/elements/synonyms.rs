@@ -75,6 +75,15 @@ static KINDS: &[KindSynonyms] = &[
          square-root-and-division.json",
     ),
     element(
+        &["pow", "power", "exponent"],
+        "a square is a \"multiplier\" with the same output at \"a\" and \"b\"; other powers are a \
+         \"function-generator\"",
+    ),
+    element(
+        &["tan", "tangent", "atan", "arctan", "acos", "arccos", "tanh", "cosh", "sinh"],
+        "use a \"function-generator\" with points of this curve",
+    ),
+    element(
         &["product", "multiply", "mult", "mul", "times"],
         "use a \"multiplier\" with \"mode\": \"product\"",
     ),
@@ -95,6 +104,14 @@ static KINDS: &[KindSynonyms] = &[
         "use a \"track-hold\": it follows \"in\", inverted, while \"track\" is at or above its threshold",
     ),
     element(&["integral", "integrate", "int"], "use an \"integrator\": it inverts"),
+    element(
+        &["ic", "initial", "initial-condition"],
+        "an initial condition is the setting \"initial\" of an \"integrator\", in volts",
+    ),
+    element(
+        &["diode", "ideal-diode", "half-wave-rectifier"],
+        "a \"diode-upper-of\" gives the larger of two voltages, and a \"diode-lower-of\" the smaller",
+    ),
     element(
         &["derivative", "differentiator", "differentiate", "derivator"],
         "no element differentiates: the derivative is at the input of the \"integrator\" that makes the signal",

@@ -30,15 +30,14 @@ impl Angle {
 impl Program {
     /// The angles that vary within a step. `owners` has the element of every operation.
     pub(crate) fn find_angles(&self, owners: &[usize]) -> Vec<Angle> {
-        let moving =
-            self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear { .. }));
+        let varying = self.varying();
         let angles = self.lowered.body.iter().zip(owners).filter_map(|(op, owner)| {
             let (at, period) = match *op {
                 Op::Call(Function::Sin | Function::Cos, at, _) => (at, TAU),
                 Op::Call(Function::Floor, at, _) => (at, 1.0),
                 _ => return None,
             };
-            moving[at.index()].then_some(Angle { element: *owner, at, period })
+            varying[at.index()].then_some(Angle { element: *owner, at, period })
         });
         angles.collect()
     }

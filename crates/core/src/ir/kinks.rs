@@ -90,10 +90,10 @@ impl Surface {
     }
 
     /// Whether the quantity varies within a step.
-    fn is_moving(self, moving: &[bool]) -> bool {
+    fn is_varying(self, varying: &[bool]) -> bool {
         match self {
-            Surface::Of(a) | Surface::Points { at: a, .. } => moving[a.index()],
-            Surface::Between(a, b) => moving[a.index()] || moving[b.index()],
+            Surface::Of(a) | Surface::Points { at: a, .. } => varying[a.index()],
+            Surface::Between(a, b) => varying[a.index()] || varying[b.index()],
         }
     }
 }
@@ -112,8 +112,7 @@ impl Program {
     /// Finds two lists of kinks: those that affect a rate, a sampled value or a delay line's input, and those that
     /// affect guards only. `owners` has the element of every operation.
     pub(crate) fn find_kinks(&self, owners: &[usize]) -> [Vec<Kink>; 2] {
-        let moving =
-            self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear { .. }));
+        let varying = self.varying();
         let rates = self.lowered.states.iter().map(|state| state.rate);
         let inputs = self.lowered.delays.iter().map(|delay| delay.input);
         let samples = self.lowered.sampled.iter().map(|sampled| sampled.next);
@@ -123,7 +122,7 @@ impl Program {
         let kinks_at = |is_wanted: &dyn Fn(usize) -> bool| {
             let kinks = self.lowered.body.iter().enumerate().filter_map(|(at, op)| {
                 let surface =
-                    Surface::of(*op).filter(|surface| is_wanted(at) && surface.is_moving(&moving))?;
+                    Surface::of(*op).filter(|surface| is_wanted(at) && surface.is_varying(&varying))?;
                 Some(Kink { element: owners[at], surface })
             });
             kinks.collect()

@@ -108,6 +108,11 @@ impl Program {
         moving
     }
 
+    /// For every register, whether it varies within a step. A sampled value is constant until the end of its step.
+    pub(crate) fn varying(&self) -> Vec<bool> {
+        self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear { .. }))
+    }
+
     /// For every register, whether one of the given registers depends on it. If an operation of a loop is needed, the
     /// whole loop is.
     pub(crate) fn needed_for(&self, registers: impl Iterator<Item = Register>) -> Vec<bool> {

@@ -142,7 +142,7 @@ impl TableFile {
             .and_then(|rows| self.converted(rows, unit, path))
         {
             Ok(rows) => {
-                findings.extend(self.unclear_time(&rows, path));
+                findings.extend(self.unclear_units(&rows, unit, path));
                 self.checked_points(rows, path, findings)
             }
             Err(faults) => {
@@ -165,18 +165,34 @@ impl TableFile {
         Diagnostic::at(Code::BAD_TABLE, span, fault.message).hint(fault.hint)
     }
 
-    /// The warning about a column of times without a unit whose name seems to indicate one.
-    fn unclear_time(&self, rows: &CsvTable, path: &Path) -> Option<Diagnostic> {
-        let is_time = matches!(self.purpose, TablePurpose::Time) && rows.units[0].is_none();
-        let doubt = is_time.then(|| csv_table::unclear_time(&rows.names[0], path)).flatten()?;
-        let span = self.columns[0].as_ref().map_or(self.file.span, |name| name.span);
-        Some(Diagnostic::at(Code::UNCLEAR_UNIT, span, doubt.message).hint(doubt.hint))
+    /// The warnings about columns without a unit whose names seem to indicate another unit than the required one.
+    fn unclear_units(&self, rows: &CsvTable, unit: Option<&Unit>, path: &Path) -> Vec<Diagnostic> {
+        let required_units = self.required_units(unit);
+        let warning = |axis: usize| {
+            let (name, required) = (&rows.names[axis], required_units[axis].as_ref()?);
+            let doubt = match (self.purpose, axis) {
+                _ if rows.units[axis].is_some() => None,
+                (TablePurpose::Time, 0) => csv_table::unclear_time(name, path),
+                _ => csv_table::unclear_value(name, required, path),
+            };
+            let doubt = doubt?;
+            let span = self.columns[axis].as_ref().map_or(self.file.span, |name| name.span);
+            Some(Diagnostic::at(Code::UNCLEAR_UNIT, span, doubt.message).hint(doubt.hint))
+        };
+        [0, 1].into_iter().filter_map(warning).collect()
+    }
+
+    /// The units of the points: seconds and the unit of the drive's scale for a table in time, volts for a curve.
+    fn required_units(&self, unit: Option<&Unit>) -> [Option<Unit>; 2] {
+        let parsed = |text: &str| Unit::parse(text).ok();
+        match self.purpose {
+            TablePurpose::Time => [parsed("s"), unit.cloned()],
+            TablePurpose::Curve(_) => [parsed("V"), parsed("V")],
+        }
     }
 
     /// Converts columns to the required unit if the file gives another one, in a comment line or in the name. Columns
     /// without a unit remain as they are.
-    ///
-    /// Required are seconds and the unit of the drive's scale for a table in time, and volts for a curve.
     ///
     /// # Errors
     /// If the unit of a column cannot be read, or has another dimension than the required unit.
@@ -186,12 +202,7 @@ impl TableFile {
         unit: Option<&Unit>,
         path: &Path,
     ) -> Result<CsvTable, Vec<CsvFault>> {
-        let volts = Unit::parse("V").ok();
-        let seconds = Unit::parse("s").ok();
-        let required_units = match self.purpose {
-            TablePurpose::Time => [seconds.as_ref(), unit],
-            TablePurpose::Curve(_) => [volts.as_ref(), volts.as_ref()],
-        };
+        let required_units = self.required_units(unit);
         let mut faults = Vec::new();
         for axis in [0, 1] {
             let Some(comment) = &rows.units[axis] else { continue };
@@ -200,7 +211,7 @@ impl TableFile {
                 faults.push(unreadable_unit(&rows.names[axis], comment, path, axis));
                 continue;
             };
-            let Some(required) = required_units[axis] else { continue };
+            let Some(required) = &required_units[axis] else { continue };
             if column_unit.dimension() != required.dimension() {
                 faults.push(wrong_dimension(&rows.names[axis], &column_unit, required, path, axis));
             } else if !column_unit.is_same_as(required) {

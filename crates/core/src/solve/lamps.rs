@@ -34,7 +34,7 @@ pub(super) struct Lamps {
 /// Buffers for the slopes of all voltages by the output of one integrator.
 #[derive(Debug, Clone)]
 struct FeedbackBuffers {
-    /// Slopes of the states: 1 for the integrator.
+    /// Slopes of the states: 1 or -1 for the integrator, and 0 for all others.
     states: Vec<f64>,
     /// Slopes of all other sources, which are 0.
     zeros: Vec<f64>,
@@ -55,11 +55,13 @@ impl FeedbackBuffers {
     }
 
     /// The slope of an integrator's demanded rate by its own output, in 1/s; negative with feedback that limits the
-    /// output.
-    fn own_slope(&mut self, program: &Program, voltages: &[f64], integrator: usize) -> f64 {
+    /// output. `inward` is 1 at the lower limit and -1 at the upper one.
+    ///
+    /// The slope is taken inward. In this direction an inverter in the feedback follows, although it is at its own limit.
+    fn own_slope(&mut self, program: &Program, voltages: &[f64], integrator: usize, inward: f64) -> f64 {
         let lowered = &program.lowered;
         self.states.fill(0.0);
-        self.states[integrator] = 1.0;
+        self.states[integrator] = inward;
         let from = SourceSlopes {
             coefficients: &self.zeros[..lowered.coefficients.len()],
             states: &self.states,
@@ -69,7 +71,7 @@ impl FeedbackBuffers {
         };
         let base = TangentBase { values: voltages, guide: voltages };
         program.differentiate(0..lowered.body.len(), base, &from, &mut self.slopes);
-        self.slopes[lowered.states[integrator].demand.index()]
+        self.slopes[lowered.states[integrator].demand.index()] / inward
     }
 }
 
@@ -164,7 +166,7 @@ impl Lamps {
                 self.overdrive[index] = 0.0;
                 continue;
             }
-            let slope = self.feedback.own_slope(program, &state.voltages, index);
+            let slope = self.feedback.own_slope(program, &state.voltages, index, -volts_before.signum());
             let overdrive = &mut self.overdrive[index];
             *overdrive = driven(*overdrive, outward, slope, length);
             let demand = REFERENCE + *overdrive;

@@ -1,4 +1,4 @@
-//! Draws one picture from back to front: background, spans, error bands, graticule, traces, texts.
+//! Draws one picture from back to front: background, spans, error bands, graticule, border, traces, texts.
 
 use super::font::Font;
 use super::layout::Frame;
@@ -19,6 +19,8 @@ pub(super) fn picture(
     band::spans(picture, screen, surface)?;
     band::draw(picture, screen, surface)?;
     graticule::draw(picture, screen, surface)?;
+    // A trace at the edge, such as one at the limit of its amplifier, must be visible on the border.
+    graticule::border(screen, surface)?;
     let marker_labels = markers::draw(picture, screen, font, surface)?;
     let mut drawn = Vec::new();
     let (background, foreground): (Vec<_>, Vec<_>) =
@@ -31,6 +33,5 @@ pub(super) fn picture(
         }
     }
     labels::draw(picture, drawn, marker_labels, screen, font, surface)?;
-    graticule::border(screen, surface)?;
     scales::draw(picture, frame, screen, font, surface)
 }

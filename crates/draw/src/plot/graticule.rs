@@ -44,6 +44,19 @@ fn lines(picture: &Picture, screen: Area, strong: bool, surface: &mut dyn Surfac
     Ok(())
 }
 
+/// Returns the lines at the zeros of the axes, from edge to edge of the screen.
+pub(super) fn zero_lines(picture: &Picture, screen: Area) -> Vec<Vec<(f64, f64)>> {
+    let vertical = picture.horizontal.zero_fraction().map(|fraction| {
+        let x = column(screen, fraction);
+        vec![(x, screen.top), (x, screen.bottom)]
+    });
+    let horizontal = picture.vertical.zero_fraction().map(|fraction| {
+        let y = row(screen, fraction);
+        vec![(screen.left, y), (screen.right, y)]
+    });
+    vertical.into_iter().chain(horizontal).collect()
+}
+
 /// Draws the edges of the screen.
 pub(super) fn border(screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
     for x in [screen.left, screen.right] {

@@ -10,7 +10,7 @@ use super::clip::{Area, clip};
 use super::font::Font;
 use super::surface::{Align, Surface, TextStyle};
 use super::trace::{DOT_RADIUS, Line, Projection};
-use super::{Channel, Picture, PlotError, palette};
+use super::{Channel, Picture, PlotError, graticule, palette};
 
 /// The em size of the labels.
 const TEXT_SIZE: f64 = 11.5;
@@ -46,6 +46,7 @@ pub(super) fn draw(
     font: &Font,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
+    let zero_lines = graticule::zero_lines(picture, screen);
     for channel in &picture.channels {
         let projection = Projection { picture, channel, screen };
         for (end, label) in &channel.labels {
@@ -53,9 +54,8 @@ pub(super) fn draw(
             let width = font.width(&label, TEXT_SIZE);
             let points = candidate_points(channel, *end).filter_map(|point| channel.points.get(point));
             let points: Vec<_> = points.map(|point| projection.project(*point)).collect();
-            let Some(place) = place(&points, (clearance(channel), width), screen, &lines, &taken) else {
-                continue;
-            };
+            let size = (clearance(channel), width);
+            let Some(place) = place(&points, size, screen, &lines, &zero_lines, &taken) else { continue };
             if let Some(leader) = place.leader {
                 surface.line(&leader, LEADER_WIDTH, palette::NOTE)?;
                 lines.push(leader.to_vec());
@@ -85,11 +85,12 @@ fn place(
     (clearance, width): (f64, f64),
     screen: Area,
     lines: &[Line],
+    zero_lines: &[Line],
     taken: &[Area],
 ) -> Option<Place> {
     let all = points.iter().flat_map(|point| label_areas(*point, clearance, width));
     let is_free = |area: &Area| screen.encloses(area) && !taken.iter().any(|other| other.overlaps(area));
-    let next_to_line = least_ambiguous(all.filter(is_free), lines);
+    let next_to_line = least_ambiguous(all.filter(is_free), lines, zero_lines);
     if let Some((_, area)) = next_to_line.filter(|(penalty, _)| *penalty < CROSSING_PENALTY) {
         return Some(Place { area, leader: None });
     }
@@ -138,15 +139,20 @@ fn label_areas((x, y): (f64, f64), clearance: f64, width: f64) -> [Area; 5] {
     ]
 }
 
-/// Returns the first area that no line crosses and that is close to one line only, with its penalty.
+/// Returns the first area that no line crosses and that is close to one line only, with its penalty. A line at zero
+/// cannot be mistaken for the line of the label, so it may be close.
 ///
 /// If there is none, the area with the smallest penalty is returned; `None` if there are no areas.
-fn least_ambiguous(areas: impl Iterator<Item = Area>, lines: &[Line]) -> Option<(usize, Area)> {
+fn least_ambiguous(
+    areas: impl Iterator<Item = Area>,
+    lines: &[Line],
+    zero_lines: &[Line],
+) -> Option<(usize, Area)> {
     let mut best: Option<(usize, Area)> = None;
     for area in areas {
-        let line_count = |area: Area| lines.iter().filter(|line| !clip(line, area).is_empty()).count();
-        let close = line_count(area.grown(AMBIGUITY_DISTANCE));
-        let penalty = CROSSING_PENALTY * line_count(area) + close.saturating_sub(1);
+        let crossings = lines_in(area, lines) + lines_in(area, zero_lines);
+        let close = lines_in(area.grown(AMBIGUITY_DISTANCE), lines);
+        let penalty = CROSSING_PENALTY * crossings + close.saturating_sub(1);
         if penalty == 0 {
             return Some((penalty, area));
         }
@@ -155,6 +161,11 @@ fn least_ambiguous(areas: impl Iterator<Item = Area>, lines: &[Line]) -> Option<
         }
     }
     best
+}
+
+/// Returns the number of lines that have a part in an area.
+fn lines_in(area: Area, lines: &[Line]) -> usize {
+    lines.iter().filter(|line| !clip(line, area).is_empty()).count()
 }
 
 #[cfg(test)]
@@ -167,22 +178,30 @@ mod tests {
     fn a_label_avoids_lines() {
         let next = Area { left: 30.0, right: 40.0, ..LABEL };
         let line = vec![(0.0, 15.0), (21.0, 15.0)];
-        assert_eq!(least_ambiguous([LABEL, next].into_iter(), std::slice::from_ref(&line)), Some((0, next)));
+        let one = std::slice::from_ref(&line);
+        assert_eq!(least_ambiguous([LABEL, next].into_iter(), one, &[]), Some((0, next)));
         let other = vec![(35.0, 0.0), (35.0, 40.0)];
         let both = [line, other.clone(), other];
         assert_eq!(
-            least_ambiguous([next, LABEL].into_iter(), &both).map(|(_, area)| area),
+            least_ambiguous([next, LABEL].into_iter(), &both, &[]).map(|(_, area)| area),
             Some(LABEL),
             "one crossing is better than two"
         );
-        assert_eq!(least_ambiguous(std::iter::empty(), &both), None);
+        assert_eq!(least_ambiguous(std::iter::empty(), &both, &[]), None);
         let near = [vec![(5.0, 0.0), (5.0, 40.0)], vec![(25.0, 0.0), (25.0, 40.0)]];
         let clear = Area { left: 50.0, right: 60.0, ..LABEL };
         assert_eq!(
-            least_ambiguous([LABEL, clear].into_iter(), &near),
+            least_ambiguous([LABEL, clear].into_iter(), &near, &[]),
             Some((0, clear)),
             "a label between two lines is ambiguous"
         );
+    }
+
+    #[test]
+    fn a_label_avoids_lines_at_zero_and_may_be_close_to_them() {
+        let zero = [vec![(0.0, 15.0), (100.0, 15.0)]];
+        let above = Area { top: 0.0, bottom: 10.0, ..LABEL };
+        assert_eq!(least_ambiguous([LABEL, above].into_iter(), &[], &zero), Some((0, above)));
     }
 
     #[test]
@@ -202,7 +221,7 @@ mod tests {
         let close: Vec<Line> = (0..6).map(|n| line(150.0 + 3.0 * f64::from(n))).collect();
         let placed = |lines: &[Line]| {
             let middle = &lines[lines.len() / 2];
-            place(middle, (5.0, 50.0), screen, lines, &[]).unwrap()
+            place(middle, (5.0, 50.0), screen, lines, &[], &[]).unwrap()
         };
         assert!(placed(&close).leader.is_some());
         assert!(placed(&close[..1]).leader.is_none());

@@ -12,6 +12,7 @@ mod format;
 mod nearest;
 mod parse;
 mod symbols;
+mod synonyms;
 mod unit;
 
 pub use dimension::Dimension;

@@ -14,6 +14,7 @@ use std::ops::Range;
 
 use super::error::UnitError;
 use super::symbols::{Prefix, Symbol, from_name, suggestions};
+use super::synonyms::advice;
 
 /// The maximum length of a unit text, in bytes.
 const MAX_TEXT_LENGTH: usize = 200;
@@ -249,7 +250,7 @@ impl Parser<'_> {
         let end = self.at + letter.map_or(0, char::len_utf8);
         let shown = letter.map(String::from).unwrap_or_default();
         UnitError::new(self.at..end, format!("{shown} is not allowed here")).with_hint(match letter {
-            Some('°') => "temperatures are in K, angles in rad",
+            Some('°') => "temperatures are in K, and degrees of an angle in deg",
             _ => "factors are separated by a blank, * or /, as in N s/m",
         })
     }
@@ -270,6 +271,9 @@ fn unknown_unit(name: &str, range: Range<usize>) -> UnitError {
     let error = UnitError::new(range, format!("{name} is not a known unit"));
     if TEMPERATURES.contains(&name.to_lowercase().as_str()) {
         return error.with_hint("temperatures are in K");
+    }
+    if let Some(advice) = advice(name) {
+        return error.with_hint(advice);
     }
     match suggestions(name).join(" or ") {
         none if none.is_empty() => error,

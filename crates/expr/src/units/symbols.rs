@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use super::dimension::Dimension;
 use super::nearest::nearest;
+use super::synonyms::symbol_of;
 
 /// A unit symbol without prefix, such as `N` or `min`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,35 +145,6 @@ pub(super) fn from_name(name: &str) -> Option<(Prefix, Symbol)> {
 pub(super) fn prefix_for(exponent: i32) -> Option<Prefix> {
     let mut every = std::iter::once(&NO_PREFIX).chain(&PREFIXES);
     every.find(|prefix| prefix.exponent == exponent).copied()
-}
-
-/// Unit names in full and their symbols, for hints. A plural `s` is ignored.
-const FULL_NAMES: [(&str, &str); 18] = [
-    ("sec", "s"),
-    ("second", "s"),
-    ("minute", "min"),
-    ("hour", "h"),
-    ("hr", "h"),
-    ("metre", "m"),
-    ("meter", "m"),
-    ("gram", "g"),
-    ("kilogram", "kg"),
-    ("newton", "N"),
-    ("joule", "J"),
-    ("watt", "W"),
-    ("pascal", "Pa"),
-    ("volt", "V"),
-    ("ampere", "A"),
-    ("hertz", "Hz"),
-    ("percent", "%"),
-    ("radian", "rad"),
-];
-
-/// Returns the symbol for a unit that is written in full; `None` if the word is not in the list.
-fn symbol_of(full_name: &str) -> Option<&'static str> {
-    let lower = full_name.to_lowercase();
-    let singular = lower.strip_suffix('s').unwrap_or(&lower);
-    FULL_NAMES.iter().find(|(word, _)| *word == lower || *word == singular).map(|(_, symbol)| *symbol)
 }
 
 /// Returns at most two unit texts that the author of an unknown name probably meant.

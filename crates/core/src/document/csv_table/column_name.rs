@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{CsvFault, excerpt};
-use patchcord_expr::{Dimension, Unit};
+use patchcord_expr::Unit;
 
 /// Splits a column name into the name and the unit in parentheses or brackets at its end. `None` if it has no unit.
 ///
@@ -51,19 +51,37 @@ fn split_label(column: &str) -> Option<(&str, &str)> {
         depth == 0
     })?;
     let (name, label) = (column[..open].trim_end(), inner[open + 1..].trim());
-    let is_number = !label.contains(|letter: char| letter.is_alphabetic() || letter == '%');
-    (!name.is_empty() && !is_number && label != "t").then_some((name, label))
+    (!name.is_empty() && has_letter(label) && label != "t").then_some((name, label))
+}
+
+/// Whether a text has a letter or a percent sign. All other texts are numbers and signs, and no units.
+fn has_letter(text: &str) -> bool {
+    text.contains(|letter: char| letter.is_alphabetic() || letter == '%')
+}
+
+/// The characters between a name and a unit at its end.
+const SEPARATORS: [char; 5] = ['_', ' ', '.', '-', '/'];
+
+/// The end of a column name that is another unit of the required dimension: "ms" of "t_ms", "mm/s" of "v/mm/s".
+fn unit_at_end<'c>(column: &'c str, required: &Unit) -> Option<&'c str> {
+    let mut ends = column.match_indices(SEPARATORS).map(|(at, _)| &column[at + 1..]);
+    ends.find(|end| is_other_unit(end, required))
+}
+
+/// Whether a text is a unit of the required dimension, and another one than the required unit.
+fn is_other_unit(text: &str, required: &Unit) -> bool {
+    let is_other = |unit: Unit| unit.dimension() == required.dimension() && !unit.is_same_as(required);
+    has_letter(text) && Unit::parse(text).is_ok_and(is_other)
 }
 
 /// The part of the name of a column of times that is probably a unit, but is not understood: "sec" of "t (sec)", "ms" of
-/// "t_ms". `None` if the name does not indicate another unit than the second.
+/// "t_ms", "t/ms" and "ms". `None` if the name does not indicate another unit than the second.
 fn unclear_unit(column: &str) -> Option<&str> {
     if let Some((_, label)) = split_label(column) {
         return Unit::parse(label).is_err().then_some(label);
     }
-    let (_, suffix) = column.rsplit_once(['_', ' ', '.', '-'])?;
-    let unit = Unit::parse(suffix).ok()?;
-    (unit.dimension() == Dimension::TIME && unit.factor() != 1.0).then_some(suffix)
+    let second = Unit::parse("s").ok()?;
+    unit_at_end(column, &second).or_else(|| is_other_unit(column, &second).then_some(column))
 }
 
 /// The doubt about a column of times without a unit, if its name seems to indicate one. `path` is the file.
@@ -87,6 +105,35 @@ pub fn unclear_time(column: &str, path: impl AsRef<Path>) -> Option<CsvFault> {
     );
     let hint =
         format!("write a unit above the names, as in \"# {column}: ms\", or in the name, as in \"t (ms)\"");
+    Some(CsvFault::new(message, hint))
+}
+
+/// The doubt about a column without a unit that is read in the required unit, if its name seems to indicate another one.
+///
+/// The caller reports it as a warning. Columns of times have a doubt of their own, [`unclear_time`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::csv_table::unclear_value;
+/// use patchcord_expr::Unit;
+///
+/// let metre = Unit::parse("m")?;
+/// let doubt = unclear_value("x_mm", &metre, "a.csv").expect("a doubt");
+/// assert_eq!(doubt.message, "the column x_mm of a.csv is read in m, but its name has \"mm\"");
+/// assert_eq!(unclear_value("x_m", &metre, "a.csv"), None);
+/// # Ok::<(), patchcord_expr::UnitError>(())
+/// ```
+pub fn unclear_value(column: &str, required: &Unit, path: impl AsRef<Path>) -> Option<CsvFault> {
+    let (column, unit) = (excerpt(column), excerpt(unit_at_end(column, required)?));
+    let message = format!(
+        "the column {column} of {} is read in {}, but its name has \"{unit}\"",
+        path.as_ref().display(),
+        required.text()
+    );
+    let hint = format!(
+        "write its unit above the names, as in \"# {column}: {unit}\", or in the name, as in \"x ({unit})\""
+    );
     Some(CsvFault::new(message, hint))
 }
 
@@ -121,13 +168,41 @@ mod tests {
 
     #[test]
     fn a_name_that_may_contain_a_unit_of_time_is_doubtful() {
-        let doubtful =
-            [("t (sec)", "sec"), ("t_ms", "ms"), ("time us", "us"), ("t-min", "min"), ("T [ticks]", "ticks")];
+        let doubtful = [
+            ("t (sec)", "sec"),
+            ("t_ms", "ms"),
+            ("time us", "us"),
+            ("t-min", "min"),
+            ("T [ticks]", "ticks"),
+            ("t/ms", "ms"),
+            ("ms", "ms"),
+        ];
         for (column, unit) in doubtful {
             assert_eq!(unclear_unit(column), Some(unit), "{column}");
         }
-        for column in ["t", "time", "t (ms)", "t_s", "t_rel", "t (2)", "x(t)", "ms", "t (m)", "t_2"] {
+        for column in ["t", "time", "s", "t (ms)", "t (2)", "x(t)", "t (m)"] {
             assert_eq!(unclear_unit(column), None, "{column}");
+        }
+        for column in ["t_s", "t/s", "t_rel", "t_2", "t_"] {
+            assert_eq!(unclear_unit(column), None, "{column}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_may_contain_another_unit_of_the_value_is_doubtful() {
+        let speed = Unit::parse("m/s").unwrap();
+        let cases = [
+            ("v_mm/s", Some("mm/s")),
+            ("v/mm/s", Some("mm/s")),
+            ("v left km/h", Some("km/h")),
+            ("v_m/s", None),
+            ("v_mm", None),
+            ("v_rel", None),
+            ("v (mm/s)", None),
+            ("mm/s", None),
+        ];
+        for (column, expected) in cases {
+            assert_eq!(unit_at_end(column, &speed), expected, "{column}");
         }
     }
 }

@@ -116,6 +116,16 @@ fn reports_the_bytes_at_fault() {
     }
     assert_eq!(error("KN").hint.as_deref(), Some("did you mean kN or K N?"));
     assert_eq!(error("Nm").hint.as_deref(), Some("did you mean nm or N m?"));
+    let hints = [
+        ("rps", "revolutions per second are Hz, and per minute rpm"),
+        ("kmh", "write km/h"),
+        ("rads/s", "did you mean rad?"),
+        ("mins", "did you mean min?"),
+        ("degrees", "did you mean deg?"),
+    ];
+    for (text, hint) in hints {
+        assert_eq!(error(text).hint.as_deref(), Some(hint), "{text}");
+    }
 }
 
 #[test]

@@ -3,9 +3,9 @@
 
 use super::{FileReader, RequestedColumn};
 use crate::data::experiment_document::SampleTimes;
-use patchcord_core::document::csv_table::{CsvTable, unclear_time};
+use patchcord_core::document::csv_table::{CsvFault, CsvTable, unclear_time, unclear_value};
 use patchcord_core::document::fields::Findings;
-use patchcord_core::document::{Code, Diagnostic, Placed};
+use patchcord_core::document::{Code, Diagnostic, Placed, any_error};
 use patchcord_core::patch::unreadable_unit;
 use patchcord_expr::Unit;
 
@@ -60,7 +60,8 @@ impl FileReader<'_> {
                 };
                 let unit = self.column_unit(rows, 0, in_experiment, findings)?;
                 if unit.is_none() {
-                    findings.extend(self.unclear_time(rows));
+                    let doubt = unclear_time(&rows.names[0], self.path);
+                    findings.extend(doubt.map(|doubt| self.unclear_unit(0, doubt)));
                 }
                 let second = Unit::parse("s").ok()?;
                 let unit = unit.unwrap_or_else(|| second.clone());
@@ -79,10 +80,9 @@ impl FileReader<'_> {
         }
     }
 
-    /// Warns of a column of times without a unit whose name seems to indicate one.
-    fn unclear_time(&self, rows: &CsvTable) -> Option<Diagnostic> {
-        let doubt = unclear_time(&rows.names[0], self.path)?;
-        Some(Diagnostic::at(Code::UNCLEAR_UNIT, self.span(0), doubt.message).hint(doubt.hint))
+    /// The warning about a column without a unit whose name seems to indicate another unit than the required one.
+    fn unclear_unit(&self, column: usize, doubt: CsvFault) -> Diagnostic {
+        Diagnostic::at(Code::UNCLEAR_UNIT, self.span(column), doubt.message).hint(doubt.hint)
     }
 
     /// Converts every requested column to the unit of the patch. Returns false if a column cannot be converted.
@@ -90,8 +90,13 @@ impl FileReader<'_> {
         let reported = findings.len();
         for (index, requested) in self.requested.iter().enumerate() {
             let column = self.time_columns() + index;
-            let Some(Some(unit)) = self.column_unit(rows, column, requested.unit, findings) else { continue };
+            let Some(unit) = self.column_unit(rows, column, requested.unit, findings) else { continue };
             let Some(target) = requested.target_unit else { continue };
+            let Some(unit) = unit else {
+                let doubt = unclear_value(&rows.names[column], target, self.path);
+                findings.extend(doubt.map(|doubt| self.unclear_unit(column, doubt)));
+                continue;
+            };
             if unit.dimension() != target.dimension() {
                 findings.push(self.wrong_dimension(rows, column, requested, &unit, target));
             } else if !unit.is_same_as(target) {
@@ -102,7 +107,7 @@ impl FileReader<'_> {
                 findings.extend(self.overflow(rows, column, target));
             }
         }
-        findings.len() == reported
+        !any_error(&findings[reported..])
     }
 
     /// Reports the first value that is not finite after the conversion to the unit of the patch.
