@@ -124,9 +124,9 @@ impl RunProgress {
     /// Reports a solver step that ended at this problem time.
     pub(super) fn step(&mut self, time: f64) {
         self.steps = self.steps.wrapping_add(1);
-        if self.steps.is_multiple_of(STEPS_PER_CHECK) && Instant::now() >= self.show_from {
+        if self.steps.is_multiple_of(STEPS_PER_CHECK) {
             self.work.set_amount(Amount::Seconds(time, self.whole));
-            if !self.is_shown {
+            if !self.is_shown && Instant::now() >= self.show_from {
                 self.is_shown = true;
                 self.work.show();
             }

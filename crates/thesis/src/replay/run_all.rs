@@ -108,6 +108,7 @@ pub fn run_each<E: From<ReplayError>>(
 ) -> Result<(Vec<DrawnFigure>, Vec<ExaminedClaim>), E> {
     let (items, ends) = plan(figures, claims);
     let (all, done) = (items.len() as u64, AtomicU64::new(0));
+    progress(0, all);
     let work = |_: &mut (), indices: Range<u64>| -> Vec<Result<ItemResult, ReplayError>> {
         let run = |index: u64| {
             let result = items[index as usize].run();
