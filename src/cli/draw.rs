@@ -10,9 +10,11 @@ use super::failure::Failure;
 use super::files::{name_with_suffix, path_texts, picture_format, written_text};
 use super::instant::{InstantOption, instant};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
+use super::progress::ProgressBar;
 use super::{print, print_json};
+use patchcord::circuit::Circuit;
 use patchcord::draw::plot::{Drawing, Format, Theme, render_drawing};
-use patchcord::draw::schematic::{Board, ElementState, Schematic};
+use patchcord::draw::schematic::{Board, DrawError, ElementState, Schematic};
 use patchcord::instruments::parameter_line;
 use patchcord::solve::Machine;
 
@@ -41,7 +43,7 @@ pub(super) struct Arguments {
 }
 
 /// The option that selects the time of the voltages.
-const VALUES: InstantOption = InstantOption("--values");
+const VALUES: InstantOption = InstantOption { command: "draw", option: "--values" };
 
 /// The keys of the document in addition to those of every command on a patch.
 #[derive(Serialize)]
@@ -57,6 +59,14 @@ struct Document {
 enum DrawingContent {
     Schematic(Value),
     Board(Value),
+}
+
+/// The patch panel, with a progress bar: to route hundreds of cords takes minutes. A schematic takes a second.
+fn board(circuit: &Circuit) -> Result<Board, DrawError> {
+    let bar = ProgressBar::new("draw", "cords");
+    Board::with_progress(circuit, &parameter_line(circuit), &mut |done, all| {
+        bar.done(done as u64, all as u64)
+    })
 }
 
 /// The drawing is the same for all files.
@@ -95,8 +105,7 @@ impl Arguments {
     /// The drawing, and its content for `--json`.
     fn drawing(&self, loaded: &LoadedPatch) -> Result<(Drawing, DrawingContent), Failure> {
         if self.board {
-            let board = Board::new(&loaded.circuit, &parameter_line(&loaded.circuit));
-            let board = board.map_err(|error| self.failure(&error))?;
+            let board = board(&loaded.circuit).map_err(|error| self.failure(&error))?;
             return Ok((board.drawing(), DrawingContent::Board(board.to_json())));
         }
         let schematic = self.schematic(loaded)?;

@@ -20,6 +20,7 @@ use patchcord::ident::ExperimentError;
 use patchcord::ident::effects::EffectError;
 use patchcord::ident::fit::model::ModelError;
 use patchcord::solve::RunError;
+use patchcord::thesis::replay::ReplayError;
 
 /// A failed command.
 pub(super) struct Failure {
@@ -251,6 +252,12 @@ impl From<EffectError> for Failure {
 
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
+        Failure::data(error.to_string())
+    }
+}
+
+impl From<ReplayError> for Failure {
+    fn from(error: ReplayError) -> Self {
         Failure::data(error.to_string())
     }
 }

@@ -14,6 +14,7 @@ use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::standard_streams::check_input;
 use super::{effects, gap_check, gap_report, print, print_json};
+use patchcord::document::escape_controls;
 use patchcord::ident::Experiment;
 use patchcord::ident::design::detectability::{Detectability, detectable_effects};
 use patchcord::ident::effects::Library;
@@ -21,6 +22,7 @@ use patchcord::ident::effects::effect_sites::EffectSites;
 use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::report::Report;
 use patchcord::ident::report::check_document::CheckDocument;
+use patchcord::ident::report::labels::{effect_label, effect_labels};
 use patchcord::ident::search::progress::{Progress, SearchPhase};
 use patchcord::ident::search::{Outcome, SearchSettings, search};
 
@@ -91,7 +93,7 @@ impl Arguments {
 }
 
 /// The current phase of a search in words.
-fn phase_text(progress: Progress) -> String {
+fn phase_text(progress: &Progress) -> String {
     match progress.phase {
         SearchPhase::Base => "fitting the patch".to_owned(),
         SearchPhase::Quick => format!("effects tried quickly, round {}", progress.round),
@@ -102,11 +104,22 @@ fn phase_text(progress: Progress) -> String {
     }
 }
 
-/// Shows the progress of a search.
+/// What a search has found so far: the effects in the patch, and the best one of the round. Empty at first.
+fn findings_text(progress: &Progress) -> String {
+    let mut texts = Vec::new();
+    if !progress.added.is_empty() {
+        texts.push(format!("in the patch: {}", effect_labels(&progress.added).join(" and ")));
+    }
+    texts.extend(progress.best.iter().map(|best| format!("best so far: {}", effect_label(best))));
+    escape_controls(&texts.join("; "))
+}
+
+/// Shows the progress of a search and what it has found so far.
 ///
 /// Work that cannot be counted is shown as text.
-fn show(bar: &mut ProgressBar, progress: Progress) {
+fn show(bar: &ProgressBar, progress: &Progress) {
     let text = phase_text(progress);
+    bar.set_note(findings_text(progress));
     match progress.total {
         0 => bar.busy(&text),
         total => {
@@ -153,14 +166,13 @@ fn detectability(
     library: &Library,
 ) -> Result<Detectability, Failure> {
     let problem = Problem::of(experiment)?;
-    let mut bar = ProgressBar::new("effects");
-    bar.busy("fitting the patch to compute the weakest detectable effects");
+    let _bar = ProgressBar::new("gap", "fitting the patch to compute the weakest detectable effects");
     let SearchSettings { library, threads, seed, .. } = search_settings(arguments, library);
     let found = detectable_effects(experiment, &problem, library, threads, seed)?;
     found.ok_or_else(|| no_run_failure(experiment))
 }
 
-/// Runs the search with a progress bar.
+/// Runs the search and reports its progress.
 fn run_search(
     arguments: &Arguments,
     experiment: &Experiment,
@@ -168,8 +180,8 @@ fn run_search(
 ) -> Result<(Problem, Outcome), Failure> {
     let settings = search_settings(arguments, library);
     let problem = Problem::of(experiment)?;
-    let mut bar = ProgressBar::new("effects");
-    let found = search(experiment, &problem, &settings, |progress| show(&mut bar, progress))?;
+    let bar = ProgressBar::with_phases("gap", "fitting the patch");
+    let found = search(experiment, &problem, &settings, |progress| show(&bar, &progress))?;
     let outcome = found.ok_or_else(|| no_run_failure(experiment))?;
     Ok((problem, outcome))
 }

@@ -9,8 +9,13 @@ use patchcord::document::{Placed, Span};
 use patchcord::patch::RunPlan;
 use patchcord::solve::{self, Machine, RunError, RunSettings};
 
-/// The name of the option that selects the time, for messages.
-pub(super) struct InstantOption(pub &'static str);
+/// The option that selects the time, for messages.
+pub(super) struct InstantOption {
+    /// The name of the command.
+    pub command: &'static str,
+    /// The name of the option.
+    pub option: &'static str,
+}
 
 /// A machine at the selected time.
 pub(super) struct OperatingPoint<'p> {
@@ -44,7 +49,7 @@ impl InstantOption {
             return Ok(OperatingPoint { machine, description: "at initial condition".to_owned() });
         }
         let settings = self.run_until(circuit.run_plan(), seconds, circuit)?;
-        let mut progress = RunProgress::new(seconds);
+        let mut progress = RunProgress::new(self.command, seconds);
         let reached = solve::machine_after(program, &settings, seconds, &mut |time| progress.step(time));
         let (machine, clock) = reached.map_err(|error| self.failure(&error))?;
         let description = self.description(circuit, &machine, clock, seconds)?;
@@ -83,7 +88,7 @@ impl InstantOption {
             }
             _ => Err(Failure::usage(format!(
                 "the run ends after {clock:.6} s: give an earlier time with {}",
-                self.0
+                self.option
             ))),
         }
     }
@@ -94,8 +99,8 @@ impl InstantOption {
             RunError::MissingTimes(_) => {
                 ": write {\"step\": SECONDS} there, which a later time needs".to_owned()
             }
-            RunError::LongerThanRun { .. } => format!(": give a later time with {}", self.0),
-            RunError::TooManySteps { .. } => format!(": give an earlier time with {}", self.0),
+            RunError::LongerThanRun { .. } => format!(": give a later time with {}", self.option),
+            RunError::TooManySteps { .. } => format!(": give an earlier time with {}", self.option),
             _ => String::new(),
         };
         let message = format!("{error}{advice}");

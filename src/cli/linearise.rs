@@ -59,7 +59,7 @@ fn band(text: &str) -> Result<FrequencyBand, String> {
 }
 
 /// The option that selects the operating point.
-const AT: InstantOption = InstantOption("--at");
+const AT: InstantOption = InstantOption { command: "linearise", option: "--at" };
 
 /// Size of each of the two pictures of a Bode plot, in pixels.
 const PANEL: Size = Size { width: 900, height: 400 };

@@ -45,10 +45,13 @@ mod pictures;
 mod profile;
 mod profile_report;
 mod progress;
+mod progress_lines;
+mod progress_status;
 mod readings;
 mod recording;
 mod replay;
 mod run;
+mod run_report;
 mod slideway;
 mod slideway_document;
 mod slideway_report;
@@ -74,6 +77,9 @@ use patchcord::output::io_reason;
 ///
 /// Exit codes: 0 success, 1 error in the patch or the data, or output that cannot be written, 2 error in the command
 /// line, 3 overload in a run with --fail-on-overload.
+///
+/// Long work shows its progress on standard error. If that is not a terminal, a line is printed there every ten
+/// seconds. The environment variable PATCHCORD_PROGRESS sets another interval in seconds; with 0 no lines are printed.
 #[derive(Parser)]
 #[command(name = "patchcord", version, arg_required_else_help = true)]
 struct Arguments {

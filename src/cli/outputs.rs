@@ -11,8 +11,8 @@ use std::path::Path;
 
 use super::failure::Failure;
 use super::files::path_text;
-use super::standard_streams::check_output;
 use super::standard_output_result;
+use super::standard_streams::check_output;
 use patchcord::output::{
     FileIdentity, PendingFile, STANDARD_OUTPUT, StagedFile, check_appendable, check_folder_writable,
     check_writable, io_reason, remove_leftovers, stage, write_atomic, write_new,

@@ -81,7 +81,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings(&circuit, &program)?;
     let outputs = arguments.patch.outputs(&circuit);
     outputs.prepare(None, files())?;
-    let trace = run_with_progress(&program, &settings).map_err(|stopped| {
+    let trace = run_with_progress("profile", &program, &settings).map_err(|stopped| {
         run_failure(&stopped.error, &circuit, arguments.times.is_cause_of(&stopped.error))
     })?;
     let reading = arguments.read(&trace, &settings.record, &circuit)?;

@@ -6,21 +6,24 @@ use patchcord::ir::Program;
 use patchcord::solve::{self, RunSettings, StoppedRunError};
 use patchcord::trace::Trace;
 
-/// Runs a program whose trace keeps the samples.
+/// Runs a program whose trace keeps the samples, and reports the progress of the command with this name.
 pub(super) fn run_with_progress(
+    command: &'static str,
     program: &Program,
     settings: &RunSettings,
 ) -> Result<Trace, Box<StoppedRunError>> {
-    record(program, settings, None)
+    record(command, program, settings, None)
 }
 
-/// Runs a program. If the trace does not keep the samples, `tables` take them.
+/// Runs a program, and reports the progress of the command with this name. If the trace does not keep the samples,
+/// `tables` take them.
 pub(super) fn record(
+    command: &'static str,
     program: &Program,
     settings: &RunSettings,
     mut tables: Option<&mut StreamedTables<'_>>,
 ) -> Result<Trace, Box<StoppedRunError>> {
-    let mut progress = RunProgress::new(settings.total_duration());
+    let mut progress = RunProgress::new(command, settings.total_duration());
     let mut show = |time: f64| progress.step(time);
     let mut write = |block: &Trace| {
         if let Some(tables) = &mut tables {

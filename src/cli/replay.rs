@@ -3,7 +3,6 @@
 //! Without a name the command lists the figures. With names it draws them and examines their claims. `all` examines
 //! every claim of the ledger and takes minutes.
 
-use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -40,8 +39,8 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// Runs come before any file is written. The names of the patches are known only after them. All other files are
-/// checked at the start.
+/// The files of a figure are written and its text is printed as soon as it is finished. The names of its patches are
+/// known only then. All other files are checked at the start.
 pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
     let figures = arguments.figures()?;
     if figures.is_empty() {
@@ -51,26 +50,24 @@ pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
     let writer = Outputs::default();
     writer.prepare(arguments.out.as_deref(), arguments.known_files(&figures))?;
     let claims = arguments.claims(&figures)?;
-    let (drawn, examined) = perform(&figures, &claims)?;
+    let mut files = Vec::new();
+    let (drawn, examined) = perform(&figures, &claims, |entry| {
+        files.extend(arguments.write_figure(entry, plot.as_ref(), &writer)?);
+        if arguments.json { Ok(()) } else { print(&text(entry)) }
+    })?;
     let entries: Vec<_> = figures
         .iter()
         .zip(&drawn)
         .map(|(figure, drawn)| GalleryFigure::new(figure, drawn, &examined))
         .collect();
-    let mut outputs: Vec<_> = plot
-        .into_iter()
-        .map(|(path, format)| Output { path, content: Content::Drawn(&drawn[0], format) })
-        .collect();
     if let Some(folder) = &arguments.out {
-        outputs.extend(in_folder(folder, &entries, &examined));
+        let page = folder.join(page_name(&figures));
+        writer.write(&page, replay::gallery(&entries, &examined).as_bytes())?;
+        files.push(page);
     }
-    let files: Vec<_> = outputs.iter().map(|output| output.path.clone()).collect();
-    writer.prepare(None, &files)?;
-    outputs.iter().try_for_each(|output| output.write(&writer))?;
     if arguments.json {
         return print_json(&Document::new(&entries, &examined, &files));
     }
-    print(&text(&entries))?;
     print(&written_text(files.iter()))
 }
 
@@ -101,6 +98,21 @@ impl Arguments {
         let names: Vec<String> = pictures.chain([page_name(figures)]).collect();
         let in_folder = self.out.iter().flat_map(|folder| names.iter().map(move |name| folder.join(name)));
         self.plot.iter().cloned().chain(in_folder).collect()
+    }
+
+    /// Writes the pictures and the patches of a figure. `plot` is the file of `--plot`. Returns the paths.
+    fn write_figure(
+        &self,
+        entry: &GalleryFigure<'_>,
+        plot: Option<&(PathBuf, Format)>,
+        writer: &Outputs,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let plot = plot.map(|(path, format)| (path.clone(), Content::Drawn(entry.drawn, *format)));
+        let folder = self.out.iter().flat_map(|folder| in_folder(folder, entry));
+        let (files, contents): (Vec<_>, Vec<_>) = plot.into_iter().chain(folder).unzip();
+        writer.prepare(None, &files)?;
+        files.iter().zip(&contents).try_for_each(|(path, content)| content.write(path, writer))?;
+        Ok(files)
     }
 
     /// All claims for `all`, otherwise those that concern the requested figures.
@@ -155,64 +167,45 @@ fn has_name(figure: &Figure, id: &str) -> bool {
     id == figure.id || id == number || number.strip_prefix("Fig ") == Some(id)
 }
 
-/// Draws the figures and examines the claims, with a progress bar.
+/// Draws the figures and examines the claims, with a progress bar. Each finished figure is passed to `finish`.
 fn perform(
     figures: &[&'static Figure],
     claims: &[Claim],
+    mut finish: impl FnMut(&GalleryFigure<'_>) -> Result<(), Failure>,
 ) -> Result<(Vec<DrawnFigure>, Vec<ExaminedClaim>), Failure> {
-    let mut progress = ProgressBar::new("figures and claims");
+    let bar = ProgressBar::new("replay", "figures and claims");
     let threads = thread::available_parallelism().map_or(1, usize::from);
-    let outcome = replay::run_all(figures, claims, threads, |done, all| progress.done(done, all));
-    outcome.map_err(|error| Failure::data(error.to_string()))
-}
-
-/// A file to be written.
-struct Output<'a> {
-    /// The path, in the folder of `--out` or as given to `--plot`.
-    path: PathBuf,
-    /// What is written.
-    content: Content<'a>,
+    let progress = |done, all| bar.done(done, all);
+    replay::run_each(figures, claims, threads, progress, |entry| bar.suspend(|| finish(entry)))
 }
 
 /// The content of an output file.
 enum Content<'a> {
     /// A picture of the figure in a format.
     Drawn(&'a DrawnFigure, Format),
-    /// A patch or the page.
-    Text(Cow<'a, str>),
+    /// A patch.
+    Patch(&'a Patch),
 }
 
-impl Output<'_> {
+impl Content<'_> {
     /// Writes the file.
-    fn write(&self, outputs: &Outputs) -> Result<(), Failure> {
-        match &self.content {
-            Content::Text(text) => outputs.write(&self.path, text.as_bytes()),
+    fn write(&self, path: &Path, outputs: &Outputs) -> Result<(), Failure> {
+        match self {
+            Content::Patch(patch) => outputs.write(path, patch.text().as_bytes()),
             Content::Drawn(drawn, format) => {
                 let bytes = drawn.render(*format).map_err(|error| Failure::data(error.to_string()))?;
-                outputs.write(&self.path, &bytes)
+                outputs.write(path, &bytes)
             }
         }
     }
 }
 
-/// The files in the output folder: pictures, patches and the page.
-///
-/// A figure gives one SVG picture and its patches. The page refers to them by name.
-fn in_folder<'a>(
-    folder: &Path,
-    entries: &'a [GalleryFigure<'a>],
-    examined: &[ExaminedClaim],
-) -> Vec<Output<'a>> {
-    let output = |name: &str, content| Output { path: folder.join(name), content };
-    let of_entry = |entry: &'a GalleryFigure<'a>| {
-        let picture = output(&entry.figure.picture(), Content::Drawn(entry.drawn, Format::Svg));
-        let patches = entry.drawn.patches.iter();
-        let patches = patches.map(|patch| output(patch.file(), Content::Text(patch.text().into())));
-        [picture].into_iter().chain(patches).collect::<Vec<_>>()
-    };
-    let drawn: Vec<&Figure> = entries.iter().map(|entry| entry.figure).collect();
-    let page = output(&page_name(&drawn), Content::Text(replay::gallery(entries, examined).into()));
-    entries.iter().flat_map(of_entry).chain([page]).collect()
+/// The files of a figure in the output folder: its picture and its patches. The page refers to them by name.
+fn in_folder<'a>(folder: &Path, entry: &GalleryFigure<'a>) -> Vec<(PathBuf, Content<'a>)> {
+    let drawn = entry.drawn;
+    let picture = (folder.join(entry.figure.picture()), Content::Drawn(drawn, Format::Svg));
+    let patches = drawn.patches.iter().map(|patch| (folder.join(patch.file()), Content::Patch(patch)));
+    [picture].into_iter().chain(patches).collect()
 }
 
 /// The name of the page. Only the page with all figures is index.html, so a page with some does not overwrite it.
@@ -224,30 +217,27 @@ fn page_name(drawn: &[&Figure]) -> String {
     }
 }
 
-/// The figures with their claims as text.
+/// A figure with its claims as text, and an empty line.
 ///
-/// Heading, settings and reading of each figure, then one line per claim: identifier, statement, printed number,
+/// Heading, settings and reading of the figure, then one line per claim: identifier, statement, printed number,
 /// verdict and result.
-fn text(entries: &[GalleryFigure<'_>]) -> String {
-    let figure_text = |entry: &GalleryFigure<'_>| {
-        let DrawnFigure { settings, reading, .. } = entry.drawn;
-        let mut text = format!("{}\n  {settings}\n  {reading}\n", entry.figure.heading());
-        for row in &entry.claims {
-            let (claim, printed) = (&row.claim, row.printed_text());
-            let printed = if printed.is_empty() { printed } else { format!(": {printed}") };
-            text += &format!("  {} {}{printed}; {}", claim.id, claim.statement, row.outcome.verdict);
-            text += &if row.result_text().is_empty() {
-                "\n".to_owned()
-            } else {
-                format!(", {}\n", row.result_text())
-            };
-            if !claim.reason.is_empty() {
-                text += &format!("      {}\n", claim.reason);
-            }
+fn text(entry: &GalleryFigure<'_>) -> String {
+    let DrawnFigure { settings, reading, .. } = entry.drawn;
+    let mut text = format!("{}\n  {settings}\n  {reading}\n", entry.figure.heading());
+    for row in &entry.claims {
+        let (claim, printed) = (&row.claim, row.printed_text());
+        let printed = if printed.is_empty() { printed } else { format!(": {printed}") };
+        text += &format!("  {} {}{printed}; {}", claim.id, claim.statement, row.outcome.verdict);
+        text += &if row.result_text().is_empty() {
+            "\n".to_owned()
+        } else {
+            format!(", {}\n", row.result_text())
+        };
+        if !claim.reason.is_empty() {
+            text += &format!("      {}\n", claim.reason);
         }
-        text + "\n"
-    };
-    entries.iter().map(figure_text).collect()
+    }
+    text + "\n"
 }
 
 /// The list of figures for `--json`.

@@ -1,11 +1,13 @@
 //! `patchcord run`
 //!
-//! The text output has the title, the parameters, the table of readings, the phases, the work of the solver and the
-//! overloads. An overload fails the command only with `--fail-on-overload`, after everything is written and printed.
-//! If a run stops with an error, the samples before the error are still written to the files. Without pictures the
-//! table is written during the run, so that the memory of the run does not grow with its rows.
+//! The text output has the title, the parameters, the table of readings, the phases, the overloads and the files. The
+//! last line is a summary. With `--verbose` the work of the solver is added. An overload fails the command only with
+//! `--fail-on-overload`, after everything is written and printed. If a run stops with an error, the samples before the
+//! error are still written to the files. Without pictures the table is written during the run, so that the memory of
+//! the run does not grow with its rows.
 
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use serde::Serialize;
@@ -15,10 +17,11 @@ use super::failure::Failure;
 use super::files::{FileArguments, Files, path_texts, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::repetitions;
-use super::overloads::{OverloadDocument, overload_failure, overload_lines};
+use super::overloads::{OverloadDocument, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::recording::record;
+use super::run_report::{overloads_text, summary_text, work_text};
 use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::streamed_tables::StreamedTables;
 use super::times::{
@@ -26,7 +29,7 @@ use super::times::{
 };
 use super::{errors_in_colour, output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{plural, suggestion};
+use patchcord::document::suggestion;
 use patchcord::instruments::parameter_line;
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
@@ -54,6 +57,9 @@ pub(super) struct Arguments {
     /// Also record the derivatives of all recorded signals with respect to these parameters, and list the largest ones
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     sensitivity: Vec<String>,
+    /// Also print the work of the solver: steps, switchings, kinks and evaluations
+    #[arg(long)]
+    verbose: bool,
     #[command(flatten)]
     files: FileArguments,
 }
@@ -72,10 +78,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     files.plan_pictures(&arguments.patch.patch, &circuit, &settings)?;
     files.prepare()?;
     let mut streamed = settings.block_samples.map(|_| files.streamed_tables());
-    let trace = match record(&program, &settings, streamed.as_mut()) {
+    let begin = Instant::now();
+    let trace = match record("run", &program, &settings, streamed.as_mut()) {
         Ok(trace) => trace,
         Err(stopped) => return Err(arguments.stopped_failure(*stopped, streamed, &files, &circuit)),
     };
+    let elapsed = begin.elapsed();
     let samples = streamed.as_ref().map_or(trace.len(), StreamedTables::samples);
     let written = files.write(&trace, &circuit, streamed)?;
     let failure = overload_failure(&trace).filter(|_| arguments.fail_on_overload);
@@ -86,28 +94,36 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Some(failure) => Err(failure.with_document(&document)?),
         };
     }
-    arguments.print_results(&circuit, &trace, &written)?;
+    arguments.print_results(&circuit, &trace, &written, elapsed)?;
     failure.map_or(Ok(()), Err)
 }
 
 impl Arguments {
-    /// Prints the results of a run. `written` are the files. Without a picture the text says how to get one. If standard
-    /// output has the table, only the reasons to doubt it are printed.
-    fn print_results(&self, circuit: &Circuit, trace: &Trace, written: &[PathBuf]) -> Result<(), Failure> {
+    /// Prints the results of a run. `written` are the files, and `elapsed` is the time that the run took. Without a
+    /// picture the text says how to get one. If standard output has the table, only the reasons to doubt it are printed.
+    fn print_results(
+        &self,
+        circuit: &Circuit,
+        trace: &Trace,
+        written: &[PathBuf],
+        elapsed: Duration,
+    ) -> Result<(), Failure> {
         if self.files.prints_table() {
             eprint_doubts(trace, &overloads_text(trace, errors_in_colour()));
             return Ok(());
         }
         let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(circuit));
-        print(&(head + &readings_text(trace)))?;
-        print(&phases_text(trace))?;
-        print(&format!("\n{}", work_text(trace)))?;
-        print_coloured(&overloads_text(trace, output_in_colour()))?;
-        print(&trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default())?;
-        if !self.files.draw() {
-            print(NO_PICTURE)?;
+        print(&(head + &readings_text(trace) + &phases_text(trace)))?;
+        let work = if self.verbose { work_text(trace) } else { String::new() };
+        let overloads = overloads_text(trace, output_in_colour());
+        let warning = trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default();
+        let hint = if self.files.draw() { "" } else { NO_PICTURE };
+        if [&*work, &*overloads, &*warning, hint].iter().any(|text| !text.is_empty()) {
+            print(&format!("\n{work}"))?;
+            print_coloured(&overloads)?;
+            print(&format!("{warning}{hint}"))?;
         }
-        print(&written_paragraph(written.iter()))
+        print(&(written_paragraph(written.iter()) + &summary_text(trace, elapsed)))
     }
 
     /// The run settings from the patch and the options.
@@ -243,42 +259,8 @@ fn unknown_signal(name: &str, circuit: &Circuit) -> Failure {
     Failure::usage(format!("the patch has no signal {name}; {hint}"))
 }
 
-/// The work of the solver: steps, switchings, kinks and evaluations.
-///
-/// Sums over all runs of repetitive operation. Example: "3000 steps, 2 switchings, 1 kink, 12000 evaluations".
-fn work_text(trace: &Trace) -> String {
-    let total =
-        |count: fn(&WorkCounters) -> u64| trace.repetitions.iter().map(|run| count(&run.work)).sum::<u64>();
-    let rejected = match total(|work| work.rejections) {
-        0 => String::new(),
-        rejections => format!(" ({rejections} rejected)"),
-    };
-    let [steps, switchings, kinks, evaluations] = [
-        plural(total(|work| work.steps), "step"),
-        plural(total(|work| work.changes), "switching"),
-        plural(total(|work| work.crossings), "kink"),
-        plural(total(|work| work.evaluations), "evaluation"),
-    ];
-    format!("{steps}{rejected}, {switchings}, {kinks}, {evaluations}\n")
-}
-
 /// The line of a run without a picture.
 const NO_PICTURE: &str = "no picture: add --plot FILE.svg or --plot FILE.png to draw the curves\n";
-
-/// The overloads of all runs, one per line, in colour if `is_coloured`.
-///
-/// The cause is named if an earlier overload explains it. A run that was switched to hold has a line with its time.
-fn overloads_text(trace: &Trace, is_coloured: bool) -> String {
-    let mut text = String::new();
-    for (index, run) in trace.repetitions.iter().enumerate() {
-        let which = if trace.repetitions.len() > 1 { format!("run {}: ", index + 1) } else { String::new() };
-        text += &overload_lines(&which, &run.overloads, is_coloured);
-        if run.is_held {
-            text += &format!("{which}held at t = {:.6} s\n", run.end);
-        }
-    }
-    if text.is_empty() { "no overload\n".to_owned() } else { text }
-}
 
 /// The keys of the document in addition to those of every command on a patch.
 #[derive(Serialize)]

@@ -106,7 +106,7 @@ pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
 ///
 /// The bar counts finished runs.
 fn run_chain(inputs: &Inputs, settings: &Settings) -> Result<Chain, ChainError> {
-    let mut bar = ProgressBar::new("critical velocities");
+    let bar = ProgressBar::new("slideway", "critical velocities");
     Chain::with_progress(inputs, settings, |done, all| bar.done(done, all))
 }
 

@@ -4,8 +4,9 @@
 //! after the last complete row. All combinations of `--vary` are run, and the last one changes fastest.
 
 use patchcord::document::plural;
+use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
-use std::{io, thread};
+use std::thread;
 
 use clap::Args;
 use serde::Serialize;
@@ -92,13 +93,9 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     let axes = axes.map_err(plan_failure)?;
     let LoadedPatch { circuit, program } = arguments.patch.load()?;
     let sweep = arguments.sweep(axes, &circuit, program)?;
-    let (mut progress, runs) = (ProgressBar::new("runs"), sweep.plan().runs());
-    let mut progress = |done| progress.done(done, runs);
-    let Some(out) = arguments.file() else {
-        return report_output(sweep.write(&mut io::stdout().lock(), arguments.threads(), &mut progress));
-    };
+    let Some(out) = arguments.file() else { return arguments.write_rows(&sweep) };
     arguments.patch.outputs(&circuit).reading("the file of --rows", &arguments.rows).prepare_append(out)?;
-    let summary = sweep.append_to(out, arguments.threads(), &mut progress).map_err(journal_failure)?;
+    let summary = arguments.append_rows(&sweep, out)?;
     if arguments.patch.json {
         return print_json(&PatchDocument::new(&circuit, arguments.document(&sweep, summary, out)));
     }
@@ -110,6 +107,29 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
+    /// Writes the rows to standard output. Progress is not reported if the rows themselves show it on a terminal.
+    ///
+    /// # Errors
+    /// If standard output cannot be written.
+    fn write_rows(&self, sweep: &Sweep) -> Result<(), Failure> {
+        let mut out = io::stdout().lock();
+        let bar = (!out.is_terminal()).then(|| ProgressBar::new("sweep", "runs"));
+        let mut progress = |done| bar.iter().for_each(|bar| bar.done(done, sweep.plan().runs()));
+        let outcome = sweep.write(&mut out, self.threads(), &mut progress);
+        drop(bar);
+        report_output(outcome)
+    }
+
+    /// Appends the rows to a file, each when it is computed, and reports progress.
+    ///
+    /// # Errors
+    /// If the file belongs to another sweep or cannot be written.
+    fn append_rows(&self, sweep: &Sweep, out: &Path) -> Result<SweepSummary, Failure> {
+        let bar = ProgressBar::new("sweep", "runs");
+        let mut progress = |done| bar.done(done, sweep.plan().runs());
+        sweep.append_to(out, self.threads(), &mut progress).map_err(journal_failure)
+    }
+
     /// The file for the rows. None if they go to standard output.
     fn file(&self) -> Option<&PathBuf> {
         self.out.as_ref().filter(|out| !is_dash(out))

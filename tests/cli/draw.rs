@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::{FIG_8_16, code, errors, json, out, patchcord, path};
+use super::{FIG_8_16, code, errors, json, out, patchcord, patchcord_with_progress, path};
 
 #[test]
 fn a_schematic_is_drawn() {
@@ -14,6 +14,17 @@ fn a_schematic_is_drawn() {
     let picture = fs::read_to_string(&svg).unwrap();
     assert!(["DZ", "0.2520", "IC 100 V", "friction_level"].iter().all(|text| picture.contains(text)));
     assert!(!picture.contains("voltages at"));
+}
+
+#[test]
+fn a_patch_panel_reports_its_progress_in_plain_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let svg = path(&folder, "a.svg");
+    let drawn = patchcord_with_progress("0.001", &["draw", FIG_8_16, "--board", "--plot", &svg]);
+    let lines = errors(&drawn);
+    assert_eq!((code(&drawn), out(&drawn)), (0, format!("wrote {svg}\n")), "{lines}");
+    assert!(lines.lines().all(|line| line.starts_with("draw: ")), "{lines}");
+    assert!(lines.lines().any(|line| line.contains(" of ") && line.contains(" cords")), "{lines}");
 }
 
 #[test]

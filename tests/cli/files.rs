@@ -199,7 +199,8 @@ fn a_table_on_standard_output_precedes_the_readings() {
         .unwrap();
     assert!(ran.success());
     let shown = fs::read_to_string(shown).unwrap();
-    assert!(shown.starts_with("# t: s\n") && shown.ends_with("wrote /dev/stdout\n"), "{shown}");
+    assert!(shown.starts_with("# t: s\n") && shown.contains("\nwrote /dev/stdout\n"), "{shown}");
+    assert!(shown.ends_with("; no overload\n"), "{shown}");
 }
 
 #[cfg(unix)]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::{code, errors, json, out, patchcord};
+use super::{code, errors, json, out, patchcord, patchcord_with_progress};
 use crate::common::files::assert_up_to_date;
 
 const SLIDE: &str = "examples/05_missing_effect/slide.experiment.json";
@@ -201,15 +201,17 @@ struct SaturationSearch {
 impl SaturationSearch {
     /// Searches with the effects of one folder and reads the files that are written into the other.
     fn run(effects: &Path, folder: PathBuf) -> Self {
-        let output = patchcord(&[
+        let arguments = [
             "gap",
             "crates/ident/tests/hidden/saturation/experiment.json",
             "--effects",
             effects.to_str().unwrap(),
             "--out",
             folder.to_str().unwrap(),
-        ]);
-        assert_eq!((code(&output), errors(&output).as_str()), (0, ""));
+        ];
+        let output = patchcord_with_progress("0.005", &arguments);
+        assert_eq!(code(&output), 0, "{}", errors(&output));
+        check_progress(&errors(&output));
         let report = std::fs::read_to_string(folder.join("report.json")).unwrap();
         let report = serde_json::from_str(&report).unwrap();
         let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
@@ -220,6 +222,16 @@ impl SaturationSearch {
     fn first_rivals(&self) -> Vec<&Value> {
         let rivals = self.report["rivals"].as_array().unwrap();
         rivals.iter().filter(|rival| rival["step"] == 1).collect()
+    }
+}
+
+/// Asserts that the lines about the progress have the phases of the search, and the effect before it is reported.
+fn check_progress(lines: &str) {
+    assert!(lines.lines().all(|line| line.starts_with("gap: ")), "{lines}");
+    for part in
+        ["gap: fitting the patch\n", " effects tried quickly, round 1", "; best so far: ", "saturation at u"]
+    {
+        assert!(lines.contains(part), "{part}\n{lines}");
     }
 }
 

@@ -35,9 +35,24 @@ use serde_json::Value;
 /// The patch of Fig 8.16.
 const FIG_8_16: &str = "patches/thesis/fig-8-16.json";
 
-/// Runs the command with these arguments.
+/// Runs the command with these arguments. It prints no lines about its progress.
 fn patchcord(arguments: &[&str]) -> Output {
-    Command::cargo_bin("patchcord").unwrap().args(arguments).output().unwrap()
+    patchcord_with_progress("0", arguments)
+}
+
+/// Runs the command with these arguments. It prints a line about its progress each time that these seconds have passed.
+fn patchcord_with_progress(seconds: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("patchcord").unwrap();
+    command.env("PATCHCORD_PROGRESS", seconds).args(arguments).output().unwrap()
+}
+
+/// A line of a run in which N replaces the seconds that the run took, because these differ from run to run.
+fn without_elapsed_time(line: &str) -> String {
+    let Some((begin, rest)) = line.split_once(" simulated in ") else { return line.to_owned() };
+    let (elapsed, end) = rest.split_once(" s; ").unwrap();
+    let number: f64 = elapsed.trim_start_matches("less than ").parse().unwrap();
+    assert!(number > 0.0, "{line}");
+    format!("{begin} simulated in N s; {end}")
 }
 
 /// The exit code.

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::{FIG_8_16, code, errors, out, patchcord, path};
+use super::{FIG_8_16, code, errors, out, patchcord, path, without_elapsed_time};
 use crate::common::files::assert_up_to_date;
 
 /// The lines of the indented block after this text in the README.
@@ -33,7 +33,9 @@ fn the_command_of_the_readme_prints_the_quoted_lines() {
     assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
     let quoted: Vec<String> =
         readme_block("and ends with\n").into_iter().filter(|line| !line.is_empty()).collect();
-    let printed: Vec<String> = out(&ran).lines().map(str::to_owned).filter(|line| !line.is_empty()).collect();
+    let quoted: Vec<String> = quoted.iter().map(|line| without_elapsed_time(line)).collect();
+    let printed: Vec<String> =
+        out(&ran).lines().filter(|line| !line.is_empty()).map(without_elapsed_time).collect();
     assert_eq!(printed[printed.len() - quoted.len()..], quoted);
     assert!(folder.path().join("fig-8-16.csv").is_file() && folder.path().join("fig-8-16.svg").is_file());
 }

@@ -1,6 +1,8 @@
 //! `patchcord replay`: reproduced figures of the thesis and their claims.
 
-use std::fs;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+use std::{fs, thread};
 
 use super::{code, errors, json, out, patchcord, path};
 use crate::common::files::assert_up_to_date;
@@ -34,6 +36,25 @@ fn a_figure_has_a_picture_a_patch_and_a_page() {
         patchcord(&["run", &path(&folder, "out/fig-8-24.json"), "--plot", &path(&folder, "again.svg")]);
     assert_eq!(code(&again), 0, "{}", errors(&again));
     assert_eq!(written("fig-8-24.svg"), fs::read_to_string(path(&folder, "again.svg")).unwrap());
+}
+
+#[test]
+fn a_replay_that_is_killed_keeps_the_finished_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let [into, shown] = ["out", "shown.txt"].map(|name| path(&folder, name));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_patchcord"));
+    command.args(["replay", "all", "--out", &into]).stdout(fs::File::create(&shown).unwrap());
+    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    // A figure is printed after its files are written.
+    let is_printed = || fs::read(&shown).unwrap().starts_with(b"Fig 2.2: ");
+    while !is_printed() && child.try_wait().unwrap().is_none() {
+        thread::sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let picture = fs::read_to_string(path(&folder, "out/fig-2-02.svg")).unwrap();
+    assert!(roxmltree::Document::parse(&picture).is_ok());
+    assert!(!fs::exists(path(&folder, "out/index.html")).unwrap(), "the replay was not killed in time");
 }
 
 #[test]

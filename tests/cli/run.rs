@@ -2,7 +2,10 @@
 
 use std::fs;
 
-use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring, spring_with};
+use super::{
+    FIG_8_16, code, errors, json, out, patchcord, patchcord_with_progress, path, spring, spring_with,
+    without_elapsed_time,
+};
 
 #[test]
 fn a_repeated_run_numbers_its_runs() {
@@ -147,7 +150,7 @@ fn an_overload_fails_on_request_after_everything_is_written() {
     let ran = patchcord(&overloaded);
     assert_eq!(code(&ran), 3);
     let (text, message) = (out(&ran), errors(&ran));
-    assert!(text.contains("\noverload: ") && text.ends_with(&format!("wrote {csv}\n")), "{text}");
+    assert!(text.contains("\noverload: ") && text.contains(&format!("\nwrote {csv}\n")), "{text}");
     assert!(message.starts_with("error: overload of ") && message.contains(" more: "), "{message}");
     assert!(fs::read_to_string(&csv).unwrap().contains("# v_o: m/s\n"));
     let document = patchcord(&[&overloaded[..], &["--json"]].concat());
@@ -164,9 +167,10 @@ fn a_run_without_a_picture_says_how_to_get_one() {
     let (folder, file) = spring();
     let text = out(&patchcord(&["run", &file]));
     let hint = "no picture: add --plot FILE.svg or --plot FILE.png to draw the curves\n";
-    assert!(text.ends_with(hint), "{text}");
+    assert!(text.contains(hint), "{text}");
     let svg = path(&folder, "spring.svg");
-    assert!(!out(&patchcord(&["run", &file, "--plot", &svg])).contains("no picture"));
+    let drawn = out(&patchcord(&["run", &file, "--plot", &svg]));
+    assert!(!drawn.contains("no picture") && !drawn.contains("\n\n\n"), "{drawn}");
     assert!(!out(&patchcord(&["run", &file, "--json"])).contains("no picture"));
 }
 
@@ -174,4 +178,48 @@ fn a_run_without_a_picture_says_how_to_get_one() {
 fn output_that_is_no_terminal_has_no_colours() {
     let ran = patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1"]);
     assert!(!out(&ran).contains('\u{1b}'), "{}", out(&ran));
+}
+
+#[test]
+fn the_last_line_has_the_simulated_time_and_the_number_of_overloads() {
+    let (folder, file) = spring();
+    let csv = path(&folder, "out.csv");
+    let last = |arguments: &[&str]| {
+        let text = out(&patchcord(&[&["run"], arguments].concat()));
+        without_elapsed_time(text.lines().last().unwrap())
+    };
+    assert_eq!(last(&[&file]), "3.25 s simulated in N s; no overload");
+    assert_eq!(last(&[&file, "--csv", &csv]), "3.25 s simulated in N s; no overload");
+    let repeated = last(&[&file, "--for", "0.01", "--repeat", "3"]);
+    assert_eq!(repeated, "0.03 s in 3 runs, simulated in N s; no overload");
+    let overloaded = [FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1"];
+    let document = json(&patchcord(&[&["run", "--json"], &overloaded[..]].concat()));
+    let count = document["sweeps"][0]["overloads"].as_array().unwrap().len();
+    assert_eq!(last(&overloaded), format!("0.1 s simulated in N s; {count} overloads"));
+    // The time that a run took is in no file and in no document.
+    assert!(!fs::read_to_string(csv).unwrap().contains("simulated"));
+    assert!(!document.to_string().contains("simulated"));
+}
+
+#[test]
+fn the_work_of_the_solver_is_printed_on_request() {
+    let (_folder, file) = spring();
+    assert!(!out(&patchcord(&["run", &file])).contains("evaluations"));
+    let work = json(&patchcord(&["run", &file, "--json"]))["sweeps"][0].clone();
+    let [steps, switchings, kinks, evaluations] =
+        ["steps", "switchings", "kinks", "evaluations"].map(|key| work[key].as_u64().unwrap());
+    let line =
+        format!("\n{steps} steps, {switchings} switchings, {kinks} kinks, {evaluations} evaluations\n");
+    let text = out(&patchcord(&["run", &file, "--verbose"]));
+    assert!(text.contains(&line), "{line}{text}");
+}
+
+#[test]
+fn a_long_run_reports_its_progress_in_plain_lines() {
+    let ran = patchcord_with_progress("0.001", &["run", FIG_8_16]);
+    let lines = errors(&ran);
+    assert_eq!(code(&ran), 0, "{lines}");
+    let is_progress = |line: &str| line.starts_with("run: ") && line.contains(" s simulated");
+    assert!(!lines.is_empty() && lines.lines().all(is_progress), "{lines}");
+    assert_eq!(errors(&patchcord(&["run", FIG_8_16])), "");
 }

@@ -105,9 +105,8 @@ fn check_reports_why_a_patch_cannot_be_run() {
 fn only_a_run_with_pictures_is_refused_for_the_memory_of_its_samples() {
     let run = "{\"for\": 3.25, \"step\": 1e-3}";
     // 6.5e8 and 6.5e10 numbers.
-    let with_interval = |every: &str| {
-        spring_with(run, &format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}}"))
-    };
+    let with_interval =
+        |every: &str| spring_with(run, &format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}}"));
     let (folder, file) = with_interval("1e-8");
     assert!(json(&patchcord(&["check", &file, "--json"]))["cannot_be_run"].is_null());
     let refused = patchcord(&["run", &file, "--plot", &path(&folder, "x.svg")]);

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::{FIG_8_16, code, errors, json, out, patchcord, path};
+use super::{FIG_8_16, code, errors, json, out, patchcord, patchcord_with_progress, path};
 
 const SHORT: [&str; 8] =
     ["--vary", "VcL=1e-3,2e-3", "--for", "0.3", "--measure", "peak:v_o", "--measure", "overload"];
@@ -38,6 +38,20 @@ fn rows_are_written_to_standard_output_or_to_a_file() {
     assert_eq!(counts, [2, 2, 0, 0]);
     assert_eq!(again["sweep"]["columns"][1], serde_json::json!({"name": "peak:v_o", "unit": "m/s"}));
     assert_eq!(fs::read_to_string(&csv).unwrap(), lines);
+}
+
+#[test]
+fn a_long_sweep_reports_its_progress_in_plain_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "sweep.csv");
+    let command = ["sweep", FIG_8_16, "--vary", "VcL=1e-3,2e-3", "--for", "2", "--measure", "peak:v_o"];
+    let expected = out(&patchcord(&command));
+    let ran = patchcord_with_progress("0.001", &[&command[..], &["--out", &csv]].concat());
+    let lines = errors(&ran);
+    assert_eq!(code(&ran), 0, "{lines}");
+    assert!(lines.lines().all(|line| line.starts_with("sweep: ")), "{lines}");
+    assert!(lines.lines().any(|line| line.contains(" of 2 runs")), "{lines}");
+    assert_eq!(fs::read_to_string(&csv).unwrap(), expected);
 }
 
 #[test]

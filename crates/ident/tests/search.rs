@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 
 use super::library;
 use patchcord_core::circuit::Circuit;
-use patchcord_ident::Experiment;
 use patchcord_ident::effects::Library;
 use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::report::Report;
@@ -21,6 +20,7 @@ use patchcord_ident::report::provenance::augmented_patch;
 use patchcord_ident::report::rounds::round_sentence;
 use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::{Outcome, SearchSettings, Verdict};
+use patchcord_ident::{Experiment, Progress, SearchPhase};
 
 /// The experiment of a table that a motor pushes, from docs/gap.md.
 const SLIDE: &str = "../../examples/05_missing_effect/slide.experiment.json";
@@ -66,9 +66,26 @@ fn search_case_among(case: &str, effects: &[&str]) -> (Experiment, Problem, Outc
     let problem = Problem::of(&experiment).unwrap();
     let library = library::with_effects(effects);
     let settings = SearchSettings::new(&library).with_threads(2);
-    let outcome = patchcord_ident::search::search(&experiment, &problem, &settings, |_| ()).unwrap().unwrap();
+    let mut reports = Vec::new();
+    let report = |progress| reports.push(progress);
+    let outcome = patchcord_ident::search::search(&experiment, &problem, &settings, report).unwrap().unwrap();
+    check_reports(&reports, &outcome);
     let truth = std::fs::read_to_string(folder.join("truth.json")).unwrap();
     (experiment, problem, outcome, serde_json::from_str(&truth).unwrap())
+}
+
+/// Asserts that the progress of a search names the best effect of each round, and at the end the effects of the
+/// outcome.
+fn check_reports(reports: &[Progress], outcome: &Outcome) {
+    for report in reports.iter().filter(|report| report.total > 0) {
+        assert!(report.done <= report.total, "{report:?}");
+        let is_complete = report.done == report.total && report.phase == SearchPhase::Full;
+        assert!(!is_complete || report.best.is_some(), "{report:?}");
+    }
+    if let Some(last) = reports.last().filter(|report| report.phase == SearchPhase::Localisation) {
+        let effects: Vec<_> = outcome.effects.iter().map(|effect| effect.placed_effect()).collect();
+        assert_eq!(last.added, effects);
+    }
 }
 
 #[test]

@@ -12,7 +12,9 @@ use serde_json::Value;
 
 use super::document::Patch;
 use super::{decode, table_file};
-use crate::document::file::{DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text, read_text_from};
+use crate::document::file::{
+    DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text, read_text_from,
+};
 use crate::document::{Report, tree};
 use crate::output::write_atomic;
 

@@ -52,6 +52,17 @@ fn slideway() -> (&'static Circuit, &'static Board) {
     panel.map(|(_, circuit, board)| (circuit, board)).unwrap()
 }
 
+#[test]
+fn the_progress_counts_every_cord() {
+    let (circuit, board) = slideway();
+    let mut reports = Vec::new();
+    let again = Board::with_progress(circuit, "", &mut |done, all| reports.push((done, all)));
+    assert_eq!(again.as_ref(), Ok(board));
+    let all = reports.len();
+    assert!(all >= board.cords.len() + board.links.len());
+    assert_eq!(reports, (0..all).map(|done| (done, all)).collect::<Vec<_>>());
+}
+
 /// Defines a test of each check on a few panels, and a slow one on all panels.
 macro_rules! on_boards {
     ($($check:ident),* $(,)?) => {

@@ -5,7 +5,7 @@
 
 use crate::effects::reach::{Extent, QuantitySize};
 use crate::effects::sites::{Junction, ScaledSignal, Sites};
-use crate::effects::{Attachment, Effect, Form, InputRole, OutputRole};
+use crate::effects::{Attachment, Effect, Form, InputRole, OutputRole, PlacedEffect};
 use patchcord_expr::Unit;
 
 /// An effect, one of its forms, and the site at which it is wired.
@@ -73,6 +73,11 @@ impl<'a> EffectPlacement<'a> {
             AttachmentSite::Junction { junction, .. } => &junction.integrator,
             AttachmentSite::Cord(signal) => &signal.element,
         }
+    }
+
+    /// The effect at its site, by name.
+    pub fn placed_effect(&self) -> PlacedEffect {
+        PlacedEffect { effect: self.effect.name.clone(), site: self.site_name().to_owned() }
     }
 
     /// The index of the form in the effect's list.

@@ -4,6 +4,7 @@ use crate::design::detectability::detection_limit::DetectionLimit;
 use crate::design::detectability::detection_limits;
 use crate::design::discriminating_experiment::discriminating_experiment;
 use crate::design::discriminating_experiment::{DiscriminatingExperiment, Rival};
+use crate::effects::candidate::Candidate;
 use crate::effects::effect_sites::EffectSites;
 use crate::fit::fitted_model::FittedModel;
 use crate::fit::intervals::with_standard_errors;
@@ -55,7 +56,9 @@ pub(crate) fn judge(
     let empty_round = rounds.first().filter(|_| effects.is_empty());
     let limits = empty_round.map(|round| limits_of_round(problem, round)).transpose()?;
     let detection_limits = limits.unwrap_or_default();
-    let conclusion = conclude(problem, &base, &final_model, &rounds, &detection_limits, progress)?;
+    let added: Vec<_> = effects.iter().map(Candidate::placed_effect).collect();
+    let mut progress = |phase: Progress| progress(Progress { added: added.clone(), ..phase });
+    let conclusion = conclude(problem, &base, &final_model, &rounds, &detection_limits, &mut progress)?;
     let range_extension = extend_ranges(problem, &base, &final_model)?;
     let conclusion = conclusion.considering(range_extension.as_ref());
     let Conclusion { verdict, inconclusive, localisations } =

@@ -1,5 +1,7 @@
 //! Progress of a search.
 
+use crate::effects::PlacedEffect;
+
 /// A phase of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -16,8 +18,8 @@ pub enum SearchPhase {
     Localisation,
 }
 
-/// The current phase of a search, and its completed work.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The current phase of a search, its completed work, and what is found so far.
+#[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Progress {
     /// Number of the effect that is searched for, from 1. Zero outside rounds.
@@ -28,11 +30,15 @@ pub struct Progress {
     pub done: u64,
     /// Number of trials of this phase. Zero if the phase does not count trials.
     pub total: u64,
+    /// The effects that are in the patch during this phase. A later phase may replace or drop them.
+    pub added: Vec<PlacedEffect>,
+    /// The effect with the smallest residual so far among the trials of this round. None before the first trial.
+    pub best: Option<PlacedEffect>,
 }
 
 impl Progress {
     /// The beginning of a phase that does not count trials.
     pub(crate) fn of(phase: SearchPhase) -> Progress {
-        Progress { round: 0, phase, done: 0, total: 0 }
+        Progress { round: 0, phase, done: 0, total: 0, added: Vec::new(), best: None }
     }
 }

@@ -6,7 +6,9 @@
 //! are checked.
 
 use std::cmp::Reverse;
+use std::sync::{Mutex, PoisonError};
 
+use crate::effects::PlacedEffect;
 use crate::effects::attach::EffectPlacement;
 use crate::effects::candidate::Candidate;
 use crate::fit::base_fit::finish;
@@ -41,6 +43,8 @@ const NEAR_CHI2_RATIO: f64 = 1.5;
 type FittedTrial = (Candidate, FittedModel);
 /// A fitted trial. None if the effect cannot be tried at its site.
 type TrialSlot = Option<FittedTrial>;
+/// The trial with the smallest chi2 so far, as its index, and this chi2. None before the first fit.
+type BestTrial = Mutex<Option<(usize, f64)>>;
 /// Receives the phase, the number of completed trials and the number of all trials of the phase.
 type ReportProgress<'p> = dyn FnMut(SearchPhase, u64, usize) + Send + 'p;
 
@@ -56,6 +60,8 @@ pub(crate) struct TrialRunner<'a> {
     pub placements: &'a [EffectPlacement<'a>],
     /// An earlier fit of one of the effects, if this round repeats the search for it.
     pub previous: Option<&'a PreviousFit<'a>>,
+    /// The best trial so far, for reports on the progress.
+    best: &'a BestTrial,
 }
 
 impl TrialRunner<'_> {
@@ -87,8 +93,16 @@ impl TrialRunner<'_> {
         Ok((self.finish_near_best(slots.into_iter().flatten().collect())?, skipped))
     }
 
+    /// Fits a trial, and remembers it if it is the best so far.
     fn fit(&self, trial: usize, request: TrialRequest<'_>) -> Result<FittedTrial, SkipReason> {
-        fit_trial(self.problem, self.model, &self.placements[trial], self.peaks, request)
+        let (candidate, model) =
+            fit_trial(self.problem, self.model, &self.placements[trial], self.peaks, request)?;
+        let chi2 = model.train.chi2;
+        let mut best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
+        if best.is_none_or(|(_, smallest)| chi2 < smallest) {
+            *best = Some((trial, chi2));
+        }
+        Ok((candidate, model))
     }
 
     /// Fits all trials quickly.
@@ -103,6 +117,7 @@ impl TrialRunner<'_> {
                 TrialRequest { effort: Effort::QUICK, target_chi2, previous: None, effect_values },
             )
         };
+        report(SearchPhase::Quick, 0, trials.len());
         let results = parallel::map(&trials, fit, |done| {
             report(SearchPhase::Quick, done, trials.len());
         });
@@ -147,6 +162,7 @@ impl TrialRunner<'_> {
             let previous = slots[*trial].as_ref().map(|(_, model)| model);
             self.fit(*trial, TrialRequest { effort, target_chi2, previous, effect_values: None }).ok()
         };
+        report(phase, 0, order.len());
         let refits = parallel::map(&order, fit, |done| report(phase, done, order.len()));
         for (trial, refit) in order.iter().zip(refits) {
             let is_complete = refit.is_some();
@@ -228,12 +244,18 @@ pub(crate) fn run_round(
     let placements = settings.library.iter().flat_map(|effect| EffectPlacement::all(effect, &sites));
     let placements: Vec<EffectPlacement<'_>> = placements.filter(is_new).collect();
     let number = effects.len() + 1;
+    let added: Vec<PlacedEffect> = effects.iter().map(Candidate::placed_effect).collect();
+    let best = BestTrial::default();
     let mut report = |phase, done, total: usize| {
-        progress(Progress { round: number, phase, done, total: total as u64 });
+        let best = *best.lock().unwrap_or_else(PoisonError::into_inner);
+        let best = best.map(|(trial, _)| placements[trial].placed_effect());
+        let (total, added) = (total as u64, added.clone());
+        progress(Progress { round: number, phase, done, total, added, best });
     };
-    let runner = TrialRunner { problem, model, peaks: &peaks, placements: &placements, previous };
+    let runner =
+        TrialRunner { problem, model, peaks: &peaks, placements: &placements, previous, best: &best };
     let (trials, skipped) = runner.run(&mut report)?;
-    let mut round = Round::new(model, effects.iter().map(Candidate::placed_effect).collect(), trials);
+    let mut round = Round::new(model, added, trials);
     round.skipped = skipped;
     Ok(round)
 }

@@ -8,7 +8,8 @@
 //!
 //! A [`Figure`] (`crates/thesis/src/replay/figures`) is drawn from runs of shipped patches with changed settings, or
 //! from theory. [`gallery`] shows figures with their claims. [`differences_page`] shows what the differences from the
-//! thesis depend on. [`run_all`] draws figures and examines claims on several threads.
+//! thesis depend on. [`run_all`] draws figures and examines claims on several threads, and
+//! [`run_each`] also passes on each figure as soon as it is finished.
 //!
 //! # Examples
 //!
@@ -58,4 +59,4 @@ pub use finding::{Finding, PrintedNumber, Tolerance};
 pub use gallery::{GalleryFigure, gallery};
 pub use ledger::{LedgerError, ledger};
 pub use number_table::NumberTable;
-pub use run_all::{ReplayError, run_all};
+pub use run_all::{ReplayError, run_all, run_each};

@@ -131,6 +131,9 @@ pub struct Cord {
     pub colour: usize,
 }
 
+/// Receives how much of the work is done, and all of it.
+type ReportProgress<'p> = &'p mut dyn FnMut(usize, usize);
+
 /// The margin around the panel.
 const MARGIN: f64 = 28.0;
 
@@ -151,6 +154,22 @@ impl Board {
     /// If the circuit has more than [`super::Schematic::MAX_SYMBOLS`] elements and drives or more than
     /// [`Board::MAX_CORDS`] cords.
     pub fn new(circuit: &Circuit, note: &str) -> Result<Board, DrawError> {
+        Board::with_progress(circuit, note, &mut |_, _| ())
+    }
+
+    /// Returns the patch panel of a circuit, like [`Board::new`], and reports progress.
+    ///
+    /// `progress` receives the number of routed cords and the number of all, in which a cord counts once per round of
+    /// routing. Hundreds of cords take minutes.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Board::new`].
+    pub fn with_progress(
+        circuit: &Circuit,
+        note: &str,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> Result<Board, DrawError> {
         let symbols = describe::symbols(&View::new(circuit, ViewScope::Elements), &|_| None);
         DrawError::check(symbols.len())?;
         let count = symbols.iter().map(|symbol| symbol.jacks.len()).sum();
@@ -167,18 +186,18 @@ impl Board {
         let size = (width, layout.bottom + CORD_SPACE);
         let mut board =
             Board { heading, modules: layout.modules, cords, links, rows: layout.rows, lists, size };
-        board.route();
+        board.route(progress);
         Ok(board)
     }
 
     /// Routes cords and links around the texts and jacks of the panel, and colours the cords.
-    fn route(&mut self) {
+    fn route(&mut self, progress: ReportProgress<'_>) {
         let mut primitives = self.heading.draw((MARGIN, MARGIN));
         face::draw_jacks(&self.modules, &mut primitives);
         face::draw_texts(&self.modules, &self.rows, &mut primitives);
         let mut grid = PanelGrid::new((self.size.0 + 2.0 * MARGIN, self.size.1), &primitives);
         let ends = self.cords.iter().map(|cord| cord.ends).chain(self.links.iter().map(|link| link.ends));
-        let mut paths = grid.route(&ends.collect::<Vec<_>>()).into_iter();
+        let mut paths = grid.route(&ends.collect::<Vec<_>>(), progress).into_iter();
         self.cords.iter_mut().zip(&mut paths).for_each(|(cord, path)| cord.points = path);
         self.links.iter_mut().zip(paths).for_each(|(link, path)| link.points = path);
         colour::colour(&mut self.cords, &self.modules);

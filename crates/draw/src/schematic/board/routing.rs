@@ -9,7 +9,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::corners;
+use super::{ReportProgress, corners};
 use crate::plot::{Area, Primitive};
 use crate::schematic::layout::Point;
 
@@ -151,17 +151,19 @@ impl PanelGrid {
         (cell as i32 % self.columns, cell as i32 / self.columns)
     }
 
-    /// Routes cords between their plugs and returns the points of each path.
-    pub(super) fn route(&mut self, ends: &[[Point; 2]]) -> Vec<Vec<Point>> {
+    /// Routes cords between their plugs and returns the points of each path. `progress` receives the number of routed
+    /// cords and the number of all, with each cord once per round.
+    pub(super) fn route(&mut self, ends: &[[Point; 2]], progress: ReportProgress<'_>) -> Vec<Vec<Point>> {
         let effort = effort(ends.len());
+        let all = effort.rounds * ends.len();
         let mut paths: Vec<Vec<State>> = vec![Vec::new(); ends.len()];
         let mut search = Search::new(self.contents.len(), effort.weight);
-        for _ in 0..effort.rounds {
-            for (cord, ends) in ends.iter().enumerate() {
-                paths[cord]
-                    .iter()
-                    .for_each(|state| self.cords[state / 8].retain(|(other, _)| *other != cord));
-                paths[cord] = search.cheapest(self, *ends);
+        for round in 0..effort.rounds {
+            for (cord, plugs) in ends.iter().enumerate() {
+                progress(round * ends.len() + cord, all);
+                let remove = |state: &State| self.cords[state / 8].retain(|(other, _)| *other != cord);
+                paths[cord].iter().for_each(remove);
+                paths[cord] = search.cheapest(self, *plugs);
                 paths[cord].iter().for_each(|state| self.cords[state / 8].push((cord, state % 8)));
             }
         }
