@@ -34,6 +34,18 @@ fn a_lag_at_its_corner_gives_7_07_of_10_volts_45_degrees_late() {
 }
 
 #[test]
+fn a_circuit_without_memory_has_a_constant_response() {
+    let summer = element("summer").cords("x1", ["u"]);
+    let drive = element("step").set("height", 1);
+    let patch = volts("summer").drive("u", "volt", drive).element("B", summer);
+    let found = response(&built(patch), "u", "B", [0.01, 100.0]);
+    assert!(found.points.len() > 200, "{}", found.points.len());
+    for point in &found.points {
+        assert_eq!((point.ratio, point.phase.abs()), (1.0, PI), "{point:?}");
+    }
+}
+
+#[test]
 fn a_driven_oscillator_follows_its_formula() {
     let (m, k, d) = (1.0, 40.0, 2.0);
     let found = response(&shipped("lessons/driven-oscillator", &[]), "push", "x", [0.01, 100.0]);
