@@ -151,7 +151,7 @@ impl FrequencyResponse {
     }
 
     /// Writes CSV: units in `#` comment lines, then the columns `frequency` in Hz, `ratio`, `decibels` and `phase` in
-    /// degrees. Numbers are exact.
+    /// degrees. Numbers are exact. A point without decibels or a phase has no row: its ratio is 0 or not finite.
     ///
     /// # Errors
     /// If the writer returns an error.
@@ -159,7 +159,7 @@ impl FrequencyResponse {
         let unit = if self.unit.is_empty() { "1" } else { &self.unit };
         writeln!(to, "# frequency: Hz\n# ratio, {}: {unit}\n# decibels: dB\n# phase: deg", self.title())?;
         writeln!(to, "frequency,ratio,decibels,phase")?;
-        for point in &self.points {
+        for point in self.points.iter().filter(|point| point.decibels().is_finite()) {
             let ResponsePoint { frequency, ratio, phase } = point;
             writeln!(to, "{frequency:?},{ratio:?},{:?},{:?}", point.decibels(), phase.to_degrees())?;
         }
