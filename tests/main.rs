@@ -4,6 +4,8 @@ mod cli;
 #[path = "../crates/core/tests/common/mod.rs"]
 mod common;
 mod docs;
+mod fuzz;
+mod fuzz_cases;
 mod imports;
 #[path = "../crates/core/tests/known_problems/mod.rs"]
 mod known_problems;

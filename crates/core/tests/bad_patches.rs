@@ -7,7 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use crate::common::mutated::{Xorshift, mutated};
+use crate::common::mutated::mutated;
+use crate::common::random::SplitMix64;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, DocumentError, Report};
 use patchcord_core::ir::Program;
@@ -143,7 +144,7 @@ fn check_refusal(report: &Report, text: &str) {
 
 /// Checks random mutations of a valid patch. At least half of them are refused.
 fn mutate(good: &str, rounds: usize) {
-    let mut random = Xorshift(0x9e37_79b9_7f4a_7c15);
+    let mut random = SplitMix64(0x9e37_79b9_7f4a_7c15);
     let mut refused = 0;
     for _ in 0..rounds {
         let text = mutated(good, &mut random);

@@ -88,3 +88,19 @@ fn the_error_for_a_missing_experiment_names_its_path() {
     assert!(matches!(error, ExperimentError::File(_)));
     assert!(error.to_string().starts_with("cannot read no/such/experiment.json"), "{error}");
 }
+
+#[test]
+fn too_few_rows_are_reported_with_a_missing_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("e.json");
+    fs::copy("tests/base.json", folder.path().join("base.json")).unwrap();
+    let experiment =
+        r#"{"patch": "base.json", "data": "data.csv", "drives": {"F": "G"}, "outputs": {"x": "x"}}"#;
+    fs::write(&path, experiment).unwrap();
+    for rows in ["", "0,1,2\n"] {
+        fs::write(folder.path().join("data.csv"), format!("t,F,x\n{rows}")).unwrap();
+        let report = bad::report(&path);
+        let codes: HashSet<_> = report.findings.iter().map(|finding| finding.code.as_str()).collect();
+        assert_eq!(codes, HashSet::from(["bad-data", "too-few-samples"]), "{report}");
+    }
+}

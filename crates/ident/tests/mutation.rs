@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::mutated::{Xorshift, mutated};
+use crate::common::mutated::mutated;
+use crate::common::random::SplitMix64;
 use patchcord_ident::{Experiment, ExperimentError, examine};
 
 /// Mutated inputs of each test.
@@ -52,7 +53,7 @@ fn assert_consistent(experiment: &Experiment) {
 fn each_mutated_experiment_is_read_or_rejected() {
     let folder = Path::new("../../examples/05_missing_effect");
     let good = fs::read_to_string(folder.join("slide.experiment.json")).unwrap();
-    let mut random = Xorshift(0x9e37_79b9_7f4a_7c15);
+    let mut random = SplitMix64(0x9e37_79b9_7f4a_7c15);
     let rejected = (0..ROUNDS).filter(|_| is_rejected(folder, &mutated(&good, &mut random))).count();
     assert!((ROUNDS / 2..ROUNDS).contains(&rejected), "{rejected} of {ROUNDS} are rejected");
 }
@@ -64,7 +65,7 @@ fn each_mutated_data_file_is_read_or_rejected() {
     let good = fs::read_to_string("tests/good.csv").unwrap();
     let experiment =
         r#"{"patch": "base.json", "data": "data.csv", "drives": {"F": "F"}, "outputs": {"x": "x"}}"#;
-    let mut random = Xorshift(0x2545_f491_4f6c_dd1d);
+    let mut random = SplitMix64(0x2545_f491_4f6c_dd1d);
     let mut rejected = 0;
     for _ in 0..ROUNDS {
         fs::write(folder.path().join("data.csv"), mutated(&good, &mut random)).unwrap();

@@ -151,7 +151,7 @@ impl FrequencyResponse {
     }
 
     /// Writes CSV: units in `#` comment lines, then the columns `frequency` in Hz, `ratio`, `decibels` and `phase` in
-    /// degrees. Numbers are exact.
+    /// degrees. Numbers are exact. A point without decibels or a phase has no row: its ratio is 0 or not finite.
     ///
     /// # Errors
     /// If the writer returns an error.
@@ -159,7 +159,7 @@ impl FrequencyResponse {
         let unit = if self.unit.is_empty() { "1" } else { &self.unit };
         writeln!(to, "# frequency: Hz\n# ratio, {}: {unit}\n# decibels: dB\n# phase: deg", self.title())?;
         writeln!(to, "frequency,ratio,decibels,phase")?;
-        for point in &self.points {
+        for point in self.points.iter().filter(|point| point.decibels().is_finite()) {
             let ResponsePoint { frequency, ratio, phase } = point;
             writeln!(to, "{frequency:?},{ratio:?},{:?},{:?}", point.decibels(), phase.to_degrees())?;
         }
@@ -212,17 +212,26 @@ impl<'m> TransferFunction<'m> {
     /// delay line, so delays are exact, also within loops. Between two signals it is the quotient of two such terms.
     /// Not finite at an undamped resonance, or if the first signal does not move. `omega` is in rad/s, positive.
     pub fn volts_per_volt(&self, omega: f64) -> Complex<f64> {
+        let Some(inner) = self.inner_amplitudes(omega) else {
+            return Complex::new(f64::INFINITY, 0.0);
+        };
+        let output = self.output.amplitude(&inner);
+        self.denominator.as_ref().map_or(output, |denominator| output / denominator.amplitude(&inner))
+    }
+
+    /// Complex amplitudes of states and delay lines for a unit drive. None at an undamped resonance. `omega` is in rad/s.
+    fn inner_amplitudes(&self, omega: f64) -> Option<DVector<Complex<f64>>> {
+        // The decomposition of an empty matrix panics.
+        if self.inner.is_empty() {
+            return Some(self.from_drive.clone());
+        }
         let mut system = -self.inner.clone();
         let states = self.model.states.iter().map(|_| Complex::new(0.0, omega));
         let delays = self.model.delays.iter().map(|delay| Complex::new(0.0, omega * delay.seconds).exp());
         for (index, term) in states.chain(delays).enumerate() {
             system[(index, index)] += term;
         }
-        let Some(inner) = system.lu().solve(&self.from_drive) else {
-            return Complex::new(f64::INFINITY, 0.0);
-        };
-        let output = self.output.amplitude(&inner);
-        self.denominator.as_ref().map_or(output, |denominator| output / denominator.amplitude(&inner))
+        system.lu().solve(&self.from_drive)
     }
 
     /// The frequency response over a band: both limits, 60 points per decade, the natural frequencies, and more points

@@ -6,7 +6,9 @@ use std::fs;
 use crate::common::{built, circuit, element, volts};
 use crate::linear::{model, near, response, shipped};
 use patchcord_analysis::instruments::harmonic;
-use patchcord_analysis::linear::{FrequencyBand, LinearError, TransferFunction, roots};
+use patchcord_analysis::linear::{
+    FrequencyBand, FrequencyResponse, LinearError, ResponsePoint, TransferFunction, roots,
+};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::PatchBuilder;
 use patchcord_core::solve::{self, RunSettings};
@@ -30,6 +32,18 @@ fn a_lag_at_its_corner_gives_7_07_of_10_volts_45_degrees_late() {
         let last = found.points[found.points.len() - 1];
         assert!(near(last.ratio, 1e-3, 1e-6) && near(last.phase, PI / 2.0 + 1e-3, 1e-6), "{last:?}");
         assert_eq!(found.unit, "");
+    }
+}
+
+#[test]
+fn a_circuit_without_memory_has_a_constant_response() {
+    let summer = element("summer").cords("x1", ["u"]);
+    let drive = element("step").set("height", 1);
+    let patch = volts("summer").drive("u", "volt", drive).element("B", summer);
+    let found = response(&built(patch), "u", "B", [0.01, 100.0]);
+    assert!(found.points.len() > 200, "{}", found.points.len());
+    for point in &found.points {
+        assert_eq!((point.ratio, point.phase.abs()), (1.0, PI), "{point:?}");
     }
 }
 
@@ -197,4 +211,21 @@ fn a_csv_table_has_exact_numbers() {
     let row: Vec<f64> = lines[3].split(',').map(|cell| cell.parse().unwrap()).collect();
     let point = found.points[2];
     assert_eq!(row, [point.frequency, point.ratio, point.decibels(), point.phase.to_degrees()]);
+}
+
+#[test]
+fn a_csv_table_has_no_row_for_an_infinite_or_absent_response() {
+    let point = |frequency: f64, ratio: f64, phase: f64| ResponsePoint { frequency, ratio, phase };
+    let points = vec![
+        point(1.0, f64::INFINITY, f64::NAN),
+        point(2.0, 0.0, f64::NAN),
+        point(3.0, 1.0, 0.0),
+        point(4.0, f64::NAN, f64::NAN),
+    ];
+    let (input, output, unit) = ("u".to_owned(), "x".to_owned(), String::new());
+    let mut table = Vec::new();
+    FrequencyResponse { input, by: None, output, unit, points }.write_csv(&mut table).unwrap();
+    let text = String::from_utf8(table).unwrap();
+    let rows: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).skip(1).collect();
+    assert_eq!(rows, ["3.0,1.0,0.0,0.0"]);
 }

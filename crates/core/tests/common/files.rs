@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Every shipped patch of every folder. Effects and experiments are other documents and are left out.
 pub(crate) fn shipped_files() -> Vec<PathBuf> {
-    let mut files = patches_in(&repository_path("patches"));
+    let mut files = json_files_in(&repository_path("patches"));
     let is_experiment = |file: &Path| file.to_str().unwrap().ends_with(".experiment.json");
     files.retain(|file| !file.starts_with(repository_path("patches/effects")) && !is_experiment(file));
     assert!(files.len() >= 25, "{files:?}");
@@ -31,7 +31,7 @@ pub(crate) fn representative_files() -> Vec<PathBuf> {
 
 /// The valid patches of crates/core/tests/patches.
 pub(crate) fn test_patch_files() -> Vec<PathBuf> {
-    let mut files = patches_in(&repository_path("crates/core/tests/patches"));
+    let mut files = json_files_in(&repository_path("crates/core/tests/patches"));
     files.retain(|file| !file.starts_with(repository_path("crates/core/tests/patches/bad")));
     assert!(files.len() >= 9, "{files:?}");
     files
@@ -55,10 +55,10 @@ pub(crate) fn repository_path(path: &str) -> PathBuf {
 }
 
 /// The JSON files of a folder and its subfolders, sorted by name.
-fn patches_in(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn json_files_in(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<_> = folder.read_dir().unwrap().map(|entry| entry.unwrap().path()).collect();
     entries.sort();
     let files =
-        entries.into_iter().flat_map(|path| if path.is_dir() { patches_in(&path) } else { vec![path] });
+        entries.into_iter().flat_map(|path| if path.is_dir() { json_files_in(&path) } else { vec![path] });
     files.filter(|file| file.extension().is_some_and(|extension| extension == "json")).collect()
 }

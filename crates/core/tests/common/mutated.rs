@@ -1,21 +1,6 @@
 //! Randomly damaged documents.
 
-/// A xorshift generator (Marsaglia 2003): the same random numbers in every run. The field is the seed, not 0.
-pub(crate) struct Xorshift(pub u64);
-
-impl Xorshift {
-    /// A number from 0 up to `end`, without `end`; 0 if `end` is 0.
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end.max(1) as u64) as usize
-    }
-
-    fn one_of<'a, T: ?Sized>(&mut self, items: &[&'a T]) -> &'a T {
-        items[self.below(items.len())]
-    }
-}
+use super::random::SplitMix64;
 
 /// The words, numbers and punctuation characters of a JSON text.
 fn tokens(text: &str) -> Vec<&str> {
@@ -71,7 +56,7 @@ const REPLACEMENTS: &[&str] = &[
 ];
 
 /// The text with one token deleted, doubled, swapped with another, or replaced.
-fn with_changed_token(text: &str, random: &mut Xorshift) -> String {
+fn with_changed_token(text: &str, random: &mut SplitMix64) -> String {
     let mut tokens = tokens(text);
     let (index, other) = (random.below(tokens.len()), random.below(tokens.len()));
     match random.below(5) {
@@ -79,25 +64,25 @@ fn with_changed_token(text: &str, random: &mut Xorshift) -> String {
         1 => tokens.insert(index, tokens[index]),
         2 => tokens.swap(index, other),
         3 => tokens[index] = tokens[other],
-        _ => tokens[index] = random.one_of(REPLACEMENTS),
+        _ => tokens[index] = *random.pick(REPLACEMENTS),
     }
     tokens.concat()
 }
 
 /// The text with one byte deleted or replaced, or truncated at that byte.
-fn with_changed_byte(text: &str, random: &mut Xorshift) -> String {
+fn with_changed_byte(text: &str, random: &mut SplitMix64) -> String {
     let mut bytes = text.as_bytes().to_vec();
     let index = random.below(bytes.len());
     match random.below(8) {
         0 => bytes.truncate(index),
         1..4 => drop(bytes.remove(index)),
-        _ => bytes[index] = *random.one_of(&b"{}[],:\"\\ 0123456789.eE+-abxyzABS\n/*".each_ref()),
+        _ => bytes[index] = *random.pick(b"{}[],:\"\\ 0123456789.eE+-abxyzABS\n/*"),
     }
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// The text with one to three random changes.
-pub(crate) fn mutated(text: &str, random: &mut Xorshift) -> String {
+pub(crate) fn mutated(text: &str, random: &mut SplitMix64) -> String {
     let changes = 1 + random.below(3);
     (0..changes).fold(text.to_owned(), |text, _| match random.below(3) {
         _ if text.is_empty() => text,

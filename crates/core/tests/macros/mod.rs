@@ -6,6 +6,7 @@ mod size;
 use proptest::prelude::*;
 use serde_json::{Map, Value, json};
 
+use crate::common::random::SplitMix64;
 use crate::common::{circuit, element, patch, program, random_cases, slideway, voltage, volts};
 use expansion::expanded;
 use patchcord_core::circuit::Circuit;
@@ -198,26 +199,9 @@ fn a_patch_lists_its_instances_with_members_and_ports() {
     assert_eq!(patch.macros["lag-8-15"].element_names().collect::<Vec<_>>(), lag);
 }
 
-/// A xorshift generator of reproducible random numbers.
-struct Xorshift(u64);
-
-impl Xorshift {
-    /// A number from 0 up to `end`, without `end`.
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end.max(1) as u64) as usize
-    }
-
-    fn one_of(&mut self, items: &[String]) -> String {
-        items[self.below(items.len())].clone()
-    }
-}
-
 /// A random section of elements and instances. They read `sources` and the outputs of the entries before them.
 fn random_section(
-    random: &mut Xorshift,
+    random: &mut SplitMix64,
     macros: &Map<String, Value>,
     sources: &[&str],
     names: &[&str],
@@ -234,15 +218,15 @@ fn random_section(
             _ => "0.3".to_owned(),
         };
         let entry = match choice {
-            0 => json!({"kind": "pot", "in": random.one_of(&sources), "setting": setting}),
-            1 => json!({"kind": "summer", "in": {"x1": [random.one_of(&sources), random.one_of(&sources)]}}),
-            2 => json!({"kind": "integrator", "in": {"x1": [random.one_of(&sources)]}, "initial": setting}),
+            0 => json!({"kind": "pot", "in": random.pick(&sources), "setting": setting}),
+            1 => json!({"kind": "summer", "in": {"x1": [random.pick(&sources), random.pick(&sources)]}}),
+            2 => json!({"kind": "integrator", "in": {"x1": [random.pick(&sources)]}, "initial": setting}),
             _ => {
-                let kind = random.one_of(&kinds);
+                let kind = random.pick(&kinds);
                 sources.push(format!("{name}.second"));
                 let mut instance =
-                    json!({"kind": kind, "a": random.one_of(&sources[..sources.len() - 1]), "s": setting});
-                instance["b"] = random.one_of(&sources[..sources.len() - 1]).into();
+                    json!({"kind": kind, "a": random.pick(&sources[..sources.len() - 1]), "s": setting});
+                instance["b"] = random.pick(&sources[..sources.len() - 1]).as_str().into();
                 if random.below(2) == 0 {
                     instance.as_object_mut().unwrap().shift_remove("s");
                 }
@@ -257,7 +241,7 @@ fn random_section(
 
 /// A random patch document with nested macros, elements and instances.
 fn random_document(seed: u64) -> Value {
-    let mut random = Xorshift(seed | 1);
+    let mut random = SplitMix64(seed);
     let mut macros = Map::new();
     for index in 0..1 + random.below(3) {
         let elements = random_section(&mut random, &macros, &["a", "b", "D", "ground"], &["s", "p"]);
@@ -266,7 +250,7 @@ fn random_document(seed: u64) -> Value {
             format!("m{index}"),
             json!({
                 "inputs": {"a": "", "b": ""},
-                "outputs": {"first": random.one_of(&names), "second": random.one_of(&names)},
+                "outputs": {"first": random.pick(&names), "second": random.pick(&names)},
                 "settings": {"s": {"unit": "1", "default": 0.25}},
                 "elements": elements,
             }),

@@ -15,7 +15,7 @@ use std::path::Path;
 use crate::data::codes;
 use crate::data::experiment_document::{RecordSource, SampleTimes};
 use crate::data::measured_file::even_times::MAX_JITTER;
-use patchcord_core::document::csv_table::{ColumnSelector, CsvFault};
+use patchcord_core::document::csv_table::{ColumnSelector, CsvFault, CsvTable};
 use patchcord_core::document::fields::Findings;
 use patchcord_core::document::{Code, Diagnostic, Placed, Span, csv_table, plural};
 use patchcord_expr::Unit;
@@ -117,15 +117,7 @@ impl FileReader<'_> {
                 return None;
             }
         };
-        if rows.lines.len() < 2 {
-            let message = format!(
-                "{} has {} of data, but needs 2",
-                self.path.display(),
-                plural(rows.lines.len(), "row")
-            );
-            findings.push(Diagnostic::at(codes::TOO_FEW_SAMPLES, self.source.file.span, message));
-            return None;
-        }
+        self.check_row_count(&rows).map_err(|finding| findings.push(finding)).ok()?;
         let unit_seconds = self.unit_seconds(&rows, findings);
         let is_converted = self.convert_columns(&mut rows, findings);
         let even_times =
@@ -144,11 +136,24 @@ impl FileReader<'_> {
         is_converted.then_some((measured, unit_seconds?))
     }
 
+    /// Checks that the file has at least two rows, which an even grid of times needs.
+    fn check_row_count(&self, rows: &CsvTable) -> Result<(), Diagnostic> {
+        let count = rows.lines.len();
+        if count >= 2 {
+            return Ok(());
+        }
+        let message = format!("{} has {} of data, but needs 2", self.path.display(), plural(count, "row"));
+        Err(Diagnostic::at(codes::TOO_FEW_SAMPLES, self.source.file.span, message))
+    }
+
     /// Reports faults of the times of a file that has a fault in another column.
     fn check_times(&self, findings: &mut Findings) {
         let Ok(times) = csv_table::read(self.path, &self.csv_columns()[..self.time_columns()]) else {
             return;
         };
+        if let Err(finding) = self.check_row_count(&times) {
+            return findings.push(finding);
+        }
         let Some(unit_seconds) = self.unit_seconds(&times, findings) else { return };
         findings.extend(self.even_times(&times, unit_seconds).err());
     }

@@ -1,0 +1,108 @@
+//! The rules that every answer of the command obeys.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::case::Case;
+use super::command_lines::SWEEP;
+use super::runner::{Answer, TIME_LIMIT};
+
+/// The sentence with which a run that stops says that its files are complete up to an instant.
+const STOPPED: &str = "the files contain the run up to";
+
+/// The last bytes of a complete PNG file: the chunk IEND with its checksum.
+const END_OF_PNG: &[u8] = b"IEND\xaeB`\x82";
+
+/// The broken rules of an answer and of the files that it left in the folder of the case.
+pub(crate) fn violations(case: &Case, folder: &Path, answer: &Answer) -> Vec<String> {
+    if answer.is_late {
+        return vec![format!("takes more than {} s", TIME_LIMIT.as_secs())];
+    }
+    let mut found = answer_violations(&case.arguments, answer);
+    let mut written = Vec::new();
+    list_files(folder, folder, &mut written);
+    for (name, bytes) in written {
+        found.extend(file_violation(case, &name, &bytes, answer).map(|what| format!("{name} {what}")));
+    }
+    found
+}
+
+/// The broken rules of exit code, standard output and standard error.
+pub(crate) fn answer_violations(arguments: &[String], answer: &Answer) -> Vec<String> {
+    let errors = String::from_utf8_lossy(&answer.errors);
+    let has_json = arguments.iter().any(|word| word == "--json");
+    let is_document = || serde_json::from_slice::<Value>(&answer.output).is_ok();
+    let rules = [
+        (answer.code.is_some(), "is ended by a signal"),
+        (!errors.contains("panicked at") && answer.code != Some(101), "panics"),
+        (!errors.contains("memory allocation of"), "needs more than 1 GB"),
+        (answer.code.is_none_or(|code| (0..4).contains(&code) || code == 101), "has an unknown exit code"),
+        (answer.code == Some(0) || !errors.trim().is_empty(), "has an error without a message"),
+        (!has_json || is_document(), "does not print a JSON document"),
+    ];
+    rules.into_iter().filter(|(is_obeyed, _)| !is_obeyed).map(|(_, what)| what.to_owned()).collect()
+}
+
+/// The names and the contents of all files in a folder, with names relative to `root`.
+fn list_files(root: &Path, folder: &Path, found: &mut Vec<(String, Vec<u8>)>) {
+    for path in fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
+        if path.is_dir() {
+            list_files(root, &path, found);
+        } else {
+            let name = path.strip_prefix(root).unwrap_or(&path).display().to_string();
+            found.push((name, fs::read(&path).unwrap_or_default()));
+        }
+    }
+}
+
+/// The broken rule of a file after the command. A table of a sweep grows, so it may exist after an error.
+fn file_violation(case: &Case, name: &str, bytes: &[u8], answer: &Answer) -> Option<&'static str> {
+    if let Some(before) = case.files.get(name) {
+        return (bytes != before).then_some("is an input that was changed");
+    }
+    let is_error = matches!(answer.code, Some(1 | 2));
+    let says_so = || String::from_utf8_lossy(&answer.errors).contains(STOPPED);
+    if name.ends_with(".tmp") {
+        return Some("is a temporary file that was left");
+    }
+    if is_error && name != SWEEP && !says_so() {
+        return Some("was written in spite of an error");
+    }
+    content_violation(name, bytes)
+}
+
+/// The broken rule of the content of a file: it is incomplete, or has a number that is not finite.
+pub(crate) fn content_violation(name: &str, bytes: &[u8]) -> Option<&'static str> {
+    let text = String::from_utf8_lossy(bytes);
+    match name.rsplit('.').next().unwrap_or_default() {
+        "csv" if !text.ends_with('\n') => Some("has an incomplete line"),
+        "csv" if has_infinite_cell(&text) => Some("has a number that is not finite"),
+        "svg" => picture_violation(&text),
+        "png" if !bytes.ends_with(END_OF_PNG) => Some("is not a complete picture"),
+        "json" if serde_json::from_slice::<Value>(bytes).is_err() => Some("is not a JSON document"),
+        _ => None,
+    }
+}
+
+/// The broken rule of a picture in SVG.
+fn picture_violation(text: &str) -> Option<&'static str> {
+    let Ok(picture) = roxmltree::Document::parse(text) else { return Some("is not a complete picture") };
+    let is_infinite = |value: &str| {
+        value.split(|letter: char| !letter.is_alphanumeric()).any(|word| ["NaN", "inf"].contains(&word))
+    };
+    let attributes = || picture.descendants().flat_map(|node| node.attributes());
+    let has_infinite = attributes().any(|attribute| is_infinite(attribute.value()));
+    has_infinite.then_some("has a number that is not finite")
+}
+
+/// Whether a cell below the line of names is not a finite number.
+fn has_infinite_cell(text: &str) -> bool {
+    let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let is_infinite = |cell: &str| {
+        let word = cell.trim_matches(['"', ' ', '+', '-']).to_lowercase();
+        ["nan", "inf", "infinity"].contains(&word.as_str())
+    };
+    rows.flat_map(|row| row.split(',')).any(is_infinite)
+}

@@ -1,0 +1,154 @@
+//! Runs many cases and keeps those that break a rule.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Duration;
+use std::{fs, io, thread};
+
+use tempfile::TempDir;
+
+use super::case::Case;
+use super::command_lines::SWEEP;
+use super::corpus::Corpus;
+use super::judgement::{answer_violations, violations};
+use super::runner::{Answer, run};
+use super::sweep_damage::DamagedTable;
+
+/// The number of commands that run at the same time.
+const THREADS: usize = 2;
+
+/// The file that describes how to repeat a case.
+const DESCRIPTION: &str = "command.txt";
+
+/// The results of many cases.
+#[derive(Debug, Default)]
+pub(crate) struct Summary {
+    /// The number of cases.
+    pub cases: usize,
+    /// The number of cases that the command accepted, with exit code 0.
+    pub accepted: usize,
+    /// The number of cases that the system refused: names of files or arguments that it does not permit.
+    pub skipped: usize,
+    /// The longest time of a command, and the number of its case.
+    pub longest: (Duration, u64),
+    /// A description of each case that breaks a rule, with the folder in which it can be repeated.
+    pub violations: Vec<String>,
+}
+
+/// A case and the answer of the command.
+struct Trial {
+    /// The case.
+    case: Case,
+    /// The answer, the second one if the case continues a sweep.
+    answer: Answer,
+    /// The table of the sweep with which the second command began.
+    table: Option<Vec<u8>>,
+    /// The broken rules.
+    violations: Vec<String>,
+}
+
+/// Runs the cases of a seed whose numbers `next` returns, until it returns `None`. Cases that break a rule are written
+/// into the folder `kept`.
+pub(crate) fn run_cases(
+    corpus: &Corpus,
+    seed: u64,
+    kept: &Path,
+    next: &(dyn Fn() -> Option<u64> + Sync),
+) -> Summary {
+    let summary = Mutex::new(Summary::default());
+    thread::scope(|scope| {
+        for _ in 0..THREADS {
+            scope.spawn(|| {
+                while let Some(number) = next() {
+                    let trial = Trial::new(Case::new(corpus, seed, number));
+                    summary.lock().unwrap().add(trial, number, &kept.join(format!("{seed}-{number}")));
+                }
+            });
+        }
+    });
+    summary.into_inner().unwrap()
+}
+
+impl Summary {
+    /// Adds a trial, and writes it into a folder if it breaks a rule.
+    fn add(&mut self, trial: io::Result<Trial>, number: u64, folder: &Path) {
+        self.cases += 1;
+        let Ok(trial) = trial else {
+            self.skipped += 1;
+            return;
+        };
+        self.accepted += usize::from(trial.answer.code == Some(0));
+        self.longest = self.longest.max((trial.answer.time, number));
+        if !trial.violations.is_empty() {
+            let place = match trial.write(folder) {
+                Ok(()) => folder.display().to_string(),
+                Err(error) => format!("not written: {error}"),
+            };
+            let what = trial.violations.join(", ");
+            let violation = format!("case {number}: patchcord {} {what} ({place})", trial.case.arguments[0]);
+            println!("{violation}");
+            self.violations.push(violation);
+        }
+    }
+}
+
+impl Trial {
+    /// Runs a case in a new folder.
+    ///
+    /// # Errors
+    /// If the system refuses a file or an argument.
+    fn new(case: Case) -> io::Result<Trial> {
+        let folder = TempDir::new()?;
+        case.write(folder.path())?;
+        let answer = run(folder.path(), &case.arguments)?;
+        let violations = violations(&case, folder.path(), &answer);
+        let damage_seed = case.damage_seed.filter(|_| answer.code == Some(0));
+        let trial = Trial { case, answer, table: None, violations };
+        match damage_seed {
+            Some(seed) => trial.continue_sweep(folder.path(), seed),
+            None => Ok(trial),
+        }
+    }
+
+    /// Damages the table of a sweep and runs the command again.
+    fn continue_sweep(self, folder: &Path, seed: u64) -> io::Result<Trial> {
+        let path = folder.join(SWEEP);
+        let table = DamagedTable::new(fs::read(&path)?, seed);
+        fs::write(&path, &table.damaged)?;
+        let answer = run(folder, &self.case.arguments)?;
+        let fault = table.fault(&fs::read(&path)?, answer.code == Some(0)).map(str::to_owned);
+        let mut found = self.violations;
+        // A refused table is as damaged as before, so only an accepted one is examined.
+        if answer.code == Some(0) || answer.is_late {
+            found.extend(violations(&self.case, folder, &answer));
+        } else {
+            found.extend(answer_violations(&self.case.arguments, &answer));
+        }
+        found.extend(fault);
+        Ok(Trial { case: self.case, answer, table: Some(table.damaged), violations: found })
+    }
+
+    /// Writes the case into a folder, with a file that describes how to repeat it.
+    fn write(&self, folder: &Path) -> io::Result<()> {
+        fs::create_dir_all(folder)?;
+        self.case.write(folder)?;
+        if let Some(table) = &self.table {
+            fs::write(folder.join(SWEEP), table)?;
+        }
+        fs::write(folder.join(DESCRIPTION), self.description(folder))
+    }
+
+    /// The command line for a shell, the broken rules, and the messages of the command.
+    fn description(&self, folder: &Path) -> String {
+        let quoted = |word: &String| format!(" '{}'", word.replace('\'', "'\\''"));
+        let words: String = self.case.arguments.iter().map(quoted).collect();
+        format!(
+            "cd '{}'\npatchcord{words}\n\n{}\nexit code {:?} after {:.1} s\n\n{}",
+            folder.display(),
+            self.violations.join("\n"),
+            self.answer.code,
+            self.answer.time.as_secs_f64(),
+            String::from_utf8_lossy(&self.answer.errors)
+        )
+    }
+}
