@@ -19,9 +19,9 @@ pub(super) struct SafeIntervals {
     pub all: Vec<SafeInterval>,
     /// The atom of every interval.
     pub atoms: Vec<Atom>,
-    /// Number of intervals of linear functions that are tested within a step; the first ones of all.
-    pub straight: usize,
-    /// Number of intervals that are tested within a step, the straight ones included.
+    /// Number of intervals that are tested at the first stage of a step; the first ones of all.
+    pub first: usize,
+    /// Number of intervals that are tested within a step: those of the first stage, then those of parabolas.
     pub within: usize,
     /// Index of the interval of each atom.
     indices: HashMap<Atom, usize>,
@@ -45,19 +45,19 @@ impl Layouter {
     pub(super) fn safe_intervals(&self, watched: &[(Atom, WatchCondition)], within: usize) -> SafeIntervals {
         let mut safe_intervals = SafeIntervals::default();
         let lines: Vec<_> = watched.iter().map(|(atom, _)| self.as_line(*atom, |_| true)).collect();
-        let is_straight = |watch: &usize| self.straight[lines[*watch].0 as usize];
-        let (straight, curved): (Vec<usize>, Vec<usize>) = (0..within).partition(is_straight);
+        let is_at_first = |watch: &usize| !self.curved.contains(&lines[*watch].0);
+        let (first, curved): (Vec<usize>, Vec<usize>) = (0..within).partition(is_at_first);
         let mut add = |watch: usize| {
             let (of, line) = lines[watch];
             safe_intervals.at(of, self.slots[of as usize]).watches.push(IntervalWatch { watch, line });
             safe_intervals.all.len()
         };
-        let straight = straight.into_iter().map(&mut add).last().unwrap_or(0);
-        let within_all = curved.into_iter().map(&mut add).last().unwrap_or(straight);
+        let first = first.into_iter().map(&mut add).last().unwrap_or(0);
+        let within_all = curved.into_iter().map(&mut add).last().unwrap_or(first);
         (within..watched.len()).for_each(|watch| {
             add(watch);
         });
-        (safe_intervals.straight, safe_intervals.within) = (straight, within_all);
+        (safe_intervals.first, safe_intervals.within) = (first, within_all);
         for (atom, node) in self.specialised.nodes.iter().enumerate() {
             if matches!(node, Node::State(_)) {
                 safe_intervals.at(atom as Atom, self.slots[atom]);

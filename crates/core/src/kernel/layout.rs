@@ -38,9 +38,9 @@ pub(super) struct Layouter {
     /// For every operation of the parameter code, whether it depends on the branch.
     pub branch_dependent: Vec<bool>,
     /// For every atom, whether it is a linear function of states, time and constants within a step.
-    pub straight: Vec<bool>,
-    /// The other atoms that have an interval which is tested within a step.
-    curved: Vec<Atom>,
+    straight: Vec<bool>,
+    /// The other atoms with guards, whose parabola within a step is computed.
+    pub curved: Vec<Atom>,
     /// Indices of the sampled values whose turning points count.
     turning: Vec<usize>,
 }
@@ -125,10 +125,11 @@ impl Layouter {
         }
     }
 
-    /// Lists the voltages whose parabola within a step has to be computed.
+    /// Lists the voltages whose parabola within a step is computed. Those with corners only are not among them: a corner
+    /// that is passed twice within a step changes the rates little, and its test at the first stage finds most.
     fn list_followed(&mut self, program: &Program) {
         let (watched, within) = self.watched();
-        for (atom, _) in &watched[..within] {
+        for (atom, _) in watched[..within].iter().filter(|(_, condition)| !condition.is_corner()) {
             let (of, _) = self.as_line(*atom, |_| true);
             if !self.straight[of as usize] && !self.curved.contains(&of) {
                 self.curved.push(of);
@@ -239,7 +240,7 @@ impl Layouter {
                 .iter()
                 .map(|atom| self.straight[*atom as usize])
                 .collect(),
-            straight_intervals: safe_intervals.straight,
+            first_intervals: safe_intervals.first,
             followed: self.followed(),
             curved_intervals: self.curved.len(),
             delay_inputs: slots(&specialised.delay_inputs),

@@ -126,10 +126,10 @@ pub(crate) struct Kernel {
     /// time.
     is_straight: Vec<bool>,
     /// The voltages that a quick step tests, with their intervals. Those that are tested within a step come first, and
-    /// of these first the ones that are linear functions of states and time.
+    /// of these first the ones that are tested at the first stage.
     safe_intervals: Vec<SafeInterval>,
-    /// Number of the first intervals that are tested within a step at the first stage: those of linear functions.
-    straight_intervals: usize,
+    /// Number of intervals that are tested at the first stage: those of linear functions, and those with corners only.
+    first_intervals: usize,
     /// The voltages whose parabola within a step is computed: first those of the other intervals that are tested within
     /// a step, then the sampled values whose turning points count.
     followed: Vec<Followed>,

@@ -38,7 +38,7 @@ pub(super) struct RowLayout {
     /// Slots whose values at the end of a step are written: the voltages with safe intervals, and the tracked ones.
     pub ends: Vec<Slot>,
     /// Slots whose values at the first stage are written, in the columns after `ends`.
-    pub straight: Vec<Slot>,
+    pub firsts: Vec<Slot>,
     /// The columns of the followed voltages. Those that have no interval are tested to be at least 0.
     pub followed: Range<usize>,
     /// Columns with a safe interval, and the index of the interval.
@@ -100,11 +100,11 @@ impl RowLayout {
             intervals(range).map(|interval| kernel.safe_intervals[interval].slot).collect::<Vec<Slot>>()
         };
         let mut ends = slots(0..all);
-        let straight = slots(0..kernel.straight_intervals);
+        let firsts = slots(0..kernel.first_intervals);
         let states = kernel.layout.states..kernel.layout.time;
         let states = states.map(|slot| column_of(slot as Slot, &mut ends)).collect();
         let tracked = kernel.tracked.iter().map(|slot| column_of(*slot, &mut ends)).collect();
-        let first_followed = ends.len() + straight.len();
+        let first_followed = ends.len() + firsts.len();
         let followed = first_followed..first_followed + kernel.followed.len();
         let rates = followed.end.next_multiple_of(VECTOR_LENGTH);
         let sampled = rates + kernel.rates.len();
@@ -113,15 +113,15 @@ impl RowLayout {
         RowLayout {
             safe_intervals: (0..)
                 .zip(intervals(0..all))
-                .chain((ends.len()..).zip(intervals(0..kernel.straight_intervals)))
-                .chain(followed.clone().zip(kernel.straight_intervals..within))
+                .chain((ends.len()..).zip(intervals(0..kernel.first_intervals)))
+                .chain(followed.clone().zip(kernel.first_intervals..within))
                 .collect(),
             turning: followed.start + kernel.curved_intervals,
             of_time: kernel.safe_intervals.iter().position(is_time),
             // Even a kernel without columns needs one row.
             width: (scheduled + 2 * kernel.scheduled.len()).max(1).next_multiple_of(VECTOR_LENGTH),
             ends,
-            straight,
+            firsts,
             followed,
             states,
             tracked,

@@ -99,12 +99,12 @@ impl Kernel {
     }
 
     /// Computes the first half of a span for a quick step: stages 0 and 1, with the sums of the followed voltages.
-    /// Returns one bit for every lane in which the control point of a linear function is outside its safe interval.
+    /// Returns one bit for every lane in which a voltage that is tested at the first stage is outside its safe interval.
     #[inline(always)]
     fn to_middle<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], span: &Span<V>) -> u64 {
         self.first_stage(frame, tables, span);
         self.quick.first.run(&mut frame.slots, tables);
-        let outside = self.outside_safe_intervals(frame, self.straight_intervals);
+        let outside = self.outside_safe_intervals(frame, self.first_intervals);
         for (sum, followed) in frame.sums.iter_mut().zip(&self.followed) {
             *sum = frame.slots[followed.slot as usize];
         }
@@ -121,8 +121,7 @@ impl Kernel {
     #[inline(always)]
     fn outside_parabolas<V: Lane>(&self, frame: &Frame<V>) -> u64 {
         let mut is_inside = V::TRUE;
-        let bounds =
-            frame.lows[self.straight_intervals..].iter().zip(&frame.highs[self.straight_intervals..]);
+        let bounds = frame.lows[self.first_intervals..].iter().zip(&frame.highs[self.first_intervals..]);
         for ((followed, sum), (low, high)) in
             self.followed[..self.curved_intervals].iter().zip(&frame.sums).zip(bounds)
         {

@@ -206,7 +206,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 return;
             }
             sums = followed;
-            for (index, slot) in columns.straight.iter().enumerate() {
+            for (index, slot) in columns.firsts.iter().enumerate() {
                 emitter.write(*slot, next, columns.ends.len() + index);
             }
         });

@@ -8,7 +8,7 @@ use super::*;
 fn columns() -> RowLayout {
     RowLayout {
         ends: vec![0, 1],
-        straight: vec![0],
+        firsts: vec![0],
         followed: 3..3,
         safe_intervals: vec![(0, 0), (2, 0)],
         turning: 3,
