@@ -3,7 +3,7 @@
 //! A quick step does not evaluate every watch. Several watches are linear functions of one voltage, so one interval of
 //! that voltage replaces them. Every state gets an interval as well, so that a state that is not a number is noticed.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::code::Slot;
 use super::form::{Atom, Factor, Form};
@@ -45,7 +45,8 @@ impl Layouter {
     pub(super) fn safe_intervals(&self, watched: &[(Atom, WatchCondition)], within: usize) -> SafeIntervals {
         let mut safe_intervals = SafeIntervals::default();
         let lines: Vec<_> = watched.iter().map(|(atom, _)| self.as_line(*atom, |_| true)).collect();
-        let is_at_first = |watch: &usize| !self.curved.contains(&lines[*watch].0);
+        let curved: HashSet<Atom> = self.curved.iter().copied().collect();
+        let is_at_first = |watch: &usize| !curved.contains(&lines[*watch].0);
         let (first, curved): (Vec<usize>, Vec<usize>) = (0..within).partition(is_at_first);
         let mut add = |watch: usize| {
             let (of, line) = lines[watch];

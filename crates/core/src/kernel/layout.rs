@@ -7,7 +7,7 @@
 //! A quick step tests safe intervals, and a thorough step tests every watch. So each has its own lists for the middle
 //! and the end.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::code::{Code, Instruction, Slot};
 use super::form::{Atom, Factor, Form};
@@ -129,12 +129,13 @@ impl Layouter {
     /// that is passed twice within a step changes the rates little, and its test at the first stage finds most.
     fn list_followed(&mut self, program: &Program) {
         let (watched, within) = self.watched();
-        for (atom, _) in watched[..within].iter().filter(|(_, condition)| !condition.is_corner()) {
-            let (of, _) = self.as_line(*atom, |_| true);
-            if !self.straight[of as usize] && !self.curved.contains(&of) {
-                self.curved.push(of);
-            }
-        }
+        let lines = watched[..within].iter().map(|(atom, _)| self.as_line(*atom, |_| true).0);
+        let lines: Vec<Atom> = lines.collect();
+        let guards = lines.iter().zip(&watched).filter(|(_, (_, condition))| !condition.is_corner());
+        let mut guarded: HashSet<Atom> = guards.map(|(of, _)| *of).collect();
+        // The order is that of the intervals.
+        let curved = lines.iter().filter(|of| !self.straight[**of as usize] && guarded.remove(of));
+        self.curved = curved.copied().collect();
         let sampled = program.lowered.sampled.iter().zip(&self.specialised.sampled).enumerate();
         let turning = sampled
             .filter(|(_, (sampled, next))| sampled.follows.is_some() && matches!(next, Operand::Atom(_)));
