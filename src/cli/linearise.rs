@@ -13,6 +13,7 @@ use super::linear_report::{self, Analysis};
 use super::load::{PatchArguments, PatchDocument};
 use super::numbers::number_in;
 use super::outputs::Outputs;
+use super::run_report::heading;
 use super::standard_streams::{check_table, is_dash, table_path};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
@@ -95,8 +96,7 @@ pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.csv.as_deref().is_some_and(is_dash) {
         return Ok(());
     }
-    let title = &loaded.circuit.patch().title;
-    print(&format!("{title}\n{}\n\n{}", parameter_line(&loaded.circuit), linear_report::text(&analysis)))?;
+    print(&(heading(&loaded.circuit) + &linear_report::text(&analysis)))?;
     print(&written_text(files.iter()))
 }
 

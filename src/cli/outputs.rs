@@ -172,6 +172,14 @@ impl Outputs {
     }
 }
 
+/// Begins a file anew that [`Outputs::begin`] has begun, for a copy of its parts with changes.
+///
+/// # Errors
+/// If it cannot be written.
+pub(super) fn begin_copy(path: &Path) -> io::Result<PendingFile> {
+    PendingFile::create(path)
+}
+
 /// Ends a file that was written in parts: it appears under its name.
 ///
 /// # Errors

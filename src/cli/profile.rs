@@ -16,6 +16,7 @@ use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::{positive, positive_in};
 use super::profile_report::{self, ProfileDocument, ProfileReading};
 use super::recording::run_with_progress;
+use super::run_report::heading;
 use super::times::{TimeArguments, run_failure};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
@@ -92,8 +93,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
         let document = Document { profile: ProfileDocument::of(&reading), files: path_texts(files()) };
         return print_json(&PatchDocument::new(&circuit, document));
     }
-    let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
-    print(&(head + &profile_report::text(&reading)))?;
+    print(&(heading(&circuit) + &profile_report::text(&reading)))?;
     print(&written_paragraph(files()))
 }
 

@@ -21,7 +21,7 @@ use super::overloads::{OverloadDocument, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::recording::record;
-use super::run_report::{overloads_text, summary_text, work_text};
+use super::run_report::{heading, overloads_text, summary_text, work_text};
 use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::streamed_tables::StreamedTables;
 use super::times::{
@@ -30,7 +30,6 @@ use super::times::{
 use super::{errors_in_colour, output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
-use patchcord::instruments::parameter_line;
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
 use patchcord::solve::{BLOCK_SAMPLES, RunError, RunSettings, StoppedRunError};
@@ -112,8 +111,7 @@ impl Arguments {
             eprint_doubts(trace, &overloads_text(trace, errors_in_colour()));
             return Ok(());
         }
-        let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(circuit));
-        print(&(head + &readings_text(trace) + &phases_text(trace)))?;
+        print(&(heading(circuit) + &readings_text(trace) + &phases_text(trace)))?;
         let work = if self.verbose { work_text(trace) } else { String::new() };
         let overloads = overloads_text(trace, output_in_colour());
         let warning = trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default();

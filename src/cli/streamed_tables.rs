@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::failure::Failure;
-use super::outputs::{Outputs, publish, write_failure};
+use super::outputs::{Outputs, begin_copy, publish, write_failure};
 use patchcord::output::PendingFile;
 use patchcord::trace::{CsvError, TableWriter, Trace};
 
@@ -65,7 +65,7 @@ impl<'f> StreamedTables<'f> {
         // A run without samples has tables without rows.
         self.try_write(run)?;
         for (path, table) in self.paths.iter().zip(self.tables?) {
-            let file = table.finish(run, || PendingFile::create(path));
+            let file = table.finish(run, || begin_copy(path));
             publish(path, file.map_err(|error| table_failure(path, error))?)?;
         }
         Ok(())

@@ -142,7 +142,7 @@ fn a_wrong_command_line_gives_exit_code_2() {
         &["run", FIG_8_16, "--for", "1e-4"],
         &["run", FIG_8_16, "--step", "1e-300"],
         &["run", FIG_8_16, "--for", "1e9"],
-        &["run", FIG_8_16, "--every", "1e-8", "--repeat", "2"],
+        &["run", FIG_8_16, "--every", "1e-9", "--repeat", "2"],
         &["run", FIG_8_16, "--plot", &plot],
         &["run"],
         &["replay-all"],

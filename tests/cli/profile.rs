@@ -122,7 +122,7 @@ fn the_falling_ramp_has_the_falling_critical_velocity() {
 fn an_incomplete_falling_ramp_has_a_note_with_its_length() {
     let cut = ["profile", FIG_8_16, "--set", "v_turn=7", "--falling"];
     let text = printed(&cut);
-    let note = "note: the run ends at 6.641 mm/s, before the command is back at 0: give --for 14\n";
+    let note = "note: the run ends at 6.64 mm/s, before the command is back at 0: give --for 14\n";
     assert!(text.ends_with(note), "{text}");
     assert_eq!(printed(&FALLING).matches("note: ").count(), 0);
     let document = json(&patchcord(&[&cut[..], &["--json"]].concat()));
@@ -201,7 +201,7 @@ const UNUSABLE_RUNS: &[(&[&str], i32, &str)] = &[
         1,
         "at least 8 are needed: give a shorter --every or a longer --window\n",
     ),
-    (&[FIG_8_16, "--window", "9"], 1, "window of 9 s exceeds the run of 8.466 s: give a shorter --window\n"),
+    (&[FIG_8_16, "--window", "9"], 1, "window of 9 s exceeds the run of 8.4667 s: give a shorter --window\n"),
     (&[FIG_8_16, "--every", "0.01"], 1, "a window has 4 samples, at least 8 are needed"),
     (
         &[FIG_8_16, "--every", "0.005", "--window", "0.04"],

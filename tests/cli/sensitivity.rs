@@ -65,7 +65,7 @@ fn missing_derivatives_return_errors() {
             2,
         ),
         (FIG_8_16, "--sensitivity M,", "a name is missing", 2),
-        (noise, "--sensitivity top --every 1e-8 --step 1e-8", "the run would", 2),
+        (noise, "--sensitivity top --every 1e-9 --step 1e-9", "the run would", 2),
     ] {
         let failed = patchcord(&[&["run", patch], &options.split(' ').collect::<Vec<_>>()[..]].concat());
         assert_eq!(code(&failed), wanted, "{options}: {}", errors(&failed));

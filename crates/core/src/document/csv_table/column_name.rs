@@ -64,6 +64,8 @@ const SEPARATORS: [char; 5] = ['_', ' ', '.', '-', '/'];
 
 /// The end of a column name that is another unit of the required dimension: "ms" of "t_ms", "mm/s" of "v/mm/s".
 fn unit_at_end<'c>(column: &'c str, required: &Unit) -> Option<&'c str> {
+    // A unit in parentheses is understood.
+    let column = if split_label(column).is_some() { "" } else { column };
     let mut ends = column.match_indices(SEPARATORS).map(|(at, _)| &column[at + 1..]);
     ends.find(|end| is_other_unit(end, required))
 }
