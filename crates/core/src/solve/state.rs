@@ -104,6 +104,13 @@ impl SolverState {
         }
     }
 
+    /// Samples the present values that stay constant within the next step.
+    pub(super) fn sample_values(&mut self, program: &Program) {
+        for (value, sampled) in self.sampled.iter_mut().zip(&program.lowered.sampled) {
+            *value = self.voltages[sampled.next.index()];
+        }
+    }
+
     /// The value of a coefficient.
     pub(super) fn coefficient(&self, index: u32) -> f64 {
         self.coefficients[index as usize]
@@ -158,9 +165,7 @@ impl Solver<'_> {
     /// in the last step needs the values from its beginning.
     pub(super) fn sample_values(&mut self) {
         let Solver { setup, state, sensitivities, .. } = self;
-        for (value, sampled) in state.sampled.iter_mut().zip(&setup.program.lowered.sampled) {
-            *value = state.voltages[sampled.next.index()];
-        }
+        state.sample_values(setup.program);
         if let Some(sensitivities) = sensitivities {
             sensitivities.sample_values(setup.program);
         }

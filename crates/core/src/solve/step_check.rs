@@ -21,16 +21,12 @@ const HARMLESS_CHANGE: f64 = 1e-2;
 const UNSTABLE_SHARE: u64 = 5;
 /// Estimated error of a run, in volts, above which its step is too long: 0.1 % of 100 V.
 const LARGEST_ERROR: f64 = 0.1;
-/// Estimated error that the recommended step aims at, in volts.
-const RECOMMENDED_ERROR: f64 = 0.01;
 /// The error of one step of order 4 after halving it is this share of the difference.
 const HALVING_SHARE: f64 = 16.0 / 15.0;
 /// Change of the states between two stages, in volts, below which rounding decides their rates.
 const LEAST_CHANGE: f64 = 1e-9;
 /// Numbers of checked steps: the least, the most, and the number of steps for which one step is checked.
 const CHECKED_STEPS: (u64, u64, u64) = (32, 256, 6_400_000);
-/// Order of the error of a run: it grows with the step to this power.
-const ERROR_ORDER: f64 = 4.0;
 
 /// The checks of a run.
 #[derive(Debug, Clone)]
@@ -162,34 +158,39 @@ impl StepCheck {
         // Events at a few steps may only be switchings that the solver locates.
         let is_unstable = self.unstable.is_some()
             && (error > LARGEST_ERROR || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
-        if !is_unstable && error <= LARGEST_ERROR {
-            return None;
+        match self.unstable.filter(|_| is_unstable) {
+            Some(Unstable { state, product }) => Some(StepDoubt::Unstable {
+                element: setup.program.lowered.states[state].element,
+                recommended: setup.step * RECOMMENDED_PRODUCT / product,
+            }),
+            None => (error > LARGEST_ERROR).then_some(StepDoubt::Inaccurate),
         }
-        let unstable = self.unstable.filter(|_| is_unstable);
-        Some(StepDoubt {
-            unstable: unstable.map(|unstable| setup.program.lowered.states[unstable.state].element),
-            recommended: match unstable {
-                Some(unstable) => setup.step * RECOMMENDED_PRODUCT / unstable.product,
-                None => setup.step * (RECOMMENDED_ERROR / error).powf(1.0 / ERROR_ORDER),
-            },
-        })
     }
 }
 
 /// The doubt that the steps of a run are too long.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct StepDoubt {
-    /// Index of the element at which the method is unstable; `None` if it is stable but inaccurate.
-    pub unstable: Option<usize>,
-    /// A step that would do, in problem seconds.
-    pub recommended: f64,
+pub(super) enum StepDoubt {
+    /// The method is stable, but its errors are large.
+    Inaccurate,
+    /// The method is unstable.
+    Unstable {
+        /// Index of the element whose state grows.
+        element: usize,
+        /// A step that would do, in problem seconds.
+        recommended: f64,
+    },
 }
 
 impl StepDoubt {
-    /// The doubt with the shorter recommended step.
+    /// The worse of two doubts: the one with the shorter recommended step.
     pub(super) fn worse(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        let recommended = |doubt: &Self| match doubt {
+            StepDoubt::Inaccurate => f64::INFINITY,
+            StepDoubt::Unstable { recommended, .. } => *recommended,
+        };
         let doubts = one.into_iter().chain(other);
-        doubts.min_by(|a, b| a.recommended.total_cmp(&b.recommended))
+        doubts.min_by(|a, b| recommended(a).total_cmp(&recommended(b)))
     }
 }
 
@@ -233,9 +234,7 @@ fn move_to_end(setup: &Setup<'_>, state: &mut SolverState, buffers: &StepBuffers
     state.states.copy_from_slice(&buffers.states);
     state.voltages.copy_from_slice(&buffers.voltages);
     read_rates(setup.program, &state.voltages, &mut state.rates);
-    for (value, sampled) in state.sampled.iter_mut().zip(&setup.program.lowered.sampled) {
-        *value = state.voltages[sampled.next.index()];
-    }
+    state.sample_values(setup.program);
 }
 
 #[cfg(test)]

@@ -40,13 +40,16 @@ pub(super) fn step_warning(
     let differences = tracks.filter_map(|(track, half)| difference(&trace.time[..common], track, half));
     let worst = differences.max_by(|a, b| a.share.total_cmp(&b.share))?;
     let by_error = step * (RECOMMENDED_SHARE / worst.share).powf(1.0 / ERROR_ORDER);
-    let recommended = if doubt.unstable.is_some() { doubt.recommended } else { by_error.min(0.5 * step) };
+    let (unstable, recommended) = match doubt {
+        StepDoubt::Inaccurate => (None, by_error.min(0.5 * step)),
+        StepDoubt::Unstable { element, recommended } => (Some(element), recommended),
+    };
     Some(StepWarning {
         signal: worst.track.name.clone(),
         error: worst.largest,
         unit: worst.track.unit.clone(),
         time: worst.time,
-        unstable: doubt.unstable.map(|element| program.name(element).to_owned()),
+        unstable: unstable.map(|element| program.name(element).to_owned()),
         step,
         recommended: rounded_down(recommended),
     })
