@@ -51,6 +51,7 @@ pub use phase::{ParameterChange, Phase, SwitchCondition};
 pub use printable::{escape_controls, printable};
 pub use report::{DiagnosticDocument, Report};
 pub use typed_number::{TypedNumber, TypedNumberError};
+pub(crate) use values::formula_in;
 pub use values::{formula, parse_unit, range};
 pub(crate) use wording::MAX_SUGGESTIONS;
 pub use wording::{format_number, plural, range_violation, suggestion, unit_suffix};

@@ -17,6 +17,7 @@
 //! ```
 
 use super::document::RunPlan;
+use super::key_synonyms::run_advice;
 use crate::document::fields::{Fields, Findings, flag, list, positive, string, wrong_type};
 use crate::document::tree::{Content, Node};
 use crate::document::{
@@ -51,7 +52,7 @@ pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
         check_times_within_run(&plan, findings);
     }
     fields.text("note", findings);
-    fields.finish(findings);
+    fields.finish_with_advice(&run_advice, findings);
     plan
 }
 
