@@ -36,7 +36,7 @@ pub(super) struct Arguments {
 /// Tables of voltages and scaling follow the summary on request. Overloads at initial condition do not fail the
 /// command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let LoadedPatch { circuit, program } = arguments.patch.load()?;
+    let LoadedPatch { circuit, program, .. } = arguments.patch.load()?;
     let problem = check_problem(&circuit, &program)?;
     if arguments.patch.json {
         return print_json(&Document::new(&circuit, &program, &problem));

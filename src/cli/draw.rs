@@ -83,7 +83,7 @@ pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
     }
     if arguments.patch.json {
         let document = Document { content, files: path_texts(files.iter().map(|(path, _)| path)) };
-        return print_json(&PatchDocument::new(&loaded.circuit, document));
+        return print_json(&PatchDocument::new(&loaded.circuit, &loaded.warnings, document));
     }
     print(&written_text(files.iter().map(|(path, _)| path)))
 }

@@ -43,7 +43,7 @@ impl InstantOption {
         loaded: &'l LoadedPatch,
         seconds: f64,
     ) -> Result<OperatingPoint<'l>, Failure> {
-        let LoadedPatch { circuit, program } = loaded;
+        let LoadedPatch { circuit, program, .. } = loaded;
         if seconds == 0.0 {
             let machine = problem_check(circuit, program)?;
             return Ok(OperatingPoint { machine, description: "at initial condition".to_owned() });

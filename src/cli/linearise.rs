@@ -10,7 +10,7 @@ use super::files::{path_texts, picture_format, write_pictures, written_text};
 use super::instant::{InstantOption, OperatingPoint, instant};
 use super::linear_document::LinearDocument;
 use super::linear_report::{self, Analysis};
-use super::load::{PatchArguments, PatchDocument};
+use super::load::{PatchArguments, PatchDocument, heading};
 use super::numbers::number_in;
 use super::outputs::Outputs;
 use super::run_report::heading;
@@ -91,7 +91,7 @@ pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.patch.json {
         let analysis = LinearDocument::of(&analysis);
         let document = Document { analysis, files: path_texts(&files) };
-        return print_json(&PatchDocument::new(&loaded.circuit, document));
+        return print_json(&PatchDocument::new(&loaded.circuit, &loaded.warnings, document));
     }
     if arguments.csv.as_deref().is_some_and(is_dash) {
         return Ok(());

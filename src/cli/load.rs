@@ -15,9 +15,10 @@ use super::numbers::{in_declared_units, setting};
 use super::outputs::Outputs;
 use super::standard_streams::{STANDARD_INPUT_NAME, is_dash};
 use patchcord::circuit::Circuit;
-use patchcord::document::TypedNumber;
+use patchcord::document::{Report, TypedNumber, escape_controls};
+use patchcord::instruments::parameter_line;
 use patchcord::ir::Program;
-use patchcord::patch::Patch;
+use patchcord::patch::{Patch, RunPlan};
 use patchcord::solve::{Machine, RunError};
 
 // No doc comment: clap would use it as the description of every command.
@@ -40,6 +41,8 @@ pub(super) struct LoadedPatch {
     pub circuit: Circuit,
     /// The same, compiled.
     pub program: Program,
+    /// The warnings about the patch and the length of the run.
+    pub warnings: Report,
 }
 
 impl PatchArguments {
@@ -48,9 +51,18 @@ impl PatchArguments {
     /// # Errors
     /// If the patch cannot be read, has a fault, or has no such parameter.
     pub(super) fn load(&self) -> Result<LoadedPatch, Failure> {
-        let loaded = self.read()?;
-        eprint_report(&loaded.circuit.warnings());
-        Ok(loaded)
+        self.load_for(RunPlan::clone)
+    }
+
+    /// Like [`load`](Self::load), for a run with another plan. `plan` makes it from the plan of the patch.
+    ///
+    /// # Errors
+    /// Those of [`load`](Self::load).
+    pub(super) fn load_for(&self, plan: impl FnOnce(&RunPlan) -> RunPlan) -> Result<LoadedPatch, Failure> {
+        let (circuit, program) = self.read()?;
+        let warnings = circuit.warnings_for(&plan(circuit.run_plan()));
+        eprint_report(&warnings);
+        Ok(LoadedPatch { circuit, program, warnings })
     }
 
     /// The outputs of a command that reads this patch, which `circuit` has.
@@ -61,15 +73,27 @@ impl PatchArguments {
     }
 
     /// Reads, wires and compiles, without printing.
-    fn read(&self) -> Result<LoadedPatch, Failure> {
+    fn read(&self) -> Result<(Circuit, Program), Failure> {
         let patch = match is_dash(&self.patch) {
             true => Patch::read_from(io::stdin().lock(), STANDARD_INPUT_NAME)?,
             false => Patch::read(&self.patch)?,
         };
         let circuit = Circuit::with_parameters(&patch, in_declared_units(&self.set, &patch)?)?;
         let program = Program::new(&circuit)?;
-        Ok(LoadedPatch { circuit, program })
+        Ok((circuit, program))
     }
+}
+
+/// The title of a patch, or the name of its file if it has none.
+pub(super) fn title(circuit: &Circuit) -> String {
+    let patch = circuit.patch();
+    if patch.title.trim().is_empty() { escape_controls(patch.file()) } else { patch.title.clone() }
+}
+
+/// The lines above the results of a patch: its title, the parameters if it has any, and an empty line.
+pub(super) fn heading(circuit: &Circuit) -> String {
+    let (title, parameters) = (title(circuit), parameter_line(circuit));
+    if parameters.is_empty() { format!("{title}\n\n") } else { format!("{title}\n{parameters}\n\n") }
 }
 
 /// A parameter for `--json`, with its value in the declared unit.
@@ -108,12 +132,12 @@ pub(super) struct PatchDocument<'c, T> {
 
 impl<'c, T: Serialize> PatchDocument<'c, T> {
     /// The document of a successful command. `more` has the keys of the command.
-    pub(super) fn new(circuit: &'c Circuit, more: T) -> Self {
+    pub(super) fn new(circuit: &'c Circuit, warnings: &Report, more: T) -> Self {
         PatchDocument {
             ok: true,
             patch: circuit.patch().file(),
             title: &circuit.patch().title,
-            diagnostics: circuit.warnings().documents(),
+            diagnostics: warnings.documents(),
             parameters: ParameterDocument::all(circuit),
             more,
         }

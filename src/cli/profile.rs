@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::criteria::{advice_on, advice_on_cycles};
 use super::failure::Failure;
 use super::files::{path_texts, picture_format, write_pictures, written_paragraph};
-use super::load::{LoadedPatch, PatchArguments, PatchDocument};
+use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading, title};
 use super::numbers::{positive, positive_in};
 use super::profile_report::{self, ProfileDocument, ProfileReading};
 use super::recording::run_with_progress;
@@ -78,7 +78,8 @@ struct Document<'a> {
 pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     let files = || arguments.plot.iter();
-    let LoadedPatch { circuit, program } = arguments.patch.load()?;
+    let loaded = arguments.patch.load_for(|plan| arguments.times.plan(plan))?;
+    let LoadedPatch { circuit, program, warnings } = loaded;
     let settings = arguments.settings(&circuit, &program)?;
     let outputs = arguments.patch.outputs(&circuit);
     outputs.prepare(None, files())?;
@@ -91,7 +92,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     }
     if arguments.patch.json {
         let document = Document { profile: ProfileDocument::of(&reading), files: path_texts(files()) };
-        return print_json(&PatchDocument::new(&circuit, document));
+        return print_json(&PatchDocument::new(&circuit, &warnings, document));
     }
     print(&(heading(&circuit) + &profile_report::text(&reading)))?;
     print(&written_paragraph(files()))
@@ -246,7 +247,7 @@ fn picture(reading: &ProfileReading, circuit: &Circuit, trace: &Trace) -> Pictur
         values: &reading.values[which],
     };
     let what = reading.profile.direction.select(["velocity profile", "command falling"]);
-    let title = format!("{}: {what}", circuit.patch().title);
+    let title = format!("{}: {what}", title(circuit));
     let note = parameter_line(circuit);
     let picture = profile_picture(title, drawn(0), drawn(1), &reading.profile, Some(&note));
     Picture { warning: overload_warning(circuit, trace), ..picture }

@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::doubts::eprint_doubts;
 use super::failure::Failure;
 use super::files::{FileArguments, Files, path_texts, written_paragraph};
-use super::load::{LoadedPatch, PatchArguments, PatchDocument};
+use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading};
 use super::numbers::repetitions;
 use super::overloads::{OverloadDocument, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
@@ -71,7 +71,8 @@ fn name(text: &str) -> Result<String, String> {
 
 /// Files are checked before the run, and appear under their names after it. The JSON document is printed last.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let LoadedPatch { circuit, program } = arguments.patch.load()?;
+    let loaded = arguments.patch.load_for(|plan| arguments.times.plan(plan))?;
+    let LoadedPatch { circuit, program, warnings } = loaded;
     let mut files = arguments.files.files(&arguments.patch, &circuit)?;
     let settings = arguments.settings(&circuit, &program)?;
     files.plan_pictures(&arguments.patch.patch, &circuit, &settings)?;
@@ -87,7 +88,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let written = files.write(&trace, &circuit, streamed)?;
     let failure = overload_failure(&trace).filter(|_| arguments.fail_on_overload);
     if arguments.patch.json {
-        let document = PatchDocument::new(&circuit, Document::new(&settings, &trace, samples, &written));
+        let document = Document::new(&settings, &trace, samples, &written);
+        let document = PatchDocument::new(&circuit, &warnings, document);
         return match failure {
             None => print_json(&document),
             Some(failure) => Err(failure.with_document(&document)?),

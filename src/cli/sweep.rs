@@ -91,13 +91,15 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     arguments.check_streams()?;
     let axes = arguments.vary.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(plan_failure)?;
-    let LoadedPatch { circuit, program } = arguments.patch.load()?;
+    let loaded = arguments.patch.load_for(|plan| arguments.times.plan(plan))?;
+    let LoadedPatch { circuit, program, warnings } = loaded;
     let sweep = arguments.sweep(axes, &circuit, program)?;
     let Some(out) = arguments.file() else { return arguments.write_rows(&sweep) };
     arguments.patch.outputs(&circuit).reading("the file of --rows", &arguments.rows).prepare_append(out)?;
     let summary = arguments.append_rows(&sweep, out)?;
     if arguments.patch.json {
-        return print_json(&PatchDocument::new(&circuit, arguments.document(&sweep, summary, out)));
+        let document = arguments.document(&sweep, summary, out);
+        return print_json(&PatchDocument::new(&circuit, &warnings, document));
     }
     let result = match summary.written {
         0 => format!("{} is complete: nothing to do\n", path_text(out)),

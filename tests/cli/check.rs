@@ -91,3 +91,20 @@ fn check_and_run_warn_of_a_table_that_is_not_reached() {
         assert_eq!(document["diagnostics"][0]["code"], "unreached-table", "{command}");
     }
 }
+
+#[test]
+fn a_table_is_compared_with_the_run_that_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "late.json");
+    let text = r#"{"patchcord": 1, "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+        "drives": {"D": {"kind": "table", "scale": "volt", "points": [[4, 0], [5, 1]]}},
+        "signals": {"d": {"at": "D", "scale": "volt"}}, "run": {"step": 0.01}}"#;
+    fs::write(&file, text).unwrap();
+    assert!(!crate::cli::errors(&patchcord(&["check", &file])).contains("unreached-table"));
+    for (seconds, count) in [("3", 1), ("6", 0)] {
+        let document = json(&patchcord(&["run", &file, "--for", seconds, "--json"]));
+        assert_eq!(document["diagnostics"].as_array().unwrap().len(), count, "{document}");
+    }
+    let warned = crate::cli::errors(&patchcord(&["run", UNREACHED, "--for", "500"]));
+    assert!(warned.contains("but the run ends at 500 s\n") && !warned.contains("3600 s"), "{warned}");
+}

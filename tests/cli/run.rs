@@ -175,6 +175,15 @@ fn a_run_without_a_picture_says_how_to_get_one() {
 }
 
 #[test]
+fn a_patch_without_a_title_is_named_by_its_file() {
+    let (_folder, file) = spring_with("  \"title\": \"Mass on a spring\",\n", "");
+    for command in ["run", "linearise"] {
+        let text = out(&patchcord(&[command, &file]));
+        assert!(text.starts_with(&format!("{file}\n\n")) && !text.contains("\n\n\n"), "{command}: {text}");
+    }
+}
+
+#[test]
 fn output_that_is_no_terminal_has_no_colours() {
     let ran = patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1"]);
     assert!(!out(&ran).contains('\u{1b}'), "{}", out(&ran));

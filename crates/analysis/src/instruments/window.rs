@@ -1,7 +1,7 @@
 //! Windows: short stretches of a run in which a velocity is classified. Converts their length to samples.
 
 use super::critical_velocity::Criterion;
-use patchcord_core::document::format_number;
+use patchcord_core::document::format_distinct;
 
 /// Why a run cannot be divided into windows.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -14,7 +14,10 @@ pub enum WindowError {
     #[error("a window has {0} samples, at least {MIN_SAMPLES} are needed")]
     TooCoarse(usize),
     /// The window is longer than the run.
-    #[error("window of {} s exceeds the run of {} s", format_number(*.window), format_number(*.run))]
+    #[error(
+        "window of {} s exceeds the run of {} s",
+        format_distinct(*.window, *.run), format_distinct(*.run, *.window)
+    )]
     TooLong {
         /// Length of the window in seconds.
         window: f64,

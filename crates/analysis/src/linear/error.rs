@@ -67,7 +67,8 @@ pub enum LinearError {
     },
     /// The delay lines turn the phase too often within the band.
     #[error(
-        "up to {high} Hz the delay lines turn the phase {turns:.0} times, at most {max} turns are possible"
+        "up to {high} Hz the delay lines turn the phase {turns} times, at most {max} turns are possible",
+        turns = turns.ceil()
     )]
     TooManyTurns {
         /// Upper limit of the band in Hz.

@@ -5,8 +5,8 @@
 //! are computed, with the loops that have no integrator. Lowering makes a program from the circuit.
 //!
 //! The checks run in the order in which they need each other: names, machine, quantities, cords, settings, parts,
-//! phases, signals, loops. Warnings about unused elements and about times of tables come last, and only if there is no
-//! error. Scales are compared with the wiring when the warnings are requested.
+//! phases, signals, loops. Warnings about unused elements come last, and only if there is no error. Scales are compared
+//! with the wiring, and times of tables with the run, when the warnings are requested.
 
 mod element;
 mod inventory;
@@ -169,10 +169,38 @@ impl Circuit {
     /// # }
     /// ```
     pub fn warnings(&self) -> Report {
+        self.warnings_for(self.run_plan())
+    }
+
+    /// Like [`Circuit::warnings`], for a run with another plan than that of the patch. Times of tables are compared with
+    /// the length of this run.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::document::{Placed, Span};
+    /// use patchcord_core::patch::{Patch, RunPlan};
+    ///
+    /// let text = r#"{"patchcord": 1, "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+    ///  "drives": {"D": {"kind": "table", "scale": "volt", "points": [[4, 0], [5, 1]]}},
+    ///  "signals": {"d": {"at": "D", "scale": "volt"}}, "run": {"for": 3, "step": 0.01}}"#;
+    /// let circuit = Circuit::new(&Patch::parse("p.json", text)?)?;
+    /// assert_eq!(circuit.warnings().warning_count(), 1);
+    /// let duration = Some(Placed { value: 10.0, span: Span::default() });
+    /// let longer = RunPlan { duration, ..circuit.run_plan().clone() };
+    /// assert_eq!(circuit.warnings_for(&longer).warning_count(), 0);
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn warnings_for(&self, plan: &RunPlan) -> Report {
         match self.reread() {
-            Some(Ok(read)) => read.warnings(),
+            Some(Ok(read)) => read.warnings_for(plan),
             Some(Err(report)) => *report,
-            None => self.report_with(macros::merge_instances(&self.patch, scaling::integral_warnings(self))),
+            None => {
+                let mut found = scaling::integral_warnings(self);
+                table_times::check(&self.patch, plan, &mut found);
+                self.report_with(macros::merge_instances(&self.patch, found))
+            }
         }
     }
 

@@ -12,9 +12,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::names::{found_or_report, output_names};
 use super::scope::Quantities;
-use super::{
-    Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals, table_times,
-};
+use super::{Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals};
 use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, factor_violation, suggestion};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
 use crate::machines::{self, MachineModel};
@@ -46,7 +44,6 @@ pub(super) fn resolve(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     // With errors, an unused element is often one whose cord has a wrong name, so it gets no warning.
     if !any_error(&findings) {
         warn_of_unused(patch, &graph, &mut findings);
-        table_times::check(patch, &mut findings);
     }
     let findings = macros::merge_instances(patch, findings);
     if any_error(&findings) {

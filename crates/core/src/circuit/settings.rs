@@ -15,7 +15,9 @@ use petgraph::graph::NodeIndex;
 use super::macros;
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
-use crate::document::{Code, Diagnostic, Placed, Span, format_number, range_violation, unit_suffix};
+use crate::document::{
+    Code, Diagnostic, Placed, Span, format_distinct, format_outside, range_violation, unit_suffix,
+};
 use crate::elements::{REFERENCES, Setting, SettingDefault, SettingQuantity, Transfer};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, ElementEntry, Patch};
@@ -155,7 +157,7 @@ impl SettingChecker<'_> {
                 "\"{}\" of {} must be a whole number, but is {}",
                 row.name,
                 self.name,
-                format_number(value)
+                format_distinct(value, value.round())
             );
             findings.push(Diagnostic::at(Code::BAD_NUMBER, placed.span, message));
             return None;
@@ -231,7 +233,7 @@ impl SettingChecker<'_> {
             if row.quantity == SettingQuantity::Fraction { Code::SETTING_OUTSIDE } else { Code::BAD_NUMBER };
         let unit = self.value_unit(row, &placed.value);
         let violation = range_violation(value, row.range, &unit);
-        let value_text = format!("{}{}", format_number(value), unit_suffix(&unit));
+        let value_text = format!("{}{}", format_outside(value, row.range), unit_suffix(&unit));
         let message = format!("\"{}\" of {} is {value_text}, {violation}", row.name, self.name);
         let hint = match code {
             Code::SETTING_OUTSIDE if value < row.range.0 => {
@@ -271,10 +273,10 @@ impl SettingChecker<'_> {
             if let (Some(low), Some(high)) = (value(lower), value(upper))
                 && low >= high
             {
-                let [low, high] = [low, high].map(format_number);
+                let hint = self.order_hint(lower, upper, low == high);
+                let [low, high] = [format_distinct(low, high), format_distinct(high, low)];
                 let message =
                     format!("{lower} of {} is {low}, which is not below {upper} = {high}", self.name);
-                let hint = self.order_hint(lower, upper, low == high);
                 findings.push(Diagnostic::at(Code::BAD_NUMBER, self.position(lower), message).hint(hint));
             }
         }
@@ -306,7 +308,7 @@ impl SettingChecker<'_> {
             let below = value(lower).filter(|low| inner < *low).map(|low| (lower, "below", low));
             let above = value(upper).filter(|high| inner > *high).map(|high| (upper, "above", high));
             for (bound, side, limit) in below.into_iter().chain(above) {
-                let [inner, limit] = [inner, limit].map(format_number);
+                let [inner, limit] = [format_distinct(inner, limit), format_distinct(limit, inner)];
                 let message = format!("{between} of {} is {inner}, {side} {bound} = {limit}", self.name);
                 let span = if self.is_set(between) { self.position(between) } else { self.position(bound) };
                 let hint = format!("set \"{between}\" inside the limits, or change the limit");

@@ -1,17 +1,16 @@
 //! Warns of tables of time that do not fit the length of the run.
 //!
 //! A table that the run never reaches is a constant, which is rarely intended. Usually its times are Unix times, or are
-//! in another unit than seconds. Tables are compared with the run plan of the patch only.
+//! in another unit than seconds.
 
-use crate::document::{Code, Diagnostic, RunExtent, Span, format_number};
+use crate::document::{Code, Diagnostic, Span, format_distinct, format_number};
 use crate::elements::SettingQuantity;
-use crate::patch::{Amount, Patch};
+use crate::patch::{Amount, Patch, RunPlan};
 
 /// Warns of each table of a drive whose points are all outside the run, and of each table that seems to be in another
-/// unit than seconds.
-pub(super) fn check(patch: &Patch, findings: &mut Vec<Diagnostic>) {
-    let extent = patch.run.all_phases().map(|phases| RunExtent::of(&phases));
-    let Some(end) = extent.map(|extent| extent.longest_repetition).filter(|end| *end > 0.0) else { return };
+/// unit than seconds. `plan` is that of the run, which need not be the plan of the patch.
+pub(super) fn check(patch: &Patch, plan: &RunPlan, findings: &mut Vec<Diagnostic>) {
+    let Some(end) = plan.longest_repetition().filter(|end| *end > 0.0) else { return };
     for (name, drive) in &patch.drives {
         for (row, setting) in drive.kind.settings.iter().zip(&drive.settings) {
             let (SettingQuantity::Points, Some(placed)) = (row.quantity, setting) else { continue };
@@ -25,10 +24,13 @@ pub(super) fn check(patch: &Patch, findings: &mut Vec<Diagnostic>) {
 
 /// The warning about a table with these first and last times, in seconds. `end` is the length of the run.
 fn warning(drive: &str, span: Span, (first, last): (f64, f64), end: f64) -> Option<Diagnostic> {
-    let [first_text, last_text, end_text] = [first, last, end].map(format_number);
+    let [last_text, end_text] = [last, end].map(format_number);
     let (message, hint) = if first > end {
-        let message =
-            format!("the table of {drive} begins at {first_text} s, but the run ends at {end_text} s");
+        let message = format!(
+            "the table of {drive} begins at {} s, but the run ends at {} s",
+            format_distinct(first, end),
+            format_distinct(end, first)
+        );
         (message, late_hint(first).to_owned())
     } else if last < 0.0 {
         let message = format!("the table of {drive} ends at {last_text} s, but the run begins at 0 s");

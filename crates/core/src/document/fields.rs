@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use super::Placed;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
-use super::quantity::{Quantity, unit_rule};
+use super::quantity::{Quantity, fixed_unit, unit_rule};
 use super::tree::{Content, KeyValue, Node};
 use super::wording::suggestion;
 use patchcord_expr::nearest;
@@ -114,7 +114,8 @@ fn quoted_number_hint(text: &str, key: &str) -> Option<String> {
     if text.parse::<f64>().is_ok_and(f64::is_finite) {
         return Some("remove the quotes".to_owned());
     }
-    let advised = Quantity::parse(text)?.advised_number(key);
+    let quantity = Quantity::parse(text)?;
+    let advised = fixed_unit(key).and_then(|unit| quantity.number_in(unit));
     let number = advised.as_deref().unwrap_or("the number alone");
     Some(format!("write {number} without quotes: {}", unit_rule(key)))
 }

@@ -51,9 +51,12 @@ pub use phase::{ParameterChange, Phase, SwitchCondition};
 pub use printable::{escape_controls, printable};
 pub use report::{DiagnosticDocument, Report};
 pub use typed_number::{TypedNumber, TypedNumberError};
+pub(crate) use values::formula_in;
 pub use values::{formula, parse_unit, range};
 pub(crate) use wording::MAX_SUGGESTIONS;
-pub use wording::{format_number, plural, range_violation, suggestion, unit_suffix};
+pub use wording::{
+    format_distinct, format_number, format_outside, plural, range_violation, suggestion, unit_suffix,
+};
 
 /// A value that was read from a document, with its position in the text.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +93,8 @@ const MAX_FACTOR: f64 = 1e12;
 /// The diagnostic for a time scale or an input gain outside its limits. `what` is the subject of the message.
 pub(crate) fn factor_violation(what: &str, factor: Placed<f64>) -> Option<Diagnostic> {
     let is_allowed = (1.0 / MAX_FACTOR..=MAX_FACTOR).contains(&factor.value);
-    let message = format!("{what} must be from 1e-12 to 1e12, not {}", format_number(factor.value));
+    let value = format_outside(factor.value, (1.0 / MAX_FACTOR, MAX_FACTOR));
+    let message = format!("{what} must be from 1e-12 to 1e12, not {value}");
     (!is_allowed).then(|| Diagnostic::at(Code::BAD_NUMBER, factor.span, message))
 }
 

@@ -6,7 +6,7 @@ use std::fmt;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
-use super::wording::{format_number, unit_suffix};
+use super::wording::{format_distinct, format_number, format_outside, unit_suffix};
 
 /// A value that is outside the range of its parameter, or not a finite number in SI units.
 ///
@@ -33,13 +33,17 @@ pub struct ParameterRangeError {
 
 impl fmt::Display for ParameterRangeError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, value, unit) = (&self.name, format_number(self.value), unit_suffix(&self.unit));
+        let (name, unit) = (&self.name, unit_suffix(&self.unit));
         match self.range {
             Some((low, high)) => {
-                let [low, high] = [low, high].map(format_number);
+                let value = format_outside(self.value, (low, high));
+                let [low, high] = [low, high].map(|bound| format_distinct(bound, self.value));
                 write!(formatter, "{name} = {value}{unit} is outside its range {low} ... {high}{unit}")
             }
-            None => write!(formatter, "{name} = {value}{unit} is not a finite number in SI units"),
+            None => {
+                let value = format_number(self.value);
+                write!(formatter, "{name} = {value}{unit} is not a finite number in SI units")
+            }
         }
     }
 }
@@ -104,6 +108,8 @@ mod tests {
         let violation = millimetres(6.0).unwrap_err();
         assert_eq!(violation.to_string(), "x = 6 mm is outside its range 1 ... 5 mm");
         assert_eq!(violation.diagnostic(None).code, Code::OUTSIDE_RANGE);
+        let violation = millimetres(5.000_000_1).unwrap_err();
+        assert_eq!(violation.to_string(), "x = 5.0000001 mm is outside its range 1 ... 5 mm");
     }
 
     #[test]

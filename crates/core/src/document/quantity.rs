@@ -6,7 +6,7 @@
 use super::typed_number::begins_unit;
 use patchcord_expr::{Unit, leading_number, round_significant};
 
-/// The keys whose numbers are times in seconds.
+/// The keys outside elements whose numbers are times in seconds.
 const TIME_KEYS: [&str; 5] = ["for", "step", "every", "operate", "hold"];
 
 /// The number of digits of an advised number. More digits would show the rounding errors of a conversion.
@@ -28,16 +28,48 @@ impl<'a> Quantity<'a> {
         Some(Quantity { number, unit })
     }
 
-    /// The number to write under a key instead: "0.001" for "1 ms" under "step". `None` if the place may have a unit
-    /// in which the number is another one.
-    pub(super) fn advised_number(&self, key: &str) -> Option<String> {
-        if TIME_KEYS.contains(&key) {
-            let is_time = Unit::parse("s").is_ok_and(|second| second.dimension() == self.unit.dimension());
-            let seconds = self.unit.to_si(self.number.parse().ok()?);
-            return is_time.then(|| round_significant(seconds, ADVISED_DIGITS).to_string());
+    /// The number to write instead if numbers are in the unit `expected`: "0.001" for "1 ms" if "s" is expected.
+    /// `None` if the expected unit is in words, or if the number is another quantity.
+    pub(super) fn number_in(&self, expected: &str) -> Option<String> {
+        let expected = Unit::parse(expected.trim_start_matches("machine ")).ok()?;
+        if self.unit.is_same_as(&expected) {
+            return Some(self.number.to_owned());
         }
-        (self.unit.factor() == 1.0).then(|| self.number.to_owned())
+        let converted = self.unit.convert(self.number.parse().ok()?, &expected);
+        let is_possible = self.unit.dimension() == expected.dimension() && converted.is_finite();
+        is_possible.then(|| round_significant(converted, ADVISED_DIGITS).to_string())
     }
+
+    /// The hint for a formula. `expected` is the unit of a number alone; `None` if it is not known.
+    ///
+    /// The unit may also be meant as the name of a parameter, as in "2 m" for "2 * m". If the unit is the expected
+    /// quantity, this is unlikely.
+    pub(super) fn formula_hint(&self, expected: Option<&str>) -> String {
+        let alone = expected.map_or_else(|| "the number alone, in that unit".to_owned(), number_with_unit);
+        if let Some(number) = expected.and_then(|expected| self.number_in(expected)) {
+            return format!("write {number}, {alone}");
+        }
+        let (number, unit) = (self.number, self.unit.text());
+        match unit.chars().all(char::is_alphanumeric) {
+            true => format!("write {alone}, or {number} * {unit} for a product"),
+            false => format!("write {alone}"),
+        }
+    }
+}
+
+/// A number in an expected unit, as hints describe it.
+fn number_with_unit(unit: &str) -> String {
+    match unit {
+        "1" => "a number without a unit".to_owned(),
+        "whole number" => "a whole number".to_owned(),
+        _ if unit.starts_with("unit ") => format!("a number in the {unit}"),
+        _ => format!("a number in {unit}"),
+    }
+}
+
+/// The unit of every number under this key. `None` if it depends on the element or on another key.
+pub(super) fn fixed_unit(key: &str) -> Option<&'static str> {
+    TIME_KEYS.contains(&key).then_some("s")
 }
 
 /// States what gives the unit of a number under this key.
@@ -81,13 +113,39 @@ mod tests {
 
     #[test]
     fn a_number_is_advised_only_if_its_unit_is_known() {
-        let advised = |text, key| Quantity::parse(text).unwrap().advised_number(key);
-        assert_eq!(advised("1 ms", "step").as_deref(), Some("0.001"));
-        assert_eq!(advised("2 min", "for").as_deref(), Some("120"));
-        assert_eq!(advised("20 V", "initial").as_deref(), Some("20"));
-        assert_eq!(advised("3 kg", "step"), None);
-        // The unit of the place may be mm, as that of a scale or of the key "unit".
-        assert_eq!(["height", "value", "sigma"].map(|key| advised("50 mm", key)), [None, None, None]);
+        let advised = |text, unit| Quantity::parse(text).unwrap().number_in(unit);
+        assert_eq!(advised("1 ms", "s").as_deref(), Some("0.001"));
+        assert_eq!(advised("2 min", "s").as_deref(), Some("120"));
+        assert_eq!(advised("5 ms", "machine s").as_deref(), Some("0.005"));
+        assert_eq!(advised("20 V", "V").as_deref(), Some("20"));
+        assert_eq!(advised("1e3 Hz", "Hz").as_deref(), Some("1e3"));
+        assert_eq!(advised("120 rpm", "Hz").as_deref(), Some("2"));
+        assert_eq!(advised("50 %", "1").as_deref(), Some("0.5"));
+        assert_eq!(advised("3 kg", "s"), None);
+        assert_eq!(advised("50 mm", "unit of the scale"), None);
+        assert_eq!(["step", "value", "sigma", "initial"].map(fixed_unit), [Some("s"), None, None, None]);
+    }
+
+    #[test]
+    fn the_hint_for_a_formula_names_the_expected_unit() {
+        let hint = |text, unit| Quantity::parse(text).unwrap().formula_hint(unit);
+        let cases = [
+            ("1 Hz", Some("Hz"), "write 1, a number in Hz"),
+            ("5 ms", Some("machine s"), "write 0.005, a number in machine s"),
+            ("5 kg", Some("s"), "write a number in s, or 5 * kg for a product"),
+            ("0.5 kg", Some("1"), "write a number without a unit, or 0.5 * kg for a product"),
+            ("3 m", Some("whole number"), "write a whole number, or 3 * m for a product"),
+            (
+                "1 mm",
+                Some("unit of the scale"),
+                "write a number in the unit of the scale, or 1 * mm for a product",
+            ),
+            ("1 mm/s", Some("unit of the scale per s"), "write a number in the unit of the scale per s"),
+            ("2 m", None, "write the number alone, in that unit, or 2 * m for a product"),
+        ];
+        for (text, unit, expected) in cases {
+            assert_eq!(hint(text, unit), expected, "{text}");
+        }
     }
 
     #[test]

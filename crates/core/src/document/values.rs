@@ -83,20 +83,19 @@ fn inside_quotes(span: Span, range: &std::ops::Range<usize>) -> Span {
 }
 
 /// The diagnostic for a text that is not a formula. A number with a unit, such as "8 s", gets a message of its own.
-fn formula_syntax_error(text: &str, span: Span, key: &str, error: FormulaError) -> Diagnostic {
+/// `unit` is the unit of a number alone.
+fn formula_syntax_error(
+    text: &str,
+    span: Span,
+    key: &str,
+    unit: Option<&str>,
+    error: FormulaError,
+) -> Diagnostic {
     let span = inside_quotes(span, &error.range);
     match Quantity::parse(text) {
         Some(quantity) => {
             let message = format!("\"{}\" has a unit, but {}", text.trim(), unit_rule(key));
-            let (number, unit) = (quantity.number, quantity.unit.text());
-            let advised = quantity.advised_number(key);
-            let advised = advised.as_deref().unwrap_or("the number alone, in that unit");
-            let is_name = unit.chars().all(char::is_alphanumeric);
-            let hint = match is_name {
-                true => format!("write {advised}, or {number} * {unit} for a product"),
-                false => format!("write {advised}"),
-            };
-            Diagnostic::at(Code::BAD_FORMULA, span, message).hint(hint)
+            Diagnostic::at(Code::BAD_FORMULA, span, message).hint(quantity.formula_hint(unit))
         }
         None => {
             let advised = without_separators(text).map(|advised| format!("write {advised}"));
@@ -120,10 +119,21 @@ fn formula_syntax_error(text: &str, span: Span, key: &str, error: FormulaError) 
 /// # Ok::<(), patchcord_core::document::Diagnostic>(())
 /// ```
 pub fn formula(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<Formula>> {
+    formula_in(node, key, None, findings)
+}
+
+/// Like [`formula`]. `unit` is the unit of a number alone, such as "Hz" or "unit of the scale"; the hint about a number
+/// with a unit names it. `None` if it is not known.
+pub(crate) fn formula_in(
+    node: &Node,
+    key: &str,
+    unit: Option<&str>,
+    findings: &mut Findings,
+) -> Option<Placed<Formula>> {
     let value = match &node.value {
         Content::Number(_) => Formula::constant(number(node, key, findings)?),
         Content::Text(text) => Formula::parse(text)
-            .map_err(|error| findings.push(formula_syntax_error(text, node.span, key, error)))
+            .map_err(|error| findings.push(formula_syntax_error(text, node.span, key, unit, error)))
             .ok()?,
         other => {
             findings.push(wrong_type(node, key, "a number or a formula in quotes", other));

@@ -25,6 +25,41 @@ pub fn format_number(value: f64) -> String {
 /// Number of significant digits of a number in a message.
 const MESSAGE_DIGITS: usize = 6;
 
+/// Number of significant digits with which two numbers always differ.
+const MAX_DIGITS: usize = 17;
+
+/// A number for messages that compare it with another one. Like [`format_number`], but with as many digits as the two
+/// numbers need to differ.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::format_distinct;
+///
+/// assert_eq!([format_distinct(3e8, 2e8), format_distinct(2e8, 3e8)], ["3e8", "2e8"]);
+/// assert_eq!([format_distinct(2e8 + 1.0, 2e8), format_distinct(2e8, 2e8 + 1.0)], ["2.00000001e8", "2e8"]);
+/// assert_eq!(format_distinct(1.0 / 3.0, 1.0 / 3.0), "0.333333");
+/// ```
+pub fn format_distinct(value: f64, other: f64) -> String {
+    let differ = |digits: &usize| format_significant(value, *digits) != format_significant(other, *digits);
+    let digits = (MESSAGE_DIGITS..=MAX_DIGITS).find(differ).unwrap_or(MESSAGE_DIGITS);
+    format_significant(value, digits)
+}
+
+/// A number outside a range for messages, with as many digits as it needs to differ from the bound.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::format_outside;
+///
+/// assert_eq!(format_outside(1.0000001, (0.0, 1.0)), "1.0000001");
+/// assert_eq!(format_outside(-2.0, (0.0, 1.0)), "-2");
+/// ```
+pub fn format_outside(value: f64, (low, high): (f64, f64)) -> String {
+    format_distinct(value, if value < low { low } else { high })
+}
+
 /// A count with its noun: "1 step", "2 steps".
 ///
 /// # Examples
@@ -68,8 +103,10 @@ pub fn unit_suffix(unit: &str) -> String {
 /// ```
 pub fn range_violation(value: f64, (low, high): (f64, f64), unit: &str) -> String {
     let unit = unit_suffix(unit);
-    let without_margin =
-        |bound: f64| format_number(if bound.abs() < 1e3 { (bound * 1e9).round() / 1e9 } else { bound });
+    let without_margin = |bound: f64| {
+        let bound = if bound.abs() < 1e3 { (bound * 1e9).round() / 1e9 } else { bound };
+        format_distinct(bound, value)
+    };
     match high {
         _ if !value.is_finite() => "and must be a finite number".to_owned(),
         f64::MAX => format!("below {}{unit}", without_margin(low)),
@@ -117,6 +154,24 @@ mod tests {
         for (value, expected) in numbers {
             assert_eq!(format_number(value), expected);
         }
+    }
+
+    #[test]
+    fn compared_numbers_have_as_many_digits_as_they_need() {
+        let pairs = [
+            ((2e8 + 2.0, 2e8), ["2.00000002e8", "2e8"]),
+            ((1.0 + f64::EPSILON, 1.0), ["1.0000000000000002", "1"]),
+            ((0.500_000_1, 0.5), ["0.5000001", "0.5"]),
+            ((1.0 / 3.0, 1.0 / 3.0), ["0.333333", "0.333333"]),
+            ((f64::NAN, 1.0), ["NaN", "1"]),
+        ];
+        for ((value, other), expected) in pairs {
+            assert_eq!([format_distinct(value, other), format_distinct(other, value)], expected);
+        }
+        // A bound that is rounded for the message must not exceed the value outside.
+        let (value, bounds) = (2.0 / 3.0 + 1e-7, (0.0, 2.0 / 3.0));
+        assert_eq!(format_outside(value, bounds), "0.6666668");
+        assert_eq!(range_violation(value, bounds, "V"), "outside 0 ... 0.6666667 V");
     }
 
     #[test]

@@ -20,6 +20,7 @@ mod function_generator;
 mod integrator;
 mod inverter;
 mod key_switch;
+mod key_synonyms;
 mod kind;
 mod lag;
 mod log;
@@ -44,6 +45,7 @@ mod table;
 mod track_hold;
 mod triangle;
 
+pub(crate) use key_synonyms::key_advice;
 pub(crate) use kind::gain_of;
 pub use kind::{Family, Input, Jacks, Kind, OutputStage, PartUse, Transfer};
 pub(crate) use open_amplifier::AMPLIFICATION;
@@ -52,7 +54,7 @@ pub use page::{KindPage, reference_page};
 pub use reference::{REFERENCE, REFERENCES};
 pub use setting::{Setting, SettingDefault, SettingQuantity};
 pub use synonyms::kind_advice;
-pub(crate) use synonyms::{key_advice, meant_word};
+pub(crate) use synonyms::meant_word;
 
 /// Every kind of element and drive, in the order of listings.
 ///

@@ -83,6 +83,26 @@ impl SettingQuantity {
             _ => (f64::MIN, f64::MAX),
         }
     }
+
+    /// The unit of a number alone, or the form of the value, in words.
+    pub(crate) fn unit(self) -> &'static str {
+        match self {
+            SettingQuantity::Fraction | SettingQuantity::Ratio => "1",
+            SettingQuantity::Whole => "whole number",
+            SettingQuantity::Volts => "V",
+            SettingQuantity::MachineSeconds => "machine s",
+            SettingQuantity::Seconds => "s",
+            SettingQuantity::Hertz => "Hz",
+            SettingQuantity::Radians => "rad",
+            SettingQuantity::RadiansPerVolt => "rad/V",
+            SettingQuantity::Signal => "unit of the scale",
+            SettingQuantity::SignalRate => "unit of the scale per s",
+            SettingQuantity::Flag => "true or false",
+            SettingQuantity::Choice(_) => "a word",
+            SettingQuantity::Points => "[s, unit of the scale]",
+            SettingQuantity::Curve(_) => "[V, V]",
+        }
+    }
 }
 
 impl Setting {
@@ -164,22 +184,7 @@ impl Setting {
 
     /// The unit in which the patch specifies the setting.
     pub fn unit(&self) -> &'static str {
-        match self.quantity {
-            SettingQuantity::Fraction | SettingQuantity::Ratio => "1",
-            SettingQuantity::Whole => "whole number",
-            SettingQuantity::Volts => "V",
-            SettingQuantity::MachineSeconds => "machine s",
-            SettingQuantity::Seconds => "s",
-            SettingQuantity::Hertz => "Hz",
-            SettingQuantity::Radians => "rad",
-            SettingQuantity::RadiansPerVolt => "rad/V",
-            SettingQuantity::Signal => "unit of the scale",
-            SettingQuantity::SignalRate => "unit of the scale per s",
-            SettingQuantity::Flag => "true or false",
-            SettingQuantity::Choice(_) => "a word",
-            SettingQuantity::Points => "[s, unit of the scale]",
-            SettingQuantity::Curve(_) => "[V, V]",
-        }
+        self.quantity.unit()
     }
 }
 

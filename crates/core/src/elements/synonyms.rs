@@ -1,10 +1,9 @@
-//! Names of elements, keys and words in other programs and in textbooks, and what to write here.
+//! Names of elements and words in other programs and in textbooks, and what to write here.
 //!
-//! Hints for unknown names use these tables before they look for a similar name. Functions of formulas have a table of
-//! their own in `patchcord_expr`.
+//! Hints for unknown names use these tables before they look for a similar name. Keys have tables of their own in
+//! `key_synonyms`, and functions of formulas in `patchcord_expr`.
 
-use super::kind::{Family, Kind};
-use crate::document::fields::KeyAdvice;
+use super::kind::Family;
 
 /// Names for a kind of element or drive.
 struct KindSynonyms {
@@ -163,76 +162,6 @@ pub fn kind_advice(family: Family, name: &str) -> Option<&'static str> {
     found.map(|row| row.advice)
 }
 
-/// Keys that people write, and the key of this format. A row counts only for a kind that has the key.
-const KEYS: [(&[&str], &str); 29] = [
-    (&["ic", "initial_condition", "initial_value", "init", "start", "x0", "y0"], "initial"),
-    (&["input", "inputs", "from", "source"], "in"),
-    (&["gain", "k", "value", "coefficient", "fraction", "factor", "position"], "setting"),
-    (&["tau", "time_constant", "t"], "time"),
-    (&["time", "delay_time", "dead_time", "tau"], "delay"),
-    (&["threshold", "upper", "hysteresis", "level"], "pull_in"),
-    (&["lower", "release", "dropout"], "drop_out"),
-    (&["high", "true", "then"], "on"),
-    (&["low", "false", "else"], "off"),
-    (&["on", "true", "then", "upper", "max"], "high"),
-    (&["off", "false", "else", "lower", "min"], "low"),
-    (&["level", "pull_in", "trigger", "reset_threshold", "reset_level"], "threshold"),
-    (&["reference", "compare", "than"], "against"),
-    (&["control", "sample", "sampling"], "track"),
-    (&["x", "in1", "first"], "a"),
-    (&["y", "in2", "second"], "b"),
-    (&["max", "maximum", "high"], "upper"),
-    (&["min", "minimum", "low"], "lower"),
-    (&["operation", "type", "connection"], "mode"),
-    (&["amplitude", "value", "size"], "height"),
-    (&["time", "start", "t0", "delay"], "at"),
-    (&["slope", "speed"], "rate"),
-    (&["freq", "hz"], "frequency"),
-    (&["duty_cycle", "duty_factor", "ratio"], "duty"),
-    (&["pulse_width", "length", "duration", "on_time"], "width"),
-    (&["at", "time", "start", "t0", "delay"], "begin"),
-    (&["f0", "start", "start_frequency", "f_start"], "from"),
-    (&["f1", "end", "stop", "end_frequency", "f_end"], "to"),
-    (&["duration", "sweep_time", "t1", "length"], "time"),
-];
-
-/// The hint for a period where the format has a frequency.
-const PERIOD_HINT: &str = "write the frequency, 1 / period: \"frequency\": \"1 / 0.5\" for a period of 0.5 s";
-
-/// The hint about a key that a kind does not have. `None` if the tables do not have the key.
-///
-/// `group` is the group of settings that has the key and a dot, such as "limit."; it is empty for the keys of the
-/// element itself.
-pub(crate) fn key_advice(kind: &Kind, group: &str, written: &str) -> Option<KeyAdvice> {
-    if group.is_empty()
-        && kind.has_gains()
-        && let Some(hint) = jack_hint(kind, written)
-    {
-        return Some(KeyAdvice { key: "in", hint });
-    }
-    let written = written.to_lowercase();
-    if group.is_empty() && written == "period" && kind.setting("frequency").is_some() {
-        return Some(KeyAdvice { key: "frequency", hint: PERIOD_HINT.to_owned() });
-    }
-    let has_key = |key: &str| {
-        let has_input = kind.inputs.iter().any(|input| input.name == key);
-        let is_input = group.is_empty() && (has_input || (kind.has_gains() && key == "in"));
-        is_input || kind.setting(&format!("{group}{key}")).is_some()
-    };
-    let mut rows = KEYS.iter().filter(|(words, _)| words.contains(&written.as_str()));
-    let &(_, key) = rows.find(|(_, key)| has_key(key))?;
-    Some(KeyAdvice { key, hint: format!("did you mean \"{key}\"?") })
-}
-
-/// The hint for a jack, or for a gain, that is written next to "in" and not in it. `None` for other keys.
-fn jack_hint(kind: &Kind, written: &str) -> Option<String> {
-    if kind.input(written).is_some() {
-        return Some(format!("write \"in\": {{\"{written}\": [\"A1\"]}}"));
-    }
-    let is_gain = ["gain", "gains"].contains(&written);
-    is_gain.then(|| "the gain is in the name of an input: write \"in\": {\"x10\": [\"A1\"]}".to_owned())
-}
-
 /// Words that people write for a word of a setting.
 const WORDS: [(&[&str], &str); 3] = [
     (&["multiply", "multiplication", "mult", "times", "four-quadrant", "quarter-squares", "xy"], "product"),
@@ -285,33 +214,6 @@ mod tests {
         for word in KINDS.iter().flat_map(|row| quoted(row.advice)) {
             assert!(words.contains(&word), "{word}");
         }
-    }
-
-    #[test]
-    fn keys_of_other_programs_are_recognised() {
-        let hint = |family, kind: &str, group: &str, key: &str| {
-            key_advice(find(family, kind).unwrap(), group, key).map(|advice| advice.hint)
-        };
-        let element = |kind: &str, key: &str| hint(Family::Computing, kind, "", key);
-        let meant = |key: &str| Some(format!("did you mean \"{key}\"?"));
-        assert_eq!(element("integrator", "ic"), meant("initial"));
-        assert_eq!(element("pot", "K"), meant("setting"));
-        assert_eq!(element("lag", "tau"), meant("time"));
-        assert_eq!(element("delay", "tau"), meant("delay"));
-        assert_eq!(element("relay", "threshold"), meant("pull_in"));
-        assert_eq!(hint(Family::Computing, "summer", "limit.", "max"), meant("upper"));
-        assert_eq!(hint(Family::Drive, "step", "", "value"), meant("height"));
-        assert_eq!(hint(Family::Drive, "pulse", "", "at"), meant("begin"));
-        assert_eq!(hint(Family::Drive, "chirp", "", "duration"), meant("time"));
-        assert_eq!(hint(Family::Drive, "square", "", "period").as_deref(), Some(PERIOD_HINT));
-        assert_eq!(element("comparator", "level"), meant("threshold"));
-        assert_eq!(element("integrator", "reset").as_deref(), Some("write \"in\": {\"reset\": [\"A1\"]}"));
-        assert_eq!(element("pot", "ic"), None);
-        assert_eq!(element("summer", "x10").as_deref(), Some("write \"in\": {\"x10\": [\"A1\"]}"));
-        let gain = "the gain is in the name of an input: write \"in\": {\"x10\": [\"A1\"]}";
-        assert_eq!(element("integrator", "gain").as_deref(), Some(gain));
-        assert_eq!(element("summer", "inputs"), meant("in"));
-        assert_eq!(element("multiplier", "y"), meant("b"));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! checks here run before every run and again after every change of parameters.
 
 use super::{Program, Register};
-use crate::document::{Span, format_number, range_violation};
+use crate::document::{Span, format_distinct, format_outside, range_violation};
 
 /// A number that the prologue computes for the body, such as a setting in volts.
 #[derive(Debug, Clone)]
@@ -118,8 +118,17 @@ impl SettingFault {
             SettingFault::Range { low, high } => range_violation(value, (*low, *high), ""),
             SettingFault::NotWhole => "and must be a whole number".to_owned(),
             SettingFault::Order { relation, other, limit } => {
-                format!("{relation} {other} at {}", format_number(*limit))
+                format!("{relation} {other} at {}", format_distinct(*limit, value))
             }
+        }
+    }
+
+    /// The value in a message, with as many digits as it needs to break the rule.
+    pub(crate) fn value_text(&self, value: f64) -> String {
+        match self {
+            SettingFault::Range { low, high } => format_outside(value, (*low, *high)),
+            SettingFault::NotWhole => format_distinct(value, value.round()),
+            SettingFault::Order { limit, .. } => format_distinct(value, *limit),
         }
     }
 }

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::{InvalidCoefficient, Program, SettingFault};
-use crate::document::{ParameterRangeError, format_number, parameter_in_si, suggestion};
+use crate::document::{ParameterRangeError, parameter_in_si, suggestion};
 use patchcord_expr::Dimension;
 
 /// A parameter of the patch with its present value.
@@ -83,7 +83,7 @@ pub enum SettingError {
     #[error(transparent)]
     OutsideRange(#[from] ParameterRangeError),
     /// A setting of an element that its element does not take, such as a potentiometer above 1.
-    #[error("{setting} is {}, {}", format_number(*value), fault.describe(*value))]
+    #[error("{setting} is {}, {}", fault.value_text(*value), fault.describe(*value))]
     Unfit {
         /// Element and setting, such as "PC5 setting".
         setting: String,

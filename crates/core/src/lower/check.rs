@@ -10,7 +10,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::dry_run;
 use crate::circuit::Circuit;
-use crate::document::{Code, Diagnostic, format_number};
+use crate::document::{Code, Diagnostic};
 use crate::ir::{
     InvalidCoefficient, Loop, LoopFault, Program, Scratch, Solutions, Sources, describe_solutions, remedy,
 };
@@ -28,7 +28,8 @@ pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> 
     if let Some(InvalidCoefficient { coefficient, value, fault }) =
         program.first_invalid_coefficient(&coefficients)
     {
-        let message = format!("{} is {}, {}", coefficient.label, format_number(value), fault.describe(value));
+        let (value, violation) = (fault.value_text(value), fault.describe(value));
+        let message = format!("{} is {value}, {violation}", coefficient.label);
         let hint = Some("look for a wrong power of ten, here or in a scale".to_owned());
         return vec![Diagnostic { code: Code::NOT_FINITE, span: coefficient.span, message, hint }];
     }

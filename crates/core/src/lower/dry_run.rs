@@ -4,7 +4,7 @@
 //! everything computed from it; the run checks these.
 
 use crate::circuit::Circuit;
-use crate::document::{Code, Diagnostic, ParameterChange, Phase, Span, format_number, formula_diagnostic};
+use crate::document::{Code, Diagnostic, ParameterChange, Phase, Span, formula_diagnostic};
 use crate::ir::{InvalidCoefficient, Program, RunScope};
 use patchcord_expr::Formula;
 
@@ -134,8 +134,8 @@ impl DryRun<'_> {
         if let Some(InvalidCoefficient { coefficient, value, fault }) =
             self.program.first_invalid_coefficient(&coefficients)
         {
-            let message =
-                format!("{} is {} here, {}", coefficient.label, format_number(value), fault.describe(value));
+            let (value, violation) = (fault.value_text(value), fault.describe(value));
+            let message = format!("{} is {value} here, {violation}", coefficient.label);
             let hint = "choose other parameter values, or rescale";
             self.report(Diagnostic::at(Code::SETTING_OUTSIDE, span, message).hint(hint));
         }

@@ -12,6 +12,7 @@ use indexmap::IndexMap;
 use super::decode_entry::element_entry;
 use super::decode_run::run;
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Scale, Signal};
+use super::key_synonyms::{scale_advice, signal_advice};
 use super::macros;
 use crate::document::fields::{Fields, Findings, flag, list, number, positive, string, strings};
 use crate::document::tree::{self, Content, Node};
@@ -162,7 +163,7 @@ pub(super) fn scale(entry: &tree::KeyValue, findings: &mut Findings) -> Option<S
     let unit = unit(&mut fields, findings);
     fields.text("description", findings);
     fields.text("note", findings);
-    fields.finish(findings);
+    fields.finish_with_advice(&scale_advice, findings);
     Some(Scale { per_volt, unit: unit?, span: entry.key_span })
 }
 
@@ -181,7 +182,7 @@ fn signal(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Signal> {
     let factor = fields.take("factor").and_then(|node| factor(node, findings));
     fields.text("description", findings);
     fields.text("note", findings);
-    fields.finish(findings);
+    fields.finish_with_advice(&signal_advice, findings);
     Some(Signal { element: element?, scale, factor: factor.unwrap_or(1.0), span: entry.key_span })
 }
 

@@ -5,7 +5,7 @@
 
 use crate::document::fields::{Findings, list, number, wrong_type};
 use crate::document::tree::{Content, Node};
-use crate::document::{Code, Diagnostic, Span, format_number};
+use crate::document::{Code, Diagnostic, Span, format_number, format_outside};
 use crate::machines::REFERENCE;
 
 /// The symmetry by which the points of a curve at 0 V and above define the curve below 0 V.
@@ -157,7 +157,7 @@ impl PointList<'_> {
         let outside = self.points[index].into_iter().find(|volts| volts.abs() > REFERENCE)?;
         let message = format!(
             "a point of a curve is at {} V, outside -{REFERENCE} ... {REFERENCE} V",
-            format_number(outside)
+            format_outside(outside, (-REFERENCE, REFERENCE))
         );
         let hint = "rescale: the machine works between -100 and 100 V; the outermost segments continue \
                     automatically";

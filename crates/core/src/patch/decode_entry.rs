@@ -13,7 +13,7 @@ use super::document::{Amount, ElementEntry, Plug};
 use super::table_file::{self, TablePurpose};
 use crate::document::fields::{Fields, Findings, flag, string, strings};
 use crate::document::tree::{self, Content, Node};
-use crate::document::{Code, Diagnostic, Placed, Span, formula, suggestion};
+use crate::document::{Code, Diagnostic, Placed, Span, formula_in, suggestion};
 use crate::elements::{self, Family, Kind, Setting, SettingDefault, SettingQuantity};
 use crate::machines::Part;
 
@@ -214,7 +214,7 @@ pub(super) fn amount(
         SettingQuantity::Curve(symmetry_setting) => {
             Amount::Points(curve(node, key, symmetry(entry, symmetry_setting), findings)?)
         }
-        _ => Amount::Formula(formula(node, key, findings)?.value),
+        _ => Amount::Formula(formula_in(node, key, Some(quantity.unit()), findings)?.value),
     };
     Some(Placed { value, span: node.span })
 }

@@ -17,11 +17,12 @@
 //! ```
 
 use super::document::RunPlan;
+use super::key_synonyms::run_advice;
 use crate::document::fields::{Fields, Findings, flag, list, positive, string, wrong_type};
 use crate::document::tree::{Content, Node};
 use crate::document::{
     Code, Diagnostic, MAX_TOLERANCE, MIN_TOLERANCE, ParameterChange, Phase, Placed, RunExtent, Span,
-    SwitchCondition, format_number, formula, is_tolerance, suggestion,
+    SwitchCondition, format_distinct, format_outside, formula, is_tolerance, suggestion,
 };
 
 /// Decodes the section "run". Parts that cannot be read are absent in the plan.
@@ -51,7 +52,7 @@ pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
         check_times_within_run(&plan, findings);
     }
     fields.text("note", findings);
-    fields.finish(findings);
+    fields.finish_with_advice(&run_advice, findings);
     plan
 }
 
@@ -61,7 +62,8 @@ fn tolerance(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<
     if is_tolerance(tolerance.value) {
         return Some(tolerance);
     }
-    let [least, most, value] = [MIN_TOLERANCE, MAX_TOLERANCE, tolerance.value].map(format_number);
+    let value = format_outside(tolerance.value, (MIN_TOLERANCE, MAX_TOLERANCE));
+    let [least, most] = [MIN_TOLERANCE, MAX_TOLERANCE].map(|bound| format_distinct(bound, tolerance.value));
     let message = format!("\"tolerance\" must be from {least} to {most}, not {value}");
     let hint = match tolerance.value > MAX_TOLERANCE {
         true => "it is a share of 100 V, such as 1e-6",
@@ -100,8 +102,8 @@ fn check_times_within_run(plan: &RunPlan, findings: &mut Findings) {
         if let Some(time) = time.as_ref().filter(|time| time.value > longest) {
             let message = format!(
                 "\"{key}\" is {} s, longer than the run of {} s",
-                format_number(time.value),
-                format_number(longest)
+                format_distinct(time.value, longest),
+                format_distinct(longest, time.value)
             );
             findings.push(Diagnostic::at(Code::BAD_NUMBER, time.span, message));
         }

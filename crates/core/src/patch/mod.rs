@@ -18,6 +18,7 @@ mod edit;
 mod edited_text;
 mod editor;
 mod file;
+mod key_synonyms;
 mod macros;
 mod names;
 mod picture_entry;

@@ -5,7 +5,7 @@
 //! Options of the command line are not named here: the command line adds them.
 
 use super::time_setting::TimeSetting;
-use crate::document::{format_number, range_violation};
+use crate::document::{format_distinct, format_number, format_outside, range_violation};
 use crate::ir::SettingError;
 
 /// Why a run stopped, or could not begin.
@@ -124,7 +124,7 @@ pub enum RunError {
     /// delay.
     #[error(
         "{element} delays by {delay} s, less than the step of {step} s; choose a step of at most {delay} s",
-        delay = format_number(*delay), step = format_number(*step)
+        delay = format_distinct(*delay, *step), step = format_distinct(*step, *delay)
     )]
     DelayTooShort {
         /// Name of the delay line.
@@ -137,7 +137,7 @@ pub enum RunError {
     /// The time constant of a lag is shorter than the step. Only equal steps have this limit.
     #[error(
         "{element} has a time constant of {time} s, less than the step of {step} s; choose a step of at most {time} s",
-        time = format_number(*time), step = format_number(*step)
+        time = format_distinct(*time, *step), step = format_distinct(*step, *time)
     )]
     LagTooShort {
         /// Name of the lag.
@@ -159,7 +159,7 @@ pub enum RunError {
     /// An integrator was to be set to a voltage outside its limits.
     #[error(
         "{integrator} cannot be set to {volts} V, {fault}; choose a voltage within the limits",
-        volts = format_number(*volts),
+        volts = format_outside(*volts, (*low, *high)),
         fault = range_violation(*volts, (*low, *high), "V")
     )]
     StateOutsideRange {
@@ -230,7 +230,8 @@ pub enum RunError {
     /// The tolerance is too small, too large or not a number.
     #[error(
         "the tolerance must be from {min} to {max}, got {value}; rounding makes smaller errors impossible",
-        value = format_number(*value), min = format_number(*min), max = format_number(*max)
+        value = format_outside(*value, (*min, *max)), min = format_distinct(*min, *value),
+        max = format_distinct(*max, *value)
     )]
     NotATolerance {
         /// The value that was given, as a share of 100 V.
@@ -243,7 +244,7 @@ pub enum RunError {
     /// The step, or the time between samples, is longer than the run.
     #[error(
         "{which} is {value} s, longer than the run of {duration} s",
-        value = format_number(*value), duration = format_number(*duration)
+        value = format_distinct(*value, *duration), duration = format_distinct(*duration, *value)
     )]
     LongerThanRun {
         /// The use of the time.
@@ -256,7 +257,8 @@ pub enum RunError {
     /// The run would take too many steps, or an adaptive run has taken too many.
     #[error(
         "the run would take {steps} steps, {work} at a million steps a second; at most {max} are allowed",
-        steps = format_number(*steps), work = computing_time(*steps), max = format_number(*max)
+        steps = format_distinct(*steps, *max), max = format_distinct(*max, *steps),
+        work = computing_time(*steps)
     )]
     TooManySteps {
         /// Steps of all phases, with repetitions.
@@ -267,7 +269,7 @@ pub enum RunError {
     /// A noise drive would draw too many numbers.
     #[error(
         "{element} would draw {numbers} numbers in the run; at most {max} are allowed; choose a longer \"every\"",
-        numbers = format_number(*numbers), max = format_number(*max)
+        numbers = format_distinct(*numbers, *max), max = format_distinct(*max, *numbers)
     )]
     NoiseTooFine {
         /// Name of the noise drive.
@@ -281,7 +283,7 @@ pub enum RunError {
     #[error(
         "{element} would have {edges} edges in the run; at most {max} are allowed; choose a lower frequency or a \
          longer period",
-        edges = format_number(*edges), max = format_number(*max)
+        edges = format_distinct(*edges, *max), max = format_distinct(*max, *edges)
     )]
     PulsesTooFast {
         /// Name of the drive.
@@ -294,7 +296,7 @@ pub enum RunError {
     /// The run would record too many numbers for the memory, or for a table.
     #[error(
         "the run would record {numbers} numbers; at most {max} are allowed",
-        numbers = format_number(*numbers), max = format_number(*max)
+        numbers = format_distinct(*numbers, *max), max = format_distinct(*max, *numbers)
     )]
     TooManyNumbers {
         /// The recorded numbers, with repetitions: times and signals of every sample, 16 numbers for every phase and
@@ -373,5 +375,22 @@ fn computing_time(steps: f64) -> String {
         ..48.0 => format!("{hours:.0} hours"),
         ..17520.0 => format!("{:.0} days", hours / 24.0),
         _ => format!("{} years", format_number((hours / 8760.0).round())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_above_a_limit_differs_from_it() {
+        let numbers = RunError::TooManyNumbers { numbers: 2e8 + 2.0, max: 2e8 };
+        let text = "the run would record 2.00000002e8 numbers; at most 2e8 are allowed";
+        assert_eq!(numbers.to_string(), text);
+        let steps = RunError::TooManySteps { steps: 1e10 + 1.0, max: 1e10 };
+        assert!(steps.to_string().starts_with("the run would take 1.0000000001e10 steps, "), "{steps}");
+        let longer =
+            RunError::LongerThanRun { which: TimeSetting::Step, value: 2.000_000_4, duration: 2.000_000_1 };
+        assert_eq!(longer.to_string(), "the step is 2.0000004 s, longer than the run of 2.0000001 s");
     }
 }

@@ -21,17 +21,18 @@ pub(super) fn picture(
     graticule::draw(picture, screen, surface)?;
     // A trace at the edge, such as one at the limit of its amplifier, must be visible on the border.
     graticule::border(screen, surface)?;
-    let marker_labels = markers::draw(picture, screen, font, surface)?;
-    let mut drawn = Vec::new();
     let (background, foreground): (Vec<_>, Vec<_>) =
         picture.channels.iter().enumerate().partition(|(_, channel)| channel.faint);
-    for (index, channel) in background.into_iter().chain(foreground) {
-        for (part, colour) in trace::parts(channel, palette::channel(index, channel)) {
-            let lines = trace::lines(picture, &part, screen, frame.unit);
-            trace::draw(&lines, &part, colour, surface)?;
-            drawn.extend(lines);
-        }
+    let ordered = background.into_iter().chain(foreground);
+    let parts = ordered.flat_map(|(index, channel)| trace::parts(channel, palette::channel(index, channel)));
+    let traces: Vec<_> = parts
+        .map(|(part, colour)| (trace::lines(picture, &part, screen, frame.unit), part, colour))
+        .collect();
+    let lines: Vec<_> = traces.iter().flat_map(|(lines, ..)| lines).cloned().collect();
+    let marker_labels = markers::draw(picture, &lines, screen, font, surface)?;
+    for (lines, part, colour) in &traces {
+        trace::draw(lines, part, *colour, surface)?;
     }
-    labels::draw(picture, drawn, marker_labels, screen, font, surface)?;
+    labels::draw(picture, lines, marker_labels, screen, font, surface)?;
     scales::draw(picture, frame, screen, font, surface)
 }

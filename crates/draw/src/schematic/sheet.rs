@@ -91,8 +91,8 @@ pub enum DrawError {
     },
     /// The sheet would be higher than [`Drawing::MAX_SIDE`].
     #[error(
-        "the drawing would be at least {height:.0} pixels high: a side has at most {max} pixels",
-        max = Drawing::MAX_SIDE
+        "the drawing would be at least {height} pixels high: a side has at most {max} pixels",
+        height = height.ceil(), max = Drawing::MAX_SIDE
     )]
     TooTall {
         /// A lower bound of the height, in pixels.

@@ -7,7 +7,7 @@ use super::{Measure, MeasureValue};
 use crate::instruments::{
     self, Criterion, CriticalInterval, CriticalVelocityError, FrictionLoop, ProfileCriterion, RampDirection,
 };
-use patchcord_core::document::format_number;
+use patchcord_core::document::format_distinct;
 use patchcord_core::trace::{Trace, Track};
 use patchcord_expr::Unit;
 
@@ -69,8 +69,8 @@ impl<'a> LastRun<'a> {
         if let Some(last) = last.filter(|last| *last > run * (1.0 + DURATION_TOLERANCE)) {
             return Err(format!(
                 "last={} s exceeds the run of {} s",
-                format_number(last),
-                format_number(run)
+                format_distinct(last, run),
+                format_distinct(run, last)
             ));
         }
         let from = end - last.unwrap_or((end - begin) / 2.0);

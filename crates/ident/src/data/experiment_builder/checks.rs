@@ -10,7 +10,7 @@ use crate::data::experiment_document::{
 };
 use crate::data::record::{MIN_RECORD_SAMPLES, Record};
 use crate::data::record_split::shared_samples;
-use patchcord_core::document::{Code, Diagnostic, Placed, format_number, suggestion};
+use patchcord_core::document::{Code, Diagnostic, Placed, format_distinct, format_number, suggestion};
 use patchcord_core::patch::Patch;
 
 impl ExperimentBuilder<'_> {
@@ -72,8 +72,8 @@ impl ExperimentBuilder<'_> {
         if longest > 0.0 && seconds > longest {
             let message = format!(
                 "a piece of {} s is longer than every record: the longest is {} s",
-                format_number(seconds),
-                format_number(longest)
+                format_distinct(seconds, longest),
+                format_distinct(longest, seconds)
             );
             self.findings
                 .push(Diagnostic::at(codes::BEYOND_DATA, entry.span, message).hint("remove \"pieces\""));

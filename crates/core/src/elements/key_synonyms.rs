@@ -1,0 +1,150 @@
+//! Keys of elements and drives in other programs and in textbooks, and the keys of this format.
+//!
+//! Hints for unknown keys use these tables before they look for a similar key.
+
+use super::kind::Kind;
+use crate::document::fields::KeyAdvice;
+
+/// Keys that people write, and the key of this format. A row counts only for a kind that has the key.
+const KEYS: [(&[&str], &str); 31] = [
+    (&["ic", "initial_condition", "initial_value", "init", "start", "x0", "y0"], "initial"),
+    (&["input", "inputs", "from", "source"], "in"),
+    (&["gain", "k", "value", "coefficient", "fraction", "factor", "position"], "setting"),
+    (&["tau", "time_constant", "t"], "time"),
+    (&["time", "delay_time", "dead_time", "tau"], "delay"),
+    (&["threshold", "upper", "hysteresis", "level"], "pull_in"),
+    (&["lower", "release", "dropout"], "drop_out"),
+    (&["high", "true", "then"], "on"),
+    (&["low", "false", "else"], "off"),
+    (&["on", "true", "then", "upper", "max"], "high"),
+    (&["off", "false", "else", "lower", "min"], "low"),
+    (&["level", "pull_in", "trigger", "reset_threshold", "reset_level"], "threshold"),
+    (&["reference", "compare", "than"], "against"),
+    (&["control", "sample", "sampling"], "track"),
+    (&["x", "in1", "first"], "a"),
+    (&["y", "in2", "second"], "b"),
+    (&["max", "maximum", "high"], "upper"),
+    (&["min", "minimum", "low"], "lower"),
+    (&["operation", "type", "connection"], "mode"),
+    (&["amp", "ampl", "a", "peak"], "amplitude"),
+    (&["amplitude", "amp", "ampl", "a", "value", "size"], "height"),
+    (&["time", "start", "t0", "delay"], "at"),
+    (&["slope", "speed"], "rate"),
+    (&["freq", "f", "hz"], "frequency"),
+    (&["phi", "angle", "phase_angle"], "phase"),
+    (&["duty_cycle", "duty_factor", "ratio"], "duty"),
+    (&["pulse_width", "length", "duration", "on_time"], "width"),
+    (&["at", "time", "start", "t0", "delay"], "begin"),
+    (&["f0", "start", "start_frequency", "f_start"], "from"),
+    (&["f1", "end", "stop", "end_frequency", "f_end"], "to"),
+    (&["duration", "sweep_time", "t1", "length"], "time"),
+];
+
+/// The hint for a period where the format has a frequency.
+const PERIOD_HINT: &str = "write the frequency, 1 / period: \"frequency\": \"1 / 0.5\" for a period of 0.5 s";
+
+/// The hint for an angular frequency where the format has a frequency.
+const ANGULAR_FREQUENCY_HINT: &str =
+    "write the frequency in Hz: \"frequency\": \"10 / (2 * pi)\" for an angular frequency of 10 rad/s";
+
+/// What people write for an angular frequency.
+const ANGULAR_FREQUENCIES: [&str; 4] = ["omega", "w", "w0", "angular_frequency"];
+
+/// The hint for another way to specify the frequency: a period or an angular frequency. `None` for other keys.
+fn frequency_hint(written: &str) -> Option<&'static str> {
+    match written {
+        "period" => Some(PERIOD_HINT),
+        _ => ANGULAR_FREQUENCIES.contains(&written).then_some(ANGULAR_FREQUENCY_HINT),
+    }
+}
+
+/// The hint for a gain of a pot.
+const POT_GAIN_HINT: &str = "the \"setting\" of a pot is from 0 to 1; a gain above 1 belongs to a cord of a summer or \
+                             integrator: \"in\": {\"x10\": [\"P1\"]}";
+
+/// The hint about a key that a kind does not have. `None` if the tables do not have the key.
+///
+/// `group` is the group of settings that has the key and a dot, such as "limit."; it is empty for the keys of the
+/// element itself.
+pub(crate) fn key_advice(kind: &Kind, group: &str, written: &str) -> Option<KeyAdvice> {
+    if group.is_empty()
+        && kind.has_gains()
+        && let Some(hint) = jack_hint(kind, written)
+    {
+        return Some(KeyAdvice { key: "in", hint });
+    }
+    let written = written.to_lowercase();
+    if group.is_empty()
+        && kind.setting("frequency").is_some()
+        && let Some(hint) = frequency_hint(&written)
+    {
+        return Some(KeyAdvice { key: "frequency", hint: hint.to_owned() });
+    }
+    if group.is_empty() && kind.setting("setting").is_some() && is_gain(&written) {
+        return Some(KeyAdvice { key: "setting", hint: POT_GAIN_HINT.to_owned() });
+    }
+    let has_key = |key: &str| {
+        let has_input = kind.inputs.iter().any(|input| input.name == key);
+        let is_input = group.is_empty() && (has_input || (kind.has_gains() && key == "in"));
+        is_input || kind.setting(&format!("{group}{key}")).is_some()
+    };
+    let mut rows = KEYS.iter().filter(|(words, _)| words.contains(&written.as_str()));
+    let &(_, key) = rows.find(|(_, key)| has_key(key))?;
+    Some(KeyAdvice { key, hint: format!("did you mean \"{key}\"?") })
+}
+
+/// The hint for a gain of an element whose inputs have gains.
+const GAIN_HINT: &str = "the gain is in the name of an input: write \"in\": {\"x10\": [\"A1\"]}";
+
+/// The hint for a jack, or for a gain, that is written next to "in" and not in it. `None` for other keys.
+fn jack_hint(kind: &Kind, written: &str) -> Option<String> {
+    if kind.input(written).is_some() {
+        return Some(format!("write \"in\": {{\"{written}\": [\"A1\"]}}"));
+    }
+    is_gain(written).then(|| GAIN_HINT.to_owned())
+}
+
+/// Whether a key is meant as a gain.
+fn is_gain(written: &str) -> bool {
+    ["gain", "gains"].contains(&written)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::{Family, find};
+
+    #[test]
+    fn keys_of_other_programs_are_recognised() {
+        let hint = |family, kind: &str, group: &str, key: &str| {
+            key_advice(find(family, kind).unwrap(), group, key).map(|advice| advice.hint)
+        };
+        let element = |kind: &str, key: &str| hint(Family::Computing, kind, "", key);
+        let meant = |key: &str| Some(format!("did you mean \"{key}\"?"));
+        assert_eq!(element("integrator", "ic"), meant("initial"));
+        assert_eq!(element("pot", "K"), meant("setting"));
+        assert_eq!(element("pot", "gain").as_deref(), Some(POT_GAIN_HINT));
+        assert_eq!(element("free-pot", "gains").as_deref(), Some(POT_GAIN_HINT));
+        assert_eq!(element("lag", "tau"), meant("time"));
+        assert_eq!(element("delay", "tau"), meant("delay"));
+        assert_eq!(element("relay", "threshold"), meant("pull_in"));
+        assert_eq!(hint(Family::Computing, "summer", "limit.", "max"), meant("upper"));
+        assert_eq!(hint(Family::Drive, "step", "", "value"), meant("height"));
+        assert_eq!(hint(Family::Drive, "pulse", "", "at"), meant("begin"));
+        assert_eq!(hint(Family::Drive, "chirp", "", "duration"), meant("time"));
+        assert_eq!(hint(Family::Drive, "square", "", "period").as_deref(), Some(PERIOD_HINT));
+        for key in ["amp", "ampl", "A"] {
+            assert_eq!(hint(Family::Drive, "sine", "", key), meant("amplitude"), "{key}");
+            assert_eq!(hint(Family::Drive, "step", "", key), meant("height"), "{key}");
+        }
+        assert_eq!(hint(Family::Drive, "sine", "", "f"), meant("frequency"));
+        assert_eq!(hint(Family::Drive, "sine", "", "omega").as_deref(), Some(ANGULAR_FREQUENCY_HINT));
+        assert_eq!(element("comparator", "level"), meant("threshold"));
+        assert_eq!(element("integrator", "reset").as_deref(), Some("write \"in\": {\"reset\": [\"A1\"]}"));
+        assert_eq!(element("pot", "ic"), None);
+        assert_eq!(element("summer", "x10").as_deref(), Some("write \"in\": {\"x10\": [\"A1\"]}"));
+        assert_eq!(element("integrator", "gain").as_deref(), Some(GAIN_HINT));
+        assert_eq!(element("summer", "inputs"), meant("in"));
+        assert_eq!(element("multiplier", "y"), meant("b"));
+    }
+}
