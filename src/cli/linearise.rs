@@ -13,7 +13,6 @@ use super::linear_report::{self, Analysis};
 use super::load::{PatchArguments, PatchDocument, heading};
 use super::numbers::number_in;
 use super::outputs::Outputs;
-use super::run_report::heading;
 use super::standard_streams::{check_table, is_dash, table_path};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;

@@ -16,7 +16,6 @@ use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading, title};
 use super::numbers::{positive, positive_in};
 use super::profile_report::{self, ProfileDocument, ProfileReading};
 use super::recording::run_with_progress;
-use super::run_report::heading;
 use super::times::{TimeArguments, run_failure};
 use super::{print, print_json};
 use patchcord::circuit::Circuit;

@@ -21,7 +21,7 @@ use super::overloads::{OverloadDocument, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::recording::record;
-use super::run_report::{heading, overloads_text, summary_text, work_text};
+use super::run_report::{overloads_text, summary_text, work_text};
 use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::streamed_tables::StreamedTables;
 use super::times::{

@@ -1,4 +1,4 @@
-//! Formats the heading, the work, the overloads and the summary of a run as text.
+//! Formats the work, the overloads and the summary of a run as text.
 //!
 //! The summary has the time that the run took. This time differs from run to run, so it is only printed: no file and
 //! no JSON document has it.
@@ -6,18 +6,9 @@
 use std::time::Duration;
 
 use super::overloads::overload_lines;
-use patchcord::circuit::Circuit;
 use patchcord::document::plural;
 use patchcord::expr::format_significant;
-use patchcord::instruments::parameter_line;
 use patchcord::trace::{Trace, WorkCounters};
-
-/// The first lines of a report on a patch: its title and its parameters, with an empty line behind them.
-pub(super) fn heading(circuit: &Circuit) -> String {
-    let parameters = parameter_line(circuit);
-    let separator = if parameters.is_empty() { "" } else { "\n" };
-    format!("{}\n{parameters}{separator}\n", circuit.patch().title)
-}
 
 /// The work of the solver: steps, switchings, kinks and evaluations.
 ///
