@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::failure::Failure;
-use patchcord::trace::{Overload, Trace};
+use patchcord::instruments::overload_demand;
+use patchcord::trace::{LimitDrive, Overload, Trace};
 
 /// The codes that begin and end the colour of overloads on a terminal: bold red, as for errors.
 const COLOUR: [&str; 2] = ["\x1b[1;31m", "\x1b[0m"];
@@ -18,13 +19,13 @@ pub(super) fn overload_lines(run: &str, overloads: &[Overload], is_coloured: boo
 
 /// An overload in one line. `order` is its position among those of its run, from 0.
 fn overload_text(order: usize, overload: &Overload) -> String {
-    let Overload { element, time, peak, caused_by } = overload;
+    let Overload { element, time, caused_by, .. } = overload;
     let cause = match caused_by {
         Some(cause) => format!("caused by {cause}"),
         None if order == 0 => "first".to_owned(),
         None => "not caused by an earlier one".to_owned(),
     };
-    format!("overload: {element} at t = {time:.6} s, needs {peak:.1} V ({cause})")
+    format!("overload: {element} at t = {time:.6} s, {} ({cause})", overload_demand(overload))
 }
 
 /// The failure of a run with overloads, with an exit code of its own. None if there is no overload.
@@ -39,14 +40,31 @@ pub(super) fn overload_failure(trace: &Trace) -> Option<Failure> {
     Some(Failure::overload(message))
 }
 
-/// An overload for `--json`: time in seconds, peak in volts.
+/// An overload for `--json`: time in seconds, peak in volts. `driven` replaces a peak that is not known.
 #[derive(Serialize)]
 pub(super) struct OverloadDocument<'a> {
     element: &'a str,
     #[serde(rename = "t")]
     time: f64,
-    peak: f64,
+    peak: Option<f64>,
+    driven: Option<DriveDocument>,
     caused_by: Option<&'a str>,
+}
+
+/// How an integrator was driven against its limit, for `--json`: the limit in volts, the longest time in seconds, whether
+/// this time lasts to the end of the record, and the largest rate in volts per second.
+#[derive(Serialize)]
+struct DriveDocument {
+    limit: f64,
+    seconds: f64,
+    to_end: bool,
+    rate: f64,
+}
+
+impl From<LimitDrive> for DriveDocument {
+    fn from(LimitDrive { limit, seconds, is_at_end, rate }: LimitDrive) -> Self {
+        DriveDocument { limit, seconds, to_end: is_at_end, rate }
+    }
 }
 
 impl<'a> OverloadDocument<'a> {
@@ -56,6 +74,7 @@ impl<'a> OverloadDocument<'a> {
             element: &overload.element,
             time: overload.time,
             peak: overload.peak,
+            driven: overload.driven.map(DriveDocument::from),
             caused_by: overload.caused_by.as_deref(),
         };
         overloads.iter().map(document).collect()
@@ -68,7 +87,8 @@ mod tests {
 
     #[test]
     fn overloads_are_coloured_on_request_only() {
-        let overload = Overload { element: "A2".to_owned(), time: 0.31, peak: 120.0, caused_by: None };
+        let peak = Some(120.0);
+        let overload = Overload { element: "A2".to_owned(), time: 0.31, peak, driven: None, caused_by: None };
         let plain = "run 2: overload: A2 at t = 0.310000 s, needs 120.0 V (first)";
         let overloads = std::slice::from_ref(&overload);
         assert_eq!(overload_lines("run 2: ", overloads, false), format!("{plain}\n"));

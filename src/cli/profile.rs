@@ -16,8 +16,9 @@ use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading, title};
 use super::numbers::{positive, positive_in};
 use super::profile_report::{self, ProfileDocument, ProfileReading};
 use super::recording::run_with_progress;
+use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::times::{TimeArguments, run_failure};
-use super::{print, print_json};
+use super::{eprint, print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
 use patchcord::draw::plot::{Picture, Size};
@@ -70,6 +71,7 @@ fn pair(text: &str) -> Result<[String; 2], String> {
 #[derive(Serialize)]
 struct Document<'a> {
     profile: ProfileDocument<'a>,
+    step_warning: Option<StepWarningDocument<'a>>,
     files: Vec<String>,
 }
 
@@ -85,12 +87,20 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     let trace = run_with_progress("profile", &program, &settings).map_err(|stopped| {
         run_failure(&stopped.error, &circuit, arguments.times.is_cause_of(&stopped.error))
     })?;
+    let step_warning = trace.step_warning.as_ref();
+    if let Some(warning) = step_warning.filter(|_| !arguments.patch.json) {
+        eprint(step_warning_text(warning).trim_end());
+    }
     let reading = arguments.read(&trace, &settings.record, &circuit)?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
         write_pictures(&outputs, path, &[picture(&reading, &circuit, &trace)], format, Size::default())?;
     }
     if arguments.patch.json {
-        let document = Document { profile: ProfileDocument::of(&reading), files: path_texts(files()) };
+        let document = Document {
+            profile: ProfileDocument::of(&reading),
+            step_warning: step_warning.map(StepWarningDocument::of),
+            files: path_texts(files()),
+        };
         return print_json(&PatchDocument::new(&circuit, &warnings, document));
     }
     print(&(heading(&circuit) + &profile_report::text(&reading)))?;
@@ -111,6 +121,7 @@ impl Arguments {
         });
         settings.record = found.collect::<Result<_, _>>()?;
         settings.sensitivities.clear();
+        settings.checks_steps = true;
         let checked = settings.check();
         checked.map_err(|error| run_failure(&error, circuit, self.times.is_cause_of(&error)))?;
         Ok(settings)

@@ -85,7 +85,8 @@ mod tests {
 
     /// A trace of runs with these ends in seconds. The last one has this number of overloads.
     fn trace(ends: &[f64], overloads: usize) -> Trace {
-        let lamp = Overload { element: "A2".to_owned(), time: 0.31, peak: 120.0, caused_by: None };
+        let peak = Some(120.0);
+        let lamp = Overload { element: "A2".to_owned(), time: 0.31, peak, driven: None, caused_by: None };
         let mut repetitions: Vec<Repetition> =
             ends.iter().map(|end| Repetition { end: *end, ..Repetition::default() }).collect();
         repetitions.last_mut().unwrap().overloads = vec![lamp; overloads];

@@ -5,8 +5,18 @@ use patchcord::expr::format_significant;
 use patchcord::trace::StepWarning;
 use serde::Serialize;
 
-/// The warning in two lines.
+/// The warning about a run, in two lines.
 pub(super) fn step_warning_text(warning: &StepWarning) -> String {
+    warning_text("", ", --step auto or --tol 1e-6", warning)
+}
+
+/// The warning about a row of a sweep, in two lines. `row` is its parameters, such as "K = 3e7 N/m".
+pub(super) fn row_step_warning_text(row: &str, warning: &StepWarning) -> String {
+    warning_text(&format!("at {row} "), " or --tol 1e-6; other rows may need a shorter step", warning)
+}
+
+/// The warning in two lines. `place` is the beginning of the sentence, and `advice` follows the recommended step.
+fn warning_text(place: &str, advice: &str, warning: &StepWarning) -> String {
     let StepWarning { signal, error, unit, time, unstable, step, recommended } = warning;
     let [step, recommended] = [*step, *recommended].map(format_number);
     let [error, time] = [*error, *time].map(|value| format_significant(value, 2));
@@ -15,8 +25,8 @@ pub(super) fn step_warning_text(warning: &StepWarning) -> String {
         None => "the solver is inaccurate".to_owned(),
     };
     format!(
-        "warning: the step of {step} s is too long: {cause}. With half the step, {signal} differs by up to {error} \
-         {unit}, from {time} s on\n  = help: try --step {recommended}, --step auto or --tol 1e-6\n"
+        "warning: {place}the step of {step} s is too long: {cause}. With half the step, {signal} differs by up to \
+         {error} {unit}, from {time} s on\n  = help: try --step {recommended}{advice}\n"
     )
 }
 

@@ -3,12 +3,13 @@
 //! Rows go to standard output as CSV, or to a file. A file is also a journal: a sweep that was interrupted continues
 //! after the last complete row. All combinations of `--vary` are run, and the last one changes fastest.
 
-use patchcord::document::plural;
+use patchcord::document::{format_number, plural, unit_suffix};
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::thread;
 
 use clap::Args;
+use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -17,12 +18,15 @@ use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
 use super::standard_streams::{check_input, is_dash};
+use super::step_warning::{StepWarningDocument, row_step_warning_text};
 use super::times::{TimeArguments, TimesDocument, run_failure};
 use super::{eprint, print, print_json, standard_output_result};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{Measure, MeasureColumn, measures};
 use patchcord::ir::Program;
-use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, SweepSummary};
+use patchcord::sweep::{
+    Axis, JournalError, Plan, PlanError, RowStepWarning, Sweep, SweepError, SweepSummary,
+};
 
 #[derive(Args)]
 #[command(after_help = measures_text())]
@@ -59,10 +63,19 @@ fn measures_text() -> String {
 
 /// The keys of the document in addition to those of every command on a patch.
 #[derive(Serialize)]
-struct Document {
+struct Document<'a> {
     run: TimesDocument,
     sweep: SweepDocument,
+    step_warning: Option<RowStepWarningDocument<'a>>,
     files: Vec<String>,
+}
+
+/// The warning about equal steps that are too long for a row. `at` has the values of the varied parameters in this row.
+#[derive(Serialize)]
+struct RowStepWarningDocument<'a> {
+    at: IndexMap<&'a str, f64>,
+    #[serde(flatten)]
+    warning: StepWarningDocument<'a>,
 }
 
 /// A sweep: the varied values as texts, the columns of measures, and the counts of rows. `kept` counts the rows that
@@ -98,14 +111,15 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     arguments.patch.outputs(&circuit).reading("the file of --rows", &arguments.rows).prepare_append(out)?;
     let summary = arguments.append_rows(&sweep, out)?;
     if arguments.patch.json {
-        let document = arguments.document(&sweep, summary, out);
+        let document = arguments.document(&sweep, &summary, out);
         return print_json(&PatchDocument::new(&circuit, &warnings, document));
     }
+    eprint_step_warning(&sweep, &summary);
     let result = match summary.written {
         0 => format!("{} is complete: nothing to do\n", path_text(out)),
         _ => written_text([out].into_iter()),
     };
-    print(&(summary_text(summary) + &result))
+    print(&(summary_text(&summary) + &result))
 }
 
 impl Arguments {
@@ -119,7 +133,7 @@ impl Arguments {
         let mut progress = |done| bar.iter().for_each(|bar| bar.done(done, sweep.plan().runs()));
         let outcome = sweep.write(&mut out, self.threads(), &mut progress);
         drop(bar);
-        report_output(outcome)
+        report_output(sweep, outcome)
     }
 
     /// Appends the rows to a file, each when it is computed, and reports progress.
@@ -181,9 +195,13 @@ impl Arguments {
     }
 
     /// The JSON document of the sweep.
-    fn document(&self, sweep: &Sweep, summary: SweepSummary, out: &Path) -> Document {
+    fn document<'a>(&self, sweep: &'a Sweep, summary: &'a SweepSummary, out: &Path) -> Document<'a> {
         let column = |MeasureColumn { name, unit }| ColumnDocument { name, unit };
-        let SweepSummary { kept, written, failed, noted } = summary;
+        let SweepSummary { kept, written, failed, noted, .. } = *summary;
+        let step_warning = summary.step_warning.as_ref().map(|row| RowStepWarningDocument {
+            at: sweep.plan().names().zip(row.values.iter().copied()).collect(),
+            warning: StepWarningDocument::of(&row.warning),
+        });
         Document {
             run: TimesDocument::of(sweep.settings()),
             sweep: SweepDocument {
@@ -196,6 +214,7 @@ impl Arguments {
                 failed,
                 noted,
             },
+            step_warning,
             files: vec![out.display().to_string()],
         }
     }
@@ -222,22 +241,37 @@ fn journal_failure(error: JournalError) -> Failure {
     Failure::data(error.to_string())
 }
 
-/// Reports failed runs on standard error if the rows went to standard output. A closed pipe is not an error.
-fn report_output(outcome: io::Result<SweepSummary>) -> Result<(), Failure> {
+/// Reports failed runs and too long steps on standard error if the rows went to standard output. A closed pipe is not an
+/// error.
+fn report_output(sweep: &Sweep, outcome: io::Result<SweepSummary>) -> Result<(), Failure> {
     let written = outcome.map(|summary| {
         if summary.failed > 0 {
-            eprint(summary_text(summary).trim_end());
+            eprint(summary_text(&summary).trim_end());
         }
+        eprint_step_warning(sweep, &summary);
     });
     standard_output_result(written)
 }
 
+/// Prints the warning about steps that are too long to standard error, with the parameters of the row. Prints nothing if
+/// there is none.
+fn eprint_step_warning(sweep: &Sweep, summary: &SweepSummary) {
+    if let Some(RowStepWarning { values, warning }) = &summary.step_warning {
+        let columns = sweep.columns();
+        let parameters = columns.iter().zip(values).map(|(column, value)| {
+            format!("{} = {}{}", column.name, format_number(*value), unit_suffix(&column.unit))
+        });
+        let row = parameters.collect::<Vec<_>>().join(", ");
+        eprint(row_step_warning_text(&row, warning).trim_end());
+    }
+}
+
 /// "2 runs: 0 failed, 0 with a note".
-fn summary_text(summary: SweepSummary) -> String {
+fn summary_text(summary: &SweepSummary) -> String {
     let existing = match summary.kept {
         0 => ":".to_owned(),
         kept => format!(", {kept} more in the file; in total"),
     };
-    let SweepSummary { failed, noted, .. } = summary;
+    let SweepSummary { failed, noted, .. } = *summary;
     format!("{}{existing} {failed} failed, {noted} with a note\n", plural(summary.written, "run"))
 }

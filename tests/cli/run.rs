@@ -34,6 +34,30 @@ fn overloads_are_printed_with_their_causes() {
     assert!(out(&held).contains("held at t = "), "{}", out(&held));
 }
 
+/// An integrator whose feedback leads through a lag. The lag changes its rate at the limit from 96 V/s to 90 V/s.
+const FEEDBACK_WITH_MEMORY: &str = r#"{"patchcord": 1, "title": "memory", "machine": "unlimited", "elements": {
+    "P": {"kind": "pot", "in": "A", "setting": 0.1},
+    "L": {"kind": "lag", "in": {"x1": ["P"]}, "time": 1},
+    "N": {"kind": "inverter", "in": "L"},
+    "A": {"kind": "integrator", "in": {"x1": ["-100", "N"]}}
+}, "record": ["A"], "run": {"for": 20, "step": 0.01}}"#;
+
+#[test]
+fn an_overload_with_an_unknown_demand_does_not_depend_on_the_length_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "memory.json");
+    fs::write(&file, FEEDBACK_WITH_MEMORY).unwrap();
+    let line = "\noverload: A at t = 1.013656 s, driven into +100 V to the end, by up to 96.3 V/s (first)\n";
+    for seconds in ["20", "100"] {
+        let text = out(&patchcord(&["run", &file, "--for", seconds]));
+        assert!(text.contains(line), "{text}");
+    }
+    let document = json(&patchcord(&["run", &file, "--json"]));
+    let overload = &document["sweeps"][0]["overloads"][0];
+    assert!(overload["peak"].is_null(), "{overload}");
+    assert_eq!((&overload["driven"]["limit"], &overload["driven"]["to_end"]), (&100.0.into(), &true.into()));
+}
+
 #[test]
 fn readings_use_every_step_of_the_run() {
     let (_folder, file) = spring();

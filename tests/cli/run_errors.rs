@@ -82,6 +82,12 @@ fn too_many_steps_are_reported_with_their_duration() {
     );
     let message = errors(&patchcord(&["run", FIG_8_16, "--step", "5e-10"]));
     assert!(message.contains("1.69334e10 steps, 5 hours at"), "{message}");
+    // The quotient is too large for a floating-point number.
+    let message = errors(&patchcord(&["run", FIG_8_16, "--for", "1e300", "--step", "1e-300"]));
+    assert!(
+        message.contains("the run would take more than 1e308 steps; at most 1e10 are allowed: give"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -129,6 +135,9 @@ fn check_reports_errors_that_only_the_machine_detects() {
     fs::write(&file, TOO_FINE).unwrap();
     let document = json(&patchcord(&["check", &file, "--json"]));
     assert_eq!(document["cannot_be_run"]["code"], "noise-too-fine");
+    let message = errors(&patchcord(&["run", &file]));
+    let wanted = "u draws a number every 1e-9 s, 1e11 in the run, and each ends a step";
+    assert!(message.contains(wanted), "{message}");
 }
 
 /// -1000 V by a voltage that falls from 50 V through 0 within the run.

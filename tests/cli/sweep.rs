@@ -54,6 +54,41 @@ fn a_long_sweep_reports_its_progress_in_plain_lines() {
     assert_eq!(fs::read_to_string(&csv).unwrap(), expected);
 }
 
+/// F follows -S within some milliseconds. Steps of 3 ms are too long for it.
+const STIFF: &str = r#"{"patchcord": 1, "title": "stiff", "machine": "unlimited",
+    "parameters": {"x0": {"value": 80, "unit": "V", "range": [1, 90]}},
+    "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+    "elements": {"F": {"kind": "integrator", "in": {"x1000": ["F", "S"]}},
+        "S": {"kind": "integrator", "in": {"x1": ["S"]}, "initial": "x0"}},
+    "signals": {"f": {"at": "F", "scale": "volt"}}, "run": {"for": 1, "step": 0.003}}"#;
+
+#[test]
+fn a_step_that_is_too_long_is_reported_with_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let [patch, csv, other] = ["stiff.json", "out.csv", "other.csv"].map(|name| path(&folder, name));
+    fs::write(&patch, STIFF).unwrap();
+    let stiff = |options: &[&str]| {
+        let command = ["sweep", &patch, "--vary", "x0=10,50", "--measure", "peak:f"];
+        patchcord(&[&command[..], options].concat())
+    };
+    for options in [&[][..], &["--out", &csv]] {
+        let message = errors(&stiff(options));
+        let begin =
+            "warning: at x0 = 50 V the step of 0.003 s is too long: the solver is unstable at F. With";
+        assert!(message.starts_with(begin), "{message}");
+        let end = "  = help: try --step 0.001 or --tol 1e-6; other rows may need a shorter step\n";
+        assert!(message.ends_with(end), "{message}");
+    }
+    let document = json(&stiff(&["--out", &other, "--json"]));
+    let warning = &document["step_warning"];
+    assert_eq!((&warning["at"]["x0"], &warning["unstable"]), (&50.0.into(), &"F".into()));
+    // Rows of the file, shorter steps and adaptive steps need no check.
+    for options in [&["--out", &csv][..], &["--step", "1e-4"], &["--tol", "1e-6"]] {
+        assert_eq!(errors(&stiff(options)), "", "{options:?}");
+    }
+    assert!(json(&stiff(&["--out", &csv, "--json"]))["step_warning"].is_null());
+}
+
 #[test]
 fn rows_of_a_file_are_combined_with_every_value_of_an_axis() {
     let folder = tempfile::tempdir().unwrap();

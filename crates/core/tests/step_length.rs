@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::common::{built, element, voltage, volts};
 use patchcord_core::ir::Program;
-use patchcord_core::patch::PatchBuilder;
+use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 use patchcord_core::solve::{Phase, RunSettings, run, sufficient_step};
 use patchcord_core::trace::Trace;
 
@@ -50,7 +50,10 @@ fn a_short_step_gets_no_warning_and_is_found_automatically() {
 fn an_output_that_is_thrown_to_its_limit_counts_as_an_overload() {
     let program = built(stiff());
     let trace = checked(&program, 0.01, 1.0, &["F"]);
-    assert!(trace.overloads().any(|overload| overload.element == "F"));
+    let overload = trace.overloads().find(|overload| overload.element == "F").unwrap();
+    // The solver throws F to its limit, and no voltage demands more than 100 V.
+    assert_eq!(overload.peak, None);
+    assert!(overload.driven.unwrap().rate > 1e3, "{overload:?}");
 }
 
 #[test]
@@ -80,7 +83,7 @@ fn the_demand_of_a_held_integrator_follows_its_feedback() {
         let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
         let held = seconds - 26.0f64.ln();
         let expected = 104.0 - 4.0 * (-held).exp();
-        assert!((overloads[0].peak - expected).abs() < 1e-6, "{seconds}: {overloads:?} {expected}");
+        assert!((overloads[0].peak.unwrap() - expected).abs() < 1e-6, "{seconds}: {overloads:?} {expected}");
     }
 }
 
@@ -98,8 +101,54 @@ fn feedback_through_inverters_at_their_limits_counts() {
             let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
             let lit = overloads.iter().find(|overload| overload.element == "A").unwrap();
             let expected = 120.0 - 20.0 * (-(seconds - 6.0f64.ln())).exp();
-            assert!((lit.peak - expected).abs() < 1e-6, "{seconds}: {lit:?} {expected}");
+            assert!((lit.peak.unwrap() - expected).abs() < 1e-6, "{seconds}: {lit:?} {expected}");
         }
+    }
+}
+
+/// A' = 100 V/s - N, where N inverts L. The input of L is a tenth of A.
+fn feedback_through(kind: ElementBuilder) -> Program {
+    let builder = volts("memory")
+        .element("P", element("pot").cord("in", "A").set("setting", 0.1))
+        .element("L", kind)
+        .element("N", element("inverter").cord("in", "L"))
+        .element("A", element("integrator").cords("x1", ["-100", "N"]));
+    built(builder)
+}
+
+#[test]
+fn feedback_with_memory_gives_a_rate_that_does_not_depend_on_the_length_of_the_run() {
+    let lag = element("lag").cords("x1", ["P"]).set("time", 1);
+    let integrator = element("integrator").cords("x1", ["P", "L"]);
+    let delay = element("delay").cord("in", "P").set("delay", 0.5);
+    for (kind, rate) in [(lag, 96.2), (integrator, 96.2), (delay, 110.0)] {
+        let program = feedback_through(kind);
+        let lit = |seconds: f64| crate::common::run_for(&program, 0.01, seconds).overloads()[0].clone();
+        let (short, long) = (lit(20.0), lit(100.0));
+        assert_eq!((short.element.as_str(), short.peak, long.peak), ("A", None, None));
+        let [short, long] = [short, long].map(|overload| overload.driven.unwrap());
+        assert_eq!((short.limit, short.is_at_end, long.is_at_end), (100.0, true, true));
+        assert!((short.rate - long.rate).abs() < 1e-9, "{short:?} {long:?}");
+        assert!((short.seconds - 19.0).abs() < 0.1, "{short:?}");
+        assert!((long.seconds - 99.0).abs() < 0.1, "{long:?}");
+        assert!((short.rate - rate).abs() < 0.5, "{short:?}");
+    }
+}
+
+#[test]
+fn the_time_at_the_limit_ends_when_the_drive_turns() {
+    // The input turns after 3 s. A reaches its limit after about 1 s.
+    let builder = volts("turn")
+        .drive("u", "volt", element("step").set("height", -80).set("at", 3))
+        .element("P", element("pot").cord("in", "A").set("setting", 0.1))
+        .element("L", element("lag").cords("x1", ["P"]).set("time", 1))
+        .element("A", element("integrator").cords("x1", ["+100", "L"]).cords("x2", ["u"]));
+    let program = built(builder);
+    for seconds in [4.0, 4.5] {
+        let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
+        let driven = overloads[0].driven.unwrap();
+        assert_eq!((overloads[0].element.as_str(), driven.limit, driven.is_at_end), ("A", -100.0, false));
+        assert!((driven.seconds - 2.0).abs() < 0.1, "{driven:?}");
     }
 }
 

@@ -14,6 +14,7 @@ mod harmonic;
 mod log;
 mod measure;
 mod oscillation;
+mod overload_demand;
 mod parameters;
 mod profile;
 mod ringing;
@@ -36,6 +37,7 @@ pub use log::{phase_description, phase_end_description, unmet_condition};
 pub(crate) use measure::ColumnContent;
 pub use measure::{Measure, MeasureColumn, MeasureError, MeasureValue, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
+pub use overload_demand::overload_demand;
 pub use parameters::parameter_line;
 pub use profile::{
     MissingPointError, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,

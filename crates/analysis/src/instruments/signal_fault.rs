@@ -114,7 +114,7 @@ mod tests {
     use patchcord_core::trace::{Repetition, Track};
 
     fn overload(element: &str, time: f64) -> Overload {
-        Overload { element: element.to_owned(), time, peak: 120.0, caused_by: None }
+        Overload { element: element.to_owned(), time, peak: Some(120.0), driven: None, caused_by: None }
     }
 
     #[test]

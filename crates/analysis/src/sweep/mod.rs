@@ -1,9 +1,10 @@
 //! Sweeps: one run for every combination of parameter values, on all cores, with one row of measures per run.
 //!
 //! `plan` and `axis_file` define the parameter values of each run, and `spacing` computes those of a range. `runner`
-//! computes runs, in groups whose size `group_size` chooses. `row` formats the results and `journal` appends them to a
-//! CSV file. `fingerprint` identifies the inputs, so that an interrupted sweep is only continued with the same inputs.
-//! The rows are identical, bit for bit, for any number of threads and after any interruption.
+//! computes runs, in groups whose size `group_size` chooses. `step_check` chooses the rows whose steps are checked. `row`
+//! formats the results and `journal` appends them to a CSV file. `fingerprint` identifies the inputs, so that an
+//! interrupted sweep is only continued with the same inputs. The rows are identical, bit for bit, for any number of
+//! threads and after any interruption.
 
 mod axis_file;
 mod error;
@@ -14,11 +15,13 @@ mod plan;
 mod row;
 mod runner;
 mod spacing;
+mod step_check;
 
 pub use error::{JournalError, PlanError};
 pub use plan::{Axis, Plan};
 pub use row::SweepRow;
 pub use runner::SweepRunner;
+pub use step_check::RowStepWarning;
 
 use std::io;
 use std::path::Path;
@@ -32,7 +35,7 @@ use patchcord_core::document::escape_controls;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{Backend, LANES, Phase, RunError, RunSettings};
-use patchcord_core::trace::format_exact;
+use patchcord_core::trace::{StepWarning, format_exact};
 use row::RowFormat;
 
 /// A sweep: the runs, their settings, and the measures of each run.
@@ -100,8 +103,8 @@ pub enum SweepError {
     Run(#[from] RunError),
 }
 
-/// The number of rows that one call found and wrote.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// The number of rows that one call found and wrote, and the warning about their steps.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SweepSummary {
     /// Rows that the file already had.
     pub kept: u64,
@@ -111,6 +114,10 @@ pub struct SweepSummary {
     pub failed: u64,
     /// Rows, kept or written, of other runs with a note: a value could not be read, or an amplifier was overloaded.
     pub noted: u64,
+    /// Set if the equal steps are too long for one of the rows that were written and checked: the warning with the
+    /// shortest recommended step. One of 64 rows is checked, at least 1 and at most 8. Steps that adapt to a tolerance
+    /// need no check.
+    pub step_warning: Option<RowStepWarning>,
 }
 
 impl SweepSummary {
@@ -327,7 +334,8 @@ impl Sweep {
         even_group(remaining.saturating_sub(threads), threads, limit.clamp(1, LANES as u64))
     }
 
-    /// Computes the runs after the existing rows, and passes their rows to `write` in order.
+    /// Computes the runs after the existing rows, and passes their rows to `write` in order. The steps of some of these
+    /// runs are checked.
     fn compute_remaining<E>(
         &self,
         existing: SweepSummary,
@@ -341,6 +349,7 @@ impl Sweep {
         let group = self.largest_group(remaining, threads);
         let workers =
             (0..threads * WORKERS_PER_THREAD).map(|_| (self.runner(), GroupSizer::new(group))).collect();
+        let checked = self.rows_to_check(remaining);
         let mut summary = existing;
         progress(first);
         parallel::run_in_order(
@@ -350,13 +359,20 @@ impl Sweep {
             workers,
             |(_, sizer)| sizer.size(),
             |(runner, sizer), runs| {
-                let count = runs.end - runs.start;
-                let values: Vec<_> = runs.map(|run| self.plan.values(first + run)).collect();
-                sizer.timed(count, || runner.rows(&values))
+                let values: Vec<_> = runs.clone().map(|run| self.plan.values(first + run)).collect();
+                let rows = sizer.timed(runs.end - runs.start, || runner.rows(&values));
+                let is_checked = |run: u64, row: &SweepRow| row.error.is_none() && checked.contains(&run);
+                let with_warning = |(row, run): (SweepRow, u64)| {
+                    let is_checked = is_checked(run, &row);
+                    let warning = is_checked.then(|| runner.step_warning(&row.values)).flatten();
+                    (row, warning)
+                };
+                rows.into_iter().zip(runs).map(with_warning).collect()
             },
-            |row: Option<SweepRow>| {
-                row.iter().try_for_each(|row| {
-                    summary.add(row);
+            |result: Option<(SweepRow, Option<StepWarning>)>| {
+                result.into_iter().try_for_each(|(row, warning)| {
+                    summary.add(&row);
+                    warning.into_iter().for_each(|warning| summary.add_step_warning(&row.values, warning));
                     write(&row.line())
                 })?;
                 progress(first + summary.written);

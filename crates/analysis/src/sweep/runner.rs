@@ -9,8 +9,8 @@ use super::Sweep;
 use super::row::SweepRow;
 use crate::instruments::unmet_condition;
 use patchcord_core::ir::Program;
-use patchcord_core::solve::{self, RunError};
-use patchcord_core::trace::Trace;
+use patchcord_core::solve::{self, BLOCK_SAMPLES, RunError, RunSettings};
+use patchcord_core::trace::{StepWarning, Trace};
 
 /// Computes runs of a sweep with its own copies of the program.
 #[derive(Debug)]
@@ -46,6 +46,23 @@ impl<'s> SweepRunner<'s> {
             _ => values.iter().map(|values| self.row(values)).collect(),
         });
         rows.into_iter().zip(values).map(|(row, values)| SweepRow { values: values.clone(), ..row }).collect()
+    }
+
+    /// Computes one run once more with checks of its steps, and returns the warning that they are too long. `None` if they
+    /// are short enough, or if the run fails.
+    pub(super) fn step_warning(&mut self, values: &[f64]) -> Option<StepWarning> {
+        let warning = catch_unwind(AssertUnwindSafe(|| {
+            self.set_parameters(&mut 0, values).ok()?;
+            solve::run(&self.programs[0], &self.settings_with_checks()).ok()?.step_warning
+        }));
+        warning.ok().flatten()
+    }
+
+    /// The settings of a run whose steps are checked. If the measures need no signal, the outputs of the integrators and
+    /// lags are compared.
+    fn settings_with_checks(&self) -> RunSettings {
+        let settings = self.sweep.settings.clone().with_step_checks().with_blocks(BLOCK_SAMPLES);
+        if settings.record.is_empty() { settings.with_signals(self.sweep.program.states()) } else { settings }
     }
 
     /// The rows without parameter values. May panic.

@@ -147,13 +147,42 @@ fn a_continued_sweep_counts_the_existing_rows() {
     let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["frequency:s"], |settings| settings);
     let file = tempfile::NamedTempFile::new().unwrap();
     let summary = || sweep.append_to(file.path(), 1, &mut |_| ()).unwrap();
-    assert_eq!(summary(), SweepSummary { kept: 0, written: 4, failed: 1, noted: 3 });
-    assert_eq!(summary(), SweepSummary { kept: 4, written: 0, failed: 1, noted: 3 });
+    assert_eq!(summary(), SweepSummary { kept: 0, written: 4, failed: 1, noted: 3, step_warning: None });
+    assert_eq!(summary(), SweepSummary { kept: 4, written: 0, failed: 1, noted: 3, step_warning: None });
     let table = std::fs::read_to_string(file.path()).unwrap();
     let cut = table.rfind("0.4,").unwrap();
     std::fs::write(file.path(), &table[..cut]).unwrap();
-    assert_eq!(summary(), SweepSummary { kept: 2, written: 2, failed: 1, noted: 3 });
+    assert_eq!(summary(), SweepSummary { kept: 2, written: 2, failed: 1, noted: 3, step_warning: None });
     assert_eq!(std::fs::read_to_string(file.path()).unwrap(), table);
+}
+
+/// F' = -1000 (F + S) and S' = -k S, from S = 80 V. Steps of 3 ms are too long for F.
+fn stiff() -> Patch {
+    let slow = ElementBuilder::new("integrator").cords("x1", ["P"]).set("initial", 80);
+    let builder = PatchBuilder::new("stiff").parameter("k", 0.5, "1", [0.0, 1.0]).scale("volt", 1, "V");
+    let builder = builder
+        .element("F", ElementBuilder::new("integrator").cords("x1000", ["F", "S"]))
+        .element("P", ElementBuilder::new("pot").cord("in", "S").set("setting", "k"))
+        .element("S", slow);
+    builder.signal("f", "F", "volt", 1.0).run(0.3, 3e-3).build().unwrap()
+}
+
+#[test]
+fn steps_that_are_too_long_for_a_row_are_reported_with_its_values() {
+    let summary = |measure: &str, threads, settings: fn(RunSettings) -> RunSettings| {
+        let sweep = sweep(&stiff(), &["k=0.01:0.7:70"], &[measure], settings);
+        sweep.write(&mut std::io::sink(), threads, &mut |_| ()).unwrap()
+    };
+    let one = summary("peak:f", 1, |settings| settings);
+    let warning = one.step_warning.clone().unwrap();
+    // Row 43 of 70 is checked.
+    assert_eq!((warning.values, warning.warning.signal.as_str()), (vec![0.44], "f"));
+    assert_eq!((warning.warning.unstable.as_deref(), warning.warning.step), (Some("F"), 3e-3));
+    assert_eq!(summary("peak:f", 3, |settings| settings), one);
+    let overload = summary("overload", 1, |settings| settings);
+    assert_eq!(overload.step_warning.unwrap().warning.signal, "F");
+    assert_eq!(summary("peak:f", 1, |settings| settings.with_step(1e-4)).step_warning, None);
+    assert_eq!(summary("peak:f", 1, |settings| settings.with_tolerance(1e-6)).step_warning, None);
 }
 
 /// The error of a sweep of four runs if `change` is made to its file after `done` rows. On Windows,

@@ -77,6 +77,8 @@ pub(crate) struct Delay {
 /// A value that is constant within a step and sampled at its end: the memory of backlash and track-and-hold.
 #[derive(Debug, Clone)]
 pub(crate) struct SampledValue {
+    /// Index of the element.
+    pub element: usize,
     /// Index of the coefficient with the initial value.
     pub initial: u32,
     /// Register whose value is sampled at the end of every step.

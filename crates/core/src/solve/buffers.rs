@@ -70,22 +70,28 @@ impl StepBuffers {
     }
 
     /// Samples of a voltage over the tried step: at both ends and at the two checked stages. If both stages are in the
-    /// middle of the step, the samples are those of the parabola. `begin` and `end` are all voltages at the ends, and
-    /// `voltage` chooses or computes one from them.
+    /// middle of the step, the samples are those of the parabola. `ends` are all voltages at the ends, and `voltage`
+    /// chooses or computes one from them.
     pub(super) fn samples(
         &self,
         method: &Tableau,
-        [begin, end]: [&[f64]; 2],
+        ends: [&[f64]; 2],
         voltage: impl Fn(&[f64]) -> f64,
     ) -> Samples {
         let [early, late] = method.checked_stages.map(|stage| method.stages[stage].node);
-        let [first, second] = self.checked_voltages.each_ref().map(|voltages| voltage(voltages));
-        let [begin, end] = [begin, end].map(voltage);
         if early < late {
+            let [first, second] = self.checked_voltages.each_ref().map(|voltages| voltage(voltages));
+            let [begin, end] = ends.map(voltage);
             return Samples { shares: [0.0, early, late, 1.0], values: [begin, first, second, end] };
         }
-        let curve = Parabola::of_stages([first, second], [begin, end]);
+        let curve = self.parabola(ends, voltage);
         let shares = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
-        Samples { shares, values: [begin, curve.value(shares[1]), curve.value(shares[2]), end] }
+        Samples { shares, values: [curve.begin, curve.value(shares[1]), curve.value(shares[2]), curve.end] }
+    }
+
+    /// The parabola of a voltage over the tried equal step, from the same voltages as [`samples`](StepBuffers::samples).
+    pub(super) fn parabola(&self, ends: [&[f64]; 2], voltage: impl Fn(&[f64]) -> f64) -> Parabola {
+        let stages = self.checked_voltages.each_ref().map(|voltages| voltage(voltages));
+        Parabola::of_stages(stages, ends.map(voltage))
     }
 }

@@ -256,9 +256,8 @@ pub enum RunError {
     },
     /// The run would take too many steps, or an adaptive run has taken too many.
     #[error(
-        "the run would take {steps} steps, {work} at a million steps a second; at most {max} are allowed",
-        steps = format_distinct(*steps, *max), max = format_distinct(*max, *steps),
-        work = computing_time(*steps)
+        "the run would take {steps}; at most {max} are allowed",
+        steps = steps_text(*steps, *max), max = format_distinct(*max, *steps)
     )]
     TooManySteps {
         /// Steps of all phases, with repetitions.
@@ -266,37 +265,47 @@ pub enum RunError {
         /// The largest number allowed.
         max: f64,
     },
-    /// A noise drive would draw too many numbers.
+    /// The run would take too many steps, most of the additional ones because of a noise drive. Each of its numbers
+    /// ends a step.
     #[error(
-        "{element} would draw {numbers} numbers in the run; at most {max} are allowed; choose a longer \"every\"",
-        numbers = format_distinct(*numbers, *max), max = format_distinct(*max, *numbers)
+        "{element} draws a number every {every} s, {numbers} in the run, and each ends a step; the run would take up to \
+         {steps}; at most {max} are allowed; choose a longer \"every\" of {element}",
+        every = format_number(*every), numbers = count_text(*numbers, *max),
+        steps = steps_text(*steps, *max), max = format_distinct(*max, *steps)
     )]
     NoiseTooFine {
         /// Name of the noise drive.
         element: String,
+        /// Problem seconds between two numbers.
+        every: f64,
         /// Numbers drawn in all phases, with repetitions.
         numbers: f64,
-        /// The largest number allowed.
+        /// Steps of all phases, with repetitions: the equal steps, and those that end at a jump of a drive.
+        steps: f64,
+        /// The largest number of steps allowed.
         max: f64,
     },
-    /// A drive would have too many edges.
+    /// The run would take too many steps, most of the additional ones because of a drive with edges. Each edge ends a
+    /// step.
     #[error(
-        "{element} would have {edges} edges in the run; at most {max} are allowed; choose a lower frequency or a \
-         longer period",
-        edges = format_distinct(*edges, *max), max = format_distinct(*max, *edges)
+        "{element} has {edges} edges in the run, and each ends a step; the run would take up to {steps}; at most {max} \
+         are allowed; choose a lower frequency or a longer period of {element}",
+        edges = count_text(*edges, *max), steps = steps_text(*steps, *max), max = format_distinct(*max, *steps)
     )]
     PulsesTooFast {
         /// Name of the drive.
         element: String,
         /// Edges in all phases, with repetitions.
         edges: f64,
-        /// The largest number allowed.
+        /// Steps of all phases, with repetitions: the equal steps, and those that end at a jump of a drive.
+        steps: f64,
+        /// The largest number of steps allowed.
         max: f64,
     },
     /// The run would record too many numbers for the memory, or for a table.
     #[error(
         "the run would record {numbers} numbers; at most {max} are allowed",
-        numbers = format_distinct(*numbers, *max), max = format_distinct(*max, *numbers)
+        numbers = count_text(*numbers, *max), max = format_distinct(*max, *numbers)
     )]
     TooManyNumbers {
         /// The recorded numbers, with repetitions: times and signals of every sample, 16 numbers for every phase and
@@ -365,6 +374,22 @@ impl RunError {
 fn name_list(times: &[TimeSetting]) -> String {
     let names: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\")", time.key())).collect();
     names.join(" and ")
+}
+
+/// A number of steps, with the time that they take at a million steps a second. The time is left out if the number is
+/// too large for a floating-point number. `max` is the number that is allowed.
+fn steps_text(steps: f64, max: f64) -> String {
+    let count = count_text(steps, max);
+    match steps.is_finite() {
+        true => format!("{count} steps, {} at a million steps a second", computing_time(steps)),
+        false => format!("{count} steps"),
+    }
+}
+
+/// A count in a message, with the digits by which it differs from the number that is allowed. A count that is too large
+/// for a floating-point number is infinite, and has a lower limit only.
+fn count_text(count: f64, max: f64) -> String {
+    if count.is_finite() { format_distinct(count, max) } else { "more than 1e308".to_owned() }
 }
 
 /// The time that a number of steps takes at a million steps a second, in whole hours, days or years. The speed is a

@@ -29,11 +29,14 @@ impl Solver<'_> {
         [low, high]: [f64; 2],
     ) -> [Option<(f64, f64)>; 2] {
         let mut extrema = [None; 2];
+        if !self.setup.is_adaptive {
+            return extrema;
+        }
         let (state, buffers) = (&self.state, &self.buffers);
         let ends = [&buffers.last.voltages, &state.voltages].map(Vec::as_slice);
         let samples = buffers.samples(self.setup.method, ends, |voltages| voltages[register.index()]);
         let has_length = buffers.last.time < state.time;
-        if !self.setup.is_adaptive || !has_length || samples.swing() <= MIN_SWING {
+        if !has_length || samples.swing() <= MIN_SWING {
             return extrema;
         }
         for (extremum, turn) in extrema.iter_mut().zip(samples.turning_points()) {

@@ -8,7 +8,6 @@
 use super::buffers::StepBuffers;
 use super::events::{event_at, open_transitions};
 use super::state::{Setup, SolverState};
-use super::turning_points::Samples;
 
 /// The share (0 ... 1) of the tried step at which an event may come and go: at a stage that shows one, or where a
 /// watched voltage turns just before its event. `None` if there is no sign of such an event.
@@ -26,19 +25,33 @@ pub(super) fn hint(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers
 fn grazing_time(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
     let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
     let guards = open_transitions(setup.program, &state.modes).filter_map(|open| {
-        let samples = buffers.samples(setup.method, ends, |voltages| open.guard.value(voltages));
-        turn_towards(&samples, |_, to| to >= 0.0)
+        turn_towards(setup, buffers, ends, |voltages| open.guard.value(voltages), |_, to| to >= 0.0)
     });
     let kinks = setup.kinks().filter_map(|kink| {
-        let samples = buffers.samples(setup.method, ends, |voltages| kink.value(voltages));
-        turn_towards(&samples, |from, to| kink.crossed(&setup.program.tables, from, to).is_some())
+        let reaches = |from, to| kink.crossed(&setup.program.tables, from, to).is_some();
+        turn_towards(setup, buffers, ends, |voltages| kink.value(voltages), reaches)
     });
     guards.chain(kinks).reduce(f64::min)
 }
 
-/// The share (0 ... 1) at which a voltage turns, if a slightly larger swing would reach an event. `reaches` decides
-/// that from the voltage at the beginning and the voltage with margin at the turning point.
-fn turn_towards(samples: &Samples, reaches: impl Fn(f64, f64) -> bool) -> Option<f64> {
+/// The share (0 ... 1) of the tried step at which a voltage turns, if a slightly larger swing would reach an event.
+/// `ends` are all voltages at the ends of the step. `reaches` decides from the voltage at the beginning and the voltage
+/// with margin at the turning point.
+fn turn_towards(
+    setup: &Setup<'_>,
+    buffers: &StepBuffers,
+    ends: [&[f64]; 2],
+    voltage: impl Fn(&[f64]) -> f64,
+    reaches: impl Fn(f64, f64) -> bool,
+) -> Option<f64> {
+    if !setup.is_adaptive {
+        // A parabola is between its ends and its control point.
+        let curve = buffers.parabola(ends, &voltage);
+        if !reaches(curve.begin, curve.control) {
+            return None;
+        }
+    }
+    let samples = buffers.samples(setup.method, ends, voltage);
     let mut turns = samples.turning_points();
     turns.find(|turn| reaches(samples.values[0], samples.with_margin(turn))).map(|turn| turn.share)
 }

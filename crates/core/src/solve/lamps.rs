@@ -4,12 +4,18 @@
 //! The lamp of an amplifier lights if its demanded output exceeds ±100 V within a step. The lamp of an integrator
 //! lights if the integrator is held at ±100 V and its input drives it further. Lamps stay lit until the next initial
 //! condition. The cause of an overload is the earliest lit amplifier from which a chain of cords leads to it.
+//!
+//! The output that an integrator would reach without its limit is known if the integrator reacts on itself only through
+//! elements without memory, or not at all. Otherwise the limit changes the voltages in the feedback, and the history
+//! has how the integrator was driven against its limit instead.
 
 use super::buffers::StepStart;
+use super::cord_chains::{causes, has_feedback_through};
+use super::limit_drive::DriveRecord;
 use super::state::{Solver, SolverState};
 use crate::ir::{LAMP_THRESHOLD, Program, Register, SourceSlopes, TangentBase};
 use crate::machines::REFERENCE;
-use crate::trace::Overload;
+use crate::trace::{LimitDrive, Overload};
 
 /// Number of bisections of a step after which the bracket of 2^-50 steps is smaller than the rounding of the time.
 const BISECTION_COUNT: usize = 50;
@@ -27,6 +33,8 @@ pub(super) struct Lamps {
     /// How far each integrator would be beyond ±100 V if it had no limit, in volts, in the order of `Program::states`; 0
     /// if it is not held there. The demand of the integrator is 100 V more.
     pub overdrive: Vec<f64>,
+    /// How each integrator is driven against its limits, in the order of `Program::states`.
+    drives: Vec<DriveRecord>,
     /// Buffers for the feedback of an integrator to itself.
     feedback: FeedbackBuffers,
 }
@@ -93,6 +101,7 @@ impl Lamps {
             is_on: true,
             lit: vec![None; program.lowered.elements.len()],
             overdrive: vec![0.0; program.lowered.states.len()],
+            drives: vec![DriveRecord::default(); program.lowered.states.len()],
             feedback: FeedbackBuffers::new(program),
         }
     }
@@ -101,6 +110,7 @@ impl Lamps {
     pub(super) fn reset(&mut self) {
         self.lit.fill(None);
         self.overdrive.fill(0.0);
+        self.drives.fill(DriveRecord::default());
     }
 
     /// Whether any lamp is lit.
@@ -113,14 +123,29 @@ impl Lamps {
         let mut lit: Vec<LitLamp> = self.lit.iter().flatten().copied().collect();
         lit.sort_by(|a, b| a.time.total_cmp(&b.time));
         let elements: Vec<usize> = lit.iter().map(|lamp| lamp.element).collect();
-        let overloads =
-            lit.iter().zip(causes(&program.lowered.readers, &elements)).map(|(lamp, cause)| Overload {
+        let overload = |(lamp, cause): (&LitLamp, Option<usize>)| {
+            let driven = self.limit_drive(program, lamp);
+            Overload {
                 element: program.name(lamp.element).to_owned(),
                 time: lamp.time,
-                peak: lamp.peak,
+                peak: driven.is_none().then_some(lamp.peak),
+                driven,
                 caused_by: cause.map(|cause| program.name(elements[cause]).to_owned()),
-            });
-        overloads.collect()
+            }
+        };
+        lit.iter().zip(causes(&program.lowered.readers, &elements)).map(overload).collect()
+    }
+
+    /// How the integrator of a lit lamp was driven against its limit. `None` if the lamp's peak is the output that the
+    /// amplifier would reach without the limit.
+    fn limit_drive(&self, program: &Program, lamp: &LitLamp) -> Option<LimitDrive> {
+        let lowered = &program.lowered;
+        let index = lowered.states.iter().position(|state| state.element == lamp.element)?;
+        // An output that was thrown to its limit only has no larger peak. Positive feedback can exceed all numbers.
+        let is_known = lamp.peak > LAMP_THRESHOLD
+            && lamp.peak.is_finite()
+            && !has_feedback_through(&lowered.readers, lamp.element, elements_with_memory(program));
+        (!is_known).then(|| self.drives[index].limit_drive())
     }
 
     /// Lights the lamps of amplifiers whose demand exceeded ±100 V within the last step or at its end, and raises the
@@ -161,11 +186,14 @@ impl Lamps {
             // Too long a step can throw an output to its limit and back.
             if volts_before.abs() < REFERENCE && state.states[index].abs() >= REFERENCE {
                 light(&mut self.lit[integrator.element], integrator.element, state.time, REFERENCE);
+                self.drives[index].reach(state.states[index], state.states[index] - volts_before, length);
             }
             if volts_before.abs() < REFERENCE || outward == 0.0 {
                 self.overdrive[index] = 0.0;
+                self.drives[index].release();
                 continue;
             }
+            self.drives[index].drive(volts_before, drive[0].max(drive[1]), length);
             let slope = self.feedback.own_slope(program, &state.voltages, index, -volts_before.signum());
             let overdrive = &mut self.overdrive[index];
             *overdrive = driven(*overdrive, outward, slope, length);
@@ -176,9 +204,18 @@ impl Lamps {
             // The next step begins at the limit without an overdrive if the drive now points inward.
             if drive[1] <= 0.0 {
                 self.overdrive[index] = 0.0;
+                self.drives[index].release();
             }
         }
     }
+}
+
+/// The elements with memory: integrators, lags, delay lines, and elements with a sampled value.
+fn elements_with_memory(program: &Program) -> impl Iterator<Item = usize> {
+    let lowered = &program.lowered;
+    let states = lowered.states.iter().map(|state| state.element);
+    let delays = lowered.delays.iter().map(|delay| delay.element);
+    states.chain(delays).chain(lowered.sampled.iter().map(|sampled| sampled.element))
 }
 
 /// The mean of the positive part of a quantity that changes linearly between two values.
@@ -216,33 +253,6 @@ fn light(lamp: &mut Option<LitLamp>, element: usize, time: f64, demand: f64) {
     lit.peak = lit.peak.max(demand);
 }
 
-/// For each lamp in the order in which they lit: the position in that order of the first earlier lamp from which a
-/// chain of cords leads to it; `None` for the first overload of a chain. `readers` are the elements that read each
-/// element, `lit` the elements of the lamps.
-fn causes(readers: &[Vec<usize>], lit: &[usize]) -> Vec<Option<usize>> {
-    let mut first_cause = vec![None; readers.len()];
-    for (lamp, element) in lit.iter().enumerate() {
-        mark_downstream(readers, *element, lamp, &mut first_cause);
-    }
-    let earlier_cause =
-        |(lamp, element): (usize, &usize)| first_cause[*element].filter(|cause| *cause < lamp);
-    lit.iter().enumerate().map(earlier_cause).collect()
-}
-
-/// Marks all elements downstream of a lamp's amplifier with the position of that lamp. The search ends at an element
-/// that an earlier lamp has marked, because all elements downstream of it are marked, too.
-fn mark_downstream(readers: &[Vec<usize>], amplifier: usize, lamp: usize, first_cause: &mut [Option<usize>]) {
-    let mut pending = vec![amplifier];
-    while let Some(element) = pending.pop() {
-        for reader in &readers[element] {
-            if first_cause[*reader].is_none() {
-                first_cause[*reader] = Some(lamp);
-                pending.push(*reader);
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,29 +277,5 @@ mod tests {
             "{once} {often}"
         );
         assert!(driven(1.0, 4.0, 1e9, 1e9).is_finite());
-    }
-
-    #[test]
-    fn the_earliest_lamp_upstream_is_the_cause() {
-        // 0 drives 1 drives 2, and 3 drives 2.
-        let readers = [vec![1], vec![2], vec![], vec![2]];
-        assert_eq!(causes(&readers, &[0, 1, 2, 3]), [None, Some(0), Some(0), None]);
-        assert_eq!(causes(&readers, &[3, 1, 0, 2]), [None, None, None, Some(0)]);
-        assert_eq!(causes(&readers, &[2, 1, 0]), [None, None, None]);
-    }
-
-    #[test]
-    fn the_first_lamp_of_a_ring_causes_the_others() {
-        let ring = [vec![1], vec![2], vec![0]];
-        assert_eq!(causes(&ring, &[1, 0, 2]), [None, Some(0), Some(0)]);
-    }
-
-    #[test]
-    fn each_element_of_a_long_chain_is_marked_once() {
-        let length = 200_000;
-        let readers: Vec<_> =
-            (0..length).map(|index| if index + 1 < length { vec![index + 1] } else { vec![] }).collect();
-        let lit: Vec<_> = (0..length).rev().collect();
-        assert!(causes(&readers, &lit).iter().all(Option::is_none));
     }
 }

@@ -192,28 +192,46 @@ pub(super) fn due_edges<'a>(
     })
 }
 
-/// Checks that the levels jump an acceptable number of times in a run of this length in problem seconds.
+/// Checks that a run of this length in problem seconds does not take too many steps. A step ends at every jump of a
+/// level, in addition to `equal_steps`. Points of tables are not counted, because files limit their number.
 ///
 /// # Errors
-/// If a noise voltage draws more than [`MAX_STEPS`] numbers, or pulses have more edges: each of them ends a step.
-pub(super) fn check_jump_counts(
+/// If there are more than [`MAX_STEPS`]. The error names the drive that ends most of them.
+pub(super) fn check_step_count(
     program: &Program,
     sources: &[LevelSource],
     length: f64,
+    equal_steps: f64,
 ) -> Result<(), RunError> {
-    for (source, level) in sources.iter().zip(&program.lowered.levels) {
-        let jumps = length * source.rate(&program.tables);
-        match level {
-            Level::Noise(noise) if jumps > MAX_STEPS => {
-                let element = program.name(noise.element).to_owned();
-                return Err(RunError::NoiseTooFine { element, numbers: jumps, max: MAX_STEPS });
-            }
-            Level::Pulses(pulses) if jumps > MAX_STEPS => {
-                let element = program.name(pulses.element).to_owned();
-                return Err(RunError::PulsesTooFast { element, edges: jumps, max: MAX_STEPS });
-            }
-            _ => {}
-        }
+    let jumps = |source: &LevelSource| length * source.rate(&program.tables);
+    let drives = sources.iter().zip(&program.lowered.levels);
+    let drives: Vec<(f64, &LevelSource, &Level)> = drives
+        .filter(|(_, level)| !matches!(level, Level::Points { .. }))
+        .map(|(source, level)| (jumps(source), source, level))
+        .collect();
+    let steps = equal_steps + drives.iter().map(|(jumps, ..)| jumps).sum::<f64>();
+    let most = drives.into_iter().max_by(|one, other| one.0.total_cmp(&other.0));
+    let Some((jumps, source, level)) = most.filter(|_| steps > MAX_STEPS) else { return Ok(()) };
+    jump_error(program, (source, level), jumps, steps).map_or(Ok(()), Err)
+}
+
+/// The error of a drive with too many jumps; `None` for a table. `steps` are those of the run.
+fn jump_error(program: &Program, drive: (&LevelSource, &Level), jumps: f64, steps: f64) -> Option<RunError> {
+    let name = |element: usize| program.name(element).to_owned();
+    match drive {
+        (LevelSource::Noise(source), Level::Noise(noise)) => Some(RunError::NoiseTooFine {
+            element: name(noise.element),
+            every: source.every,
+            numbers: jumps,
+            steps,
+            max: MAX_STEPS,
+        }),
+        (_, Level::Pulses(pulses)) => Some(RunError::PulsesTooFast {
+            element: name(pulses.element),
+            edges: jumps,
+            steps,
+            max: MAX_STEPS,
+        }),
+        _ => None,
     }
-    Ok(())
 }

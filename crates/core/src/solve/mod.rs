@@ -6,12 +6,14 @@
 //! `fast_path` runs a compiled or interpreted kernel while no event is due, and `batch` runs kernels in lanes.
 //! `settings`, `settings_blocks` and `settings_check` describe a run; `operation`, `player` and `run` play its phases.
 //! `recorder` records signals, `extrema` and `lamps` find their peaks and overloads, and `sensitivity` computes
-//! derivatives. `step_check`, `step_comparison` and `thinned_trace` find steps that are too long. `controls` and
-//! `drive_table` change settings, and `readings` reads a machine.
+//! derivatives. `limit_drive` measures how integrators are driven against their limits, and `cord_chains` follows cords
+//! from element to element. `step_check`, `step_comparison` and `thinned_trace` find steps that are too long. `controls`
+//! and `drive_table` change settings, and `readings` reads a machine.
 
 mod batch;
 mod buffers;
 mod controls;
+mod cord_chains;
 mod dense_output;
 mod discontinuities;
 mod drive_table;
@@ -24,6 +26,7 @@ mod fast_path;
 mod grazing;
 mod lamps;
 mod levels;
+mod limit_drive;
 mod linear;
 mod machine;
 mod observer;
@@ -52,7 +55,7 @@ pub use crate::document::{
     MAX_TOLERANCE, MIN_TOLERANCE, ParameterChange, Phase, SwitchCondition, is_tolerance,
 };
 pub use crate::kernel::{Backend, LANES};
-pub use crate::trace::{Overload, WorkCounters};
+pub use crate::trace::{LimitDrive, Overload, WorkCounters};
 pub use drive_table::{CurveError, DriveTableError, set_curve, set_drive_table};
 pub use error::RunError;
 pub use machine::{Machine, MachineMode};

@@ -89,6 +89,11 @@ impl Machine<'_> {
         self.control.map_or(solver.setup.step, |control| control.next_step(&solver.delay_lines))
     }
 
+    /// Number of equal steps in a length of problem time in seconds; 0 if steps adapt to a tolerance.
+    pub(super) fn equal_steps_in(&self, length: f64) -> f64 {
+        if self.control.is_some() { 0.0 } else { length / self.solver.setup.step }
+    }
+
     /// Puts the machine into hold if the observer ends the phase or stops the run. Returns whether it is in hold.
     pub(super) fn hold_if_stopped(&mut self, observer: &impl StepObserver) -> bool {
         if observer.is_phase_over() || observer.should_stop(&self.lamps) {

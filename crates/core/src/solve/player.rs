@@ -5,7 +5,7 @@
 //! steps of an operation itself, between [`Player::begin_operating`] and [`Player::end_operating`].
 
 use super::error::RunError;
-use super::levels::check_jump_counts;
+use super::levels::check_step_count;
 use super::machine::{Machine, MachineMode};
 use super::observer::StepObserver as _;
 use super::recorder::{EndCondition, Recorder};
@@ -23,7 +23,7 @@ pub(super) struct Player<'p, 'w> {
     /// The observer of the machine.
     pub recorder: Recorder<'w>,
     /// Upper limit of the time that the machine will still operate, in problem seconds, with all repetitions. It limits
-    /// the number of noise values.
+    /// the number of steps.
     operating_time_left: f64,
     /// The time by the recorder's clock, in seconds summed over all repetitions, at which the player stops; infinity to
     /// play all phases.
@@ -264,14 +264,24 @@ impl<'p, 'w> Player<'p, 'w> {
             let values = values?;
             let pairs = values.iter().map(|new| (new.parameter.as_str(), new.value));
             player.machine.set_with_slopes(pairs, Some(&slopes))?;
+            player.check_remaining_steps()?;
             let solver = &player.machine.solver;
-            check_jump_counts(solver.setup.program, &solver.state.level_sources, player.operating_time_left)?;
             player.recorder.invalidate_sample();
             match player.recorder.rescaled(solver) {
                 Some(signal) => Err(RunError::Rescaled { signal: signal.to_owned() }),
                 None => Ok(PhaseEnd::Time),
             }
         })
+    }
+
+    /// Checks that the rest of the run does not take too many steps with the present settings of the drives.
+    ///
+    /// # Errors
+    /// If it does.
+    fn check_remaining_steps(&self) -> Result<(), RunError> {
+        let (solver, length) = (&self.machine.solver, self.operating_time_left);
+        let equal_steps = self.machine.equal_steps_in(length);
+        check_step_count(solver.setup.program, &solver.state.level_sources, length, equal_steps)
     }
 
     /// The present parameters, scales and signals, which formulas of a phase can name.

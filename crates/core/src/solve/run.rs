@@ -10,7 +10,7 @@ pub use in_blocks::run_in_blocks;
 
 use super::batch::Batch;
 use super::error::RunError;
-use super::levels::check_jump_counts;
+use super::levels::check_step_count;
 use super::machine::Machine;
 use super::player::{self, Player};
 use super::recorder::Recorder;
@@ -296,7 +296,8 @@ pub(super) fn prepare<'p, 'w>(
         machine.differentiate(&settings.sensitivities)?;
     }
     let operated = RunExtent::of(&settings.phases).operate_time;
-    check_jump_counts(program, &machine.solver.state.level_sources, operated)?;
+    let equal_steps = machine.equal_steps_in(operated);
+    check_step_count(program, &machine.solver.state.level_sources, operated, equal_steps)?;
     let recorder = Recorder::new(program, &machine.solver, settings, progress)?;
     machine.fast_path.restart(settings.backend, recorder.registers());
     if settings.checks_steps && settings.tolerance.is_none() {

@@ -121,8 +121,8 @@ fn check_phase(phase: &Phase) -> Result<(), RunError> {
     }
 }
 
-/// Largest number of steps of a run, over all phases and repetitions. At a million steps a second they take 2.8 hours,
-/// so more steps are a mistake in the settings.
+/// Largest number of steps of a run, over all phases and repetitions. Steps that end at a jump of a drive count, too. At
+/// a million steps a second they take 2.8 hours, so more steps are a mistake in the settings.
 pub(super) const MAX_STEPS: f64 = 1e10;
 /// Largest number of numbers of a run that stay in memory. They take 8 bytes each, and as much again while they are
 /// written to a file: 3.2 GB together.

@@ -96,11 +96,28 @@ pub struct Overload {
     pub element: String,
     /// Time at which the demanded output first exceeded 100 V, in seconds of the recorder's clock.
     pub time: f64,
-    /// The largest demanded output, in volts without sign.
-    pub peak: f64,
+    /// The largest output that the amplifier would reach without its limit, in volts without sign. `None` if it is not
+    /// known: an integrator reacts on itself through another element with memory, or was only thrown to its limit.
+    pub peak: Option<f64>,
+    /// How the integrator or lag was driven against its limit. `None` if `peak` is known.
+    pub driven: Option<LimitDrive>,
     /// Name of the amplifier whose overload caused this one: the earliest overload among the amplifiers with a chain
     /// of cords to this one. `None` if there is no such amplifier.
     pub caused_by: Option<String>,
+}
+
+/// How an integrator or a lag was driven against its limit of ±100 V since the last initial condition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimitDrive {
+    /// The limit, 100 or -100, in volts.
+    pub limit: f64,
+    /// The longest time without interruption for which its inputs drove it against the limit, in problem seconds. It is
+    /// 0 if the output reached the limit and returned at once.
+    pub seconds: f64,
+    /// Whether this time lasted until the end of the record.
+    pub is_at_end: bool,
+    /// The largest rate at which its inputs drove it against the limit, in volts per problem second without sign.
+    pub rate: f64,
 }
 
 impl Trace {
@@ -190,7 +207,7 @@ impl Trace {
     /// let trace = run(&program, &RunSettings::of(&circuit)?)?;
     /// let lamp = trace.overloads().next().expect("S1 is overloaded");
     /// assert_eq!(lamp.element, "S1");
-    /// assert!((lamp.time - 0.1).abs() < 1e-2 && lamp.peak > 100.0);
+    /// assert!((lamp.time - 0.1).abs() < 1e-2 && lamp.peak.is_some_and(|volts| volts > 100.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn overloads(&self) -> impl Iterator<Item = &Overload> {

@@ -236,6 +236,26 @@ fn too_many_numbers_in_a_run_are_refused() {
     assert!(matches!(&stopped.error, RunError::NoiseTooFine { element, .. } if element == "u"), "{stopped}");
 }
 
+#[test]
+fn the_limit_counts_equal_steps_and_the_steps_of_all_drives() {
+    let square = element("square").set("amplitude", 1).set("frequency", 300);
+    let builder = volts("many steps").drive("u", "volt", noise(1, 1e-3)).drive("s", "volt", square);
+    let circuit = Circuit::new(&builder.record(["u"]).build().unwrap()).unwrap();
+    let program = Program::new(&circuit).unwrap();
+    let settings = RunSettings::of(&circuit).unwrap().with_step(1e-3);
+    let error = |settings: &RunSettings| solve::check(&program, settings).unwrap_err();
+    // For each second 1000 equal steps, 1000 numbers and 600 edges.
+    let settings = settings.with_duration(4e6).with_sample_interval(4e6);
+    let message = "u draws a number every 0.001 s, 4e9 in the run, and each ends a step; the run would take \
+                   up to 1.04e10 steps, 3 hours at a million steps a second; at most 1e10 are allowed; \
+                   choose a longer \"every\" of u";
+    assert_eq!((error(&settings).code(), error(&settings).to_string().as_str()), ("noise-too-fine", message));
+    let shorter = settings.clone().with_duration(3.8e6).with_sample_interval(1e6);
+    assert_eq!(solve::check(&program, &shorter), Ok(()));
+    // Steps that adapt to a tolerance are counted during the run.
+    assert_eq!(solve::check(&program, &settings.with_tolerance(1e-6)), Ok(()));
+}
+
 /// Noise whose rms is a parameter, on a scale of -0.5 m/s per volt.
 fn with_changeable_rms() -> Program {
     let drive = element("noise").set("rms", "r").set("every", "T").set("seed", 3);

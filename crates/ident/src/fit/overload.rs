@@ -10,12 +10,8 @@ use patchcord_core::trace::Overload;
 pub struct RecordOverload {
     /// Name of the record, which is its file.
     pub record: String,
-    /// Name of the amplifier.
-    pub element: String,
-    /// The first time at which the demanded output exceeds 100 V, in seconds of the record's clock.
-    pub time: f64,
-    /// The largest demanded output without sign, in V.
-    pub peak: f64,
+    /// The overload. Its time is in seconds of the record's clock.
+    pub overload: Overload,
 }
 
 /// The first overload of a fitted model, in the training records or else in the validation records. `None` if there is
@@ -34,9 +30,9 @@ pub(crate) fn first_overload(
         let overloaded = records.iter().enumerate().find_map(|(index, record)| {
             Some((record, model.first_overload(index, &estimate.run_values(index))?))
         });
-        let Some((record, Overload { element, time, peak, .. })) = overloaded else { continue };
-        let (record, time) = (record.name.clone(), record.begin + time);
-        return Ok(Some(RecordOverload { record, element, time, peak }));
+        let Some((record, overload)) = overloaded else { continue };
+        let overload = Overload { time: record.begin + overload.time, ..overload };
+        return Ok(Some(RecordOverload { record: record.name.clone(), overload }));
     }
     Ok(None)
 }

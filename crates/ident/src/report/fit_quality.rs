@@ -4,6 +4,7 @@
 //! solver small compared with the noise? Do all amplifiers stay in their range with the drives of the records?
 
 use indexmap::IndexMap;
+use patchcord_analysis::instruments::overload_demand;
 use patchcord_core::document::plural;
 use serde::Serialize;
 
@@ -99,11 +100,15 @@ pub fn steps_sentence(refinement: &StepRefinement) -> String {
 
 /// Which amplifier overloads first, when, and what to do, as sentences.
 pub fn overload_sentence(overload: &RecordOverload) -> String {
-    let RecordOverload { record, element, time, peak } = overload;
+    let RecordOverload { record, overload } = overload;
+    let demand = match overload.peak {
+        Some(peak) => format!("with a demanded output of {} V", format_pure_number(peak)),
+        None => overload_demand(overload),
+    };
     format!(
-        "With {record}, the amplifier {element} overloads at {} s, with a demanded output of {} V: beyond 100 V the patch does not represent the real system. Change its scale so that one volt represents more, and search again.",
-        format_pure_number(*time),
-        format_pure_number(*peak)
+        "With {record}, the amplifier {} overloads at {} s, {demand}: beyond 100 V the patch does not represent the real system. Change its scale so that one volt represents more, and search again.",
+        overload.element,
+        format_pure_number(overload.time)
     )
 }
 

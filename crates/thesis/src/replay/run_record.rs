@@ -6,7 +6,7 @@ use super::recipe::BoxError;
 use patchcord_analysis::format::format_quantity;
 use patchcord_analysis::instruments::{
     Criterion, CriticalVelocity, CriticalVelocityError, Measure, MeasureValue, critical_velocity,
-    parameter_line, signal_faults,
+    overload_demand, parameter_line, signal_faults,
 };
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, SignalInfo};
@@ -147,10 +147,8 @@ impl RunRecord {
             0 => String::new(),
             more => format!(", and {more} more"),
         };
-        Some(format!(
-            "overload: {} from {:.3} s on, up to {:.0} V{more}",
-            first.element, first.time, first.peak
-        ))
+        let demand = overload_demand(first);
+        Some(format!("overload: {} from {:.3} s on, {demand}{more}", first.element, first.time))
     }
 }
 

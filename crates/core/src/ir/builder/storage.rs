@@ -174,9 +174,14 @@ impl dyn Builder + '_ {
     pub fn new_sampled_value(&mut self, initial: &str) -> Register {
         let initial = self.required(initial);
         let draft = self.draft_mut();
-        let index = draft.program.lowered.sampled.len() as u32;
-        draft.program.lowered_mut().sampled.push(SampledValue { initial, next: Register(0), follows: None });
-        draft.own_sampled_value.insert(draft.current, index);
+        let (element, index) = (draft.current, draft.program.lowered.sampled.len() as u32);
+        draft.program.lowered_mut().sampled.push(SampledValue {
+            element,
+            initial,
+            next: Register(0),
+            follows: None,
+        });
+        draft.own_sampled_value.insert(element, index);
         self.emit(Op::Sampled(index))
     }
 

@@ -1,0 +1,76 @@
+//! Chooses the rows of a sweep whose equal steps are checked, and keeps the worst warning.
+//!
+//! The run of such a row is computed once more with checks of its steps. The rows are spread evenly over the sweep. Their
+//! choice depends on nothing except the number of rows.
+
+use super::{Sweep, SweepSummary};
+use patchcord_core::trace::StepWarning;
+
+/// The warning that the equal steps of a row are too long.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowStepWarning {
+    /// Values of the varied parameters in this row, in their declared units, in the order of the plan.
+    pub values: Vec<f64>,
+    /// The warning.
+    pub warning: StepWarning,
+}
+
+/// Number of rows for which one is checked. A check then takes less than 3 % of the time of the sweep.
+const ROWS_PER_CHECK: u64 = 64;
+/// Largest number of rows that are checked.
+const MAX_CHECKED_ROWS: u64 = 8;
+/// The golden ratio. The fractional parts of its multiples are spread evenly, and have no period that agrees with that of
+/// the axis that changes fastest.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+
+/// The rows that are checked among this number of rows, counted from 0, in ascending order. Each is at another place of
+/// an equal part of the rows.
+fn checked_rows(rows: u64) -> Vec<u64> {
+    let count = (rows / ROWS_PER_CHECK).clamp(1, MAX_CHECKED_ROWS).min(rows);
+    let part_length = rows as f64 / count.max(1) as f64;
+    let row = |part: u64| {
+        let place = (GOLDEN_RATIO * (part + 1) as f64).fract();
+        ((part as f64 + place) * part_length) as u64
+    };
+    (0..count).map(row).collect()
+}
+
+impl Sweep {
+    /// The rows whose steps are checked among the remaining rows, counted from the first of these. Steps that adapt to a
+    /// tolerance need no check.
+    pub(super) fn rows_to_check(&self, remaining: u64) -> Vec<u64> {
+        if self.settings.tolerance.is_some() { Vec::new() } else { checked_rows(remaining) }
+    }
+}
+
+impl SweepSummary {
+    /// Keeps the warning of a row if it is worse than those of the rows before: if its recommended step is shorter.
+    pub(super) fn add_step_warning(&mut self, values: &[f64], warning: StepWarning) {
+        let worst = self.step_warning.as_ref().map(|worst| worst.warning.recommended);
+        if worst.is_none_or(|worst| warning.recommended < worst) {
+            self.step_warning = Some(RowStepWarning { values: values.to_vec(), warning });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checked_rows_are_spread_over_the_sweep() {
+        let cases: [(u64, &[u64]); 6] = [
+            (0, &[]),
+            (1, &[0]),
+            (2, &[1]),
+            (127, &[78]),
+            (128, &[39, 79]),
+            (512, &[39, 79, 182, 222, 261, 365, 404, 508]),
+        ];
+        for (rows, expected) in cases {
+            assert_eq!(checked_rows(rows), expected, "{rows}");
+        }
+        let many = checked_rows(1_000_000_000);
+        assert!(many.len() == 8 && many.is_sorted() && many[7] < 1_000_000_000, "{many:?}");
+    }
+}
