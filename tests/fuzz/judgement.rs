@@ -18,7 +18,7 @@ const END_OF_PNG: &[u8] = b"IEND\xaeB`\x82";
 /// The broken rules of an answer and of the files that it left in the folder of the case.
 pub(crate) fn violations(case: &Case, folder: &Path, answer: &Answer) -> Vec<String> {
     if answer.is_late {
-        return vec![format!("takes more than {} s", TIME_LIMIT.as_secs())];
+        return vec![format!("takes more than {TIME_LIMIT} s")];
     }
     let mut found = answer_violations(&case.arguments, answer);
     let mut written = Vec::new();

@@ -7,8 +7,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The longest time of a command.
-pub(crate) const TIME_LIMIT: Duration = Duration::from_secs(20);
+/// The longest time of a command in seconds of the processor, which do not depend on what else the machine does.
+pub(crate) const TIME_LIMIT: u32 = 20;
+/// The longest time of a command that waits for something.
+const WAITING_LIMIT: Duration = Duration::from_secs(120);
 /// The largest memory of a command, in units of 1024 bytes: 1 GB.
 const MEMORY_LIMIT: u32 = 1 << 20;
 /// The time between two looks at a running command.
@@ -48,25 +50,40 @@ pub(crate) fn run(folder: &Path, arguments: &[String]) -> io::Result<Answer> {
     let status = wait(&mut child, start)?;
     Ok(Answer {
         code: status.and_then(|status| status.code()),
-        is_late: status.is_none(),
+        is_late: status.is_none_or(is_out_of_time),
         output: contents(output)?,
         errors: contents(errors)?,
         time: start.elapsed(),
     })
 }
 
-/// The command, started by a shell that limits its memory.
+/// The command, started by a shell that limits its time and its memory.
 fn limited_command() -> Command {
-    // Systems without this limit run the command without it.
-    let script = format!("ulimit -v {MEMORY_LIMIT} 2>/dev/null; exec \"$0\" \"$@\"");
+    // Systems without such a limit run the command without it.
+    let script = format!(
+        "ulimit -t {TIME_LIMIT} 2>/dev/null; ulimit -v {MEMORY_LIMIT} 2>/dev/null; exec \"$0\" \"$@\""
+    );
     let mut command = Command::new("sh");
     command.args(["-c", script.as_str(), env!("CARGO_BIN_EXE_patchcord")]);
     command
 }
 
-/// Waits for the end of a command. `None` if it was ended because of the limit of time.
+/// Whether a command was ended because of its limit of processor time.
+#[cfg(unix)]
+fn is_out_of_time(status: ExitStatus) -> bool {
+    use std::os::unix::process::ExitStatusExt as _;
+    // SIGXCPU, then SIGKILL a second later.
+    matches!(status.signal(), Some(9 | 24))
+}
+
+#[cfg(not(unix))]
+fn is_out_of_time(_: ExitStatus) -> bool {
+    false
+}
+
+/// Waits for the end of a command. `None` if it was ended because it waited too long.
 fn wait(child: &mut Child, start: Instant) -> io::Result<Option<ExitStatus>> {
-    while start.elapsed() < TIME_LIMIT {
+    while start.elapsed() < WAITING_LIMIT {
         if let Some(status) = child.try_wait()? {
             return Ok(Some(status));
         }

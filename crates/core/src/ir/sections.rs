@@ -1,11 +1,13 @@
-//! Sorts the body into three sections.
+//! Sorts the body into four sections.
 //!
-//! Operations that are constant within a step come first, then those on which rates depend, and last those that are
-//! needed only at the ends of steps. So a stage of the integration method evaluates only the middle section.
+//! Operations that are constant within a step come first, then those on which rates depend. Those follow on which only
+//! events depend, and last those that are needed only at the ends of steps. So a stage of the integration method
+//! evaluates only the second section, and a stage that is checked for events the third as well.
 
 use std::ops::Range;
 
 use super::Program;
+use super::angles::angle_of;
 use super::op::{Op, Register};
 
 /// Where the sections of a body begin. The first section begins at 0.
@@ -13,7 +15,9 @@ use super::op::{Op, Register};
 pub(crate) struct Sections {
     /// Start of the operations that vary within a step and affect a rate or a loop.
     pub moving: usize,
-    /// Start of the operations that no rate and no loop depends on: guards, lamps and recorded signals.
+    /// Start of the operations that no rate and no loop depends on, but a guard, a kink or an angle does.
+    pub checked: usize,
+    /// Start of the operations that are needed only at the ends of steps: lamps and recorded signals.
     pub watched: usize,
 }
 
@@ -24,7 +28,9 @@ enum Section {
     Fixed,
     /// Varies within a step and affects a rate or a loop.
     Moving,
-    /// Varies within a step and affects neither.
+    /// Varies within a step and affects an event, but neither a rate nor a loop.
+    Checked,
+    /// Varies within a step and affects none of them.
     Watched,
 }
 
@@ -38,6 +44,7 @@ impl Program {
         let dependent = self.free_loops(&mut order);
         self.lowered_mut().sections = Sections {
             moving: order.partition_point(|at| sections[*at] < Section::Moving),
+            checked: order.partition_point(|at| sections[*at] < Section::Checked),
             watched: order.partition_point(|at| sections[*at] < Section::Watched),
         };
         let mut new_registers = vec![Register(0); order.len()];
@@ -91,12 +98,26 @@ impl Program {
         let rates = self.lowered.states.iter().map(|state| state.rate);
         let needed =
             self.needed_for(rates.chain(self.lowered.loops.iter().map(|entry| entry.tears[0].register)));
-        let section = |(moves, needed)| match (moves, needed) {
-            (false, _) => Section::Fixed,
-            (true, true) => Section::Moving,
-            (true, false) => Section::Watched,
+        let checked = self.needed_for(self.checked_registers());
+        let section = |((moves, needed), checked)| match (moves, needed, checked) {
+            (false, ..) => Section::Fixed,
+            (true, true, _) => Section::Moving,
+            (true, false, true) => Section::Checked,
+            (true, false, false) => Section::Watched,
         };
-        moving.into_iter().zip(needed).map(section).collect()
+        moving.into_iter().zip(needed).zip(checked).map(section).collect()
+    }
+
+    /// The registers on which events depend: guards, what has kinks apart from the rates, and angles.
+    fn checked_registers(&self) -> impl Iterator<Item = Register> + '_ {
+        let lowered = &self.lowered;
+        let transitions = lowered.modes.iter().flat_map(|mode| &mode.transitions);
+        let guards = transitions.map(|transition| transition.guard.register);
+        let delayed = lowered.delays.iter().map(|delay| delay.input);
+        let sampled =
+            lowered.sampled.iter().flat_map(|sampled| [sampled.next].into_iter().chain(sampled.follows));
+        let angles = lowered.body.iter().filter_map(angle_of).map(|(at, _)| at);
+        guards.chain(delayed).chain(sampled).chain(angles)
     }
 
     /// For every register, whether it depends on one of the sources.
@@ -182,9 +203,9 @@ mod tests {
             ["../../patches/thesis/fig-8-16.json", "tests/patches/loop-lag.json", "tests/patches/memory.json"]
         {
             let program = program(file);
-            let Sections { moving, watched } = program.lowered.sections;
+            let Sections { moving, checked, watched } = program.lowered.sections;
             assert!(
-                0 < moving && moving < watched && watched < program.lowered.body.len(),
+                0 < moving && moving < checked && checked <= watched && watched < program.lowered.body.len(),
                 "{file}: {:?}",
                 program.lowered.sections
             );
@@ -193,7 +214,7 @@ mod tests {
                 let is_source = matches!(op, Op::State(_) | Op::Time | Op::Sampled(_) | Op::Tear { .. });
                 assert!(!is_source || at >= moving, "{file}: {op:?} at {at}");
             }
-            assert!(program.lowered.states.iter().all(|state| state.rate.index() < watched), "{file}");
+            assert!(program.lowered.states.iter().all(|state| state.rate.index() < checked), "{file}");
         }
     }
 }

@@ -25,6 +25,8 @@ pub(super) enum Side {
 pub(super) enum Scope {
     /// All voltages that change within a step, guards and recorded signals included.
     All,
+    /// Only the voltages on which rates and events depend.
+    Checked,
     /// Only the voltages on which rates depend.
     Rates,
 }
@@ -99,11 +101,11 @@ pub(super) fn trial(
     for (delayed, line) in buffers.delayed.iter_mut().zip(delay_lines) {
         *delayed = line.next_left_limit(time);
     }
-    let (moving, watched, all) =
-        (program.lowered.sections.moving, program.lowered.sections.watched, program.lowered.body.len());
-    let range = match scope {
-        Scope::All => moving..all,
-        Scope::Rates => moving..watched,
+    let sections = program.lowered.sections;
+    let end = match scope {
+        Scope::All => program.lowered.body.len(),
+        Scope::Checked => sections.watched,
+        Scope::Rates => sections.checked,
     };
     let from = Sources {
         parameters: &state.parameters,
@@ -116,7 +118,7 @@ pub(super) fn trial(
         sampled: &state.sampled,
         levels: &state.levels,
     };
-    program.evaluate_range(range, &from, &mut buffers.voltages, &mut buffers.evaluation);
+    program.evaluate_range(sections.moving..end, &from, &mut buffers.voltages, &mut buffers.evaluation);
 }
 
 /// Checks the voltages of the present instant.

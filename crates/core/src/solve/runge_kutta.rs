@@ -31,7 +31,12 @@ pub(super) fn try_step(
     for (stage, row) in method.stages.iter().enumerate() {
         advance_states(&mut buffers.states, &state.states, &buffers.stage_rates, row.weights, length);
         let checked = method.checked_stages.iter().position(|checked| *checked == stage);
-        let scope = if checked.is_some() { Scope::All } else { Scope::Rates };
+        let scope = match checked {
+            None => Scope::Rates,
+            // Recorded voltages are interpolated in adaptive steps.
+            Some(_) if setup.is_adaptive => Scope::All,
+            Some(_) => Scope::Checked,
+        };
         trial(program, state, delay_lines, buffers, state.time + row.node * length, scope);
         read_rates(program, &buffers.voltages, &mut buffers.stage_rates[stage + 1]);
         if let Some(checked) = checked {

@@ -38,7 +38,7 @@ impl Machine<'_> {
     }
 }
 
-/// Evaluates all voltages near both ends of the tried step, where the states move in proportion to their rates.
+/// Evaluates the voltages of events near both ends of the tried step, where the states move in proportion to their rates.
 fn evaluate_near_ends(
     setup: &Setup<'_>,
     state: &SolverState,
@@ -59,7 +59,7 @@ fn evaluate_near_ends(
         }
         buffers.near_ends[side].copy_from_slice(&state.voltages);
         std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
-        trial(setup.program, state, delay_lines, buffers, end + offset, Scope::All);
+        trial(setup.program, state, delay_lines, buffers, end + offset, Scope::Checked);
         std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
     }
     buffers.states.copy_from_slice(&buffers.end_states);

@@ -188,8 +188,8 @@ impl ParameterSlopes {
     /// Differentiates a step of the solver stage by stage, and moves the slopes to its end.
     pub(super) fn follow_step(&mut self, step: &AcceptedStep<'_>) {
         let AcceptedStep { program, method, .. } = *step;
-        let (first_moving, watched, all) =
-            (program.lowered.sections.moving, program.lowered.sections.watched, program.lowered.body.len());
+        let (first_moving, checked, all) =
+            (program.lowered.sections.moving, program.lowered.sections.checked, program.lowered.body.len());
         let guide = step.guide();
         self.evaluate_first_stage(step);
         for (stage, row) in method.stages.iter().enumerate() {
@@ -198,7 +198,7 @@ impl ParameterSlopes {
             self.read_delay_lines(step.delay_lines, |line, input| line.left_limit(time, input));
             self.differentiate(
                 program,
-                first_moving..watched,
+                first_moving..checked,
                 TangentBase { values: &step.stages[stage + 1], guide },
             );
             read_rates(program, &self.trial_voltages, &mut self.stage_rates[stage + 1]);
@@ -213,9 +213,9 @@ impl ParameterSlopes {
         );
         let time = step.begin + step.length;
         self.read_delay_lines(step.delay_lines, |line, input| line.left_limit(time, input));
-        self.differentiate(program, first_moving..watched, TangentBase { values: step.end, guide });
+        self.differentiate(program, first_moving..checked, TangentBase { values: step.end, guide });
         // A voltage on which no rate depends may have crossed a kink within the step.
-        self.differentiate(program, watched..all, TangentBase { values: step.end, guide: step.end });
+        self.differentiate(program, checked..all, TangentBase { values: step.end, guide: step.end });
         read_rates(program, &self.trial_voltages, &mut self.stage_rates[method.rates() - 1]);
         self.states.copy_from_slice(&self.trial_states);
         std::mem::swap(&mut self.voltages, &mut self.trial_voltages);
@@ -231,7 +231,7 @@ impl ParameterSlopes {
         self.read_delay_lines(step.delay_lines, |line, input| line.right_limit(step.begin, input, 0.0));
         // Inputs of delay lines need not be among the voltages on which rates depend.
         let needed =
-            if self.lines.is_empty() { program.lowered.sections.watched } else { program.lowered.body.len() };
+            if self.lines.is_empty() { program.lowered.sections.checked } else { program.lowered.body.len() };
         self.differentiate(program, 0..needed, TangentBase { values: &step.stages[0], guide: step.guide() });
         read_rates(program, &self.trial_voltages, &mut self.stage_rates[0]);
         for (line, delay) in self.lines.iter_mut().zip(&program.lowered.delays) {

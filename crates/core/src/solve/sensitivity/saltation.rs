@@ -116,11 +116,11 @@ impl Sensitivities {
             delayed: &self.delayed_flow,
             sampled: &self.zeros,
         };
-        let (values, watched) = (state.voltages.as_slice(), program.lowered.sections.watched);
+        let (values, checked) = (state.voltages.as_slice(), program.lowered.sections.checked);
         let guide = &self.stages[setup.method.middle_stage + 1];
-        program.differentiate(0..watched, TangentBase { values, guide }, &from, &mut self.flow);
-        let watched_range = watched..program.lowered.body.len();
-        program.differentiate(watched_range, TangentBase { values, guide: values }, &from, &mut self.flow);
+        program.differentiate(0..checked, TangentBase { values, guide }, &from, &mut self.flow);
+        let others = checked..program.lowered.body.len();
+        program.differentiate(others, TangentBase { values, guide: values }, &from, &mut self.flow);
     }
 
     /// The shift of the present instant in problem seconds, by the events that are due; 0 if none of them shifts.
