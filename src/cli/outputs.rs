@@ -172,7 +172,7 @@ impl Outputs {
     }
 }
 
-/// Begins a file anew that [`Outputs::begin`] has begun, for a copy of its parts with changes.
+/// Begins a second copy of a file that [`Outputs::begin`] has begun, for its parts with changes.
 ///
 /// # Errors
 /// If it cannot be written.
