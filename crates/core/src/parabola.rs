@@ -4,7 +4,7 @@
 //! stages of the classical method are both in the middle of the step, so their values determine the control point. A
 //! voltage that is a linear function of states and time has its control point at the first stage.
 
-/// Margin for the error of the curve at a turning point, as a share of the swing of the voltage.
+/// Margin for the error of a curve at a turning point, as a share of the swing of the voltage.
 pub(crate) const TURN_MARGIN: f64 = 0.1;
 
 /// A voltage within a step, as a parabola.
@@ -25,27 +25,31 @@ impl Parabola {
         Parabola { begin, control: (begin + end).mul_add(-0.5, first + second), end }
     }
 
-    /// The voltage after a share (0 ... 1) of the step.
-    pub(crate) fn value(&self, share: f64) -> f64 {
-        let rest = 1.0 - share;
-        rest * rest * self.begin + share * (2.0 * rest * self.control + share * self.end)
-    }
-
-    /// The share of the step at which the voltage dips below 0, if it is not below 0 at either end: where it is least,
-    /// if it is negative there with a margin for the error of the parabola. If the control point is not a number, the
-    /// share is a half.
-    pub(crate) fn dip(&self) -> Option<f64> {
+    /// The share (0 ... 1) of the step at which the voltage turns, and the voltage there, moved outwards by a margin for
+    /// the error of the parabola. `None` if it does not turn within the step. If the control point is not finite, the
+    /// share is a half, and the voltage is the control point.
+    pub(crate) fn turning_point(&self) -> Option<(f64, f64)> {
         let Parabola { begin, control, end } = *self;
-        if control >= 0.0 {
+        if !control.is_finite() {
+            return Some((0.5, control));
+        }
+        if !self.turns() {
             return None;
         }
-        if control.is_nan() {
-            return Some(0.5);
-        }
         let share = (begin - control) / (begin - 2.0 * control + end);
-        let least = begin - (begin - control) * share;
-        let swing = begin.max(end) - least;
-        (least < TURN_MARGIN * swing).then_some(share)
+        let value = begin - (begin - control) * share;
+        let far_end = if control < begin { begin.max(end) } else { begin.min(end) };
+        Some((share, value + TURN_MARGIN * (value - far_end)))
+    }
+
+    /// The share of the step at which the voltage dips below 0, if it is not below 0 at either end: where it turns, if
+    /// it is negative there with the margin. It is also below 0 where it is not a number.
+    pub(crate) fn dip(&self) -> Option<f64> {
+        if self.control >= 0.0 {
+            return None;
+        }
+        let (share, least) = self.turning_point()?;
+        (least < 0.0 || least.is_nan()).then_some(share)
     }
 
     /// Whether the voltage turns within the step: the control point is not between the ends.
@@ -79,16 +83,19 @@ mod tests {
         }
         assert_eq!(parabola(0.5, 0.1).dip(), None);
         assert_eq!(parabola(-0.2, 0.0).dip(), None);
+        for control in [f64::NAN, f64::NEG_INFINITY] {
+            assert_eq!(Parabola { begin: 1.0, control, end: 1.0 }.dip(), Some(0.5));
+        }
     }
 
     #[test]
-    fn values_and_turns_are_those_of_the_curve() {
-        let curve = parabola(0.3, 2.0);
-        assert!((curve.value(0.3) - 2.0).abs() < 1e-12 && (curve.value(0.8) - 2.25).abs() < 1e-12);
-        assert!(curve.turns());
+    fn turns_are_those_of_the_curve() {
+        // The swing is 0.49 from 2 upwards.
+        let (share, least) = parabola(0.3, 2.0).turning_point().unwrap();
+        assert!((share - 0.3).abs() < 1e-12 && (least - 1.951).abs() < 1e-12, "{share} {least}");
         for still in [parabola(0.0, 1.0), parabola(1.5, 0.0), Parabola { begin: 3.0, control: 3.0, end: 3.0 }]
         {
-            assert!(!still.turns(), "{still:?}");
+            assert_eq!(still.turning_point(), None, "{still:?}");
         }
     }
 }

@@ -27,21 +27,16 @@ impl Angle {
     }
 }
 
-/// The argument of a periodic function and its period; `None` for other operations.
-pub(super) fn angle_of(op: &Op) -> Option<(Register, f64)> {
-    match *op {
-        Op::Call(Function::Sin | Function::Cos, at, _) => Some((at, TAU)),
-        Op::Call(Function::Floor, at, _) => Some((at, 1.0)),
-        _ => None,
-    }
-}
-
 impl Program {
     /// The angles that vary within a step. `owners` has the element of every operation.
     pub(crate) fn find_angles(&self, owners: &[usize]) -> Vec<Angle> {
         let varying = self.varying();
         let angles = self.lowered.body.iter().zip(owners).filter_map(|(op, owner)| {
-            let (at, period) = angle_of(op)?;
+            let (at, period) = match *op {
+                Op::Call(Function::Sin | Function::Cos, at, _) => (at, TAU),
+                Op::Call(Function::Floor, at, _) => (at, 1.0),
+                _ => return None,
+            };
             varying[at.index()].then_some(Angle { element: *owner, at, period })
         });
         angles.collect()

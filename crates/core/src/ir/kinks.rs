@@ -109,16 +109,27 @@ fn next_corner(points: &[[f64; 2]], from: f64, is_rising: bool) -> Option<f64> {
 }
 
 impl Program {
+    /// The registers of all guards.
+    pub(super) fn guards(&self) -> impl Iterator<Item = Register> + '_ {
+        let transitions = self.lowered.modes.iter().flat_map(|mode| &mode.transitions);
+        transitions.map(|transition| transition.guard.register)
+    }
+
+    /// The registers that are stored at the ends of steps: inputs of delay lines, and what is sampled or followed by
+    /// sampled values.
+    pub(super) fn sampled_inputs(&self) -> impl Iterator<Item = Register> + '_ {
+        let delayed = self.lowered.delays.iter().map(|delay| delay.input);
+        let sampled = self.lowered.sampled.iter();
+        delayed.chain(sampled.flat_map(|sampled| [sampled.next].into_iter().chain(sampled.follows)))
+    }
+
     /// Finds two lists of kinks: those that affect a rate, a sampled value or a delay line's input, and those that
     /// affect guards only. `owners` has the element of every operation.
     pub(crate) fn find_kinks(&self, owners: &[usize]) -> [Vec<Kink>; 2] {
         let varying = self.varying();
         let rates = self.lowered.states.iter().map(|state| state.rate);
-        let inputs = self.lowered.delays.iter().map(|delay| delay.input);
-        let samples = self.lowered.sampled.iter().map(|sampled| sampled.next);
-        let affects_run = self.needed_for(rates.chain(inputs).chain(samples));
-        let transitions = self.lowered.modes.iter().flat_map(|mode| &mode.transitions);
-        let affects_guard = self.needed_for(transitions.map(|transition| transition.guard.register));
+        let affects_run = self.needed_for(rates.chain(self.sampled_inputs()));
+        let affects_guard = self.needed_for(self.guards());
         let kinks_at = |is_wanted: &dyn Fn(usize) -> bool| {
             let kinks = self.lowered.body.iter().enumerate().filter_map(|(at, op)| {
                 let surface =

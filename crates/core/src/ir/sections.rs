@@ -7,7 +7,6 @@
 use std::ops::Range;
 
 use super::Program;
-use super::angles::angle_of;
 use super::op::{Op, Register};
 
 /// Where the sections of a body begin. The first section begins at 0.
@@ -15,7 +14,7 @@ use super::op::{Op, Register};
 pub(crate) struct Sections {
     /// Start of the operations that vary within a step and affect a rate or a loop.
     pub moving: usize,
-    /// Start of the operations that no rate and no loop depends on, but a guard, a kink or an angle does.
+    /// Start of the operations that no rate and no loop depends on, but a guard or a kink does.
     pub checked: usize,
     /// Start of the operations that are needed only at the ends of steps: lamps and recorded signals.
     pub watched: usize,
@@ -98,7 +97,7 @@ impl Program {
         let rates = self.lowered.states.iter().map(|state| state.rate);
         let needed =
             self.needed_for(rates.chain(self.lowered.loops.iter().map(|entry| entry.tears[0].register)));
-        let checked = self.needed_for(self.checked_registers());
+        let checked = self.needed_for(self.guards().chain(self.sampled_inputs()));
         let section = |((moves, needed), checked)| match (moves, needed, checked) {
             (false, ..) => Section::Fixed,
             (true, true, _) => Section::Moving,
@@ -106,18 +105,6 @@ impl Program {
             (true, false, false) => Section::Watched,
         };
         moving.into_iter().zip(needed).zip(checked).map(section).collect()
-    }
-
-    /// The registers on which events depend: guards, what has kinks apart from the rates, and angles.
-    fn checked_registers(&self) -> impl Iterator<Item = Register> + '_ {
-        let lowered = &self.lowered;
-        let transitions = lowered.modes.iter().flat_map(|mode| &mode.transitions);
-        let guards = transitions.map(|transition| transition.guard.register);
-        let delayed = lowered.delays.iter().map(|delay| delay.input);
-        let sampled =
-            lowered.sampled.iter().flat_map(|sampled| [sampled.next].into_iter().chain(sampled.follows));
-        let angles = lowered.body.iter().filter_map(angle_of).map(|(at, _)| at);
-        guards.chain(delayed).chain(sampled).chain(angles)
     }
 
     /// For every register, whether it depends on one of the sources.
@@ -205,7 +192,7 @@ mod tests {
             let program = program(file);
             let Sections { moving, checked, watched } = program.lowered.sections;
             assert!(
-                0 < moving && moving < checked && checked <= watched && watched < program.lowered.body.len(),
+                0 < moving && moving < checked && checked <= watched && watched <= program.lowered.body.len(),
                 "{file}: {:?}",
                 program.lowered.sections
             );

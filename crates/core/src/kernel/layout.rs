@@ -237,10 +237,7 @@ impl Layouter {
                 .map(|operand| self.operand(*operand))
                 .chain(self.curved.iter().map(|atom| slot(*atom)))
                 .collect(),
-            is_straight: watched_atoms[..watched_within]
-                .iter()
-                .map(|atom| self.straight[*atom as usize])
-                .collect(),
+            is_followed: safe_intervals.is_followed,
             first_intervals: safe_intervals.first,
             followed: self.followed(),
             curved_intervals: self.curved.len(),

@@ -122,9 +122,9 @@ pub(crate) struct Kernel {
     pub watches: Vec<Watch>,
     /// Number of watches that are corners.
     corners: usize,
-    /// For every watch that is tested within a step, whether the watched voltage is a linear function of states and
-    /// time.
-    is_straight: Vec<bool>,
+    /// For every watch that is tested within a step, whether it is tested by the parabola of its voltage. Otherwise it is
+    /// tested at the first stage.
+    is_followed: Vec<bool>,
     /// The voltages that a quick step tests, with their intervals. Those that are tested within a step come first, and
     /// of these first the ones that are tested at the first stage.
     safe_intervals: Vec<SafeInterval>,

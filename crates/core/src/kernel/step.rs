@@ -71,10 +71,10 @@ impl Kernel {
         let dips = (0..self.thorough.within).filter_map(|watch| {
             let [begin, end] = [frame.present[watch], frame.margins[watch]];
             let [first, second] = [&frame.inner[0], &frame.inner[1]].map(|margins| margins[watch]);
-            let curve = if self.is_straight[watch] {
-                Parabola { begin, control: first, end }
-            } else {
+            let curve = if self.is_followed[watch] {
                 Parabola::of_stages([first, second], [begin, end])
+            } else {
+                Parabola { begin, control: first, end }
             };
             curve.dip()
         });
@@ -125,13 +125,12 @@ impl Kernel {
         for ((followed, sum), (low, high)) in
             self.followed[..self.curved_intervals].iter().zip(&frame.sums).zip(bounds)
         {
-            let (begin, end) = (frame.slots[followed.begin as usize], frame.slots[followed.slot as usize]);
-            let control = begin.add(end).multiply_add(V::splat(-0.5), *sum);
-            is_inside = control.is_within(*low, *high, is_inside);
+            let [begin, end] = [frame.slots[followed.begin as usize], frame.slots[followed.slot as usize]];
+            is_inside = control_point(*sum, [begin, end]).is_within(*low, *high, is_inside);
         }
         for (followed, sum) in self.turning().iter().zip(&frame.sums[self.curved_intervals..]) {
-            let (begin, end) = (frame.slots[followed.begin as usize], frame.slots[followed.slot as usize]);
-            let control = begin.add(end).multiply_add(V::splat(-0.5), *sum);
+            let [begin, end] = [frame.slots[followed.begin as usize], frame.slots[followed.slot as usize]];
+            let control = control_point(*sum, [begin, end]);
             let product = control.subtract(begin).multiply(end.subtract(control));
             is_inside = product.is_within(V::splat(0.0), V::splat(f64::INFINITY), is_inside);
         }
@@ -314,6 +313,13 @@ impl Kernel {
         }
         grid.count
     }
+}
+
+/// The control point of a parabola, with the rounding of [`Parabola::of_stages`], from the sum of the voltages at the
+/// first two stages and the voltages at both ends.
+#[inline(always)]
+fn control_point<V: Lane>(sum: V, [begin, end]: [V; 2]) -> V {
+    begin.add(end).multiply_add(V::splat(-0.5), sum)
 }
 
 /// The same operations, compiled for the widest registers of the processor. `pulp` selects them when the program runs.

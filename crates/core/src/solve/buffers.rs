@@ -16,6 +16,7 @@ pub(super) struct StepBuffers {
     /// rate per state.
     pub stage_rates: Vec<Vec<f64>>,
     /// Voltages of the stages that are checked for events within the step, in the order of `Tableau::checked_stages`.
+    /// With equal steps, only the voltages on which events depend are up to date.
     pub checked_voltages: [Vec<f64>; 2],
     /// The share (0 ... 1) of the tried step at which an event may come and go; `None` if no stage suggests one.
     pub hint: Option<f64>,
@@ -23,7 +24,7 @@ pub(super) struct StepBuffers {
     pub states: Vec<f64>,
     /// Every voltage at the end of the tried step, or at the instant interpolated last, one per operation of the body.
     pub voltages: Vec<f64>,
-    /// Every voltage just after the beginning and just before the end of the tried step.
+    /// The voltages on which events depend just after the beginning and just before the end of the tried step.
     pub near_ends: [Vec<f64>; 2],
     /// States at the end of the tried step, while other states are evaluated.
     pub end_states: Vec<f64>,
@@ -69,9 +70,8 @@ impl StepBuffers {
         }
     }
 
-    /// Samples of a voltage over the tried step: at both ends and at the two checked stages. If both stages are in the
-    /// middle of the step, the samples are those of the parabola. `ends` are all voltages at the ends, and `voltage`
-    /// chooses or computes one from them.
+    /// Samples of a voltage over the tried adaptive step: at both ends and at the two checked stages. `ends` are all
+    /// voltages at the ends, and `voltage` chooses or computes one from them.
     pub(super) fn samples(
         &self,
         method: &Tableau,
@@ -79,17 +79,13 @@ impl StepBuffers {
         voltage: impl Fn(&[f64]) -> f64,
     ) -> Samples {
         let [early, late] = method.checked_stages.map(|stage| method.stages[stage].node);
-        if early < late {
-            let [first, second] = self.checked_voltages.each_ref().map(|voltages| voltage(voltages));
-            let [begin, end] = ends.map(voltage);
-            return Samples { shares: [0.0, early, late, 1.0], values: [begin, first, second, end] };
-        }
-        let curve = self.parabola(ends, voltage);
-        let shares = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
-        Samples { shares, values: [curve.begin, curve.value(shares[1]), curve.value(shares[2]), curve.end] }
+        let [first, second] = self.checked_voltages.each_ref().map(|voltages| voltage(voltages));
+        let [begin, end] = ends.map(voltage);
+        Samples { shares: [0.0, early, late, 1.0], values: [begin, first, second, end] }
     }
 
-    /// The parabola of a voltage over the tried equal step, from the same voltages as [`samples`](StepBuffers::samples).
+    /// The parabola of a voltage over the tried equal step, both of whose checked stages are in its middle. The voltage
+    /// must be one on which events depend.
     pub(super) fn parabola(&self, ends: [&[f64]; 2], voltage: impl Fn(&[f64]) -> f64) -> Parabola {
         let stages = self.checked_voltages.each_ref().map(|voltages| voltage(voltages));
         Parabola::of_stages(stages, ends.map(voltage))

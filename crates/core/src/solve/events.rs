@@ -19,6 +19,9 @@ use crate::trace::WorkCounters;
 /// Number of changes of one mode, or of crossings of one kink, in a counting span above which it chatters. The counting
 /// span is one of the equal steps, or the share [`CHATTER_SPAN_SHARE`] of the first step tried if steps adapt.
 const MAX_EVENTS_PER_SPAN: u32 = 1000;
+/// Largest number of shorter steps that are tried to end a step at a turning point. Each is closer to it by orders of
+/// magnitude, unless the errors of a loop decide its place.
+const MAX_TURN_TRIES: u32 = 8;
 /// Length of the counting span for chatter if steps adapt, as a share of the first step tried.
 const CHATTER_SPAN_SHARE: f64 = 0.01;
 
@@ -165,7 +168,7 @@ impl<'p> Machine<'p> {
         {
             mode_change = None;
         }
-        let mut turn = f64::INFINITY;
+        let (mut turn, mut turns) = (f64::INFINITY, 0);
         while self.solver.state.time < target && !observer.is_phase_over() {
             let Solver { setup, state, delay_lines, .. } = &self.solver;
             let end = next_before(setup, state, delay_lines, target).min(turn);
@@ -177,8 +180,10 @@ impl<'p> Machine<'p> {
                 target = self.solver.state.time + shorter;
                 continue;
             }
-            if let Some(shorter) = self.length_to_turn(length) {
-                turn = self.solver.state.time + shorter;
+            if turns < MAX_TURN_TRIES
+                && let Some(shorter) = self.length_to_turn(length)
+            {
+                (turn, turns) = (self.solver.state.time + shorter, turns + 1);
                 continue;
             }
             let expected_share = mode_change.take().map(|seconds| seconds / length);
@@ -189,7 +194,7 @@ impl<'p> Machine<'p> {
                 target = self.solver.state.time + shorter;
                 continue;
             }
-            turn = f64::INFINITY;
+            (turn, turns) = (f64::INFINITY, 0);
             let time = if share >= 1.0 { end } else { self.solver.state.time + share * length };
             self.accept_step(time, observer)?;
             if let Some(Event::Kink(kink, _)) = event {

@@ -45,11 +45,9 @@ fn turn_towards(
     reaches: impl Fn(f64, f64) -> bool,
 ) -> Option<f64> {
     if !setup.is_adaptive {
-        // A parabola is between its ends and its control point.
-        let curve = buffers.parabola(ends, &voltage);
-        if !reaches(curve.begin, curve.control) {
-            return None;
-        }
+        let curve = buffers.parabola(ends, voltage);
+        let (share, value) = curve.turning_point()?;
+        return reaches(curve.begin, value).then_some(share);
     }
     let samples = buffers.samples(setup.method, ends, voltage);
     let mut turns = samples.turning_points();

@@ -8,6 +8,8 @@ use super::buffers::StepBuffers;
 use super::events::event_at;
 use super::runge_kutta::try_step;
 use super::state::{Setup, Solver, SolverState, read_rates};
+use super::turns::length_to_turn;
+use crate::delay_line::DelayLine;
 
 /// The product of a decay rate and the step above which the classical method of order 4 is unstable.
 const STABILITY_LIMIT: f64 = 2.785;
@@ -107,7 +109,7 @@ impl StepCheck {
         try_step(setup, state, delay_lines, buffers, length);
         let response =
             response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
-        if has_event(setup, state, buffers) {
+        if has_event(setup, state, delay_lines, buffers, length) {
             if let Some(response) = response.filter(|response| response.change > HARMLESS_CHANGE) {
                 self.unstable_events += 1;
                 self.note_unstable(response);
@@ -118,12 +120,12 @@ impl StepCheck {
         let middle = self.middle.get_or_insert_with(|| Box::new(state.clone()));
         middle.as_mut().clone_from(state);
         try_step(setup, state, delay_lines, buffers, 0.5 * length);
-        if has_event(setup, state, buffers) {
+        if has_event(setup, state, delay_lines, buffers, 0.5 * length) {
             return;
         }
         move_to_end(setup, middle, buffers, 0.5 * length);
         try_step(setup, middle, delay_lines, buffers, 0.5 * length);
-        if has_event(setup, middle, buffers) {
+        if has_event(setup, middle, delay_lines, buffers, 0.5 * length) {
             return;
         }
         let worst = self.add(&buffers.states);
@@ -194,9 +196,18 @@ impl StepDoubt {
     }
 }
 
-/// Whether an event is due in the step that was tried from a state.
-fn has_event(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> bool {
-    buffers.hint.is_some() || event_at(setup, state, &buffers.voltages).is_some()
+/// Whether the solver would not take the step of this length that was tried from a state as a whole, because of an event
+/// in it.
+fn has_event(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) -> bool {
+    buffers.hint.is_some()
+        || event_at(setup, state, &buffers.voltages).is_some()
+        || length_to_turn(setup, state, delay_lines, buffers, length).is_some()
 }
 
 /// How the rates respond to a change of the states within a step.

@@ -8,8 +8,10 @@ use crate::trace::{StepWarning, Trace, Track};
 const LARGEST_SHARE: f64 = 1e-3;
 /// Difference that the recommended step aims at, as a share of the range.
 const RECOMMENDED_SHARE: f64 = 1e-4;
-/// Difference of two samples in time, in seconds, up to which they are the same sample.
-const SAME_SAMPLE: f64 = 1e-9;
+/// Least range of a signal to which its difference is related, in volts.
+const LEAST_RANGE: f64 = 1e-4;
+/// Difference of two samples in time up to which they are the same sample, as a share of the mean recording interval.
+const SAME_SAMPLE: f64 = 1e-6;
 /// Order of the error of a run: it grows with the step to this power.
 const ERROR_ORDER: f64 = 4.0;
 
@@ -34,8 +36,9 @@ pub(super) fn step_warning(
     trace: &Trace,
     half: &Trace,
 ) -> Option<StepWarning> {
+    let tolerance = SAME_SAMPLE * trace.time.last()? / trace.len() as f64;
     let pairs = trace.time.iter().zip(&half.time);
-    let common = pairs.take_while(|(one, other)| (*one - *other).abs() <= SAME_SAMPLE).count();
+    let common = pairs.take_while(|(one, other)| (*one - *other).abs() <= tolerance).count();
     let tracks = trace.tracks.iter().zip(&half.tracks).filter(|(track, _)| track.derivative.is_none());
     let differences = tracks.filter_map(|(track, half)| difference(&trace.time[..common], track, half));
     let worst = differences.max_by(|a, b| a.share.total_cmp(&b.share))?;
@@ -58,9 +61,11 @@ pub(super) fn step_warning(
 /// The difference of a signal over the samples at these times; `None` if it is a small share of the range.
 fn difference<'t>(times: &[f64], track: &'t Track, half: &Track) -> Option<Difference<'t>> {
     let values: Vec<f64> = track.values().take(times.len()).collect();
-    let gaps: Vec<f64> = values.iter().zip(half.values()).map(|(one, other)| (one - other).abs()).collect();
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let range = values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least;
+    let halves: Vec<f64> = half.values().take(times.len()).collect();
+    let gaps: Vec<f64> = values.iter().zip(&halves).map(|(one, other)| (one - other).abs()).collect();
+    let both = || values.iter().chain(&halves).copied();
+    let range = both().fold(f64::NEG_INFINITY, f64::max) - both().fold(f64::INFINITY, f64::min);
+    let range = range.max(LEAST_RANGE * track.per_volt.abs());
     let largest = gaps.iter().copied().fold(0.0, f64::max);
     let first = gaps.iter().position(|gap| *gap > LARGEST_SHARE * range)?;
     Some(Difference { track, largest, share: largest / range, time: times[first] })

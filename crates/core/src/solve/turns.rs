@@ -11,8 +11,9 @@ use super::machine::Machine;
 use super::state::{Setup, Solver, SolverState};
 use crate::delay_line::DelayLine;
 
-/// Distance from the ends of a step at which the slopes are measured, as a share of the step.
-const SLOPE_DISTANCE: f64 = 1e-5;
+/// Distance from the ends of a step at which the slopes are measured, as a share of the step. It is large enough for the
+/// rounding of the voltages to change no turning point by more than [`SHORTFALL`].
+const SLOPE_DISTANCE: f64 = 1e-3;
 /// Shortfall of a turning point that does not matter, in volts.
 const SHORTFALL: f64 = 1e-10;
 
@@ -21,24 +22,39 @@ impl Machine<'_> {
     /// sampled value turns; `None` if no such input turns.
     pub(super) fn length_to_turn(&mut self, length: f64) -> Option<f64> {
         let Solver { setup, state, delay_lines, buffers, .. } = &mut self.solver;
-        if setup.program.lowered.sampled.iter().all(|sampled| sampled.follows.is_none()) {
-            return None;
-        }
-        self.work.evaluations += 2;
-        evaluate_near_ends(setup, state, delay_lines, buffers, length);
-        let shares = setup.program.lowered.sampled.iter().filter_map(|sampled| {
-            let (input, next) = (sampled.follows?.index(), sampled.next.index());
-            let [near_begin, near_end] = buffers.near_ends.each_ref().map(|voltages| voltages[input]);
-            let is_pushed = buffers.near_ends[0][next] != state.voltages[next];
-            let [begin, end] = [state.voltages[input], buffers.voltages[input]];
-            let slopes = [near_begin - begin, end - near_end].map(|change| change / SLOPE_DISTANCE);
-            turning_share([begin, end], slopes).filter(|_| is_pushed)
-        });
-        shares.reduce(f64::min).map(|share| share * length)
+        let has_turns = setup.program.lowered.sampled.iter().any(|sampled| sampled.follows.is_some());
+        self.work.evaluations += if has_turns { 2 } else { 0 };
+        length_to_turn(setup, state, delay_lines, buffers, length)
     }
 }
 
-/// Evaluates the voltages of events near both ends of the tried step, where the states move in proportion to their rates.
+/// The same for a state that need not be the one of a machine.
+pub(super) fn length_to_turn(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) -> Option<f64> {
+    let sampled = &setup.program.lowered.sampled;
+    if sampled.iter().all(|sampled| sampled.follows.is_none()) {
+        return None;
+    }
+    evaluate_near_ends(setup, state, delay_lines, buffers, length);
+    let shares = sampled.iter().filter_map(|sampled| {
+        let (input, next) = (sampled.follows?.index(), sampled.next.index());
+        let [near_begin, near_end] = buffers.near_ends.each_ref().map(|voltages| voltages[input]);
+        let is_pushed = buffers.near_ends[0][next] != state.voltages[next];
+        let [begin, end] = [state.voltages[input], buffers.voltages[input]];
+        let slopes = slopes_at_ends([near_begin - begin, end - near_end]);
+        turning_share([begin, end], slopes).filter(|_| is_pushed)
+    });
+    let shorter = shares.reduce(f64::min)? * length;
+    // The step must not vanish in the rounding of time.
+    (state.time + shorter > state.time).then_some(shorter)
+}
+
+/// Evaluates the voltages of events near both ends of the tried step.
 fn evaluate_near_ends(
     setup: &Setup<'_>,
     state: &SolverState,
@@ -46,23 +62,45 @@ fn evaluate_near_ends(
     buffers: &mut StepBuffers,
     length: f64,
 ) {
+    let (distance, last) = (SLOPE_DISTANCE * length, buffers.stage_rates.len() - 1);
     buffers.end_states.copy_from_slice(&buffers.states);
-    let distance = SLOPE_DISTANCE * length;
-    for (side, offset) in [distance, -distance].into_iter().enumerate() {
-        let last = buffers.stage_rates.len() - 1;
-        let (states, rates, end) = match side {
-            0 => (&state.states, &state.rates, state.time),
-            _ => (&buffers.end_states, &buffers.stage_rates[last], state.time + length),
-        };
-        for ((near, volts), rate) in buffers.states.iter_mut().zip(states).zip(rates) {
-            *near = rate.mul_add(offset, *volts);
-        }
-        buffers.near_ends[side].copy_from_slice(&state.voltages);
-        std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
-        trial(setup.program, state, delay_lines, buffers, end + offset, Scope::Checked);
-        std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
-    }
+    advance(&mut buffers.states, &state.states, &state.rates, distance);
+    evaluate_near(setup, state, delay_lines, buffers, (0, state.time + distance));
+    advance(&mut buffers.states, &buffers.end_states, &buffers.stage_rates[last], -distance);
+    evaluate_near(setup, state, delay_lines, buffers, (1, state.time + length - distance));
     buffers.states.copy_from_slice(&buffers.end_states);
+}
+
+/// Moves states by a time in problem seconds, in proportion to their rates.
+fn advance(into: &mut [f64], states: &[f64], rates: &[f64], time: f64) {
+    for ((moved, volts), rate) in into.iter_mut().zip(states).zip(rates) {
+        *moved = rate.mul_add(time, *volts);
+    }
+}
+
+/// Evaluates the voltages of events for the states in the buffers at a problem time, near one end of the tried step. The
+/// voltages at its end stay in the buffers, and a loop that has no solution there is no fault of the step.
+fn evaluate_near(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    (side, time): (usize, f64),
+) {
+    let faults = buffers.evaluation.faults.len();
+    buffers.near_ends[side].copy_from_slice(&state.voltages);
+    std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
+    trial(setup.program, state, delay_lines, buffers, time, Scope::Checked);
+    std::mem::swap(&mut buffers.voltages, &mut buffers.near_ends[side]);
+    buffers.evaluation.faults.truncate(faults);
+}
+
+/// The slopes at both ends of a step, in volts per step, from the changes over [`SLOPE_DISTANCE`] next to each end. The
+/// changes give the slopes in the middles of these distances.
+fn slopes_at_ends(changes: [f64; 2]) -> [f64; 2] {
+    let [first, last] = changes.map(|change| change / SLOPE_DISTANCE);
+    let correction = 0.5 * SLOPE_DISTANCE * (last - first);
+    [first - correction, last + correction]
 }
 
 /// The share (0 ... 1) of a step at which the cubic with these values and slopes at its ends turns. The slopes are in

@@ -55,7 +55,7 @@ pub(crate) struct Native {
 type Entry = unsafe extern "C" fn(*mut Memory) -> u64;
 
 /// The number of values behind each pointer to a frame.
-type Lengths = [usize; 9];
+type Lengths = [usize; 10];
 
 /// Everything that the generated code accesses.
 #[repr(C)]
@@ -195,10 +195,10 @@ fn lengths(frame: &Frame<f64>) -> Lengths {
         margins,
         scheduled_values,
         stages: [.., end_rates],
-        inner: [inner, _],
+        inner: [first, second],
         ..
     } = frame;
-    [slots, states, rates, slopes, offsets, margins, scheduled_values, end_rates, inner].map(Vec::len)
+    [slots, states, rates, slopes, offsets, margins, scheduled_values, end_rates, first, second].map(Vec::len)
 }
 
 /// The number of tables of a program that include all those the kernel reads; the first ones of all.

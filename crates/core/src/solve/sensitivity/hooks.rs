@@ -87,7 +87,7 @@ impl Sensitivities {
                 row.weights,
                 self.length,
             );
-            let scope = if stage == method.middle_stage { Scope::All } else { Scope::Rates };
+            let scope = if stage == method.middle_stage { Scope::Checked } else { Scope::Rates };
             trial(program, state, delay_lines, buffers, state.time + row.node * self.length, scope);
             std::mem::swap(&mut self.stages[stage + 1], &mut buffers.voltages);
         }

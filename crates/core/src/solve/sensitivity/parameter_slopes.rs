@@ -230,8 +230,8 @@ impl ParameterSlopes {
         self.trial_states.copy_from_slice(&self.states);
         self.read_delay_lines(step.delay_lines, |line, input| line.right_limit(step.begin, input, 0.0));
         // Inputs of delay lines need not be among the voltages on which rates depend.
-        let needed =
-            if self.lines.is_empty() { program.lowered.sections.checked } else { program.lowered.body.len() };
+        let sections = program.lowered.sections;
+        let needed = if self.lines.is_empty() { sections.checked } else { sections.watched };
         self.differentiate(program, 0..needed, TangentBase { values: &step.stages[0], guide: step.guide() });
         read_rates(program, &self.trial_voltages, &mut self.stage_rates[0]);
         for (line, delay) in self.lines.iter_mut().zip(&program.lowered.delays) {
