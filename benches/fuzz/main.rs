@@ -58,9 +58,12 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
             None => (start.elapsed() < time).then_some(number),
         }
     };
-    let Summary { cases, accepted, skipped, longest, violations } = run_cases(&corpus, seed, &kept, &next);
+    let Summary { cases, commands, skipped, longest, violations } = run_cases(&corpus, seed, &kept, &next);
     let broken = violations.len();
-    println!("seed {seed}: {cases} cases, {accepted} accepted, {skipped} skipped, {broken} break a rule");
+    println!("seed {seed}: {cases} cases, {skipped} skipped, {broken} break a rule");
+    for (command, [accepted, all]) in commands {
+        println!("{command}: {accepted} of {all} accepted");
+    }
     println!("the longest command took {:.1} s (case {})", longest.0.as_secs_f64(), longest.1);
     Ok(if violations.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
