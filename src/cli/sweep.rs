@@ -3,7 +3,6 @@
 //! Rows go to standard output as CSV, or to a file. A file is also a journal: a sweep that was interrupted continues
 //! after the last complete row. All combinations of `--vary` are run, and the last one changes fastest.
 
-use patchcord::document::{format_number, plural, unit_suffix};
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -22,6 +21,7 @@ use super::step_warning::{StepWarningDocument, row_step_warning_text};
 use super::times::{TimeArguments, TimesDocument, run_failure};
 use super::{eprint, print, print_json, standard_output_result};
 use patchcord::circuit::Circuit;
+use patchcord::document::{format_number, plural, unit_suffix};
 use patchcord::instruments::{Measure, MeasureColumn, measures};
 use patchcord::ir::Program;
 use patchcord::sweep::{
