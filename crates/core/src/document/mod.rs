@@ -25,6 +25,7 @@ mod foreign_text;
 mod formula_error;
 mod input_file;
 mod json_value;
+pub(crate) mod key_synonyms;
 mod kind;
 mod line_index;
 mod parameter_range;
