@@ -141,7 +141,7 @@ impl Lamps {
     fn limit_drive(&self, program: &Program, lamp: &LitLamp) -> Option<LimitDrive> {
         let lowered = &program.lowered;
         let index = lowered.states.iter().position(|state| state.element == lamp.element)?;
-        // An output that was thrown to its limit only has no larger peak. Positive feedback can exceed all numbers.
+        // An output that exceeded its limit within one step has no larger peak. Positive feedback can exceed all numbers.
         let is_known = lamp.peak > LAMP_THRESHOLD
             && lamp.peak.is_finite()
             && !has_feedback_through(&lowered.readers, lamp.element, elements_with_memory(program));

@@ -67,7 +67,7 @@ impl<'p, 'w> Player<'p, 'w> {
     /// Ends the last repetition, passes the last samples on, and returns the record and the doubt about its steps.
     pub(super) fn finish(mut self) -> (Trace, Option<StepDoubt>) {
         self.recorder.end_repetition(&self.machine, self.is_held);
-        self.recorder.pass_on();
+        self.recorder.flush();
         (self.recorder.trace, self.recorder.step_doubt)
     }
 
