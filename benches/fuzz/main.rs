@@ -4,8 +4,9 @@
 //!     cargo bench --bench fuzz -- --minutes 60 --seed 7   cases of another seed for an hour
 //!     cargo bench --bench fuzz -- --seed 7 --case 816     one case
 //!
-//! A case that breaks a rule is printed, and its files are written into a folder `fuzz` in the build directory. The file
-//! command.txt in it has the command line. The benchmark fails if there is such a case. `tests/fuzz` has the rules.
+//! A case that breaks a rule is printed, and its files are written into a folder `fuzz` in the build directory. The
+//! file command.txt in it has the command line. The benchmark fails if there is such a case. `tests/fuzz` has the
+//! rules.
 
 #[path = "../../crates/core/tests/common/mod.rs"]
 mod common;

@@ -241,8 +241,8 @@ fn journal_failure(error: JournalError) -> Failure {
     Failure::data(error.to_string())
 }
 
-/// Reports failed runs and too long steps on standard error if the rows went to standard output. A closed pipe is not an
-/// error.
+/// Reports failed runs and too long steps on standard error if the rows went to standard output. A closed pipe is not
+/// an error.
 fn report_output(sweep: &Sweep, outcome: io::Result<SweepSummary>) -> Result<(), Failure> {
     let written = outcome.map(|summary| {
         if summary.failed > 0 {
@@ -253,8 +253,8 @@ fn report_output(sweep: &Sweep, outcome: io::Result<SweepSummary>) -> Result<(),
     standard_output_result(written)
 }
 
-/// Prints the warning about steps that are too long to standard error, with the parameters of the row. Prints nothing if
-/// there is none.
+/// Prints the warning about steps that are too long to standard error, with the parameters of the row. Prints nothing
+/// if there is none.
 fn eprint_step_warning(sweep: &Sweep, summary: &SweepSummary) {
     if let Some(RowStepWarning { values, warning }) = &summary.step_warning {
         let columns = sweep.columns();

@@ -37,8 +37,8 @@ fn in_blocks(
     (outcome, table.unwrap().into_inner())
 }
 
-/// Asserts that blocks of several sizes give the same table, extremes, repetitions, phases and error as the whole trace.
-/// Returns the outcome with the whole trace.
+/// Asserts that blocks of several sizes give the same table, extremes, repetitions, phases and error as the whole
+/// trace. Returns the outcome with the whole trace.
 fn check_blocks(program: &Program, settings: &RunSettings) -> Result<Trace, StoppedRunError> {
     let outcome = run(program, settings);
     let whole = trace_of(&outcome);

@@ -79,8 +79,8 @@ fn is_other_unit(text: &str, required: &Unit) -> bool {
     has_letter(text) && Unit::parse(text).is_ok_and(is_other)
 }
 
-/// The part of the name of a column of times that is probably a unit, but is not understood: "sec" of "t (sec)", "ms" of
-/// "t_ms", "t/ms" and "ms". `None` if the name does not indicate another unit than the second.
+/// The part of the name of a column of times that is probably a unit, but is not understood: "sec" of "t (sec)", "ms"
+/// of "t_ms", "t/ms" and "ms". `None` if the name does not indicate another unit than the second.
 fn unclear_unit(column: &str) -> Option<&str> {
     if let Some((_, label)) = split_label(column) {
         return Unit::parse(label).is_err().then_some(label);
@@ -116,7 +116,8 @@ pub fn unclear_time(column: &str, path: impl AsRef<Path>) -> Option<CsvFault> {
     Some(CsvFault::new(message, hint))
 }
 
-/// The doubt about a column without a unit that is read in the required unit, if its name seems to indicate another one.
+/// The doubt about a column without a unit that is read in the required unit, if its name seems to indicate another
+/// one.
 ///
 /// The caller reports it as a warning. Columns of times have a doubt of their own, [`unclear_time`].
 ///
