@@ -277,12 +277,7 @@ struct ScalingDocument {
 
 impl<'a> Document<'a> {
     /// The document of a patch, its warnings and its problem check.
-    fn new(
-        circuit: &'a Circuit,
-        program: &'a Program,
-        warnings: &Report,
-        problem: &'a ProblemCheck,
-    ) -> Self {
+    fn new(circuit: &'a Circuit, program: &'a Program, warnings: &Report, problem: &'a ProblemCheck) -> Self {
         let (patch, machine) = (circuit.patch(), circuit.machine());
         let parts = circuit.parts().iter().map(|(part, used)| PartDocument {
             part: part.key(),
