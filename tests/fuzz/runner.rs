@@ -67,6 +67,8 @@ pub(crate) fn run(folder: &Path, arguments: &[String]) -> io::Result<Answer> {
         // Each thread of the C library would otherwise reserve an address range of its own.
         .env("MALLOC_ARENA_MAX", "2")
         .env_remove("RUST_BACKTRACE")
+        // A line about the progress is no message about an error.
+        .env("PATCHCORD_PROGRESS", "0")
         .stdin(Stdio::null())
         .stdout(output.try_clone().unwrap())
         .stderr(errors.try_clone().unwrap())
