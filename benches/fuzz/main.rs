@@ -4,8 +4,9 @@
 //!     cargo bench --bench fuzz -- --minutes 60 --seed 7   cases of another seed for an hour
 //!     cargo bench --bench fuzz -- --seed 7 --case 816     one case
 //!
-//! A case that breaks a rule is printed, and its files are written into a folder `fuzz` in the build directory. The file
-//! command.txt in it has the command line. The benchmark fails if there is such a case. `tests/fuzz` has the rules.
+//! A case that breaks a rule is printed, and its files are written into a folder `fuzz` in the build directory. The
+//! file command.txt in it has the command line. The benchmark fails if there is such a case. `tests/fuzz` has the
+//! rules.
 
 #[path = "../../crates/core/tests/common/mod.rs"]
 mod common;
@@ -58,9 +59,12 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
             None => (start.elapsed() < time).then_some(number),
         }
     };
-    let Summary { cases, accepted, skipped, longest, violations } = run_cases(&corpus, seed, &kept, &next);
+    let Summary { cases, commands, skipped, longest, violations } = run_cases(&corpus, seed, &kept, &next);
     let broken = violations.len();
-    println!("seed {seed}: {cases} cases, {accepted} accepted, {skipped} skipped, {broken} break a rule");
+    println!("seed {seed}: {cases} cases, {skipped} skipped, {broken} break a rule");
+    for (command, [accepted, all]) in commands {
+        println!("{command}: {accepted} of {all} accepted");
+    }
     println!("the longest command took {:.1} s (case {})", longest.0.as_secs_f64(), longest.1);
     Ok(if violations.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -171,7 +171,8 @@ fn parameter_estimates(truth: &Truth, effects: &[Value]) -> Vec<ParameterEstimat
 }
 
 impl ParameterEstimate {
-    /// The estimate from a parameter of the report. The true value is in SI units. `None` if the report lacks the value.
+    /// The estimate from a parameter of the report. The true value is in SI units. `None` if the report lacks the
+    /// value.
     fn of(effect: &str, name: &str, truth: f64, fitted: &Value) -> Option<ParameterEstimate> {
         let unit = Unit::parse(fitted["unit"].as_str()?).ok()?;
         let end = |index: usize| fitted["interval"][index].as_f64().map(|end| unit.to_si(end));

@@ -1,4 +1,5 @@
-//! The journal: a file with one JSON line per searched case. It permits to interrupt and to continue a run of the benchmark.
+//! The journal: a file with one JSON line per searched case. It permits to interrupt and to continue a run of the
+//! benchmark.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;

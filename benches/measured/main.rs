@@ -1,7 +1,8 @@
 //! The gap search on data that others measured.
 //!
-//! `cargo bench --bench measured` searches every experiment of patches/measured and writes the table of docs/measured.md.
-//! `-- NAME ...` searches some experiments and only prints their rows. The measured data must be present.
+//! `cargo bench --bench measured` searches every experiment of patches/measured and writes the table of
+//! docs/measured.md. `-- NAME ...` searches some experiments and only prints their rows. The measured data must be
+//! present.
 
 mod velocity;
 
@@ -95,8 +96,8 @@ fn values_text(outcome: &Outcome) -> String {
 
 /// The residuals of a model on the training and the validation data, such as "1.49 % / 4.88 %".
 ///
-/// A patch with a signal v is a slide: its residual is the error in velocity. That of another patch is the rms residual in
-/// the unit of the output.
+/// A patch with a signal v is a slide: its residual is the error in velocity. That of another patch is the rms residual
+/// in the unit of the output.
 fn residuals_text(experiment: &Experiment, problem: &Problem, model: &FittedModel) -> String {
     let mut text = String::new();
     let parameters = (model.variant.fit.as_slice(), model.train.estimate.parameters.as_slice());

@@ -1,7 +1,7 @@
 //! The error in velocity of a model of a slide, the quality measure of docs/measured.md.
 //!
-//! The model runs over a whole record. The measured force drives it, and it starts with the measured position and velocity. The
-//! measured velocity is the difference of the smoothed position.
+//! The model runs over a whole record. The measured force drives it, and it starts with the measured position and
+//! velocity. The measured velocity is the difference of the smoothed position.
 
 use std::f64::consts::PI;
 
@@ -11,13 +11,14 @@ use patchcord_ident::{Experiment, Record};
 
 /// Cutoff frequency of the filter in Hz, as in docs/measured.md.
 const CUTOFF_HZ: f64 = 100.0;
-/// Samples of padding at each end of a record while it is filtered. The padding is the record reflected about its end point.
+/// Samples of padding at each end of a record while it is filtered. The padding is the record reflected about its end
+/// point.
 const PADDING: usize = 500;
 
 /// The rms error in velocity as a share of the rms measured velocity. `None` if the patch cannot be run.
 ///
-/// `fit` has the names of parameters of the patch, `values` their values in the units of the patch. The patch must have the
-/// signal v, and the record's first output must be the position.
+/// `fit` has the names of parameters of the patch, `values` their values in the units of the patch. The patch must have
+/// the signal v, and the record's first output must be the position.
 pub(crate) fn error(
     experiment: &Experiment,
     patch: &Patch,

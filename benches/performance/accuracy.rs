@@ -1,7 +1,7 @@
 //! The table of the time that each solver needs for an error of at most 1e-4.
 //!
-//! The error is that of the output velocity over the first 2 s, as a share of its peak. Each solver tries its own settings, from
-//! coarse to fine, until one is accurate enough.
+//! The error is that of the output velocity over the first 2 s, as a share of its peak. Each solver tries its own
+//! settings, from coarse to fine, until one is accurate enough.
 
 use crate::backends::{self, BACKENDS, BackendChoice, COMPARED, Fig816, Steps};
 use crate::peers::{Peers, Program, Solved};
@@ -33,7 +33,8 @@ fn steps() -> Vec<f64> {
     backends::steps_per_millisecond().map(|count| 1e-3 / f64::from(count)).collect()
 }
 
-/// The tried tolerances 1e-2, 5e-3, 2e-3, 1e-3 ... Each makes the steps of a method of order 5 about 1.15 times as short.
+/// The tried tolerances 1e-2, 5e-3, 2e-3, 1e-3 ... Each makes the steps of a method of order 5 about 1.15 times as
+/// short.
 fn tolerances() -> Vec<f64> {
     let tolerances = (2..=12).flat_map(|decade| [1.0, 0.5, 0.2].map(|share| share * 10f64.powi(-decade)));
     tolerances.collect()
@@ -50,8 +51,8 @@ pub(crate) fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String>
     Ok(page::table(&["", "setting", "error", "time", "times C"], &rows))
 }
 
-/// The row of the first setting that is accurate enough, or of the last one within the time limit. Its time is measured in turns
-/// with C.
+/// The row of the first setting that is accurate enough, or of the last one within the time limit. Its time is measured
+/// in turns with C.
 fn row(peers: &Peers, entry: &SolverEntry<'_>, reference: &[f64], time_limit: f64) -> Outcome<Vec<String>> {
     let (mut setting, mut error) = (f64::NAN, f64::INFINITY);
     for next in &entry.settings {

@@ -39,7 +39,8 @@ pub(crate) fn table(fig: &Fig816, quick: bool) -> Outcome<String> {
     Ok(page::table(&head, &rows.collect::<Vec<_>>()))
 }
 
-/// Duration of a step of one run in s, if `count` runs are made side by side. Every `interval`-th run of the sweep is made.
+/// Duration of a step of one run in s, if `count` runs are made side by side. Every `interval`-th run of the sweep is
+/// made.
 fn seconds_per_run_and_step(sweep: &Sweep, count: usize, interval: usize) -> f64 {
     let runs: Vec<_> =
         (0..sweep.plan().runs()).step_by(interval).map(|run| sweep.plan().values(run)).collect();

@@ -1,7 +1,7 @@
 //! Time and accuracy of patchcord and of other programs on Fig 8.16, and the growth of cost with size.
 //!
-//! `cargo bench --bench performance` measures all tables of docs/performance.md and writes them. `-- --quick` prints a short form
-//! and writes no file. `-- sweep` measures only the table with that name.
+//! `cargo bench --bench performance` measures all tables of docs/performance.md and writes them. `-- --quick` prints a
+//! short form and writes no file. `-- sweep` measures only the table with that name.
 
 mod accuracy;
 mod backends;

@@ -1,7 +1,7 @@
 //! The peers: other programs that solve the same equations (benches/peers).
 //!
-//! Each takes `method= setting= for= out=`, writes the output velocity every 1 ms to a file, and prints the duration of solving in
-//! s as JSON.
+//! Each takes `method= setting= for= out=`, writes the output velocity every 1 ms to a file, and prints the duration of
+//! solving in s as JSON.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,6 +1,7 @@
 //! The table of sweeps: 1000 runs of 2 s, VcL 1.27 ... 25.4 mm/s by Tc 6 ... 25 ms.
 //!
-//! Each solver uses the largest equal step at which 95 % of the runs have an error of at most 1e-5 of their peak velocity.
+//! Each solver uses the largest equal step at which 95 % of the runs have an error of at most 1e-5 of their peak
+//! velocity.
 
 use std::{io, thread};
 

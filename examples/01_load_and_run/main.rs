@@ -1,4 +1,5 @@
-//! Loads the patch of Fig 8.16, sets a friction parameter, runs two seconds, prints the range of each signal and draws a picture.
+//! Loads the patch of Fig 8.16, sets a friction parameter, runs two seconds, prints the range of each signal and draws
+//! a picture.
 
 use std::error::Error;
 use std::path::Path;

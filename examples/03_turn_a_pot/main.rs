@@ -1,4 +1,5 @@
-//! Turns a pot during a run: the stiffness of the slideway's drive falls, and the voltmeter shows the effect on the velocity.
+//! Turns a pot during a run: the stiffness of the slideway's drive falls, and the voltmeter shows the effect on the
+//! velocity.
 
 use std::error::Error;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! Finds the muzzle velocity that hits a target: a hybrid run of eight shots, each corrected by the landing of the one before.
+//! Finds the muzzle velocity that hits a target: a hybrid run of eight shots, each corrected by the landing of the one
+//! before.
 
 use std::error::Error;
 

@@ -6,7 +6,6 @@
 
 use clap::Args;
 use indexmap::IndexMap;
-use patchcord::document::{DiagnosticDocument, escape_controls, plural};
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -16,6 +15,7 @@ use super::table::Table;
 use super::times::advice;
 use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
+use patchcord::document::{DiagnosticDocument, Report, escape_controls, plural};
 use patchcord::ir::Program;
 use patchcord::patch::Instance;
 use patchcord::solve::{self, BLOCK_SAMPLES, RunError, RunSettings};
@@ -36,12 +36,12 @@ pub(super) struct Arguments {
 /// Tables of voltages and scaling follow the summary on request. Overloads at initial condition do not fail the
 /// command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let LoadedPatch { circuit, program, .. } = arguments.patch.load()?;
+    let LoadedPatch { circuit, program, warnings } = arguments.patch.load()?;
     let problem = check_problem(&circuit, &program)?;
     if arguments.patch.json {
-        return print_json(&Document::new(&circuit, &program, &problem));
+        return print_json(&Document::new(&circuit, &program, &warnings, &problem));
     }
-    print(&summary(&circuit, &program))?;
+    print(&summary(&circuit, &program, &warnings))?;
     print_coloured(&overload_lines("", &problem.overloads, output_in_colour()))?;
     if let Some(error) = run_error(&circuit, &program) {
         print(&format!("cannot be run: {}\n", run_error_text(&error)))?;
@@ -95,10 +95,9 @@ fn check_problem(circuit: &Circuit, program: &Program) -> Result<ProblemCheck, F
 }
 
 /// The summary: warnings, machine parts, macros and loops. Lines that do not apply are left out.
-fn summary(circuit: &Circuit, program: &Program) -> String {
+fn summary(circuit: &Circuit, program: &Program, warnings: &Report) -> String {
     let patch = circuit.patch();
-    let mut text =
-        format!("{}: {}\n", escape_controls(patch.file()), verdict(circuit.warnings().warning_count()));
+    let mut text = format!("{}: {}\n", escape_controls(patch.file()), verdict(warnings.warning_count()));
     if !patch.title.is_empty() {
         text += &format!("{}\n", patch.title);
     }
@@ -277,8 +276,8 @@ struct ScalingDocument {
 }
 
 impl<'a> Document<'a> {
-    /// The document of a patch and its problem check.
-    fn new(circuit: &'a Circuit, program: &'a Program, problem: &'a ProblemCheck) -> Self {
+    /// The document of a patch, its warnings and its problem check.
+    fn new(circuit: &'a Circuit, program: &'a Program, warnings: &Report, problem: &'a ProblemCheck) -> Self {
         let (patch, machine) = (circuit.patch(), circuit.machine());
         let parts = circuit.parts().iter().map(|(part, used)| PartDocument {
             part: part.key(),
@@ -292,7 +291,7 @@ impl<'a> Document<'a> {
             patch: patch.file(),
             title: &patch.title,
             machine: machine.name,
-            diagnostics: circuit.warnings().documents(),
+            diagnostics: warnings.documents(),
             parameters: ParameterDocument::all(circuit),
             parts: parts.collect(),
             macros: instances(circuit).into_iter().map(MacroDocument::of).collect(),

@@ -2,8 +2,8 @@
 //!
 //! Exit code 2 means that the command line must be changed, 1 that the patch or the data must be changed or that output
 //! cannot be written, 3 that a run had an overload and the command line forbids it. Text goes to standard error. With
-//! `--json`, a document follows on standard output: `ok` is false, and `error` has the message or `diagnostics` the list
-//! of findings. Further keys depend on the command, such as `code` of a run error.
+//! `--json`, a document follows on standard output: `ok` is false, and `error` has the message or `diagnostics` the
+//! list of findings. Further keys depend on the command, such as `code` of a run error.
 //!
 //! The dispatcher in `mod.rs` decides whether a failure is also printed as JSON. Commands only return it.
 

@@ -102,7 +102,8 @@ impl Files {
         self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path)).chain(&self.singles)
     }
 
-    /// Checks whether the sheets have space for the pictures of a run. Adds a file for each picture if there is a folder.
+    /// Checks whether the sheets have space for the pictures of a run. Adds a file for each picture if there is a
+    /// folder.
     ///
     /// The files are NAME.picture-1.svg and so on in the folder. There is at most one picture of derivatives for each
     /// recorded signal.

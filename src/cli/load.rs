@@ -3,7 +3,6 @@
 //! Every command on a patch prints documents with the same first keys: `ok`, `patch`, `title`, `diagnostics` and
 //! `parameters`.
 
-use patchcord::document::DiagnosticDocument;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +14,7 @@ use super::numbers::{in_declared_units, setting};
 use super::outputs::Outputs;
 use super::standard_streams::{STANDARD_INPUT_NAME, is_dash};
 use patchcord::circuit::Circuit;
-use patchcord::document::{Report, TypedNumber, escape_controls};
+use patchcord::document::{DiagnosticDocument, Report, TypedNumber, escape_controls};
 use patchcord::instruments::parameter_line;
 use patchcord::ir::Program;
 use patchcord::patch::{Patch, RunPlan};

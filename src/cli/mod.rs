@@ -79,7 +79,8 @@ use patchcord::output::io_reason;
 /// line, 3 overload in a run with --fail-on-overload.
 ///
 /// Long work shows its progress on standard error. If that is not a terminal, a line is printed there every ten
-/// seconds. The environment variable PATCHCORD_PROGRESS sets another interval in seconds; with 0 no lines are printed.
+/// seconds. The environment variable PATCHCORD_PROGRESS sets another interval in seconds, at least 0.001; with 0 no
+/// lines are printed.
 #[derive(Parser)]
 #[command(name = "patchcord", version, arg_required_else_help = true)]
 struct Arguments {
@@ -156,6 +157,7 @@ fn has_json(options: &ArgMatches) -> bool {
 
 /// Runs one command.
 fn run_command(command: &Command) -> Result<(), Failure> {
+    progress::check_interval()?;
     match command {
         Command::New(arguments) => new::new(arguments),
         Command::Check(arguments) => check::check(arguments),

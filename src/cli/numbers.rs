@@ -1,7 +1,7 @@
 //! Parsers for numbers on the command line.
 //!
-//! An option takes a number in one unit. A number with another unit of the same dimension is converted. `TypedNumber` is
-//! the only reader of such numbers.
+//! An option takes a number in one unit. A number with another unit of the same dimension is converted. `TypedNumber`
+//! is the only reader of such numbers.
 
 use super::failure::Failure;
 use patchcord::document::{TypedNumber, TypedNumberError};

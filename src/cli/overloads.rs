@@ -51,8 +51,8 @@ pub(super) struct OverloadDocument<'a> {
     caused_by: Option<&'a str>,
 }
 
-/// How an integrator was driven against its limit, for `--json`: the limit in volts, the longest time in seconds, whether
-/// this time lasts to the end of the record, and the largest rate in volts per second.
+/// How an integrator was driven against its limit, for `--json`: the limit in volts, the longest time in seconds,
+/// whether this time lasts to the end of the record, and the largest rate in volts per second.
 #[derive(Serialize)]
 struct DriveDocument {
     limit: f64,

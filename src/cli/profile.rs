@@ -88,10 +88,12 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
         run_failure(&stopped.error, &circuit, arguments.times.is_cause_of(&stopped.error))
     })?;
     let step_warning = trace.step_warning.as_ref();
-    if let Some(warning) = step_warning.filter(|_| !arguments.patch.json) {
+    let reading = arguments.read(&trace, &settings.record, &circuit);
+    // The JSON document of a failure does not have the warning.
+    if let Some(warning) = step_warning.filter(|_| !arguments.patch.json || reading.is_err()) {
         eprint(step_warning_text(warning).trim_end());
     }
-    let reading = arguments.read(&trace, &settings.record, &circuit)?;
+    let reading = reading?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
         write_pictures(&outputs, path, &[picture(&reading, &circuit, &trace)], format, Size::default())?;
     }

@@ -2,17 +2,20 @@
 //!
 //! A terminal shows a status line, which is erased when the work ends. Elsewhere, such as in a log file, a plain line
 //! is printed every ten seconds: "sweep: 1200 of 10000 runs, about 2 min left". The environment can set another
-//! interval.
+//! interval, which is checked before the work.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar as Line, ProgressDrawTarget, ProgressFinish, ProgressState, ProgressStyle};
 
 use super::eprint;
+use super::failure::Failure;
 use super::progress_lines::PlainLines;
 use super::progress_status::{Amount, Status};
+use patchcord::document::escape_controls;
 
 /// A run that takes less time shows no status line.
 const DELAY: Duration = Duration::from_secs(2);
@@ -22,6 +25,8 @@ const UPDATE_INTERVAL: Duration = Duration::from_millis(250);
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// The environment variable with the seconds between two plain lines.
 const INTERVAL_VARIABLE: &str = "PATCHCORD_PROGRESS";
+/// The permitted times between two plain lines in seconds, besides 0.
+const INTERVALS: RangeInclusive<f64> = 1e-3..=1e9;
 /// The number of solver steps between two readings of the clock, which are slow compared with a step.
 const STEPS_PER_CHECK: u32 = 256;
 /// The status line of countable work.
@@ -49,7 +54,7 @@ impl Work {
     fn new(command: &'static str, status: Status) -> Self {
         let status = Arc::new(Mutex::new(status));
         let line = Line::with_draw_target(None, ProgressDrawTarget::hidden());
-        let interval = line_interval(std::env::var(INTERVAL_VARIABLE).ok().as_deref());
+        let interval = line_interval(given_interval().as_deref()).unwrap_or_default();
         let interval = interval.filter(|_| ProgressDrawTarget::stderr().is_hidden());
         let lines = interval.map(|interval| plain_lines(command, &status, interval, eprint));
         let work = Work { status, line: line.with_finish(ProgressFinish::AndClear), _lines: lines };
@@ -82,12 +87,37 @@ impl Work {
     }
 }
 
-/// The time between two plain lines, from the text of the environment variable. A text that is no number of seconds
-/// has no effect. None if it is 0: then no lines are printed.
-fn line_interval(text: Option<&str>) -> Option<Duration> {
-    let seconds = text.and_then(|text| text.trim().parse::<f64>().ok());
-    let given = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    Some(given.unwrap_or(LINE_INTERVAL)).filter(|interval| !interval.is_zero())
+/// Checks the interval that the environment sets.
+///
+/// # Errors
+/// If it is not a permitted number of seconds.
+pub(super) fn check_interval() -> Result<(), Failure> {
+    line_interval(given_interval().as_deref()).map(|_| ()).map_err(Failure::usage)
+}
+
+/// The text of the environment variable. None if it is not set.
+fn given_interval() -> Option<String> {
+    std::env::var_os(INTERVAL_VARIABLE).map(|text| text.to_string_lossy().into_owned())
+}
+
+/// The time between two plain lines, from the text of the environment variable. None if it is 0: then no lines are
+/// printed. An empty text counts as none.
+///
+/// # Errors
+/// If the text is not a permitted number of seconds.
+fn line_interval(text: Option<&str>) -> Result<Option<Duration>, String> {
+    let Some(text) = text.map(str::trim).filter(|text| !text.is_empty()) else {
+        return Ok(Some(LINE_INTERVAL));
+    };
+    match text.parse::<f64>() {
+        Ok(0.0) => Ok(None),
+        Ok(seconds) if INTERVALS.contains(&seconds) => Ok(Some(Duration::from_secs_f64(seconds))),
+        _ => Err(format!(
+            "the environment variable {INTERVAL_VARIABLE} must be a number of seconds from 0.001 to 1e9, or 0, not \
+             \"{}\"",
+            escape_controls(text)
+        )),
+    }
 }
 
 /// Prints the status of a command after each interval, in one line.
@@ -244,11 +274,16 @@ mod tests {
 
     #[test]
     fn the_environment_sets_the_interval_of_plain_lines() {
-        for text in [None, Some(""), Some("often"), Some("-1"), Some("NaN"), Some("1e30")] {
-            assert_eq!(line_interval(text), Some(LINE_INTERVAL), "{text:?}");
+        for text in [None, Some(""), Some(" ")] {
+            assert_eq!(line_interval(text), Ok(Some(LINE_INTERVAL)), "{text:?}");
         }
-        assert_eq!(line_interval(Some(" 0.5 ")), Some(Duration::from_millis(500)));
-        assert_eq!(line_interval(Some("0")), None);
+        assert_eq!(line_interval(Some(" 0.5 ")), Ok(Some(Duration::from_millis(500))));
+        assert_eq!(line_interval(Some("0.001")), Ok(Some(Duration::from_millis(1))));
+        assert_eq!(line_interval(Some("0")), Ok(None));
+        for text in ["often", "-1", "NaN", "1e30", "1e-9", "5 s"] {
+            let error = line_interval(Some(text)).unwrap_err();
+            assert!(error.ends_with(&format!(", not \"{text}\"")), "{error}");
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Runs a program and shows the progress on a terminal.
+//! Runs a program and reports the progress of the command.
 
 use super::progress::RunProgress;
 use super::streamed_tables::StreamedTables;

@@ -101,7 +101,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 impl Arguments {
     /// Prints the results of a run. `written` are the files, and `elapsed` is the time that the run took. Without a
-    /// picture the text says how to get one. If standard output has the table, only the reasons to doubt it are printed.
+    /// picture the text says how to get one. If standard output has the table, only the reasons to doubt it are
+    /// printed.
     fn print_results(
         &self,
         circuit: &Circuit,
@@ -128,8 +129,8 @@ impl Arguments {
 
     /// The run settings from the patch and the options.
     ///
-    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn. Without pictures the
-    /// trace does not keep the samples.
+    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn. Without pictures
+    /// the trace does not keep the samples.
     fn settings(&self, circuit: &Circuit, program: &Program) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
         let settings = self.times.settings(&plan, circuit, program);

@@ -49,8 +49,8 @@ pub(super) struct Arguments {
     /// Height Z of the ridges, in micrometres
     #[arg(long, value_name = "MICROMETRES", default_value = "2.5", allow_hyphen_values = true, value_parser = positive_in("µm"))]
     ridge_height: f64,
-    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units or
-    /// with a unit, instead of the computed value; may be given several times
+    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units
+    /// or with a unit, instead of the computed value; may be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     set: Vec<(String, TypedNumber)>,
     /// By how many percent each piece of advice changes its quantity

@@ -3,7 +3,6 @@
 //! Rows go to standard output as CSV, or to a file. A file is also a journal: a sweep that was interrupted continues
 //! after the last complete row. All combinations of `--vary` are run, and the last one changes fastest.
 
-use patchcord::document::{format_number, plural, unit_suffix};
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -22,6 +21,7 @@ use super::step_warning::{StepWarningDocument, row_step_warning_text};
 use super::times::{TimeArguments, TimesDocument, run_failure};
 use super::{eprint, print, print_json, standard_output_result};
 use patchcord::circuit::Circuit;
+use patchcord::document::{format_number, plural, unit_suffix};
 use patchcord::instruments::{Measure, MeasureColumn, measures};
 use patchcord::ir::Program;
 use patchcord::sweep::{
@@ -241,8 +241,8 @@ fn journal_failure(error: JournalError) -> Failure {
     Failure::data(error.to_string())
 }
 
-/// Reports failed runs and too long steps on standard error if the rows went to standard output. A closed pipe is not an
-/// error.
+/// Reports failed runs and too long steps on standard error if the rows went to standard output. A closed pipe is not
+/// an error.
 fn report_output(sweep: &Sweep, outcome: io::Result<SweepSummary>) -> Result<(), Failure> {
     let written = outcome.map(|summary| {
         if summary.failed > 0 {
@@ -253,8 +253,8 @@ fn report_output(sweep: &Sweep, outcome: io::Result<SweepSummary>) -> Result<(),
     standard_output_result(written)
 }
 
-/// Prints the warning about steps that are too long to standard error, with the parameters of the row. Prints nothing if
-/// there is none.
+/// Prints the warning about steps that are too long to standard error, with the parameters of the row. Prints nothing
+/// if there is none.
 fn eprint_step_warning(sweep: &Sweep, summary: &SweepSummary) {
     if let Some(RowStepWarning { values, warning }) = &summary.step_warning {
         let columns = sweep.columns();

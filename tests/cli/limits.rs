@@ -88,6 +88,7 @@ fn the_memory_of_a_run_does_not_grow_with_its_rows() {
     let ran = std::process::Command::new("sh")
         .args(["-c", limited, env!("CARGO_BIN_EXE_patchcord"), "run", &file])
         .args(["--for", "1000", "--record", "x,A1", "--csv", &csv])
+        .env("PATCHCORD_PROGRESS", "0")
         .output()
         .unwrap();
     assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));

@@ -358,7 +358,9 @@ fn a_closed_pipe_is_no_error() {
     for arguments in commands {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let ran = std::process::Command::new(binary).args(arguments).stdout(writer).output().unwrap();
+        let mut command = std::process::Command::new(binary);
+        let command = command.env("PATCHCORD_PROGRESS", "0").args(arguments).stdout(writer);
+        let ran = command.output().unwrap();
         assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""), "{arguments:?}");
     }
 }

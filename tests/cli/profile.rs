@@ -4,6 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
+use super::sweep::STIFF;
 use super::{FIG_8_16, code, errors, json, out, patchcord, path};
 
 const PAGE: &str = "docs/profile.md";
@@ -165,6 +166,21 @@ fn other_criteria_find_other_points() {
     };
     assert!(at(5, &["--threshold", "1e-3"]) < at(5, &[]));
     assert!(at(4, &["--standstill", "1e-3"]) > at(4, &[]));
+}
+
+#[test]
+fn a_step_that_is_too_long_is_reported_without_a_profile() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "stiff.json");
+    fs::write(&patch, STIFF).unwrap();
+    let command = ["profile", &patch, "--signals", "S,F", "--threshold", "1"];
+    for options in [&[][..], &["--json"]] {
+        let failed = patchcord(&[&command[..], options].concat());
+        let message = errors(&failed);
+        assert_eq!(code(&failed), 1, "{message}");
+        assert!(message.starts_with("warning: the step of 0.003 s is too long"), "{message}");
+        assert!(message.contains("\nerror: no velocity profile: "), "{message}");
+    }
 }
 
 /// The error of a run in which the command is constant.

@@ -28,8 +28,9 @@ fn the_command_of_the_readme_prints_the_quoted_lines() {
     let patch = fs::canonicalize(arguments[1]).unwrap();
     let arguments =
         arguments.iter().map(|word| if *word == FIG_8_16 { patch.to_str().unwrap() } else { word });
-    let ran =
-        Command::new(env!("CARGO_BIN_EXE_patchcord")).args(arguments).current_dir(&folder).output().unwrap();
+    let mut process = Command::new(env!("CARGO_BIN_EXE_patchcord"));
+    let process = process.env("PATCHCORD_PROGRESS", "0").args(arguments).current_dir(&folder);
+    let ran = process.output().unwrap();
     assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
     let quoted: Vec<String> =
         readme_block("and ends with\n").into_iter().filter(|line| !line.is_empty()).collect();

@@ -1,7 +1,7 @@
 //! `patchcord replay`: reproduced figures of the thesis and their claims.
 
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use std::{fs, thread};
 
 use super::{code, errors, json, out, patchcord, path};
@@ -9,6 +9,9 @@ use crate::common::files::assert_up_to_date;
 use patchcord::draw::plot::Format;
 use patchcord::patch::Patch;
 use patchcord::thesis::replay::{Sheet, differences_page, figures, run_all};
+
+/// The longest time until the first figure of a replay is printed.
+const LONGEST_FIGURE: Duration = Duration::from_secs(120);
 
 #[test]
 fn without_a_name_the_figures_are_listed() {
@@ -47,11 +50,13 @@ fn a_replay_that_is_killed_keeps_the_finished_figures() {
     let mut child = command.stderr(Stdio::null()).spawn().unwrap();
     // A figure is printed after its files are written.
     let is_printed = || fs::read(&shown).unwrap().starts_with(b"Fig 2.2: ");
-    while !is_printed() && child.try_wait().unwrap().is_none() {
+    let start = Instant::now();
+    while !is_printed() && start.elapsed() < LONGEST_FIGURE && child.try_wait().unwrap().is_none() {
         thread::sleep(Duration::from_millis(10));
     }
     child.kill().unwrap();
     child.wait().unwrap();
+    assert!(is_printed(), "no figure is printed within {LONGEST_FIGURE:?}");
     let picture = fs::read_to_string(path(&folder, "out/fig-2-02.svg")).unwrap();
     assert!(roxmltree::Document::parse(&picture).is_ok());
     assert!(!fs::exists(path(&folder, "out/index.html")).unwrap(), "the replay was not killed in time");

@@ -256,3 +256,14 @@ fn a_long_run_reports_its_progress_in_plain_lines() {
     assert!(!lines.is_empty() && lines.lines().all(is_progress), "{lines}");
     assert_eq!(errors(&patchcord(&["run", FIG_8_16])), "");
 }
+
+#[test]
+fn a_wrong_interval_of_the_progress_is_refused() {
+    for text in ["often", "1e-9", "-1"] {
+        let refused = patchcord_with_progress(text, &["run", FIG_8_16, "--json"]);
+        let message = errors(&refused);
+        assert_eq!((code(&refused), message.lines().count()), (2, 1), "{message}");
+        assert!(message.starts_with("error: the environment variable PATCHCORD_PROGRESS must"), "{message}");
+        assert!(json(&refused)["error"].as_str().unwrap().ends_with(&format!("not \"{text}\"")));
+    }
+}

@@ -55,7 +55,7 @@ fn a_long_sweep_reports_its_progress_in_plain_lines() {
 }
 
 /// F follows -S within some milliseconds. Steps of 3 ms are too long for it.
-const STIFF: &str = r#"{"patchcord": 1, "title": "stiff", "machine": "unlimited",
+pub(super) const STIFF: &str = r#"{"patchcord": 1, "title": "stiff", "machine": "unlimited",
     "parameters": {"x0": {"value": 80, "unit": "V", "range": [1, 90]}},
     "scales": {"volt": {"per_volt": 1, "unit": "V"}},
     "elements": {"F": {"kind": "integrator", "in": {"x1000": ["F", "S"]}},

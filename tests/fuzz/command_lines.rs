@@ -262,8 +262,8 @@ impl CommandLine<'_> {
         self.add_once_in(3, &["--plot", "out.svg"], random);
     }
 
-    /// Adds options that limit the number of steps. A short run plan of the patch may be left as it is, unless the steps
-    /// are fixed.
+    /// Adds options that limit the number of steps. A short run plan of the patch may be left as it is, unless the
+    /// steps are fixed.
     fn add_times(&mut self, is_fixed: bool, random: &mut SplitMix64) {
         if !is_fixed && self.pace.is_short() && once_in(2, random) {
             return;

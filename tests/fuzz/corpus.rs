@@ -78,7 +78,8 @@ fn document(file: &Path) -> Option<Document> {
     Some(Document { node, files })
 }
 
-/// Reads the files that a value names, relative to the folder of its document, and removes their folders from the value.
+/// Reads the files that a value names, relative to the folder of its document, and removes their folders from the
+/// value.
 fn take_files(node: &mut Node, folder: &Path, files: &mut Files) {
     match node {
         Node::Text(path) if path.ends_with(".csv") || path.ends_with(".json") => {

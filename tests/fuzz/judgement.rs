@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::case::Case;
 use super::command_lines::SWEEP;
-use super::runner::{Answer, TIME_LIMIT};
+use super::runner::Answer;
 
 /// The sentence with which a run that stops says that its files are complete up to an instant.
 const STOPPED: &str = "the files contain the run up to";
@@ -17,12 +17,16 @@ const END_OF_PNG: &[u8] = b"IEND\xaeB`\x82";
 
 /// The broken rules of an answer and of the files that it left in the folder of the case.
 pub(crate) fn violations(case: &Case, folder: &Path, answer: &Answer) -> Vec<String> {
-    if answer.is_late {
-        return vec![format!("takes more than {TIME_LIMIT} s")];
+    if let Some(limit) = answer.broken_limit {
+        return vec![limit.violation()];
     }
     let mut found = answer_violations(&case.arguments, answer);
     let mut written = Vec::new();
     list_files(folder, folder, &mut written);
+    let has_table = written.iter().any(|(name, _)| name == SWEEP);
+    if answer.code == Some(0) && case.arguments.iter().any(|word| word == SWEEP) && !has_table {
+        found.push("does not write its table".to_owned());
+    }
     for (name, bytes) in written {
         found.extend(file_violation(case, &name, &bytes, answer).map(|what| format!("{name} {what}")));
     }

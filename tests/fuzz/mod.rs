@@ -10,7 +10,7 @@
 
 pub(crate) mod case;
 mod changes;
-mod command_lines;
+pub(crate) mod command_lines;
 pub(crate) mod corpus;
 mod csv_damage;
 pub(crate) mod document;

@@ -1,4 +1,6 @@
 //! The number of steps of a run, so that accepted patches end soon. A run that takes longer is then a hang.
+//!
+//! Drives force steps, such as at the edges of a square wave. A run that is short in time may thus have many steps.
 
 use super::document::Node;
 use crate::common::random::SplitMix64;
@@ -30,7 +32,7 @@ impl Pace {
         let step = run.and_then(|run| positive(run, "step")).map(|step| step.min(shortest));
         Pace {
             step: step.unwrap_or_else(|| random.log_uniform(1e-6, 1.0).min(shortest)),
-            longest_adaptive: LONGEST_ADAPTIVE / time_scale,
+            longest_adaptive: (LONGEST_ADAPTIVE / time_scale).min(MAX_PLAN_STEPS * shortest),
             has_tolerance: run.is_some_and(|run| run.get("tolerance").is_some()),
             plan_steps: step.and_then(|step| Some(duration(run?)? / step)),
         }
@@ -53,16 +55,22 @@ fn positive(node: &Node, key: &str) -> Option<f64> {
     node.get(key)?.as_number().filter(|number| *number > 0.0 && number.is_finite())
 }
 
-/// The shortest interval of noise, delay or lag of a document, in problem seconds. Steps are not longer.
+/// The shortest period or interval of a drive, or time of a delay or lag, of a document, in problem seconds. Steps are
+/// not longer.
 fn shortest_time(document: &Node, time_scale: f64) -> f64 {
     let mut shortest = f64::INFINITY;
     document.visit("", &mut |key, node| {
-        let seconds = node.as_number().filter(|number| *number > 0.0).unwrap_or(f64::INFINITY);
-        match key {
-            "every" => shortest = shortest.min(seconds),
-            "delay" | "time" => shortest = shortest.min(seconds / time_scale),
-            _ => (),
-        }
+        let Some(number) = node.as_number().filter(|number| *number > 0.0 && number.is_finite()) else {
+            return;
+        };
+        let seconds = match key {
+            "every" | "width" | "period" => number,
+            // A chirp has its first and its last frequency.
+            "frequency" | "from" | "to" => 1.0 / number,
+            "delay" | "time" => number / time_scale,
+            _ => return,
+        };
+        shortest = shortest.min(seconds);
     });
     shortest
 }

@@ -1,5 +1,6 @@
 //! Runs many cases and keeps those that break a rule.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -25,9 +26,9 @@ const DESCRIPTION: &str = "command.txt";
 pub(crate) struct Summary {
     /// The number of cases.
     pub cases: usize,
-    /// The number of cases that the command accepted, with exit code 0.
-    pub accepted: usize,
-    /// The number of cases that the system refused: names of files or arguments that it does not permit.
+    /// The number of accepted cases, with exit code 0, and of all cases of each command.
+    pub commands: BTreeMap<String, [usize; 2]>,
+    /// The number of cases that the system refused to start: names of files or arguments that it does not permit.
     pub skipped: usize,
     /// The longest time of a command, and the number of its case.
     pub longest: (Duration, u64),
@@ -77,7 +78,9 @@ impl Summary {
             self.skipped += 1;
             return;
         };
-        self.accepted += usize::from(trial.answer.code == Some(0));
+        let [accepted, all] = self.commands.entry(trial.case.arguments[0].clone()).or_default();
+        *accepted += usize::from(trial.answer.code == Some(0));
+        *all += 1;
         self.longest = self.longest.max((trial.answer.time, number));
         if !trial.violations.is_empty() {
             let place = match trial.write(folder) {
@@ -96,36 +99,39 @@ impl Trial {
     /// Runs a case in a new folder.
     ///
     /// # Errors
-    /// If the system refuses a file or an argument.
+    /// If the system refuses the name of a file or an argument.
     fn new(case: Case) -> io::Result<Trial> {
-        let folder = TempDir::new()?;
+        let folder = TempDir::new().unwrap();
         case.write(folder.path())?;
         let answer = run(folder.path(), &case.arguments)?;
         let violations = violations(&case, folder.path(), &answer);
         let damage_seed = case.damage_seed.filter(|_| answer.code == Some(0));
         let trial = Trial { case, answer, table: None, violations };
-        match damage_seed {
+        Ok(match damage_seed {
             Some(seed) => trial.continue_sweep(folder.path(), seed),
-            None => Ok(trial),
-        }
+            None => trial,
+        })
     }
 
-    /// Damages the table of a sweep and runs the command again.
-    fn continue_sweep(self, folder: &Path, seed: u64) -> io::Result<Trial> {
+    /// Damages the table of a sweep and runs the command again. A missing table is a broken rule already.
+    fn continue_sweep(self, folder: &Path, seed: u64) -> Trial {
         let path = folder.join(SWEEP);
-        let table = DamagedTable::new(fs::read(&path)?, seed);
-        fs::write(&path, &table.damaged)?;
-        let answer = run(folder, &self.case.arguments)?;
-        let fault = table.fault(&fs::read(&path)?, answer.code == Some(0)).map(str::to_owned);
-        let mut found = self.violations;
+        let Ok(whole) = fs::read(&path) else { return self };
+        let table = DamagedTable::new(whole, seed);
+        fs::write(&path, &table.damaged).unwrap();
+        let answer = run(folder, &self.case.arguments).unwrap();
+        // A table that is gone counts as an empty one.
+        let found = fs::read(&path).unwrap_or_default();
+        let fault = table.fault(&found, answer.code == Some(0)).map(str::to_owned);
+        let mut broken = self.violations;
         // A refused table is as damaged as before, so only an accepted one is examined.
-        if answer.code == Some(0) || answer.is_late {
-            found.extend(violations(&self.case, folder, &answer));
+        if answer.code == Some(0) || answer.broken_limit.is_some() {
+            broken.extend(violations(&self.case, folder, &answer));
         } else {
-            found.extend(answer_violations(&self.case.arguments, &answer));
+            broken.extend(answer_violations(&self.case.arguments, &answer));
         }
-        found.extend(fault);
-        Ok(Trial { case: self.case, answer, table: Some(table.damaged), violations: found })
+        broken.extend(fault);
+        Trial { case: self.case, answer, table: Some(table.damaged), violations: broken }
     }
 
     /// Writes the case into a folder, with a file that describes how to repeat it.

@@ -1,7 +1,7 @@
 //! Formats quantities for people: four significant digits, and a unit prefix that keeps the numbers short.
 //!
-//! [`format_quantity`] formats one value, [`format_pure_number`] one pure number, and [`QuantityFormat`] several values in
-//! the same unit. A function that formats a quantity takes the value first and then the unit.
+//! [`format_quantity`] formats one value, [`format_pure_number`] one pure number, and [`QuantityFormat`] several values
+//! in the same unit. A function that formats a quantity takes the value first and then the unit.
 //!
 //! Example: 0.00254 in "m/s" becomes "2.54 mm/s", and 45e6 in "N/m" becomes "45 MN/m".
 

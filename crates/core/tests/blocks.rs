@@ -37,8 +37,8 @@ fn in_blocks(
     (outcome, table.unwrap().into_inner())
 }
 
-/// Asserts that blocks of several sizes give the same table, extremes, repetitions, phases and error as the whole trace.
-/// Returns the outcome with the whole trace.
+/// Asserts that blocks of several sizes give the same table, extremes, repetitions, phases and error as the whole
+/// trace. Returns the outcome with the whole trace.
 fn check_blocks(program: &Program, settings: &RunSettings) -> Result<Trace, StoppedRunError> {
     let outcome = run(program, settings);
     let whole = trace_of(&outcome);
@@ -51,8 +51,8 @@ fn check_blocks(program: &Program, settings: &RunSettings) -> Result<Trace, Stop
         assert!(trace.is_empty());
         assert_eq!((&trace.repetitions, &trace.phase_records), (&whole.repetitions, &whole.phase_records));
         assert_eq!(trace.step_warning, whole.step_warning);
-        for (passed_on, kept) in trace.tracks.iter().zip(&whole.tracks) {
-            assert_eq!((&passed_on.extremes, passed_on.volts.len()), (&kept.extremes, 0));
+        for (flushed, kept) in trace.tracks.iter().zip(&whole.tracks) {
+            assert_eq!((&flushed.extremes, flushed.volts.len()), (&kept.extremes, 0));
         }
         assert_eq!(error_of(&found), error_of(&outcome));
     }

@@ -47,7 +47,7 @@ fn a_short_step_gets_no_warning_and_is_found_automatically() {
 }
 
 #[test]
-fn an_output_that_is_thrown_to_its_limit_counts_as_an_overload() {
+fn an_output_that_exceeds_its_limit_within_one_step_counts_as_an_overload() {
     let program = built(stiff());
     let trace = checked(&program, 0.01, 1.0, &["F"]);
     let overload = trace.overloads().find(|overload| overload.element == "F").unwrap();

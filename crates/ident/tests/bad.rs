@@ -1,6 +1,7 @@
 //! The invalid experiments in `tests/bad` and their reports.
 //!
-//! Each file is named after the diagnostic code that it must get. Its expected report is the `.txt` file of the same name.
+//! Each file is named after the diagnostic code that it must get. Its expected report is the `.txt` file of the same
+//! name.
 
 use std::fs;
 use std::path::{Path, PathBuf};

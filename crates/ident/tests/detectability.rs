@@ -172,7 +172,8 @@ fn a_solver_error_above_the_noise_makes_the_search_inconclusive() {
 #[test]
 #[ignore = "takes several seconds: a whole search"]
 fn a_change_between_training_and_test_makes_the_search_inconclusive_or_doubtful() {
-    // All data are shifted by `offset`. In the test, alternating samples are also shifted up and down. Both are in sigmas.
+    // All data are shifted by `offset`. In the test, alternating samples are also shifted up and down. Both are in
+    // sigmas.
     let search_disturbed = |alternation: f64, offset: f64| {
         let (experiment, mut problem) = complete_oscillator();
         let [alternation, offset] = [alternation, offset].map(|sigmas| sigmas * problem.sigma[0]);

@@ -77,7 +77,8 @@ fn the_proposed_experiment_distinguishes_a_delay_from_a_lag() {
         named.collect::<Vec<_>>(),
         "the tied rival is the second effect of the step"
     );
-    // The table has a comment, four units, the names, and a row per sample: time, drive, and the predictions of both effects.
+    // The table has a comment, four units, the names, and a row per sample: time, drive, and the predictions of both
+    // effects.
     let csv = experiment_csv(proposal, &experiment.outputs);
     let units: Vec<&str> =
         csv.lines().skip(1).take(4).map(|line| line.rsplit(": ").next().unwrap()).collect();

@@ -254,7 +254,8 @@ fn a_ring_of_inverters_is_not_a_junction() {
     );
 }
 
-/// A friction level that only a parameter sets has the unit N, but it is not a force. A dead zone of it would be a bias.
+/// A friction level that only a parameter sets has the unit N, but it is not a force. A dead zone of it would be a
+/// bias.
 #[test]
 fn a_signal_that_only_parameters_set_is_not_a_force() {
     let text = mass(true)

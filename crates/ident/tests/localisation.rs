@@ -210,8 +210,8 @@ fn standard_errors_agree_with_the_errors_of_the_recovered_force() {
     let localisations = patchcord_ident::localise::localise(&problem, &base).unwrap();
     let points = &localisations[0].inputs[0].points;
     assert_eq!(localisations[0].junction, "I2");
-    // The mean square error in units of the standard error is about 1. It is less where the inflow is 0, because the force
-    // is smoother there.
+    // The mean square error in units of the standard error is about 1. It is less where the inflow is 0, because the
+    // force is smoother there.
     let sum = points.iter().map(|point| ((point[1] - inflow(point[0])) / point[2]).powi(2)).sum::<f64>();
     let mean_square = sum / points.len() as f64;
     assert!((0.2..1.5).contains(&mean_square), "{mean_square}");

@@ -1,7 +1,7 @@
 //! Integration tests of patchcord-ident: experiments, effects and searches.
 //!
-//! The tests in this file compare each bad experiment in `tests/bad` with its expected report, the `.txt` file of the same
-//! name. `PATCHCORD_BLESS=1 cargo test -p patchcord-ident` rewrites the reports.
+//! The tests in this file compare each bad experiment in `tests/bad` with its expected report, the `.txt` file of the
+//! same name. `PATCHCORD_BLESS=1 cargo test -p patchcord-ident` rewrites the reports.
 
 mod bad;
 mod codes;

@@ -1,7 +1,7 @@
 //! The experiments of patches/measured: their patches follow their equations, and their files name existing columns.
 //!
-//! The measured data are not part of the repository; docs/measured.md says where to get them. Without them, the tests that need
-//! them print a note and pass.
+//! The measured data are not part of the repository; docs/measured.md says where to get them. Without them, the tests
+//! that need them print a note and pass.
 
 #[path = "../../../benches/measured/velocity.rs"]
 mod velocity;
@@ -266,7 +266,8 @@ fn the_measured_tanks_overflow_and_their_sensors_do_not_saturate() {
     assert!(error < 0.28, "{error} V");
 }
 
-/// With parameters that another program fitted, the velocity errors are those of docs/measured.md. Needs the measured data.
+/// With parameters that another program fitted, the velocity errors are those of docs/measured.md. Needs the measured
+/// data.
 #[test]
 fn velocity_errors_of_published_fits_agree_with_the_page() {
     let file = Path::new(FOLDER).join("emps-friction.experiment.json");

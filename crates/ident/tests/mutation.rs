@@ -27,8 +27,8 @@ fn is_rejected(folder: &Path, text: &str) -> bool {
     }
 }
 
-/// Asserts what every experiment that was read guarantees: data exist, lengths agree, drives are finite, and each record
-/// begins and ends with finite outputs.
+/// Asserts what every experiment that was read guarantees: data exist, lengths agree, drives are finite, and each
+/// record begins and ends with finite outputs.
 fn assert_consistent(experiment: &Experiment) {
     assert!(
         !experiment.outputs.is_empty() && !experiment.train.is_empty() && !experiment.validation.is_empty()

@@ -1,4 +1,5 @@
-//! Experiments on the oscillator of crates/ident/tests/systems: a measured force F and a measured position x with noise.
+//! Experiments on the oscillator of crates/ident/tests/systems: a measured force F and a measured position x with
+//! noise.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

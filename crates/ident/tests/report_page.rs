@@ -45,8 +45,8 @@ fn the_page_shows_the_localisation_with_every_point() {
         let tags = section.split(shape).skip(1).filter_map(|rest| rest.split('>').next());
         tags.filter(|tag| tag.contains(colour)).count()
     };
-    // One picture shows the force over time, with a band of its errors and grey rectangles over the windows in which it acts.
-    // Each curve has one more picture.
+    // One picture shows the force over time, with a band of its errors and grey rectangles over the windows in which it
+    // acts. Each curve has one more picture.
     assert_eq!(section.matches("<svg class=\"picture\"").count(), 1 + best.curves.len());
     assert_eq!((count_shapes("<polygon", ""), count_shapes("<rect", "#ECEEF1")), (1, best.windows().count()));
     // Each point is a circle, and each legend has one more.

@@ -1,4 +1,5 @@
-//! Coloured residuals whose source is not a missing effect: noise of a drive, interpolation of a drive, slow sensor noise.
+//! Coloured residuals whose source is not a missing effect: noise of a drive, interpolation of a drive, slow sensor
+//! noise.
 //!
 //! In these cases the verdict must be inconclusive, and its reason must name the source.
 
@@ -40,8 +41,8 @@ fn noise_of_a_drive_is_not_named_as_an_effect() {
 
 /// Force in N and steady-state position in m of the oscillator (3 kg, 500 N/m, 5 N s/m) at a time in s.
 ///
-/// The force is a sum of sines, each with a frequency in Hz and an amplitude in N. The position follows from the frequency
-/// response 1 / (k - m w^2 + i c w).
+/// The force is a sum of sines, each with a frequency in Hz and an amplitude in N. The position follows from the
+/// frequency response 1 / (k - m w^2 + i c w).
 fn steady_state(sines: &[(f64, f64)], time: f64) -> [f64; 2] {
     sines.iter().fold([0.0; 2], |[force, position], (frequency, amplitude)| {
         let omega = std::f64::consts::TAU * frequency;

@@ -130,8 +130,8 @@ fn nothing_missing_is_reported_with_a_small_library() {
 
 /// Asserts that the search of a case names its one effect at its place, with the right parameter value.
 ///
-/// `parameter` is the library's name of the parameter, `hidden_parameter` its name in truth.json. The 95 % interval must contain
-/// the true value, and may be at most `max_width` times that value wide.
+/// `parameter` is the library's name of the parameter, `hidden_parameter` its name in truth.json. The 95 % interval
+/// must contain the true value, and may be at most `max_width` times that value wide.
 fn assert_named(case: &str, parameter: &str, hidden_parameter: &str, max_width: f64) {
     let (experiment, problem, outcome, truth) = search_case(case, 2);
     assert_eq!(outcome.verdict, Verdict::Named);
@@ -248,7 +248,8 @@ fn a_hole_in_a_tank_is_named_as_a_leak_proportional_to_the_root_of_the_level() {
     assert_named("hole", "c", "c", 0.1);
 }
 
-/// In the patch's initial state the table sticks, and the fit has no gradient there. In the record it moves from the beginning.
+/// In the patch's initial state the table sticks, and the fit has no gradient there. In the record it moves from the
+/// beginning.
 #[test]
 #[ignore = "takes several seconds: a whole search"]
 fn a_record_is_fitted_that_begins_far_from_the_initial_state_of_the_patch() {
@@ -317,9 +318,11 @@ fn two_effects_are_named_of_which_one_masks_the_other() {
     );
 }
 
-/// A table of t in s, F in N and x in m of a mass of 20 kg that becomes 29 kg at 2.5 s, with viscous friction of 40 N s/m.
+/// A table of t in s, F in N and x in m of a mass of 20 kg that becomes 29 kg at 2.5 s, with viscous friction of 40 N
+/// s/m.
 ///
-/// It has 1600 samples at 250 Hz, integrated by the midpoint method with ten steps per sample. Positions are rounded to 0.1 mm.
+/// It has 1600 samples at 250 Hz, integrated by the midpoint method with ten steps per sample. Positions are rounded to
+/// 0.1 mm.
 fn loaded_mass_csv() -> String {
     let force = |t: f64| 40.0 * (8.2 * t).sin() + 20.0 * (4.4 * t).sin();
     let step = 4e-4;

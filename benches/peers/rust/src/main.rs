@@ -1,7 +1,7 @@
 //! Fig 8.16 with the crate `ode_solvers`.
 //!
-//! `fig-8-16 method=dopri5 setting=1e-8 for=2 out=FILE` prints the duration of solving in s and writes v_o every 1 ms. The setting is
-//! the absolute and relative tolerance.
+//! `fig-8-16 method=dopri5 setting=1e-8 for=2 out=FILE` prints the duration of solving in s and writes v_o every 1 ms.
+//! The setting is the absolute and relative tolerance.
 
 mod located;
 

@@ -4,8 +4,8 @@ use patchcord_core::machines::REFERENCE;
 use patchcord_core::trace::{LimitDrive, Overload};
 use patchcord_expr::format_significant;
 
-/// The demanded output of an overload, such as "needs 120.0 V". If it is not known, how the integrator was driven against
-/// its limit: "driven into +100 V for 1.2 s, by up to 35 V/s".
+/// The demanded output of an overload, such as "needs 120.0 V". If it is not known, how the integrator was driven
+/// against its limit: "driven into +100 V for 1.2 s, by up to 35 V/s".
 ///
 /// # Examples
 ///

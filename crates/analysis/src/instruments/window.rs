@@ -29,8 +29,8 @@ pub enum WindowError {
 /// The fewest samples in a window that show a swing.
 const MIN_SAMPLES: usize = 8;
 
-/// The number of samples per window. `time` has at least two evenly spaced entries, in seconds. The last interval may be
-/// shorter.
+/// The number of samples per window. `time` has at least two evenly spaced entries, in seconds. The last interval may
+/// be shorter.
 pub(super) fn samples_in(
     time: &[f64],
     Criterion { threshold, window }: Criterion,

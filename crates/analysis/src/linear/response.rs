@@ -219,7 +219,8 @@ impl<'m> TransferFunction<'m> {
         self.denominator.as_ref().map_or(output, |denominator| output / denominator.amplitude(&inner))
     }
 
-    /// Complex amplitudes of states and delay lines for a unit drive. None at an undamped resonance. `omega` is in rad/s.
+    /// Complex amplitudes of states and delay lines for a unit drive. None at an undamped resonance. `omega` is in
+    /// rad/s.
     fn inner_amplitudes(&self, omega: f64) -> Option<DVector<Complex<f64>>> {
         // The decomposition of an empty matrix panics.
         if self.inner.is_empty() {

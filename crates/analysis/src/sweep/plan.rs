@@ -119,19 +119,19 @@ impl Axis {
         let unreadable = || PlanError::NotAnAxis(text.to_owned());
         let (name, values) = text.split_once('=').ok_or_else(unreadable)?;
         let mut typed = Vec::new();
-        let mut number = |text: &str| -> Result<f64, PlanError> {
+        let mut parse = |text: &str| -> Result<f64, PlanError> {
             typed.push(number(name.trim(), values, text)?);
             Ok(typed[typed.len() - 1].number)
         };
         let parts: Vec<_> = values.split(':').collect();
         let values = match parts[..] {
-            [list] => AxisValues::List(list.split(',').map(&mut number).collect::<Result<_, _>>()?),
+            [list] => AxisValues::List(list.split(',').map(&mut parse).collect::<Result<_, _>>()?),
             [first, last, count] => {
                 let count = count_of(name, count)?;
-                AxisValues::Linear { first: number(first)?, last: number(last)?, count }
+                AxisValues::Linear { first: parse(first)?, last: parse(last)?, count }
             }
             [first, last, count, "log"] => {
-                let (first, last) = (number(first)?, number(last)?);
+                let (first, last) = (parse(first)?, parse(last)?);
                 if !(first > 0.0 && last > 0.0) {
                     return Err(PlanError::NotAboveZero(name.trim().to_owned()));
                 }

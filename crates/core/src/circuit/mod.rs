@@ -111,8 +111,8 @@ impl Circuit {
     /// listed twice, its last value counts.
     ///
     /// # Errors
-    /// If the patch is wrong, there is no such parameter, or a value is outside its range. The report has all errors and
-    /// warnings.
+    /// If the patch is wrong, there is no such parameter, or a value is outside its range. The report has all errors
+    /// and warnings.
     ///
     /// # Examples
     ///
@@ -172,8 +172,8 @@ impl Circuit {
         self.warnings_for(self.run_plan())
     }
 
-    /// Like [`Circuit::warnings`], for a run with another plan than that of the patch. Times of tables are compared with
-    /// the length of this run.
+    /// Like [`Circuit::warnings`], for a run with another plan than that of the patch. Times of tables are compared
+    /// with the length of this run.
     ///
     /// # Examples
     ///

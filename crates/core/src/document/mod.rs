@@ -25,6 +25,7 @@ mod foreign_text;
 mod formula_error;
 mod input_file;
 mod json_value;
+pub(crate) mod key_synonyms;
 mod kind;
 mod line_index;
 mod parameter_range;
@@ -87,7 +88,8 @@ pub fn is_name_too_long(name: &str) -> bool {
 /// Name under which formulas can use the time scale, in machine seconds per problem second.
 pub const TIME_SCALE: &str = "time_scale";
 
-/// Largest time scale and largest input gain. The smallest ones are 1 / `MAX_FACTOR`. Every real machine is within both.
+/// Largest time scale and largest input gain. The smallest ones are 1 / `MAX_FACTOR`. Every real machine is within
+/// both.
 const MAX_FACTOR: f64 = 1e12;
 
 /// The diagnostic for a time scale or an input gain outside its limits. `what` is the subject of the message.

@@ -42,7 +42,7 @@ pub(super) static KIND: Kind = Kind {
 /// out = min(in + width / 2, max(in - width / 2, was)), in volts, with `was` the output at the end of the last step.
 ///
 /// At the edge of the play the output follows the input, so its derivative there is that of the input. Steps end where
-/// the input turns, so that the output reaches its own turning points.
+/// the input turns, so that the output reaches its own turning points within 1e-10 V.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (was, signal, width) =
         (builder.new_sampled_value("initial"), builder.input("in"), builder.get("width"));

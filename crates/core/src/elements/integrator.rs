@@ -1,8 +1,8 @@
 //! Integrating amplifier, with or without diode limits, a brake, rebound stops and a reset.
 //!
 //! The output is the state of the element. The memory law gives its rate in this order: sum of the inputs, brake,
-//! rebound, reset, limits. Brake, contact with a stop, reset and limits are modes, so the solver locates the instants at
-//! which they change.
+//! rebound, reset, limits. Brake, contact with a stop, reset and limits are modes, so the solver locates the instants
+//! at which they change.
 
 use super::{Input, Jacks, Kind, OutputStage, PartUse, Setting, SettingQuantity, Transfer, soft_limit};
 use crate::ir::{Builder, ChatterRemedy, Guard, ModeHandle, Register, Transition};

@@ -4,40 +4,41 @@
 
 use super::kind::Kind;
 use crate::document::fields::KeyAdvice;
+use crate::document::key_synonyms::{KeySynonyms, synonym_advice};
 
 /// Keys that people write, and the key of this format. A row counts only for a kind that has the key.
-const KEYS: [(&[&str], &str); 31] = [
-    (&["ic", "initial_condition", "initial_value", "init", "start", "x0", "y0"], "initial"),
-    (&["input", "inputs", "from", "source"], "in"),
-    (&["gain", "k", "value", "coefficient", "fraction", "factor", "position"], "setting"),
-    (&["tau", "time_constant", "t"], "time"),
-    (&["time", "delay_time", "dead_time", "tau"], "delay"),
-    (&["threshold", "upper", "hysteresis", "level"], "pull_in"),
-    (&["lower", "release", "dropout"], "drop_out"),
-    (&["high", "true", "then"], "on"),
-    (&["low", "false", "else"], "off"),
-    (&["on", "true", "then", "upper", "max"], "high"),
-    (&["off", "false", "else", "lower", "min"], "low"),
-    (&["level", "pull_in", "trigger", "reset_threshold", "reset_level"], "threshold"),
-    (&["reference", "compare", "than"], "against"),
-    (&["control", "sample", "sampling"], "track"),
-    (&["x", "in1", "first"], "a"),
-    (&["y", "in2", "second"], "b"),
-    (&["max", "maximum", "high"], "upper"),
-    (&["min", "minimum", "low"], "lower"),
-    (&["operation", "type", "connection"], "mode"),
-    (&["amp", "ampl", "a", "peak"], "amplitude"),
-    (&["amplitude", "amp", "ampl", "a", "value", "size"], "height"),
-    (&["time", "start", "t0", "delay"], "at"),
-    (&["slope", "speed"], "rate"),
-    (&["freq", "f", "hz"], "frequency"),
-    (&["phi", "angle", "phase_angle"], "phase"),
-    (&["duty_cycle", "duty_factor", "ratio"], "duty"),
-    (&["pulse_width", "length", "duration", "on_time"], "width"),
-    (&["at", "time", "start", "t0", "delay"], "begin"),
-    (&["f0", "start", "start_frequency", "f_start"], "from"),
-    (&["f1", "end", "stop", "end_frequency", "f_end"], "to"),
-    (&["duration", "sweep_time", "t1", "length"], "time"),
+static KEYS: [KeySynonyms; 31] = [
+    KeySynonyms::new("initial", &["ic", "initial_condition", "initial_value", "init", "start", "x0", "y0"]),
+    KeySynonyms::new("in", &["input", "inputs", "from", "source"]),
+    KeySynonyms::new("setting", &["gain", "k", "value", "coefficient", "fraction", "factor", "position"]),
+    KeySynonyms::new("time", &["tau", "time_constant", "t"]),
+    KeySynonyms::new("delay", &["time", "delay_time", "dead_time", "tau"]),
+    KeySynonyms::new("pull_in", &["threshold", "upper", "hysteresis", "level"]),
+    KeySynonyms::new("drop_out", &["lower", "release", "dropout"]),
+    KeySynonyms::new("on", &["high", "true", "then"]),
+    KeySynonyms::new("off", &["low", "false", "else"]),
+    KeySynonyms::new("high", &["on", "true", "then", "upper", "max"]),
+    KeySynonyms::new("low", &["off", "false", "else", "lower", "min"]),
+    KeySynonyms::new("threshold", &["level", "pull_in", "trigger", "reset_threshold", "reset_level"]),
+    KeySynonyms::new("against", &["reference", "compare", "than"]),
+    KeySynonyms::new("track", &["control", "sample", "sampling"]),
+    KeySynonyms::new("a", &["x", "in1", "first"]),
+    KeySynonyms::new("b", &["y", "in2", "second"]),
+    KeySynonyms::new("upper", &["max", "maximum", "high"]),
+    KeySynonyms::new("lower", &["min", "minimum", "low"]),
+    KeySynonyms::new("mode", &["operation", "type", "connection"]),
+    KeySynonyms::new("amplitude", &["amp", "ampl", "a", "peak"]),
+    KeySynonyms::new("height", &["amplitude", "amp", "ampl", "a", "value", "size"]),
+    KeySynonyms::new("at", &["time", "start", "t0", "delay"]),
+    KeySynonyms::new("rate", &["slope", "speed"]),
+    KeySynonyms::new("frequency", &["freq", "f", "hz"]),
+    KeySynonyms::new("phase", &["phi", "angle", "phase_angle"]),
+    KeySynonyms::new("duty", &["duty_cycle", "duty_factor", "ratio"]),
+    KeySynonyms::new("width", &["pulse_width", "length", "duration", "on_time"]),
+    KeySynonyms::new("begin", &["at", "time", "start", "t0", "delay"]),
+    KeySynonyms::new("from", &["f0", "start", "start_frequency", "f_start"]),
+    KeySynonyms::new("to", &["f1", "end", "stop", "end_frequency", "f_end"]),
+    KeySynonyms::new("time", &["duration", "sweep_time", "t1", "length"]),
 ];
 
 /// The hint for a period where the format has a frequency.
@@ -88,9 +89,7 @@ pub(crate) fn key_advice(kind: &Kind, group: &str, written: &str) -> Option<KeyA
         let is_input = group.is_empty() && (has_input || (kind.has_gains() && key == "in"));
         is_input || kind.setting(&format!("{group}{key}")).is_some()
     };
-    let mut rows = KEYS.iter().filter(|(words, _)| words.contains(&written.as_str()));
-    let &(_, key) = rows.find(|(_, key)| has_key(key))?;
-    Some(KeyAdvice { key, hint: format!("did you mean \"{key}\"?") })
+    synonym_advice(&KEYS, &written, has_key)
 }
 
 /// The hint for a gain of an element whose inputs have gains.

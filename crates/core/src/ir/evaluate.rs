@@ -55,8 +55,8 @@ impl Evaluation for f64 {
     }
 }
 
-/// Dual numbers: the tears also have slopes. The results of the loop are linear in them, so evaluations of the loop with
-/// chosen slopes of the tears give the slopes.
+/// Dual numbers: the tears also have slopes. The results of the loop are linear in them, so evaluations of the loop
+/// with chosen slopes of the tears give the slopes.
 impl Evaluation for Dual {
     fn close(
         program: &Program,
@@ -92,8 +92,8 @@ impl Program {
         self.evaluate_range(0..self.lowered.body.len(), from, registers, scratch);
     }
 
-    /// Evaluates a range of the body. The registers before it must already have their values. A loop whose first tear is
-    /// in the range is evaluated as a whole.
+    /// Evaluates a range of the body. The registers before it must already have their values. A loop whose first tear
+    /// is in the range is evaluated as a whole.
     pub(crate) fn evaluate_range<N: Evaluation>(
         &self,
         range: Range<usize>,

@@ -103,8 +103,8 @@ impl Program {
         slopes[at] = self.slope(self.lowered.body[at], value, guide, from, slope_of);
     }
 
-    /// The slope of one operation, from the values and slopes of its operands. The guide decides on which side of a kink
-    /// the slope is taken.
+    /// The slope of one operation, from the values and slopes of its operands. The guide decides on which side of a
+    /// kink the slope is taken.
     pub(super) fn slope(
         &self,
         op: Op,

@@ -145,8 +145,8 @@ impl<'c> Lowering<'c> {
         lowered.elements = elements;
     }
 
-    /// Emits an element, or a loop with its elements. All voltages that it reads are emitted by now, except the unknowns
-    /// of a loop that contains it.
+    /// Emits an element, or a loop with its elements. All voltages that it reads are emitted by now, except the
+    /// unknowns of a loop that contains it.
     fn step(&mut self, step: &EvaluationStep) {
         match step {
             EvaluationStep::Element(element) => self.output(*element),

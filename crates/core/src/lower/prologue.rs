@@ -88,8 +88,9 @@ impl Lowering<'_> {
 
     /// The value of a setting's formula in volts, seconds, Hz or plain numbers.
     ///
-    /// An angular frequency is divided by 2 pi. A setting of a drive that is a signal or the rate of a signal is converted: volts = value in SI / value of one
-    /// volt in SI. A formula without names is in the unit of the drive's scale.
+    /// An angular frequency is divided by 2 pi. A setting of a drive that is a signal or the rate of a signal is
+    /// converted: volts = value in SI / value of one volt in SI. A formula without names is in the unit of the drive's
+    /// scale.
     fn setting_formula(&mut self, formula: &Formula, row: &Setting) -> Register {
         let value = self.expression(formula.root());
         if row.quantity == SettingQuantity::Hertz && self.circuit.quantities().is_angular(formula) {

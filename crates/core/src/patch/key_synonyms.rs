@@ -4,19 +4,10 @@
 //! of their own in `elements`.
 
 use crate::document::fields::KeyAdvice;
-
-/// A key of this format, with what people write for it.
-struct KeySynonyms {
-    /// The key of this format.
-    key: &'static str,
-    /// What it specifies.
-    meaning: &'static str,
-    /// What people write, in lower case with underscores.
-    words: &'static [&'static str],
-}
+use crate::document::key_synonyms::{KeySynonyms, synonym_advice};
 
 /// Keys of other programs for the settings of a run.
-static RUN: [KeySynonyms; 6] = [
+static RUN: [KeySynonyms; 5] = [
     KeySynonyms {
         key: "step",
         meaning: "the step of the solver in s",
@@ -25,12 +16,24 @@ static RUN: [KeySynonyms; 6] = [
     KeySynonyms {
         key: "for",
         meaning: "the length of the run in s",
-        words: &["duration", "length", "end", "stop", "end_time", "stop_time", "time", "until"],
-    },
-    KeySynonyms {
-        key: "for",
-        meaning: "the length of the run in s",
-        words: &["t_end", "tend", "t_stop", "tstop", "t_final", "tfinal", "t_max", "tmax"],
+        words: &[
+            "duration",
+            "length",
+            "end",
+            "stop",
+            "end_time",
+            "stop_time",
+            "time",
+            "until",
+            "t_end",
+            "tend",
+            "t_stop",
+            "tstop",
+            "t_final",
+            "tfinal",
+            "t_max",
+            "tmax",
+        ],
     },
     KeySynonyms {
         key: "tolerance",
@@ -65,24 +68,17 @@ static SIGNAL: [KeySynonyms; 1] = [KeySynonyms {
 
 /// The hint about a key that "run" does not have. `None` if the table does not have the key.
 pub(super) fn run_advice(written: &str) -> Option<KeyAdvice> {
-    advice(&RUN, written)
+    synonym_advice(&RUN, written, |_| true)
 }
 
 /// The hint about a key that a scale does not have. `None` if the table does not have the key.
 pub(super) fn scale_advice(written: &str) -> Option<KeyAdvice> {
-    advice(&SCALE, written)
+    synonym_advice(&SCALE, written, |_| true)
 }
 
 /// The hint about a key that a signal does not have. `None` if the table does not have the key.
 pub(super) fn signal_advice(written: &str) -> Option<KeyAdvice> {
-    advice(&SIGNAL, written)
-}
-
-/// The hint about a key of a table. Capitals, blanks and hyphens do not count.
-fn advice(table: &[KeySynonyms], written: &str) -> Option<KeyAdvice> {
-    let written = written.to_lowercase().replace([' ', '-'], "_");
-    let row = table.iter().find(|row| row.words.contains(&written.as_str()))?;
-    Some(KeyAdvice { key: row.key, hint: format!("did you mean \"{}\", {}?", row.key, row.meaning) })
+    synonym_advice(&SIGNAL, written, |_| true)
 }
 
 #[cfg(test)]

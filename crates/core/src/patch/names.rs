@@ -52,8 +52,8 @@ fn quantity_name_hint(name: &str) -> String {
     }
 }
 
-/// A name with its Greek and accented letters written in ASCII: "mu" for "µ". `None` if another character is left, or if
-/// the result is not a valid name.
+/// A name with its Greek and accented letters written in ASCII: "mu" for "µ". `None` if another character is left, or
+/// if the result is not a valid name.
 fn ascii_spelling(name: &str) -> Option<String> {
     let spelling = name.chars().map(ascii_letter).collect::<Option<String>>()?;
     check_quantity_name(&spelling, Span::default(), "").is_none().then_some(spelling)

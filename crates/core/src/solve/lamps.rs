@@ -30,8 +30,8 @@ pub(super) struct Lamps {
     pub is_on: bool,
     /// The lamp of every element, in the order of `Program::elements`; `None` if it is off.
     pub lit: Vec<Option<LitLamp>>,
-    /// How far each integrator would be beyond ±100 V if it had no limit, in volts, in the order of `Program::states`; 0
-    /// if it is not held there. The demand of the integrator is 100 V more.
+    /// How far each integrator would be beyond ±100 V if it had no limit, in volts, in the order of `Program::states`;
+    /// 0 if it is not held there. The demand of the integrator is 100 V more.
     pub overdrive: Vec<f64>,
     /// How each integrator is driven against its limits, in the order of `Program::states`.
     drives: Vec<DriveRecord>,
@@ -65,7 +65,8 @@ impl FeedbackBuffers {
     /// The slope of an integrator's demanded rate by its own output, in 1/s; negative with feedback that limits the
     /// output. `inward` is 1 at the lower limit and -1 at the upper one.
     ///
-    /// The slope is taken inward. In this direction an inverter in the feedback follows, although it is at its own limit.
+    /// The slope is taken inward. In this direction an inverter in the feedback follows, although it is at its own
+    /// limit.
     fn own_slope(&mut self, program: &Program, voltages: &[f64], integrator: usize, inward: f64) -> f64 {
         let lowered = &program.lowered;
         self.states.fill(0.0);
@@ -141,7 +142,8 @@ impl Lamps {
     fn limit_drive(&self, program: &Program, lamp: &LitLamp) -> Option<LimitDrive> {
         let lowered = &program.lowered;
         let index = lowered.states.iter().position(|state| state.element == lamp.element)?;
-        // An output that was thrown to its limit only has no larger peak. Positive feedback can exceed all numbers.
+        // An output that exceeded its limit within one step has no larger peak. Positive feedback can exceed all
+        // numbers.
         let is_known = lamp.peak > LAMP_THRESHOLD
             && lamp.peak.is_finite()
             && !has_feedback_through(&lowered.readers, lamp.element, elements_with_memory(program));
@@ -171,10 +173,10 @@ impl Lamps {
         }
     }
 
-    /// Lights the lamps of integrators that were held at ±100 V at the beginning of the last step and driven further. The
-    /// drive changes linearly over a step, and only its outward part counts. With the limit, feedback sees 100 V
-    /// instead of 100 V + overdrive. So the slope of the rate by the output is added: d overdrive / dt = drive + slope x
-    /// overdrive.
+    /// Lights the lamps of integrators that were held at ±100 V at the beginning of the last step and driven further.
+    /// The drive changes linearly over a step, and only its outward part counts. With the limit, feedback sees 100 V
+    /// instead of 100 V + overdrive. So the slope of the rate by the output is added: d overdrive / dt = drive + slope
+    /// x overdrive.
     pub(super) fn check_integrators(&mut self, program: &Program, state: &SolverState, start: &StepStart) {
         let length = state.time - start.time;
         for (index, integrator) in program.lowered.states.iter().enumerate() {

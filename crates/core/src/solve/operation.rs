@@ -173,7 +173,8 @@ impl Machine<'_> {
         self.step_check.as_ref().map_or(u64::MAX, |check| check.steps_before(steps.first))
     }
 
-    /// Checks the next step. The machine leaves the fast path for this, because the kernel has only a part of the state.
+    /// Checks the next step. The machine leaves the fast path for this, because the kernel has only a part of the
+    /// state.
     ///
     /// # Errors
     /// If the machine cannot leave the fast path.

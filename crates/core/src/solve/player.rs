@@ -67,7 +67,7 @@ impl<'p, 'w> Player<'p, 'w> {
     /// Ends the last repetition, passes the last samples on, and returns the record and the doubt about its steps.
     pub(super) fn finish(mut self) -> (Trace, Option<StepDoubt>) {
         self.recorder.end_repetition(&self.machine, self.is_held);
-        self.recorder.pass_on();
+        self.recorder.flush();
         (self.recorder.trace, self.recorder.step_doubt)
     }
 
@@ -252,8 +252,8 @@ impl<'p, 'w> Player<'p, 'w> {
     /// Sets parameters to the values of their formulas, which are all evaluated before the first change.
     ///
     /// # Errors
-    /// If a formula has no value, a parameter cannot have its value, noise becomes too fine or pulses too fast, or the scale of a recorded
-    /// signal changes.
+    /// If a formula has no value, a parameter cannot have its value, noise becomes too fine or pulses too fast, or the
+    /// scale of a recorded signal changes.
     fn set(&mut self, changes: &[ParameterChange]) -> Result<(), RunError> {
         self.recorder.sample_before_change(&self.machine.solver, &self.machine.lamps, self.is_held);
         let values: Result<Vec<_>, _> = changes.iter().map(|change| self.new_value(change)).collect();

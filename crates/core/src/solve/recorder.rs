@@ -24,14 +24,14 @@ use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
 
 /// Samples the signals of a run, and records its repetitions and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
-    /// The record so far, without the samples that were passed on.
+    /// The record so far, without the samples that were flushed.
     pub trace: Trace,
     /// Takes the samples of each block; `None` if they are dropped or stay in the record.
     pub consumer: Option<&'a mut dyn FnMut(&Trace)>,
     /// Number of samples of a block; `None` if the samples stay in the record.
     block_samples: Option<usize>,
-    /// Number of samples that were passed on.
-    passed_on: usize,
+    /// Number of samples that were flushed.
+    flushed: usize,
     /// Called with the seconds recorded so far, summed over all repetitions.
     progress: &'a mut dyn FnMut(f64),
     /// Seconds recorded before the present repetition.
@@ -122,7 +122,7 @@ impl<'a> Recorder<'a> {
             trace: Trace { tracks, ..Trace::default() },
             consumer: None,
             block_samples: settings.block_samples,
-            passed_on: 0,
+            flushed: 0,
             progress,
             recorded_before: 0.0,
             signals,
@@ -183,7 +183,7 @@ impl<'a> Recorder<'a> {
             let values = track_values(&self.signals, solver, Instant::Present);
             self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.volts.push(value));
             self.is_fresh = true;
-            self.pass_on_full_block();
+            self.flush_full_block();
         }
     }
 
@@ -302,7 +302,7 @@ impl<'a> Recorder<'a> {
             .iter_mut()
             .zip(values)
             .for_each(|(track, value)| track.record(repetition, time, value));
-        self.pass_on_full_block();
+        self.flush_full_block();
     }
 
     /// Writes a sample of the voltages just before the last changes of mode, at a time of the recorder's clock.
@@ -317,7 +317,7 @@ impl<'a> Recorder<'a> {
             .iter_mut()
             .zip(values)
             .for_each(|(track, value)| track.record(repetition, time, value));
-        self.pass_on_full_block();
+        self.flush_full_block();
     }
 
     /// Writes a sample of the voltages of a kernel, in the order of the tracks, and advances to the next sample.
@@ -325,7 +325,7 @@ impl<'a> Recorder<'a> {
         self.push_time(time);
         self.trace.tracks.iter_mut().zip(voltages).for_each(|(track, volts)| track.volts.push(volts));
         self.set_next_sample(self.next_index + 1);
-        self.pass_on_full_block();
+        self.flush_full_block();
     }
 
     /// The time by the recorder's clock at which one of some steps ends. Steps count from 0.

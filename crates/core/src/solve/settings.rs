@@ -243,8 +243,8 @@ impl RunSettings {
         RunSettings { has_lamps: true, ..self }
     }
 
-    /// The same settings with checks of the equal steps. They take a few per cent of the time of a long run. If they find
-    /// a reason, the run is repeated with half the step for comparison.
+    /// The same settings with checks of the equal steps. They take a few per cent of the time of a long run. If they
+    /// find a reason, the run is repeated with half the step for comparison.
     ///
     /// # Examples
     ///

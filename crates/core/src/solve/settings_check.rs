@@ -51,7 +51,7 @@ impl RunSettings {
     /// Checks the number of steps, of recorded numbers, and of those that stay in memory.
     ///
     /// # Errors
-    /// If they exceed [`MAX_STEPS`], [`MAX_PASSED_ON_NUMBERS`] or [`MAX_NUMBERS`].
+    /// If they exceed [`MAX_STEPS`], [`MAX_STREAMED_NUMBERS`] or [`MAX_NUMBERS`].
     fn check_size(&self, extent: RunExtent) -> Result<(), RunError> {
         let steps = extent.operate_time / self.step;
         if self.tolerance.is_none() && steps > MAX_STEPS {
@@ -60,7 +60,7 @@ impl RunSettings {
         if self.block_samples.is_none() {
             return check_numbers(self.recorded_numbers(), MAX_NUMBERS);
         }
-        check_numbers(self.recorded_numbers(), MAX_PASSED_ON_NUMBERS)?;
+        check_numbers(self.recorded_numbers(), MAX_STREAMED_NUMBERS)?;
         check_numbers(self.numbers_without_samples(extent), MAX_NUMBERS)
     }
 
@@ -121,15 +121,15 @@ fn check_phase(phase: &Phase) -> Result<(), RunError> {
     }
 }
 
-/// Largest number of steps of a run, over all phases and repetitions. Steps that end at a jump of a drive count, too. At
-/// a million steps a second they take 2.8 hours, so more steps are a mistake in the settings.
+/// Largest number of steps of a run, over all phases and repetitions. Steps that end at a jump of a drive count, too.
+/// At a million steps a second they take 2.8 hours, so more steps are a mistake in the settings.
 pub(super) const MAX_STEPS: f64 = 1e10;
 /// Largest number of numbers of a run that stay in memory. They take 8 bytes each, and as much again while they are
 /// written to a file: 3.2 GB together.
 const MAX_NUMBERS: f64 = 2e8;
-/// Largest number of numbers that a run passes on in blocks. In a table they take up to 200 GB, so more are a mistake in
-/// the settings.
-const MAX_PASSED_ON_NUMBERS: f64 = 1e10;
+/// Largest number of numbers that a run passes on in blocks. In a table they take up to 200 GB, so more are a mistake
+/// in the settings.
+const MAX_STREAMED_NUMBERS: f64 = 1e10;
 /// Memory of the record of a phase, and of every change in it, in numbers of 8 bytes.
 const NUMBERS_PER_PHASE_RECORD: f64 = 16.0;
 /// Memory of the extremes of a signal in a repetition, in numbers: first and last voltage, and two extremes with their

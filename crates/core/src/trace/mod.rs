@@ -97,7 +97,8 @@ pub struct Overload {
     /// Time at which the demanded output first exceeded 100 V, in seconds of the recorder's clock.
     pub time: f64,
     /// The largest output that the amplifier would reach without its limit, in volts without sign. `None` if it is not
-    /// known: an integrator reacts on itself through another element with memory, or was only thrown to its limit.
+    /// known: an integrator reacts on itself through another element with memory, or exceeded its limit within one
+    /// step.
     pub peak: Option<f64>,
     /// How the integrator or lag was driven against its limit. `None` if `peak` is known.
     pub driven: Option<LimitDrive>,

@@ -1,8 +1,8 @@
 //! Random patches without integrators, and all voltages that satisfy them, by enumeration.
 //!
-//! The enumeration shares nothing with the solver. Every element has a few linear cases, such as an amplifier within its
-//! limits, at +100 V and at -100 V. For every combination of cases a system of linear equations gives the voltages. They
-//! are a solution if they satisfy the conditions of all cases.
+//! The enumeration shares nothing with the solver. Every element has a few linear cases, such as an amplifier within
+//! its limits, at +100 V and at -100 V. For every combination of cases a system of linear equations gives the voltages.
+//! They are a solution if they satisfy the conditions of all cases.
 
 use super::random::SplitMix64;
 use super::{element, run_for, voltage, volts};

@@ -60,7 +60,8 @@ fn bias_drift_and_viscous_friction_follow_their_laws() {
     assert!(stuck.iter().zip(&free).any(|(stuck, free)| (stuck - free).abs() > 0.1));
 }
 
-/// A summer of the effect saturates by design when the mass presses into the stop. Its overload lamp must be suppressed.
+/// A summer of the effect saturates by design when the mass presses into the stop. Its overload lamp must be
+/// suppressed.
 #[test]
 fn a_compressed_stop_reports_no_overload() {
     let patch = mass(false);
@@ -135,7 +136,8 @@ fn static_friction_growth_follows_its_law_and_ends_when_the_mass_slides() {
     assert_friction_grows("as a logarithm", 1.2, f64::ln_1p);
 }
 
-/// Asserts that the mass, once at rest, is held until the force exceeds Fc + dF s, and that friction is then Fc at once.
+/// Asserts that the mass, once at rest, is held until the force exceeds Fc + dF s, and that friction is then Fc at
+/// once.
 ///
 /// `share` is s as a function of the time at rest over Tg.
 fn assert_friction_grows(note: &str, df: f64, share: impl Fn(f64) -> f64) {

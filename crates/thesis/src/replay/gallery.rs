@@ -27,9 +27,13 @@ pub struct GalleryFigure<'a> {
 impl<'a> GalleryFigure<'a> {
     /// Collects the claims that belong to a figure: those that it names, and those whose place names it. `claims` are
     /// all claims.
-    pub fn new(figure: &'static Figure, drawn: &'a DrawnFigure, claims: &'a [ExaminedClaim]) -> Self {
-        let is_related_to = |row: &&ExaminedClaim| figure.is_related_to(&row.claim);
-        GalleryFigure { figure, drawn, claims: claims.iter().filter(is_related_to).collect() }
+    pub fn new(
+        figure: &'static Figure,
+        drawn: &'a DrawnFigure,
+        claims: impl IntoIterator<Item = &'a ExaminedClaim>,
+    ) -> Self {
+        let claims = claims.into_iter().filter(|row| figure.is_related_to(&row.claim)).collect();
+        GalleryFigure { figure, drawn, claims }
     }
 }
 

@@ -179,10 +179,7 @@ impl Results<'_> {
 
     /// Returns a drawn figure with its examined claims.
     fn figure(&self, index: usize) -> GalleryFigure<'_> {
-        let figure = self.figures[index];
-        let examined = self.examined.iter().flatten();
-        let claims = examined.filter(|row| figure.is_related_to(&row.claim)).collect();
-        GalleryFigure { figure, drawn: &self.drawn[index], claims }
+        GalleryFigure::new(self.figures[index], &self.drawn[index], self.examined.iter().flatten())
     }
 }
 

@@ -84,8 +84,8 @@ fn warning(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Op
     Some(Diagnostic::at(Code::SCALE_MISMATCH, span, message).hint(hint))
 }
 
-/// Whether a block gain differs from 1, and also from 2 pi and its reciprocal: a phase in rad is 2 pi times the integral
-/// of a frequency in Hz. NaN is not wrong, and neither is 0: a pot at 0 disconnects its input on purpose.
+/// Whether a block gain differs from 1, and also from 2 pi and its reciprocal: a phase in rad is 2 pi times the
+/// integral of a frequency in Hz. NaN is not wrong, and neither is 0: a pot at 0 disconnects its input on purpose.
 fn is_wrong(factor: f64) -> bool {
     let differs = |expected: f64| (factor / expected - 1.0).abs() > GAIN_TOLERANCE;
     factor > 0.0 && [1.0, TAU, 1.0 / TAU].into_iter().all(differs)

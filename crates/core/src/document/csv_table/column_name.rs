@@ -62,12 +62,15 @@ fn has_letter(text: &str) -> bool {
 /// The characters between a name and a unit at its end.
 const SEPARATORS: [char; 5] = ['_', ' ', '.', '-', '/'];
 
+/// A unit that is also a common word at the end of a name, as in "x_in" for an input.
+const AMBIGUOUS_UNIT: &str = "in";
+
 /// The end of a column name that is another unit of the required dimension: "ms" of "t_ms", "mm/s" of "v/mm/s".
 fn unit_at_end<'c>(column: &'c str, required: &Unit) -> Option<&'c str> {
     // A unit in parentheses is understood.
     let column = if split_label(column).is_some() { "" } else { column };
     let mut ends = column.match_indices(SEPARATORS).map(|(at, _)| &column[at + 1..]);
-    ends.find(|end| is_other_unit(end, required))
+    ends.find(|end| *end != AMBIGUOUS_UNIT && is_other_unit(end, required))
 }
 
 /// Whether a text is a unit of the required dimension, and another one than the required unit.
@@ -76,8 +79,8 @@ fn is_other_unit(text: &str, required: &Unit) -> bool {
     has_letter(text) && Unit::parse(text).is_ok_and(is_other)
 }
 
-/// The part of the name of a column of times that is probably a unit, but is not understood: "sec" of "t (sec)", "ms" of
-/// "t_ms", "t/ms" and "ms". `None` if the name does not indicate another unit than the second.
+/// The part of the name of a column of times that is probably a unit, but is not understood: "sec" of "t (sec)", "ms"
+/// of "t_ms", "t/ms" and "ms". `None` if the name does not indicate another unit than the second.
 fn unclear_unit(column: &str) -> Option<&str> {
     if let Some((_, label)) = split_label(column) {
         return Unit::parse(label).is_err().then_some(label);
@@ -105,12 +108,16 @@ pub fn unclear_time(column: &str, path: impl AsRef<Path>) -> Option<CsvFault> {
         "the times in the column {column} of {} are read as seconds, but its name has \"{unit}\"",
         path.as_ref().display()
     );
-    let hint =
-        format!("write a unit above the names, as in \"# {column}: ms\", or in the name, as in \"t (ms)\"");
+    // A text that is not understood is no example.
+    let example = if Unit::parse(&unit).is_ok() { unit.as_str() } else { "ms" };
+    let hint = format!(
+        "write a unit above the names, as in \"# {column}: {example}\", or in the name, as in \"t ({example})\""
+    );
     Some(CsvFault::new(message, hint))
 }
 
-/// The doubt about a column without a unit that is read in the required unit, if its name seems to indicate another one.
+/// The doubt about a column without a unit that is read in the required unit, if its name seems to indicate another
+/// one.
 ///
 /// The caller reports it as a warning. Columns of times have a doubt of their own, [`unclear_time`].
 ///
@@ -188,6 +195,21 @@ mod tests {
         for column in ["t_s", "t/s", "t_rel", "t_2", "t_"] {
             assert_eq!(unclear_unit(column), None, "{column}");
         }
+    }
+
+    #[test]
+    fn the_hint_about_a_time_has_its_unit() {
+        for (column, example) in [("t_min", "min"), ("t (ticks)", "ms"), ("h", "h")] {
+            let hint = unclear_time(column, "a.csv").unwrap().hint;
+            assert!(hint.ends_with(&format!(", as in \"t ({example})\"")), "{hint}");
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_name_that_is_a_common_word_is_no_unit() {
+        let metre = Unit::parse("m").unwrap();
+        assert_eq!(unit_at_end("x_in", &metre), None);
+        assert_eq!(unit_at_end("x_in_mm", &metre), Some("mm"));
     }
 
     #[test]

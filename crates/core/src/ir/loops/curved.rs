@@ -1,10 +1,10 @@
 //! Curved loops: finds all solutions by interval bisection and Newton's method with intervals.
 //!
-//! The search starts with the whole range of every tear: at one of the limits, or between them. Each box of intervals is
-//! narrowed in two ways. A tear and its recomputed output must have a value in common. And Newton's method with bounds
-//! of the slopes maps a box to one that contains the same solutions. If the result is inside the box, the box has exactly
-//! one solution. A box that does not become smaller is halved. See A. Neumaier, Interval Methods for Systems of
-//! Equations, 1990, chapter 5.
+//! The search starts with the whole range of every tear: at one of the limits, or between them. Each box of intervals
+//! is narrowed in two ways. A tear and its recomputed output must have a value in common. And Newton's method with
+//! bounds of the slopes maps a box to one that contains the same solutions. If the result is inside the box, the box
+//! has exactly one solution. A box that does not become smaller is halved. See A. Neumaier, Interval Methods for
+//! Systems of Equations, 1990, chapter 5.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -278,8 +278,8 @@ impl Search<'_> {
         is_found
     }
 
-    /// Adds the solutions in the smallest boxes. Newton's method fails where two solutions meet; they count as one if the
-    /// recomputed outputs are near the tears.
+    /// Adds the solutions in the smallest boxes. Newton's method fails where two solutions meet; they count as one if
+    /// the recomputed outputs are near the tears.
     fn examine_candidates(&mut self) -> Result<(), Solutions> {
         for candidate in std::mem::take(&mut self.candidates) {
             let middle = candidate.middle();

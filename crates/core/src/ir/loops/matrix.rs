@@ -53,8 +53,8 @@ impl Factors {
 
 /// The slopes of tears that equal their recomputed outputs: y = F(y, x) gives (1 - dF/dy) dy = dF at constant y.
 ///
-/// `close` gets slopes of the tears, and writes the slopes of F in their place. It is linear in them. After the last call
-/// the slopes are those of the solution; they are NaN if the system is singular.
+/// `close` gets slopes of the tears, and writes the slopes of F in their place. It is linear in them. After the last
+/// call the slopes are those of the solution; they are NaN if the system is singular.
 pub(crate) fn close_slopes(order: usize, mut close: impl FnMut(&mut [f64])) {
     if order == 1 {
         let (mut by_the_rest, mut by_both) = ([0.0], [1.0]);

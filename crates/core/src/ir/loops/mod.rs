@@ -4,8 +4,8 @@
 //! one. If it has none or several, the patch is refused or the run stops.
 //!
 //! `uniqueness` tries to prove from the slopes of the recomputed outputs that there is only one solution. Then `newton`
-//! finds it, starting at the last solution. Otherwise all solutions are counted: `pieces` enumerates the linear pieces of
-//! a straight loop, and `curved` searches with intervals.
+//! finds it, starting at the last solution. Otherwise all solutions are counted: `pieces` enumerates the linear pieces
+//! of a straight loop, and `curved` searches with intervals.
 
 mod bounds;
 mod curved;

@@ -1,8 +1,8 @@
 //! Finds the solution of a loop that has only one, by Newton's method from the last solution.
 //!
 //! The unknowns y solve y = clip(a(y)), where a is the output demanded of the amplifiers. The iteration first decides
-//! for every tear whether its amplifier is at a limit: the step of its own equation alone would leave the range. Then it
-//! solves the linear system with y = ±100 V for these, and y = a(y) for the others.
+//! for every tear whether its amplifier is at a limit: the step of its own equation alone would leave the range. Then
+//! it solves the linear system with y = ±100 V for these, and y = a(y) for the others.
 //!
 //! The first step uses the factors of the last evaluation, so that a loop that changes little needs two evaluations of
 //! its operations.
@@ -212,8 +212,8 @@ impl Newton {
         self.measure(problem, inside)
     }
 
-    /// Makes a step and returns the residual after it. In a curved loop the step is halved until the residual decreases;
-    /// `None` if it never does.
+    /// Makes a step and returns the residual after it. In a curved loop the step is halved until the residual
+    /// decreases; `None` if it never does.
     fn descend(
         &mut self,
         problem: &Problem<'_>,

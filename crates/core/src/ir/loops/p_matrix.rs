@@ -2,7 +2,8 @@
 //!
 //! If all matrices between the bounds of the slopes of y - F(y) have this property, then y = F(y) has at most one
 //! solution, with or without limits on the unknowns (D. Gale, H. Nikaido, Math. Annalen 159, 1965; for limits: R. W.
-//! Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, 1992, section 3.3). Each test here is sufficient.
+//! Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, 1992, section 3.3). Each test here is
+//! sufficient.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,7 +15,8 @@ const MAX_ORDER_OF_MINORS: usize = 8;
 /// A quantity must exceed this share of the quantities that it is a difference of to count as positive.
 const MARGIN: f64 = 1e-12;
 
-/// Whether all matrices between the bounds are P-matrices. `entries` has the bounds by rows. `false` if it is not known.
+/// Whether all matrices between the bounds are P-matrices. `entries` has the bounds by rows. `false` if it is not
+/// known.
 pub(super) fn is_p_matrix(entries: &[Interval], order: usize) -> bool {
     let is_bounded = entries.iter().all(|entry| entry.low.is_finite() && entry.high.is_finite());
     if !is_bounded || (0..order).any(|row| entries[row * order + row].low <= 0.0) {
@@ -61,8 +63,8 @@ fn is_positive_definite(entries: &[Interval], order: usize) -> bool {
     })
 }
 
-/// Positive scales of the rows that make a matrix symmetric, if there are any. They follow from pairs of entries along a
-/// tree of the entries that are not 0.
+/// Positive scales of the rows that make a matrix symmetric, if there are any. They follow from pairs of entries along
+/// a tree of the entries that are not 0.
 fn symmetric_scales(matrix: &DMatrix<f64>) -> Vec<f64> {
     let order = matrix.nrows();
     let mut scales = vec![0.0; order];
@@ -85,8 +87,8 @@ fn symmetric_scales(matrix: &DMatrix<f64>) -> Vec<f64> {
     scales
 }
 
-/// Whether all principal minors are positive. They are those without the first row and column, and the first entry times
-/// those of its Schur complement.
+/// Whether all principal minors are positive. They are those without the first row and column, and the first entry
+/// times those of its Schur complement.
 fn has_positive_minors(entries: Vec<Interval>, order: usize) -> bool {
     let pivot = entries[0];
     if pivot.low <= 0.0 {

@@ -1,10 +1,10 @@
 //! Straight loops: finds all solutions by enumerating the linear pieces of the loop.
 //!
 //! Every operation of a straight loop is an affine form of the tears, up to the choice that a limit, a diode or a table
-//! makes. The search follows the operations. Where the voltages of the tears do not decide a choice, it tries each case.
-//! A case bounds an affine form, which narrows the intervals of the tears. So does the equation of every tear whose
-//! output is complete. A case whose intervals are empty is abandoned. At the end of the operations a system of linear
-//! equations remains.
+//! makes. The search follows the operations. Where the voltages of the tears do not decide a choice, it tries each
+//! case. A case bounds an affine form, which narrows the intervals of the tears. So does the equation of every tear
+//! whose output is complete. A case whose intervals are empty is abandoned. At the end of the operations a system of
+//! linear equations remains.
 
 use super::interval::Interval;
 use super::matrix::Factors;

@@ -1,7 +1,7 @@
 //! Linear equations that do not have exactly one solution, together with bounds.
 //!
-//! The solutions of such equations are a point plus any combination of some directions. The bounds leave nothing of them,
-//! a point or a range.
+//! The solutions of such equations are a point plus any combination of some directions. The bounds leave nothing of
+//! them, a point or a range.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,8 +1,8 @@
 //! Proves that a loop has at most one solution, from bounds of the slopes of its recomputed outputs.
 //!
-//! The slopes are those of the outputs before their limits, while all tears vary over their whole range. A proof holds for
-//! a range of inputs, so most evaluations need none. The first attempt assumes nothing of the inputs that vary within a
-//! step, and the last one takes the present inputs.
+//! The slopes are those of the outputs before their limits, while all tears vary over their whole range. A proof holds
+//! for a range of inputs, so most evaluations need none. The first attempt assumes nothing of the inputs that vary
+//! within a step, and the last one takes the present inputs.
 
 use super::Problem;
 use super::bounds::Bounds;
@@ -18,7 +18,8 @@ const MARGINS: [f64; 3] = [f64::INFINITY, 5.0, 0.0];
 /// What is known about the number of solutions of a loop.
 #[derive(Debug, Clone)]
 pub(super) struct Uniqueness {
-    /// Bounds of the inputs for which one solution was proven, in the order of the inputs. Empty before the first proof.
+    /// Bounds of the inputs for which one solution was proven, in the order of the inputs. Empty before the first
+    /// proof.
     proven: Vec<Interval>,
     /// Bounds of the tears and operations.
     bounds: Vec<Bounds>,

@@ -3,27 +3,27 @@
 use super::Recorder;
 
 impl Recorder<'_> {
-    /// Number of samples so far, including those that were passed on.
+    /// Number of samples so far, including those that were flushed.
     pub(super) fn sample_count(&self) -> usize {
-        self.passed_on + self.trace.len()
+        self.flushed + self.trace.len()
     }
 
     /// Passes the samples of the record on if they fill a block.
-    pub(super) fn pass_on_full_block(&mut self) {
+    pub(super) fn flush_full_block(&mut self) {
         if self.block_samples.is_some_and(|samples| self.trace.len() >= samples) {
-            self.pass_on();
+            self.flush();
         }
     }
 
     /// Passes the samples of the record on and removes them. Does nothing if the samples stay in the record.
-    pub(in crate::solve) fn pass_on(&mut self) {
+    pub(in crate::solve) fn flush(&mut self) {
         if self.block_samples.is_none() || self.trace.is_empty() {
             return;
         }
         if let Some(consumer) = &mut self.consumer {
             consumer(&self.trace);
         }
-        self.passed_on += self.trace.len();
+        self.flushed += self.trace.len();
         self.trace.time.clear();
         self.trace.tracks.iter_mut().for_each(|track| track.volts.clear());
     }

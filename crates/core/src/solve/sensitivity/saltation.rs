@@ -2,8 +2,8 @@
 //!
 //! Before an event the slopes move to the shifting instant ([`Solver::enter_event`]). After it they return to a fixed
 //! time ([`Solver::leave_event`]). The shift is the derivative of the instant by the parameter. It follows from the
-//! guard of the mode that changes, from the edge of a pulse, or from the earlier jump that arrives from a delay line. The
-//! beginning of a phase shifts with the event that ended the phase before ([`Solver::enter_phase`]).
+//! guard of the mode that changes, from the edge of a pulse, or from the earlier jump that arrives from a delay line.
+//! The beginning of a phase shifts with the event that ended the phase before ([`Solver::enter_phase`]).
 
 use super::Sensitivities;
 use super::parameter_slopes::ParameterSlopes;
