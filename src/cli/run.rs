@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Some(failure) => Err(failure.with_document(&document)?),
         };
     }
-    arguments.print_results(&circuit, &trace, &written, elapsed)?;
+    arguments.print_results(&circuit, &settings, &trace, (&written, elapsed))?;
     failure.map_or(Ok(()), Err)
 }
 
@@ -106,9 +106,9 @@ impl Arguments {
     fn print_results(
         &self,
         circuit: &Circuit,
+        settings: &RunSettings,
         trace: &Trace,
-        written: &[PathBuf],
-        elapsed: Duration,
+        (written, elapsed): (&[PathBuf], Duration),
     ) -> Result<(), Failure> {
         if self.files.prints_table() {
             eprint_doubts(trace, &overloads_text(trace, errors_in_colour()));
@@ -116,6 +116,7 @@ impl Arguments {
         }
         print(&(heading(circuit) + &readings_text(trace) + &phases_text(trace)))?;
         let work = if self.verbose { work_text(trace) } else { String::new() };
+        let work = self.times.step_text(settings) + &work;
         let overloads = overloads_text(trace, output_in_colour());
         let warning = trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default();
         let hint = if self.files.draw() { "" } else { NO_PICTURE };

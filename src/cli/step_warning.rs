@@ -2,7 +2,7 @@
 
 use patchcord::document::format_number;
 use patchcord::expr::format_significant;
-use patchcord::trace::StepWarning;
+use patchcord::trace::{StepCause, StepWarning};
 use serde::Serialize;
 
 /// The warning about a run, in two lines.
@@ -17,15 +17,21 @@ pub(super) fn row_step_warning_text(row: &str, warning: &StepWarning) -> String 
 
 /// The warning in two lines. `place` is the beginning of the sentence, and `advice` follows the recommended step.
 fn warning_text(place: &str, advice: &str, warning: &StepWarning) -> String {
-    let StepWarning { signal, error, unit, time, unstable, step, recommended } = warning;
+    let StepWarning { signal, error, unit, time, cause, step, compared_step, recommended } = warning;
+    let comparison = if *compared_step == 0.5 * step {
+        "half the step".to_owned()
+    } else {
+        format!("a step of {} s", format_significant(*compared_step, 2))
+    };
     let [step, recommended] = [*step, *recommended].map(format_number);
     let [error, time] = [*error, *time].map(|value| format_significant(value, 2));
-    let cause = match unstable {
-        Some(element) => format!("the solver is unstable at {element}"),
-        None => "the solver is inaccurate".to_owned(),
+    let cause = match cause {
+        StepCause::Inaccurate => "the solver is inaccurate".to_owned(),
+        StepCause::Unstable(element) => format!("the solver is unstable at {element}"),
+        StepCause::Fast(element) => format!("{element} oscillates faster than it shows"),
     };
     format!(
-        "warning: {place}the step of {step} s is too long: {cause}. With half the step, {signal} differs by up to \
+        "warning: {place}the step of {step} s is too long: {cause}. With {comparison}, {signal} differs by up to \
          {error} {unit}, from {time} s on\n  = help: try --step {recommended}{advice}\n"
     )
 }
@@ -39,20 +45,29 @@ pub(super) struct StepWarningDocument<'a> {
     #[serde(rename = "t")]
     time: f64,
     unstable: Option<&'a str>,
+    fast: Option<&'a str>,
     step: f64,
+    compared_step: f64,
     recommended: f64,
 }
 
 impl<'a> StepWarningDocument<'a> {
     /// The document of a warning.
     pub(super) fn of(warning: &'a StepWarning) -> Self {
+        let (unstable, fast) = match &warning.cause {
+            StepCause::Inaccurate => (None, None),
+            StepCause::Unstable(element) => (Some(element.as_str()), None),
+            StepCause::Fast(element) => (None, Some(element.as_str())),
+        };
         StepWarningDocument {
             signal: &warning.signal,
             error: warning.error,
             unit: &warning.unit,
             time: warning.time,
-            unstable: warning.unstable.as_deref(),
+            unstable,
+            fast,
             step: warning.step,
+            compared_step: warning.compared_step,
             recommended: warning.recommended,
         }
     }

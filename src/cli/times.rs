@@ -146,6 +146,14 @@ impl TimeArguments {
         }
     }
 
+    /// The line with the step of these settings, if it was chosen automatically; otherwise empty.
+    pub(super) fn step_text(&self, settings: &RunSettings) -> String {
+        match self.steps.step {
+            Some(StepChoice::Automatic) => format!("step {} s, found by --step auto\n", settings.step),
+            _ => String::new(),
+        }
+    }
+
     /// Whether these options, and not the patch, cause an error.
     pub(super) fn is_cause_of(&self, error: &RunError) -> bool {
         matches!(error, RunError::MissingTimes(_))

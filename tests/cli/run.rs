@@ -267,3 +267,13 @@ fn a_wrong_interval_of_the_progress_is_refused() {
         assert!(json(&refused)["error"].as_str().unwrap().ends_with(&format!("not \"{text}\"")));
     }
 }
+
+#[test]
+fn a_run_with_an_automatic_step_says_which_step_it_found() {
+    let (_folder, file) = spring();
+    let text = out(&patchcord(&["run", &file, "--step", "auto"]));
+    let step =
+        text.lines().find_map(|line| line.strip_suffix(" s, found by --step auto")?.strip_prefix("step "));
+    assert!(step.is_some_and(|step| step.parse::<f64>().is_ok_and(|step| step > 0.0)), "{text}");
+    assert!(!out(&patchcord(&["run", &file])).contains("found by"));
+}

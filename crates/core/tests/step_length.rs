@@ -6,13 +6,18 @@ use crate::common::{built, element, voltage, volts};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 use patchcord_core::solve::{Phase, RunSettings, run, sufficient_step};
-use patchcord_core::trace::Trace;
+use patchcord_core::trace::{StepCause, Trace};
 
 /// A trace of a program over some seconds, with checks of its steps.
 fn checked(program: &Program, step: f64, seconds: f64, signals: &[&str]) -> Trace {
     let phases = [Phase::InitialCondition, Phase::operate(seconds)];
     let settings = RunSettings::from_phases(phases, step).with_signals(signals.iter().copied());
     run(program, &settings.with_step_checks()).unwrap_or_else(|stopped| panic!("{}", stopped.error))
+}
+
+/// The cause of steps at which the method is unstable.
+fn unstable(element: &str) -> StepCause {
+    StepCause::Unstable(element.to_owned())
 }
 
 /// F' = -1000 (F + S) and S' = -S, from S = 80 V: F follows -S after a few milliseconds.
@@ -27,7 +32,7 @@ fn an_unstable_step_is_reported_with_its_amplifier_and_a_step_that_does() {
     let program = built(stiff());
     for step in [0.0028, 0.003, 0.01] {
         let warning = checked(&program, step, 1.0, &["F", "S"]).step_warning.unwrap();
-        assert_eq!((warning.signal.as_str(), warning.unstable.as_deref()), ("F", Some("F")), "{warning:?}");
+        assert_eq!((warning.signal.as_str(), &warning.cause), ("F", &unstable("F")), "{warning:?}");
         assert!(warning.error > 10.0 && warning.step == step, "{warning:?}");
         assert!(warning.recommended >= 5e-4 && warning.recommended <= 2e-3, "{warning:?}");
     }
@@ -67,7 +72,7 @@ fn a_maximum_holder_above_the_maximum_is_reported() {
         .element("P", element("integrator").cords("x1000", ["N", "P"]));
     let program = built(builder);
     let warning = checked(&program, 0.01, 5.0, &["P"]).step_warning.unwrap();
-    assert_eq!(warning.unstable.as_deref(), Some("P"), "{warning:?}");
+    assert_eq!(warning.cause, unstable("P"), "{warning:?}");
     assert_eq!(checked(&program, 5e-4, 5.0, &["P"]).step_warning, None);
 }
 
@@ -185,7 +190,7 @@ fn oregonator() -> PatchBuilder {
 fn an_oscillating_reaction_is_wrong_with_a_warning_or_right_without_one() {
     let program = built(oregonator());
     let warning = checked(&program, 1e-3, 8.0, &["X", "Y", "Z"]).step_warning.unwrap();
-    assert!(warning.error > 10.0 && warning.unstable.is_some(), "{warning:?}");
+    assert!(warning.error > 10.0 && matches!(warning.cause, StepCause::Unstable(_)), "{warning:?}");
     assert!((5e-5..=5e-4).contains(&warning.recommended), "{warning:?}");
     assert_eq!(checked(&program, 1e-4, 8.0, &["X", "Y", "Z"]).step_warning, None);
     // An independent computation by the classical Runge-Kutta method with steps of 5e-5 s.
@@ -193,4 +198,23 @@ fn an_oscillating_reaction_is_wrong_with_a_warning_or_right_without_one() {
     for (element, expected) in [("X", 0.08524685250), ("Y", 12.01951713), ("Z", 2.02736322547)] {
         assert!((voltage(&machine, element) - expected).abs() < 1e-6, "{element}");
     }
+}
+
+/// A drive whose period divides the step is the same at both ends of every step.
+#[test]
+fn a_drive_that_the_steps_do_not_show_is_reported() {
+    for (frequency, step) in [(50.0, 0.02), (1000.0, 1e-3), (10.0, 0.2), (740.0, 0.05), (12.0, 0.03)] {
+        let sine = element("sine").set("amplitude", 80).set("frequency", frequency);
+        let patch = volts("aliased").drive("u", "volt", sine);
+        let program = built(patch.element("A", element("integrator").cords("x10", ["u"])));
+        let warning = checked(&program, step, 1.0, &["u", "A"]).step_warning.unwrap();
+        assert_eq!(warning.cause, StepCause::Fast("u".to_owned()), "{warning:?}");
+        let period = 1.0 / frequency;
+        assert!(warning.error > 1.0 && warning.recommended <= 0.02 * period, "{warning:?}");
+        assert!(warning.recommended >= 0.005 * period, "{warning:?}");
+    }
+    let slow = element("sine").set("amplitude", 80).set("frequency", 1);
+    let patch = volts("slow").drive("u", "volt", slow);
+    let program = built(patch.element("A", element("integrator").cords("x1", ["u"])));
+    assert_eq!(checked(&program, 0.02, 1.0, &["A"]).step_warning, None);
 }

@@ -13,6 +13,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord_core::solve::{self, RunSettings};
+use patchcord_core::trace::StepCause;
 
 /// The circuit and the program of a patch, or None if the patch is refused with these parameter values.
 fn program(patch: &Patch, changes: &[(String, f64)]) -> Option<(Circuit, Program)> {
@@ -177,7 +178,8 @@ fn steps_that_are_too_long_for_a_row_are_reported_with_its_values() {
     let warning = one.step_warning.clone().unwrap();
     // Row 43 of 70 is checked.
     assert_eq!((warning.values, warning.warning.signal.as_str()), (vec![0.44], "f"));
-    assert_eq!((warning.warning.unstable.as_deref(), warning.warning.step), (Some("F"), 3e-3));
+    assert_eq!(warning.warning.cause, StepCause::Unstable("F".to_owned()));
+    assert_eq!(warning.warning.step, 3e-3);
     assert_eq!(summary("peak:f", 3, |settings| settings), one);
     let overload = summary("overload", 1, |settings| settings);
     assert_eq!(overload.step_warning.unwrap().warning.signal, "F");

@@ -253,6 +253,7 @@ impl RunSettings {
     /// use patchcord_core::ir::Program;
     /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
     /// use patchcord_core::solve::{RunSettings, run};
+    /// use patchcord_core::trace::StepCause;
     ///
     /// // dx/dt = -1000 x, from 50 V: steps of 3 ms are too long.
     /// let decay = ElementBuilder::new("integrator").cords("x1000", ["A1"]).set("initial", 50);
@@ -261,7 +262,7 @@ impl RunSettings {
     /// let program = Program::new(&circuit)?;
     /// let trace = run(&program, &RunSettings::of(&circuit)?.with_step_checks())?;
     /// let warning = trace.step_warning.ok_or("no warning")?;
-    /// assert_eq!((warning.unstable.as_deref(), warning.recommended), (Some("A1"), 1e-3));
+    /// assert_eq!((warning.cause, warning.recommended), (StepCause::Unstable("A1".to_owned()), 1e-3));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_step_checks(self) -> Self {

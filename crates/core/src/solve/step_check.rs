@@ -15,6 +15,13 @@ use crate::delay_line::DelayLine;
 const STABILITY_LIMIT: f64 = 2.785;
 /// The product that the recommended step has, well within the limit.
 const RECOMMENDED_PRODUCT: f64 = 1.4;
+/// Advance of an angle in one step, in periods, above which the steps may not show the oscillation.
+const LARGEST_ADVANCE: f64 = 0.25;
+/// The advance that the recommended step has, in periods.
+const RECOMMENDED_ADVANCE: f64 = 0.02;
+/// Least share of the step with which a run is compared. Its inverse is a prime number, so that an oscillation that one
+/// step does not show is seen in the other.
+const LEAST_COMPARED_SHARE: f64 = 1.0 / 37.0;
 /// Error of one step, in volts, below which an unstable method does no harm.
 const HARMLESS_ERROR: f64 = 1e-4;
 /// Change of a state in one step, in volts, below which an unstable method does no harm at an event.
@@ -48,6 +55,8 @@ pub(super) struct StepCheck {
     unstable_events: u64,
     /// The state at which the method was unstable first.
     unstable: Option<Unstable>,
+    /// The element whose angle advances most in a step, and the advance in periods.
+    fastest: (usize, f64),
     /// The state in the middle of a step.
     middle: Option<Box<SolverState>>,
     /// The states at the end of a whole step.
@@ -75,6 +84,7 @@ impl StepCheck {
             sums: vec![0.0; states],
             unstable_events: 0,
             unstable: None,
+            fastest: (0, 0.0),
             middle: None,
             whole: vec![0.0; states],
         }
@@ -107,6 +117,12 @@ impl StepCheck {
         let Solver { setup, state, delay_lines, buffers, .. } = solver;
         let length = setup.step;
         try_step(setup, state, delay_lines, buffers, length);
+        for angle in &setup.program.lowered.angles {
+            let periods = angle.periods(&state.voltages, &buffers.voltages);
+            if periods > self.fastest.1 {
+                self.fastest = (angle.element, periods);
+            }
+        }
         let response =
             response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
         if has_event(setup, state, delay_lines, buffers, length) {
@@ -160,13 +176,15 @@ impl StepCheck {
         // Events at a few steps may only be switchings that the solver locates.
         let is_unstable = self.unstable.is_some()
             && (error > LARGEST_ERROR || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
-        match self.unstable.filter(|_| is_unstable) {
-            Some(Unstable { state, product }) => Some(StepDoubt::Unstable {
-                element: setup.program.lowered.states[state].element,
-                recommended: setup.step * RECOMMENDED_PRODUCT / product,
-            }),
-            None => (error > LARGEST_ERROR).then_some(StepDoubt::Inaccurate),
-        }
+        let unstable = self.unstable.filter(|_| is_unstable).map(|Unstable { state, product }| {
+            let element = setup.program.lowered.states[state].element;
+            StepDoubt::Unstable { element, recommended: setup.step * RECOMMENDED_PRODUCT / product }
+        });
+        let (element, periods) = self.fastest;
+        let recommended = setup.step * RECOMMENDED_ADVANCE / periods;
+        let fast = (periods > LARGEST_ADVANCE).then_some(StepDoubt::Fast { element, recommended });
+        let inaccurate = (error > LARGEST_ERROR).then_some(StepDoubt::Inaccurate);
+        StepDoubt::worse(StepDoubt::worse(unstable, fast), inaccurate)
     }
 }
 
@@ -175,6 +193,13 @@ impl StepCheck {
 pub(super) enum StepDoubt {
     /// The method is stable, but its errors are large.
     Inaccurate,
+    /// An angle advances by a large part of a period in a step.
+    Fast {
+        /// Index of the element whose angle it is.
+        element: usize,
+        /// A step that would do, in problem seconds.
+        recommended: f64,
+    },
     /// The method is unstable.
     Unstable {
         /// Index of the element whose state grows.
@@ -185,11 +210,20 @@ pub(super) enum StepDoubt {
 }
 
 impl StepDoubt {
+    /// The step of the run with which a run of this step is compared: half of it, unless that would not show an
+    /// oscillation either.
+    pub(super) fn compared_step(self, step: f64) -> f64 {
+        match self {
+            StepDoubt::Fast { recommended, .. } => recommended.max(LEAST_COMPARED_SHARE * step),
+            _ => 0.5 * step,
+        }
+    }
+
     /// The worse of two doubts: the one with the shorter recommended step.
     pub(super) fn worse(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         let recommended = |doubt: &Self| match doubt {
             StepDoubt::Inaccurate => f64::INFINITY,
-            StepDoubt::Unstable { recommended, .. } => *recommended,
+            StepDoubt::Unstable { recommended, .. } | StepDoubt::Fast { recommended, .. } => *recommended,
         };
         let doubts = one.into_iter().chain(other);
         doubts.min_by(|a, b| recommended(a).total_cmp(&recommended(b)))

@@ -1,8 +1,8 @@
-//! Compares a run with one of half the step, and recommends a step.
+//! Compares a run with one of a shorter step, and recommends a step.
 
 use super::step_check::StepDoubt;
 use crate::ir::Program;
-use crate::trace::{StepWarning, Trace, Track};
+use crate::trace::{StepCause, StepWarning, Trace, Track};
 
 /// Difference of a signal between both runs, as a share of its range, above which the step is too long.
 const LARGEST_SHARE: f64 = 1e-3;
@@ -27,33 +27,36 @@ struct Difference<'t> {
     time: f64,
 }
 
-/// The warning that steps were too long, from the traces of a run and of the same run with half the step; `None` if they
-/// agree.
+/// The warning that steps were too long, from the traces of a run and of the same run with the shorter step of the doubt;
+/// `None` if they agree.
 pub(super) fn step_warning(
     program: &Program,
     doubt: StepDoubt,
     step: f64,
     trace: &Trace,
-    half: &Trace,
+    other: &Trace,
 ) -> Option<StepWarning> {
     let tolerance = SAME_SAMPLE * trace.time.last()? / trace.len() as f64;
-    let pairs = trace.time.iter().zip(&half.time);
+    let pairs = trace.time.iter().zip(&other.time);
     let common = pairs.take_while(|(one, other)| (*one - *other).abs() <= tolerance).count();
-    let tracks = trace.tracks.iter().zip(&half.tracks).filter(|(track, _)| track.derivative.is_none());
+    let tracks = trace.tracks.iter().zip(&other.tracks).filter(|(track, _)| track.derivative.is_none());
     let differences = tracks.filter_map(|(track, half)| difference(&trace.time[..common], track, half));
     let worst = differences.max_by(|a, b| a.share.total_cmp(&b.share))?;
     let by_error = step * (RECOMMENDED_SHARE / worst.share).powf(1.0 / ERROR_ORDER);
-    let (unstable, recommended) = match doubt {
-        StepDoubt::Inaccurate => (None, by_error.min(0.5 * step)),
-        StepDoubt::Unstable { element, recommended } => (Some(element), recommended),
+    let name = |element: usize| program.name(element).to_owned();
+    let (cause, recommended) = match doubt {
+        StepDoubt::Inaccurate => (StepCause::Inaccurate, by_error.min(0.5 * step)),
+        StepDoubt::Fast { element, recommended } => (StepCause::Fast(name(element)), recommended),
+        StepDoubt::Unstable { element, recommended } => (StepCause::Unstable(name(element)), recommended),
     };
     Some(StepWarning {
         signal: worst.track.name.clone(),
         error: worst.largest,
         unit: worst.track.unit.clone(),
         time: worst.time,
-        unstable: unstable.map(|element| program.name(element).to_owned()),
+        cause,
         step,
+        compared_step: doubt.compared_step(step),
         recommended: rounded_down(recommended),
     })
 }

@@ -55,21 +55,34 @@ pub struct Repetition {
     pub overloads: Vec<Overload>,
 }
 
-/// Equal steps that are too long for the circuit: with half the step, a signal has other values.
+/// Why equal steps are too long.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StepCause {
+    /// The method is stable, but its errors are large.
+    Inaccurate,
+    /// The method is unstable at the amplifier of this name.
+    Unstable(String),
+    /// The element of this name oscillates by more than a quarter of a period in a step.
+    Fast(String),
+}
+
+/// Equal steps that are too long for the circuit: with a shorter step, a signal has other values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepWarning {
     /// Name of the signal that differs most, relative to its range.
     pub signal: String,
-    /// Largest difference of the signal between the steps and half of them, in `unit`.
+    /// Largest difference of the signal between runs with `step` and with `compared_step`, in `unit`.
     pub error: f64,
     /// Unit of the signal.
     pub unit: String,
     /// Time by the recorder's clock, in seconds, at which the difference was a thousandth of the range first.
     pub time: f64,
-    /// Name of the amplifier at which the method is unstable; `None` if it is stable but inaccurate.
-    pub unstable: Option<String>,
+    /// Why the steps are too long.
+    pub cause: StepCause,
     /// Length of the steps, in problem seconds.
     pub step: f64,
+    /// Length of the steps of the run with which they were compared, in problem seconds.
+    pub compared_step: f64,
     /// A step that is short enough as far as the checks show, in problem seconds.
     pub recommended: f64,
 }

@@ -1,4 +1,4 @@
-//! Runs that pass their samples on, and the comparison of a run with one of half the step.
+//! Runs that pass their samples on, and the comparison of a run with one of a shorter step.
 
 use super::play;
 use crate::ir::Program;
@@ -55,24 +55,26 @@ pub fn run_in_blocks(
     };
     let (mut trace, doubt) = play(program, settings, progress, &mut take)?;
     if let Some(doubt) = doubt {
-        let half = with_half_the_step(program, settings, progress, selection.for_other_run());
+        let shorter = doubt.compared_step(settings.step);
+        let other = with_step(program, settings, shorter, progress, selection.for_other_run());
         let compared = if settings.block_samples.is_some() { &selection.trace } else { &trace };
-        trace.step_warning = step_warning(program, doubt, settings.step, compared, &half);
+        trace.step_warning = step_warning(program, doubt, settings.step, compared, &other);
     }
     Ok(trace)
 }
 
-/// The samples of a run with half the step, up to an error if there is one. `selection` selects them.
-fn with_half_the_step(
+/// The samples of a run with another step in problem seconds, up to an error if there is one. `selection` selects them.
+fn with_step(
     program: &Program,
     settings: &RunSettings,
+    step: f64,
     progress: &mut dyn FnMut(f64),
     mut selection: ThinnedTrace,
 ) -> Trace {
-    let mut half = RunSettings { checks_steps: false, step: 0.5 * settings.step, ..settings.clone() };
-    half.sensitivities.clear();
-    half.block_samples = Some(BLOCK_SAMPLES);
+    let mut settings = RunSettings { checks_steps: false, step, ..settings.clone() };
+    settings.sensitivities.clear();
+    settings.block_samples = Some(BLOCK_SAMPLES);
     // The run before had no error. The samples before an error are compared, too.
-    let _ = play(program, &half, progress, &mut |block| selection.add(block));
+    let _ = play(program, &settings, progress, &mut |block| selection.add(block));
     selection.trace
 }
