@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::common::{built, element, voltage, volts};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-use patchcord_core::solve::{Phase, RunSettings, run, sufficient_step};
+use patchcord_core::solve::{Phase, RunSettings, run, run_batch, sufficient_step};
 use patchcord_core::trace::Trace;
 
 /// A trace of a program over some seconds, with checks of its steps.
@@ -44,6 +44,18 @@ fn a_short_step_gets_no_warning_and_is_found_automatically() {
     let machine = crate::common::run_for(&program, step, 1.0);
     let expected = -80.0 * (-1.0f64).exp() * 1000.0 / 999.0;
     assert!((voltage(&machine, "F") - expected).abs() < 1e-3, "{}", voltage(&machine, "F"));
+}
+
+#[test]
+fn several_programs_get_the_warnings_of_their_single_runs() {
+    let program = built(stiff());
+    let settings = RunSettings::from_phases([Phase::InitialCondition, Phase::operate(1.0)], 0.003);
+    let settings = settings.with_signals(["F"]).with_step_checks();
+    let expected = run(&program, &settings).unwrap().step_warning;
+    assert!(expected.is_some());
+    for trace in run_batch(&[program.clone(), program.clone()], &settings) {
+        assert_eq!(trace.unwrap().step_warning, expected);
+    }
 }
 
 #[test]

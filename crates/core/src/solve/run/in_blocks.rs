@@ -55,8 +55,9 @@ pub fn run_in_blocks(
     };
     let (mut trace, doubt) = play(program, settings, progress, &mut take)?;
     if let Some(doubt) = doubt {
-        let half = with_half_the_step(program, settings, progress, selection.for_other_run());
         let compared = if settings.block_samples.is_some() { &selection.trace } else { &trace };
+        let of_half = selection.for_other_run(compared.len());
+        let half = with_half_the_step(program, settings, progress, of_half);
         trace.step_warning = step_warning(program, doubt, settings.step, compared, &half);
     }
     Ok(trace)
