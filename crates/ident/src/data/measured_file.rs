@@ -2,7 +2,8 @@
 //!
 //! Reading has five steps. The requested columns are read. The unit of the times is determined. Every column is
 //! converted to the unit that the patch needs. An even grid of times is fitted to the times of the rows. Rows that are
-//! missing in the grid, and a last row that is left out, are reported. Each step adds its faults to the findings, and later steps run if they can.
+//! missing in the grid, and a last row that is left out, are reported. Each step adds its faults to the findings, and
+//! later steps run if they can.
 //!
 //! `units` has the second and the third step, `even_times` the last two.
 

@@ -168,13 +168,11 @@ impl FileReader<'_> {
         let row = even_times.sample_indices.len();
         let (line, time) = (rows.lines.get(row)?, rows.columns.first()?.get(row)?);
         let is_within_range = self.source.range.as_ref().is_none_or(|range| *time <= range.value.1);
-        let message = || {
-            format!(
-                "the last row of {}, in line {line}, follows after less than an interval and is left out",
-                self.path.display()
-            )
-        };
-        is_within_range.then(|| Diagnostic::at(codes::EARLY_LAST_ROW, self.source.file.span, message()))
+        let message = format!(
+            "the last row of {}, in line {line}, follows after less than an interval and is left out",
+            self.path.display()
+        );
+        is_within_range.then(|| Diagnostic::at(codes::EARLY_LAST_ROW, self.source.file.span, message))
     }
 }
 
