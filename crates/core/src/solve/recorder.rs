@@ -22,6 +22,10 @@ use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
 use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
 
+/// The end of a phase is a separate sample if it is later than the last sample by more than this share of the time
+/// between samples.
+const SAME_SAMPLE_SHARE: f64 = 1e-6;
+
 /// Samples the signals of a run, and records its repetitions and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
     /// The record so far, without the samples that were passed on.
@@ -178,13 +182,20 @@ impl<'a> Recorder<'a> {
     /// within the tolerance of the grid. The extremes have these voltages already.
     pub(super) fn sample_end(&mut self, solver: &Solver<'_>) {
         let end = self.clock(solver.state.time);
-        if self.last_time < end * (1.0 - RATE_TOLERANCE) {
+        if self.last_time < end - self.end_tolerance(end) {
             self.push_time(end);
             let values = track_values(&self.signals, solver, Instant::Present);
             self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.volts.push(value));
             self.is_fresh = true;
             self.pass_on_full_block();
         }
+    }
+
+    /// Seconds after the last sample up to which the end of a phase is the same instant: the tolerance of the grid, which
+    /// is limited to a small share of the time between samples.
+    fn end_tolerance(&self, end: f64) -> f64 {
+        let of_grid = (RATE_TOLERANCE * end).min(SAME_SAMPLE_SHARE * self.grid.time(1));
+        of_grid.max(SAME_INSTANT * end)
     }
 
     /// Records the present voltages before a phase changes parameters, if the repetition continues after it.

@@ -213,7 +213,8 @@ pub fn machine_after<'p>(
 /// runs recommended. The parameters are those of the program. The runs do not keep their samples.
 ///
 /// # Errors
-/// If the run stops with the step of the settings and with much shorter ones, or if no step is short enough.
+/// If the run stops with the step of the settings and with much shorter ones, with an error that does not depend on the
+/// step, or if no step is short enough.
 ///
 /// # Examples
 ///
@@ -240,7 +241,9 @@ pub fn sufficient_step(program: &Program, settings: &RunSettings) -> Result<f64,
                 let Some(warning) = trace.step_warning else { break };
                 warning.recommended.min(0.5 * settings.step)
             }
-            Err(stopped) if attempt >= MAX_STOPPED_ATTEMPTS => return Err(stopped.error),
+            Err(stopped) if attempt >= MAX_STOPPED_ATTEMPTS || !stopped.error.may_depend_on_step() => {
+                return Err(stopped.error);
+            }
             Err(_) => 0.1 * settings.step,
         };
         settings.step = shorter;
