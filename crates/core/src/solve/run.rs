@@ -304,7 +304,7 @@ pub(super) fn prepare<'p, 'w>(
     let recorder = Recorder::new(program, &machine.solver, settings, progress)?;
     machine.fast_path.restart(settings.backend, recorder.registers());
     if settings.checks_steps && settings.tolerance.is_none() {
-        machine.step_check = Some(StepCheck::new(program.lowered.states.len()));
+        machine.step_check = Some(StepCheck::new(program.lowered.states.len(), equal_steps.round() as u64));
     }
     machine.lamps.is_on = settings.has_lamps || settings.hold_on_overload;
     Ok(Player::new(machine, recorder, operated))
