@@ -8,7 +8,7 @@
 mod blocks;
 mod observer;
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use super::error::RunError;
 use super::fast_path::KernelRun;
@@ -31,7 +31,9 @@ pub(super) struct Recorder<'a> {
     /// The record so far, without the samples that were passed on.
     pub trace: Trace,
     /// Takes the samples of each block; `None` if they are dropped or stay in the record.
-    pub consumer: Option<&'a mut dyn FnMut(&Trace)>,
+    pub consumer: Option<&'a mut dyn FnMut(&Trace) -> ControlFlow<()>>,
+    /// Whether the consumer has stopped the run. No samples are then written.
+    pub is_cancelled: bool,
     /// Number of samples of a block; `None` if the samples stay in the record.
     block_samples: Option<usize>,
     /// Number of samples that were passed on.
@@ -125,6 +127,7 @@ impl<'a> Recorder<'a> {
         Ok(Recorder {
             trace: Trace { tracks, ..Trace::default() },
             consumer: None,
+            is_cancelled: false,
             block_samples: settings.block_samples,
             passed_on: 0,
             progress,
@@ -287,9 +290,9 @@ impl<'a> Recorder<'a> {
         changed.next().map(|(track, _)| track.name.as_str())
     }
 
-    /// The time of the next sample by the recorder's clock; `None` if it is not before `end`.
+    /// The time of the next sample by the recorder's clock; `None` if it is not before `end`, or if the run is cancelled.
     fn next_before(&self, end: f64) -> Option<f64> {
-        (self.next_time < end).then_some(self.next_time)
+        (self.next_time < end && !self.is_cancelled).then_some(self.next_time)
     }
 
     /// Sets the index of the next sample in the grid.

@@ -8,6 +8,8 @@ mod in_blocks;
 
 pub use in_blocks::run_in_blocks;
 
+use std::ops::ControlFlow;
+
 use super::batch::Batch;
 use super::error::RunError;
 use super::levels::check_step_count;
@@ -85,7 +87,7 @@ pub fn run_with_progress(
     settings: &RunSettings,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Trace, StoppedRunError> {
-    run_in_blocks(program, settings, progress, &mut |_| ())
+    run_in_blocks(program, settings, progress, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Plays all phases of a run. Returns the trace, and the doubt about the steps if they were checked.
@@ -96,7 +98,7 @@ fn play<'w>(
     program: &Program,
     settings: &RunSettings,
     progress: &'w mut dyn FnMut(f64),
-    consumer: &'w mut dyn FnMut(&Trace),
+    consumer: &'w mut dyn FnMut(&Trace) -> ControlFlow<()>,
 ) -> Result<(Trace, Option<StepDoubt>), StoppedRunError> {
     let mut player = prepare(program, settings, progress)?;
     player.recorder.consumer = Some(consumer);
