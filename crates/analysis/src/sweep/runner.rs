@@ -49,7 +49,7 @@ impl<'s> SweepRunner<'s> {
         rows.into_iter().zip(values).map(|(row, values)| SweepRow { values: values.clone(), ..row }).collect()
     }
 
-    /// Computes one run once more with checks of its steps, and returns the warning that they are too long; `None` if they
+    /// Computes one run once more with checks of its steps. Returns the warning that they are too long; `None` if they
     /// are short enough.
     ///
     /// # Errors

@@ -22,7 +22,7 @@ pub struct RowStepWarning {
 type CheckOutcome = Result<Option<StepWarning>, String>;
 
 /// Number of rows for which one is checked, so that the checks of many rows take a small share of the time. The check of
-/// a row takes as long as its run, or three times as long if the run is compared with one of half the step.
+/// a row takes as long as its run. It takes three times as long if the run is compared with one of half the step.
 const ROWS_PER_CHECK: u64 = 64;
 /// Largest number of rows that are checked.
 const MAX_CHECKED_ROWS: u64 = 8;

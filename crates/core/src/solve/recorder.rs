@@ -22,7 +22,7 @@ use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
 use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
 
-/// The end of a phase is a separate sample if it is later than the last sample by more than this share of the time
+/// Largest distance of the end of a phase from the last sample at which both are one sample, as a share of the time
 /// between samples.
 const SAME_SAMPLE_SHARE: f64 = 1e-6;
 
@@ -194,8 +194,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Seconds after the last sample up to which the end of a phase is the same instant: the tolerance of the grid, which
-    /// is limited to a small share of the time between samples.
+    /// Seconds after the last sample up to which the end of a phase is the same instant. It is the tolerance of the grid,
+    /// but at most a small share of the time between samples.
     fn end_tolerance(&self, end: f64) -> f64 {
         let of_grid = (RATE_TOLERANCE * end).min(SAME_SAMPLE_SHARE * self.grid.time(1));
         of_grid.max(SAME_INSTANT * end)
