@@ -32,7 +32,7 @@ pub(super) struct Recorder<'a> {
     pub trace: Trace,
     /// Takes the samples of each block; `None` if they are dropped or stay in the record.
     pub consumer: Option<&'a mut dyn FnMut(&Trace) -> ControlFlow<()>>,
-    /// Whether the consumer has stopped the run. No samples are then written.
+    /// Whether the consumer has stopped the run. It takes no more samples.
     pub is_cancelled: bool,
     /// Number of samples of a block; `None` if the samples stay in the record.
     block_samples: Option<usize>,

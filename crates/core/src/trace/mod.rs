@@ -108,8 +108,8 @@ pub struct Overload {
 pub enum Demand {
     /// The largest output that the amplifier would reach without its limit, in volts without sign.
     Peak(f64),
-    /// How the integrator or lag was driven against its limit. The output without the limit is not known, because it
-    /// reacts on itself through another element with memory, or was only thrown to its limit.
+    /// How the integrator or lag was driven against its limit. The output without the limit is not known,
+    /// because the amplifier reacts on itself through another element with memory, or was only thrown to its limit.
     Driven(LimitDrive),
 }
 
