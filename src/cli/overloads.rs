@@ -73,8 +73,8 @@ impl<'a> OverloadDocument<'a> {
         let document = |overload: &'a Overload| OverloadDocument {
             element: &overload.element,
             time: overload.time,
-            peak: overload.peak,
-            driven: overload.driven.map(DriveDocument::from),
+            peak: overload.peak(),
+            driven: overload.driven().map(DriveDocument::from),
             caused_by: overload.caused_by.as_deref(),
         };
         overloads.iter().map(document).collect()
@@ -84,11 +84,12 @@ impl<'a> OverloadDocument<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use patchcord::trace::Demand;
 
     #[test]
     fn overloads_are_coloured_on_request_only() {
-        let peak = Some(120.0);
-        let overload = Overload { element: "A2".to_owned(), time: 0.31, peak, driven: None, caused_by: None };
+        let demand = Demand::Peak(120.0);
+        let overload = Overload { element: "A2".to_owned(), time: 0.31, demand, caused_by: None };
         let plain = "run 2: overload: A2 at t = 0.310000 s, needs 120.0 V (first)";
         let overloads = std::slice::from_ref(&overload);
         assert_eq!(overload_lines("run 2: ", overloads, false), format!("{plain}\n"));

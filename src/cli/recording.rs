@@ -1,5 +1,7 @@
 //! Runs a program and reports the progress of the command.
 
+use std::ops::ControlFlow;
+
 use super::progress::RunProgress;
 use super::streamed_tables::StreamedTables;
 use patchcord::ir::Program;
@@ -25,10 +27,9 @@ pub(super) fn record(
 ) -> Result<Trace, Box<StoppedRunError>> {
     let mut progress = RunProgress::new(command, settings.total_duration());
     let mut show = |time: f64| progress.step(time);
-    let mut write = |block: &Trace| {
-        if let Some(tables) = &mut tables {
-            tables.write(block);
-        }
+    let mut write = |block: &Trace| match &mut tables {
+        Some(tables) => tables.write(block),
+        None => ControlFlow::Continue(()),
     };
     solve::run_in_blocks(program, settings, &mut show, &mut write).map_err(Box::new)
 }

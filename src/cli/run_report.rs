@@ -81,12 +81,12 @@ fn seconds_text(seconds: f64, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use patchcord::trace::{Overload, Repetition};
+    use patchcord::trace::{Demand, Overload, Repetition};
 
     /// A trace of runs with these ends in seconds. The last one has this number of overloads.
     fn trace(ends: &[f64], overloads: usize) -> Trace {
-        let peak = Some(120.0);
-        let lamp = Overload { element: "A2".to_owned(), time: 0.31, peak, driven: None, caused_by: None };
+        let demand = Demand::Peak(120.0);
+        let lamp = Overload { element: "A2".to_owned(), time: 0.31, demand, caused_by: None };
         let mut repetitions: Vec<Repetition> =
             ends.iter().map(|end| Repetition { end: *end, ..Repetition::default() }).collect();
         repetitions.last_mut().unwrap().overloads = vec![lamp; overloads];

@@ -1,5 +1,6 @@
 //! Tables that are written while a run is recorded, so that the run need not keep its samples.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use super::failure::Failure;
@@ -37,13 +38,15 @@ impl<'f> StreamedTables<'f> {
         self.last_time
     }
 
-    /// Writes the next samples of the run. After a failure, nothing is written.
-    pub(super) fn write(&mut self, block: &Trace) {
+    /// Writes the next samples of the run. After a failure, nothing is written, and the run need not continue.
+    pub(super) fn write(&mut self, block: &Trace) -> ControlFlow<()> {
         self.samples += block.len();
         self.last_time = block.time.last().copied().or(self.last_time);
         if let Err(failure) = self.try_write(block) {
             self.tables = Err(failure);
+            return ControlFlow::Break(());
         }
+        ControlFlow::Continue(())
     }
 
     /// Writes the next samples of the run, unless a table has failed before.

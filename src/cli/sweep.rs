@@ -90,6 +90,7 @@ struct SweepDocument {
     written: u64,
     failed: u64,
     noted: u64,
+    failed_checks: usize,
 }
 
 /// A column of the table.
@@ -213,6 +214,7 @@ impl Arguments {
                 written,
                 failed,
                 noted,
+                failed_checks: summary.failed_checks.len(),
             },
             step_warning,
             files: vec![out.display().to_string()],
@@ -253,8 +255,8 @@ fn report_output(sweep: &Sweep, outcome: io::Result<SweepSummary>) -> Result<(),
     standard_output_result(written)
 }
 
-/// Prints the warning about steps that are too long to standard error, with the parameters of the row. Prints nothing
-/// if there is none.
+/// Prints the warning about steps that are too long to standard error, with the parameters of the row, and a warning if
+/// checks failed. Prints nothing if there is none.
 fn eprint_step_warning(sweep: &Sweep, summary: &SweepSummary) {
     if let Some(RowStepWarning { values, warning }) = &summary.step_warning {
         let columns = sweep.columns();
@@ -263,6 +265,10 @@ fn eprint_step_warning(sweep: &Sweep, summary: &SweepSummary) {
         });
         let row = parameters.collect::<Vec<_>>().join(", ");
         eprint(row_step_warning_text(&row, warning).trim_end());
+    }
+    if let Some(reason) = summary.failed_checks.first() {
+        let rows = plural(summary.failed_checks.len(), "row");
+        eprint(&format!("warning: the steps of {rows} could not be checked: {reason}"));
     }
 }
 

@@ -193,7 +193,7 @@ fn a_lamp_lights_at_the_right_time_if_nothing_uses_the_element() {
         for tolerance in WIDE_TOLERANCES {
             let lamp = &run_to_tolerance(&program, tolerance).overloads()[0];
             assert!((lamp.time - expected).abs() < 1e-9, "{lamp:?} at {tolerance:e}");
-            assert!((lamp.peak.unwrap() - amplitude).abs() < 1e-6, "{lamp:?} at {tolerance:e}");
+            assert!((lamp.peak().unwrap() - amplitude).abs() < 1e-6, "{lamp:?} at {tolerance:e}");
         }
     }
 }

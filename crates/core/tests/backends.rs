@@ -199,7 +199,7 @@ fn backends_agree_on_overloads() {
         [specialised, reference].map(|trace| trace.repetitions[0].overloads.clone());
     assert_eq!(specialised.len(), 1);
     assert_eq!(specialised[0].element, "S");
-    assert!((specialised[0].time - reference[0].time).abs() < 1e-9 && specialised[0].peak == Some(120.0));
+    assert!((specialised[0].time - reference[0].time).abs() < 1e-9 && specialised[0].peak() == Some(120.0));
 }
 
 /// Compares runs without lamps on all backends with a run with lamps on the reference. A sine of 60 V drives the patch.

@@ -1,11 +1,12 @@
 //! Runs that pass their samples on in blocks: the same tables and readings as from the whole trace.
 
 use std::io::Cursor;
+use std::ops::ControlFlow;
 
 use crate::common::{built, dead_zone_oscillator, element, patch, program, volts};
 use patchcord_core::ir::Program;
 use patchcord_core::solve::{Backend, Phase, RunError, RunSettings, StoppedRunError, run, run_in_blocks};
-use patchcord_core::trace::{TableWriter, Trace};
+use patchcord_core::trace::{PhaseEnd, TableWriter, Trace};
 
 /// The trace of a run, or the trace before its error.
 fn trace_of(outcome: &Result<Trace, StoppedRunError>) -> &Trace {
@@ -32,6 +33,7 @@ fn in_blocks(
         assert!((1..=samples).contains(&block.len()), "{}", block.len());
         let begin = || TableWriter::new(Cursor::new(Vec::new()), &block.tracks).unwrap();
         table.get_or_insert_with(begin).write(block).unwrap();
+        ControlFlow::Continue(())
     });
     let table = table.unwrap().finish(trace_of(&outcome), || Ok(Cursor::new(Vec::new())));
     (outcome, table.unwrap().into_inner())
@@ -133,9 +135,33 @@ fn steps_that_are_too_long_give_the_same_warning() {
 #[test]
 fn a_run_that_cannot_begin_passes_on_no_samples() {
     let settings = plain(1.0, 1e-3).with_signals(["no such signal"]).with_blocks(7);
-    let mut samples = 0;
-    let outcome = run_in_blocks(&decay(), &settings, &mut |_| (), &mut |block| samples += block.len());
-    assert_eq!((outcome.unwrap_err().error.code(), samples), ("unknown-signal", 0));
+    let mut blocks = 0;
+    let outcome = run_in_blocks(&decay(), &settings, &mut |_| (), &mut |_| {
+        blocks += 1;
+        ControlFlow::Continue(())
+    });
+    assert_eq!((outcome.unwrap_err().error.code(), blocks), ("unknown-signal", 0));
+}
+
+#[test]
+fn a_consumer_ends_a_run_early() {
+    let phases = [Phase::InitialCondition, Phase::operate(100.0), Phase::Hold { time: 100.0 }];
+    let equal = RunSettings::from_phases(phases, 1e-3).with_signals(["A1"]).with_step_checks();
+    let backends = [Backend::default(), Backend::Interpreter, Backend::Reference];
+    let adaptive = equal.clone().with_tolerance(1e-6);
+    for settings in backends.map(|backend| equal.clone().with_backend(backend)).into_iter().chain([adaptive])
+    {
+        let (mut blocks, mut seconds) = (0, 0.0);
+        let settings = settings.with_sample_interval(1e-3).with_blocks(10).repeated(2);
+        let outcome = run_in_blocks(&decay(), &settings, &mut |recorded| seconds = recorded, &mut |_| {
+            blocks += 1;
+            if blocks < 2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        let trace = outcome.unwrap();
+        assert_eq!((blocks, trace.repetitions.len(), trace.step_warning.is_some()), (2, 1, false));
+        assert!(seconds < 50.0 && trace.phase_records.len() == 2, "{seconds} {:?}", trace.phase_records);
+        assert_eq!(trace.phase_records[1].ended, PhaseEnd::Stopped);
+    }
 }
 
 #[test]

@@ -90,7 +90,7 @@ fn a_small_input_at_the_limit_lights_the_lamp_at_every_step() {
         let overloads = run_for(&program, step, 2.0).overloads();
         assert_eq!(overloads.len(), 1, "{step}");
         assert!((overloads[0].time - 0.1).abs() <= step + 2e-4, "{step} {overloads:?}");
-        assert!((overloads[0].peak.unwrap() - 101.9).abs() < 1e-6, "{step} {overloads:?}");
+        assert!((overloads[0].peak().unwrap() - 101.9).abs() < 1e-6, "{step} {overloads:?}");
     }
 }
 
@@ -106,7 +106,7 @@ fn a_time_at_100_volts_within_one_step_lights_the_lamp() {
         let overloads = run_for(&program, step, 5.0).overloads();
         assert_eq!(overloads.len(), 1, "{step}");
         // The drive differs from a straight line by (8 degrees)^2 / 12.
-        assert!((overloads[0].peak.unwrap() - 101.0).abs() < 2e-3, "{step} {overloads:?}");
+        assert!((overloads[0].peak().unwrap() - 101.0).abs() < 2e-3, "{step} {overloads:?}");
     }
 }
 

@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::common::{built, element, voltage, volts};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-use patchcord_core::solve::{Phase, RunSettings, run, sufficient_step};
+use patchcord_core::solve::{Phase, RunSettings, run, run_batch, sufficient_step};
 use patchcord_core::trace::{StepCause, Trace};
 
 /// A trace of a program over some seconds, with checks of its steps.
@@ -52,13 +52,25 @@ fn a_short_step_gets_no_warning_and_is_found_automatically() {
 }
 
 #[test]
+fn several_programs_get_the_warnings_of_their_single_runs() {
+    let program = built(stiff());
+    let settings = RunSettings::from_phases([Phase::InitialCondition, Phase::operate(1.0)], 0.003);
+    let settings = settings.with_signals(["F"]).with_step_checks();
+    let expected = run(&program, &settings).unwrap().step_warning;
+    assert!(expected.is_some());
+    for trace in run_batch(&[program.clone(), program.clone()], &settings) {
+        assert_eq!(trace.unwrap().step_warning, expected);
+    }
+}
+
+#[test]
 fn an_output_that_exceeds_its_limit_within_one_step_counts_as_an_overload() {
     let program = built(stiff());
     let trace = checked(&program, 0.01, 1.0, &["F"]);
     let overload = trace.overloads().find(|overload| overload.element == "F").unwrap();
     // The solver throws F to its limit, and no voltage demands more than 100 V.
-    assert_eq!(overload.peak, None);
-    assert!(overload.driven.unwrap().rate > 1e3, "{overload:?}");
+    assert_eq!(overload.peak(), None);
+    assert!(overload.driven().unwrap().rate > 1e3, "{overload:?}");
 }
 
 #[test]
@@ -88,7 +100,10 @@ fn the_demand_of_a_held_integrator_follows_its_feedback() {
         let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
         let held = seconds - 26.0f64.ln();
         let expected = 104.0 - 4.0 * (-held).exp();
-        assert!((overloads[0].peak.unwrap() - expected).abs() < 1e-6, "{seconds}: {overloads:?} {expected}");
+        assert!(
+            (overloads[0].peak().unwrap() - expected).abs() < 1e-6,
+            "{seconds}: {overloads:?} {expected}"
+        );
     }
 }
 
@@ -106,7 +121,7 @@ fn feedback_through_inverters_at_their_limits_counts() {
             let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
             let lit = overloads.iter().find(|overload| overload.element == "A").unwrap();
             let expected = 120.0 - 20.0 * (-(seconds - 6.0f64.ln())).exp();
-            assert!((lit.peak.unwrap() - expected).abs() < 1e-6, "{seconds}: {lit:?} {expected}");
+            assert!((lit.peak().unwrap() - expected).abs() < 1e-6, "{seconds}: {lit:?} {expected}");
         }
     }
 }
@@ -130,8 +145,8 @@ fn feedback_with_memory_gives_a_rate_that_does_not_depend_on_the_length_of_the_r
         let program = feedback_through(kind);
         let lit = |seconds: f64| crate::common::run_for(&program, 0.01, seconds).overloads()[0].clone();
         let (short, long) = (lit(20.0), lit(100.0));
-        assert_eq!((short.element.as_str(), short.peak, long.peak), ("A", None, None));
-        let [short, long] = [short, long].map(|overload| overload.driven.unwrap());
+        assert_eq!((short.element.as_str(), short.peak(), long.peak()), ("A", None, None));
+        let [short, long] = [short, long].map(|overload| overload.driven().unwrap());
         assert_eq!((short.limit, short.is_at_end, long.is_at_end), (100.0, true, true));
         assert!((short.rate - long.rate).abs() < 1e-9, "{short:?} {long:?}");
         assert!((short.seconds - 19.0).abs() < 0.1, "{short:?}");
@@ -151,7 +166,7 @@ fn the_time_at_the_limit_ends_when_the_drive_turns() {
     let program = built(builder);
     for seconds in [4.0, 4.5] {
         let overloads = crate::common::run_for(&program, 0.01, seconds).overloads();
-        let driven = overloads[0].driven.unwrap();
+        let driven = overloads[0].driven().unwrap();
         assert_eq!((overloads[0].element.as_str(), driven.limit, driven.is_at_end), ("A", -100.0, false));
         assert!((driven.seconds - 2.0).abs() < 0.1, "{driven:?}");
     }

@@ -1,7 +1,6 @@
 //! What an overload demands of its amplifier, in words.
 
-use patchcord_core::machines::REFERENCE;
-use patchcord_core::trace::{LimitDrive, Overload};
+use patchcord_core::trace::{Demand, LimitDrive, Overload};
 use patchcord_expr::format_significant;
 
 /// The demanded output of an overload, such as "needs 120.0 V". If it is not known, how the integrator was driven
@@ -11,19 +10,18 @@ use patchcord_expr::format_significant;
 ///
 /// ```
 /// use patchcord_analysis::instruments::overload_demand;
-/// use patchcord_core::trace::{LimitDrive, Overload};
+/// use patchcord_core::trace::{Demand, LimitDrive, Overload};
 ///
-/// let known = Overload { element: "A2".into(), time: 0.3, peak: Some(120.0), driven: None, caused_by: None };
+/// let known = Overload { element: "A2".into(), time: 0.3, demand: Demand::Peak(120.0), caused_by: None };
 /// assert_eq!(overload_demand(&known), "needs 120.0 V");
 /// let driven = LimitDrive { limit: -100.0, seconds: 1.2, is_at_end: false, rate: 35.0 };
-/// let unknown = Overload { peak: None, driven: Some(driven), ..known };
+/// let unknown = Overload { demand: Demand::Driven(driven), ..known };
 /// assert_eq!(overload_demand(&unknown), "driven into -100 V for 1.2 s, by up to 35 V/s");
 /// ```
 pub fn overload_demand(overload: &Overload) -> String {
-    match (overload.driven, overload.peak) {
-        (Some(driven), _) => drive_text(driven),
-        (None, Some(peak)) => format!("needs {peak:.1} V"),
-        (None, None) => format!("needs more than {REFERENCE} V"),
+    match overload.demand {
+        Demand::Peak(volts) => format!("needs {volts:.1} V"),
+        Demand::Driven(drive) => drive_text(drive),
     }
 }
 

@@ -111,10 +111,10 @@ fn readers(circuit: &Circuit, count: usize) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
     use patchcord_core::patch::{ElementBuilder, PatchBuilder};
-    use patchcord_core::trace::{Repetition, Track};
+    use patchcord_core::trace::{Demand, Repetition, Track};
 
     fn overload(element: &str, time: f64) -> Overload {
-        Overload { element: element.to_owned(), time, peak: Some(120.0), driven: None, caused_by: None }
+        Overload { element: element.to_owned(), time, demand: Demand::Peak(120.0), caused_by: None }
     }
 
     #[test]

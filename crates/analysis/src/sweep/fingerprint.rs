@@ -12,7 +12,7 @@ use patchcord_core::patch::{Amount, Patch};
 use patchcord_core::solve::RunSettings;
 
 /// The version of the head of a sweep file. Raise it when the head, the columns or a canonical text change.
-pub(super) const FORMAT_VERSION: u32 = 2;
+pub(super) const FORMAT_VERSION: u32 = 3;
 
 /// Sections of a patch that no row depends on, or that the run settings already contain.
 const IGNORED_SECTIONS: [&str; 5] = ["title", "source", "pictures", "record", "run"];

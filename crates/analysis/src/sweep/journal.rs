@@ -318,7 +318,7 @@ mod tests {
         let head = format!("# {}\n", first_line());
         let error = Journal::open(file.path(), &head, 3, row, |_| Ok(())).err().unwrap().to_string();
         let expected = "was written by another version of patchcord (its first line is \"patchcord 0.1.0 sweep\", this \
-             version writes \"patchcord 0.1.0 sweep, format 2\"); the file is unchanged: complete it with the version \
+             version writes \"patchcord 0.1.0 sweep, format 3\"); the file is unchanged: complete it with the version \
              that started it, or specify another file";
         assert!(error.ends_with(expected), "{error}");
     }

@@ -35,7 +35,7 @@ use patchcord_core::document::escape_controls;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{Backend, LANES, Phase, RunError, RunSettings};
-use patchcord_core::trace::{StepWarning, format_exact};
+use patchcord_core::trace::format_exact;
 use row::RowFormat;
 
 /// A sweep: the runs, their settings, and the measures of each run.
@@ -118,6 +118,8 @@ pub struct SweepSummary {
     /// shortest recommended step. One of 64 rows is checked, at least 1 and at most 8. Steps that adapt to a tolerance
     /// need no check.
     pub step_warning: Option<RowStepWarning>,
+    /// The reason of every check that failed, in the order of the rows.
+    pub failed_checks: Vec<String>,
 }
 
 impl SweepSummary {
@@ -146,7 +148,8 @@ const LAST_COLUMNS: [&str; 2] = ["error", "note"];
 
 impl Sweep {
     /// Creates a sweep. `program` is compiled from `patch`, possibly with other parameter values. Only the signals that
-    /// the measures need are recorded, whatever the settings specify.
+    /// the measures need are recorded, whatever the settings specify. The settings need no checks of the steps and no
+    /// blocks, and both are ignored.
     ///
     /// # Errors
     /// If there is no measure, a measure does not suit such runs, two columns have the same name, or the settings are
@@ -176,6 +179,7 @@ impl Sweep {
         settings.record = record;
         settings.sensitivities = Vec::new();
         settings.has_lamps = true;
+        (settings.checks_steps, settings.block_samples) = (false, None);
         settings.check()?;
         let sweep = Sweep { patch: patch.clone(), program, settings, plan, measures };
         let names = sweep.column_names();
@@ -335,7 +339,7 @@ impl Sweep {
     }
 
     /// Computes the runs after the existing rows, and passes their rows to `write` in order. The steps of some of these
-    /// runs are checked.
+    /// runs are checked at the end, so that an interruption of the checks loses no row.
     fn compute_remaining<E>(
         &self,
         existing: SweepSummary,
@@ -350,7 +354,7 @@ impl Sweep {
         let workers =
             (0..threads * WORKERS_PER_THREAD).map(|_| (self.runner(), GroupSizer::new(group))).collect();
         let checked = self.rows_to_check(remaining);
-        let mut summary = existing;
+        let (mut summary, mut values_to_check) = (existing, Vec::new());
         progress(first);
         parallel::run_in_order(
             0..remaining,
@@ -360,25 +364,22 @@ impl Sweep {
             |(_, sizer)| sizer.size(),
             |(runner, sizer), runs| {
                 let values: Vec<_> = runs.clone().map(|run| self.plan.values(first + run)).collect();
-                let rows = sizer.timed(runs.end - runs.start, || runner.rows(&values));
-                let is_checked = |run: u64, row: &SweepRow| row.error.is_none() && checked.contains(&run);
-                let with_warning = |(row, run): (SweepRow, u64)| {
-                    let is_checked = is_checked(run, &row);
-                    let warning = is_checked.then(|| runner.step_warning(&row.values)).flatten();
-                    (row, warning)
-                };
-                rows.into_iter().zip(runs).map(with_warning).collect()
+                sizer.timed(runs.end - runs.start, || runner.rows(&values))
             },
-            |result: Option<(SweepRow, Option<StepWarning>)>| {
-                result.into_iter().try_for_each(|(row, warning)| {
+            |result: Option<SweepRow>| {
+                if let Some(row) = result {
+                    if row.error.is_none() && checked.contains(&summary.written) {
+                        values_to_check.push(row.values.clone());
+                    }
                     summary.add(&row);
-                    warning.into_iter().for_each(|warning| summary.add_step_warning(&row.values, warning));
-                    write(&row.line())
-                })?;
+                    write(&row.line())?;
+                }
                 progress(first + summary.written);
                 Ok(())
             },
         )?;
+        let rows = first + summary.written;
+        self.check_steps(&values_to_check, threads as usize, &mut summary, &mut || progress(rows));
         Ok(summary)
     }
 }

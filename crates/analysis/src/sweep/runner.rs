@@ -12,6 +12,9 @@ use patchcord_core::ir::Program;
 use patchcord_core::solve::{self, BLOCK_SAMPLES, RunError, RunSettings};
 use patchcord_core::trace::{StepWarning, Trace};
 
+/// The reason for a missing result if the solver panics.
+const INTERNAL_ERROR: &str = "internal error; the message is on standard error";
+
 /// Computes runs of a sweep with its own copies of the program.
 #[derive(Debug)]
 pub struct SweepRunner<'s> {
@@ -39,23 +42,31 @@ impl<'s> SweepRunner<'s> {
     pub fn rows(&mut self, values: &[Vec<f64>]) -> Vec<SweepRow> {
         let computed = catch_unwind(AssertUnwindSafe(|| self.compute(values)));
         let rows = computed.unwrap_or_else(|_| match values {
-            [_] => {
-                vec![self.failed_row("panic", "internal error; the message is on standard error".to_owned())]
-            }
+            [_] => vec![self.failed_row("panic", INTERNAL_ERROR.to_owned())],
             // Computing them one by one identifies the run that panics.
             _ => values.iter().map(|values| self.row(values)).collect(),
         });
         rows.into_iter().zip(values).map(|(row, values)| SweepRow { values: values.clone(), ..row }).collect()
     }
 
-    /// Computes one run once more with checks of its steps, and returns the warning that they are too long. `None` if they
-    /// are short enough, or if the run fails.
-    pub(super) fn step_warning(&mut self, values: &[f64]) -> Option<StepWarning> {
-        let warning = catch_unwind(AssertUnwindSafe(|| {
-            self.set_parameters(&mut 0, values).ok()?;
-            solve::run(&self.programs[0], &self.settings_with_checks()).ok()?.step_warning
-        }));
-        warning.ok().flatten()
+    /// Computes one run once more with checks of its steps. Returns the warning that they are too long; `None` if they
+    /// are short enough.
+    ///
+    /// # Errors
+    /// If the run fails or the solver panics. The error is the reason.
+    pub(super) fn step_warning(&mut self, values: &[f64]) -> Result<Option<StepWarning>, String> {
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.run_with_checks(values)));
+        let outcome = outcome.map_err(|_| INTERNAL_ERROR.to_owned())?;
+        outcome.map(|trace| trace.step_warning).map_err(|error| error.to_string())
+    }
+
+    /// The trace of one run with checks of its steps. May panic.
+    ///
+    /// # Errors
+    /// If the values are invalid or the run stops.
+    fn run_with_checks(&mut self, values: &[f64]) -> Result<Trace, RunError> {
+        self.set_parameters(&mut 0, values)?;
+        solve::run(&self.programs[0], &self.settings_with_checks()).map_err(|stopped| stopped.error)
     }
 
     /// The settings of a run whose steps are checked. If the measures need no signal, the outputs of the integrators and

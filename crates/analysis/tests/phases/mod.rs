@@ -351,6 +351,14 @@ fn an_end_on_the_grid_is_recorded_once() {
     }
 }
 
+/// An end 0.1 ms after a sample is not the same instant, however late it is.
+#[test]
+fn a_late_end_just_after_a_sample_is_recorded() {
+    let end = 1e6 + 1e-4;
+    let trace = run(&decay(), &[INITIAL, hold(end)], 10.0, &["level"]);
+    assert_eq!((trace.len(), trace.time.last()), (100_002, Some(&end)));
+}
+
 /// Shooting method: y'' = -y, y(0) = 0, y(1 s) = 30 V. Each run corrects the initial slope by its error.
 #[test]
 fn an_iteration_finds_the_boundary_value() {

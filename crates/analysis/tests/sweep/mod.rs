@@ -148,12 +148,14 @@ fn a_continued_sweep_counts_the_existing_rows() {
     let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["frequency:s"], |settings| settings);
     let file = tempfile::NamedTempFile::new().unwrap();
     let summary = || sweep.append_to(file.path(), 1, &mut |_| ()).unwrap();
-    assert_eq!(summary(), SweepSummary { kept: 0, written: 4, failed: 1, noted: 3, step_warning: None });
-    assert_eq!(summary(), SweepSummary { kept: 4, written: 0, failed: 1, noted: 3, step_warning: None });
+    let counts =
+        |kept, written| SweepSummary { kept, written, failed: 1, noted: 3, ..SweepSummary::default() };
+    assert_eq!(summary(), counts(0, 4));
+    assert_eq!(summary(), counts(4, 0));
     let table = std::fs::read_to_string(file.path()).unwrap();
     let cut = table.rfind("0.4,").unwrap();
     std::fs::write(file.path(), &table[..cut]).unwrap();
-    assert_eq!(summary(), SweepSummary { kept: 2, written: 2, failed: 1, noted: 3, step_warning: None });
+    assert_eq!(summary(), counts(2, 2));
     assert_eq!(std::fs::read_to_string(file.path()).unwrap(), table);
 }
 
@@ -185,6 +187,15 @@ fn steps_that_are_too_long_for_a_row_are_reported_with_its_values() {
     assert_eq!(overload.step_warning.unwrap().warning.signal, "F");
     assert_eq!(summary("peak:f", 1, |settings| settings.with_step(1e-4)).step_warning, None);
     assert_eq!(summary("peak:f", 1, |settings| settings.with_tolerance(1e-6)).step_warning, None);
+}
+
+#[test]
+fn checks_and_blocks_of_the_settings_are_ignored() {
+    let rows_with = |settings: fn(RunSettings) -> RunSettings| {
+        rows(&sweep(&stiff(), &["k=0.1,0.2"], &["voltmeter:f"], settings), 1)
+    };
+    let plain = rows_with(|settings| settings);
+    assert_eq!(rows_with(|settings| settings.with_step_checks().with_blocks(10)), plain);
 }
 
 /// The error of a sweep of four runs if `change` is made to its file after `done` rows. On Windows,

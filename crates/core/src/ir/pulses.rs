@@ -87,11 +87,14 @@ impl PulseTrain<f64> {
 
     /// The number of edges up to a problem time in seconds.
     pub(crate) fn edges_until(self, time: f64) -> u64 {
-        let (first, period) = (self.time(0), self.time(2) - self.time(0));
-        // Rounding may put the time into the next pulse, so the count begins one pulse earlier. A negative number of
-        // pulses becomes 0.
-        let mut edges = 2 * ((time - first) / period - 1.0) as u64;
-        while self.time(edges) <= time {
+        // A negative number of pulses becomes 0.
+        let pulses = ((time - self.time(0)) / self.period()) as u64;
+        let mut edges = pulses.saturating_mul(2);
+        // Rounding may put the time into a neighbouring pulse.
+        while edges > 0 && self.time(edges - 1) > time {
+            edges -= 1;
+        }
+        while edges < u64::MAX && self.time(edges) <= time {
             edges += 1;
         }
         edges
@@ -99,7 +102,15 @@ impl PulseTrain<f64> {
 
     /// Edges per problem second; 0 for a single pulse.
     pub(crate) fn rate(self) -> f64 {
-        2.0 / (self.time(2) - self.time(0))
+        2.0 / self.period()
+    }
+
+    /// Problem seconds between two rises; infinity for a single pulse.
+    fn period(self) -> f64 {
+        match self {
+            PulseTrain::Wave { frequency, .. } => 1.0 / frequency,
+            PulseTrain::Train { period, .. } => period.unwrap_or(f64::INFINITY),
+        }
     }
 }
 
@@ -120,16 +131,26 @@ impl Pulses {
         self.train.map(setting).edge_time(edge).slope
     }
 
-    /// Whether an edge is exactly at t = 0 and has a slope: with another value of the parameter it would be elsewhere.
-    pub(crate) fn has_shifting_edge_at_start(&self, coefficients: &[f64], slopes: &[f64]) -> bool {
+    /// Whether an edge is at t = 0 and has a slope: with another value of the parameter it would be elsewhere. Edges at
+    /// most `tolerance` seconds from 0 count as edges at 0.
+    pub(crate) fn has_shifting_edge_at_start(
+        &self,
+        coefficients: &[f64],
+        slopes: &[f64],
+        tolerance: f64,
+    ) -> bool {
         let train = self.at(coefficients);
-        let last = train.edges_until(0.0).checked_sub(1);
-        last.is_some_and(|edge| train.time(edge) == 0.0 && self.shift(edge, coefficients, slopes) != 0.0)
+        let last = train.edges_until(tolerance).checked_sub(1);
+        last.is_some_and(|edge| {
+            train.time(edge) >= -tolerance && self.shift(edge, coefficients, slopes) != 0.0
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     #[test]
@@ -141,6 +162,18 @@ mod tests {
             assert_eq!(wave.edges_until(rise.next_down()), 2 * pulse, "before the rise at {rise}");
             assert_eq!(wave.edges_until(wave.time(2 * pulse + 1)), 2 * pulse + 2);
         }
+    }
+
+    #[test]
+    fn edges_of_short_periods_are_counted_long_after_the_start() {
+        let train: PulseTrain<f64> = PulseTrain::Train { begin: 1e6, width: 2.5e-6, period: Some(1e-5) };
+        for pulse in [0, 1, 1_000_000, 10_000_000] {
+            let (rise, fall) = (train.time(2 * pulse), train.time(2 * pulse + 1));
+            assert_eq!(train.edges_until(rise.next_down()), 2 * pulse, "before the rise at {rise}");
+            assert_eq!((train.edges_until(rise), train.edges_until(fall)), (2 * pulse + 1, 2 * pulse + 2));
+        }
+        assert!((train.rate() - 2e5).abs() < 1e-9, "{}", train.rate());
+        assert_eq!(train.edges_until(f64::MAX), u64::MAX, "the largest number");
     }
 
     #[test]
@@ -167,7 +200,14 @@ mod tests {
         let wave = Pulses { element: 0, train: PulseTrain::Wave { frequency: 0, duty: 1, phase: 2 } };
         // The third rise is at 3 / f, so its slope by f is -3 / f^2.
         assert_eq!(wave.shift(6, &[2.0, 0.5, 0.0], &[1.0, 0.0, 0.0]), -0.75);
-        assert!(wave.has_shifting_edge_at_start(&[2.0, 0.5, 0.0], &[0.0, 0.0, 1.0]));
-        assert!(!wave.has_shifting_edge_at_start(&[2.0, 0.5, 0.0], &[1.0, 1.0, 0.0]));
+        assert!(wave.has_shifting_edge_at_start(&[2.0, 0.5, 0.0], &[0.0, 0.0, 1.0], 0.0));
+        assert!(!wave.has_shifting_edge_at_start(&[2.0, 0.5, 0.0], &[1.0, 1.0, 0.0], 0.0));
+        // The phases shift the first edge to 1e-12 s after t = 0, and before it.
+        for phase in [-4e-12 * PI, 4e-12 * PI] {
+            let is_at_start = |tolerance: f64| {
+                wave.has_shifting_edge_at_start(&[2.0, 0.5, phase], &[0.0, 0.0, 1.0], tolerance)
+            };
+            assert_eq!([2e-12, 0.5e-12].map(is_at_start), [true, false], "{phase}");
+        }
     }
 }

@@ -183,7 +183,7 @@ impl Machine<'_> {
         }
         if let Some(sensitivities) = sensitivities {
             sensitivities.update_coefficients(setup.program, &state.parameters, delay_lines, state.time);
-            sensitivities.check_parameters(setup.program, &state.coefficients)?;
+            sensitivities.check_parameters(setup, &state.coefficients)?;
         }
         state.begin_levels(setup);
         check_times(&self.solver)?;

@@ -337,6 +337,21 @@ impl RunError {
         }
     }
 
+    /// Whether the error may depend on the length of equal steps, so that a run with shorter ones may have none.
+    pub(super) fn may_depend_on_step(&self) -> bool {
+        match self {
+            RunError::NotANumber { .. }
+            | RunError::Loop { .. }
+            | RunError::InfiniteDerivative { .. }
+            | RunError::DerivativeLost { .. }
+            | RunError::Chatter { .. }
+            | RunError::DelayTooShort { .. }
+            | RunError::LagTooShort { .. } => true,
+            RunError::LongerThanRun { which, .. } => *which == TimeSetting::Step,
+            _ => false,
+        }
+    }
+
     /// A stable name for programs that read failures, such as "chatter". JSON output contains it under "code".
     pub fn code(&self) -> &'static str {
         match self {
@@ -406,6 +421,18 @@ fn computing_time(steps: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shorter_step_may_help_against_errors_of_the_solver_only() {
+        let longer = |which| RunError::LongerThanRun { which, value: 2.0, duration: 1.0 };
+        let not_a_number = RunError::NotANumber { element: "A1".to_owned(), time: 0.5 };
+        assert!(not_a_number.may_depend_on_step() && longer(TimeSetting::Step).may_depend_on_step());
+        let unknown = RunError::UnknownSignal("x".to_owned());
+        let steps = RunError::TooManySteps { steps: 2e10, max: 1e10 };
+        for error in [unknown, steps, longer(TimeSetting::Every), RunError::NoTime] {
+            assert!(!error.may_depend_on_step(), "{error}");
+        }
+    }
 
     #[test]
     fn a_number_above_a_limit_differs_from_it() {

@@ -19,8 +19,8 @@ use crate::trace::WorkCounters;
 /// Number of changes of one mode, or of crossings of one kink, in a counting span above which it chatters. The counting
 /// span is one of the equal steps, or the share [`CHATTER_SPAN_SHARE`] of the first step tried if steps adapt.
 const MAX_EVENTS_PER_SPAN: u32 = 1000;
-/// Largest number of shorter steps that are tried to end a step at a turning point. Each is closer to it by orders of
-/// magnitude, unless the errors of a loop decide its place.
+/// Largest number of lengths that are tried to end a step at a turning point. Each is closer to it by orders of magnitude,
+/// unless the errors of a loop decide its place.
 const MAX_TURN_TRIES: u32 = 8;
 /// Length of the counting span for chatter if steps adapt, as a share of the first step tried.
 const CHATTER_SPAN_SHARE: f64 = 0.01;
@@ -181,7 +181,7 @@ impl<'p> Machine<'p> {
                 continue;
             }
             if turns < MAX_TURN_TRIES
-                && let Some(shorter) = self.length_to_turn(length)
+                && let Some(shorter) = self.length_to_turn(length, turns > 0)
             {
                 (turn, turns) = (self.solver.state.time + shorter, turns + 1);
                 continue;

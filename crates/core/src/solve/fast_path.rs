@@ -291,6 +291,9 @@ fn run_steps(
         if steps.after(taken).up_to_multiple_of(FLUSH_INTERVAL) == FLUSH_INTERVAL {
             flush_tiny_states(&mut run.frame.states);
         }
+        if observer.is_cancelled() {
+            return (taken, Halt::Unsupported);
+        }
     }
     (taken, Halt::Completed)
 }

@@ -15,7 +15,7 @@ use super::limit_drive::DriveRecord;
 use super::state::{Solver, SolverState};
 use crate::ir::{LAMP_THRESHOLD, Program, Register, SourceSlopes, TangentBase};
 use crate::machines::REFERENCE;
-use crate::trace::{LimitDrive, Overload};
+use crate::trace::{Demand, LimitDrive, Overload};
 
 /// Number of bisections of a step after which the bracket of 2^-50 steps is smaller than the rounding of the time.
 const BISECTION_COUNT: usize = 50;
@@ -124,15 +124,11 @@ impl Lamps {
         let mut lit: Vec<LitLamp> = self.lit.iter().flatten().copied().collect();
         lit.sort_by(|a, b| a.time.total_cmp(&b.time));
         let elements: Vec<usize> = lit.iter().map(|lamp| lamp.element).collect();
-        let overload = |(lamp, cause): (&LitLamp, Option<usize>)| {
-            let driven = self.limit_drive(program, lamp);
-            Overload {
-                element: program.name(lamp.element).to_owned(),
-                time: lamp.time,
-                peak: driven.is_none().then_some(lamp.peak),
-                driven,
-                caused_by: cause.map(|cause| program.name(elements[cause]).to_owned()),
-            }
+        let overload = |(lamp, cause): (&LitLamp, Option<usize>)| Overload {
+            element: program.name(lamp.element).to_owned(),
+            time: lamp.time,
+            demand: self.limit_drive(program, lamp).map_or(Demand::Peak(lamp.peak), Demand::Driven),
+            caused_by: cause.map(|cause| program.name(elements[cause]).to_owned()),
         };
         lit.iter().zip(causes(&program.lowered.readers, &elements)).map(overload).collect()
     }

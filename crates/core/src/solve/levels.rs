@@ -196,42 +196,31 @@ pub(super) fn due_edges<'a>(
 /// level, in addition to `equal_steps`. Points of tables are not counted, because files limit their number.
 ///
 /// # Errors
-/// If there are more than [`MAX_STEPS`]. The error names the drive that ends most of them.
+/// If there are more than [`MAX_STEPS`]. The error names the drive with the most jumps, unless these are fewer than the
+/// equal steps.
 pub(super) fn check_step_count(
     program: &Program,
     sources: &[LevelSource],
     length: f64,
     equal_steps: f64,
 ) -> Result<(), RunError> {
-    let jumps = |source: &LevelSource| length * source.rate(&program.tables);
-    let drives = sources.iter().zip(&program.lowered.levels);
-    let drives: Vec<(f64, &LevelSource, &Level)> = drives
-        .filter(|(_, level)| !matches!(level, Level::Points { .. }))
-        .map(|(source, level)| (jumps(source), source, level))
-        .collect();
-    let steps = equal_steps + drives.iter().map(|(jumps, ..)| jumps).sum::<f64>();
-    let most = drives.into_iter().max_by(|one, other| one.0.total_cmp(&other.0));
-    let Some((jumps, source, level)) = most.filter(|_| steps > MAX_STEPS) else { return Ok(()) };
-    jump_error(program, (source, level), jumps, steps).map_or(Ok(()), Err)
-}
-
-/// The error of a drive with too many jumps; `None` for a table. `steps` are those of the run.
-fn jump_error(program: &Program, drive: (&LevelSource, &Level), jumps: f64, steps: f64) -> Option<RunError> {
+    let jumps = |source: &LevelSource| match source {
+        LevelSource::Points { .. } => 0.0,
+        _ => length * source.rate(&program.tables),
+    };
+    let (steps, max) = (equal_steps + sources.iter().map(jumps).sum::<f64>(), MAX_STEPS);
+    let drives =
+        sources.iter().zip(&program.lowered.levels).map(|(source, level)| (jumps(source), source, level));
+    let most = drives.max_by(|one, other| one.0.total_cmp(&other.0));
     let name = |element: usize| program.name(element).to_owned();
-    match drive {
-        (LevelSource::Noise(source), Level::Noise(noise)) => Some(RunError::NoiseTooFine {
-            element: name(noise.element),
-            every: source.every,
-            numbers: jumps,
-            steps,
-            max: MAX_STEPS,
-        }),
-        (_, Level::Pulses(pulses)) => Some(RunError::PulsesTooFast {
-            element: name(pulses.element),
-            edges: jumps,
-            steps,
-            max: MAX_STEPS,
-        }),
-        _ => None,
-    }
+    let error = match most.filter(|(jumps, ..)| *jumps >= equal_steps) {
+        Some((numbers, LevelSource::Noise(source), Level::Noise(noise))) => {
+            RunError::NoiseTooFine { element: name(noise.element), every: source.every, numbers, steps, max }
+        }
+        Some((edges, _, Level::Pulses(pulses))) => {
+            RunError::PulsesTooFast { element: name(pulses.element), edges, steps, max }
+        }
+        _ => RunError::TooManySteps { steps, max },
+    };
+    if steps > max { Err(error) } else { Ok(()) }
 }

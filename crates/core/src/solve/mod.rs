@@ -7,11 +7,12 @@
 //! `settings`, `settings_blocks` and `settings_check` describe a run; `operation`, `player` and `run` play its phases.
 //! `recorder` records signals, `extrema` and `lamps` find their peaks and overloads, and `sensitivity` computes
 //! derivatives. `limit_drive` measures how integrators are driven against their limits, and `cord_chains` follows cords
-//! from element to element. `step_check`, `step_comparison` and `thinned_trace` find steps that are too long.
-//! `controls` and `drive_table` change settings, and `readings` reads a machine.
+//! from element to element. `step_check`, `check_plan`, `step_comparison` and `thinned_trace` find steps that are too
+//! long. `controls` and `drive_table` change settings, and `readings` reads a machine.
 
 mod batch;
 mod buffers;
+mod check_plan;
 mod controls;
 mod cord_chains;
 mod dense_output;

@@ -45,8 +45,13 @@ pub(super) trait StepObserver {
         f64::INFINITY
     }
 
-    /// Whether the machine has to go into hold at the end of a whole step, because a lamp is lit.
+    /// Whether the machine has to go into hold at the end of a whole step, because a lamp is lit or the run is cancelled.
     fn should_stop(&self, lamps: &Lamps) -> bool;
+
+    /// Whether the run is cancelled. A kernel then halts.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
 
     /// Whether the machine has to go into hold at the present instant, also within a step of the grid.
     fn is_phase_over(&self) -> bool {

@@ -117,7 +117,7 @@ impl Machine<'_> {
         self.events.corners_off_grid = corners.off_grid(time, setup.grid, INSTANT_TOLERANCE * setup.step);
         let count = setup.grid.steps_in(length);
         if let Some(check) = &mut self.step_check {
-            check.plan(count);
+            check.begin_phase(count);
         }
         let steps = Steps { begin: time, grid: setup.grid, first: 1, count };
         Ok(Operation { steps, active: None, end: time + length })

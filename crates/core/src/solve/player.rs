@@ -87,9 +87,9 @@ impl<'p, 'w> Player<'p, 'w> {
         self.end - self.recorded()
     }
 
-    /// Whether the player has reached the time at which it stops, apart from rounding.
+    /// Whether the run is cancelled, or the player has reached the time at which it stops, apart from rounding.
     fn is_over(&self) -> bool {
-        self.remaining() <= SAME_INSTANT * self.recorded()
+        self.recorder.is_cancelled || self.remaining() <= SAME_INSTANT * self.recorded()
     }
 
     /// Plays phases in their order, up to the first error.
@@ -224,6 +224,9 @@ impl<'p, 'w> Player<'p, 'w> {
             return PhaseEnd::Switched(position);
         }
         self.recorder.sample_end(&self.machine.solver);
+        if self.recorder.is_cancelled {
+            return PhaseEnd::Stopped;
+        }
         if self.machine.mode() != MachineMode::Hold {
             return PhaseEnd::Time;
         }

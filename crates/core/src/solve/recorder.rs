@@ -8,7 +8,7 @@
 mod blocks;
 mod observer;
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use super::error::RunError;
 use super::fast_path::KernelRun;
@@ -22,12 +22,18 @@ use crate::ir::{Program, Register, SignalInfo};
 use crate::kernel::Steps;
 use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
 
+/// Largest distance of the end of a phase from the last sample at which both are one sample, as a share of the time
+/// between samples.
+const SAME_SAMPLE_SHARE: f64 = 1e-6;
+
 /// Samples the signals of a run, and records its repetitions and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
     /// The record so far, without the samples that were flushed.
     pub trace: Trace,
     /// Takes the samples of each block; `None` if they are dropped or stay in the record.
-    pub consumer: Option<&'a mut dyn FnMut(&Trace)>,
+    pub consumer: Option<&'a mut dyn FnMut(&Trace) -> ControlFlow<()>>,
+    /// Whether the consumer has stopped the run. It takes no more samples.
+    pub is_cancelled: bool,
     /// Number of samples of a block; `None` if the samples stay in the record.
     block_samples: Option<usize>,
     /// Number of samples that were flushed.
@@ -121,6 +127,7 @@ impl<'a> Recorder<'a> {
         Ok(Recorder {
             trace: Trace { tracks, ..Trace::default() },
             consumer: None,
+            is_cancelled: false,
             block_samples: settings.block_samples,
             flushed: 0,
             progress,
@@ -178,13 +185,20 @@ impl<'a> Recorder<'a> {
     /// within the tolerance of the grid. The extremes have these voltages already.
     pub(super) fn sample_end(&mut self, solver: &Solver<'_>) {
         let end = self.clock(solver.state.time);
-        if self.last_time < end * (1.0 - RATE_TOLERANCE) {
+        if self.last_time < end - self.end_tolerance(end) {
             self.push_time(end);
             let values = track_values(&self.signals, solver, Instant::Present);
             self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.volts.push(value));
             self.is_fresh = true;
             self.flush_full_block();
         }
+    }
+
+    /// Seconds after the last sample up to which the end of a phase is the same instant. It is the tolerance of the grid,
+    /// but at most a small share of the time between samples.
+    fn end_tolerance(&self, end: f64) -> f64 {
+        let of_grid = (RATE_TOLERANCE * end).min(SAME_SAMPLE_SHARE * self.grid.time(1));
+        of_grid.max(SAME_INSTANT * end)
     }
 
     /// Records the present voltages before a phase changes parameters, if the repetition continues after it.
@@ -276,9 +290,9 @@ impl<'a> Recorder<'a> {
         changed.next().map(|(track, _)| track.name.as_str())
     }
 
-    /// The time of the next sample by the recorder's clock; `None` if it is not before `end`.
+    /// The time of the next sample by the recorder's clock; `None` if it is not before `end`, or if the run is cancelled.
     fn next_before(&self, end: f64) -> Option<f64> {
-        (self.next_time < end).then_some(self.next_time)
+        (self.next_time < end && !self.is_cancelled).then_some(self.next_time)
     }
 
     /// Sets the index of the next sample in the grid.

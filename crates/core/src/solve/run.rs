@@ -8,6 +8,8 @@ mod in_blocks;
 
 pub use in_blocks::run_in_blocks;
 
+use std::ops::ControlFlow;
+
 use super::batch::Batch;
 use super::error::RunError;
 use super::levels::check_step_count;
@@ -85,7 +87,7 @@ pub fn run_with_progress(
     settings: &RunSettings,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Trace, StoppedRunError> {
-    run_in_blocks(program, settings, progress, &mut |_| ())
+    run_in_blocks(program, settings, progress, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Plays all phases of a run. Returns the trace, and the doubt about the steps if they were checked.
@@ -96,7 +98,7 @@ fn play<'w>(
     program: &Program,
     settings: &RunSettings,
     progress: &'w mut dyn FnMut(f64),
-    consumer: &'w mut dyn FnMut(&Trace),
+    consumer: &'w mut dyn FnMut(&Trace) -> ControlFlow<()>,
 ) -> Result<(Trace, Option<StepDoubt>), StoppedRunError> {
     let mut player = prepare(program, settings, progress)?;
     player.recorder.consumer = Some(consumer);
@@ -213,7 +215,8 @@ pub fn machine_after<'p>(
 /// runs recommended. The parameters are those of the program. The runs do not keep their samples.
 ///
 /// # Errors
-/// If the run stops with the step of the settings and with much shorter ones, or if no step is short enough.
+/// If the run stops with the step of the settings and with much shorter ones, with an error that does not depend on the
+/// step, or if no step is short enough.
 ///
 /// # Examples
 ///
@@ -240,7 +243,9 @@ pub fn sufficient_step(program: &Program, settings: &RunSettings) -> Result<f64,
                 let Some(warning) = trace.step_warning else { break };
                 warning.recommended.min(0.5 * settings.step)
             }
-            Err(stopped) if attempt >= MAX_STOPPED_ATTEMPTS => return Err(stopped.error),
+            Err(stopped) if attempt >= MAX_STOPPED_ATTEMPTS || !stopped.error.may_depend_on_step() => {
+                return Err(stopped.error);
+            }
             Err(_) => 0.1 * settings.step,
         };
         settings.step = shorter;
@@ -301,7 +306,7 @@ pub(super) fn prepare<'p, 'w>(
     let recorder = Recorder::new(program, &machine.solver, settings, progress)?;
     machine.fast_path.restart(settings.backend, recorder.registers());
     if settings.checks_steps && settings.tolerance.is_none() {
-        machine.step_check = Some(StepCheck::new(program.lowered.states.len()));
+        machine.step_check = Some(StepCheck::new(program.lowered.states.len(), equal_steps.round() as u64));
     }
     machine.lamps.is_on = settings.has_lamps || settings.hold_on_overload;
     Ok(Player::new(machine, recorder, operated))

@@ -341,9 +341,10 @@ impl RunSettings {
     }
 
     /// Whether [`run_batch`](super::run_batch) takes the steps of a program with these settings in lanes. That needs
-    /// equal steps, no derivatives, a backend with lanes, and a program with kernels.
+    /// equal steps without checks, no derivatives, a backend with lanes, and a program with kernels.
     pub fn is_batchable(&self, program: &Program) -> bool {
-        let has_equal_steps = self.tolerance.is_none() && self.sensitivities.is_empty();
-        has_equal_steps && self.backend.can_use_lanes() && Kernel::is_supported(program)
+        let has_equal_steps = self.tolerance.is_none() && !self.checks_steps;
+        let has_derivatives = !self.sensitivities.is_empty();
+        has_equal_steps && !has_derivatives && self.backend.can_use_lanes() && Kernel::is_supported(program)
     }
 }

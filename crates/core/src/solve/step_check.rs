@@ -1,10 +1,11 @@
 //! Checks during a run whether its equal steps are short enough.
 //!
-//! At some steps, spread evenly over the run, the step is also taken in two halves. The difference gives the error of
-//! the step. The stages give the largest rate at which the circuit responds: if it is too large for the step, the
-//! method is unstable and errors grow. The run itself is not changed.
+//! At some steps, which `check_plan` spreads evenly over the run, the step is also taken in two halves. The difference
+//! gives the error of the step. The stages give the largest rate at which the circuit responds: if it is too large for
+//! the step, the method is unstable and errors grow. The run itself is not changed.
 
 use super::buffers::StepBuffers;
+use super::check_plan::CheckPlan;
 use super::events::event_at;
 use super::runge_kutta::try_step;
 use super::state::{Setup, Solver, SolverState, read_rates};
@@ -19,9 +20,9 @@ const RECOMMENDED_PRODUCT: f64 = 1.4;
 const LARGEST_ADVANCE: f64 = 0.25;
 /// The advance that the recommended step has, in periods.
 const RECOMMENDED_ADVANCE: f64 = 0.02;
-/// Least share of the step with which a run is compared. Its inverse is a prime number, so that an oscillation that one
-/// step does not show is seen in the other.
-const LEAST_COMPARED_SHARE: f64 = 1.0 / 37.0;
+/// Least share of the step with which a run is compared: a twentieth of the golden ratio, which is no ratio of small
+/// numbers, so that an oscillation that one step does not show is seen in the other.
+const LEAST_COMPARED_SHARE: f64 = 0.05 * 0.618_033_988_749_895;
 /// Error of one step, in volts, below which an unstable method does no harm.
 const HARMLESS_ERROR: f64 = 1e-4;
 /// Change of a state in one step, in volts, below which an unstable method does no harm at an event.
@@ -34,17 +35,15 @@ const LARGEST_ERROR: f64 = 0.1;
 const HALVING_SHARE: f64 = 16.0 / 15.0;
 /// Change of the states between two stages, in volts, below which rounding decides their rates.
 const LEAST_CHANGE: f64 = 1e-9;
-/// Numbers of checked steps: the least, the most, and the number of steps for which one step is checked.
-const CHECKED_STEPS: (u64, u64, u64) = (32, 256, 6_400_000);
 
 /// The checks of a run.
 #[derive(Debug, Clone)]
 pub(super) struct StepCheck {
-    /// Number of steps between two checks.
-    interval: u64,
+    /// The steps that are checked.
+    plan: CheckPlan,
     /// Number of the next step that is checked, counted from 1 in the present phase.
     next: u64,
-    /// Number of steps of the run so far, including those of the present phase that are still to be taken.
+    /// Number of steps since the last initial condition, including those of the present phase that are still to be taken.
     steps: u64,
     /// Number of checks, and of those with a result.
     attempts: u64,
@@ -73,10 +72,11 @@ struct Unstable {
 }
 
 impl StepCheck {
-    /// The checks of a run of a program with this number of states.
-    pub(super) fn new(states: usize) -> Self {
+    /// The checks of a run of a program with this number of states. The run takes `run_steps` steps if no phase ends
+    /// early.
+    pub(super) fn new(states: usize, run_steps: u64) -> Self {
         StepCheck {
-            interval: 1,
+            plan: CheckPlan::new(run_steps),
             next: u64::MAX,
             steps: 0,
             attempts: 0,
@@ -92,15 +92,14 @@ impl StepCheck {
 
     /// Forgets the results, for a new initial condition.
     pub(super) fn reset(&mut self) {
-        *self = StepCheck { middle: self.middle.take(), ..StepCheck::new(self.sums.len()) };
+        let (plan, middle) = (self.plan, self.middle.take());
+        *self = StepCheck { plan, middle, ..StepCheck::new(self.sums.len(), 0) };
     }
 
     /// Plans the checks of a phase with this number of steps.
-    pub(super) fn plan(&mut self, steps: u64) {
-        let (least, most, total) = CHECKED_STEPS;
-        let checked = (total / steps.max(1)).clamp(least, most);
-        self.interval = (steps / checked).max(1);
-        self.next = 1;
+    pub(super) fn begin_phase(&mut self, steps: u64) {
+        self.plan.begin_phase(steps);
+        self.next = self.plan.next();
         self.steps += steps;
     }
 
@@ -112,7 +111,8 @@ impl StepCheck {
     /// Checks the next step, which has this number in the present phase. The error of a step with an event in it is not
     /// known, because the solver does not take it as a whole.
     pub(super) fn check(&mut self, solver: &mut Solver<'_>, next_step: u64) {
-        self.next = next_step + self.interval;
+        self.plan.advance(next_step);
+        self.next = self.plan.next();
         self.attempts += 1;
         let Solver { setup, state, delay_lines, buffers, .. } = solver;
         let length = setup.step;
@@ -241,7 +241,7 @@ fn has_event(
 ) -> bool {
     buffers.hint.is_some()
         || event_at(setup, state, &buffers.voltages).is_some()
-        || length_to_turn(setup, state, delay_lines, buffers, length).is_some()
+        || length_to_turn(setup, state, delay_lines, buffers, (length, false)).is_some()
 }
 
 /// How the rates respond to a change of the states within a step.

@@ -15,19 +15,29 @@ pub(super) struct ThinnedTrace {
     interval: usize,
     /// Number of samples of the run so far.
     seen: usize,
-    /// The largest number of voltages.
+    /// The number of voltages above which the distance doubles.
     max_voltages: usize,
+    /// The largest number of samples. Later ones are not selected.
+    max_samples: usize,
 }
 
 impl ThinnedTrace {
     /// A selection without samples.
     pub(super) fn new() -> Self {
-        ThinnedTrace { trace: Trace::default(), interval: 1, seen: 0, max_voltages: MAX_VOLTAGES }
+        ThinnedTrace {
+            trace: Trace::default(),
+            interval: 1,
+            seen: 0,
+            max_voltages: MAX_VOLTAGES,
+            max_samples: usize::MAX,
+        }
     }
 
-    /// A selection of the same samples of another run, without samples yet.
-    pub(super) fn for_other_run(&self) -> Self {
-        ThinnedTrace { interval: self.interval, max_voltages: usize::MAX, ..ThinnedTrace::new() }
+    /// A selection of the same samples of another run, without samples yet. It has at most `max_samples`, also if the
+    /// other run is longer.
+    pub(super) fn for_other_run(&self, max_samples: usize) -> Self {
+        let interval = self.interval;
+        ThinnedTrace { interval, max_voltages: usize::MAX, max_samples, ..ThinnedTrace::new() }
     }
 
     /// Selects from the next samples of the run.
@@ -39,12 +49,13 @@ impl ThinnedTrace {
         }
         let skipped = self.seen.next_multiple_of(self.interval) - self.seen;
         self.seen += block.len();
-        self.trace.time.extend(block.time.iter().skip(skipped).step_by(self.interval));
+        let missing = self.max_samples - self.trace.len();
+        self.trace.time.extend(block.time.iter().skip(skipped).step_by(self.interval).take(missing));
         for (selected, track) in self.trace.tracks.iter_mut().zip(signals) {
-            selected.volts.extend(track.volts.iter().skip(skipped).step_by(self.interval));
+            selected.volts.extend(track.volts.iter().skip(skipped).step_by(self.interval).take(missing));
         }
-        let max_samples = self.max_voltages / self.trace.tracks.len().max(1);
-        while self.trace.len() > max_samples.max(ALWAYS_KEPT) {
+        let thinned_above = self.max_voltages / self.trace.tracks.len().max(1);
+        while self.trace.len() > thinned_above.max(ALWAYS_KEPT) {
             self.double_interval();
         }
     }
@@ -90,10 +101,10 @@ mod tests {
             let expected: Vec<f64> = (0..samples).step_by(interval).map(|index| index as f64).collect();
             assert_eq!((&thinned.trace.time, thinned.trace.tracks.len()), (&expected, 1), "{samples}");
             assert_eq!(thinned.trace.tracks[0].volts, expected);
-            // Another run with a few samples more has the same ones.
-            let mut other = thinned.for_other_run();
-            add(&mut other, samples + 3);
-            assert_eq!(other.trace.time[..expected.len()], expected[..]);
+            // A longer run has the same ones.
+            let mut other = thinned.for_other_run(expected.len());
+            add(&mut other, 2 * samples + 3);
+            assert_eq!((&other.trace.time, &other.trace.tracks[0].volts), (&expected, &expected));
         }
     }
 }

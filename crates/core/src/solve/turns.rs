@@ -14,17 +14,20 @@ use crate::delay_line::DelayLine;
 /// Distance from the ends of a step at which the slopes are measured, as a share of the step. It is large enough for the
 /// rounding of the voltages to change no turning point by more than [`SHORTFALL`].
 const SLOPE_DISTANCE: f64 = 1e-3;
+/// Largest ratio of a corrected length to the length before.
+const MAX_CORRECTION: f64 = 1.1;
 /// Shortfall of a turning point that does not matter, in volts.
 const SHORTFALL: f64 = 1e-10;
 
 impl Machine<'_> {
-    /// The length in problem seconds, shorter than that of the tried step, of a step that ends where the input of a
-    /// sampled value turns; `None` if no such input turns.
-    pub(super) fn length_to_turn(&mut self, length: f64) -> Option<f64> {
+    /// The length in problem seconds of a step that ends where the input of a sampled value turns, if that is within the
+    /// tried step; `None` if no such input turns there. With `is_refined` the tried step was such a length, which is
+    /// corrected, also beyond its end.
+    pub(super) fn length_to_turn(&mut self, length: f64, is_refined: bool) -> Option<f64> {
         let Solver { setup, state, delay_lines, buffers, .. } = &mut self.solver;
         let has_turns = setup.program.lowered.sampled.iter().any(|sampled| sampled.follows.is_some());
         self.work.evaluations += if has_turns { 2 } else { 0 };
-        length_to_turn(setup, state, delay_lines, buffers, length)
+        length_to_turn(setup, state, delay_lines, buffers, (length, is_refined))
     }
 }
 
@@ -34,7 +37,7 @@ pub(super) fn length_to_turn(
     state: &SolverState,
     delay_lines: &mut [DelayLine],
     buffers: &mut StepBuffers,
-    length: f64,
+    (length, is_refined): (f64, bool),
 ) -> Option<f64> {
     let sampled = &setup.program.lowered.sampled;
     if sampled.iter().all(|sampled| sampled.follows.is_none()) {
@@ -47,11 +50,12 @@ pub(super) fn length_to_turn(
         let is_pushed = buffers.near_ends[0][next] != state.voltages[next];
         let [begin, end] = [state.voltages[input], buffers.voltages[input]];
         let slopes = slopes_at_ends([near_begin - begin, end - near_end]);
-        turning_share([begin, end], slopes).filter(|_| is_pushed)
+        let limit = if is_refined { MAX_CORRECTION } else { 1.0 };
+        turning_share([begin, end], slopes, limit).filter(|_| is_pushed)
     });
-    let shorter = shares.reduce(f64::min)? * length;
+    let to_turn = shares.reduce(f64::min)? * length;
     // The step must not vanish in the rounding of time.
-    (state.time + shorter > state.time).then_some(shorter)
+    (state.time + to_turn > state.time).then_some(to_turn)
 }
 
 /// Evaluates the voltages of events near both ends of the tried step.
@@ -103,20 +107,17 @@ fn slopes_at_ends(changes: [f64; 2]) -> [f64; 2] {
     [first - correction, last + correction]
 }
 
-/// The share (0 ... 1) of a step at which the cubic with these values and slopes at its ends turns. The slopes are in
-/// volts per step. `None` if the slopes have the same sign, or if the turning point hardly differs from an end.
-fn turning_share([begin, end]: [f64; 2], [first, last]: [f64; 2]) -> Option<f64> {
-    // Only one of the cubic's two turning points is within the step if the slopes differ in sign.
-    if first * last >= 0.0 {
-        return None;
-    }
+/// The share of a step, below `limit`, at which the cubic with these values and slopes at its ends turns first. The
+/// slopes are in volts per step. `None` if it does not turn, or if the turning point hardly differs from an end.
+fn turning_share([begin, end]: [f64; 2], [first, last]: [f64; 2], limit: f64) -> Option<f64> {
     let rise = end - begin;
     let square = 3.0 * rise - 2.0 * first - last;
     let cubic = first + last - 2.0 * rise;
     // The slope is first + 2 square s + 3 cubic s^2. Its roots are in the form without cancellation.
     let root = (square * square - 3.0 * cubic * first).sqrt();
     let sum = -(square + square.signum() * root);
-    let share = [sum / (3.0 * cubic), first / sum].into_iter().find(|share| *share > 0.0 && *share < 1.0)?;
+    let roots = [sum / (3.0 * cubic), first / sum];
+    let share = roots.into_iter().filter(|share| *share > 0.0 && *share < limit).reduce(f64::min)?;
     let value = begin + share * (first + share * (square + share * cubic));
     let shortfall = if first > 0.0 { value - begin.max(end) } else { begin.min(end) - value };
     (shortfall > SHORTFALL).then_some(share)
@@ -132,12 +133,15 @@ mod tests {
             for sign in [1.0, -1.0] {
                 let value = |s: f64| sign * (s - at) * (s - at) * (s + 2.0);
                 let slope = |s: f64| sign * (s - at) * (3.0 * s + 4.0 - at);
-                let share = turning_share([value(0.0), value(1.0)], [slope(0.0), slope(1.0)]).unwrap();
+                let share = turning_share([value(0.0), value(1.0)], [slope(0.0), slope(1.0)], 1.0).unwrap();
                 assert!((share - at).abs() < 1e-12, "{share} for {at}");
             }
         }
-        assert_eq!(turning_share([0.0, 1.0], [1.0, 1.0]), None);
-        assert_eq!(turning_share([0.0, -1.0], [1e-7, -2.0]), None);
-        assert_eq!(turning_share([f64::NAN, 1.0], [1.0, -1.0]), None);
+        assert_eq!(turning_share([0.0, 1.0], [1.0, 1.0], 1.0), None);
+        assert_eq!(turning_share([0.0, -1.0], [1e-7, -2.0], 1.0), None);
+        assert_eq!(turning_share([f64::NAN, 1.0], [1.0, -1.0], 1.0), None);
+        // 2.1 s - s^2 turns just beyond the end.
+        assert_eq!(turning_share([0.0, 1.1], [2.1, 0.1], 1.0), None);
+        assert!((turning_share([0.0, 1.1], [2.1, 0.1], MAX_CORRECTION).unwrap() - 1.05).abs() < 1e-12);
     }
 }

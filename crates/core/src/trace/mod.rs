@@ -109,15 +109,40 @@ pub struct Overload {
     pub element: String,
     /// Time at which the demanded output first exceeded 100 V, in seconds of the recorder's clock.
     pub time: f64,
-    /// The largest output that the amplifier would reach without its limit, in volts without sign. `None` if it is not
-    /// known: an integrator reacts on itself through another element with memory, or exceeded its limit within one
-    /// step.
-    pub peak: Option<f64>,
-    /// How the integrator or lag was driven against its limit. `None` if `peak` is known.
-    pub driven: Option<LimitDrive>,
+    /// How far the amplifier was driven beyond its limit.
+    pub demand: Demand,
     /// Name of the amplifier whose overload caused this one: the earliest overload among the amplifiers with a chain
     /// of cords to this one. `None` if there is no such amplifier.
     pub caused_by: Option<String>,
+}
+
+/// How far an overloaded amplifier was driven beyond its limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Demand {
+    /// The largest output that the amplifier would reach without its limit, in volts without sign.
+    Peak(f64),
+    /// How the integrator or lag was driven against its limit. The output without the limit is not known,
+    /// because the amplifier reacts on itself through another element with memory, or was only thrown to its limit.
+    Driven(LimitDrive),
+}
+
+impl Overload {
+    /// The largest output that the amplifier would reach without its limit, in volts without sign; `None` if it is not
+    /// known.
+    pub fn peak(&self) -> Option<f64> {
+        match self.demand {
+            Demand::Peak(volts) => Some(volts),
+            Demand::Driven(_) => None,
+        }
+    }
+
+    /// How the integrator or lag was driven against its limit; `None` if the output without the limit is known.
+    pub fn driven(&self) -> Option<LimitDrive> {
+        match self.demand {
+            Demand::Peak(_) => None,
+            Demand::Driven(drive) => Some(drive),
+        }
+    }
 }
 
 /// How an integrator or a lag was driven against its limit of ±100 V since the last initial condition.
@@ -221,7 +246,7 @@ impl Trace {
     /// let trace = run(&program, &RunSettings::of(&circuit)?)?;
     /// let lamp = trace.overloads().next().expect("S1 is overloaded");
     /// assert_eq!(lamp.element, "S1");
-    /// assert!((lamp.time - 0.1).abs() < 1e-2 && lamp.peak.is_some_and(|volts| volts > 100.0));
+    /// assert!((lamp.time - 0.1).abs() < 1e-2 && lamp.peak().is_some_and(|volts| volts > 100.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn overloads(&self) -> impl Iterator<Item = &Overload> {

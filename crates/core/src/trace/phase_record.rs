@@ -90,7 +90,7 @@ pub enum PhaseEnd {
     Switched(String),
     /// An overload put the machine into hold.
     Overload,
-    /// An error ended the run.
+    /// An error ended the run, or the caller did.
     Stopped,
 }
 

@@ -17,8 +17,8 @@ pub(crate) fn bits(trace: &Trace) -> Vec<u64> {
 
 /// The numbers of an overload.
 fn overload_values(overload: &Overload) -> Vec<f64> {
-    let driven = overload.driven.into_iter().flat_map(|driven| [driven.limit, driven.seconds, driven.rate]);
-    overload.peak.into_iter().chain(driven).chain([overload.time]).collect()
+    let driven = overload.driven().into_iter().flat_map(|driven| [driven.limit, driven.seconds, driven.rate]);
+    overload.peak().into_iter().chain(driven).chain([overload.time]).collect()
 }
 
 /// The numbers of a signal's extremes.

@@ -46,7 +46,7 @@ fn overload() {
     let builder = source(volts("high"), "u", 100.0).element("a", pair).element("E", backlash(6.0, 0.0));
     let program = built(builder);
     let machine = run_for(&program, 1e-3, 0.01);
-    assert_eq!((out(&machine), machine.overloads()[0].peak), (100.0, Some(107.0)));
+    assert_eq!((out(&machine), machine.overloads()[0].peak()), (100.0, Some(107.0)));
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn assert_overload(machine: &Machine<'_>, demand: f64) {
     let overloads = machine.overloads();
     let [lamp] = overloads.as_slice() else { panic!("expected one lamp: {overloads:?}") };
     assert_eq!((lamp.element.as_str(), lamp.time, lamp.caused_by.as_deref()), ("E", 0.0, None));
-    assert!(near(lamp.peak.unwrap(), demand.abs()), "{lamp:?}");
+    assert!(near(lamp.peak().unwrap(), demand.abs()), "{lamp:?}");
 }
 
 /// Asserts that a network without an amplifier follows its formula beyond 100 V and lights no lamp.

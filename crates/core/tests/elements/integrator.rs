@@ -82,7 +82,7 @@ fn overload() {
     // 1000 V/s: the limit after 0.1 s, and a demand 50 V higher 0.05 s later.
     assert_eq!((overloads.len(), overloads[0].element.as_str()), (1, "E"));
     assert!(
-        (overloads[0].time - 0.1).abs() < 1e-9 && (overloads[0].peak.unwrap() - 150.0).abs() < 1e-6,
+        (overloads[0].time - 0.1).abs() < 1e-9 && (overloads[0].peak().unwrap() - 150.0).abs() < 1e-6,
         "{overloads:?}"
     );
     machine.initial_condition().unwrap();

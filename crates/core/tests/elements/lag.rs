@@ -40,7 +40,7 @@ fn overload() {
     let overloads = machine.overloads();
     assert_eq!((overloads.len(), overloads[0].element.as_str()), (1, "E"));
     assert!((overloads[0].time - limit_time).abs() < 1e-3 + 1e-9, "{overloads:?}");
-    assert!((overloads[0].peak.unwrap() - 150.0).abs() < 1e-3, "{overloads:?}");
+    assert!((overloads[0].peak().unwrap() - 150.0).abs() < 1e-3, "{overloads:?}");
     // It leaves the limit immediately when its input changes.
     apply(&mut machine, &[-25.0]);
     machine.operate(0.1).unwrap();

@@ -252,6 +252,9 @@ fn the_limit_counts_equal_steps_and_the_steps_of_all_drives() {
     assert_eq!((error(&settings).code(), error(&settings).to_string().as_str()), ("noise-too-fine", message));
     let shorter = settings.clone().with_duration(3.8e6).with_sample_interval(1e6);
     assert_eq!(solve::check(&program, &shorter), Ok(()));
+    // Of 1.1e10 steps, 9.4e9 are equal steps.
+    let equal = error(&shorter.with_duration(1e6).with_step(1.0 / 9400.0));
+    assert!(matches!(equal, RunError::TooManySteps { steps, .. } if steps > 1e10), "{equal}");
     // Steps that adapt to a tolerance are counted during the run.
     assert_eq!(solve::check(&program, &settings.with_tolerance(1e-6)), Ok(()));
 }

@@ -39,7 +39,7 @@ fn overload() {
     let tracked = element("track-hold").cord("in", "D").cord("track", "+100");
     let program = built(source(volts("high"), "a", 100.0).element("D", pair).element("E", tracked));
     let machine = run_for(&program, 1e-3, 0.01);
-    assert_eq!((out(&machine), machine.overloads()[0].peak), (-100.0, Some(105.0)));
+    assert_eq!((out(&machine), machine.overloads()[0].peak()), (-100.0, Some(105.0)));
 }
 
 #[test]

@@ -26,6 +26,8 @@ diagnostic_codes! {
         formulas use a parameter record_start in s, which is set to the start of the record";
     SAMPLING_GAP "sampling-gap" Warning "Rows are missing between other rows."
         "check whether the recorder lost them; this time is ignored";
+    EARLY_LAST_ROW "early-last-row" Warning "The last row follows after less than an interval and is left out."
+        "record whole intervals, or remove the row";
     SHARED_SAMPLES "shared-samples" Warning "Samples are used for both training and validation, or are listed twice."
         "separate the two: training samples do not validate the model";
     STILL_PART "still-part" Warning "A column is constant in the samples for training or validation."

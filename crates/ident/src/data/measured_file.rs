@@ -2,7 +2,8 @@
 //!
 //! Reading has five steps. The requested columns are read. The unit of the times is determined. Every column is
 //! converted to the unit that the patch needs. An even grid of times is fitted to the times of the rows. Rows that are
-//! missing in the grid are reported. Each step adds its faults to the findings, and later steps run if they can.
+//! missing in the grid, and a last row that is left out, are reported. Each step adds its faults to the findings, and
+//! later steps run if they can.
 //!
 //! `units` has the second and the third step, `even_times` the last two.
 
@@ -123,6 +124,7 @@ impl FileReader<'_> {
         let even_times =
             self.even_times(&rows, unit_seconds?).map_err(|finding| findings.push(finding)).ok()?;
         findings.extend(self.missing_rows(&even_times, &rows.lines, unit_seconds?));
+        findings.extend(self.early_last_row(&even_times, &rows));
         rows.columns.drain(..self.time_columns());
         rows.columns.iter_mut().for_each(|column| column.truncate(even_times.sample_indices.len()));
         let measured = MeasuredFile {

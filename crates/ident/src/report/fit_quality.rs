@@ -101,7 +101,7 @@ pub fn steps_sentence(refinement: &StepRefinement) -> String {
 /// Which amplifier overloads first, when, and what to do, as sentences.
 pub fn overload_sentence(overload: &RecordOverload) -> String {
     let RecordOverload { record, overload } = overload;
-    let demand = match overload.peak {
+    let demand = match overload.peak() {
         Some(peak) => format!("with a demanded output of {} V", format_pure_number(peak)),
         None => overload_demand(overload),
     };

@@ -97,11 +97,7 @@ impl TrialRunner<'_> {
     fn fit(&self, trial: usize, request: TrialRequest<'_>) -> Result<FittedTrial, SkipReason> {
         let (candidate, model) =
             fit_trial(self.problem, self.model, &self.placements[trial], self.peaks, request)?;
-        let chi2 = model.train.chi2;
-        let mut best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
-        if best.is_none_or(|(_, smallest)| chi2 < smallest) {
-            *best = Some((trial, chi2));
-        }
+        remember_best(&mut self.best.lock().unwrap_or_else(PoisonError::into_inner), trial, model.train.chi2);
         Ok((candidate, model))
     }
 
@@ -209,9 +205,24 @@ impl TrialRunner<'_> {
     }
 }
 
+/// Remembers a trial if it is better than the best so far. Of trials with the same chi2 the first in the list is better,
+/// so the order in which threads complete them does not matter. A chi2 that is not finite is ignored.
+fn remember_best(best: &mut Option<(usize, f64)>, trial: usize, chi2: f64) {
+    let is_better = best.is_none_or(|(index, smallest)| (chi2, trial) < (smallest, index));
+    if chi2.is_finite() && is_better {
+        *best = Some((trial, chi2));
+    }
+}
+
+/// The chi2 of a fit, for comparisons; infinity if it is not a number.
+fn comparable_chi2(model: &FittedModel) -> f64 {
+    if model.train.chi2.is_nan() { f64::INFINITY } else { model.train.chi2 }
+}
+
 /// The `count` trials with the smallest chi2, the best first. Empty slots do not count.
 fn best_trials(slots: &[TrialSlot], count: usize) -> Vec<usize> {
-    let chi2 = |trial: &usize| slots[*trial].as_ref().map_or(f64::INFINITY, |(_, model)| model.train.chi2);
+    let chi2 =
+        |trial: &usize| slots[*trial].as_ref().map_or(f64::INFINITY, |(_, model)| comparable_chi2(model));
     let mut order: Vec<usize> = (0..slots.len()).filter(|trial| slots[*trial].is_some()).collect();
     order.sort_by(|a, b| chi2(a).total_cmp(&chi2(b)));
     order.truncate(count);
@@ -220,7 +231,7 @@ fn best_trials(slots: &[TrialSlot], count: usize) -> Vec<usize> {
 
 /// The trial with the smaller chi2.
 fn better_of(one: TrialSlot, other: TrialSlot) -> TrialSlot {
-    one.into_iter().chain(other).min_by(|(_, a), (_, b)| a.train.chi2.total_cmp(&b.train.chi2))
+    one.into_iter().chain(other).min_by(|(_, a), (_, b)| comparable_chi2(a).total_cmp(&comparable_chi2(b)))
 }
 
 /// Runs a round on a patch that already has `effects`. `previous` is an earlier fit of an effect whose search is
@@ -281,5 +292,22 @@ impl<'a> PreviousFit<'a> {
     /// The values if the effect is the same. None otherwise.
     pub(crate) fn values_of(&self, placement: &EffectPlacement<'_>) -> Option<&[f64]> {
         self.is_of(placement).then_some(&*self.values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_trial_does_not_depend_on_the_order() {
+        let trials = [(3, f64::NAN), (5, 2.0), (4, 1.0), (2, 1.0), (1, f64::INFINITY), (0, 1.5)];
+        let best_of = |trials: &mut dyn Iterator<Item = (usize, f64)>| {
+            let mut best = None;
+            trials.for_each(|(trial, chi2)| remember_best(&mut best, trial, chi2));
+            best
+        };
+        assert_eq!(best_of(&mut trials.into_iter()), Some((2, 1.0)));
+        assert_eq!(best_of(&mut trials.into_iter().rev()), Some((2, 1.0)));
     }
 }

@@ -76,7 +76,7 @@ fn step_of_0_127_mm_overloads_only_a_stiff_drive() {
     let first = stiff.overloads().next().unwrap();
     assert_eq!((first.element.as_str(), first.time), ("A5", 0.0));
     // 0.127 mm are 126 V at this stiffness.
-    assert!((first.peak.unwrap() - 126.0).abs() < 0.5, "{first:?}");
+    assert!((first.peak().unwrap() - 126.0).abs() < 0.5, "{first:?}");
 }
 
 /// Time of the turn in s, at 1.2 mm/s2: 4.8 mm/s, above the critical velocity. The remaining motion of the rise is

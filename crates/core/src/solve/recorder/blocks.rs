@@ -20,8 +20,8 @@ impl Recorder<'_> {
         if self.block_samples.is_none() || self.trace.is_empty() {
             return;
         }
-        if let Some(consumer) = &mut self.consumer {
-            consumer(&self.trace);
+        if let Some(consumer) = self.consumer.as_mut().filter(|_| !self.is_cancelled) {
+            self.is_cancelled = consumer(&self.trace).is_break();
         }
         self.flushed += self.trace.len();
         self.trace.time.clear();

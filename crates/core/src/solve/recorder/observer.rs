@@ -115,7 +115,11 @@ impl StepObserver for Recorder<'_> {
     }
 
     fn should_stop(&self, lamps: &Lamps) -> bool {
-        self.hold_on_overload && lamps.is_any_lit()
+        self.is_cancelled || self.hold_on_overload && lamps.is_any_lit()
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.is_cancelled
     }
 
     fn is_phase_over(&self) -> bool {

@@ -1,5 +1,7 @@
 //! Runs that pass their samples on, and the comparison of a run with one of a shorter step.
 
+use std::ops::ControlFlow;
+
 use super::play;
 use crate::ir::Program;
 use crate::solve::settings::RunSettings;
@@ -12,8 +14,9 @@ use crate::trace::Trace;
 /// Runs a program, and passes its samples to `consumer` in blocks if the settings have
 /// [blocks](RunSettings::with_blocks). The memory of the run then does not grow with the number of samples.
 ///
-/// `consumer` takes a trace with the samples of a block. The result has no samples, but the extremes, repetitions and
-/// phases of the whole run. Indices of samples count from the beginning of the run. `progress` is called as by
+/// `consumer` takes a trace with the samples of a block. If it returns [`ControlFlow::Break`], the run ends early, after
+/// at most some steps, and the consumer takes no more samples. The result has no samples, but the extremes, repetitions
+/// and phases of the whole run. Indices of samples count from the beginning of the run. `progress` is called as by
 /// [`run_with_progress`](super::run_with_progress).
 ///
 /// If checks of the steps compare the run with another one, they use a part of the samples of a long run.
@@ -24,10 +27,13 @@ use crate::trace::Trace;
 /// # Examples
 ///
 /// ```
+/// use std::ops::ControlFlow;
+///
 /// use patchcord_core::circuit::Circuit;
 /// use patchcord_core::ir::Program;
 /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 /// use patchcord_core::solve::{RunSettings, run_in_blocks};
+/// use patchcord_core::trace::Trace;
 ///
 /// // dx/dt = -x, from 50 V
 /// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
@@ -36,7 +42,11 @@ use crate::trace::Trace;
 /// let program = Program::new(&circuit)?;
 /// let settings = RunSettings::of(&circuit)?.with_blocks(400);
 /// let mut blocks = Vec::new();
-/// let trace = run_in_blocks(&program, &settings, &mut |_| (), &mut |block| blocks.push(block.len()))?;
+/// let mut take = |block: &Trace| {
+///     blocks.push(block.len());
+///     ControlFlow::Continue(())
+/// };
+/// let trace = run_in_blocks(&program, &settings, &mut |_| (), &mut take)?;
 /// assert_eq!((blocks, trace.len()), (vec![400, 400, 201], 0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -44,20 +54,22 @@ pub fn run_in_blocks(
     program: &Program,
     settings: &RunSettings,
     progress: &mut dyn FnMut(f64),
-    consumer: &mut dyn FnMut(&Trace),
+    consumer: &mut dyn FnMut(&Trace) -> ControlFlow<()>,
 ) -> Result<Trace, StoppedRunError> {
-    let mut selection = ThinnedTrace::new();
+    let (mut selection, mut flow) = (ThinnedTrace::new(), ControlFlow::Continue(()));
     let mut take = |block: &Trace| {
         if settings.checks_steps {
             selection.add(block);
         }
-        consumer(block);
+        flow = consumer(block);
+        flow
     };
     let (mut trace, doubt) = play(program, settings, progress, &mut take)?;
-    if let Some(doubt) = doubt {
+    if let Some(doubt) = doubt.filter(|_| flow.is_continue()) {
         let shorter = doubt.compared_step(settings.step);
-        let other = with_step(program, settings, shorter, progress, selection.for_other_run());
         let compared = if settings.block_samples.is_some() { &selection.trace } else { &trace };
+        let selected = selection.for_other_run(compared.len());
+        let other = with_step(program, settings, shorter, progress, selected);
         trace.step_warning = step_warning(program, doubt, settings.step, compared, &other);
     }
     Ok(trace)
@@ -75,6 +87,10 @@ fn with_step(
     settings.sensitivities.clear();
     settings.block_samples = Some(BLOCK_SAMPLES);
     // The run before had no error. The samples before an error are compared, too.
-    let _ = play(program, &settings, progress, &mut |block| selection.add(block));
+    let mut take = |block: &Trace| {
+        selection.add(block);
+        ControlFlow::Continue(())
+    };
+    let _ = play(program, &settings, progress, &mut take);
     selection.trace
 }

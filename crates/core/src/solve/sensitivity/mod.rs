@@ -18,7 +18,7 @@ mod saltation;
 use super::error::RunError;
 use super::levels::jump_rate;
 use super::machine::Machine;
-use super::state::Solver;
+use super::state::{Setup, Solver};
 use super::tableau::Tableau;
 use crate::ir::{Program, SignalInfo};
 use delayed_slopes::DelayedSlopes;
@@ -104,8 +104,8 @@ impl Sensitivities {
     ///
     /// # Errors
     /// If it does not, for example because a parameter is the seed of a noise voltage.
-    pub(super) fn check_parameters(&self, program: &Program, coefficients: &[f64]) -> Result<(), RunError> {
-        self.by_parameter.iter().try_for_each(|slopes| slopes.check(program, coefficients))
+    pub(super) fn check_parameters(&self, setup: &Setup<'_>, coefficients: &[f64]) -> Result<(), RunError> {
+        self.by_parameter.iter().try_for_each(|slopes| slopes.check(setup, coefficients))
     }
 }
 
@@ -152,7 +152,7 @@ impl Machine<'_> {
             for slopes in &mut sensitivities.by_parameter {
                 slopes.lines = delayed_slopes_of(&self.solver, &slopes.coefficients);
             }
-            sensitivities.check_parameters(program, &self.solver.state.coefficients)?;
+            sensitivities.check_parameters(&self.solver.setup, &self.solver.state.coefficients)?;
             self.solver.sensitivities = Some(Box::new(sensitivities));
         }
         self.initial_condition()

@@ -8,11 +8,12 @@ use std::ops::Range;
 
 use super::delayed_slopes::DelayedSlopes;
 use crate::delay_line::DelayLine;
-use crate::ir::{ParameterValue, Program, SignalInfo, SourceSlopes, TangentBase};
+use crate::ir::{ParameterValue, Program, Pulses, SignalInfo, SourceSlopes, TangentBase};
 use crate::solve::dense_output::Curve;
+use crate::solve::discontinuities::INSTANT_TOLERANCE;
 use crate::solve::error::RunError;
 use crate::solve::runge_kutta::advance_states;
-use crate::solve::state::{SolverState, read_rates};
+use crate::solve::state::{Setup, SolverState, read_rates};
 use crate::solve::tableau::Tableau;
 
 /// The derivatives of all quantities by one parameter, each multiplied by the size of the parameter.
@@ -116,9 +117,10 @@ impl ParameterSlopes {
     /// ones.
     ///
     /// # Errors
-    /// If a noise voltage would draw different numbers for another value, the edge of a pulse is exactly at t = 0, or a
-    /// coefficient has no finite derivative.
-    pub(super) fn check(&self, program: &Program, coefficients: &[f64]) -> Result<(), RunError> {
+    /// If a noise voltage would draw different numbers for another value, the edge of a pulse counts as one at t = 0,
+    /// or a coefficient has no finite derivative.
+    pub(super) fn check(&self, setup: &Setup<'_>, coefficients: &[f64]) -> Result<(), RunError> {
+        let program = setup.program;
         let no_derivative = |why: String| RunError::NoDerivative {
             parameter: program.parameters[self.parameter].declared.name.clone(),
             why,
@@ -133,10 +135,10 @@ impl ParameterSlopes {
                 )));
             }
         }
-        let mut pulses = program.pulses();
-        if let Some(drive) =
-            pulses.find(|pulses| pulses.has_shifting_edge_at_start(coefficients, &self.coefficients))
-        {
+        let tolerance = INSTANT_TOLERANCE * setup.step;
+        let is_at_start =
+            |pulses: &&Pulses| pulses.has_shifting_edge_at_start(coefficients, &self.coefficients, tolerance);
+        if let Some(drive) = program.pulses().find(is_at_start) {
             let name = program.name(drive.element);
             return Err(no_derivative(format!(
                 "{name} has an edge exactly at t = 0; change its phase or its beginning slightly"

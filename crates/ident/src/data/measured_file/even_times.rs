@@ -1,4 +1,5 @@
-//! The even times of a data file: an even grid is fitted to the times of the rows, and missing rows are reported.
+//! The even times of a data file: an even grid is fitted to the times of the rows. Missing rows and a last row that
+//! is left out are reported.
 
 use super::FileReader;
 use crate::data::codes;
@@ -159,6 +160,19 @@ impl FileReader<'_> {
         };
         let finding = Diagnostic::at(codes::SAMPLING_GAP, self.source.file.span, message());
         Some(if gap_before(&longest) < LONG_GAP_ROWS { finding } else { finding.hint(LONG_GAP_HINT) })
+    }
+
+    /// Reports a last row that is left out because it is early. None if all rows have even times, or if this row is
+    /// after the range of the record.
+    pub(super) fn early_last_row(&self, even_times: &EvenTimes, rows: &CsvTable) -> Option<Diagnostic> {
+        let row = even_times.sample_indices.len();
+        let (line, time) = (rows.lines.get(row)?, rows.columns.first()?.get(row)?);
+        let is_within_range = self.source.range.as_ref().is_none_or(|range| *time <= range.value.1);
+        let message = format!(
+            "the last row of {}, in line {line}, follows after less than an interval and is left out",
+            self.path.display()
+        );
+        is_within_range.then(|| Diagnostic::at(codes::EARLY_LAST_ROW, self.source.file.span, message))
     }
 }
 
