@@ -25,7 +25,7 @@ const UPDATE_INTERVAL: Duration = Duration::from_millis(250);
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// The environment variable with the seconds between two plain lines.
 const INTERVAL_VARIABLE: &str = "PATCHCORD_PROGRESS";
-/// The permitted times between two plain lines in seconds, besides 0.
+/// The permitted times between two plain lines in seconds; 0 prints none.
 const INTERVALS: RangeInclusive<f64> = 1e-3..=1e9;
 /// The number of solver steps between two readings of the clock, which are slow compared with a step.
 const STEPS_PER_CHECK: u32 = 256;

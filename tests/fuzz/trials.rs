@@ -120,7 +120,7 @@ impl Trial {
         let table = DamagedTable::new(whole, seed);
         fs::write(&path, &table.damaged).unwrap();
         let answer = run(folder, &self.case.arguments).unwrap();
-        // A table that is gone counts as an empty one.
+        // A missing table counts as an empty one.
         let found = fs::read(&path).unwrap_or_default();
         let fault = table.fault(&found, answer.code == Some(0)).map(str::to_owned);
         let mut broken = self.violations;

@@ -7,6 +7,10 @@
 /// Margin for the error of a curve at a turning point, as a share of the swing of the voltage.
 pub(crate) const TURN_MARGIN: f64 = 0.1;
 
+/// Least product of the slopes at both ends of a step, as a share of the square of the rise, of a curve that surely does
+/// not turn near the ends. A straight line has a quarter.
+pub(crate) const LEAST_SLOPES: f64 = 0.02;
+
 /// A voltage within a step, as a parabola.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Parabola {
@@ -52,8 +56,17 @@ impl Parabola {
         (least < 0.0 || least.is_nan()).then_some(share)
     }
 
+    /// Whether the voltage turns within the step, or so near an end that the error of the parabola decides. The rounding is
+    /// that of the kernels.
+    pub(crate) fn may_turn(&self) -> bool {
+        let Parabola { begin, control, end } = *self;
+        let (slopes, rise) = ((control - begin) * (end - control), end - begin);
+        let excess = (rise * rise).mul_add(-LEAST_SLOPES, slopes);
+        excess.is_nan() || excess < 0.0
+    }
+
     /// Whether the voltage turns within the step: the control point is not between the ends.
-    pub(crate) fn turns(&self) -> bool {
+    fn turns(&self) -> bool {
         let product = (self.control - self.begin) * (self.end - self.control);
         product.is_nan() || product < 0.0
     }
@@ -96,6 +109,8 @@ mod tests {
         for still in [parabola(0.0, 1.0), parabola(1.5, 0.0), Parabola { begin: 3.0, control: 3.0, end: 3.0 }]
         {
             assert_eq!(still.turning_point(), None, "{still:?}");
+            // Only the first one has a slope of 0 at an end.
+            assert_eq!(still.may_turn(), still.begin == 1.0, "{still:?}");
         }
     }
 }

@@ -164,6 +164,36 @@ fn a_backlash_reaches_the_turning_points_of_its_input() {
     }
 }
 
+/// The input may push for a small part of a step only, and every step is recorded.
+#[test]
+fn a_backlash_reaches_turning_points_at_any_place_of_a_step() {
+    let mut random = SplitMix64(54);
+    for _ in 0..40 {
+        let (frequency, phase) = (random.uniform(0.5, 3.0), random.uniform(0.0, TAU));
+        let (width, step) = (random.uniform(2.0, 60.0), random.uniform(0.002, 0.03));
+        let input = |time: f64| 60.0 * (TAU * frequency * time + phase).sin();
+        let turns = (0..20).map(|turn| ((0.25 + 0.5 * f64::from(turn)) * TAU - phase) / (TAU * frequency));
+        let turns: Vec<f64> = turns.filter(|time| (0.0..2.0).contains(time)).collect();
+        let sine = element("sine").set("amplitude", 60).set("frequency", frequency).set("phase", phase);
+        let patch = with_backlash(volts("play").drive("S", "volt", sine), width);
+        let circuit = circuit(&patch, &[]);
+        let program = Program::new(&circuit).unwrap();
+        let settings = RunSettings::of(&circuit).unwrap().with_duration(2.0).with_step(step);
+        let settings = settings.with_sample_interval(step).with_signals(["B"]);
+        for backend in Backend::ALL {
+            let trace = solve::run(&program, &settings.clone().with_backend(backend)).unwrap();
+            let expected = play(input, &turns, width, &trace.time);
+            for ((time, found), expected) in trace.time.iter().zip(&trace.tracks[0].volts).zip(expected) {
+                assert!(
+                    (found - expected).abs() < 1e-8,
+                    "{frequency} Hz, phase {phase}, width {width}, step {step} by {backend}: {found} for {expected} at \
+                     {time}"
+                );
+            }
+        }
+    }
+}
+
 /// The play turns while it is not pushed, and several inputs turn in the same step.
 #[test]
 fn backlashes_in_a_chain_reach_their_turning_points() {

@@ -205,8 +205,9 @@ fn error_after_change(done: u64, change: impl Fn(&Path)) -> String {
     let sweep = sweep(&pot(), &["k=0.1,0.2,0.3,0.4"], &["voltmeter:s"], |settings| settings);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("rows.csv");
+    let mut is_changed = false;
     let mut progress = |rows: u64| {
-        if rows == done {
+        if rows == done && !std::mem::replace(&mut is_changed, true) {
             change(&file);
         }
     };

@@ -125,21 +125,23 @@ impl Layouter {
         }
     }
 
-    /// Lists the voltages whose parabola within a step is computed. Those with corners only are not among them: a corner
-    /// that is passed twice within a step changes the rates little, and its test at the first stage finds most.
+    /// Lists the voltages whose parabola within a step is computed. Those with corners only are not among them, unless
+    /// there are sampled values whose turning points count: a corner that is passed twice within a step changes the
+    /// rates little, and its test at the first stage finds most.
     fn list_followed(&mut self, program: &Program) {
-        let (watched, within) = self.watched();
-        let lines = watched[..within].iter().map(|(atom, _)| self.as_line(*atom, |_| true).0);
-        let lines: Vec<Atom> = lines.collect();
-        let guards = lines.iter().zip(&watched).filter(|(_, (_, condition))| !condition.is_corner());
-        let mut guarded: HashSet<Atom> = guards.map(|(of, _)| *of).collect();
-        // The order is that of the intervals.
-        let curved = lines.iter().filter(|of| !self.straight[**of as usize] && guarded.remove(of));
-        self.curved = curved.copied().collect();
         let sampled = program.lowered.sampled.iter().zip(&self.specialised.sampled).enumerate();
         let turning = sampled
             .filter(|(_, (sampled, next))| sampled.follows.is_some() && matches!(next, Operand::Atom(_)));
         self.turning = turning.map(|(index, _)| index).collect();
+        let (watched, within) = self.watched();
+        let lines = watched[..within].iter().map(|(atom, _)| self.as_line(*atom, |_| true).0);
+        let lines: Vec<Atom> = lines.collect();
+        let guards = lines.iter().zip(&watched);
+        let guards = guards.filter(|(_, (_, condition))| !condition.is_corner() || !self.turning.is_empty());
+        let mut guarded: HashSet<Atom> = guards.map(|(of, _)| *of).collect();
+        // The order is that of the intervals.
+        let curved = lines.iter().filter(|of| !self.straight[**of as usize] && guarded.remove(of));
+        self.curved = curved.copied().collect();
     }
 
     /// The atoms of the sampled values whose turning points count.

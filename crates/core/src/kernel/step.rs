@@ -16,7 +16,7 @@ use super::lane::Lane;
 use super::span::Span;
 use super::{Checks, Kernel, Steps};
 use crate::delay_line::DelayLine;
-use crate::parabola::Parabola;
+use crate::parabola::{LEAST_SLOPES, Parabola};
 
 /// The weight of the first and the last rate of a step. It is a factor because a division takes longer.
 pub(super) const SIXTH: f64 = 1.0 / 6.0;
@@ -86,7 +86,7 @@ impl Kernel {
         let first_values = frame.inner.each_ref().map(|stage| &stage[self.thorough.within..]);
         self.turning().iter().enumerate().any(|(index, followed)| {
             let ends = [followed.begin, followed.slot].map(|slot| frame.slots[slot as usize]);
-            Parabola::of_stages(first_values.map(|values| values[index]), ends).turns()
+            Parabola::of_stages(first_values.map(|values| values[index]), ends).may_turn()
         })
     }
 
@@ -131,8 +131,10 @@ impl Kernel {
         for (followed, sum) in self.turning().iter().zip(&frame.sums[self.curved_intervals..]) {
             let [begin, end] = [frame.slots[followed.begin as usize], frame.slots[followed.slot as usize]];
             let control = control_point(*sum, [begin, end]);
-            let product = control.subtract(begin).multiply(end.subtract(control));
-            is_inside = product.is_within(V::splat(0.0), V::splat(f64::INFINITY), is_inside);
+            let slopes = control.subtract(begin).multiply(end.subtract(control));
+            let rise = end.subtract(begin);
+            let excess = rise.multiply(rise).multiply_add(V::splat(-LEAST_SLOPES), slopes);
+            is_inside = excess.is_within(V::splat(0.0), V::splat(f64::INFINITY), is_inside);
         }
         V::failing(is_inside)
     }

@@ -40,7 +40,9 @@ pub(super) fn step_warning(
     let pairs = trace.time.iter().zip(&other.time);
     let common = pairs.take_while(|(one, other)| (*one - *other).abs() <= tolerance).count();
     let tracks = trace.tracks.iter().zip(&other.tracks).filter(|(track, _)| track.derivative.is_none());
-    let differences = tracks.filter_map(|(track, half)| difference(&trace.time[..common], track, half));
+    let with_extremes = matches!(doubt, StepDoubt::Fast { .. });
+    let times = &trace.time[..common];
+    let differences = tracks.filter_map(|(track, half)| difference(times, track, half, with_extremes));
     let worst = differences.max_by(|a, b| a.share.total_cmp(&b.share))?;
     let by_error = step * (RECOMMENDED_SHARE / worst.share).powf(1.0 / ERROR_ORDER);
     let name = |element: usize| program.name(element).to_owned();
@@ -61,17 +63,30 @@ pub(super) fn step_warning(
     })
 }
 
-/// The difference of a signal over the samples at these times; `None` if it is a small share of the range.
-fn difference<'t>(times: &[f64], track: &'t Track, half: &Track) -> Option<Difference<'t>> {
-    let values: Vec<f64> = track.values().take(times.len()).collect();
-    let halves: Vec<f64> = half.values().take(times.len()).collect();
-    let gaps: Vec<f64> = values.iter().zip(&halves).map(|(one, other)| (one - other).abs()).collect();
-    let both = || values.iter().chain(&halves).copied();
-    let range = both().fold(f64::NEG_INFINITY, f64::max) - both().fold(f64::INFINITY, f64::min);
+/// The difference of a signal over the samples at these times; `None` if it is a small share of the range. An oscillation
+/// may have the same value at all samples, so its extremes count too if `with_extremes`.
+fn difference<'t>(
+    times: &[f64],
+    track: &'t Track,
+    other: &Track,
+    with_extremes: bool,
+) -> Option<Difference<'t>> {
+    let pairs = track.values().zip(other.values()).zip(times);
+    let mut points: Vec<(f64, [f64; 2])> = pairs.map(|((one, other), time)| (*time, [one, other])).collect();
+    if with_extremes {
+        points.extend(track.extremes.iter().zip(&other.extremes).flat_map(|(one, other)| {
+            [(one.least, other.least), (one.most, other.most)].map(|(one, other)| {
+                (other.time, [one.volts, other.volts].map(|volts| volts * track.per_volt))
+            })
+        }));
+    }
+    let values = || points.iter().flat_map(|(_, values)| values).copied();
+    let range = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
     let range = range.max(LEAST_RANGE * track.per_volt.abs());
-    let largest = gaps.iter().copied().fold(0.0, f64::max);
-    let first = gaps.iter().position(|gap| *gap > LARGEST_SHARE * range)?;
-    Some(Difference { track, largest, share: largest / range, time: times[first] })
+    let gap = |[one, other]: [f64; 2]| (one - other).abs();
+    let largest = points.iter().map(|(_, values)| gap(*values)).fold(0.0, f64::max);
+    let (time, _) = points.iter().find(|(_, values)| gap(*values) > LARGEST_SHARE * range)?;
+    Some(Difference { track, largest, share: largest / range, time: *time })
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above a number.

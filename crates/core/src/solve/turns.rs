@@ -117,9 +117,16 @@ fn turning_share([begin, end]: [f64; 2], [first, last]: [f64; 2], limit: f64) ->
     let root = (square * square - 3.0 * cubic * first).sqrt();
     let sum = -(square + square.signum() * root);
     let roots = [sum / (3.0 * cubic), first / sum];
-    let share = roots.into_iter().filter(|share| *share > 0.0 && *share < limit).reduce(f64::min)?;
-    let value = begin + share * (first + share * (square + share * cubic));
-    let shortfall = if first > 0.0 { value - begin.max(end) } else { begin.min(end) - value };
+    let inside = || roots.into_iter().filter(|share| *share > 0.0 && *share < limit);
+    let (share, second) = (inside().reduce(f64::min)?, inside().reduce(f64::max)?);
+    let value = |share: f64| begin + share * (first + share * (square + share * cubic));
+    // Behind a second turning point the input may run on beyond the first one.
+    let farthest = match (second > share, first > 0.0) {
+        (true, _) => value(second),
+        (false, true) => begin.max(end),
+        (false, false) => begin.min(end),
+    };
+    let shortfall = if first > 0.0 { value(share) - farthest } else { farthest - value(share) };
     (shortfall > SHORTFALL).then_some(share)
 }
 
@@ -140,6 +147,10 @@ mod tests {
         assert_eq!(turning_share([0.0, 1.0], [1.0, 1.0], 1.0), None);
         assert_eq!(turning_share([0.0, -1.0], [1e-7, -2.0], 1.0), None);
         assert_eq!(turning_share([f64::NAN, 1.0], [1.0, -1.0], 1.0), None);
+        // A cubic with turning points at 0.2 and 0.6 that ends above the first one.
+        let value = |s: f64| s * s * s / 3.0 - 0.4 * s * s + 0.12 * s;
+        let share = turning_share([0.0, value(1.0)], [0.12, 0.32], 1.0).unwrap();
+        assert!((share - 0.2).abs() < 1e-12 && value(1.0) > value(0.2), "{share}");
         // 2.1 s - s^2 turns just beyond the end.
         assert_eq!(turning_share([0.0, 1.1], [2.1, 0.1], 1.0), None);
         assert!((turning_share([0.0, 1.1], [2.1, 0.1], MAX_CORRECTION).unwrap() - 1.05).abs() < 1e-12);

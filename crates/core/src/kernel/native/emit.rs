@@ -18,6 +18,7 @@ use super::super::rows::RowLayout;
 use super::super::step::SIXTH;
 use super::super::{Checks, Kernel};
 use super::Memory;
+use crate::parabola::LEAST_SLOPES;
 
 /// Maximum number of states that are kept in registers from step to step.
 const MAX_CARRIED: usize = 4;
@@ -223,8 +224,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
         [after, rates]
     }
 
-    /// Writes the control point of every followed voltage that has an interval, and for the others the product that is
-    /// negative if they turn. `sums` are the sums of the voltages at the first two stages.
+    /// Writes the control point of every followed voltage that has an interval, and for the others the number that is
+    /// negative if they may turn. `sums` are the sums of the voltages at the first two stages.
     fn write_parabolas(&mut self, sums: &[Value], row: Value) {
         let (kernel, columns) = (self.kernel, self.columns);
         for (index, (followed, sum)) in kernel.followed.iter().zip(sums).enumerate() {
@@ -235,7 +236,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
             if index >= kernel.curved_intervals {
                 let before = self.build.ins().fsub(tested, begin);
                 let after = self.build.ins().fsub(end, tested);
-                tested = self.build.ins().fmul(before, after);
+                let slopes = self.build.ins().fmul(before, after);
+                let rise = self.build.ins().fsub(end, begin);
+                let square = self.build.ins().fmul(rise, rise);
+                let share = self.number(-LEAST_SLOPES);
+                tested = self.build.ins().fma(square, share, slopes);
             }
             self.store(tested, row, columns.followed.start + index);
         }

@@ -67,6 +67,7 @@ pub fn run_in_blocks(
     let (mut trace, doubt) = play(program, settings, progress, &mut take)?;
     if let Some(doubt) = doubt.filter(|_| flow.is_continue()) {
         let shorter = doubt.compared_step(settings.step);
+        copy_extremes(&mut selection.trace, &trace);
         let compared = if settings.block_samples.is_some() { &selection.trace } else { &trace };
         let selected = selection.for_other_run(compared.len());
         let other = with_step(program, settings, shorter, progress, selected);
@@ -75,7 +76,7 @@ pub fn run_in_blocks(
     Ok(trace)
 }
 
-/// The samples of a run with another step in problem seconds, up to an error if there is one. `selection` selects them.
+/// The samples and extremes of a run with another step in problem seconds, up to an error if there is one. `selection` selects them.
 fn with_step(
     program: &Program,
     settings: &RunSettings,
@@ -91,6 +92,15 @@ fn with_step(
         selection.add(block);
         ControlFlow::Continue(())
     };
-    let _ = play(program, &settings, progress, &mut take);
+    let played = play(program, &settings, progress, &mut take);
+    let whole = played.map_or_else(|stopped| *stopped.trace, |(trace, _)| trace);
+    copy_extremes(&mut selection.trace, &whole);
     selection.trace
+}
+
+/// Copies the extremes of a whole run to the tracks that have some of its samples.
+fn copy_extremes(samples: &mut Trace, whole: &Trace) {
+    for (track, whole) in samples.tracks.iter_mut().zip(&whole.tracks) {
+        track.extremes.clone_from(&whole.extremes);
+    }
 }
