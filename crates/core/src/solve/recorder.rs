@@ -26,12 +26,15 @@ use crate::trace::{PhaseEnd, PhaseKind, PhaseRecord, Repetition, Trace, Track};
 /// between samples.
 const SAME_SAMPLE_SHARE: f64 = 1e-6;
 
+/// Takes the samples of a block. On `Break` the run ends.
+pub(super) type BlockConsumer<'a> = dyn FnMut(&Trace) -> ControlFlow<()> + 'a;
+
 /// Samples the signals of a run, and records its repetitions and phases. It is the observer of the machine.
 pub(super) struct Recorder<'a> {
     /// The record so far, without the samples that were flushed.
     pub trace: Trace,
     /// Takes the samples of each block; `None` if they are dropped or stay in the record.
-    pub consumer: Option<&'a mut dyn FnMut(&Trace) -> ControlFlow<()>>,
+    pub consumer: Option<&'a mut BlockConsumer<'a>>,
     /// Whether the consumer has stopped the run. It takes no more samples.
     pub is_cancelled: bool,
     /// Number of samples of a block; `None` if the samples stay in the record.
