@@ -146,7 +146,7 @@ impl CommandLine<'_> {
             self.add(&["--sensitivity", &parameter]);
         }
         if once_in(5, random) {
-            self.add(&["--backend", *random.pick(&["reference", "interpreter", "lanes", "native"])]);
+            self.add(&["--backend", random.choose(&["reference", "interpreter", "lanes", "native"])]);
         }
         self.add_once_in(10, &["--hold-on-overload"], random);
         self.add_once_in(10, &["--fail-on-overload"], random);
@@ -157,7 +157,7 @@ impl CommandLine<'_> {
     /// Writes `draw`.
     fn draw(&mut self, random: &mut SplitMix64) {
         self.begin("draw", random);
-        self.add(&["--plot", *random.pick(&["d.svg", "d.svg", "d.png"])]);
+        self.add(&["--plot", random.choose(&["d.svg", "d.svg", "d.png"])]);
         self.add_once_in(3, &["--json"], random);
         match random.below(4) {
             0 => self.add(&["--board"]),
@@ -175,7 +175,7 @@ impl CommandLine<'_> {
         self.begin("linearise", random);
         self.add_once_in(2, &["--json"], random);
         if once_in(2, random) {
-            let seconds = self.pace.duration(*random.pick(&[0.0, 1.0, 10.0, 100.0])).to_string();
+            let seconds = self.pace.duration(random.choose(&[0.0, 1.0, 10.0, 100.0])).to_string();
             self.add(&["--at", &seconds]);
         }
         let drives = self.document.names_in("drives");
@@ -197,7 +197,7 @@ impl CommandLine<'_> {
     fn sweep(&mut self, random: &mut SplitMix64) {
         self.begin("sweep", random);
         self.add_times(true, random);
-        self.add(&["--threads", *random.pick(&["1", "2"])]);
+        self.add(&["--threads", random.choose(&["1", "2"])]);
         for _ in 0..=random.below(2) {
             let (axis, measure) = (self.axis(random), self.measure(random));
             self.add(&["--vary", &axis, "--measure", &measure]);
@@ -252,7 +252,7 @@ impl CommandLine<'_> {
         let signals = format!("{},{}", self.signal(random), self.signal(random));
         self.add(&["--signals", &signals]);
         if once_in(2, random) {
-            let window = self.pace.duration(*random.pick(&[1.0, 3.0, 10.0, 100.0])).to_string();
+            let window = self.pace.duration(random.choose(&[1.0, 3.0, 10.0, 100.0])).to_string();
             self.add(&["--threshold", &edge_number(random), "--window", &window]);
         }
         if once_in(3, random) {
@@ -278,7 +278,7 @@ impl CommandLine<'_> {
             }
             1 if !is_fixed => self.add(&["--for", &adaptive, "--step", "auto"]),
             _ => {
-                let every = *random.pick(&[step, length]);
+                let every = random.choose(&[step, length]);
                 let texts = [length, step, every].map(|seconds| seconds.to_string());
                 self.add(&["--for", &texts[0], "--step", &texts[1], "--every", &texts[2]]);
             }

@@ -63,7 +63,7 @@ pub(crate) fn damaged_bytes(text: &str, random: &mut SplitMix64) -> Vec<u8> {
         0 => bytes.truncate(index),
         1 => bytes.insert(index, *random.pick(&[0, 0x80, 0xc0, 0xed, 0xf4, 0xfe, 0xff])),
         2 => drop(bytes.splice(..0, *random.pick(&[*b"\xef\xbb\xbf", *b"\xff\xfe ", *b"\n\0\t"]))),
-        3 => bytes = with_line_ends(&bytes, *random.pick(&["\r\n", "\r", ""])),
+        3 => bytes = with_line_ends(&bytes, random.choose(&["\r\n", "\r", ""])),
         4 => bytes.extend(*random.pick(&[*b"\n\n", *b"{}", *b"//", *b",}"])),
         _ => (),
     }

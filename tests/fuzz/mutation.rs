@@ -72,7 +72,7 @@ fn varied(key: &str, node: &Node, elements: &[String], random: &mut SplitMix64) 
         })),
         Node::Text(kind) if key == "kind" => {
             let group = SIMILAR_KINDS.iter().copied().find(|group| group.contains(&kind.as_str()))?;
-            Some(Node::text(*random.pick(group)))
+            Some(Node::text(random.choose(group)))
         }
         Node::Text(_) if key == "setting" => Some(Node::number(random.uniform(0.0, 1.0))),
         Node::Text(_) if CORD_KEYS.contains(&key) && !elements.is_empty() => {

@@ -74,7 +74,7 @@ impl Cords<'_> {
         Node::text(match random.below(8) {
             0..3 if !earlier.is_empty() => random.pick(earlier).as_str(),
             3..5 if !self.drives.is_empty() => random.pick(self.drives).as_str(),
-            5 | 6 => *random.pick(&["+100", "-100", "ground"]),
+            5 | 6 => random.choose(&["+100", "-100", "ground"]),
             _ => random.pick(self.elements).as_str(),
         })
     }
@@ -126,7 +126,7 @@ fn element(cords: &Cords<'_>, has_edges: bool, random: &mut SplitMix64) -> Node 
 /// A random kind of a family.
 fn any_kind(family: Family, random: &mut SplitMix64) -> &'static Kind {
     let kinds: Vec<&'static Kind> = REGISTRY.iter().copied().filter(|kind| kind.family == family).collect();
-    *random.pick(&kinds)
+    random.choose(&kinds)
 }
 
 /// Adds the settings that a kind needs, and some others.
@@ -156,7 +156,7 @@ fn add(entries: &mut Vec<(String, Node)>, name: &str, value: Node) {
 fn value(setting: &Setting, random: &mut SplitMix64) -> Node {
     match setting.quantity {
         SettingQuantity::Flag => Node::Flag(random.below(2) == 0),
-        SettingQuantity::Choice(words) => Node::text(*random.pick(words)),
+        SettingQuantity::Choice(words) => Node::text(random.choose(words)),
         SettingQuantity::Whole => Node::Number(random.below(1000).to_string()),
         SettingQuantity::Points => points(1.0, random),
         SettingQuantity::Curve(_) => points(50.0, random),

@@ -27,6 +27,11 @@ impl SplitMix64 {
         (self.unit() * end as f64) as usize
     }
 
+    /// A random one of some copyable items.
+    pub(crate) fn choose<T: Copy>(&mut self, items: &[T]) -> T {
+        *self.pick(items)
+    }
+
     /// One of some items, each equally likely. There is at least one.
     pub(crate) fn pick<'a, T>(&mut self, items: &'a [T]) -> &'a T {
         &items[self.below(items.len())]

@@ -142,7 +142,7 @@ mod tests {
         let label = [(5.0, 120.0)];
         assert_eq!(tops(&label, &[]), [Some(0.0)]);
         assert_eq!(tops(&label, &[along(5.0)]), [Some(ROW_HEIGHT)]);
-        assert_eq!(tops(&label, &[falling.clone()]), [Some(lowest)]);
+        assert_eq!(tops(&label, std::slice::from_ref(&falling)), [Some(lowest)]);
         assert_eq!(tops(&label, &[falling.clone(), along(290.0)]), [Some(lowest - ROW_HEIGHT)]);
         assert_eq!(tops(&label, &[falling, along(290.0), along(270.0)]), [Some(0.0)]);
     }
