@@ -3,8 +3,7 @@
 //! The angle is the integral of the frequency, so the wave has no jump where the sweep ends. The end of the sweep is a
 //! change of mode, so no step of the solver reaches across it.
 
-use std::f64::consts::TAU;
-
+use super::sine::sine_of;
 use super::{Kind, Setting, SettingQuantity};
 use crate::ir::{Builder, Guard, Register, Transition};
 use patchcord_expr::Function;
@@ -55,16 +54,10 @@ fn output_law(builder: &mut dyn Builder) -> Register {
         LOGARITHMIC => logarithmic_cycles(builder, swept),
         _ => linear_cycles(builder, swept),
     };
-    let (to, turn) = (builder.get("to"), builder.constant(TAU));
+    let to = builder.get("to");
     let steady = builder.multiply(to, rest);
     let cycles = builder.add(sweep, steady);
-    let turned = builder.multiply(turn, cycles);
-    let phase = builder.get("phase");
-    let angle = builder.add(turned, phase);
-    let wave = builder.call(Function::Sin, angle);
-    let (amplitude, offset) = (builder.get("amplitude"), builder.get("offset"));
-    let swing = builder.multiply(amplitude, wave);
-    builder.add(offset, swing)
+    sine_of(builder, cycles)
 }
 
 /// The time within the sweep and the time after it, in problem seconds: t and 0 during the sweep, then its length and

@@ -31,8 +31,13 @@ pub(super) static KIND: Kind = Kind {
 fn output_law(builder: &mut dyn Builder) -> Register {
     let (time, frequency) = (builder.time(), builder.get("frequency"));
     let periods = builder.multiply(frequency, time);
+    sine_of(builder, periods)
+}
+
+/// offset + amplitude x sin(2 pi cycles + phase), in volts. The cycles are a number of periods since t = 0.
+pub(super) fn sine_of(builder: &mut dyn Builder, cycles: Register) -> Register {
     let turn = builder.constant(TAU);
-    let turned = builder.multiply(turn, periods);
+    let turned = builder.multiply(turn, cycles);
     let phase = builder.get("phase");
     let angle = builder.add(turned, phase);
     let wave = builder.call(Function::Sin, angle);
