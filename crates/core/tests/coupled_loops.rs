@@ -96,7 +96,8 @@ fn accelerations_of_three_coupled_inertias_are_solved() {
     assert_near(&solved(builder, ["A0", "A1", "A2"]), &[30.0, -50.0, 20.0]);
 }
 
-/// A patch that solves matrix x solution = right-hand side, with one summer per row that feeds itself back.
+/// A patch that solves matrix x solution = right-hand side, with one summer per row. A summer feeds itself back unless
+/// its entry of the diagonal is 1.
 fn system(matrix: &[Vec<f64>], solution: &[f64]) -> PatchBuilder {
     let name = |index: usize| format!("S{index}");
     let mut builder = volts("system");
@@ -107,6 +108,9 @@ fn system(matrix: &[Vec<f64>], solution: &[f64]) -> PatchBuilder {
             // The summer adds its own output once.
             let gain = if row == column { entry - 1.0 } else { *entry };
             side += entry * solution[column];
+            if gain == 0.0 {
+                continue;
+            }
             let from = if gain < 0.0 { format!("N{column}") } else { name(column) };
             summer = summer.cords(&format!("x{}", gain.abs()), [from]);
         }
@@ -142,6 +146,62 @@ fn a_random_mass_matrix_of_twenty_inertias_is_solved() {
         .collect();
     let solution: Vec<f64> = (0..order).map(|_| random.uniform(-90.0, 90.0)).collect();
     check_system(&matrix, &solution);
+}
+
+#[test]
+fn matrices_with_a_unit_diagonal_are_solved() {
+    let mut random = SplitMix64(11);
+    let chain = |row: usize, column: usize| match row.abs_diff(column) {
+        0 => 1.0,
+        1 => 0.49,
+        _ => 0.0,
+    };
+    let power = |row: usize, column: usize| 0.9f64.powi(row.abs_diff(column) as i32);
+    for (order, entry) in [(10, &chain as &dyn Fn(usize, usize) -> f64), (60, &chain), (20, &power)] {
+        let matrix: Vec<Vec<f64>> =
+            (0..order).map(|row| (0..order).map(|column| entry(row, column)).collect()).collect();
+        for _ in 0..5 {
+            let solution: Vec<f64> = (0..order).map(|_| random.uniform(-90.0, 90.0)).collect();
+            check_system(&matrix, &solution);
+        }
+    }
+}
+
+#[test]
+fn random_correlation_matrices_are_solved_also_with_outputs_at_their_limits() {
+    let mut random = SplitMix64(12);
+    for order in [5, 10, 20] {
+        let factor: Vec<Vec<f64>> =
+            (0..order).map(|_| (0..2 * order).map(|_| random.uniform(-1.0, 1.0)).collect()).collect();
+        let product = |i: usize, j: usize| factor[i].iter().zip(&factor[j]).map(|(a, b)| a * b).sum::<f64>();
+        let correlation = |i: usize, j: usize| {
+            if i == j { 1.0 } else { product(i, j) / (product(i, i) * product(j, j)).sqrt() }
+        };
+        let matrix: Vec<Vec<f64>> =
+            (0..order).map(|i| (0..order).map(|j| correlation(i, j)).collect()).collect();
+        for _ in 0..5 {
+            let solution: Vec<f64> = (0..order).map(|_| random.uniform(-90.0, 90.0)).collect();
+            check_system(&matrix, &solution);
+            // With right-hand sides of an unlimited solution up to 300 V, some outputs are at their limits.
+            let demanded: Vec<f64> = (0..order).map(|_| random.uniform(-300.0, 300.0)).collect();
+            check_limited_system(&matrix, &demanded);
+        }
+    }
+}
+
+/// Checks that the voltages of a system whose unlimited solution is `demanded` satisfy the law of every summer.
+fn check_limited_system(matrix: &[Vec<f64>], demanded: &[f64]) {
+    let program = built(system(matrix, demanded));
+    let machine = run_for(&program, 1e-3, 0.0);
+    let found: Vec<f64> = (0..matrix.len()).map(|row| voltage(&machine, &format!("S{row}"))).collect();
+    for (row, entries) in matrix.iter().enumerate() {
+        let side: f64 = entries.iter().zip(demanded).map(|(entry, volts)| entry * volts).sum();
+        let others: f64 =
+            (0..matrix.len()).filter(|other| *other != row).map(|other| entries[other] * found[other]).sum();
+        // (entry - 1) x output + others = side - output, up to the limit.
+        let demand = (side - others - (entries[row] - 1.0) * found[row]).clamp(-100.0, 100.0);
+        assert!((found[row] - demand).abs() < 1e-9, "S{row}: {} instead of {demand}", found[row]);
+    }
 }
 
 #[test]

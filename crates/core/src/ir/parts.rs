@@ -99,6 +99,8 @@ pub struct Loop {
     pub(crate) tears: Vec<Tear>,
     /// The operations that depend on a tear, as a range of the body.
     pub(crate) operations: Range<usize>,
+    /// The lamps of the members, as a range of the program's lamps.
+    pub(crate) lamps: Range<usize>,
     /// The registers before the loop that its operations read, in ascending order.
     pub(crate) inputs: Vec<Register>,
     /// Whether the recomputed outputs are piecewise linear in the tears: no tear is multiplied by another, is a divisor

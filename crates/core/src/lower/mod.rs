@@ -194,6 +194,7 @@ impl<'c> Lowering<'c> {
             self.draft.outputs[*opener] = Some(tear);
         }
         let begin = self.draft.program.lowered.body.len();
+        let first_lamp = self.draft.program.lowered.lamps.len();
         let mut tears: Vec<(usize, Tear)> = Vec::new();
         for member in members {
             let tear = self.draft.outputs[*member].filter(|_| openers.contains(member));
@@ -210,6 +211,7 @@ impl<'c> Lowering<'c> {
         let entry = Loop {
             tears: tears.into_iter().map(|(_, tear)| tear).collect(),
             operations: begin..self.draft.program.lowered.body.len(),
+            lamps: first_lamp..self.draft.program.lowered.lamps.len(),
             inputs: Vec::new(),
             is_straight: true,
             members: names.collect(),

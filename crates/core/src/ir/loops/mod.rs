@@ -4,15 +4,17 @@
 //! one. If it has none or several, the patch is refused or the run stops.
 //!
 //! `uniqueness` tries to prove from the slopes of the recomputed outputs that there is only one solution. Then `newton`
-//! finds it, starting at the last solution. Otherwise all solutions are counted: `pieces` enumerates the linear pieces
-//! of a straight loop, and `curved` searches with intervals.
+//! finds it, starting at the last solution, or `path` if that fails in a straight loop. Otherwise all solutions are
+//! counted: `pieces` enumerates the linear pieces of a straight loop, and `curved` searches with intervals.
 
 mod bounds;
 mod curved;
+mod forms;
 mod interval;
 mod matrix;
 mod newton;
 mod p_matrix;
+mod path;
 mod pieces;
 mod report;
 mod shape;
@@ -84,13 +86,23 @@ impl Problem<'_> {
     /// Evaluates the operations of the loop. `inside` has an entry for every tear, already set, and then one for every
     /// operation. Registers before the loop are constant.
     fn evaluate<N: Number>(&self, inside: &mut [N]) {
-        self.evaluate_with(inside, |register| N::constant(self.outside[register]));
+        self.evaluate_with(inside, |register| N::constant(self.outside[register]), |_| None);
     }
 
-    /// Evaluates the operations of the loop with these values of the registers before it.
-    fn evaluate_with<N: Number>(&self, inside: &mut [N], outside: impl Fn(usize) -> N) {
+    /// Evaluates the operations of the loop with these values of the registers before it. `assumed` gives the results
+    /// of operations that are not computed, by their index counted from the first tear.
+    fn evaluate_with<N: Number>(
+        &self,
+        inside: &mut [N],
+        outside: impl Fn(usize) -> N,
+        assumed: impl Fn(usize) -> Option<N>,
+    ) {
         let begin = self.outside.len();
         for at in self.entry.operations.clone() {
+            if let Some(value) = assumed(at - begin) {
+                inside[at - begin] = value;
+                continue;
+            }
             let get = |register: Register| match register.index().checked_sub(begin) {
                 Some(inner) => inside[inner],
                 None => outside(register.index()),
@@ -211,16 +223,28 @@ impl LoopMemory {
         if self.inputs.iter().any(|volts| volts.is_nan()) {
             return Err(Solutions::NotANumber);
         }
-        let is_found =
-            self.uniqueness.is_proven(problem) && self.newton.follow(problem, &mut self.tears, inside);
-        if !is_found {
-            let search = if problem.entry.is_straight { pieces::solutions } else { curved::solutions };
-            self.tears = search(problem)?.only()?;
+        let is_unique = self.uniqueness.is_proven(problem);
+        if !is_unique || !self.newton.follow(problem, &mut self.tears, inside) {
+            self.tears = search(problem, is_unique)?;
             self.newton.refine(problem, &mut self.tears, inside);
         }
         problem.check_laws(inside)?;
         self.is_solved = true;
         Ok(())
+    }
+}
+
+/// The tears of the only solution, found by a search over all voltages. `is_unique` is whether there can be only one.
+///
+/// # Errors
+/// If there is none, or more than one, or if the search does not end.
+fn search(problem: &Problem<'_>, is_unique: bool) -> Result<Vec<f64>, Solutions> {
+    if !problem.entry.is_straight {
+        return curved::solutions(problem)?.only();
+    }
+    match is_unique.then(|| path::solution(problem)).flatten() {
+        Some(tears) => Ok(tears),
+        None => pieces::solutions(problem)?.only(),
     }
 }
 

@@ -6,8 +6,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::SOLUTION_SPACING;
+use super::forms::value;
 use super::interval::Interval;
-use super::pieces::{Bound, slack, value};
+use super::pieces::{Bound, slack};
 
 /// Singular values below this share of the largest one count as 0.
 const RANK_TOLERANCE: f64 = 1e-12;
