@@ -1,4 +1,4 @@
-//! Prints the reasons to doubt the record of a run if standard output has the table.
+//! Prints the reasons to doubt the record of a run if standard output has the table, or if the run stops with an error.
 
 use super::phases::phase_warnings;
 use super::step_warning::step_warning_text;

@@ -38,6 +38,7 @@ mod machines;
 mod man;
 mod new;
 mod numbers;
+mod option_synonyms;
 mod outputs;
 mod overloads;
 mod phases;
@@ -70,6 +71,7 @@ use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _, Parser, Subcomm
 use serde::Serialize;
 
 use failure::Failure;
+use option_synonyms::with_option_tip;
 use patchcord::document::{escape_controls, printable};
 use patchcord::output::io_reason;
 
@@ -143,7 +145,8 @@ pub(crate) fn main() -> ExitCode {
 
 /// Parses a command line. Returns the command, and whether it was given `--json`.
 fn parse(arguments: &[OsString]) -> Result<(Command, bool), clap::Error> {
-    let mut matches = definition().try_get_matches_from(arguments)?;
+    let matches = definition().try_get_matches_from(arguments);
+    let mut matches = matches.map_err(|error| with_option_tip(error, &definition(), arguments))?;
     let json = matches.subcommand().is_some_and(|(_, options)| has_json(options));
     let arguments = Arguments::from_arg_matches_mut(&mut matches);
     let arguments = arguments.map_err(|error| error.format(&mut definition()))?;

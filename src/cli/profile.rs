@@ -10,15 +10,17 @@ use clap::Args;
 use serde::Serialize;
 
 use super::criteria::{advice_on, advice_on_cycles};
+use super::doubts::eprint_doubts;
 use super::failure::Failure;
 use super::files::{path_texts, picture_format, write_pictures, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading, title};
 use super::numbers::{positive, positive_in};
 use super::profile_report::{self, ProfileDocument, ProfileReading};
 use super::recording::run_with_progress;
+use super::run_report::overloads_text;
 use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::times::{TimeArguments, run_failure};
-use super::{eprint, print, print_json};
+use super::{eprint, errors_in_colour, print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::suggestion;
 use patchcord::draw::plot::{Picture, Size};
@@ -85,6 +87,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = arguments.patch.outputs(&circuit);
     outputs.prepare(None, files())?;
     let trace = run_with_progress("profile", &program, &settings).map_err(|stopped| {
+        eprint_doubts(&stopped.trace, &overloads_text(&stopped.trace, errors_in_colour()));
         run_failure(&stopped.error, &circuit, arguments.times.is_cause_of(&stopped.error))
     })?;
     let step_warning = trace.step_warning.as_ref();

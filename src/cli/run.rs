@@ -3,8 +3,8 @@
 //! The text output has the title, the parameters, the table of readings, the phases, the overloads and the files. The
 //! last line is a summary. With `--verbose` the work of the solver is added. An overload fails the command only with
 //! `--fail-on-overload`, after everything is written and printed. If a run stops with an error, the samples before the
-//! error are still written to the files. Without pictures the table is written during the run, so that the memory of
-//! the run does not grow with its rows.
+//! error are still written to the files, and the overloads before it are printed. Without pictures the table is written
+//! during the run, so that the memory of the run does not grow with its rows.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -29,11 +29,11 @@ use super::times::{
 };
 use super::{errors_in_colour, output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::suggestion;
+use patchcord::document::{json_value, suggestion};
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
 use patchcord::solve::{BLOCK_SAMPLES, RunError, RunSettings, StoppedRunError};
-use patchcord::trace::{Repetition, Trace, WorkCounters};
+use patchcord::trace::{Repetition, Trace, WorkCounters, rounded_time};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -181,9 +181,9 @@ impl Arguments {
         is_cause || self.times.is_cause_of(error)
     }
 
-    /// Writes the samples before the error to the files and returns the failure.
+    /// Prints the overloads before the error, writes the samples before it to the files and returns the failure.
     ///
-    /// The failure has the keys `code`, and `recorded_until` in seconds and `files` if files were written.
+    /// The failure has the keys `code` and `sweeps`, and `recorded_until` in seconds and `files` if files were written.
     fn stopped_failure(
         &self,
         stopped: StoppedRunError,
@@ -192,11 +192,13 @@ impl Arguments {
         circuit: &Circuit,
     ) -> Failure {
         let last = streamed.as_ref().map_or(stopped.trace.time.last().copied(), StreamedTables::last_time);
-        let Some(last) = last else { return self.failure(&stopped.error, circuit) };
+        let Some(last) = last.map(rounded_time) else { return self.failure(&stopped.error, circuit) };
+        eprint_doubts(&stopped.trace, &overloads_text(&stopped.trace, errors_in_colour()));
         let (phase, position) = (phase_prefix(&stopped.trace), position_text(&stopped.error, circuit));
         let failure = |more: &str| {
             let message = format!("{phase}{}{position}{more}", message_with_advice(&stopped.error));
-            Failure::data(message).with_detail("code", stopped.error.code().into())
+            let failure = Failure::data(message).with_detail("code", stopped.error.code().into());
+            failure.with_detail("sweeps", json_value(&RepetitionDocument::all(&stopped.trace)))
         };
         if files.paths().next().is_none() {
             return failure("");
@@ -314,7 +316,7 @@ impl<'a> Document<'a> {
             samples,
             readings: ReadingDocument::all(trace),
             sensitivities: SensitivityDocument::all(trace),
-            repetitions: trace.repetitions.iter().map(RepetitionDocument::of).collect(),
+            repetitions: RepetitionDocument::all(trace),
             phases: PhaseDocument::all(trace),
             step_warning: trace.step_warning.as_ref().map(StepWarningDocument::of),
             files: path_texts(written),
@@ -323,6 +325,11 @@ impl<'a> Document<'a> {
 }
 
 impl<'a> RepetitionDocument<'a> {
+    /// The documents of all runs of a trace, in the order of time.
+    fn all(trace: &'a Trace) -> Vec<Self> {
+        trace.repetitions.iter().map(RepetitionDocument::of).collect()
+    }
+
     fn of(repetition: &'a Repetition) -> Self {
         let WorkCounters { steps, changes, crossings, rejections, evaluations } = repetition.work;
         RepetitionDocument {

@@ -7,8 +7,10 @@ use serde::Serialize;
 use super::failure::Failure;
 use super::numbers::seconds;
 use patchcord::circuit::Circuit;
-use patchcord::document::{Placed, Span};
+use patchcord::document::{Placed, Span, TypedNumber, format_number};
+use patchcord::expr::Unit;
 use patchcord::ir::Program;
+use patchcord::machines::REFERENCE;
 use patchcord::patch::RunPlan;
 use patchcord::solve::{
     Backend, MAX_TOLERANCE, MIN_TOLERANCE, RunError, RunSettings, TimeSetting, is_tolerance, sufficient_step,
@@ -68,9 +70,20 @@ fn backend() -> impl TypedValueParser<Value = Backend> {
         .map(move |name| named(name).unwrap_or_default())
 }
 
-/// Parses a tolerance.
+/// Parses a tolerance. A voltage is refused, with the share of 100 V that it is.
 fn share(text: &str) -> Result<f64, String> {
-    let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
+    let typed = TypedNumber::parse(text).map_err(|error| error.to_string())?;
+    let in_unit = |unit: &str| -> Result<f64, String> {
+        let unit = Unit::parse(unit).map_err(|error| error.to_string())?;
+        typed.in_unit(&unit).map_err(|error| error.to_string())
+    };
+    if typed.unit.is_some()
+        && let Ok(volts) = in_unit("V")
+    {
+        let share = format_number(volts / REFERENCE);
+        return Err(format!("\"{text}\" is a voltage, but the tolerance is a share of 100 V: write {share}"));
+    }
+    let share = in_unit("1")?;
     if is_tolerance(share) {
         Ok(share)
     } else {
@@ -232,5 +245,24 @@ pub(super) fn advice(error: &RunError) -> Option<String> {
             Some("give a longer --every, a shorter --for or fewer repetitions".to_owned())
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tolerance_is_a_share_of_100_v() {
+        assert_eq!(["1e-6", " 0.01 % ", "1"].map(share), [Ok(1e-6), Ok(1e-4), Ok(1.0)]);
+        let advice = |text: &str, share: &str| {
+            Err(format!("\"{text}\" is a voltage, but the tolerance is a share of 100 V: write {share}"))
+        };
+        for (text, expected) in [("1e-6V", "1e-8"), ("100 uV", "1e-6")] {
+            assert_eq!(share(text), advice(text, expected));
+        }
+        assert_eq!(share("5 s"), Err("\"5 s\" is in s, but a pure number is expected".to_owned()));
+        assert_eq!(share("small"), Err("\"small\" is not a number".to_owned()));
+        assert!(share("2").is_err_and(|error| error.starts_with("must be from 1e-13 to 1, such as 1e-6")));
     }
 }

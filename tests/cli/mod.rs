@@ -233,6 +233,7 @@ fn numbers_may_have_units() {
     let cases = [
         (["--set", "VcL=3s"], "--set VcL: \"3s\" is in s, but m/s is expected"),
         (["--set", "K=45,000,000"], "\"45,000,000\" is not a number: write 45000000"),
+        (["--set", "K=45.000.000"], "\"45.000.000\" is not a number: write 45000000"),
         (["--set", "VcL=0,003"], "\"0,003\" is not a number: write 0.003"),
         (["--for", "2 kg"], "\"2 kg\" is in kg, but s is expected"),
     ];
@@ -242,6 +243,25 @@ fn numbers_may_have_units() {
         assert!(errors(&failed).contains(wanted), "{}", errors(&failed));
     }
     assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "10ms"])), 0);
+}
+
+#[test]
+fn an_option_of_another_program_gets_a_tip() {
+    let cases = [
+        (["run", "--dt", "1e-4"], "tip: use '--step <SECONDS|auto>'\n"),
+        (["run", "--tolerance", "1e-6"], "tip: use '--tol <SHARE>'\n"),
+        (["sweep", "--duration", "1"], "tip: use '--for <SECONDS>'\n"),
+        (["run", "-o", "x.csv"], "tip: use '--csv <FILE>', '--plot <FILE.svg|png>' or '--out <DIR>'\n"),
+    ];
+    for ([command, option, value], wanted) in cases {
+        let failed = patchcord(&[command, FIG_8_16, option, value]);
+        let message = errors(&failed);
+        assert_eq!(code(&failed), 2, "{message}");
+        assert!(message.starts_with(&format!("error: unexpected argument '{option}' found\n")), "{message}");
+        assert!(message.contains(wanted) && message.matches("tip:").count() == 1, "{message}");
+    }
+    let message = errors(&patchcord(&["check", FIG_8_16, "--dt", "1e-4"]));
+    assert!(!message.contains("--step"), "{message}");
 }
 
 #[test]

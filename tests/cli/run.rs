@@ -83,6 +83,8 @@ fn the_last_line_of_a_table_is_the_end_of_the_run() {
     assert_eq!(times(&["--every", "1"]), ["0", "1", "2", "3", "3.25"]);
     assert_eq!(times(&["--every", "1.25", "--tol", "1e-6"]), ["0", "1.25", "2.5", "3.25"]);
     assert_eq!(times(&["--for", "0.3", "--every", "0.1"]), ["0", "0.1", "0.2", "0.3"]);
+    // 3 x 0.3 is 0.8999999999999999.
+    assert_eq!(times(&["--for", "1.2", "--every", "0.3"]), ["0", "0.3", "0.6", "0.9", "1.2"]);
     let run = ["0", "0.1", "0.2", "0.25"];
     assert_eq!(times(&["--for", "0.25", "--every", "0.1", "--repeat", "2"]), [run, run].concat());
 }

@@ -32,6 +32,7 @@ fn wrong_units_return_the_expected_unit() {
         (["--step", "1mm"], "\"1mm\" is in mm, but s is expected\n"),
         (["--for", "soon"], "\"soon\" is not a number: give the value in s\n"),
         (["--set", "M=433s"], "--set M: \"433s\" is in s, but kg is expected\n"),
+        (["--tol", "1e-6V"], "\"1e-6V\" is a voltage, but the tolerance is a share of 100 V: write 1e-8\n"),
     ];
     for (options, expected) in cases {
         let ran = patchcord(&[&["run", FIG_8_16], &options[..]].concat());
@@ -156,4 +157,26 @@ fn an_unsolvable_loop_during_a_run_is_reported_with_place_and_advice() {
     assert!(message.contains("the loop M, A5 has no integrator and 3 solutions"), "{message}");
     assert!(message.contains("; the feedback must rise with the output"), "{message}");
     assert!(message.contains("division.json:4:3: A5\n"), "{message}");
+}
+
+/// A5 needs more than 100 V from t = 0.4 s on, and the loop has several solutions from t = 0.5 s on.
+#[test]
+fn overloads_before_an_error_are_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, csv, svg) = (path(&folder, "division.json"), path(&folder, "x.csv"), path(&folder, "x.svg"));
+    fs::write(&file, DIVISION).unwrap();
+    let options: [&[&str]; 3] = [&[], &["--csv", &csv], &["--plot", &svg]];
+    for options in options {
+        let ran = patchcord(&[&["run", &file], options].concat());
+        let message = errors(&ran);
+        assert_eq!((code(&ran), out(&ran).as_str()), (1, ""), "{message}");
+        let (overloads, error) = message.split_once("error: ").unwrap();
+        assert!(overloads.contains("overload: A5 at t = 0.400"), "{message}");
+        assert!(overloads.ends_with(" V (first)\n") && error.contains(" 3 solutions"), "{message}");
+        let document = json(&patchcord(&[&["run", &file, "--json"], options].concat()));
+        let overloads = document["sweeps"][0]["overloads"].as_array().unwrap();
+        assert_eq!((overloads.len(), &overloads[0]["element"]), (1, &"A5".into()), "{document}");
+        assert!((overloads[0]["t"].as_f64().unwrap() - 0.4).abs() < 1e-3, "{document}");
+        assert!(!document["error"].as_str().unwrap().contains("overload"), "{document}");
+    }
 }

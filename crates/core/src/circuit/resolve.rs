@@ -16,7 +16,9 @@ use super::{Circuit, Cord, Element, inventory, loops, macros, names, phases, set
 use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, factor_violation, suggestion};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
 use crate::machines::{self, MachineModel};
-use crate::patch::{Amount, ElementEntry, Patch, Plug, cord_hint, cord_notation, no_cord, outputs_tied};
+use crate::patch::{
+    Amount, ElementEntry, Patch, Plug, cord_hint, cord_notation, fixed_voltage_hint, no_cord, outputs_tied,
+};
 use patchcord_expr::Formula;
 
 /// The elements with the cords between them. An edge goes from the driver to the driven element.
@@ -250,12 +252,28 @@ impl CordPlugger<'_> {
     fn driver(&self, plug: &Plug, findings: &mut Vec<Diagnostic>) -> Option<NodeIndex> {
         let message = || format!("{} is driven by {}, which is not in the patch", self.name, plug.from.value);
         let found = self.nodes.get(plug.from.value.as_str()).copied();
-        if let (None, Some(hint)) = (found, self.inversion_hint(&plug.from.value)) {
+        if found.is_none()
+            && let Some(hint) = self.source_hint(&plug.from.value)
+        {
             findings.push(Diagnostic::at(Code::UNKNOWN_NAME, plug.from.span, message()).hint(hint));
             return None;
         }
         let known = || output_names(self.patch, self.nodes);
         found_or_report(self.patch, &plug.from, found, message, known, findings)
+    }
+
+    /// The hint for a cord from a negative output, or from a fixed voltage under another name. `None` for other names.
+    fn source_hint(&self, name: &str) -> Option<String> {
+        let fixed_voltage = || fixed_voltage_hint(name).filter(|_| !self.can_be_output(name));
+        self.inversion_hint(name).or_else(fixed_voltage)
+    }
+
+    /// Whether an unknown name can mean an output: one that could not be read, or one with other capitals.
+    fn can_be_output(&self, name: &str) -> bool {
+        let outputs =
+            self.nodes.keys().copied().chain(self.patch.instance_outputs.keys().map(String::as_str));
+        let mut outputs = outputs.filter(|output| output.eq_ignore_ascii_case(name));
+        self.patch.unread_names().can_include(name) || outputs.next().is_some()
     }
 
     /// The hint for a cord from a negative output, such as "-A1". `None` if the name does not mean this.

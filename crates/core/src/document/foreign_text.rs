@@ -1,4 +1,5 @@
-//! Recognises common texts that are not JSON: CSV tables, pages and pictures, and numbers with a comma.
+//! Recognises common texts that are not JSON: CSV tables, pages and pictures, and numbers with commas or several
+//! points.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
@@ -59,19 +60,21 @@ fn csv_header(text: &str) -> Option<Span> {
     (has_number && !names.contains(['{', '[', ':'])).then_some(header)
 }
 
-/// The diagnostic for a number with a comma in an object, such as 3,5. `None` if there is none at byte `at`.
+/// The diagnostic for a number with a comma in an object, such as 3,5, or with several points, such as 45.000.000.
+/// `None` if there is none at byte `at`.
 ///
-/// The parser reads the comma as the end of the number, and stops at the digit after it, at byte `at`. In an object no
-/// number can follow a comma.
-pub(super) fn number_with_comma(text: &str, at: usize) -> Option<Diagnostic> {
+/// The parser reads a comma, or a second point, as the end of the number, and stops at byte `at`: at the digit after
+/// the comma, or at the point. In an object no number can follow a comma.
+pub(super) fn number_with_separators(text: &str, at: usize) -> Option<Diagnostic> {
     let (before, after) = text.split_at_checked(at)?;
     let start =
-        before.trim_end_matches(|letter: char| letter.is_ascii_digit() || "-,".contains(letter)).len();
+        before.trim_end_matches(|letter: char| letter.is_ascii_digit() || "-,.".contains(letter)).len();
     let is_part = |letter: char| letter.is_ascii_digit() || "+-.,eE".contains(letter);
     let end = at + after.find(|letter: char| !is_part(letter)).unwrap_or(after.len());
     let number = text[start..end].trim_end_matches(',');
     let advised = without_separators(number)?;
-    let message = format!("not JSON: the number {number} has a comma");
+    let fault = if number.contains(',') { "a comma" } else { "several points" };
+    let message = format!("not JSON: the number {number} has {fault}");
     let span = Span { start, end: start + number.len() };
     Some(Diagnostic::at(Code::SYNTAX, span, message).hint(format!("write {advised}")))
 }
@@ -107,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_comma_in_a_number_is_named() {
+    fn commas_and_several_points_in_a_number_are_named() {
         let cases = [
             ("{\"a\": 3,5, \"b\": 1}", "3,5", "write 3.5"),
             ("{\"a\":-0,05}", "-0,05", "write -0.05"),
@@ -122,6 +125,9 @@ mod tests {
             assert_eq!(error.message, format!("not JSON: the number {number} has a comma"));
             assert_eq!(error.hint.as_deref(), Some(hint));
         }
+        let error = parse("{\"a\": [1, 45.000.000]}").unwrap_err();
+        assert_eq!(error.message, "not JSON: the number 45.000.000 has several points");
+        assert_eq!(error.hint.as_deref(), Some("write 45000000"));
         for text in ["{\"a\": 1, b: 2}", "{\"a\": 1, 5}", "{\"a\": 1,\n5}"] {
             assert!(parse(text).unwrap_err().message.starts_with("not JSON: Expected"), "{text}");
         }

@@ -9,7 +9,7 @@ use serde_json::{Number, Value};
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
-use super::foreign_text::{number_with_comma, other_format};
+use super::foreign_text::{number_with_separators, other_format};
 
 /// A JSON value with its position.
 ///
@@ -175,8 +175,11 @@ pub fn parse(text: &str) -> Result<Node, Diagnostic> {
 /// The diagnostic for the error of the parser.
 fn syntax_error(text: &str, error: &ParseError) -> Diagnostic {
     let error_span = span(error.range());
-    let is_after_comma = matches!(error.kind(), ParseErrorKind::ExpectedStringObjectProperty);
-    if is_after_comma && let Some(finding) = number_with_comma(text, error_span.start) {
+    let is_after_separator = matches!(
+        error.kind(),
+        ParseErrorKind::ExpectedStringObjectProperty | ParseErrorKind::BareDecimalPointNumbersNotAllowed
+    );
+    if is_after_separator && let Some(finding) = number_with_separators(text, error_span.start) {
         return finding;
     }
     let rest = text.get(error_span.start..).unwrap_or_default();

@@ -145,11 +145,12 @@ pub(super) fn begins_unit(text: &str) -> bool {
     text.starts_with("1/") || text.starts_with(|first: char| first.is_alphabetic() || "%°".contains(first))
 }
 
-/// Signs that may stand between the digits of a number that people type.
-const SEPARATORS: &str = ",_' ";
+/// Signs that may stand between the digits of a number that people type. Points are separators only if there are
+/// several, or if a comma follows. The last four signs are an apostrophe and blanks of typeset numbers.
+const SEPARATORS: &str = ",_' \u{2019}\u{a0}\u{202f}\u{2009}";
 
 /// What to write instead of a number with a comma or other signs between its digits: "3.5" for "3,5", and "45000000"
-/// for "45,000,000". `None` if the text does not begin with such a number.
+/// for "45,000,000" and for "45.000.000". `None` if the text does not begin with such a number.
 ///
 /// If a single comma precedes three digits, both meanings are given.
 pub(super) fn without_separators(text: &str) -> Option<String> {
@@ -160,11 +161,8 @@ pub(super) fn without_separators(text: &str) -> Option<String> {
     let rest = &text[number.len()..];
     let unsigned = number.trim_start_matches(['+', '-']);
     let sign = &number[..number.len() - unsigned.len()];
-    let (whole, fraction) = match unsigned.split_once('.') {
-        Some((whole, fraction)) => (whole, Some(fraction)),
-        None => (unsigned, None),
-    };
-    let separator = whole.chars().find(|letter| SEPARATORS.contains(*letter))?;
+    let (whole, fraction) = split_fraction(unsigned);
+    let separator = whole.chars().find(|letter| *letter == '.' || SEPARATORS.contains(*letter))?;
     let groups: Vec<&str> = whole.split(separator).collect();
     let is_digits = |group: &&str| !group.is_empty() && group.bytes().all(|byte| byte.is_ascii_digit());
     if !groups.iter().chain(fraction.iter()).all(is_digits) {
@@ -179,6 +177,17 @@ pub(super) fn without_separators(text: &str) -> Option<String> {
         (true, false) => Some(joined),
         (false, true) => Some(with_point),
         (false, false) => None,
+    }
+}
+
+/// The parts of a number before and after its decimal sign. The sign is a point, or a comma if the points are between
+/// thousands: there are several, or one precedes the comma.
+fn split_fraction(number: &str) -> (&str, Option<&str>) {
+    let (point, comma) = (number.find('.'), number.find(','));
+    let has_points_between = number.matches('.').count() > 1 || (point.is_some() && point < comma);
+    match number.split_once(if has_points_between { ',' } else { '.' }) {
+        Some((whole, fraction)) => (whole, Some(fraction)),
+        None => (number, None),
     }
 }
 
@@ -226,6 +235,7 @@ mod tests {
             ("1e308km", "nm", "1e308km is not a finite number"),
             ("3,5", "s", "\"3,5\" is not a number: write 3.5"),
             ("45,000,000", "s", "\"45,000,000\" is not a number: write 45000000"),
+            ("45.000.000", "s", "\"45.000.000\" is not a number: write 45000000"),
         ];
         for (text, unit, expected) in cases {
             assert_eq!(in_unit(text, unit), Err(expected.to_owned()), "{text}");
@@ -248,11 +258,32 @@ mod tests {
             ("45 000 000", "45000000"),
             ("45_000 m", "45000 m"),
             ("1'000", "1000"),
+            ("45\u{2019}000\u{2019}000", "45000000"),
+            ("45\u{a0}000\u{a0}000 N", "45000000 N"),
+            ("45_000_000", "45000000"),
+            ("45.000.000", "45000000"),
+            ("-45.000.000 N/m", "-45000000 N/m"),
+            ("45.000.000,5", "45000000.5"),
+            ("1.500,25", "1500.25"),
         ];
         for (text, expected) in cases {
             assert_eq!(without_separators(text).as_deref(), Some(expected), "{text}");
         }
-        for text in ["3.5", "3,", ",5", "1,2,3", "8 1", "a,b", "3 kg", "", "-", "1,5.2"] {
+        for text in [
+            "3.5",
+            "3,",
+            ",5",
+            "1,2,3",
+            "8 1",
+            "a,b",
+            "3 kg",
+            "",
+            "-",
+            "1,5.2",
+            "1.2.3",
+            "1.5,2",
+            "2024.01.15",
+        ] {
             assert_eq!(without_separators(text), None, "{text}");
         }
     }

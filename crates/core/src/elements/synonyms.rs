@@ -35,18 +35,37 @@ static KINDS: &[KindSynonyms] = &[
         &["gain", "amplifier", "scale", "coefficient", "potentiometer", "attenuator", "voltage-divider"],
         "a gain up to 1 is a \"pot\"; a larger gain is an input of a \"summer\": \"in\": {\"x10\": [\"A1\"]}",
     ),
-    element(&["negate", "negator", "invert", "neg"], "use an \"inverter\""),
+    element(&["negate", "negator", "invert", "inv", "neg"], "use an \"inverter\""),
+    element(
+        &["not", "not-gate"],
+        "for a logical not, use a \"comparator\" with \"high\": -100 and \"low\": 100; to change the sign, use \
+         an \"inverter\"",
+    ),
+    element(
+        &["and", "and-gate"],
+        "use a \"diode-lower-of\": with high and low voltages, it is high if both inputs are high",
+    ),
+    element(
+        &["or", "or-gate"],
+        "use a \"diode-upper-of\": with high and low voltages, it is high if an input is high",
+    ),
+    element(
+        &["resistor"],
+        "the resistors of an amplifier are the gains of its inputs: a \"summer\" has \"in\": {\"x10\": \
+         [\"A1\"]}",
+    ),
+    element(&["capacitor"], "an amplifier with a capacitor as its feedback is an \"integrator\""),
     element(
         &["op-amp", "opamp", "operational-amplifier"],
         "use a \"summer\", an \"integrator\", or an \"open-amplifier\" with the feedback that you patch",
     ),
     element(
-        &["compare", "threshold", "zero-crossing", "zero-crossing-detector", "logic"],
+        &["compare", "threshold", "zero-crossing", "zero-crossing-detector", "logic", "gate"],
         "use a \"comparator\": its output is \"high\" while \"in\" is at or above \"threshold\", and \"low\" \
          below",
     ),
     element(
-        &["schmitt-trigger", "hysteresis", "bang-bang", "hysteresis-comparator"],
+        &["schmitt", "schmitt-trigger", "hysteresis", "bang-bang", "hysteresis-comparator"],
         "use a \"relay\": it compares \"in\" with \"against\", and has two thresholds, \"drop_out\" below \
          \"pull_in\"",
     ),
@@ -91,7 +110,7 @@ static KINDS: &[KindSynonyms] = &[
         "use a \"multiplier\" with \"mode\": \"product\" and the same output at \"a\" and \"b\"",
     ),
     element(
-        &["limiter", "limit", "saturation", "saturate", "clamp", "clip", "clipper"],
+        &["limiter", "limit", "saturation", "saturate", "clamp", "clip", "clipper", "zener", "zener-diode"],
         "give a \"summer\" or an \"integrator\" the key \"limit\": {\"lower\": -10, \"upper\": 10}, in volts",
     ),
     element(
@@ -123,10 +142,52 @@ static KINDS: &[KindSynonyms] = &[
     element(&["min", "minimum", "lower-of"], "use a \"diode-lower-of\""),
     element(&["max", "maximum", "upper-of"], "use a \"diode-upper-of\""),
     element(
-        &["lookup", "lookup-table", "table", "curve", "function", "nonlinearity", "characteristic"],
+        &["lookup", "lookup-table", "lut", "table", "curve", "function", "nonlinearity", "characteristic"],
         "a curve of a voltage is a \"function-generator\"; a \"table\" over time belongs in \"drives\"",
     ),
     element(&["ln", "logarithm"], "use a \"log\": its base is 10"),
+    element(
+        &["log10", "lg"],
+        "use a \"log\": its output is 0 V at an input of \"reference\", and \"per_decade\" more for each \
+         factor of 10",
+    ),
+    element(
+        &["dac", "d-a-converter", "digital-to-analog"],
+        "a fixed voltage is a \"pot\" with \"in\": \"+100\"; values over time are a \"table\" in \"drives\"",
+    ),
+    element(
+        &["vco", "voltage-controlled-oscillator"],
+        "use two \"integrator\"s and an \"inverter\" in a loop, and multiply the input of each \"integrator\" \
+         by the control voltage in a \"multiplier\"",
+    ),
+    element(
+        &["prbs", "random-binary"],
+        "use a \"comparator\" of a \"noise\" from \"drives\": it is high or low at random, for \"every\" \
+         seconds each",
+    ),
+    element(
+        &["sawtooth", "saw"],
+        "use an \"integrator\" of a constant voltage, with a \"comparator\" of its output at \"reset\"",
+    ),
+    element(
+        &["timer", "stopwatch"],
+        "an \"integrator\" of a constant voltage measures time; a \"pulse\" in \"drives\" switches at given \
+         times",
+    ),
+    element(
+        &["counter", "pulse-counter"],
+        "an \"integrator\" of equal pulses counts them: each one changes its output by the same voltage",
+    ),
+    element(
+        &["pid", "pi", "pd", "pid-controller", "controller"],
+        "add the error, its \"integrator\" and its derivative in a \"summer\", each through a \"pot\"; the \
+         derivative is at the input of the \"integrator\" that makes the signal",
+    ),
+    element(
+        &["transfer-function", "transfer-fcn", "tf", "state-space", "second-order", "pt2"],
+        "a first order is a \"lag\"; a higher order needs one \"integrator\" for each order, with feedback \
+         through a \"pot\" for each coefficient",
+    ),
     drive(
         &["constant", "const", "dc", "heaviside", "jump"],
         "use a \"step\" with \"at\": 0: it has its \"height\" from the start",
@@ -139,8 +200,17 @@ static KINDS: &[KindSynonyms] = &[
     ),
     drive(&["sweep", "swept-sine", "sine-sweep", "frequency-sweep", "fm"], "use a \"chirp\""),
     drive(&["staircase"], "use a \"table\" with \"hold\": \"previous\""),
-    drive(&["sawtooth", "saw", "csv", "file", "data", "curve", "lookup", "points"], "use a \"table\""),
+    drive(&["csv", "file", "data", "curve", "lookup", "lut", "points", "dac"], "use a \"table\""),
+    drive(
+        &["sawtooth", "saw"],
+        "use a \"table\"; a periodic one is an \"integrator\" in \"elements\" that a \"comparator\" of its \
+         output resets",
+    ),
     drive(&["random", "white-noise", "gaussian"], "use a \"noise\""),
+    drive(
+        &["prbs", "random-binary"],
+        "use a \"noise\", and a \"comparator\" of it in \"elements\": its output is high or low at random",
+    ),
 ];
 
 /// What to write instead of a kind of other programs. `None` if the tables do not have the name.
@@ -205,7 +275,7 @@ mod tests {
     fn advice_quotes_only_words_of_the_format() {
         let mut words: Vec<&str> =
             vec!["+100", "-100", "A1", "x10", "in", "limit", "lower", "upper", "drives", "mode"];
-        words.extend(["product", "previous", "hold"]);
+        words.extend(["product", "previous", "hold", "elements"]);
         for kind in REGISTRY {
             words.push(kind.name);
             words.extend(kind.inputs.iter().map(|input| input.name));
@@ -213,6 +283,32 @@ mod tests {
         }
         for word in KINDS.iter().flat_map(|row| quoted(row.advice)) {
             assert!(words.contains(&word), "{word}");
+        }
+    }
+
+    #[test]
+    fn advice_names_the_kind_that_does_the_same() {
+        let cases: [(&[&str], &str); 14] = [
+            (&["not"], "comparator"),
+            (&["inv", "neg"], "inverter"),
+            (&["schmitt", "Schmitt Trigger", "hysteresis", "mux"], "relay"),
+            (&["log10", "ln"], "log"),
+            (&["min", "and"], "diode-lower-of"),
+            (&["max", "or", "diode"], "diode-upper-of"),
+            (&["sqrt", "square_root", "op-amp"], "open-amplifier"),
+            (&["amplifier", "resistor", "clamp", "zener", "saturation", "pid"], "summer"),
+            (&["capacitor", "vco", "sawtooth", "timer", "counter", "differentiator"], "integrator"),
+            (&["lookup", "lut"], "function-generator"),
+            (&["deadband"], "dead-zone"),
+            (&["play"], "backlash"),
+            (&["prbs"], "noise"),
+            (&["transfer-function"], "lag"),
+        ];
+        for (names, kind) in cases {
+            for name in names {
+                let advice = kind_advice(Family::Computing, name).unwrap_or_default();
+                assert!(quoted(advice).contains(&kind), "{name}: {advice}");
+            }
         }
     }
 

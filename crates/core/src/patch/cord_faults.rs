@@ -1,7 +1,10 @@
 //! Diagnostics about the cords into an input, for elements and for ports of macro instances.
 
-use crate::document::{Code, Diagnostic, Placed, Span};
-use crate::elements::{Input, Jacks, Kind};
+use crate::document::tree::{Content, Node};
+use crate::document::{Code, Diagnostic, Placed, Span, TypedNumber, format_number};
+use crate::elements::{Input, Jacks, Kind, REFERENCES};
+use crate::machines::REFERENCE;
+use patchcord_expr::Unit;
 
 /// The diagnostic for two cords into one jack or port, which would connect two outputs with each other.
 ///
@@ -41,9 +44,70 @@ pub(crate) fn cord_notation(kind: &Kind, input: &Input) -> String {
     if kind.has_gains() { format!("\"in\": {{{plug}}}") } else { plug }
 }
 
+/// The diagnostic for a value at an input that is not the name of an output. A number is meant as a constant voltage.
+pub(super) fn not_a_name(node: &Node, input: &str) -> Diagnostic {
+    let message = format!("\"{input}\" takes the names of outputs, not {}", node.value.noun());
+    let hint = match &node.value {
+        Content::Number(number) => number.parse().ok().map(constant_hint),
+        _ => None,
+    };
+    let hint = hint.unwrap_or_else(|| "write the name of an output in quotes, or a list of names".to_owned());
+    Diagnostic::at(Code::WRONG_TYPE, node.span, message).hint(hint)
+}
+
+/// The hint for a constant voltage in volts: the reference, or a pot at a reference.
+fn constant_hint(volts: f64) -> String {
+    let text = format_number(volts);
+    if let Some((reference, _)) = REFERENCES.iter().find(|(_, known)| *known == volts) {
+        return format!("write \"{reference}\" for {text} V");
+    }
+    let reference = if volts > 0.0 { "+100" } else { "-100" };
+    let setting = volts.abs() / REFERENCE;
+    match setting <= 1.0 {
+        true => format!(
+            "for {text} V, write the name of a \"pot\" with \"in\": \"{reference}\" and \"setting\": {}",
+            format_number(setting)
+        ),
+        false => format!("a constant voltage is a \"pot\" with \"in\": \"{reference}\", and at most 100 V"),
+    }
+}
+
+/// Names of a fixed voltage in circuit diagrams and other programs, in lower case, and the hint about each.
+const VOLTAGE_NAMES: [(&[&str], &str); 4] = [
+    (
+        &["ground", "gnd", "agnd", "sgnd", "earth", "common", "zero", "null"],
+        "did you mean \"ground\", which is 0 V?",
+    ),
+    (&["+ref", "ref+", "vref", "+vref", "vref+"], "did you mean \"+100\", the positive reference?"),
+    (&["-ref", "ref-", "-vref", "vref-"], "did you mean \"-100\", the negative reference?"),
+    // The supplies of amplifiers have other voltages than the references, so no single one is suggested.
+    (
+        &["ref", "reference", "vcc", "+vcc", "-vcc", "vdd", "vee", "vss", "supply", "constant"],
+        "the fixed voltages are \"+100\", \"-100\" and \"ground\"; a \"pot\" gives a share of one",
+    ),
+];
+
+/// The hint for a cord from an unknown name that means a fixed voltage: another name of a reference, or a voltage such
+/// as "+100V" or "5". `None` for other names.
+pub(crate) fn fixed_voltage_hint(name: &str) -> Option<String> {
+    if let Some(volts) = voltage(name) {
+        return Some(constant_hint(volts));
+    }
+    let name = name.trim().to_lowercase();
+    let (_, hint) = VOLTAGE_NAMES.iter().find(|(names, _)| names.contains(&name.as_str()))?;
+    Some((*hint).to_owned())
+}
+
+/// The voltage that a text specifies, in volts: a number alone or with a unit. `None` for other texts.
+fn voltage(text: &str) -> Option<f64> {
+    let volt = Unit::parse("V").ok()?;
+    TypedNumber::parse(text).ok()?.in_unit(&volt).ok()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::tree::parse;
     use crate::elements::{Family, find};
 
     #[test]
@@ -56,6 +120,53 @@ mod tests {
         for (kind, expected) in cases {
             let kind = find(Family::Computing, kind).unwrap();
             assert_eq!(cord_notation(kind, &kind.inputs[0]), expected);
+        }
+    }
+
+    #[test]
+    fn a_number_at_an_input_is_a_constant_voltage() {
+        let pot = |volts: &str, reference: &str, setting: &str| {
+            let keys = format!("\"in\": \"{reference}\" and \"setting\": {setting}");
+            format!("for {volts} V, write the name of a \"pot\" with {keys}")
+        };
+        let too_large = "a constant voltage is a \"pot\" with \"in\": \"+100\", and at most 100 V";
+        let cases = [
+            ("5", pot("5", "+100", "0.05")),
+            ("-20.5", pot("-20.5", "-100", "0.205")),
+            ("100", "write \"+100\" for 100 V".to_owned()),
+            ("-1e2", "write \"-100\" for -100 V".to_owned()),
+            ("-0", "write \"ground\" for 0 V".to_owned()),
+            ("250", too_large.to_owned()),
+            ("1e999", too_large.to_owned()),
+        ];
+        for (number, expected) in cases {
+            let finding = not_a_name(&parse(number).unwrap(), "x10");
+            assert_eq!(finding.message, "\"x10\" takes the names of outputs, not a number");
+            assert_eq!(finding.hint, Some(expected), "{number}");
+        }
+        let finding = not_a_name(&parse("null").unwrap(), "in");
+        assert_eq!(finding.message, "\"in\" takes the names of outputs, not null");
+    }
+
+    #[test]
+    fn other_names_of_fixed_voltages_are_recognised() {
+        let cases: [(&[&str], &str); 7] = [
+            (&["gnd", "GND", "Earth", " gnd "], "did you mean \"ground\""),
+            (&["0", "0V", "0.0 V"], "write \"ground\" for 0 V"),
+            (&["100", "+100V", "+100 V", "1e2", "0.1kV"], "write \"+100\" for 100 V"),
+            (&["-100V"], "write \"-100\" for -100 V"),
+            (&["5", "5 V", "5000mV"], "for 5 V, write the name of a \"pot\""),
+            (&["+ref", "VREF"], "did you mean \"+100\""),
+            (&["VCC", "ref"], "the fixed voltages are \"+100\", \"-100\" and \"ground\""),
+        ];
+        for (names, expected) in cases {
+            for name in names {
+                let hint = fixed_voltage_hint(name).unwrap_or_default();
+                assert!(hint.starts_with(expected), "{name}: {hint}");
+            }
+        }
+        for name in ["A1", "5 kg", "inf", "", "x", "grid"] {
+            assert_eq!(fixed_voltage_hint(name), None, "{name}");
         }
     }
 }

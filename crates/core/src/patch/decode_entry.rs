@@ -8,6 +8,7 @@
 //! "P2": {"kind": "pot", "in": "A1", "setting": "k / m", "uses": {"fixed_pots": ["P7"]}}
 //! ```
 
+use super::cord_faults::not_a_name;
 use super::decode_curve::{Symmetry, curve, time_points};
 use super::document::{Amount, ElementEntry, Plug};
 use super::table_file::{self, TablePurpose};
@@ -77,7 +78,7 @@ fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Opt
         let message = format!("there is no kind \"{}\" of {}", name.value, family_noun(family));
         let hint = elements::kind_advice(family, &name.value)
             .map(str::to_owned)
-            .or_else(|| wrong_section_hint(family, &name.value))
+            .or_else(|| other_section_hint(family, &name.value))
             .or_else(|| suggestion(&name.value, &elements::names(family)));
         findings.push(Diagnostic::at(Code::UNKNOWN_KIND, node.span, message).maybe_hint(hint));
     }
@@ -89,11 +90,15 @@ fn family_noun(family: Family) -> &'static str {
     if family == Family::Drive { "drive" } else { "element" }
 }
 
-/// The hint for a kind that belongs in the other section: a drive among elements or an element among drives.
-fn wrong_section_hint(family: Family, name: &str) -> Option<String> {
+/// The hint for a kind that belongs in the other section, or that is another name of such a kind: a drive among
+/// elements or an element among drives.
+fn other_section_hint(family: Family, name: &str) -> Option<String> {
     let (other, section) =
         if family == Family::Drive { (Family::Computing, "elements") } else { (Family::Drive, "drives") };
-    elements::find(other, name).map(|_| format!("a \"{name}\" belongs in \"{section}\""))
+    match elements::find(other, name) {
+        Some(_) => Some(format!("a \"{name}\" belongs in \"{section}\"")),
+        None => elements::kind_advice(other, name).map(|advice| format!("in \"{section}\", {advice}")),
+    }
 }
 
 /// Decodes the cords of an element.
@@ -143,11 +148,31 @@ fn bare_cords_hint(node: &Node) -> String {
 fn plug(jack: &str, jack_span: Span, node: &Node, entry: &mut ElementEntry, findings: &mut Findings) {
     let findings_before = findings.len();
     let jack = Placed { value: jack.to_owned(), span: jack_span };
-    let cords = strings(node, &jack.value, findings);
+    let cords = cords(node, &jack.value, findings);
     entry.is_incomplete |= findings.len() > findings_before;
     entry.plugs.extend(cords.into_iter().map(|from| Plug { jack: jack.clone(), from }));
     if matches!(&node.value, Content::List(items) if items.is_empty()) {
         entry.empty_jacks.push(Placed { value: jack.value, span: node.span });
+    }
+}
+
+/// Decodes the cords into an input: the name of an output or a list of names. Other values are reported and left out.
+pub(super) fn cords(node: &Node, input: &str, findings: &mut Findings) -> Vec<Placed<String>> {
+    let items = match &node.value {
+        Content::List(items) => items.as_slice(),
+        _ => std::slice::from_ref(node),
+    };
+    items.iter().filter_map(|item| cord(item, input, findings)).collect()
+}
+
+/// Decodes the name of the output from which a cord into an input comes.
+fn cord(node: &Node, input: &str, findings: &mut Findings) -> Option<Placed<String>> {
+    match &node.value {
+        Content::Text(name) => Some(Placed { value: name.clone(), span: node.span }),
+        _ => {
+            findings.push(not_a_name(node, input));
+            None
+        }
     }
 }
 

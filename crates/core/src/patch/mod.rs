@@ -27,7 +27,7 @@ mod schema;
 mod table_file;
 
 pub use builder::{ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder};
-pub(crate) use cord_faults::{cord_hint, cord_notation, no_cord, outputs_tied};
+pub(crate) use cord_faults::{cord_hint, cord_notation, fixed_voltage_hint, no_cord, outputs_tied};
 pub(crate) use document::UnreadNames;
 pub use document::{
     Amount, ElementEntry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Plug, RunPlan, Scale, Signal,

@@ -1,8 +1,9 @@
 //! Writes traces as CSV in physical units.
 //!
 //! The comment lines at the top give the unit of each column. Numbers are printed with as few digits as read back to
-//! the same bits, so a file can be compared with a later run byte by byte. `table_writer` writes the same table while
-//! the run is recorded.
+//! the same bits, so a file can be compared with a later run byte by byte. Times are first rounded to short decimals if
+//! only rounding errors separate them ([`rounded_time`]). `table_writer` writes the same table while the run is
+//! recorded.
 
 mod table_writer;
 
@@ -11,6 +12,15 @@ pub use table_writer::TableWriter;
 use std::io::Write;
 
 use super::{Trace, Track};
+use patchcord_expr::round_significant;
+
+/// Number of significant digits to which times are rounded. A grid of decimal times needs fewer, and with so few hardly
+/// any other time is close enough to the rounded one.
+const TIME_DIGITS: usize = 13;
+
+/// Largest relative difference of a time from the rounded one: the rounding errors of a multiple of a decimal interval,
+/// at most 4 units in the last place.
+const MAX_TIME_ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// Why a trace could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +44,7 @@ impl Trace {
     ///
     /// The first lines are `#` comments with the unit of each column. The header follows: `t` in seconds, one column
     /// per signal, `run` if the trace has several repetitions, and `phase` if it has phases. Runs and phases count
-    /// from 1. Numbers read back to the same bits.
+    /// from 1. Numbers read back to the same bits, times to those of [`rounded_time`].
     ///
     /// # Errors
     /// If a value is not a finite number, or if the writer reports an error. In the first case nothing is written.
@@ -111,7 +121,7 @@ fn header<'t>(tracks: &'t [Track], more: &[&'t str]) -> Result<Vec<u8>, CsvError
 /// The cells of one sample: its time and the values of all tracks.
 fn row(trace: &Trace, sample: usize) -> impl Iterator<Item = String> {
     let values = trace.tracks.iter().map(move |track| format_exact(track.volts[sample] * track.per_volt));
-    [format_exact(trace.time[sample])].into_iter().chain(values)
+    [format_exact(rounded_time(trace.time[sample]))].into_iter().chain(values)
 }
 
 /// The index of the first track with a value that is not finite in its unit, and the time of its first such sample in
@@ -132,6 +142,23 @@ fn not_finite(track: &Track, time: f64) -> CsvError {
 fn on_one_line(unit: &str) -> String {
     let words: Vec<_> = unit.split_whitespace().collect();
     words.join(" ").chars().filter(|letter| !letter.is_control()).collect()
+}
+
+/// The short decimal that a time in seconds has apart from rounding errors. A time without one is returned unchanged.
+///
+/// The third multiple of 0.3 s is 0.8999999999999999 s in floating point. A table has 0.9 for it.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::trace::rounded_time;
+///
+/// assert_eq!(rounded_time(3.0 * 0.3), 0.9);
+/// assert_eq!(rounded_time(1.0 / 3.0), 1.0 / 3.0);
+/// ```
+pub fn rounded_time(seconds: f64) -> f64 {
+    let rounded = round_significant(seconds, TIME_DIGITS);
+    if (rounded - seconds).abs() <= MAX_TIME_ROUNDING * seconds.abs() { rounded } else { seconds }
 }
 
 /// The shortest text that reads back to the same number; -0 is printed as 0.
@@ -169,6 +196,29 @@ mod tests {
         let error = trace.write_csv(&mut table).unwrap_err();
         assert!(matches!(&error, CsvError::NotFinite { column, time: 0.5 } if column == "x"), "{error}");
         assert!(table.is_empty());
+    }
+
+    #[test]
+    fn multiples_of_decimal_intervals_are_short_decimals() {
+        for (interval, exponent) in [(3, -1), (7, -4), (15, -3), (123_456, -9)] {
+            let every: f64 = format!("{interval}e{exponent}").parse().unwrap();
+            for index in 0..10_000 {
+                let decimal: f64 = format!("{}e{exponent}", index * interval).parse().unwrap();
+                assert_eq!(rounded_time(index as f64 * every), decimal, "{index} x {every}");
+            }
+        }
+        assert_eq!(format_exact(rounded_time(3.0 * 0.3)), "0.9");
+    }
+
+    #[test]
+    fn other_times_keep_their_bits_and_no_time_moves_past_another() {
+        for time in [0.0, 1.0 / 3.0, 0.1234567890123456, 8.466_666_666_666_667, 1e-300, f64::INFINITY] {
+            assert_eq!(rounded_time(time), time);
+        }
+        let neighbours: Vec<f64> = (0..64).map(|bits| f64::from_bits(0.9f64.to_bits() - 32 + bits)).collect();
+        assert!(neighbours.windows(2).all(|pair| rounded_time(pair[0]) <= rounded_time(pair[1])));
+        let moved = |time: &&f64| rounded_time(**time) != **time;
+        assert!((4..=10).contains(&neighbours.iter().filter(moved).count()));
     }
 
     #[test]

@@ -7,7 +7,7 @@ mod csv;
 mod phase_record;
 mod track;
 
-pub use self::csv::{CsvError, TableWriter, format_exact};
+pub use self::csv::{CsvError, TableWriter, format_exact, rounded_time};
 pub use self::phase_record::{NewValue, PhaseEnd, PhaseKind, PhaseRecord};
 pub use self::track::{Derivative, Extremum, SignalExtremes, Track};
 

@@ -7,7 +7,7 @@ mod read;
 mod table;
 
 use super::Criterion;
-use patchcord_core::document::suggestion;
+use patchcord_core::document::{TypedNumberError, suggestion};
 use patchcord_core::ir::SignalInfo;
 use patchcord_core::trace::Trace;
 use patchcord_expr::{Dimension, Unit};
@@ -16,7 +16,8 @@ use table::{ColumnUnit, MeasureDefinition, MeasureInputs, TABLE};
 /// An instrument connected to the signals that it reads.
 ///
 /// It is requested by `NAME`, `NAME:SIGNAL` or `NAME:SIGNAL,OPTION=VALUE`. [`measures`] lists the names, signals and
-/// options. If a trace has several runs, the measure reads the last one.
+/// options. A value without a unit is in seconds or in the unit of the first signal. If a trace has several runs, the
+/// measure reads the last one.
 ///
 /// # Examples
 ///
@@ -138,6 +139,16 @@ pub enum MeasureError {
         /// A similar option, or all options.
         hint: String,
     },
+    /// The value of an option is not a number in the unit of the option.
+    #[error("the value of \"{option}\" of {measure}: {reason}")]
+    OptionValue {
+        /// Name of the measure.
+        measure: &'static str,
+        /// Name of the option.
+        option: &'static str,
+        /// What is wrong with the value.
+        reason: Box<TypedNumberError>,
+    },
     /// The value of an option is not a positive number.
     #[error("\"{option}\" of {measure} must be a positive number, got \"{value}\"")]
     BadOption {
@@ -233,10 +244,11 @@ impl Measure {
         let words = || arguments.split(',').map(str::trim).filter(|word| !word.is_empty());
         let options = words().filter_map(|word| word.split_once('='));
         let named: Vec<&str> = words().filter(|word| !word.contains('=')).collect();
+        let signals = definition.connect(&named, signals)?;
         let measure = Measure {
             definition,
-            signals: definition.connect(&named, signals)?,
-            options: definition.parse_options(options)?,
+            options: definition.parse_options(options, &signals)?,
+            signals,
             arguments: words().collect::<Vec<_>>().join(","),
         };
         measure.with_checked_units()

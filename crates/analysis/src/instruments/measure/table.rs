@@ -1,12 +1,17 @@
 //! The table of measures: name, signals, options, columns and function of each one.
 //!
 //! A new measure needs one row here and one function in `read`. The parser in `measure`, the help text and the columns
-//! of a sweep follow from the row. Options are positive numbers, and their order is that of `Measure::option`.
+//! of a sweep follow from the row. Options are positive numbers, and their order is that of `Measure::option`. Those of
+//! [`TIMES`] are in seconds, all others in the unit of the first signal.
 
 use super::read::{self, LastRun};
 use super::{MeasureError, MeasureValue};
-use patchcord_core::document::suggestion;
+use patchcord_core::document::{TypedNumber, TypedNumberError, suggestion};
 use patchcord_core::ir::SignalInfo;
+use patchcord_expr::Unit;
+
+/// Options whose values are times in seconds.
+const TIMES: [&str; 2] = ["last", "window"];
 
 /// One row of the table.
 #[derive(Debug)]
@@ -305,13 +310,15 @@ impl MeasureDefinition {
         })
     }
 
-    /// The values of the options, in the order of the definition. None if an option is not given.
+    /// The values of the options, in the order of the definition. None if an option is not given. `signals` are the
+    /// names and units of the signals that are read.
     ///
     /// # Errors
-    /// If an option is unknown, or a value is not a positive finite number.
+    /// If an option is unknown, or a value is not a positive finite number in the unit of the option.
     pub(super) fn parse_options<'a>(
         &self,
         given: impl IntoIterator<Item = (&'a str, &'a str)>,
+        signals: &[(String, String)],
     ) -> Result<Vec<Option<f64>>, MeasureError> {
         let measure = self.name;
         let mut values = vec![None; self.options.len()];
@@ -320,11 +327,34 @@ impl MeasureDefinition {
                 let hint = suggestion(name, self.options).unwrap_or_else(|| "it has none".to_owned());
                 MeasureError::UnknownOption { measure, option: name.to_owned(), hint }
             })?;
-            let number = value.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
-            let value = value.to_owned();
-            let bad = MeasureError::BadOption { measure, option: self.options[index], value };
-            values[index] = Some(number.ok_or(bad)?);
+            let option = self.options[index];
+            let number = number_in(option_unit(option, signals), value);
+            let number = number.map_err(|reason| {
+                let reason = Box::new(reason);
+                MeasureError::OptionValue { measure, option, reason }
+            })?;
+            if number <= 0.0 {
+                return Err(MeasureError::BadOption { measure, option, value: value.to_owned() });
+            }
+            values[index] = Some(number);
         }
         Ok(values)
+    }
+}
+
+/// The unit of an option: seconds for a time, otherwise that of the first signal.
+fn option_unit<'a>(option: &str, signals: &'a [(String, String)]) -> &'a str {
+    match signals.first() {
+        Some((_, unit)) if !TIMES.contains(&option) => unit.as_str(),
+        _ => "s",
+    }
+}
+
+/// A number in a unit, alone or with a unit of the same dimension. A number alone needs no unit that can be parsed.
+fn number_in(unit: &str, text: &str) -> Result<f64, TypedNumberError> {
+    let typed = TypedNumber::parse(text)?;
+    match Unit::parse(unit) {
+        Ok(unit) => typed.in_unit(&unit),
+        Err(_) => Ok(typed.number),
     }
 }

@@ -45,6 +45,12 @@ fn bad_requests_return_errors_with_hints() {
         ("peak:v_o,last=2", "peak has no option \"last\"; it has none"),
         ("amplitude:v_o,lst=2", "amplitude has no option \"lst\"; did you mean \"last\"?"),
         ("amplitude:v_o,last=-2", "\"last\" of amplitude must be a positive number, got \"-2\""),
+        (
+            "amplitude:v_o,last=10 kg",
+            "the value of \"last\" of amplitude: \"10 kg\" is in kg, but s is expected",
+        ),
+        ("amplitude:v_o,last=soon", "the value of \"last\" of amplitude: \"soon\" is not a number"),
+        ("stick_end:threshold=1ms", "the value of \"threshold\" of stick_end: \"1ms\" is in ms, but m/s is"),
         ("critical_velocity:v_i", "critical_velocity reads two signals, the commanded"),
         (
             "friction_loop:v_o",
@@ -60,4 +66,17 @@ fn bad_requests_return_errors_with_hints() {
         let error = parse(text).unwrap_err().to_string();
         assert!(error.starts_with(expected) && !error.ends_with(':'), "{text}: {error}");
     }
+}
+
+#[test]
+fn options_may_have_units() {
+    let options = |text: &str| parse(text).unwrap().options;
+    assert_eq!(options("amplitude:v_o,last=10ms"), [Some(0.01)]);
+    assert_eq!(options("amplitude:v_o,last=10ms"), options("amplitude:v_o,last=0.01"));
+    assert_eq!(
+        options("critical_velocity:threshold=0.5 mm/s,window=50 ms"),
+        options("critical_velocity:threshold=5e-4,window=0.05")
+    );
+    assert_eq!(options("friction_loop:threshold=0.5mm/s,last=1s"), [Some(5e-4), Some(1.0)]);
+    assert_eq!(parse("amplitude:v_o,last=10ms").unwrap().text(), "amplitude:v_o,last=10ms");
 }

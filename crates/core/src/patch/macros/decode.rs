@@ -19,12 +19,12 @@ use std::collections::HashSet;
 use indexmap::IndexMap;
 
 use super::{InstanceEntry, Macro, MacroOutput, MacroSetting, Macros, SectionEntry};
-use crate::document::fields::{Fields, Findings, string, strings};
+use crate::document::fields::{Fields, Findings, string};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{Code, Diagnostic, Placed, Span, formula, suggestion};
 use crate::elements::{self, Family};
 use crate::patch::decode::unit;
-use crate::patch::decode_entry::element_entry;
+use crate::patch::decode_entry::{cords, element_entry};
 use patchcord_expr::nearest;
 
 /// Keys that every instance may have in addition to its ports and settings.
@@ -225,7 +225,7 @@ impl InstanceEntry {
     /// Decodes the cords into an input port.
     fn plug_port(&mut self, port: &tree::KeyValue, findings: &mut Findings) {
         let findings_before = findings.len();
-        let cords = strings(&port.value, &port.key, findings);
+        let cords = cords(&port.value, &port.key, findings);
         self.is_incomplete |= findings.len() > findings_before;
         self.cords.insert(port.key.clone(), Placed { value: cords, span: port.value.span });
     }

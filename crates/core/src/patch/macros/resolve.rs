@@ -14,6 +14,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use super::{InstanceEntry, Macro, Macros, SectionEntry};
 use crate::document::fields::Findings;
 use crate::document::{Code, Diagnostic, MAX_SUGGESTIONS, Placed, suggestion};
+use crate::patch::cord_faults::fixed_voltage_hint;
 use crate::patch::document::{ElementEntry, instance_prefixes};
 use crate::patch::names::is_reference;
 
@@ -176,8 +177,16 @@ impl<'m> SectionScope<'m> {
     ) -> Diagnostic {
         let is_suggesting = finding_count < MAX_SUGGESTIONS;
         let message = format!("{reader} is driven by {}, which is not in {searched}", cord.value);
-        let hint = is_suggesting.then(|| suggestion(&cord.value, &self.source_names())).flatten();
+        let hint = is_suggesting.then(|| self.source_hint(&cord.value)).flatten();
         Diagnostic::at(Code::UNKNOWN_NAME, cord.span, message).maybe_hint(hint)
+    }
+
+    /// The hint for a cord from an unknown name. A name that differs from a known one only in its capitals means that
+    /// one, and not a fixed voltage.
+    fn source_hint(&self, name: &str) -> Option<String> {
+        let known = self.source_names();
+        let is_known = known.iter().any(|known| known.eq_ignore_ascii_case(name));
+        fixed_voltage_hint(name).filter(|_| !is_known).or_else(|| suggestion(name, &known))
     }
 
     /// The names that cords in this section can use, without ports of instances and references.
