@@ -44,6 +44,7 @@ const MODULES: [(&str, &[&str]); 6] = [
         &[
             "html",
             "plot",
+            "envelope",
             "family",
             "faults",
             "scope",

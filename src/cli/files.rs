@@ -8,7 +8,7 @@ use clap::Args;
 use super::failure::Failure;
 use super::load::PatchArguments;
 use super::outputs::Outputs;
-use super::pictures::{PictureArguments, Resolution, pictures};
+use super::pictures::{PictureArguments, PictureSamples, Resolution, TooManySamples, pictures};
 use super::standard_streams::{check_output, check_table, is_dash, table_path};
 use super::streamed_tables::StreamedTables;
 use patchcord::circuit::Circuit;
@@ -134,13 +134,28 @@ impl Files {
         self.outputs.prepare(self.folder.as_deref(), self.paths())
     }
 
-    /// The tables, to be written while the run is recorded.
-    pub(super) fn streamed_tables(&self) -> StreamedTables<'_> {
-        StreamedTables::new(&self.outputs, &self.tables)
+    /// The samples of a run that the pictures need.
+    ///
+    /// # Errors
+    /// If these are too many.
+    pub(super) fn picture_samples(
+        &self,
+        circuit: &Circuit,
+        settings: &RunSettings,
+    ) -> Result<PictureSamples, TooManySamples> {
+        match self.sheets.is_empty() {
+            true => Ok(PictureSamples::None),
+            false => self.resolution.samples(&circuit.picture_specs(&settings.record), settings),
+        }
+    }
+
+    /// The tables and the samples of the pictures, to be written and selected while the run is recorded.
+    pub(super) fn streamed_tables(&self, samples: PictureSamples) -> StreamedTables<'_> {
+        StreamedTables::new(&self.outputs, &self.tables, samples.envelope())
     }
 
     /// Writes tables and pictures, and returns the paths of the written files. `streamed` are the tables that have been
-    /// written while the run was recorded; `None` if the trace has the samples.
+    /// written while the run was recorded, with the samples of the pictures; `None` if the trace has the samples.
     ///
     /// # Errors
     /// If a picture cannot be drawn, or if a file cannot be written.
@@ -150,15 +165,18 @@ impl Files {
         circuit: &Circuit,
         streamed: Option<StreamedTables<'_>>,
     ) -> Result<Vec<PathBuf>, Failure> {
-        match streamed {
+        let selected = match streamed {
             Some(tables) => tables.finish(trace)?,
-            None => self.tables.iter().try_for_each(|path| self.write_table(path, trace))?,
-        }
+            None => {
+                self.tables.iter().try_for_each(|path| self.write_table(path, trace))?;
+                None
+            }
+        };
         let mut written = self.tables.clone();
         if self.sheets.is_empty() {
             return Ok(written);
         }
-        let pictures = pictures(circuit, trace)?;
+        let pictures = pictures(circuit, selected.as_ref().unwrap_or(trace))?;
         let Resolution { size, scale, .. } = self.resolution;
         for (path, format) in &self.sheets {
             write_scaled_pictures(&self.outputs, path, &pictures, *format, (size, scale))?;

@@ -1,13 +1,26 @@
-//! The pictures of a run: the options for their size, and what they show.
+//! The pictures of a run: the options for their size, what they show, and the samples that they need.
 
 use clap::Args;
 
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
-use patchcord::draw;
 use patchcord::draw::plot::{Format, Picture, Size, check_sheet};
+use patchcord::draw::{self, TraceEnvelope};
 use patchcord::instruments::{parameter_line, signal_faults};
+use patchcord::patch::PictureSpec;
+use patchcord::solve::{BLOCK_SAMPLES, RunSettings};
 use patchcord::trace::Trace;
+
+/// Largest number of numbers of 8 bytes for the samples of a run and for its pictures. They take 400 MB.
+const MAX_NUMBERS: f64 = 5e7;
+/// Numbers for every sample while one picture is drawn: its axes, its positions, and its wrong and its correct parts.
+const NUMBERS_FOR_DRAWING: usize = 16;
+/// Least number of groups of the envelope for each pixel of the width, if the memory permits it. An extreme moves by at
+/// most a twenty-fifth of a pixel.
+const GROUPS_PER_PIXEL: f64 = 25.0;
+/// Least number of groups of the envelope for each pixel of the width in any case. An extreme moves by at most half a
+/// pixel.
+const MIN_GROUPS_PER_PIXEL: f64 = 2.0;
 
 #[derive(Args)]
 pub(super) struct PictureArguments {
@@ -86,6 +99,77 @@ impl Resolution {
             false => Failure::data(error.to_string()),
         })
     }
+
+    /// The samples of a run that these pictures need. Pictures against time need the envelope only, if there are too
+    /// many samples for the memory.
+    ///
+    /// # Errors
+    /// If they need more samples than the memory permits: a picture is against a signal, or the samples belong to many
+    /// runs.
+    pub(super) fn samples(
+        &self,
+        pictures: &[PictureSpec],
+        settings: &RunSettings,
+    ) -> Result<PictureSamples, TooManySamples> {
+        let signals = settings.record.len();
+        let derivatives = signals * settings.sensitivities.len();
+        let curves = pictures.iter().map(|picture| picture.y.len()).sum::<usize>() + derivatives;
+        let numbers = NUMBERS_FOR_DRAWING + 1 + signals + derivatives + 2 * curves;
+        let (samples, max) = (settings.max_samples(), MAX_NUMBERS / numbers as f64);
+        if samples <= max {
+            return Ok(PictureSamples::All);
+        }
+        // Every group has two samples. Every phase may begin a run, which has one group more.
+        let max_groups = 0.5 * max - settings.phase_count();
+        let pixels = f64::from(self.size.width) * self.scale.max(1.0);
+        // The runs of the greatest length share the groups, of which at least half remain when they are merged.
+        let runs = settings.total_duration() / settings.duration();
+        let groups = max_groups.min(2.0 * GROUPS_PER_PIXEL * pixels * runs);
+        let is_fine = 0.5 * groups >= MIN_GROUPS_PER_PIXEL * pixels * runs;
+        if is_fine && pictures.iter().all(|picture| picture.x.value == "t") {
+            Ok(PictureSamples::Envelope { groups: groups as usize })
+        } else {
+            Err(TooManySamples { samples, max })
+        }
+    }
+}
+
+/// The samples of a run that its pictures need.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum PictureSamples {
+    /// None, because there are no pictures.
+    None,
+    /// The envelope.
+    Envelope {
+        /// The largest number of its groups, apart from one for every run.
+        groups: usize,
+    },
+    /// All samples.
+    All,
+}
+
+/// A run with more samples than its pictures permit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TooManySamples {
+    /// Number of samples of the run.
+    pub(super) samples: f64,
+    /// The largest number of samples.
+    pub(super) max: f64,
+}
+
+impl PictureSamples {
+    /// Number of samples of the blocks in which the run passes its samples on. `None` if the trace keeps all samples.
+    pub(super) fn block_samples(self) -> Option<usize> {
+        (self != PictureSamples::All).then_some(BLOCK_SAMPLES)
+    }
+
+    /// The envelope of a run that has not begun. `None` if the pictures do not need one.
+    pub(super) fn envelope(self) -> Option<TraceEnvelope> {
+        match self {
+            PictureSamples::Envelope { groups } => Some(TraceEnvelope::new(groups)),
+            PictureSamples::None | PictureSamples::All => None,
+        }
+    }
 }
 
 /// The pictures of the patch, or every recorded signal against time if it has none. Pictures of derivatives follow.
@@ -106,6 +190,58 @@ pub(super) fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use patchcord::document::{Placed, Span};
+
+    /// Pictures of one signal each against `x`.
+    fn specs(x: &str, count: usize) -> Vec<PictureSpec> {
+        let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
+        let spec =
+            PictureSpec { title: String::new(), x: placed(x), y: vec![placed("y")], equal_scales: true };
+        vec![spec; count]
+    }
+
+    /// The samples for pictures of the usual size. The run has this many samples in each repetition.
+    fn samples(
+        specs: &[PictureSpec],
+        samples: f64,
+        repetitions: u64,
+    ) -> Result<PictureSamples, TooManySamples> {
+        let resolution = Resolution { size: Size::default(), scale: 1.0, is_given: false };
+        let settings = RunSettings::from_phases([], 1.0).with_duration(samples).repeated(repetitions);
+        resolution.samples(specs, &settings.with_signals(["x", "y"]))
+    }
+
+    #[test]
+    fn pictures_against_time_need_few_samples_of_a_long_run() {
+        assert_eq!(samples(&specs("t", 1), 2e6, 1), Ok(PictureSamples::All));
+        // From 25 to 50 groups for each of 900 pixels.
+        let few: Result<_, TooManySamples> = Ok(PictureSamples::Envelope { groups: 45_000 });
+        assert_eq!([samples(&specs("t", 1), 3e6, 1), samples(&specs("t", 1), 3e9, 1)], [few, few]);
+        let limited = Ok(PictureSamples::Envelope { groups: 1_190_276 });
+        assert_eq!(samples(&specs("t", 1), 3e6, 100), limited);
+    }
+
+    #[test]
+    fn the_envelope_is_limited() {
+        for (count, length, repetitions) in [(1, 3e6, 1), (1, 3e6, 100), (250, 1e6, 1), (60, 3e5, 7)] {
+            let kept = samples(&specs("t", count), length, repetitions);
+            let Ok(PictureSamples::Envelope { groups }) = kept else { panic!("{kept:?}") };
+            let numbers = 2.0 * (groups as f64 + 2.0 * repetitions as f64) * (19 + 2 * count) as f64;
+            assert!(numbers <= MAX_NUMBERS, "{count}: {groups}");
+            assert!(0.5 * groups as f64 >= 2.0 * 900.0 * repetitions as f64, "{count}: {groups}");
+        }
+    }
+
+    #[test]
+    fn pictures_against_a_signal_and_of_many_runs_need_every_sample() {
+        assert_eq!(samples(&specs("x", 1), 2e6, 1), Ok(PictureSamples::All));
+        let mixed = [specs("t", 1), specs("x", 1)].concat();
+        let refused = samples(&mixed, 3e6, 1).unwrap_err();
+        assert!(refused.samples >= 3e6 && refused.max == MAX_NUMBERS / 23.0, "{refused:?}");
+        assert_eq!(samples(&specs("t", 1), 5e3, 400), Ok(PictureSamples::All));
+        assert!(samples(&specs("t", 1), 5e3, 1000).is_err());
+        assert!(samples(&specs("t", 1), 5.0, 10_000_000).is_err());
+    }
 
     #[test]
     fn sides_and_scales_have_limits() {

@@ -3,8 +3,9 @@
 //! The text output has the title, the parameters, the table of readings, the phases, the overloads and the files. The
 //! last line is a summary. With `--verbose` the work of the solver is added. An overload fails the command only with
 //! `--fail-on-overload`, after everything is written and printed. If a run stops with an error, the samples before the
-//! error are still written to the files, and the overloads before it are printed. Without pictures the table is written
-//! during the run, so that the memory of the run does not grow with its rows.
+//! error are still written to the files, and the overloads before it are printed. Without pictures, and if a long run
+//! has pictures against time only, the table is written during the run, so that the memory of the run does not grow
+//! with its rows.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -19,17 +20,19 @@ use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading};
 use super::numbers::repetitions;
 use super::overloads::{OverloadDocument, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
+use super::pictures::TooManySamples;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::recording::record;
 use super::run_report::{overloads_text, summary_text, work_text};
 use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::streamed_tables::StreamedTables;
 use super::times::{
-    TimeArguments, TimesDocument, from_command_line, message_with_advice, position_text, run_failure,
+    TimeArguments, TimesDocument, failure_with_code, from_command_line, message_with_advice, position_text,
+    run_failure,
 };
 use super::{errors_in_colour, output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{json_value, suggestion};
+use patchcord::document::{format_distinct, json_value, suggestion};
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
 use patchcord::solve::{BLOCK_SAMPLES, RunError, RunSettings, StoppedRunError};
@@ -74,10 +77,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let loaded = arguments.patch.load_for(|plan| arguments.times.plan(plan))?;
     let LoadedPatch { circuit, program, warnings } = loaded;
     let mut files = arguments.files.files(&arguments.patch, &circuit)?;
-    let settings = arguments.settings(&circuit, &program)?;
+    let mut settings = arguments.settings(&circuit, &program)?;
     files.plan_pictures(&arguments.patch.patch, &circuit, &settings)?;
+    let picture_samples = files.picture_samples(&circuit, &settings);
+    let picture_samples = picture_samples.map_err(|error| arguments.picture_failure(error))?;
+    settings.block_samples = picture_samples.block_samples();
     files.prepare()?;
-    let mut streamed = settings.block_samples.map(|_| files.streamed_tables());
+    let mut streamed = settings.block_samples.map(|_| files.streamed_tables(picture_samples));
     let begin = Instant::now();
     let trace = match record("run", &program, &settings, streamed.as_mut()) {
         Ok(trace) => trace,
@@ -130,8 +136,8 @@ impl Arguments {
 
     /// The run settings from the patch and the options.
     ///
-    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn. Without pictures
-    /// the trace does not keep the samples.
+    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn. The trace does not
+    /// keep the samples.
     fn settings(&self, circuit: &Circuit, program: &Program) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
         let settings = self.times.settings(&plan, circuit, program);
@@ -141,7 +147,7 @@ impl Arguments {
         }
         settings.sensitivities = self.parameters(circuit)?;
         settings.checks_steps = true;
-        settings.block_samples = (!self.files.draw()).then_some(BLOCK_SAMPLES);
+        settings.block_samples = Some(BLOCK_SAMPLES);
         settings.check().map_err(|error| self.failure(&error, circuit))?;
         Ok(settings)
     }
@@ -164,6 +170,19 @@ impl Arguments {
     /// The failure for an error of the run.
     fn failure(&self, error: &RunError, circuit: &Circuit) -> Failure {
         run_failure(error, circuit, self.is_cause_of(error))
+    }
+
+    /// The failure of a run with more samples than its pictures permit.
+    fn picture_failure(&self, TooManySamples { samples, max }: TooManySamples) -> Failure {
+        let [found, permitted] = [format_distinct(samples, max), format_distinct(max, samples)];
+        let message = format!(
+            "the run would record {found} samples; at most {permitted} are allowed with pictures that need \
+             every sample, which are those against a signal and of many repetitions: give a longer --every, a \
+             shorter --for or fewer repetitions, or write a table without pictures"
+        );
+        // The same options and the same code as without pictures.
+        let error = RunError::TooManyNumbers { numbers: samples, max };
+        failure_with_code(message, &error, self.is_cause_of(&error))
     }
 
     /// Whether options, and not the patch, cause an error.

@@ -1,10 +1,12 @@
-//! Tables that are written while a run is recorded, so that the run need not keep its samples.
+//! Tables that are written while a run is recorded, so that the run need not keep its samples. If the run has pictures,
+//! their samples are selected at the same time.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use super::failure::Failure;
 use super::outputs::{Outputs, begin_copy, publish, write_failure};
+use patchcord::draw::TraceEnvelope;
 use patchcord::output::PendingFile;
 use patchcord::trace::{CsvError, TableWriter, Trace};
 
@@ -16,6 +18,8 @@ pub(super) struct StreamedTables<'f> {
     paths: &'f [PathBuf],
     /// The tables in the order of their paths, or the failure that ended the writing. Empty before the first sample.
     tables: Result<Vec<TableWriter<PendingFile>>, Failure>,
+    /// The envelope for the pictures; `None` if there are none.
+    envelope: Option<TraceEnvelope>,
     /// Number of samples so far.
     samples: usize,
     /// Time of the last sample in seconds; `None` before the first sample.
@@ -23,9 +27,10 @@ pub(super) struct StreamedTables<'f> {
 }
 
 impl<'f> StreamedTables<'f> {
-    /// Tables with these paths. No file is created before the first sample.
-    pub(super) fn new(outputs: &'f Outputs, paths: &'f [PathBuf]) -> Self {
-        StreamedTables { outputs, paths, tables: Ok(Vec::new()), samples: 0, last_time: None }
+    /// Tables with these paths, and the envelope of a run that has not begun. No file is created before the first
+    /// sample.
+    pub(super) fn new(outputs: &'f Outputs, paths: &'f [PathBuf], envelope: Option<TraceEnvelope>) -> Self {
+        StreamedTables { outputs, paths, tables: Ok(Vec::new()), envelope, samples: 0, last_time: None }
     }
 
     /// Number of samples so far.
@@ -42,6 +47,9 @@ impl<'f> StreamedTables<'f> {
     pub(super) fn write(&mut self, block: &Trace) -> ControlFlow<()> {
         self.samples += block.len();
         self.last_time = block.time.last().copied().or(self.last_time);
+        if let Some(envelope) = &mut self.envelope {
+            envelope.add(block);
+        }
         if let Err(failure) = self.try_write(block) {
             self.tables = Err(failure);
             return ControlFlow::Break(());
@@ -60,18 +68,19 @@ impl<'f> StreamedTables<'f> {
         pairs.try_for_each(|(path, table)| table.write(block).map_err(|error| table_failure(path, error)))
     }
 
-    /// Ends the tables. `run` has the repetitions and phases of the run.
+    /// Ends the tables. `run` has the repetitions and phases of the run. Returns the trace for the pictures; `None` if
+    /// there are none.
     ///
     /// # Errors
     /// If a table could not be written. Its file is then unchanged.
-    pub(super) fn finish(mut self, run: &Trace) -> Result<(), Failure> {
+    pub(super) fn finish(mut self, run: &Trace) -> Result<Option<Trace>, Failure> {
         // A run without samples has tables without rows.
         self.try_write(run)?;
         for (path, table) in self.paths.iter().zip(self.tables?) {
             let file = table.finish(run, || begin_copy(path));
             publish(path, file.map_err(|error| table_failure(path, error))?)?;
         }
-        Ok(())
+        Ok(self.envelope.map(|envelope| envelope.into_trace(run)))
     }
 }
 

@@ -204,7 +204,11 @@ fn concerns_times(error: &RunError) -> bool {
 /// The failure for an error of a run, with the option that helps and the position in the patch. `is_usage`: options
 /// cause it.
 pub(super) fn run_failure(error: &RunError, circuit: &Circuit, is_usage: bool) -> Failure {
-    let message = message_with_advice(error) + &position_text(error, circuit);
+    failure_with_code(message_with_advice(error) + &position_text(error, circuit), error, is_usage)
+}
+
+/// The failure with this message and the code of an error of a run. `is_usage`: options cause it.
+pub(super) fn failure_with_code(message: String, error: &RunError, is_usage: bool) -> Failure {
     let failure = if is_usage { Failure::usage(message) } else { Failure::data(message) };
     failure.with_detail("code", error.code().into())
 }

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use serde_json::{Map, Value};
+
 use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring, spring_with};
 
 /// Asserts that a command fails with exit code 1 and a message that contains `expected`.
@@ -77,21 +79,57 @@ fn the_document_of_a_check_grows_with_the_number_of_parameters() {
     assert!(out(&checked).len() < 500_000, "{}", out(&checked).len());
 }
 
-/// The table has 54 MB, and the samples would take 24 MB.
-#[cfg(target_os = "linux")]
+/// Work that grows with the square of the number of elements would take minutes.
 #[test]
-fn the_memory_of_a_run_does_not_grow_with_its_rows() {
-    let (folder, file) = spring_with("", "");
-    let csv = path(&folder, "long.csv");
-    // The limit is in kilobytes.
-    let limited = "ulimit -v 80000; exec \"$0\" \"$@\"";
+fn a_chain_of_many_elements_is_checked() {
+    const ELEMENTS: usize = 30_000;
+    let name = |index: usize| format!("E{index}");
+    let element = |index: usize| {
+        let input = index.checked_sub(1).map_or("D".to_owned(), name);
+        (name(index), serde_json::json!({"kind": "inverter", "in": input}))
+    };
+    let elements: Map<String, Value> = (0..ELEMENTS).map(element).collect();
+    let patch = serde_json::json!({
+        "patchcord": 1,
+        "scales": {"v": {"per_volt": 1, "unit": "V"}},
+        "drives": {"D": {"kind": "sine", "scale": "v", "amplitude": 50, "frequency": 1}},
+        "elements": elements,
+        "signals": {"y": {"at": name(ELEMENTS - 1), "scale": "v"}},
+        "run": {"for": 0.1, "step": 1e-3}
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "chain.json");
+    fs::write(&file, patch.to_string()).unwrap();
+    let checked = patchcord(&["check", &file]);
+    assert_eq!((code(&checked), errors(&checked).as_str()), (0, ""));
+    assert!(out(&checked).contains("chain.json: nothing wrong\n"), "{}", out(&checked));
+    let document = json(&patchcord(&["check", &file, "--json"]));
+    assert_eq!((&document["ok"], &document["cannot_be_run"]), (&true.into(), &Value::Null));
+    // The drive has a voltage, too.
+    assert_eq!(document["voltages"].as_array().unwrap().len(), ELEMENTS + 1);
+}
+
+/// Runs a patch with these options and at most this memory in kilobytes, and asserts that it succeeds.
+#[cfg(target_os = "linux")]
+pub(super) fn run_with_memory(kilobytes: u32, file: &str, options: &[&str]) -> std::process::Output {
+    let limited = format!("ulimit -v {kilobytes}; exec \"$0\" \"$@\"");
     let ran = std::process::Command::new("sh")
-        .args(["-c", limited, env!("CARGO_BIN_EXE_patchcord"), "run", &file])
-        .args(["--for", "1000", "--record", "x,A1", "--csv", &csv])
+        .args(["-c", &limited, env!("CARGO_BIN_EXE_patchcord"), "run", file])
+        .args(options)
         .env("PATCHCORD_PROGRESS", "0")
         .output()
         .unwrap();
     assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
+    ran
+}
+
+/// The table has 54 MB, and the samples would take 24 MB.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_memory_of_a_run_does_not_grow_with_its_rows() {
+    let (folder, file) = spring();
+    let csv = path(&folder, "long.csv");
+    run_with_memory(80_000, &file, &["--for", "1000", "--record", "x,A1", "--csv", &csv]);
     let lines = fs::read(&csv).unwrap().iter().filter(|byte| **byte == b'\n').count();
     assert_eq!(lines, 4 + 1_000_001);
 }

@@ -4,6 +4,8 @@ use std::fs;
 
 use serde_json::Value;
 
+#[cfg(target_os = "linux")]
+use super::limits::run_with_memory;
 use super::run_errors::DIVISION;
 use super::{json, patchcord, path, spring};
 
@@ -46,5 +48,45 @@ fn a_table_up_to_an_error_does_not_depend_on_pictures() {
         assert!(streamed.0 == whole.0, "{options:?}");
         assert_eq!(streamed.1, whole.1, "{options:?}");
         assert_eq!((&streamed.1["ok"], line_count(&streamed.0) > 3000), (&false.into(), true));
+    }
+}
+
+/// The lines of the curves in a picture: the positions of their points.
+#[cfg(target_os = "linux")]
+fn curves(svg: &str) -> Vec<Vec<(f64, f64)>> {
+    let lines = svg.split("points=\"").skip(1).filter_map(|rest| rest.split('"').next());
+    let point = |text: &str| {
+        let (x, y) = text.split_once(',').unwrap();
+        (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap())
+    };
+    let curves = lines.map(|line| line.split_whitespace().map(point).collect::<Vec<_>>());
+    curves.filter(|points| points.len() > 1000).collect()
+}
+
+/// The samples and their pictures would take 400 MB.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_memory_of_a_run_with_pictures_against_time_does_not_grow_with_its_rows() {
+    let (folder, file) = spring();
+    let [long, svg] = ["long.svg", "short.svg"].map(|name| path(&folder, name));
+    let options = ["--for", "3000", "--record", "x,A1,A2", "--json", "--plot"];
+    let ran = run_with_memory(160_000, &file, &[&options[..], &[long.as_str()][..]].concat());
+    assert_eq!(json(&ran)["samples"], 3_000_001);
+    // A tenth of the samples is few enough to be kept. The picture is the same to a pixel, which has ten units.
+    let fewer = [&["run", file.as_str(), "--every", "0.01"][..], &options[..], &[svg.as_str()][..]].concat();
+    assert_eq!(json(&patchcord(&fewer))["samples"], 300_001);
+    let [long, short] = [long, svg].map(|svg| curves(&fs::read_to_string(svg).unwrap()));
+    assert_eq!((long.len(), short.len()), (3, 3));
+    for (long, short) in long.iter().zip(&short) {
+        let range = |points: &[(f64, f64)]| {
+            let bound = |value: fn(&(f64, f64)) -> f64| {
+                points.iter().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                    [low.min(value), high.max(value)]
+                })
+            };
+            [bound(|point| point.0), bound(|point| point.1)]
+        };
+        let pairs = range(long).into_iter().flatten().zip(range(short).into_iter().flatten());
+        pairs.for_each(|(long, short)| assert!((long - short).abs() < 10.0, "{long} {short}"));
     }
 }

@@ -107,21 +107,29 @@ fn check_reports_why_a_patch_cannot_be_run() {
     assert!(json(&patchcord(&["check", FIG_8_16, "--json"]))["cannot_be_run"].is_null());
 }
 
-/// Without pictures, samples do not stay in memory.
+/// Without pictures against a signal, samples do not stay in memory.
 #[test]
-fn only_a_run_with_pictures_is_refused_for_the_memory_of_its_samples() {
+fn only_a_run_with_pictures_against_a_signal_is_refused_for_the_memory_of_its_samples() {
     let run = "{\"for\": 3.25, \"step\": 1e-3}";
-    // 6.5e8 and 6.5e10 numbers.
-    let with_interval =
-        |every: &str| spring_with(run, &format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}}"));
+    // 3.25e8 samples, and 9.75e10 numbers.
+    let with_interval = |every: &str| {
+        let pictures = r#""pictures": [{"x": "x", "y": ["A1"]}]"#;
+        spring_with(run, &format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}},\n  {pictures}"))
+    };
     let (folder, file) = with_interval("1e-8");
     assert!(json(&patchcord(&["check", &file, "--json"]))["cannot_be_run"].is_null());
-    let refused = patchcord(&["run", &file, "--plot", &path(&folder, "x.svg")]);
-    assert_eq!(code(&refused), 1);
-    assert!(errors(&refused).contains("6.5e8 numbers; at most 2e8 are allowed"), "{}", errors(&refused));
+    let plot = path(&folder, "x.svg");
+    let refused = patchcord(&["run", &file, "--plot", &plot, "--json"]);
+    assert_eq!((code(&refused), &json(&refused)["code"]), (1, &"too-many-numbers".into()));
+    let wanted =
+        "would record 3.25e8 samples; at most 2380950 are allowed with pictures that need every sample";
+    assert!(errors(&refused).contains(wanted), "{}", errors(&refused));
+    // An option causes the same error.
+    assert_eq!(code(&patchcord(&["run", &file, "--every", "1e-7", "--plot", &plot])), 2);
+    assert!(!fs::exists(&plot).unwrap());
     let (_folder, file) = with_interval("1e-10");
     let message = out(&patchcord(&["check", &file]));
-    assert!(message.contains("6.5e10 numbers; at most 1e10 are allowed"), "{message}");
+    assert!(message.contains("9.75e10 numbers; at most 1e10 are allowed"), "{message}");
 }
 
 /// A new random number every nanosecond for 100 s.

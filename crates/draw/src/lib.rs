@@ -2,12 +2,14 @@
 //!
 //! [`plot`] renders pictures and line drawings as SVG or PNG. [`picture()`], [`bode()`],
 //! [`profile_picture()`] and [`sensitivity_pictures()`] convert results of a run or of an analysis into
-//! pictures. [`schematic`] draws a circuit as a schematic or a patch panel. [`html`] has the frame of
-//! generated pages. Nothing here computes physics; the data come from the crates below.
+//! pictures. A [`TraceEnvelope`] has the few samples of a long run that its pictures against time need.
+//! [`schematic`] draws a circuit as a schematic or a patch panel. [`html`] has the frame of generated pages.
+//! Nothing here computes physics; the data come from the crates below.
 
 #![forbid(unsafe_code)]
 
 mod bode;
+mod envelope;
 mod family;
 mod faults;
 pub mod html;
@@ -19,6 +21,7 @@ mod scope;
 mod sensitivity;
 
 pub use bode::bode;
+pub use envelope::TraceEnvelope;
 pub use plane::ProfilePlane;
 pub use profile_picture::{ProfileSignal, profile_picture};
 pub use scope::{ScopeError, picture};

@@ -68,9 +68,19 @@ impl RunSettings {
     /// sample, and a constant amount for every phase, change and repetition.
     pub fn recorded_numbers(&self) -> f64 {
         let extent = RunExtent::of(&self.phases);
+        self.max_samples() * (self.track_count() + 1.0) + self.numbers_without_samples(extent)
+    }
+
+    /// An upper limit of the number of samples that the run records, with repetitions.
+    pub fn max_samples(&self) -> f64 {
+        let extent = RunExtent::of(&self.phases);
         // Every phase may write a sample at its beginning and one at its end.
-        let rows = (extent.record_time / self.every).floor() + 2.0 * extent.phase_count;
-        rows * (self.track_count() + 1.0) + self.numbers_without_samples(extent)
+        (extent.record_time / self.every).floor() + 2.0 * extent.phase_count
+    }
+
+    /// The number of phases, with every repetition counted.
+    pub fn phase_count(&self) -> f64 {
+        RunExtent::of(&self.phases).phase_count
     }
 
     /// An upper limit of the numbers for phases, changes and repetitions.
