@@ -153,6 +153,7 @@ impl Machine<'_> {
                     operation.count_taken(taken);
                     if taken < count {
                         self.finish_step(operation, active, halt, observer)?;
+                        self.note_events(operation.steps);
                     }
                 }
                 None if self.hold_if_stopped(observer) => operation.stop(),
@@ -161,11 +162,19 @@ impl Machine<'_> {
                     if operation.active.is_none() {
                         self.advance(operation.steps.end_of(0), observer)?;
                         operation.count_taken(1);
+                        self.note_events(operation.steps);
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// Tells the checks of steps how many events there have been, before the first of these steps.
+    fn note_events(&mut self, steps: Steps) {
+        if let Some(check) = &mut self.step_check {
+            check.note_events(self.work.changes + self.work.crossings, steps.first);
+        }
     }
 
     /// Number of steps before the next one that is checked; the largest number if none is.

@@ -3,6 +3,9 @@
 //! At some steps, which `check_plan` spreads evenly over the run, the step is also taken in two halves. The difference
 //! gives the error of the step. The stages give the largest rate at which the circuit responds: if it is too large for
 //! the step, the method is unstable and errors grow. The run itself is not changed.
+//!
+//! A short episode can begin with an event: a change of mode, a kink, or a phase. So steps after events are checked in
+//! addition.
 
 use super::buffers::StepBuffers;
 use super::check_plan::CheckPlan;
@@ -12,6 +15,11 @@ use super::state::{Setup, Solver, SolverState, read_rates};
 use super::turns::length_to_turn;
 use crate::delay_line::DelayLine;
 
+/// Up to this number of events the step after each is checked. Then half of this number is checked until the number of
+/// events doubles.
+const EXAMINED_EVENTS: u64 = 32;
+/// If one in this many checks meets an event, the errors of the run are not known.
+const UNKNOWN_SHARE: u64 = 20;
 /// The product of a decay rate and the step above which the classical method of order 4 is unstable.
 const STABILITY_LIMIT: f64 = 2.785;
 /// The product that the recommended step has, well within the limit.
@@ -45,11 +53,17 @@ pub(super) struct StepCheck {
     next: u64,
     /// Number of steps since the last initial condition, including those of the present phase that are still to be taken.
     steps: u64,
-    /// Number of checks, and of those with a result.
+    /// Number of planned checks, and of those with a result.
     attempts: u64,
     results: u64,
-    /// Sum of the errors of every state over all results, in volts.
+    /// Sum of the errors of every state over all results of planned checks, in volts.
     sums: Vec<f64>,
+    /// Number of changes of mode and crossings of kinks so far.
+    events: u64,
+    /// Number of steps of all repetitions that followed an event.
+    steps_after_events: u64,
+    /// Sum of the errors of every state over the checked steps after events, in volts.
+    sums_after_events: Vec<f64>,
     /// Number of checks without a result at which the method was unstable.
     unstable_events: u64,
     /// The state at which the method was unstable first.
@@ -82,6 +96,9 @@ impl StepCheck {
             attempts: 0,
             results: 0,
             sums: vec![0.0; states],
+            events: 0,
+            steps_after_events: 0,
+            sums_after_events: vec![0.0; states],
             unstable_events: 0,
             unstable: None,
             fastest: (0, 0.0),
@@ -92,8 +109,8 @@ impl StepCheck {
 
     /// Forgets the results, for a new initial condition.
     pub(super) fn reset(&mut self) {
-        let (plan, middle) = (self.plan, self.middle.take());
-        *self = StepCheck { plan, middle, ..StepCheck::new(self.sums.len(), 0) };
+        let (plan, steps_after_events, middle) = (self.plan, self.steps_after_events, self.middle.take());
+        *self = StepCheck { plan, steps_after_events, middle, ..StepCheck::new(self.sums.len(), 0) };
     }
 
     /// Plans the checks of a phase with this number of steps.
@@ -101,6 +118,24 @@ impl StepCheck {
         self.plan.begin_phase(steps);
         self.next = self.plan.next();
         self.steps += steps;
+        self.note_event(1);
+    }
+
+    /// Notes how many changes of mode and crossings of kinks there have been since the initial condition, before the
+    /// step with this number in the present phase.
+    pub(super) fn note_events(&mut self, events: u64, next_step: u64) {
+        if events > self.events {
+            self.events = events;
+            self.note_event(next_step);
+        }
+    }
+
+    /// Notes an event before a step. Checks the step, unless many steps after events were checked.
+    fn note_event(&mut self, next_step: u64) {
+        self.steps_after_events += 1;
+        if is_examined(self.steps_after_events) {
+            self.next = self.next.min(next_step);
+        }
     }
 
     /// Number of steps before the next check, if the next step has this number in the present phase.
@@ -111,9 +146,10 @@ impl StepCheck {
     /// Checks the next step, which has this number in the present phase. The error of a step with an event in it is not
     /// known, because the solver does not take it as a whole.
     pub(super) fn check(&mut self, solver: &mut Solver<'_>, next_step: u64) {
+        let is_planned = self.plan.next() <= next_step;
         self.plan.advance(next_step);
         self.next = self.plan.next();
-        self.attempts += 1;
+        self.attempts += u64::from(is_planned);
         let Solver { setup, state, delay_lines, buffers, .. } = solver;
         let length = setup.step;
         try_step(setup, state, delay_lines, buffers, length);
@@ -126,7 +162,8 @@ impl StepCheck {
         let response =
             response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
         if has_event(setup, state, delay_lines, buffers, length) {
-            if let Some(response) = response.filter(|response| response.change > HARMLESS_CHANGE) {
+            let harmful = response.filter(|response| is_planned && response.change > HARMLESS_CHANGE);
+            if let Some(response) = harmful {
                 self.unstable_events += 1;
                 self.note_unstable(response);
             }
@@ -144,17 +181,18 @@ impl StepCheck {
         if has_event(setup, middle, delay_lines, buffers, 0.5 * length) {
             return;
         }
-        let worst = self.add(&buffers.states);
+        let worst = self.add(&buffers.states, is_planned);
         if let Some(response) = response.filter(|_| worst > HARMLESS_ERROR) {
             self.note_unstable(response);
         }
     }
 
     /// Adds the errors of a step, from the states at the end of its second half. Returns the largest one in volts.
-    fn add(&mut self, halves: &[f64]) -> f64 {
-        self.results += 1;
+    fn add(&mut self, halves: &[f64], is_planned: bool) -> f64 {
+        self.results += u64::from(is_planned);
+        let sums = if is_planned { &mut self.sums } else { &mut self.sums_after_events };
         let mut worst = 0.0;
-        for ((sum, halves), whole) in self.sums.iter_mut().zip(halves).zip(&self.whole) {
+        for ((sum, halves), whole) in sums.iter_mut().zip(halves).zip(&self.whole) {
             let error = HALVING_SHARE * (halves - whole).abs();
             *sum += error;
             worst = f64::max(worst, error);
@@ -171,8 +209,10 @@ impl StepCheck {
 
     /// The doubt about the steps of the run; `None` if the checks found them short enough.
     pub(super) fn doubt(&self, setup: &Setup<'_>) -> Option<StepDoubt> {
-        let errors = self.sums.iter().map(|sum| sum / self.results.max(1) as f64 * self.steps as f64);
+        let share = self.steps as f64 / self.results.max(1) as f64;
+        let errors = self.sums.iter().zip(&self.sums_after_events).map(|(sum, after)| sum * share + after);
         let error = errors.fold(0.0, f64::max);
+        let is_unknown = (self.attempts - self.results) * UNKNOWN_SHARE > self.attempts;
         // Events at a few steps may only be switchings that the solver locates.
         let is_unstable = self.unstable.is_some()
             && (error > LARGEST_ERROR || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
@@ -183,7 +223,7 @@ impl StepCheck {
         let (element, periods) = self.fastest;
         let recommended = setup.step * RECOMMENDED_ADVANCE / periods;
         let fast = (periods > LARGEST_ADVANCE).then_some(StepDoubt::Fast { element, recommended });
-        let inaccurate = (error > LARGEST_ERROR).then_some(StepDoubt::Inaccurate);
+        let inaccurate = (error > LARGEST_ERROR || is_unknown).then_some(StepDoubt::Inaccurate);
         StepDoubt::worse(StepDoubt::worse(unstable, fast), inaccurate)
     }
 }
@@ -191,7 +231,7 @@ impl StepCheck {
 /// The doubt that the steps of a run are too long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum StepDoubt {
-    /// The method is stable, but its errors are large.
+    /// The method is stable, but its errors are large or not known.
     Inaccurate,
     /// An angle advances by a large part of a period in a step.
     Fast {
@@ -228,6 +268,12 @@ impl StepDoubt {
         let doubts = one.into_iter().chain(other);
         doubts.min_by(|a, b| recommended(a).total_cmp(&recommended(b)))
     }
+}
+
+/// Whether the step after an event is checked. Events count from 1.
+fn is_examined(event: u64) -> bool {
+    let octaves = (event / EXAMINED_EVENTS).checked_ilog2().map_or(0, |octave| octave + 1);
+    event.is_multiple_of(1 << octaves)
 }
 
 /// Whether the solver would not take the step of this length that was tried from a state as a whole, because of an event
@@ -285,6 +331,13 @@ fn move_to_end(setup: &Setup<'_>, state: &mut SolverState, buffers: &StepBuffers
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps_after_few_events_are_all_checked_and_those_after_many_sparsely() {
+        let examined = |events: u64| (1..=events).filter(|event| is_examined(*event)).count() as u64;
+        assert_eq!(examined(EXAMINED_EVENTS), EXAMINED_EVENTS);
+        assert_eq!(examined(1 << 20), EXAMINED_EVENTS + 15 * EXAMINED_EVENTS / 2);
+    }
 
     #[test]
     fn the_response_of_a_decay_is_its_rate() {
