@@ -1,6 +1,6 @@
 //! A fixed part of the random inputs of `tests/fuzz`, and tests of their generator and of the rules.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::panic::catch_unwind;
 use std::path::Path;
@@ -11,13 +11,16 @@ use serde_json::Value;
 
 use crate::common::files::shipped_files;
 use crate::fuzz::case::Case;
-use crate::fuzz::command_lines::SWEEP;
+use crate::fuzz::command_lines::{PATCH, SWEEP, TABLE};
 use crate::fuzz::corpus::{Corpus, Files};
 use crate::fuzz::document::Node;
 use crate::fuzz::judgement::{answer_violations, content_violation, violations};
+use crate::fuzz::large_patch::{SHAPES, Shape, case_of, large_patch};
 use crate::fuzz::runner::{Answer, TimeLimit};
-use crate::fuzz::trials::run_cases;
-use patchcord::{Circuit, Patch};
+use crate::fuzz::special_files::{Special, Specials};
+use crate::fuzz::streams::{StandardInput, StandardOutput};
+use crate::fuzz::trials::{Summary, run_cases};
+use patchcord::{Circuit, Patch, Program};
 
 /// The seed of the fixed part.
 const SEED: u64 = 1451;
@@ -29,21 +32,98 @@ const ACCEPTED_SHARES: [(&str, usize); 7] =
     [("check", 15), ("draw", 15), ("effects", 10), ("gap", 5), ("linearise", 10), ("run", 10), ("sweep", 2)];
 /// The number of cases whose documents are read within the test.
 const READ_CASES: u64 = 1000;
+/// The names of all commands.
+const COMMAND_NAMES: [&str; 15] = [
+    "check",
+    "completions",
+    "draw",
+    "effects",
+    "elements",
+    "gap",
+    "linearise",
+    "machines",
+    "man",
+    "new",
+    "profile",
+    "replay",
+    "run",
+    "slideway",
+    "sweep",
+];
+/// The number of commands with a special input or output.
+const SPECIAL_COMMANDS: u64 = 60;
+/// The number of parts of the large patches.
+const LARGE_COUNT: usize = 2000;
+/// The commands on large patches.
+const LARGE_COMMANDS: [(Shape, &[&str]); 9] = [
+    (Shape::Chain, &["check", PATCH, "--voltages", "--scaling"]),
+    (Shape::Loops, &["check", PATCH, "--json"]),
+    (Shape::Parameters, &["check", PATCH, "--json"]),
+    (Shape::Backlashes, &["run", PATCH]),
+    (Shape::Relays, &["run", PATCH, "--csv", TABLE]),
+    (Shape::Delays, &["run", PATCH]),
+    (Shape::Signals, &["run", PATCH, "--json"]),
+    (Shape::Chain, &["linearise", PATCH]),
+    (Shape::Instances, &["draw", PATCH, "--plot", "d.svg"]),
+];
+
+/// Runs the first cases of a series, which break no rule.
+fn run_first(series: &str, count: u64, make: &(dyn Fn(u64) -> Case + Sync)) -> Summary {
+    let numbers = AtomicU64::new(0);
+    let next = || Some(numbers.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < count);
+    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
+    let summary = run_cases(series, make, &kept, &next);
+    assert!(summary.violations.is_empty(), "{}", summary.violations.join("\n"));
+    assert_eq!(summary.cases as u64, count);
+    summary
+}
 
 #[test]
 fn random_inputs_break_no_rule() {
     let corpus = Corpus::load(false);
-    let count = AtomicU64::new(0);
-    let next = || Some(count.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < COMMANDS);
-    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
-    let summary = run_cases(&corpus, SEED, &kept, &next);
-    assert!(summary.violations.is_empty(), "{}", summary.violations.join("\n"));
-    assert_eq!(summary.cases as u64, COMMANDS);
+    let summary = run_first(&SEED.to_string(), COMMANDS, &|number| Case::new(&corpus, SEED, number));
     // Some arguments are longer than the system permits.
     assert!(summary.skipped < 5, "{}", summary.skipped);
     for (command, share) in ACCEPTED_SHARES {
         let [accepted, all] = summary.commands[command];
         assert!(100 * accepted > share * all, "{command}: {accepted} of {all} are accepted");
+    }
+}
+
+/// Pipes, devices, folders, files of the system, protected and missing files.
+#[cfg(target_os = "linux")]
+#[test]
+fn special_inputs_and_outputs_break_no_rule() {
+    use crate::common::random::SplitMix64;
+    use crate::fuzz::special_case::special_case;
+    let corpus = Corpus::load(false);
+    let make = |number| special_case(&corpus, &mut SplitMix64(number));
+    let summary = run_first("special", SPECIAL_COMMANDS, &make);
+    assert_eq!(summary.skipped, 0);
+}
+
+#[test]
+fn large_patches_break_no_rule() {
+    let make = |number: u64| {
+        let (shape, words) = LARGE_COMMANDS[number as usize];
+        case_of(shape, LARGE_COUNT, words.iter().map(|word| (*word).to_owned()).collect())
+    };
+    let summary = run_first("large", LARGE_COMMANDS.len() as u64, &make);
+    assert_eq!(summary.skipped, 0);
+    // A schematic has at most 1000 symbols.
+    let expected = [("check", [3, 3]), ("draw", [0, 1]), ("linearise", [1, 1]), ("run", [4, 4])];
+    let expected = expected.map(|(command, counts)| (command.to_owned(), counts));
+    assert_eq!(summary.commands, BTreeMap::from(expected));
+}
+
+#[test]
+fn large_patches_are_valid() {
+    for shape in SHAPES {
+        let text = large_patch(shape, 13).json();
+        let patch = Patch::parse_in(Path::new("."), PATCH, &text);
+        let patch = patch.unwrap_or_else(|report| panic!("{shape:?}: {report}"));
+        let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{shape:?}: {report}"));
+        assert!(Program::new(&circuit).is_ok(), "{shape:?}");
     }
 }
 
@@ -79,10 +159,15 @@ fn cases_cover_all_commands_and_kinds_of_damage() {
     let corpus = Corpus::load(true);
     let cases: Vec<Case> = (0..1000).map(|number| Case::new(&corpus, 7, number)).collect();
     let commands: BTreeSet<&str> = cases.iter().map(|case| case.arguments[0].as_str()).collect();
-    let expected = ["check", "draw", "effects", "gap", "linearise", "profile", "run", "slideway", "sweep"];
-    assert_eq!(commands.into_iter().collect::<Vec<_>>(), expected);
+    let missing: Vec<&&str> = COMMAND_NAMES.iter().filter(|name| !commands.contains(**name)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
     let count = |is_counted: &dyn Fn(&Case) -> bool| cases.iter().filter(|case| is_counted(case)).count();
-    assert!(count(&|case| case.damage_seed.is_some()) > 20);
+    assert!(count(&|case| case.damage_seed.is_some()) > 15);
+    assert!(count(&|case| !case.specials.is_empty()) > 2);
+    assert!(count(&|case| case.input != StandardInput::Empty) > 20);
+    assert!(count(&|case| case.output != StandardOutput::Kept) > 5);
+    let size = |case: &Case| case.files.get(PATCH).map_or(0, Vec::len);
+    assert!(count(&|case| size(case) > 50_000) > 2);
     assert!(count(&|case| case.files.values().any(|bytes| std::str::from_utf8(bytes).is_err())) > 2);
 }
 
@@ -132,10 +217,15 @@ fn answer(code: Option<i32>, output: &str, errors: &str) -> Answer {
     Answer { code, broken_limit: None, output, errors, time: Duration::ZERO }
 }
 
+/// A command without files.
+fn command(words: &[&str]) -> Case {
+    Case::of(Files::new(), words.iter().map(|word| (*word).to_owned()).collect())
+}
+
 #[test]
 fn each_limit_of_time_has_a_text_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
-    let case = Case { files: Files::new(), arguments: vec!["check".to_owned()], damage_seed: None };
+    let case = command(&["check"]);
     let found = |broken_limit| {
         violations(&case, folder.path(), &Answer { broken_limit, ..answer(None, "", "x") }).join(", ")
     };
@@ -147,8 +237,7 @@ fn each_limit_of_time_has_a_text_of_its_own() {
 #[test]
 fn a_sweep_without_its_table_is_recognised() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["sweep", "case.json", "--out", SWEEP].map(str::to_owned).to_vec();
-    let case = Case { files: Files::new(), arguments, damage_seed: None };
+    let case = command(&["sweep", "case.json", "--out", SWEEP]);
     let count = |code| violations(&case, folder.path(), &answer(Some(code), "", "x")).len();
     assert_eq!([count(0), count(1)], [1, 0]);
     fs::write(folder.path().join(SWEEP), "p\n1\n").unwrap();
@@ -157,11 +246,12 @@ fn a_sweep_without_its_table_is_recognised() {
 
 #[test]
 fn wrong_answers_are_recognised() {
-    let arguments = ["check", "--json"].map(str::to_owned);
-    let count = |answer: &Answer| answer_violations(&arguments, answer).len();
+    let case = command(&["check", "--json"]);
+    let count = |answer: &Answer| answer_violations(&case, answer).len();
     assert_eq!(count(&answer(Some(0), "{\"ok\": true}", "")), 0);
     assert_eq!(count(&answer(Some(1), "{\"ok\": false}", "error: no")), 0);
-    assert_eq!(answer_violations(&arguments[..1], &answer(Some(0), "text", "")), Vec::<String>::new());
+    let text = |text: &str| answer_violations(&command(&["check", "inf"]), &answer(Some(0), text, "")).len();
+    assert_eq!([text("text"), text("-inf V"), text("NaN V"), text("NaN1")], [0, 0, 1, 0]);
     let wrong = [
         answer(Some(0), "{\"ok\": tr", ""),
         answer(Some(0), "{} {}", ""),
@@ -174,4 +264,63 @@ fn wrong_answers_are_recognised() {
     for answer in &wrong {
         assert_eq!(count(answer), 1, "{:?} {}", answer.code, String::from_utf8_lossy(&answer.errors));
     }
+}
+
+#[test]
+fn a_table_on_standard_output_is_examined() {
+    let count = |case: &Case, code, output: &str| {
+        answer_violations(case, &answer(Some(code), output, "message")).len()
+    };
+    for words in [&["run", "-", "--csv", "-"][..], &["sweep", PATCH], &["sweep", PATCH, "--out", "-"]] {
+        let case = command(words);
+        assert_eq!([count(&case, 0, "t,x\n0,1\n"), count(&case, 1, "")], [0, 0], "{words:?}");
+        let wrong = [(0, ""), (0, "t,x\n0,NaN\n"), (0, "t,x\n0,1"), (1, "t,x\n0")];
+        for (code, output) in wrong {
+            assert_eq!(count(&case, code, output), 1, "{words:?} {output:?}");
+        }
+    }
+    assert_eq!(count(&command(&["sweep", PATCH, "--out", SWEEP]), 0, "3 runs"), 0);
+}
+
+/// A device without space and a closed pipe are outputs, a file and a pipe are inputs.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_command_gets_its_streams() {
+    use crate::fuzz::runner::run;
+    let folder = tempfile::tempdir().unwrap();
+    let case = case_of(Shape::Chain, 8, ["check", "-"].map(str::to_owned).to_vec());
+    case.write(folder.path()).unwrap();
+    let code = |input, output| run(folder.path(), &Case { input, output, ..case.clone() }).unwrap().code;
+    let [file, pipe] = [StandardInput::File, StandardInput::Pipe].map(|of| of(PATCH.to_owned()));
+    assert_eq!(code(StandardInput::Empty, StandardOutput::Kept), Some(1));
+    assert_eq!(code(file.clone(), StandardOutput::Kept), Some(0));
+    assert_eq!(code(pipe, StandardOutput::Kept), Some(0));
+    assert_eq!(code(file.clone(), StandardOutput::Full), Some(1));
+    assert_eq!(code(file, StandardOutput::Closed), Some(0));
+}
+
+#[cfg(unix)]
+#[test]
+fn special_files_that_are_replaced_are_recognised() {
+    let folder = tempfile::tempdir().unwrap();
+    let specials = [
+        ("pipe", Special::Pipe),
+        ("inside/folder", Special::Folder),
+        ("link", Special::Link("/dev/zero".to_owned())),
+        ("file", Special::Protected),
+    ];
+    let specials: Specials = specials.into_iter().map(|(name, special)| (name.to_owned(), special)).collect();
+    let files = Files::from([("file".to_owned(), b"x".to_vec())]);
+    let case = Case { files, specials, ..command(&["check"]) };
+    case.write(folder.path()).unwrap();
+    let count = || violations(&case, folder.path(), &answer(Some(0), "", "")).len();
+    assert_eq!(count(), 0);
+    for (number, name) in ["pipe", "link"].into_iter().enumerate() {
+        let path = folder.path().join(name);
+        fs::remove_file(&path).unwrap();
+        fs::write(&path, "x").unwrap();
+        assert_eq!(count(), number + 1, "{name}");
+    }
+    fs::remove_dir(folder.path().join("inside/folder")).unwrap();
+    assert_eq!(count(), 3);
 }

@@ -18,6 +18,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use fuzz::case::Case;
 use fuzz::corpus::Corpus;
 use fuzz::trials::{Summary, run_cases};
 
@@ -59,7 +60,9 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
             None => (start.elapsed() < time).then_some(number),
         }
     };
-    let Summary { cases, commands, skipped, longest, violations } = run_cases(&corpus, seed, &kept, &next);
+    let make = |number| Case::new(&corpus, seed, number);
+    let summary = run_cases(&seed.to_string(), &make, &kept, &next);
+    let Summary { cases, commands, skipped, longest, violations } = summary;
     let broken = violations.len();
     println!("seed {seed}: {cases} cases, {skipped} skipped, {broken} break a rule");
     for (command, [accepted, all]) in commands {

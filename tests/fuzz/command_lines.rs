@@ -8,6 +8,8 @@ use crate::common::random::SplitMix64;
 
 /// The name of the patch file of a case.
 pub(crate) const PATCH: &str = "case.json";
+/// The table of a run or of a frequency response.
+pub(crate) const TABLE: &str = "out.csv";
 /// The table of a sweep.
 pub(crate) const SWEEP: &str = "sweep.csv";
 /// The parameter values of a sweep.
@@ -132,10 +134,10 @@ impl CommandLine<'_> {
         self.add_once_in(2, &["--json"], random);
         match random.below(6) {
             0 => (),
-            1 => self.add(&["--csv", "out.csv", "--plot", "out.svg"]),
-            2 => self.add(&["--csv", "out.csv", "--plot", "out.png"]),
+            1 => self.add(&["--csv", TABLE, "--plot", "out.svg"]),
+            2 => self.add(&["--csv", TABLE, "--plot", "out.png"]),
             3 => self.add(&["--out", "results"]),
-            _ => self.add(&["--csv", "out.csv"]),
+            _ => self.add(&["--csv", TABLE]),
         }
         if once_in(5, random) {
             let names: Vec<String> = (0..=random.below(3)).map(|_| self.signal(random)).collect();
@@ -150,6 +152,7 @@ impl CommandLine<'_> {
         }
         self.add_once_in(10, &["--hold-on-overload"], random);
         self.add_once_in(10, &["--fail-on-overload"], random);
+        self.add_once_in(10, &["--verbose"], random);
         self.add_once_in(20, &["--repeat", "3"], random);
         self.add_once_in(20, &["--width", "240", "--height", "4000", "--scale", "0.25"], random);
     }
@@ -158,6 +161,7 @@ impl CommandLine<'_> {
     fn draw(&mut self, random: &mut SplitMix64) {
         self.begin("draw", random);
         self.add(&["--plot", random.choose(&["d.svg", "d.svg", "d.png"])]);
+        self.add_once_in(5, &["--out", "results"], random);
         self.add_once_in(3, &["--json"], random);
         match random.below(4) {
             0 => self.add(&["--board"]),
@@ -185,7 +189,11 @@ impl CommandLine<'_> {
         let from = if once_in(4, random) { self.signal(random) } else { random.pick(&drives).clone() };
         let to = self.signal(random);
         self.add(&["--from", &from, "--to", &to]);
-        self.add_once_in(2, &["--csv", "out.csv"], random);
+        if once_in(5, random) {
+            let by = random.pick(&drives).clone();
+            self.add(&["--by", &by]);
+        }
+        self.add_once_in(2, &["--csv", TABLE], random);
         self.add_once_in(3, &["--plot", "out.svg"], random);
         if once_in(3, random) {
             let band = format!("{}:{}", usual_number(random), edge_number(random));

@@ -22,19 +22,45 @@ pub(crate) struct Document {
     pub files: Files,
 }
 
+/// A valid patch whose drive and whose function generator have their points in data files.
+const TABLE_PATCH: &str = r#"{
+    "patchcord": 1,
+    "parameters": {"k": {"value": 0.5, "unit": "1", "range": [0, 1]}},
+    "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+    "drives": {"u": {"kind": "table", "scale": "volt", "points": {"csv": "drive.csv", "x": "t", "y": "u"}}},
+    "elements": {
+        "F1": {"kind": "function-generator", "in": "u", "points": {"csv": "curve.csv"}},
+        "P1": {"kind": "pot", "in": "F1", "setting": "k"},
+        "A1": {"kind": "integrator", "in": {"x10": ["P1"]}}
+    },
+    "signals": {"x": {"at": "A1", "scale": "volt"}},
+    "run": {"for": 0.1, "step": 0.001}
+}"#;
+
+/// The data files of [`TABLE_PATCH`].
+const TABLES: [(&str, &[u8]); 2] = [
+    ("drive.csv", b"# u: V\nt,u\n0,0\n0.02,50\n0.05,-20\n0.1,10\n"),
+    ("curve.csv", b"in,out\n-100,-50\n0,0\n30,60\n100,80\n"),
+];
+
 /// All documents.
 pub(crate) struct Corpus {
     /// Valid patches.
     pub patches: Vec<Document>,
+    /// A valid patch with data files. The shipped ones have none.
+    pub table_patch: Document,
     /// Invalid patches.
     pub bad_patches: Vec<Document>,
     /// Experiments, most of them invalid.
     pub experiments: Vec<Document>,
+    /// The valid ones among them.
+    pub valid_experiments: Vec<Document>,
     /// Effects.
     pub effects: Vec<Document>,
     /// The values of all documents, by key.
     pub fragments: Fragments,
-    /// Whether there are cases that take seconds each: predictions for slideways.
+    /// Whether there are cases that take seconds each: predictions for slideways, figures of the thesis, and large
+    /// patches.
     pub has_slow_cases: bool,
 }
 
@@ -45,13 +71,20 @@ impl Corpus {
         let mut patches = documents(shipped_files());
         patches.extend(documents(test_patch_files()));
         patches.extend(documents(vec![repository_path("src/cli/first_patch.json")]));
-        let mut experiments = documents(json_files("crates/ident/tests/bad"));
-        experiments.extend(documents(json_files("examples/05_missing_effect")));
-        experiments.retain(|document| document.node.get("outputs").is_some());
+        let experiments_in = |folder: &str| {
+            let mut found = documents(json_files(folder));
+            found.retain(|document| document.node.get("outputs").is_some());
+            found
+        };
+        let valid_experiments = experiments_in("examples/05_missing_effect");
+        let mut experiments = experiments_in("crates/ident/tests/bad");
+        experiments.extend(valid_experiments.iter().cloned());
         let mut corpus = Corpus {
             patches,
+            table_patch: table_patch(),
             bad_patches: documents(json_files("crates/core/tests/patches/bad")),
             experiments,
+            valid_experiments,
             effects: documents(json_files("patches/effects")),
             fragments: Fragments::new(),
             has_slow_cases,
@@ -62,6 +95,13 @@ impl Corpus {
         }
         corpus
     }
+}
+
+/// The document of [`TABLE_PATCH`] with its data files.
+fn table_patch() -> Document {
+    let value: Value = serde_json::from_str(TABLE_PATCH).unwrap();
+    let files = TABLES.map(|(name, bytes)| (name.to_owned(), bytes.to_vec()));
+    Document { node: Node::of(&value), files: Files::from(files) }
 }
 
 /// The documents of these files. Files that are not JSON objects are left out.

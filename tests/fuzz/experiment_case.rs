@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::case::Case;
 use super::changes::changed_document;
 use super::command_lines::once_in;
 use super::corpus::{Corpus, Document, Files};
@@ -13,10 +14,10 @@ use crate::common::random::SplitMix64;
 /// The name of the experiment of a case.
 const EXPERIMENT: &str = "case.experiment.json";
 /// The folder with the effects of a case.
-const EFFECTS: &str = "effects";
+pub(crate) const EFFECTS: &str = "effects";
 
-/// Files and a command that examines an experiment. The experiment, its patch or its data are changed.
-pub(crate) fn experiment_case(corpus: &Corpus, random: &mut SplitMix64) -> (Files, Vec<String>) {
+/// A command that examines an experiment. The experiment, its patch or its data are changed.
+pub(crate) fn experiment_case(corpus: &Corpus, random: &mut SplitMix64) -> Case {
     let Document { node, mut files } = random.pick(&corpus.experiments).clone();
     let names: Vec<String> = files.keys().cloned().collect();
     if names.is_empty() || once_in(3, random) {
@@ -27,6 +28,18 @@ pub(crate) fn experiment_case(corpus: &Corpus, random: &mut SplitMix64) -> (File
         files.insert(name.clone(), changed);
         files.insert(EXPERIMENT.to_owned(), node.json().into_bytes());
     }
+    check_case(corpus, files, random)
+}
+
+/// A command that examines a valid experiment.
+pub(crate) fn plain_experiment_case(corpus: &Corpus, random: &mut SplitMix64) -> Case {
+    let Document { node, mut files } = random.pick(&corpus.valid_experiments).clone();
+    files.insert(EXPERIMENT.to_owned(), node.json().into_bytes());
+    check_case(corpus, files, random)
+}
+
+/// A command that examines the experiment among these files.
+fn check_case(corpus: &Corpus, mut files: Files, random: &mut SplitMix64) -> Case {
     let mut arguments = ["gap", EXPERIMENT, "--check", "--threads", "2"].map(str::to_owned).to_vec();
     if once_in(2, random) {
         arguments.push("--json".to_owned());
@@ -38,7 +51,7 @@ pub(crate) fn experiment_case(corpus: &Corpus, random: &mut SplitMix64) -> (File
     if once_in(5, random) {
         arguments.extend(["--seed".to_owned(), edge_number(random)]);
     }
-    (files, arguments)
+    Case::of(files, arguments)
 }
 
 /// A changed data file or patch of an experiment.
@@ -49,13 +62,13 @@ fn changed_file(corpus: &Corpus, name: &str, bytes: &[u8], random: &mut SplitMix
     }
 }
 
-/// Files and a command that lists or describes effects.
-pub(crate) fn effect_case(corpus: &Corpus, random: &mut SplitMix64) -> (Files, Vec<String>) {
+/// A command that lists or describes effects.
+pub(crate) fn effect_case(corpus: &Corpus, random: &mut SplitMix64) -> Case {
     let mut files = Files::new();
     add_effects(corpus, &mut files, random);
     let mut arguments = ["effects", "--effects", EFFECTS].map(str::to_owned).to_vec();
     arguments.extend(["--json", "--markdown", "own0"].get(random.below(5)).map(|word| (*word).to_owned()));
-    (files, arguments)
+    Case::of(files, arguments)
 }
 
 /// Adds one or two changed effects.

@@ -3,9 +3,11 @@
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _};
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use super::case::Case;
 
 /// The longest time of a command in seconds of the processor, which do not depend on what else the machine does.
 const PROCESSOR_LIMIT: u32 = 20;
@@ -43,7 +45,7 @@ pub(crate) struct Answer {
     pub code: Option<i32>,
     /// The limit of time that has ended the command. `None` if it ended otherwise.
     pub broken_limit: Option<TimeLimit>,
-    /// Standard output.
+    /// Standard output. Empty if it was not kept.
     pub output: Vec<u8>,
     /// Standard error.
     pub errors: Vec<u8>,
@@ -51,26 +53,26 @@ pub(crate) struct Answer {
     pub time: Duration,
 }
 
-/// Runs the command in a folder.
+/// Runs the command of a case in a folder with its files.
 ///
 /// # Errors
-/// If the system cannot start it, or refuses its arguments.
+/// If the system cannot start it, refuses its arguments, or does not have its streams.
 ///
 /// # Panics
 /// If the system fails otherwise.
-pub(crate) fn run(folder: &Path, arguments: &[String]) -> io::Result<Answer> {
+pub(crate) fn run(folder: &Path, case: &Case) -> io::Result<Answer> {
     let [output, errors] = [(); 2].map(|()| tempfile::tempfile().unwrap());
     let start = Instant::now();
     let mut child = limited_command()
-        .args(arguments)
+        .args(&case.arguments)
         .current_dir(folder)
         // Each thread of the C library would otherwise reserve an address range of its own.
         .env("MALLOC_ARENA_MAX", "2")
         .env_remove("RUST_BACKTRACE")
         // A line about the progress is no message about an error.
         .env("PATCHCORD_PROGRESS", "0")
-        .stdin(Stdio::null())
-        .stdout(output.try_clone().unwrap())
+        .stdin(case.input.stdio(folder)?)
+        .stdout(case.output.stdio(&output)?)
         .stderr(errors.try_clone().unwrap())
         .spawn()?;
     let status = wait(&mut child, start).unwrap();

@@ -10,9 +10,9 @@ use tempfile::TempDir;
 
 use super::case::Case;
 use super::command_lines::SWEEP;
-use super::corpus::Corpus;
 use super::judgement::{answer_violations, violations};
 use super::runner::{Answer, run};
+use super::streams::quoted;
 use super::sweep_damage::DamagedTable;
 
 /// The number of commands that run at the same time.
@@ -28,7 +28,8 @@ pub(crate) struct Summary {
     pub cases: usize,
     /// The number of accepted cases, with exit code 0, and of all cases of each command.
     pub commands: BTreeMap<String, [usize; 2]>,
-    /// The number of cases that the system refused to start: names of files or arguments that it does not permit.
+    /// The number of cases that the system refused to start: names of files, arguments or devices that it does not
+    /// permit.
     pub skipped: usize,
     /// The longest time of a command, and the number of its case.
     pub longest: (Duration, u64),
@@ -48,11 +49,11 @@ struct Trial {
     violations: Vec<String>,
 }
 
-/// Runs the cases of a seed whose numbers `next` returns, until it returns `None`. Cases that break a rule are written
-/// into the folder `kept`.
+/// Runs the cases of a series whose numbers `next` returns, until it returns `None`. `make` makes the case with a
+/// number. A case that breaks a rule is written into the folder `kept`, under the name of the series and its number.
 pub(crate) fn run_cases(
-    corpus: &Corpus,
-    seed: u64,
+    series: &str,
+    make: &(dyn Fn(u64) -> Case + Sync),
     kept: &Path,
     next: &(dyn Fn() -> Option<u64> + Sync),
 ) -> Summary {
@@ -61,8 +62,8 @@ pub(crate) fn run_cases(
         for _ in 0..THREADS {
             scope.spawn(|| {
                 while let Some(number) = next() {
-                    let trial = Trial::new(Case::new(corpus, seed, number));
-                    summary.lock().unwrap().add(trial, number, &kept.join(format!("{seed}-{number}")));
+                    let trial = Trial::new(make(number));
+                    summary.lock().unwrap().add(trial, number, &kept.join(format!("{series}-{number}")));
                 }
             });
         }
@@ -103,7 +104,7 @@ impl Trial {
     fn new(case: Case) -> io::Result<Trial> {
         let folder = TempDir::new().unwrap();
         case.write(folder.path())?;
-        let answer = run(folder.path(), &case.arguments)?;
+        let answer = run(folder.path(), &case)?;
         let violations = violations(&case, folder.path(), &answer);
         let damage_seed = case.damage_seed.filter(|_| answer.code == Some(0));
         let trial = Trial { case, answer, table: None, violations };
@@ -119,7 +120,7 @@ impl Trial {
         let Ok(whole) = fs::read(&path) else { return self };
         let table = DamagedTable::new(whole, seed);
         fs::write(&path, &table.damaged).unwrap();
-        let answer = run(folder, &self.case.arguments).unwrap();
+        let answer = run(folder, &self.case).unwrap();
         // A missing table counts as an empty one.
         let found = fs::read(&path).unwrap_or_default();
         let fault = table.fault(&found, answer.code == Some(0)).map(str::to_owned);
@@ -128,14 +129,18 @@ impl Trial {
         if answer.code == Some(0) || answer.broken_limit.is_some() {
             broken.extend(violations(&self.case, folder, &answer));
         } else {
-            broken.extend(answer_violations(&self.case.arguments, &answer));
+            broken.extend(answer_violations(&self.case, &answer));
         }
         broken.extend(fault);
         Trial { case: self.case, answer, table: Some(table.damaged), violations: broken }
     }
 
-    /// Writes the case into a folder, with a file that describes how to repeat it.
+    /// Writes the case into a new folder, with a file that describes how to repeat it.
     fn write(&self, folder: &Path) -> io::Result<()> {
+        // An earlier case may have left pipes, which cannot be overwritten.
+        if folder.exists() {
+            fs::remove_dir_all(folder)?;
+        }
         fs::create_dir_all(folder)?;
         self.case.write(folder)?;
         if let Some(table) = &self.table {
@@ -146,11 +151,11 @@ impl Trial {
 
     /// The command line for a shell, the broken rules, and the messages of the command.
     fn description(&self, folder: &Path) -> String {
-        let quoted = |word: &String| format!(" '{}'", word.replace('\'', "'\\''"));
-        let words: String = self.case.arguments.iter().map(quoted).collect();
+        let words: String = self.case.arguments.iter().map(|word| format!(" {}", quoted(word))).collect();
+        let ([before, after], output) = (self.case.input.shell_texts(), self.case.output.shell_text());
         format!(
-            "cd '{}'\npatchcord{words}\n\n{}\nexit code {:?} after {:.1} s\n\n{}",
-            folder.display(),
+            "cd {}\n{before}patchcord{words}{after}{output}\n\n{}\nexit code {:?} after {:.1} s\n\n{}",
+            quoted(&folder.display().to_string()),
             self.violations.join("\n"),
             self.answer.code,
             self.answer.time.as_secs_f64(),
