@@ -236,3 +236,18 @@ fn a_resistor_ladder_falls_linearly() {
         assert!((found - expected).abs() < 1e-9, "node {node}: {found} instead of {expected}");
     }
 }
+
+#[test]
+fn twenty_thousand_separate_loops_are_analysed() {
+    let count = 20_000;
+    // A = 10 - B / 2 and B = -A / 2.
+    let builder = (0..count).fold(volts("pairs"), |builder, pair| {
+        let [a, b] = ["A", "B"].map(|name| format!("{name}{pair}"));
+        builder
+            .element(&a, element("summer").cords("x0.5", [&b]).cords("x0.1", ["-100"]))
+            .element(&b, element("summer").cords("x0.5", [&a]))
+    });
+    let program = built(builder);
+    assert_eq!(program.loops().len(), count);
+    assert!(program.loops().iter().all(|entry| entry.members.len() == 2 && entry.openers().count() == 1));
+}

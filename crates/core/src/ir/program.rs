@@ -94,6 +94,8 @@ pub(crate) struct Lowered {
     pub(crate) lamps: Vec<Lamp>,
     /// The signals that a run can record.
     pub(crate) signals: Vec<SignalInfo>,
+    /// The index of every signal in `signals`, by name.
+    pub(crate) signal_indices: BTreeMap<String, usize>,
     /// The scales that formulas in a run can name.
     pub(crate) scales: Vec<ScaleFactor>,
     /// The elements that switch between positions, in the order of the elements.
@@ -171,7 +173,12 @@ impl Program {
 
     /// The signal with this name, if the patch defines it under `signals`.
     pub(crate) fn signal(&self, name: &str) -> Option<&SignalInfo> {
-        self.lowered.signals.iter().find(|signal| signal.is_named && signal.name == name)
+        self.recordable_signal(name).filter(|signal| signal.is_named)
+    }
+
+    /// The signal with this name, which may be that of an element or a drive.
+    pub(crate) fn recordable_signal(&self, name: &str) -> Option<&SignalInfo> {
+        self.lowered.signal_indices.get(name).map(|index| &self.lowered.signals[*index])
     }
 
     /// The parameters, in the order of the patch.

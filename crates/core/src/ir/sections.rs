@@ -125,6 +125,7 @@ impl Program {
     /// whole loop is.
     pub(crate) fn needed_for(&self, registers: impl Iterator<Item = Register>) -> Vec<bool> {
         let mut needed = vec![false; self.lowered.body.len()];
+        let mut are_loops_needed = vec![false; self.lowered.loops.len()];
         let mut open: Vec<Register> = registers.collect();
         while let Some(register) = open.pop() {
             if std::mem::replace(&mut needed[register.index()], true) {
@@ -132,7 +133,9 @@ impl Program {
             }
             let op = self.lowered.body[register.index()];
             open.extend(op.operands());
-            if let Op::Tear { index, .. } = op {
+            if let Op::Tear { index, .. } = op
+                && !std::mem::replace(&mut are_loops_needed[index as usize], true)
+            {
                 let entry = &self.lowered.loops[index as usize];
                 open.extend(entry.tears.iter().map(|tear| tear.register));
                 open.extend(entry.operations.clone().map(|at| Register(at as u32)));

@@ -4,48 +4,64 @@
 //! follows operations, states, sampled values and loops, but stops at other delay lines: these pass the discontinuity
 //! on themselves.
 
+use std::collections::HashMap;
+
 use super::Program;
-use super::op::Op;
+use super::op::{Op, Register};
 
 impl Program {
-    /// Notes for every delay line the lines that are upstream of its input.
+    /// Notes for every delay line the lines that are upstream of its input. Each search visits only what the line
+    /// reaches. The work for lines that do not feed each other is in proportion to their number.
     pub(crate) fn find_upstream(&mut self) {
-        for index in 0..self.lowered.delays.len() {
-            let dependent = self.dependents_of(Op::Delayed(index as u32));
-            for delay in &mut self.lowered_mut().delays {
-                if dependent[delay.input.index()] {
-                    delay.upstream.push(index);
+        if self.lowered.delays.is_empty() {
+            return;
+        }
+        let dependents = self.dependents();
+        let mut outputs: Vec<Vec<usize>> = vec![Vec::new(); self.lowered.delays.len()];
+        for (at, op) in self.lowered.body.iter().enumerate() {
+            if let Op::Delayed(line) = *op {
+                outputs[line as usize].push(at);
+            }
+        }
+        let mut lines_at: HashMap<usize, Vec<usize>> = HashMap::new();
+        for (line, delay) in self.lowered.delays.iter().enumerate() {
+            lines_at.entry(delay.input.index()).or_default().push(line);
+        }
+        // The line whose search reached each register last.
+        let mut reached_by: Vec<Option<usize>> = vec![None; self.lowered.body.len()];
+        for (line, mut open) in outputs.into_iter().enumerate() {
+            while let Some(at) = open.pop() {
+                if reached_by[at].replace(line) == Some(line) {
+                    continue;
                 }
+                for downstream in lines_at.get(&at).into_iter().flatten() {
+                    self.lowered_mut().delays[*downstream].upstream.push(line);
+                }
+                open.extend(&dependents[at]);
             }
         }
     }
 
-    /// The registers that depend on a source, also through states, sampled values and loops. Modes are not followed: a
-    /// change of mode is a discontinuity in its own right.
-    fn dependents_of(&self, source: Op) -> Vec<bool> {
-        let mut sources = vec![source];
-        loop {
-            let dependent = self.moving(|op| sources.contains(&op));
-            let states = self.lowered.states.iter().enumerate().filter(|(_, state)| {
-                dependent[state.rate.index()] || state.limits.iter().any(|limit| dependent[limit.index()])
-            });
-            let sampled = self
-                .lowered
-                .sampled
-                .iter()
-                .enumerate()
-                .filter(|(_, sampled)| dependent[sampled.next.index()]);
-            let tears = self.lowered.loops.iter().flat_map(|entry| &entry.tears);
-            let tears = tears.filter(|tear| dependent[tear.result.index()]);
-            let states = states.map(|(index, _)| Op::State(index as u32));
-            let sampled = sampled.map(|(index, _)| Op::Sampled(index as u32));
-            let tears = tears.map(|tear| self.lowered.body[tear.register.index()]);
-            let found: Vec<Op> = [source].into_iter().chain(states).chain(sampled).chain(tears).collect();
-            if found.len() == sources.len() {
-                return dependent;
+    /// For every register, the registers that depend on it directly, also through states, sampled values and tears.
+    /// Modes are not followed: a change of mode is a discontinuity in its own right.
+    fn dependents(&self) -> Vec<Vec<usize>> {
+        let mut dependents: Vec<Vec<usize>> = vec![Vec::new(); self.lowered.body.len()];
+        let mut add = |on: Register, at: usize| dependents[on.index()].push(at);
+        for (at, op) in self.lowered.body.iter().enumerate() {
+            op.operands().for_each(|operand| add(operand, at));
+            match *op {
+                Op::State(index) => {
+                    let state = &self.lowered.states[index as usize];
+                    [state.rate].into_iter().chain(state.limits).for_each(|source| add(source, at));
+                }
+                Op::Sampled(index) => add(self.lowered.sampled[index as usize].next, at),
+                _ => {}
             }
-            sources = found;
         }
+        for tear in self.lowered.loops.iter().flat_map(|entry| &entry.tears) {
+            add(tear.result, tear.register.index());
+        }
+        dependents
     }
 }
 

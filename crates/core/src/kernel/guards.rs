@@ -5,6 +5,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use indexmap::IndexSet;
+
 use super::code::Slot;
 use super::form::{Atom, Factor, Form};
 use super::layout::Layouter;
@@ -72,17 +74,14 @@ impl Layouter {
     }
 
     /// A recorded voltage, with the tracked voltage on which it depends on every branch.
-    pub(super) fn recorded(&self, operand: Operand, tracked: &mut Vec<Atom>) -> RecordedVoltage {
+    pub(super) fn recorded(&self, operand: Operand, tracked: &mut IndexSet<Atom>) -> RecordedVoltage {
         let slot = self.operand(operand);
         let Operand::Atom(atom) = operand else { return RecordedVoltage { slot, tracks: None } };
         let (of, line) = self.as_line(atom, |factor| !self.is_branch_dependent(factor));
         if matches!(self.specialised.nodes[of as usize], Node::Time) {
             return RecordedVoltage { slot, tracks: None };
         }
-        let at = tracked.iter().position(|atom| *atom == of).unwrap_or_else(|| {
-            tracked.push(of);
-            tracked.len() - 1
-        });
+        let (at, _) = tracked.insert_full(of);
         RecordedVoltage { slot, tracks: Some((at, line)) }
     }
 

@@ -10,6 +10,7 @@
 
 mod survey;
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use pulp::Arch;
@@ -101,9 +102,17 @@ impl RowLayout {
         };
         let mut ends = slots(0..all);
         let firsts = slots(0..kernel.first_intervals);
+        let mut columns: HashMap<Slot, usize> = ends.iter().copied().zip(0..).collect();
+        // The column for the value of a slot at the end of a step, added if there is none.
+        let mut column_of = |slot: Slot| {
+            *columns.entry(slot).or_insert_with(|| {
+                ends.push(slot);
+                ends.len() - 1
+            })
+        };
         let states = kernel.layout.states..kernel.layout.time;
-        let states = states.map(|slot| column_of(slot as Slot, &mut ends)).collect();
-        let tracked = kernel.tracked.iter().map(|slot| column_of(*slot, &mut ends)).collect();
+        let states = states.map(|slot| column_of(slot as Slot)).collect();
+        let tracked = kernel.tracked.iter().map(|slot| column_of(*slot)).collect();
         let first_followed = ends.len() + firsts.len();
         let followed = first_followed..first_followed + kernel.followed.len();
         let rates = followed.end.next_multiple_of(VECTOR_LENGTH);
@@ -146,14 +155,6 @@ impl RowLayout {
     fn checked_vectors(&self) -> usize {
         self.rates / VECTOR_LENGTH
     }
-}
-
-/// The column for the value of a slot at the end of a step, added if there is none.
-fn column_of(slot: Slot, ends: &mut Vec<Slot>) -> usize {
-    ends.iter().position(|known| *known == slot).unwrap_or_else(|| {
-        ends.push(slot);
-        ends.len() - 1
-    })
 }
 
 impl Rows {

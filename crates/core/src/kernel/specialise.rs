@@ -8,6 +8,8 @@ mod arithmetic;
 
 use std::collections::HashMap;
 
+use indexmap::IndexSet;
+
 use super::bounds::Bounds;
 use super::form::{Atom, Factor, Form, ParameterCode};
 use super::node::{Node, Operand};
@@ -84,8 +86,8 @@ pub(super) fn specialise(
         uses: uses(program),
         needed: needed(program, &outputs),
         corners: Vec::new(),
-        sides: Vec::new(),
-        scheduled: Vec::new(),
+        sides: HashMap::new(),
+        scheduled: IndexSet::new(),
         outputs,
     };
     for at in 0..program.lowered.body.len() {
@@ -147,9 +149,9 @@ pub(super) struct Specialiser<'a> {
     /// The corners so far, in the order in which the walk meets them.
     pub corners: Vec<Corner>,
     /// The side of each atom that is compared with 0.
-    sides: Vec<(Atom, Factor)>,
+    sides: HashMap<Atom, Factor>,
     /// The tables that are looked up at time.
-    scheduled: Vec<u32>,
+    scheduled: IndexSet<u32>,
     /// For the output register of every amplifier, its demand and its state.
     outputs: HashMap<Register, (Register, AmplifierState)>,
 }
@@ -241,11 +243,7 @@ impl Specialiser<'_> {
 
     /// The value of a table that is looked up at time. Steps end at its corners, so it needs no watch.
     fn scheduled(&mut self, table: u32) -> Form {
-        let existing = self.scheduled.iter().position(|known| *known == table);
-        let index = existing.unwrap_or_else(|| {
-            self.scheduled.push(table);
-            self.scheduled.len() - 1
-        });
+        let (index, _) = self.scheduled.insert_full(table);
         self.node(Node::Scheduled(index as u32))
     }
 
@@ -266,12 +264,12 @@ impl Specialiser<'_> {
             return self.parameter_code.is_reached(fixed);
         }
         let of = self.atom(&difference);
-        if let Some((_, side)) = self.sides.iter().find(|(known, _)| *known == of) {
+        if let Some(side) = self.sides.get(&of) {
             return *side;
         }
         self.corners.push(Corner { of, at: At::Zero { side: self.parameter_code.branch_values } });
         let side = self.parameter_code.side();
-        self.sides.push((of, side));
+        self.sides.insert(of, side);
         side
     }
 
@@ -350,7 +348,7 @@ impl Specialiser<'_> {
             recorded,
             bounds,
             corners,
-            scheduled,
+            scheduled: scheduled.into_iter().collect(),
         }
     }
 }

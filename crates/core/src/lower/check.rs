@@ -12,7 +12,7 @@ use super::dry_run;
 use crate::circuit::Circuit;
 use crate::document::{Code, Diagnostic};
 use crate::ir::{
-    InvalidCoefficient, Loop, LoopFault, Program, Scratch, Solutions, Sources, describe_solutions, remedy,
+    InvalidCoefficient, LoopFault, Program, Scratch, Solutions, Sources, describe_solutions, remedy,
 };
 
 /// Maximum number of changes of mode in initial condition. Modes that have not settled by then never do.
@@ -34,10 +34,7 @@ pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> 
         return vec![Diagnostic { code: Code::NOT_FINITE, span: coefficient.span, message, hint }];
     }
     let initial = solve_initial_condition(program, &parameters, &coefficients);
-    let loops = initial
-        .faults
-        .iter()
-        .map(|fault| diagnostic(circuit, &program.lowered.loops[fault.index], fault.solutions));
+    let loops = initial.faults.iter().map(|fault| diagnostic(circuit, program, fault));
     let unsettled = initial.unsettled.and_then(|element| unsettled(circuit, program, element));
     loops.chain(unsettled).chain(dry_run::findings(circuit, program)).collect()
 }
@@ -141,15 +138,15 @@ fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
 }
 
 /// The diagnostic for a loop without exactly one solution. Its position is that of the element that opens the loop.
-fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnostic {
-    let element =
-        circuit.elements().into_iter().find(|element| Some(element.name.as_str()) == entry.openers().next());
+fn diagnostic(circuit: &Circuit, program: &Program, fault: &LoopFault) -> Diagnostic {
+    let (entry, solutions) = (&program.lowered.loops[fault.index], fault.solutions);
+    let opener = entry.openers().next().and_then(|name| program.element(name));
     let (code, hint) = remedy(entry, solutions);
     let message = format!(
         "the loop {} has no integrator and {}",
         entry.members.join(", "),
         describe_solutions(entry, solutions)
     );
-    let span = element.and_then(|element| element.span);
+    let span = opener.and_then(|opener| circuit.element(opener).span);
     Diagnostic { code, span, message, hint: Some(hint.to_owned()) }
 }

@@ -197,7 +197,8 @@ impl<'c> Lowering<'c> {
         let first_lamp = self.draft.program.lowered.lamps.len();
         let mut tears: Vec<(usize, Tear)> = Vec::new();
         for member in members {
-            let tear = self.draft.outputs[*member].filter(|_| openers.contains(member));
+            // Before its law runs, only an opener has a register.
+            let tear = self.draft.outputs[*member];
             self.output(*member);
             if let (Some(register), Some(result)) = (tear, self.draft.outputs[*member]) {
                 tears.push((register.index(), self.tear(*member, register, result)));
@@ -261,6 +262,9 @@ impl<'c> Lowering<'c> {
                 is_named: self.circuit.patch().signals.contains_key(&signal.name),
             });
         }
+        let lowered = self.draft.program.lowered_mut();
+        let named = lowered.signals.iter().enumerate();
+        lowered.signal_indices = named.map(|(index, signal)| (signal.name.clone(), index)).collect();
     }
 
     /// Makes the scales available to the formulas of a run, each as a coefficient with its value per volt in SI.

@@ -2,6 +2,9 @@
 //!
 //! `readers` are, for every element, the elements that read its output.
 
+use petgraph::algo::kosaraju_scc;
+use petgraph::graph::DiGraph;
+
 /// For each lamp in the order in which they lit: the position in that order of the first earlier lamp from which a
 /// chain of cords leads to it; `None` for the first overload of a chain. `readers` are the elements that read each
 /// element, `lit` the elements of the lamps.
@@ -29,28 +32,24 @@ fn mark_downstream(readers: &[Vec<usize>], amplifier: usize, lamp: usize, first_
     }
 }
 
-/// Whether a chain of cords leads from an element back to it through one of the other elements.
-pub(super) fn has_feedback_through(
-    readers: &[Vec<usize>],
-    element: usize,
-    mut others: impl Iterator<Item = usize>,
-) -> bool {
-    let reached = |graph: &[Vec<usize>]| {
-        let mut marks = vec![None; graph.len()];
-        mark_downstream(graph, element, 0, &mut marks);
-        marks
-    };
-    let (downstream, upstream) = (reached(readers), reached(&sources(readers)));
-    others.any(|other| other != element && downstream[other].is_some() && upstream[other].is_some())
-}
-
-/// For every element, the elements whose outputs it reads.
-fn sources(readers: &[Vec<usize>]) -> Vec<Vec<usize>> {
-    let mut sources = vec![Vec::new(); readers.len()];
-    for (source, readers) in readers.iter().enumerate() {
-        readers.iter().for_each(|reader| sources[*reader].push(source));
+/// For every element, whether a chain of cords leads from it back to it through another one of the given elements.
+/// `through` may list elements more than once.
+pub(super) fn feedback_through(readers: &[Vec<usize>], through: impl Iterator<Item = usize>) -> Vec<bool> {
+    let mut is_through = vec![false; readers.len()];
+    through.for_each(|element| is_through[element] = true);
+    let cords = readers
+        .iter()
+        .enumerate()
+        .flat_map(|(from, readers)| readers.iter().map(move |reader| (from as u32, *reader as u32)));
+    let mut has_feedback = vec![false; readers.len()];
+    // Chains lead from an element to another and back if both are in one strongly connected component.
+    for members in kosaraju_scc(&DiGraph::<(), ()>::from_edges(cords)) {
+        let count = members.iter().filter(|member| is_through[member.index()]).count();
+        for member in members {
+            has_feedback[member.index()] = count > usize::from(is_through[member.index()]);
+        }
     }
-    sources
+    has_feedback
 }
 
 #[cfg(test)]
@@ -61,9 +60,12 @@ mod tests {
     fn feedback_leads_through_the_elements_of_a_ring_only() {
         // 0, 1 and 2 are a ring. 2 drives 3, and 3 drives itself.
         let readers = [vec![1], vec![2], vec![0, 3], vec![3]];
-        let through = |element, other: usize| has_feedback_through(&readers, element, [other].into_iter());
-        assert!(through(0, 1) && through(0, 2) && through(1, 0));
-        assert!(!through(0, 0) && !through(0, 3) && !through(3, 3) && !through(3, 0));
+        let through = |others: &[usize]| feedback_through(&readers, others.iter().copied());
+        assert_eq!(through(&[0]), [false, true, true, false]);
+        assert_eq!(through(&[1, 1]), [true, false, true, false]);
+        assert_eq!(through(&[0, 2, 3]), [true, true, true, false]);
+        assert_eq!(through(&[3]), [false; 4]);
+        assert_eq!(feedback_through(&[vec![], vec![]], [0, 1].into_iter()), [false; 2]);
     }
 
     #[test]

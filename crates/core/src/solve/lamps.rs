@@ -9,8 +9,11 @@
 //! elements without memory, or not at all. Otherwise the limit changes the voltages in the feedback, and the history
 //! has how the integrator was driven against its limit instead.
 
+use std::cell::LazyCell;
+use std::collections::HashMap;
+
 use super::buffers::StepStart;
-use super::cord_chains::{causes, has_feedback_through};
+use super::cord_chains::{causes, feedback_through};
 use super::limit_drive::DriveRecord;
 use super::state::{Solver, SolverState};
 use crate::ir::{LAMP_THRESHOLD, Program, Register, SourceSlopes, TangentBase};
@@ -122,28 +125,42 @@ impl Lamps {
     /// The overloads in the order in which the lamps lit, each with the name of the overloaded element that caused it.
     pub(super) fn history(&self, program: &Program) -> Vec<Overload> {
         let mut lit: Vec<LitLamp> = self.lit.iter().flatten().copied().collect();
+        if lit.is_empty() {
+            return Vec::new();
+        }
         lit.sort_by(|a, b| a.time.total_cmp(&b.time));
         let elements: Vec<usize> = lit.iter().map(|lamp| lamp.element).collect();
+        let states = program.lowered.states.iter().enumerate();
+        let states: HashMap<usize, usize> = states.map(|(index, state)| (state.element, index)).collect();
+        let feedback =
+            LazyCell::new(|| feedback_through(&program.lowered.readers, elements_with_memory(program)));
+        let has_feedback = |element: usize| feedback[element];
+        let limit_drive = |lamp: &LitLamp| {
+            let state = *states.get(&lamp.element)?;
+            self.limit_drive(state, lamp, has_feedback)
+        };
         let overload = |(lamp, cause): (&LitLamp, Option<usize>)| Overload {
             element: program.name(lamp.element).to_owned(),
             time: lamp.time,
-            demand: self.limit_drive(program, lamp).map_or(Demand::Peak(lamp.peak), Demand::Driven),
+            demand: limit_drive(lamp).map_or(Demand::Peak(lamp.peak), Demand::Driven),
             caused_by: cause.map(|cause| program.name(elements[cause]).to_owned()),
         };
         lit.iter().zip(causes(&program.lowered.readers, &elements)).map(overload).collect()
     }
 
-    /// How the integrator of a lit lamp was driven against its limit. `None` if the lamp's peak is the output that the
-    /// amplifier would reach without the limit.
-    fn limit_drive(&self, program: &Program, lamp: &LitLamp) -> Option<LimitDrive> {
-        let lowered = &program.lowered;
-        let index = lowered.states.iter().position(|state| state.element == lamp.element)?;
+    /// How the integrator of a lit lamp, given by the index of its state, was driven against its limit. `None` if the
+    /// lamp's peak is the output that the amplifier would reach without the limit. `has_feedback` is whether an element
+    /// reacts on itself through another one with memory.
+    fn limit_drive(
+        &self,
+        state: usize,
+        lamp: &LitLamp,
+        has_feedback: impl Fn(usize) -> bool,
+    ) -> Option<LimitDrive> {
         // An output that exceeded its limit within one step has no larger peak. Positive feedback can exceed all
         // numbers.
-        let is_known = lamp.peak > LAMP_THRESHOLD
-            && lamp.peak.is_finite()
-            && !has_feedback_through(&lowered.readers, lamp.element, elements_with_memory(program));
-        (!is_known).then(|| self.drives[index].limit_drive())
+        let is_known = lamp.peak > LAMP_THRESHOLD && lamp.peak.is_finite() && !has_feedback(lamp.element);
+        (!is_known).then(|| self.drives[state].limit_drive())
     }
 
     /// Lights the lamps of amplifiers whose demand exceeded ±100 V within the last step or at its end, and raises the

@@ -412,8 +412,7 @@ impl<'a> Recorder<'a> {
 /// # Errors
 /// If there is none.
 fn find_signal(program: &Program, name: &str) -> Result<SignalInfo, RunError> {
-    let signal = program.lowered.signals.iter().find(|signal| signal.name == name).cloned();
-    signal.ok_or_else(|| RunError::UnknownSignal(name.to_owned()))
+    program.recordable_signal(name).cloned().ok_or_else(|| RunError::UnknownSignal(name.to_owned()))
 }
 
 /// An empty track of a signal.

@@ -165,7 +165,7 @@ impl Machine<'_> {
     /// If no signal has this name, or no derivative by the parameter is computed.
     pub fn sensitivity(&self, signal: &str, parameter: &str) -> Result<f64, RunError> {
         let (program, state) = (self.solver.setup.program, &self.solver.state);
-        let info = program.lowered.signals.iter().find(|info| info.name == signal);
+        let info = program.recordable_signal(signal);
         let info = info.ok_or_else(|| RunError::UnknownSignal(signal.to_owned()))?;
         let (slopes, register) = (self.solver.slopes(parameter)?, info.register.index());
         let pair = [state.voltages[register], slopes.voltages[register]];
