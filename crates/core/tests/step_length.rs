@@ -233,3 +233,40 @@ fn a_drive_that_the_steps_do_not_show_is_reported() {
     let program = built(patch.element("A", element("integrator").cords("x1", ["u"])));
     assert_eq!(checked(&program, 0.02, 1.0, &["A"]).step_warning, None);
 }
+
+/// F follows -50 V with a rate of 1000/s while a pulse of 50 ms lasts, and keeps its voltage otherwise.
+#[test]
+fn a_short_stiff_episode_of_a_long_run_is_reported() {
+    let pulse = element("pulse").set("height", -100).set("begin", 200).set("width", 0.05);
+    let builder = volts("episode")
+        .drive("gate", "volt", pulse)
+        .element("S", element("summer").cords("x1", ["F"]).cords("x0.5", ["+100"]))
+        .element("M", element("multiplier").cord("a", "S").cord("b", "gate").set("mode", "product"))
+        .element("F", element("integrator").cords("x1000", ["M"]).set("initial", -49));
+    let program = built(builder);
+    let warning = checked(&program, 0.0029, 400.0, &["F"]).step_warning.unwrap();
+    assert_eq!(warning.cause, unstable("F"), "{warning:?}");
+    assert!(warning.error > 1.0 && warning.recommended <= 2e-3, "{warning:?}");
+    assert!((warning.time - 200.0).abs() < 0.1, "{warning:?}");
+    assert_eq!(checked(&program, 1e-3, 400.0, &["F"]).step_warning, None);
+}
+
+/// A comparator is high for 14.4 ms of every period of 0.2 s.
+#[test]
+fn pulses_of_half_a_step_have_the_right_length_or_a_warning() {
+    let half_width = 0.0072;
+    let threshold = 80.0 * (2.0 * std::f64::consts::PI * 5.0 * half_width).cos();
+    let comparator = element("comparator").cord("in", "u").set("threshold", threshold).set("low", 0);
+    let builder = volts("pulses")
+        .drive("u", "volt", element("sine").set("amplitude", 80).set("frequency", 5))
+        .element("C", comparator)
+        .element("A", element("integrator").cords("x1", ["C"]));
+    let program = built(builder);
+    let expected = -100.0 * 5.0 * 2.0 * half_width;
+    for step in [0.03, 0.017, 0.01, 0.005, 0.002] {
+        let trace = checked(&program, step, 1.0, &["A"]);
+        let error = (trace.values("A").unwrap().last().unwrap() - expected).abs();
+        assert!(error < 2e-3 * expected.abs() || trace.step_warning.is_some(), "step {step}: {error} V");
+        assert!(step > 0.01 || trace.step_warning.is_none(), "step {step}: {:?}", trace.step_warning);
+    }
+}

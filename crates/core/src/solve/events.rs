@@ -51,6 +51,8 @@ pub(super) struct EventState {
     pub changes: Vec<u32>,
     /// Number of crossings of every kink since `counted_since`, in the order of [`Setup::kinks`].
     pub crossings: Vec<u32>,
+    /// Number of instants since the initial condition at which a level or the output of a delay line jumped.
+    pub jumps: u64,
     /// The beginning of the counting span, in problem seconds.
     counted_since: f64,
     /// Corners of tables at which no equal step of the present phase ends, in problem seconds, ascending.
@@ -63,14 +65,15 @@ impl EventState {
         EventState {
             changes: vec![0; program.lowered.modes.len()],
             crossings: vec![0; program.lowered.kinks.len() + program.lowered.guard_kinks.len()],
+            jumps: 0,
             counted_since: 0.0,
             corners_off_grid: Arc::default(),
         }
     }
 
-    /// Resets the counting span for a new initial condition.
+    /// Resets the counting span and the number of jumps for a new initial condition.
     pub(super) fn reset(&mut self) {
-        self.counted_since = 0.0;
+        (self.counted_since, self.jumps) = (0.0, 0);
     }
 
     /// Begins a new counting span at a problem time if `span` seconds have passed since the last began. With `None`
@@ -238,6 +241,7 @@ impl<'p> Machine<'p> {
     pub(super) fn handle_events(&mut self, observer: &mut impl StepObserver) -> Result<(), RunError> {
         self.solver.enter_event()?;
         let jumped = propagate(&mut self.solver, &mut self.work);
+        self.events.jumps += u64::from(jumped);
         if settle_modes(&mut self.solver, &mut self.events, &mut self.work)? || jumped {
             self.solver.sample_values();
             self.check_present()?;

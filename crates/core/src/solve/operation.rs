@@ -173,7 +173,7 @@ impl Machine<'_> {
     /// Tells the checks of steps how many events there have been, before the first of these steps.
     fn note_events(&mut self, steps: Steps) {
         if let Some(check) = &mut self.step_check {
-            check.note_events(self.work.changes + self.work.crossings, steps.first);
+            check.note_events(self.work.changes + self.work.crossings + self.events.jumps, steps.first);
         }
     }
 

@@ -4,7 +4,7 @@
 //! gives the error of the step. The stages give the largest rate at which the circuit responds: if it is too large for
 //! the step, the method is unstable and errors grow. The run itself is not changed.
 //!
-//! A short episode can begin with an event: a change of mode, a kink, or a phase. So steps after events are checked in
+//! A short episode can begin with an event: a change of mode, a kink, a jump, or a phase. So steps after events are checked in
 //! addition.
 
 use super::buffers::StepBuffers;
@@ -58,7 +58,7 @@ pub(super) struct StepCheck {
     results: u64,
     /// Sum of the errors of every state over all results of planned checks, in volts.
     sums: Vec<f64>,
-    /// Number of changes of mode and crossings of kinks so far.
+    /// Number of changes of mode, crossings of kinks and jumps so far.
     events: u64,
     /// Number of steps of all repetitions that followed an event.
     steps_after_events: u64,
@@ -121,8 +121,8 @@ impl StepCheck {
         self.note_event(1);
     }
 
-    /// Notes how many changes of mode and crossings of kinks there have been since the initial condition, before the
-    /// step with this number in the present phase.
+    /// Notes how many changes of mode, crossings of kinks and jumps there have been since the initial condition, before
+    /// the step with this number in the present phase.
     pub(super) fn note_events(&mut self, events: u64, next_step: u64) {
         if events > self.events {
             self.events = events;
