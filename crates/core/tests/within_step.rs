@@ -194,32 +194,6 @@ fn a_backlash_reaches_turning_points_at_any_place_of_a_step() {
     }
 }
 
-/// They reach their corners at the same instants. A kernel does not cross that many corners within a step.
-#[test]
-fn many_backlashes_that_are_pushed_at_once_follow_the_law() {
-    let sine = element("sine").set("amplitude", 60).set("frequency", 1);
-    let names: Vec<String> = (0..150).map(|number| format!("B{number}")).collect();
-    let patch = names.iter().fold(volts("many").drive("S", "volt", sine), |builder, name| {
-        builder.element(name, element("backlash").cord("in", "S").set("width", 20))
-    });
-    let circuit = circuit(&patch.build().unwrap(), &[]);
-    let program = Program::new(&circuit).unwrap();
-    let settings = RunSettings::of(&circuit).unwrap().with_duration(2.0).with_step(0.01);
-    let settings = settings.with_sample_interval(0.01).with_signals(names);
-    let turns = [0.25, 0.75, 1.25, 1.75];
-    for backend in Backend::ALL {
-        let trace = solve::run(&program, &settings.clone().with_backend(backend)).unwrap();
-        let expected = play(|time| 60.0 * (TAU * time).sin(), &turns, 20.0, &trace.time);
-        for track in &trace.tracks {
-            let is_near = |(found, expected): (&f64, &f64)| (found - expected).abs() < 1e-8;
-            assert!(track.volts.iter().zip(&expected).all(is_near), "{} by {backend}", track.name);
-            let extremes = track.extremes[0];
-            let found = [-extremes.least.volts, extremes.most.volts];
-            assert!(found.iter().all(|found| (found - 50.0).abs() < 1e-8), "{backend}: {found:?}");
-        }
-    }
-}
-
 /// The play turns while it is not pushed, and several inputs turn in the same step.
 #[test]
 fn backlashes_in_a_chain_reach_their_turning_points() {

@@ -3,7 +3,6 @@
 //! The factors depend on the branch. When a voltage crosses a corner, the solver ends the step there and switches to
 //! the other branch; the kernel stays the same. Guards and ranges end the validity of the kernel.
 
-use std::collections::HashSet;
 use std::ops::Range;
 
 use super::code::Slot;
@@ -18,10 +17,6 @@ const BRANCH_DISTANCE: f64 = 10.0 * KINK_TOLERANCE;
 /// The margin of a corner's watch at which a step should end. It is past the corner, but not far enough to be a hit.
 /// So a voltage that a diode holds at its limit does not count as beyond it.
 const CORNER_MARGIN: f64 = 0.5 * KINK_TOLERANCE;
-
-/// Largest number of corners that a kernel crosses within one step. If there are more, the machine takes the step
-/// without the kernel, and detects chatter.
-pub(crate) const MAX_CROSSINGS: usize = 100;
 
 /// A watch that was hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,11 +41,6 @@ pub(crate) enum WatchKind {
 }
 
 impl WatchHit {
-    /// A corner that was crossed, by the index of its watch.
-    fn corner(watch: usize) -> Self {
-        WatchHit { watch, margin: CORNER_MARGIN, kind: WatchKind::Corner }
-    }
-
     /// The distance, in volts, from the hit within which a step may end. It is 0 if the step must end past the hit.
     pub(crate) fn tolerance(self) -> f64 {
         self.margin
@@ -184,30 +174,9 @@ impl Kernel {
 
     /// A corner that the frame is on, and that it left on the other side.
     pub(crate) fn passed_corner(&self, frame: &Frame<f64>) -> Option<WatchHit> {
-        self.passed_corners(frame).next().map(WatchHit::corner)
-    }
-
-    /// All corners that the frame is on, and that it left on the other side.
-    fn passed_corners(&self, frame: &Frame<f64>) -> impl Iterator<Item = usize> {
-        self.passed(frame).filter(move |watch| frame.present[*watch] <= 3.0 * KINK_TOLERANCE)
-    }
-
-    /// The `count` corners that would be crossed after [`Kernel::passed_corner`] one by one at the present instant, if
-    /// more than these certainly remain to be crossed there. `None` if that is not known.
-    ///
-    /// Corners are crossed in the order of their watches, each after a look-ahead that finds the frame on it. If the
-    /// corners are of different groups, a crossing changes nothing on which another one of them depends. So each stays
-    /// passed until it is crossed, and the last one of them stays passed after `count` crossings. If a range is hit in
-    /// the step ahead, more corners count as passed than later, so nothing is known then.
-    pub(crate) fn independent_corners(&self, frame: &Frame<f64>, count: usize) -> Option<Vec<WatchHit>> {
-        let mut ranges = self.short(frame, self.thorough.within..self.thorough.all);
-        if self.corner_groups.is_empty() || ranges.next().is_some() {
-            return None;
-        }
-        let corners: Vec<usize> = self.passed_corners(frame).take(count + 2).collect();
-        let groups: HashSet<u32> = corners.iter().map(|watch| self.corner_groups[*watch]).collect();
-        let others = || corners[1..=count].iter().copied().map(WatchHit::corner);
-        (groups.len() == count + 2).then(|| others().collect())
+        let is_near = |watch: &usize| frame.present[*watch] <= 3.0 * KINK_TOLERANCE;
+        let watch = self.passed(frame).find(is_near)?;
+        Some(WatchHit { watch, margin: CORNER_MARGIN, kind: WatchKind::Corner })
     }
 
     /// The corners that were crossed. If a range was hit as well, a corner counts even within its tolerance, as the
@@ -245,28 +214,26 @@ impl Kernel {
         hit.margin - frame.present[hit.watch]
     }
 
-    /// Switches to the other branch of each of some corners that the frame is on. The caller must evaluate everything
-    /// again. Returns whether the factors are valid there.
-    pub(crate) fn switch_branches(
+    /// Switches to the other branch of a corner that the frame is on. The caller must evaluate everything again.
+    /// Returns whether the factors are valid there.
+    pub(crate) fn switch_branch(
         &self,
         frame: &mut Frame<f64>,
         program: &Program,
         coefficients: &[f64],
-        hits: &[WatchHit],
+        hit: WatchHit,
     ) -> bool {
-        for hit in hits {
-            let [slope, offset] = [&frame.slopes, &frame.offsets].map(|line| line[hit.watch]);
-            let voltage = other_side((frame.present[hit.watch] - offset) / slope, slope);
-            let watches = match self.watches[hit.watch].condition {
-                WatchCondition::Points { is_above, .. } => {
-                    let lower = hit.watch - usize::from(is_above);
-                    lower..lower + 2
-                }
-                _ => hit.watch..hit.watch + 1,
-            };
-            for watch in watches {
-                self.bind_watch(frame, &program.tables, watch, voltage);
+        let [slope, offset] = [&frame.slopes, &frame.offsets].map(|line| line[hit.watch]);
+        let voltage = other_side((frame.present[hit.watch] - offset) / slope, slope);
+        let watches = match self.watches[hit.watch].condition {
+            WatchCondition::Points { is_above, .. } => {
+                let lower = hit.watch - usize::from(is_above);
+                lower..lower + 2
             }
+            _ => hit.watch..hit.watch + 1,
+        };
+        for watch in watches {
+            self.bind_watch(frame, &program.tables, watch, voltage);
         }
         self.update_branch(frame, program, coefficients)
     }

@@ -12,11 +12,10 @@ use std::collections::{HashMap, HashSet};
 use indexmap::IndexSet;
 
 use super::code::{Code, Instruction, Slot};
-use super::corner_groups::corner_groups;
 use super::form::{Atom, Factor, Form};
 use super::node::{Node, Operand, atoms, needed};
 use super::specialise::{At, Corner, Specialised};
-use super::{Checks, Followed, Kernel, Layout, MAX_CROSSINGS, Watch, WatchCondition};
+use super::{Checks, Followed, Kernel, Layout, Watch, WatchCondition};
 use crate::ir::{Op, Program};
 
 /// Makes the kernel of a specialised program.
@@ -254,7 +253,6 @@ impl Layouter {
                 .map(|(atom, condition)| Watch { slot: slot(atom), condition })
                 .collect(),
             corners,
-            corner_groups: if corners > MAX_CROSSINGS { corner_groups(specialised) } else { Vec::new() },
             safe_intervals: safe_intervals.all,
             fixed: specialised.bounds.fixed.clone(),
             branch_values: specialised.parameter_code.branch_values as usize,

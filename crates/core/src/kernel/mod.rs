@@ -16,7 +16,6 @@ mod bounds;
 mod branch_cache;
 mod branches;
 mod code;
-mod corner_groups;
 mod delays;
 mod form;
 mod frame;
@@ -42,7 +41,7 @@ mod store;
 mod tests;
 
 pub use backend::Backend;
-pub(crate) use branches::{MAX_CROSSINGS, WatchHit, WatchKind};
+pub(crate) use branches::{WatchHit, WatchKind};
 pub(crate) use frame::Frame;
 pub use lane_frame::LANES;
 pub(crate) use lane_frame::LaneFrame;
@@ -123,9 +122,6 @@ pub(crate) struct Kernel {
     pub watches: Vec<Watch>,
     /// Number of watches that are corners.
     corners: usize,
-    /// The group of every corner's watch: corners of different groups do not influence each other. Empty if there are
-    /// at most [`MAX_CROSSINGS`].
-    corner_groups: Vec<u32>,
     /// For every watch that is tested within a step, whether it is tested by the parabola of its voltage. Otherwise it is
     /// tested at the first stage.
     is_followed: Vec<bool>,

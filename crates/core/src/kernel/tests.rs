@@ -6,14 +6,13 @@ mod lanes;
 #[cfg(feature = "native")]
 mod native;
 
-use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::store::{Kernels, MIN_LANES_OVER_NATIVE, native_threshold};
 use super::{AmplifierState, Frame, IntervalWatch, Kernel, LANES, Specialisation, WatchCondition};
 use crate::delay_line::DelayLine;
 use crate::ir::{Program, Register, Scratch, Sources};
-use crate::patch::{Patch, PatchBuilder};
+use crate::patch::Patch;
 use common::circuits;
 use common::random::SplitMix64;
 
@@ -282,25 +281,6 @@ fn is_hit(kernel: &Kernel, frame: &Frame<f64>, watch: &IntervalWatch, voltage: f
     let value = if size { value.abs() } else { value };
     let margin = value.mul_add(frame.slopes[watch.watch], frame.offsets[watch.watch]);
     margin < 0.0 || margin.is_nan()
-}
-
-/// The two corners of a backlash influence each other. Backlashes at one input do not, unless a rate depends on both.
-#[test]
-fn corners_that_influence_each_other_are_in_one_group() {
-    let sine = common::element("sine").set("amplitude", 50).set("frequency", 1);
-    let driven = common::volts("plays").drive("S", "volt", sine);
-    let separate = (0..60).fold(driven, |builder, number| {
-        let backlash = common::element("backlash").cord("in", "S").set("width", 20);
-        builder.element(&format!("B{number}"), backlash)
-    });
-    let integrator = common::element("integrator").cords("x1", ["B0", "B1"]);
-    let joined = separate.clone().element("I", integrator);
-    let count = |builder: PatchBuilder| {
-        let groups = kernel(&common::built(builder)).corner_groups;
-        assert!(groups.len() == 120 && groups.chunks(2).all(|pair| pair[0] == pair[1]), "{groups:?}");
-        groups.into_iter().collect::<HashSet<u32>>().len()
-    };
-    assert_eq!([separate, joined].map(count), [60, 59]);
 }
 
 /// Whether the kernel for the initial modes is valid if the only state has this voltage.

@@ -21,9 +21,7 @@ use super::observer::StepObserver;
 use super::runge_kutta::flush_tiny_states;
 use super::state::{Solver, SolverState};
 use crate::ir::{Program, Register};
-use crate::kernel::{
-    AmplifierState, Backend, Frame, Kernels, MAX_CROSSINGS, SharedKernel, Specialisation, Steps,
-};
+use crate::kernel::{AmplifierState, Backend, Frame, Kernels, SharedKernel, Specialisation, Steps};
 use crate::machines::REFERENCE;
 use crate::trace::WorkCounters;
 use trial::TrialEnd;
@@ -33,6 +31,9 @@ use trial::TrialEnd;
 pub(super) const FLUSH_INTERVAL: u64 = 64;
 /// Largest number of kernel runs that a machine keeps. The oldest is dropped for a new one.
 const MAX_RUNS: usize = 64;
+/// Largest number of corners that a kernel crosses within one step. If there are more, the machine takes the step
+/// without the kernel, and detects chatter.
+const MAX_CROSSINGS: usize = 100;
 
 /// The kernels of a machine, one for every specialisation in which it has run.
 #[derive(Debug, Clone)]
@@ -324,19 +325,11 @@ fn step_across(
     let tables: &[Vec<[f64; 2]>] = &program.tables;
     run.evaluate_present(tables);
     run.frame.accept_present();
-    for crossing in 1..=MAX_CROSSINGS {
+    for _ in 0..MAX_CROSSINGS {
         let mut trial = run.trial(tables, work);
         let (time, corner) = match trial.locate_end(end) {
             TrialEnd::OnCorner(hit) => {
-                let remaining = MAX_CROSSINGS - crossing;
-                let others = run.shared.kernel.independent_corners(&run.frame, remaining);
-                if !run.cross_corners(program, &state.coefficients, &[hit]) {
-                    return Halt::Unsupported;
-                }
-                if let Some(others) = others {
-                    // Too many corners remain, whatever is crossed next. The crossings that are left are made together
-                    // instead of one by one with a look-ahead each. Voltages and extremes are then the same.
-                    run.cross_corners(program, &state.coefficients, &others);
+                if !run.cross_corner(program, &state.coefficients, hit) {
                     return Halt::Unsupported;
                 }
                 continue;
@@ -355,7 +348,7 @@ fn step_across(
         observer.kernel_stepped(time, tables, run);
         if let Some(hit) = corner {
             work.crossings += 1;
-            if !run.cross_corners(program, &state.coefficients, &[hit]) {
+            if !run.cross_corner(program, &state.coefficients, hit) {
                 return Halt::Unsupported;
             }
         }

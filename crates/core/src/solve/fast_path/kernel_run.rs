@@ -54,16 +54,11 @@ impl KernelRun {
         state.sampled.copy_from_slice(self.frame.sampled(&self.shared.kernel));
     }
 
-    /// Crosses some corners at which the kernel is, and evaluates everything on the other side. Returns whether the
+    /// Crosses the corner at which the kernel is, and evaluates everything on the other side. Returns whether the
     /// kernel is valid there.
-    pub(super) fn cross_corners(
-        &mut self,
-        program: &Program,
-        coefficients: &[f64],
-        hits: &[WatchHit],
-    ) -> bool {
+    pub(super) fn cross_corner(&mut self, program: &Program, coefficients: &[f64], hit: WatchHit) -> bool {
         let KernelRun { shared, frame, .. } = self;
-        let are_factors_valid = shared.kernel.switch_branches(frame, program, coefficients, hits);
+        let are_factors_valid = shared.kernel.switch_branch(frame, program, coefficients, hit);
         self.evaluate_present(&program.tables);
         let KernelRun { shared, frame, .. } = self;
         let is_valid = shared.kernel.accept_present(frame) && are_factors_valid;
