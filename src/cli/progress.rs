@@ -146,8 +146,9 @@ pub(super) struct RunProgress {
 impl RunProgress {
     /// The progress of a run of `whole` problem seconds that a command makes.
     pub(super) fn new(command: &'static str, whole: f64) -> Self {
-        let work = Work::new(command, Status::new("simulated", "left"));
-        work.set_amount(Amount::Seconds(0.0, whole));
+        let mut status = Status::new("simulated", "left");
+        status.set_amount(Amount::Seconds(0.0, whole), Instant::now());
+        let work = Work::new(command, status);
         RunProgress { work, show_from: Instant::now() + DELAY, is_shown: false, whole, steps: 0 }
     }
 

@@ -105,8 +105,8 @@ fn a_chain_of_many_elements_is_checked() {
     assert!(out(&checked).contains("chain.json: nothing wrong\n"), "{}", out(&checked));
     let document = json(&patchcord(&["check", &file, "--json"]));
     assert_eq!((&document["ok"], &document["cannot_be_run"]), (&true.into(), &Value::Null));
-    // The drive has a voltage, too.
-    assert_eq!(document["voltages"].as_array().unwrap().len(), ELEMENTS + 1);
+    // The drive and the three references have voltages, too.
+    assert_eq!(document["voltages"].as_array().unwrap().len(), ELEMENTS + 4);
 }
 
 /// Runs a patch with these options and at most this memory in kilobytes, and asserts that it succeeds.

@@ -170,7 +170,7 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Tells the checks of steps how many events there have been, before the first of these steps.
+    /// Notes for the checks of steps how many events there have been before the first of these steps.
     fn note_events(&mut self, steps: Steps) {
         if let Some(check) = &mut self.step_check {
             check.note_events(self.work.changes + self.work.crossings + self.events.jumps, steps.first);

@@ -18,8 +18,11 @@ use crate::delay_line::DelayLine;
 /// Up to this number of events the step after each is checked. Then half of this number is checked until the number of
 /// events doubles.
 const EXAMINED_EVENTS: u64 = 32;
-/// If one in this many checks meets an event, the errors of the run are not known.
+/// If one in this many checks meets an event, the errors of the run are not known. Then the run is compared with another,
+/// which takes long if there are many events.
 const UNKNOWN_SHARE: u64 = 20;
+/// Largest number of events of a repetition for this comparison.
+const MAX_COMPARED_EVENTS: u64 = 1000;
 /// The product of a decay rate and the step above which the classical method of order 4 is unstable.
 const STABILITY_LIMIT: f64 = 2.785;
 /// The product that the recommended step has, well within the limit.
@@ -212,7 +215,8 @@ impl StepCheck {
         let share = self.steps as f64 / self.results.max(1) as f64;
         let errors = self.sums.iter().zip(&self.sums_after_events).map(|(sum, after)| sum * share + after);
         let error = errors.fold(0.0, f64::max);
-        let is_unknown = (self.attempts - self.results) * UNKNOWN_SHARE > self.attempts;
+        let is_unknown = (self.attempts - self.results) * UNKNOWN_SHARE > self.attempts
+            && self.events <= MAX_COMPARED_EVENTS;
         // Events at a few steps may only be switchings that the solver locates.
         let is_unstable = self.unstable.is_some()
             && (error > LARGEST_ERROR || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
