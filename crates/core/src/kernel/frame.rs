@@ -196,6 +196,13 @@ impl<V: Lane> Extremes<V> {
         }
         self.most.fill(V::splat(f64::NEG_INFINITY));
     }
+
+    /// Sets the times of all extremes to infinity, so that only voltages beyond the extremes get a time.
+    fn forget_times(&mut self) {
+        [&mut self.least_at, &mut self.most_at]
+            .into_iter()
+            .for_each(|times| times.fill(V::splat(f64::INFINITY)));
+    }
 }
 
 impl Frame<f64> {
@@ -259,5 +266,10 @@ impl Frame<f64> {
     /// Clears the extremes.
     pub(crate) fn reset_extremes(&mut self) {
         self.extremes.forget();
+    }
+
+    /// Keeps the extremes, which are recorded. From now on only voltages beyond them get a time.
+    pub(crate) fn keep_extremes(&mut self) {
+        self.extremes.forget_times();
     }
 }

@@ -63,6 +63,8 @@ pub(super) struct KernelRun {
     /// Whether the factors have to be calculated from the coefficients before the next start: at first, after a change
     /// of coefficients, and after the kernel was invalid.
     has_outdated_factors: bool,
+    /// Whether the extremes are those of an earlier initial condition.
+    has_outdated_extremes: bool,
 }
 
 /// A kernel run in progress. It stays valid until the machine leaves the fast path.
@@ -112,6 +114,11 @@ impl FastPath {
         self.runs.iter_mut().for_each(|run| run.has_outdated_factors = true);
     }
 
+    /// Marks the extremes of all kernels as outdated, for a new initial condition.
+    pub(super) fn invalidate_extremes(&mut self) {
+        self.runs.iter_mut().for_each(|run| run.has_outdated_extremes = true);
+    }
+
     /// The kernel run in progress.
     pub(super) fn run_mut(&mut self, active: ActiveRun) -> &mut KernelRun {
         &mut self.runs[active.run]
@@ -141,7 +148,13 @@ impl FastPath {
         if self.runs.len() == MAX_RUNS {
             self.runs.remove(0);
         }
-        self.runs.push(KernelRun { shared, backend: self.backend, frame, has_outdated_factors: true });
+        self.runs.push(KernelRun {
+            shared,
+            backend: self.backend,
+            frame,
+            has_outdated_factors: true,
+            has_outdated_extremes: true,
+        });
         Some(self.runs.len() - 1)
     }
 }

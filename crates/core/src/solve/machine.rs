@@ -225,6 +225,7 @@ impl<'p> Machine<'p> {
             check.reset();
         }
         self.work = WorkCounters::default();
+        self.fast_path.invalidate_extremes();
         if let Some(sensitivities) = sensitivities {
             sensitivities.begin(setup.program);
         }

@@ -170,10 +170,11 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Notes for the checks of steps how many events there have been before the first of these steps.
+    /// Notes for the checks of steps how many changes of mode and jumps there have been before the first of these steps.
+    /// Kinks do not count, because kernels cross them.
     fn note_events(&mut self, steps: Steps) {
         if let Some(check) = &mut self.step_check {
-            check.note_events(self.work.changes + self.work.crossings + self.events.jumps, steps.first);
+            check.note_events(self.work.changes + self.events.jumps, steps.first);
         }
     }
 

@@ -4,7 +4,7 @@
 //! gives the error of the step. The stages give the largest rate at which the circuit responds: if it is too large for
 //! the step, the method is unstable and errors grow. The run itself is not changed.
 //!
-//! A short episode can begin with an event: a change of mode, a kink, a jump, or a phase. So steps after events are checked in
+//! A short episode can begin with an event: a change of mode, a jump, or a phase. So steps after events are checked in
 //! addition.
 
 use super::buffers::StepBuffers;
@@ -21,7 +21,7 @@ const EXAMINED_EVENTS: u64 = 32;
 /// If one in this many checks meets an event, the errors of the run are not known. Then the run is compared with another,
 /// which takes long if there are many events.
 const UNKNOWN_SHARE: u64 = 20;
-/// Largest number of events of a repetition for this comparison.
+/// Largest number of changes of mode and crossings of kinks in a repetition for this comparison.
 const MAX_COMPARED_EVENTS: u64 = 1000;
 /// The product of a decay rate and the step above which the classical method of order 4 is unstable.
 const STABILITY_LIMIT: f64 = 2.785;
@@ -61,7 +61,7 @@ pub(super) struct StepCheck {
     results: u64,
     /// Sum of the errors of every state over all results of planned checks, in volts.
     sums: Vec<f64>,
-    /// Number of changes of mode, crossings of kinks and jumps so far.
+    /// Number of changes of mode and jumps so far.
     events: u64,
     /// Number of steps of all repetitions that followed an event.
     steps_after_events: u64,
@@ -124,8 +124,8 @@ impl StepCheck {
         self.note_event(1);
     }
 
-    /// Notes how many changes of mode, crossings of kinks and jumps there have been since the initial condition, before
-    /// the step with this number in the present phase.
+    /// Notes how many changes of mode and jumps there have been since the initial condition, before the step with this
+    /// number in the present phase.
     pub(super) fn note_events(&mut self, events: u64, next_step: u64) {
         if events > self.events {
             self.events = events;
@@ -210,13 +210,14 @@ impl StepCheck {
         unstable.product = unstable.product.max(product);
     }
 
-    /// The doubt about the steps of the run; `None` if the checks found them short enough.
-    pub(super) fn doubt(&self, setup: &Setup<'_>) -> Option<StepDoubt> {
+    /// The doubt about the steps of the run with this number of changes of mode and crossings of kinks; `None` if the
+    /// checks found the steps short enough.
+    pub(super) fn doubt(&self, setup: &Setup<'_>, events: u64) -> Option<StepDoubt> {
         let share = self.steps as f64 / self.results.max(1) as f64;
         let errors = self.sums.iter().zip(&self.sums_after_events).map(|(sum, after)| sum * share + after);
         let error = errors.fold(0.0, f64::max);
-        let is_unknown = (self.attempts - self.results) * UNKNOWN_SHARE > self.attempts
-            && self.events <= MAX_COMPARED_EVENTS;
+        let is_unknown =
+            (self.attempts - self.results) * UNKNOWN_SHARE > self.attempts && events <= MAX_COMPARED_EVENTS;
         // Events at a few steps may only be switchings that the solver locates.
         let is_unstable = self.unstable.is_some()
             && (error > LARGEST_ERROR || self.unstable_events * UNSTABLE_SHARE >= self.attempts);

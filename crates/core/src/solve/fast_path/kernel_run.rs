@@ -35,9 +35,14 @@ impl KernelRun {
         frame.states.copy_from_slice(&state.states);
         frame.rates.copy_from_slice(&state.rates);
         frame.time = state.time;
+        // Recorded extremes are kept, because in a ramp each new one costs a search for its step.
+        if self.has_outdated_factors || self.has_outdated_extremes {
+            frame.reset_extremes();
+        } else {
+            frame.keep_extremes();
+        }
         let is_valid = kernel.settle(frame, program, &state.coefficients, self.has_outdated_factors);
-        frame.reset_extremes();
-        self.has_outdated_factors = !is_valid;
+        (self.has_outdated_factors, self.has_outdated_extremes) = (!is_valid, false);
         is_valid
     }
 
