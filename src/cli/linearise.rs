@@ -20,7 +20,9 @@ use patchcord::draw::bode;
 use patchcord::draw::plot::{Format, Size};
 use patchcord::instruments::parameter_line;
 use patchcord::ir::StateSpace;
-use patchcord::linear::{FrequencyBand, FrequencyResponse, LinearError, Root, TransferFunction, roots};
+use patchcord::linear::{
+    FrequencyBand, FrequencyResponse, LinearError, Root, TransferFunction, check_size, roots,
+};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -81,6 +83,7 @@ pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
     let loaded = arguments.patch.load()?;
     let outputs = arguments.patch.outputs(&loaded.circuit);
     outputs.prepare(None, &files)?;
+    check_size(&loaded.program).map_err(|error| linear_failure(&error))?;
     let OperatingPoint { machine, description } = AT.machine(&loaded, arguments.at)?;
     let model = machine.state_space();
     let analysis = arguments.analysis(&model, description)?;
@@ -171,7 +174,8 @@ fn only_drive<'m>(model: &'m StateSpace, from: &str) -> Option<&'m str> {
 /// The failure for an error of the analysis. Names and frequencies are part of the command line.
 fn linear_failure(error: &LinearError) -> Failure {
     match error {
-        LinearError::NoDerivative { .. }
+        LinearError::TooLarge { .. }
+        | LinearError::NoDerivative { .. }
         | LinearError::DerivativeTooLarge { .. }
         | LinearError::NoEigenvalues { .. }
         | LinearError::NoInfluence { .. } => Failure::data(error.to_string()),

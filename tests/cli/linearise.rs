@@ -126,6 +126,21 @@ fn a_large_state_matrix_is_printed_without_zeros() {
 }
 
 #[test]
+fn a_patch_with_too_many_states_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "many.json");
+    let element =
+        |n: usize| (format!("I{n}"), serde_json::json!({"kind": "integrator", "in": {"x1": ["+100"]}}));
+    let elements: serde_json::Map<_, _> = (0..501).map(element).collect();
+    fs::write(&file, serde_json::json!({"patchcord": 1, "elements": elements}).to_string()).unwrap();
+    let refused = patchcord(&["linearise", &file]);
+    let expected = "the linear model has 501 states, delay lines and drives and 502503 derivatives; at most 500 and \
+                    5000000 are allowed";
+    assert_eq!(code(&refused), 1);
+    assert!(errors(&refused).contains(expected), "{}", errors(&refused));
+}
+
+#[test]
 fn wrong_options_give_exit_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let copy = path(&folder, "patch.svg");

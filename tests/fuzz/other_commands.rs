@@ -36,7 +36,7 @@ const SHELLS: [&str; 6] = ["bash", "elvish", "fish", "powershell", "zsh", "csh"]
 const EXISTING: &str = "first.json";
 
 /// How the names of figures begin that are drawn within seconds. The others need sweeps.
-const QUICK_FIGURES: [&str; 6] = ["fig-2-", "fig-4-", "fig-7-", "fig-8-0", "fig-8-1", "fig-8-2"];
+const QUICK_FIGURES: [&str; 5] = ["fig-2-", "fig-4-", "fig-7-", "fig-8-0", "fig-8-1"];
 
 /// The words as a command line.
 fn line(words: &[&str]) -> Vec<String> {

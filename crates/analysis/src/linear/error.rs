@@ -18,6 +18,21 @@ pub enum LinearError {
         /// The state, delay line or signal with this derivative.
         element: String,
     },
+    /// The linear model is too large.
+    #[error(
+        "the linear model has {variables} states, delay lines and drives and {entries} derivatives; at most {max_variables} \
+         and {max_entries} are allowed"
+    )]
+    TooLarge {
+        /// Number of states, delay lines and drives.
+        variables: usize,
+        /// Number of derivatives.
+        entries: usize,
+        /// The largest number of states, delay lines and drives.
+        max_variables: usize,
+        /// The largest number of derivatives.
+        max_entries: usize,
+    },
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalues of {states} cannot be computed: the iteration does not converge")]
     NoEigenvalues {

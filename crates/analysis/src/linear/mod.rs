@@ -16,3 +16,38 @@ pub use band::FrequencyBand;
 pub use error::LinearError;
 pub use response::{FrequencyResponse, ResponsePoint, TransferFunction};
 pub use roots::{Root, Stability, fastest_state, roots};
+
+use patchcord_core::ir::Program;
+
+/// Largest number of states, delay lines and drives of a linear model. The time for its roots grows with the third power.
+const MAX_VARIABLES: usize = 500;
+/// Largest number of derivatives of a linear model. They take 8 bytes each.
+const MAX_ENTRIES: usize = 5_000_000;
+
+/// Checks that the linear model of a program is not too large.
+///
+/// # Errors
+/// If it has more than 500 states, delay lines and drives together, or more than 5 million derivatives: these times the
+/// states, delay lines and signals.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::linear::check_size;
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// let decay = ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50);
+/// let program = Program::new(&Circuit::new(&PatchBuilder::new("decay").element("A1", decay).build()?)?)?;
+/// assert!(check_size(&program).is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn check_size(program: &Program) -> Result<(), LinearError> {
+    let [rows, variables] = program.state_space_size();
+    let entries = rows.saturating_mul(variables);
+    if variables <= MAX_VARIABLES && entries <= MAX_ENTRIES {
+        return Ok(());
+    }
+    Err(LinearError::TooLarge { variables, entries, max_variables: MAX_VARIABLES, max_entries: MAX_ENTRIES })
+}

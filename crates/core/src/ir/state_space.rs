@@ -174,6 +174,13 @@ impl Program {
         model
     }
 
+    /// Number of rows and columns of the matrix of its [`StateSpace`]: states, delay lines and signals; and states, delay
+    /// lines and drives.
+    pub fn state_space_size(&self) -> [usize; 2] {
+        let inner = self.lowered.states.len() + self.lowered.delays.len();
+        [inner + self.lowered.signals.len(), inner + self.driven().count()]
+    }
+
     /// The registers of the rows: rates, inputs of delay lines, signals.
     fn rows(&self) -> Vec<Register> {
         let rates = self.lowered.states.iter().map(|state| state.rate);
