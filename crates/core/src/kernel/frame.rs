@@ -245,8 +245,8 @@ impl Frame<f64> {
         })
     }
 
-    /// The extremes of a recorded voltage as (time, voltage), in order of time. `None` if it is constant or linear in
-    /// time.
+    /// The extremes of a recorded voltage as (time, voltage), in order of time. The time is infinite if the extreme was
+    /// kept ([`Frame::keep_extremes`]) and not exceeded since. `None` if the voltage is constant or linear in time.
     pub(crate) fn extremes(&self, kernel: &Kernel, index: usize) -> Option<[(f64, f64); 2]> {
         let (at, line) = kernel.recorded[index].tracks?;
         let Extremes { least, least_at, most, most_at } = &self.extremes;

@@ -307,7 +307,7 @@ pub(super) fn event_at(setup: &Setup<'_>, state: &SolverState, voltages: &[f64])
 }
 
 /// The first kink, by index, that is crossed between two sets of voltages.
-fn kink_crossed(setup: &Setup<'_>, start_voltages: &[f64], end_voltages: &[f64]) -> Option<Event> {
+pub(super) fn kink_crossed(setup: &Setup<'_>, start_voltages: &[f64], end_voltages: &[f64]) -> Option<Event> {
     setup.kinks().enumerate().find_map(|(index, kink)| {
         let [start, end] = [start_voltages, end_voltages].map(|voltages| kink.value(voltages));
         Some(Event::Kink(index, kink.crossed(&setup.program.tables, start, end)?))

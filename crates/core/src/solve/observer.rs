@@ -37,7 +37,7 @@ pub(super) trait StepObserver {
     }
 
     /// The machine leaves the fast path. The kernel is at the instant at which the machine continues, and has the
-    /// extremes since it was entered.
+    /// extremes since the initial condition. Their times are infinite if it has not exceeded them since it was entered.
     fn left_fast_path(&mut self, _run: &KernelRun) {}
 
     /// The time of the next sample; infinity if there is none.

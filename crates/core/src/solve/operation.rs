@@ -153,7 +153,7 @@ impl Machine<'_> {
                     operation.count_taken(taken);
                     if taken < count {
                         self.finish_step(operation, active, halt, observer)?;
-                        self.note_events(operation.steps);
+                        self.note_events(operation.steps.first);
                     }
                 }
                 None if self.hold_if_stopped(observer) => operation.stop(),
@@ -162,7 +162,7 @@ impl Machine<'_> {
                     if operation.active.is_none() {
                         self.advance(operation.steps.end_of(0), observer)?;
                         operation.count_taken(1);
-                        self.note_events(operation.steps);
+                        self.note_events(operation.steps.first);
                     }
                 }
             }
@@ -170,11 +170,11 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Notes for the checks of steps how many changes of mode and jumps there have been before the first of these steps.
-    /// Kinks do not count, because kernels cross them.
-    fn note_events(&mut self, steps: Steps) {
+    /// Notes for the checks of steps how many changes of mode and jumps there have been before the step with this number
+    /// in the present phase. Kinks do not count, because kernels cross them.
+    fn note_events(&mut self, next_step: u64) {
         if let Some(check) = &mut self.step_check {
-            check.note_events(self.work.changes + self.events.jumps, steps.first);
+            check.note_events(self.work.changes + self.events.jumps, next_step);
         }
     }
 

@@ -68,7 +68,12 @@ impl<'p, 'w> Player<'p, 'w> {
     pub(super) fn finish(mut self) -> (Trace, Option<StepDoubt>) {
         self.recorder.end_repetition(&self.machine, self.is_held);
         self.recorder.flush();
-        (self.recorder.trace, self.recorder.step_doubt)
+        let trace = self.recorder.trace;
+        let works = trace.repetitions.iter().map(|repetition| repetition.work);
+        let crossed_events = works.map(|work| work.changes + work.crossings).sum();
+        let check = self.machine.step_check.as_ref();
+        let by_events = check.and_then(|check| check.doubt_by_events(crossed_events));
+        (trace, StepDoubt::worse(self.recorder.step_doubt, by_events))
     }
 
     /// The machine, and the time by the recorder's clock in seconds, summed over all repetitions.

@@ -270,8 +270,7 @@ impl<'a> Recorder<'a> {
             return;
         }
         let Machine { solver, lamps, work, step_check, .. } = machine;
-        let doubt =
-            step_check.as_ref().and_then(|check| check.doubt(&solver.setup, work.changes + work.crossings));
+        let doubt = step_check.as_ref().and_then(|check| check.doubt(&solver.setup, lamps.is_any_lit()));
         self.step_doubt = StepDoubt::worse(self.step_doubt, doubt);
         let program = solver.setup.program;
         let end = self.clock(solver.state.time);

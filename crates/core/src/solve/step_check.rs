@@ -9,7 +9,7 @@
 
 use super::buffers::StepBuffers;
 use super::check_plan::CheckPlan;
-use super::events::event_at;
+use super::events::{event_at, kink_crossed};
 use super::runge_kutta::try_step;
 use super::state::{Setup, Solver, SolverState, read_rates};
 use super::turns::length_to_turn;
@@ -18,10 +18,10 @@ use crate::delay_line::DelayLine;
 /// Up to this number of events the step after each is checked. Then half of this number is checked until the number of
 /// events doubles.
 const EXAMINED_EVENTS: u64 = 32;
-/// If one in this many checks meets an event, the errors of the run are not known. Then the run is compared with another,
-/// which takes long if there are many events.
+/// If more than one in this many planned checks meets an event, the errors of the run are not known. Then the run is
+/// compared with another, which takes long if there are many events.
 const UNKNOWN_SHARE: u64 = 20;
-/// Largest number of changes of mode and crossings of kinks in a repetition for this comparison.
+/// Largest number of changes of mode and crossings of kinks in a run for this comparison.
 const MAX_COMPARED_EVENTS: u64 = 1000;
 /// The product of a decay rate and the step above which the classical method of order 4 is unstable.
 const STABILITY_LIMIT: f64 = 2.785;
@@ -61,8 +61,11 @@ pub(super) struct StepCheck {
     results: u64,
     /// Sum of the errors of every state over all results of planned checks, in volts.
     sums: Vec<f64>,
+    /// Number of planned checks of all repetitions, and of those without a result because of an event.
+    run_attempts: u64,
+    run_interruptions: u64,
     /// Number of changes of mode and jumps so far.
-    events: u64,
+    event_count: u64,
     /// Number of steps of all repetitions that followed an event.
     steps_after_events: u64,
     /// Sum of the errors of every state over the checked steps after events, in volts.
@@ -99,7 +102,9 @@ impl StepCheck {
             attempts: 0,
             results: 0,
             sums: vec![0.0; states],
-            events: 0,
+            run_attempts: 0,
+            run_interruptions: 0,
+            event_count: 0,
             steps_after_events: 0,
             sums_after_events: vec![0.0; states],
             unstable_events: 0,
@@ -112,8 +117,9 @@ impl StepCheck {
 
     /// Forgets the results, for a new initial condition.
     pub(super) fn reset(&mut self) {
-        let (plan, steps_after_events, middle) = (self.plan, self.steps_after_events, self.middle.take());
-        *self = StepCheck { plan, steps_after_events, middle, ..StepCheck::new(self.sums.len(), 0) };
+        let StepCheck { plan, run_attempts, run_interruptions, steps_after_events, .. } = *self;
+        let (middle, new) = (self.middle.take(), StepCheck::new(self.sums.len(), 0));
+        *self = StepCheck { plan, run_attempts, run_interruptions, steps_after_events, middle, ..new };
     }
 
     /// Plans the checks of a phase with this number of steps.
@@ -127,8 +133,8 @@ impl StepCheck {
     /// Notes how many changes of mode and jumps there have been since the initial condition, before the step with this
     /// number in the present phase.
     pub(super) fn note_events(&mut self, events: u64, next_step: u64) {
-        if events > self.events {
-            self.events = events;
+        if events > self.event_count {
+            self.event_count = events;
             self.note_event(next_step);
         }
     }
@@ -146,13 +152,14 @@ impl StepCheck {
         self.next.saturating_sub(next_step)
     }
 
-    /// Checks the next step, which has this number in the present phase. The error of a step with an event in it is not
-    /// known, because the solver does not take it as a whole.
+    /// Checks the next step, which has this number in the present phase. The error of a step with a kink in it is not
+    /// known, because the solver does not take it as a whole. A step in which a mode changes is checked as if it did not.
     pub(super) fn check(&mut self, solver: &mut Solver<'_>, next_step: u64) {
         let is_planned = self.plan.next() <= next_step;
         self.plan.advance(next_step);
         self.next = self.plan.next();
         self.attempts += u64::from(is_planned);
+        self.run_attempts += u64::from(is_planned);
         let Solver { setup, state, delay_lines, buffers, .. } = solver;
         let length = setup.step;
         try_step(setup, state, delay_lines, buffers, length);
@@ -165,23 +172,26 @@ impl StepCheck {
         let response =
             response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
         if has_event(setup, state, delay_lines, buffers, length) {
+            self.run_interruptions += u64::from(is_planned);
             let harmful = response.filter(|response| is_planned && response.change > HARMLESS_CHANGE);
             if let Some(response) = harmful {
                 self.unstable_events += 1;
                 self.note_unstable(response);
             }
+        }
+        if has_corner(setup, state, delay_lines, buffers, length) {
             return;
         }
         self.whole.copy_from_slice(&buffers.states);
         let middle = self.middle.get_or_insert_with(|| Box::new(state.clone()));
         middle.as_mut().clone_from(state);
         try_step(setup, state, delay_lines, buffers, 0.5 * length);
-        if has_event(setup, state, delay_lines, buffers, 0.5 * length) {
+        if has_corner(setup, state, delay_lines, buffers, 0.5 * length) {
             return;
         }
         move_to_end(setup, middle, buffers, 0.5 * length);
         try_step(setup, middle, delay_lines, buffers, 0.5 * length);
-        if has_event(setup, middle, delay_lines, buffers, 0.5 * length) {
+        if has_corner(setup, middle, delay_lines, buffers, 0.5 * length) {
             return;
         }
         let worst = self.add(&buffers.states, is_planned);
@@ -210,25 +220,34 @@ impl StepCheck {
         unstable.product = unstable.product.max(product);
     }
 
-    /// The doubt about the steps of the run with this number of changes of mode and crossings of kinks; `None` if the
-    /// checks found the steps short enough.
-    pub(super) fn doubt(&self, setup: &Setup<'_>, events: u64) -> Option<StepDoubt> {
+    /// The doubt about the steps of a run because its checks met events; `None` if they did not, or if the run has too
+    /// many changes of mode and crossings of kinks for a comparison.
+    pub(super) fn doubt_by_events(&self, crossed_events: u64) -> Option<StepDoubt> {
+        let is_unknown = self.run_interruptions * UNKNOWN_SHARE > self.run_attempts;
+        (is_unknown && crossed_events <= MAX_COMPARED_EVENTS).then_some(StepDoubt::Inaccurate)
+    }
+
+    /// The doubt about the steps of the repetition; `None` if the checks found them short enough. `is_overloaded` is
+    /// whether a lamp is lit.
+    pub(super) fn doubt(&self, setup: &Setup<'_>, is_overloaded: bool) -> Option<StepDoubt> {
         let share = self.steps as f64 / self.results.max(1) as f64;
         let errors = self.sums.iter().zip(&self.sums_after_events).map(|(sum, after)| sum * share + after);
         let error = errors.fold(0.0, f64::max);
-        let is_unknown =
-            (self.attempts - self.results) * UNKNOWN_SHARE > self.attempts && events <= MAX_COMPARED_EVENTS;
-        // Events at a few steps may only be switchings that the solver locates.
+        // Events at a few steps may only be switchings that the solver locates. After an overload the outputs at their
+        // limits no longer show the instability that caused it.
         let is_unstable = self.unstable.is_some()
-            && (error > LARGEST_ERROR || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
+            && (is_overloaded
+                || error > LARGEST_ERROR
+                || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
         let unstable = self.unstable.filter(|_| is_unstable).map(|Unstable { state, product }| {
             let element = setup.program.lowered.states[state].element;
-            StepDoubt::Unstable { element, recommended: setup.step * RECOMMENDED_PRODUCT / product }
+            let recommended = setup.step * RECOMMENDED_PRODUCT / product;
+            StepDoubt::Unstable { element, recommended, is_overloaded }
         });
         let (element, periods) = self.fastest;
         let recommended = setup.step * RECOMMENDED_ADVANCE / periods;
         let fast = (periods > LARGEST_ADVANCE).then_some(StepDoubt::Fast { element, recommended });
-        let inaccurate = (error > LARGEST_ERROR || is_unknown).then_some(StepDoubt::Inaccurate);
+        let inaccurate = (error > LARGEST_ERROR).then_some(StepDoubt::Inaccurate);
         StepDoubt::worse(StepDoubt::worse(unstable, fast), inaccurate)
     }
 }
@@ -251,15 +270,20 @@ pub(super) enum StepDoubt {
         element: usize,
         /// A step that would do, in problem seconds.
         recommended: f64,
+        /// Whether an output was overloaded.
+        is_overloaded: bool,
     },
 }
 
 impl StepDoubt {
     /// The step of the run with which a run of this step is compared: half of it, unless that would not show an
-    /// oscillation either.
+    /// oscillation either, or would give the same overload.
     pub(super) fn compared_step(self, step: f64) -> f64 {
         match self {
-            StepDoubt::Fast { recommended, .. } => recommended.max(LEAST_COMPARED_SHARE * step),
+            StepDoubt::Fast { recommended, .. }
+            | StepDoubt::Unstable { recommended, is_overloaded: true, .. } => {
+                recommended.max(LEAST_COMPARED_SHARE * step)
+            }
             _ => 0.5 * step,
         }
     }
@@ -282,6 +306,20 @@ fn is_examined(event: u64) -> bool {
 }
 
 /// Whether the solver would not take the step of this length that was tried from a state as a whole, because of an event
+/// in it that is more than a change of mode.
+fn has_corner(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) -> bool {
+    buffers.hint.is_some()
+        || kink_crossed(setup, &state.voltages, &buffers.voltages).is_some()
+        || length_to_turn(setup, state, delay_lines, buffers, (length, false)).is_some()
+}
+
+/// Whether the solver would not take the step of this length that was tried from a state as a whole, because of an event
 /// in it.
 fn has_event(
     setup: &Setup<'_>,
@@ -290,9 +328,8 @@ fn has_event(
     buffers: &mut StepBuffers,
     length: f64,
 ) -> bool {
-    buffers.hint.is_some()
-        || event_at(setup, state, &buffers.voltages).is_some()
-        || length_to_turn(setup, state, delay_lines, buffers, (length, false)).is_some()
+    event_at(setup, state, &buffers.voltages).is_some()
+        || has_corner(setup, state, delay_lines, buffers, length)
 }
 
 /// How the rates respond to a change of the states within a step.

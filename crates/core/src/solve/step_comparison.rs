@@ -49,7 +49,7 @@ pub(super) fn step_warning(
     let (cause, recommended) = match doubt {
         StepDoubt::Inaccurate => (StepCause::Inaccurate, by_error.min(0.5 * step)),
         StepDoubt::Fast { element, recommended } => (StepCause::Fast(name(element)), recommended),
-        StepDoubt::Unstable { element, recommended } => (StepCause::Unstable(name(element)), recommended),
+        StepDoubt::Unstable { element, recommended, .. } => (StepCause::Unstable(name(element)), recommended),
     };
     Some(StepWarning {
         signal: worst.track.name.clone(),

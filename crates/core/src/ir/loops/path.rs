@@ -3,8 +3,10 @@
 //!
 //! Newton's method can jump between the linear pieces of a loop without end. Here a step ends where it leaves its
 //! piece, and the next one begins in the piece beyond. All differences between the tears and their recomputed outputs
-//! then decrease in proportion. If the loop has one solution for all constants, its linear systems have determinants of
-//! the same sign, so the path never turns back.
+//! then decrease in proportion. The proof that there is one solution gives the linear systems determinants of the same
+//! sign while the tears are within ±100 V, so the path does not turn back there.
+
+use std::ops::ControlFlow;
 
 use super::Problem;
 use super::forms::{Forms, value};
@@ -16,11 +18,16 @@ const PIECES_PER_OPERATION: usize = 20;
 /// pieces at once.
 const IRREGULAR: f64 = 0.618_033_988_749_895;
 
-/// The solution of a straight loop that has only one. `None` if rounding ends the path early.
+/// The solution of a straight loop that has only one. `None` if the path does not reach it: it has too many pieces, the
+/// linear system of a piece is singular, or a voltage is not finite.
 pub(super) fn solution(problem: &Problem<'_>) -> Option<Vec<f64>> {
     let mut path = Path::new(problem);
-    let attempts = PIECES_PER_OPERATION * problem.entry.operations.len();
-    (0..attempts).find_map(|_| path.advance()).flatten()
+    for _ in 0..PIECES_PER_OPERATION * problem.entry.operations.len() {
+        if let ControlFlow::Break(found) = path.advance() {
+            return found;
+        }
+    }
+    None
 }
 
 /// A point on the path, and the piece of every operation there.
@@ -41,7 +48,7 @@ impl<'a> Path<'a> {
         let mut path = Path { forms: Forms::new(problem), tears, pieces: vec![0; span] };
         for at in problem.order()..span {
             let op = path.forms.op(at);
-            // A path cannot be longer than the pieces of one operation.
+            // The pieces are passed in one direction, so the loop ends.
             while let Some(test) =
                 path.forms.tests(op, path.pieces[at]).iter().find(|test| value(&test.form, &path.tears) < 0.0)
             {
@@ -58,18 +65,23 @@ impl<'a> Path<'a> {
         self.forms.set(at, &form);
     }
 
-    /// Moves to the end of the present piece. Returns the solution if it is in the piece, and `Some(None)` if the
-    /// system of the piece is singular.
-    fn advance(&mut self) -> Option<Option<Vec<f64>>> {
+    /// Moves to the end of the present piece. Breaks with the solution if it is in the piece, or with `None` if the
+    /// piece has none.
+    fn advance(&mut self) -> ControlFlow<Option<Vec<f64>>> {
         let order = self.tears.len();
         (order..self.pieces.len()).for_each(|at| self.update(at));
         let (rows, mut end) = self.forms.equations();
-        let Some(factors) = Factors::new(&rows, order) else { return Some(None) };
+        let Some(factors) = Factors::new(&rows, order) else { return ControlFlow::Break(None) };
         factors.solve(&mut end);
-        let Some((share, at, beyond)) = self.first_crossing(&end) else { return Some(Some(end)) };
+        if end.iter().any(|volts| !volts.is_finite()) {
+            return ControlFlow::Break(None);
+        }
+        let Some((share, at, beyond)) = self.first_crossing(&end) else {
+            return ControlFlow::Break(Some(end));
+        };
         self.tears.iter_mut().zip(&end).for_each(|(tear, end)| *tear += share * (end - *tear));
         self.pieces[at] = beyond;
-        None
+        ControlFlow::Continue(())
     }
 
     /// The first test that becomes negative on the way to `end`: the share of the way, the operation, and its piece

@@ -122,8 +122,9 @@ impl KernelRun {
         (0..kernel.recorded.len()).map(|index| self.frame.last_recorded(kernel, index))
     }
 
-    /// The minimum and the maximum of every recorded voltage since the kernel was entered, each as problem time and
-    /// volts, in order of time; `None` for a voltage that is constant or linear in time.
+    /// The minimum and the maximum of every recorded voltage that the kernel has met since the initial condition, each as
+    /// problem time and volts, in order of time. The time is infinite if it was not exceeded since the kernel was
+    /// entered. `None` for a voltage that is constant or linear in time.
     pub(crate) fn extremes(&self) -> impl Iterator<Item = Option<[(f64, f64); 2]>> + '_ {
         let kernel = &self.shared.kernel;
         (0..kernel.recorded.len()).map(|index| self.frame.extremes(kernel, index))
