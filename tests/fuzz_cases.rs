@@ -16,6 +16,7 @@ use crate::fuzz::corpus::{Corpus, Files};
 use crate::fuzz::document::Node;
 use crate::fuzz::judgement::{answer_violations, content_violation, violations};
 use crate::fuzz::large_patch::{SHAPES, Shape, case_of, large_patch};
+use crate::fuzz::other_commands::COMMAND_NAMES;
 use crate::fuzz::runner::{Answer, TimeLimit};
 use crate::fuzz::special_files::{Special, Specials};
 use crate::fuzz::streams::{StandardInput, StandardOutput};
@@ -32,24 +33,6 @@ const ACCEPTED_SHARES: [(&str, usize); 7] =
     [("check", 15), ("draw", 15), ("effects", 10), ("gap", 5), ("linearise", 10), ("run", 10), ("sweep", 2)];
 /// The number of cases whose documents are read within the test.
 const READ_CASES: u64 = 1000;
-/// The names of all commands.
-const COMMAND_NAMES: [&str; 15] = [
-    "check",
-    "completions",
-    "draw",
-    "effects",
-    "elements",
-    "gap",
-    "linearise",
-    "machines",
-    "man",
-    "new",
-    "profile",
-    "replay",
-    "run",
-    "slideway",
-    "sweep",
-];
 /// The number of commands with a special input or output.
 const SPECIAL_COMMANDS: u64 = 60;
 /// The number of parts of the large patches.
@@ -252,6 +235,11 @@ fn wrong_answers_are_recognised() {
     assert_eq!(count(&answer(Some(1), "{\"ok\": false}", "error: no")), 0);
     let text = |text: &str| answer_violations(&command(&["check", "inf"]), &answer(Some(0), text, "")).len();
     assert_eq!([text("text"), text("-inf V"), text("NaN V"), text("NaN1")], [0, 0, 1, 0]);
+    // "information" contains "inf", but not as a word.
+    assert_eq!(
+        answer_violations(&command(&["check", "information"]), &answer(Some(0), "-inf V", "")).len(),
+        1
+    );
     let wrong = [
         answer(Some(0), "{\"ok\": tr", ""),
         answer(Some(0), "{} {}", ""),

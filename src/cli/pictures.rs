@@ -15,6 +15,14 @@ use patchcord::trace::Trace;
 const MAX_NUMBERS: f64 = 5e7;
 /// Numbers for every sample while one picture is drawn: its axes, its positions, and its wrong and its correct parts.
 const NUMBERS_FOR_DRAWING: usize = 16;
+/// Numbers for the time of every sample.
+const NUMBERS_FOR_TIME: usize = 1;
+/// Numbers for every sample of a curve.
+const NUMBERS_PER_POINT: usize = 2;
+/// Number of samples of a group of the envelope.
+const SAMPLES_PER_GROUP: f64 = 2.0;
+/// The largest number of groups, divided by the least number that remains when they are merged.
+const MERGED_GROUPS: f64 = 2.0;
 /// Least number of groups of the envelope for each pixel of the width, if the memory permits it. An extreme moves by at
 /// most a twenty-fifth of a pixel.
 const GROUPS_PER_PIXEL: f64 = 25.0;
@@ -104,8 +112,8 @@ impl Resolution {
     /// many samples for the memory.
     ///
     /// # Errors
-    /// If they need more samples than the memory permits: a picture is against a signal, or the samples belong to many
-    /// runs.
+    /// If they need more samples than the memory permits: a picture is against a signal, the samples belong to many
+    /// runs, or the envelope is too large because of the width or the number of curves.
     pub(super) fn samples(
         &self,
         pictures: &[PictureSpec],
@@ -114,24 +122,39 @@ impl Resolution {
         let signals = settings.record.len();
         let derivatives = signals * settings.sensitivities.len();
         let curves = pictures.iter().map(|picture| picture.y.len()).sum::<usize>() + derivatives;
-        let numbers = NUMBERS_FOR_DRAWING + 1 + signals + derivatives + 2 * curves;
+        let numbers =
+            NUMBERS_FOR_DRAWING + NUMBERS_FOR_TIME + signals + derivatives + NUMBERS_PER_POINT * curves;
         let (samples, max) = (settings.max_samples(), MAX_NUMBERS / numbers as f64);
         if samples <= max {
             return Ok(PictureSamples::All);
         }
-        // Every group has two samples. Every phase may begin a run, which has one group more.
-        let max_groups = 0.5 * max - settings.phase_count();
+        let refused = |reason| Err(TooManySamples { samples, max, reason });
+        if pictures.iter().any(|picture| picture.x.value != "t") {
+            return refused(SampleDemand::AgainstSignal);
+        }
+        let permitted_groups = max / SAMPLES_PER_GROUP;
+        // Every phase may begin a run, which has one group more.
+        let max_groups = permitted_groups - settings.phase_count();
         let pixels = f64::from(self.size.width) * self.scale.max(1.0);
-        // The runs of the greatest length share the groups, of which at least half remain when they are merged.
-        let runs = settings.total_duration() / settings.duration();
-        let groups = max_groups.min(2.0 * GROUPS_PER_PIXEL * pixels * runs);
-        let is_fine = 0.5 * groups >= MIN_GROUPS_PER_PIXEL * pixels * runs;
-        if is_fine && pictures.iter().all(|picture| picture.x.value == "t") {
+        // The groups are shared by all runs, and each run may take the whole width.
+        let runs = run_count(settings);
+        let wanted_groups = MERGED_GROUPS * GROUPS_PER_PIXEL * pixels * runs;
+        let least_groups = |runs: f64| MERGED_GROUPS * MIN_GROUPS_PER_PIXEL * pixels * runs;
+        let groups = max_groups.min(wanted_groups);
+        if groups >= least_groups(runs) {
             Ok(PictureSamples::Envelope { groups: groups as usize })
+        } else if permitted_groups < least_groups(1.0) {
+            refused(SampleDemand::LargePictures)
         } else {
-            Err(TooManySamples { samples, max })
+            refused(SampleDemand::ManyRuns)
         }
     }
+}
+
+/// The number of runs of the greatest length that take as long as all runs together. It is 1 for runs without duration.
+fn run_count(settings: &RunSettings) -> f64 {
+    let duration = settings.duration();
+    if duration > 0.0 { settings.total_duration() / duration } else { 1.0 }
 }
 
 /// The samples of a run that its pictures need.
@@ -155,6 +178,42 @@ pub(super) struct TooManySamples {
     pub(super) samples: f64,
     /// The largest number of samples.
     pub(super) max: f64,
+    /// Why the pictures need every sample.
+    pub(super) reason: SampleDemand,
+}
+
+/// Why pictures need every sample of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum SampleDemand {
+    /// A picture is against a signal.
+    AgainstSignal,
+    /// The envelope has too few groups for each of the runs.
+    ManyRuns,
+    /// The envelope of a single run would be too large, because of the width or the number of curves.
+    LargePictures,
+}
+
+/// What helps if a run is too long for its pictures.
+const SHORTER_RUN: &str =
+    "give a longer --every, a shorter --for or fewer repetitions, or write a table without pictures";
+
+impl SampleDemand {
+    /// The reason for messages.
+    pub(super) fn text(self) -> &'static str {
+        match self {
+            SampleDemand::AgainstSignal => "one is against a signal",
+            SampleDemand::ManyRuns => "there are very many repetitions or phases",
+            SampleDemand::LargePictures => "they have very many curves or pixels",
+        }
+    }
+
+    /// What to do about it, for messages.
+    pub(super) fn advice(self) -> &'static str {
+        match self {
+            SampleDemand::AgainstSignal | SampleDemand::ManyRuns => SHORTER_RUN,
+            SampleDemand::LargePictures => "draw fewer pictures, or give a smaller --width or --scale",
+        }
+    }
 }
 
 impl PictureSamples {
@@ -238,9 +297,21 @@ mod tests {
         let mixed = [specs("t", 1), specs("x", 1)].concat();
         let refused = samples(&mixed, 3e6, 1).unwrap_err();
         assert!(refused.samples >= 3e6 && refused.max == MAX_NUMBERS / 23.0, "{refused:?}");
+        assert_eq!(refused.reason, SampleDemand::AgainstSignal);
         assert_eq!(samples(&specs("t", 1), 5e3, 400), Ok(PictureSamples::All));
-        assert!(samples(&specs("t", 1), 5e3, 1000).is_err());
-        assert!(samples(&specs("t", 1), 5.0, 10_000_000).is_err());
+        for (length, repetitions) in [(5e3, 1000), (5.0, 10_000_000)] {
+            let refused = samples(&specs("t", 1), length, repetitions).unwrap_err();
+            assert_eq!(refused.reason, SampleDemand::ManyRuns, "{repetitions}");
+        }
+    }
+
+    #[test]
+    fn an_envelope_of_very_many_curves_is_too_large() {
+        let refused = samples(&specs("t", 4000), 1e6, 1).unwrap_err();
+        assert_eq!(refused.reason, SampleDemand::LargePictures);
+        // Without duration, every phase still has two samples.
+        let refused = samples(&specs("t", 1), 0.0, 10_000_000).unwrap_err();
+        assert_eq!(refused.reason, SampleDemand::ManyRuns);
     }
 
     #[test]

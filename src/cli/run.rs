@@ -173,12 +173,13 @@ impl Arguments {
     }
 
     /// The failure of a run with more samples than its pictures permit.
-    fn picture_failure(&self, TooManySamples { samples, max }: TooManySamples) -> Failure {
+    fn picture_failure(&self, TooManySamples { samples, max, reason }: TooManySamples) -> Failure {
         let [found, permitted] = [format_distinct(samples, max), format_distinct(max, samples)];
         let message = format!(
             "the run would record {found} samples; at most {permitted} are allowed with pictures that need \
-             every sample, which are those against a signal and of many repetitions: give a longer --every, a \
-             shorter --for or fewer repetitions, or write a table without pictures"
+             every sample, because {}: {}",
+            reason.text(),
+            reason.advice()
         );
         // The same options and the same code as without pictures.
         let error = RunError::TooManyNumbers { numbers: samples, max };

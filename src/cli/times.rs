@@ -77,20 +77,23 @@ fn share(text: &str) -> Result<f64, String> {
         let unit = Unit::parse(unit).map_err(|error| error.to_string())?;
         typed.in_unit(&unit).map_err(|error| error.to_string())
     };
-    if typed.unit.is_some()
-        && let Ok(volts) = in_unit("V")
-    {
-        let share = format_number(volts / REFERENCE);
-        return Err(format!("\"{text}\" is a voltage, but the tolerance is a share of 100 V: write {share}"));
-    }
-    let share = in_unit("1")?;
-    if is_tolerance(share) {
-        Ok(share)
-    } else {
-        Err(format!(
+    let volts = if typed.unit.is_some() { in_unit("V").ok() } else { None };
+    let share = match volts {
+        Some(volts) => volts / REFERENCE,
+        None => in_unit("1")?,
+    };
+    if !is_tolerance(share) {
+        return Err(format!(
             "must be from {MIN_TOLERANCE:e} to {MAX_TOLERANCE}, such as 1e-6: rounding errors are not smaller"
-        ))
+        ));
     }
+    if volts.is_some() {
+        let advised = format_number(share);
+        return Err(format!(
+            "\"{text}\" is a voltage, but the tolerance is a share of 100 V: write {advised}"
+        ));
+    }
+    Ok(share)
 }
 
 /// Length, step, tolerance and recording interval for `--json`, in seconds and as a fraction of 100 V.
@@ -267,6 +270,9 @@ mod tests {
         }
         assert_eq!(share("5 s"), Err("\"5 s\" is in s, but a pure number is expected".to_owned()));
         assert_eq!(share("small"), Err("\"small\" is not a number".to_owned()));
-        assert!(share("2").is_err_and(|error| error.starts_with("must be from 1e-13 to 1, such as 1e-6")));
+        for text in ["2", "200V", "-5V", "1e-12V"] {
+            let error = share(text).unwrap_err();
+            assert!(error.starts_with("must be from 1e-13 to 1, such as 1e-6"), "{text}: {error}");
+        }
     }
 }

@@ -121,8 +121,8 @@ fn only_a_run_with_pictures_against_a_signal_is_refused_for_the_memory_of_its_sa
     let plot = path(&folder, "x.svg");
     let refused = patchcord(&["run", &file, "--plot", &plot, "--json"]);
     assert_eq!((code(&refused), &json(&refused)["code"]), (1, &"too-many-numbers".into()));
-    let wanted =
-        "would record 3.25e8 samples; at most 2380950 are allowed with pictures that need every sample";
+    let wanted = "would record 3.25e8 samples; at most 2380950 are allowed with pictures that need every sample, \
+                  because one is against a signal: give a longer --every";
     assert!(errors(&refused).contains(wanted), "{}", errors(&refused));
     // An option causes the same error.
     assert_eq!(code(&patchcord(&["run", &file, "--every", "1e-7", "--plot", &plot])), 2);

@@ -86,12 +86,17 @@ impl Case {
             || self.arguments.iter().any(|word| word == FULL_DEVICE)
     }
 
-    /// Whether a file or an argument contains a text.
-    pub(crate) fn mentions(&self, text: &str) -> bool {
-        let mut files = self.files.values();
-        files.any(|bytes| String::from_utf8_lossy(bytes).contains(text))
-            || self.arguments.iter().any(|word| word.contains(text))
+    /// Whether a file or an argument contains a word.
+    pub(crate) fn mentions(&self, word: &str) -> bool {
+        let contains = |text: &str| words(text).any(|found| found == word);
+        self.files.values().any(|bytes| contains(&String::from_utf8_lossy(bytes)))
+            || self.arguments.iter().any(|argument| contains(argument))
     }
+}
+
+/// The words of a text: its parts of letters and digits.
+pub(crate) fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|letter: char| !letter.is_alphanumeric())
 }
 
 /// The path of a file in a folder. Its own folder is created.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::case::Case;
+use super::case::{Case, words};
 use super::command_lines::{SWEEP, TABLE};
 use super::runner::Answer;
 use super::streams::{StandardOutput, prints_table};
@@ -121,7 +121,7 @@ fn picture_violation(text: &str) -> Option<&'static str> {
 
 /// The words of a text that stand for numbers that are not finite.
 fn infinite_words(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|letter: char| !letter.is_alphanumeric()).filter(|word| ["NaN", "inf"].contains(word))
+    words(text).filter(|word| ["NaN", "inf"].contains(word))
 }
 
 /// Whether a cell below the line of names is not a finite number.

@@ -21,7 +21,7 @@ pub(crate) mod judgement;
 pub(crate) mod large_patch;
 pub(crate) mod mutation;
 mod number_text;
-mod other_commands;
+pub(crate) mod other_commands;
 mod pace;
 mod patch_case;
 mod random_patch;

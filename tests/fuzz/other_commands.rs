@@ -8,15 +8,14 @@ use crate::common::random::SplitMix64;
 use patchcord::elements::REGISTRY;
 use patchcord::thesis::replay::{Figure, figures};
 
-/// All commands, and one that does not exist.
-const COMMANDS: [&str; 17] = [
+/// The names of all commands.
+pub(crate) const COMMAND_NAMES: [&str; 15] = [
     "check",
     "completions",
     "draw",
     "effects",
     "elements",
     "gap",
-    "help",
     "linearise",
     "machines",
     "man",
@@ -26,8 +25,10 @@ const COMMANDS: [&str; 17] = [
     "run",
     "slideway",
     "sweep",
-    "schema",
 ];
+
+/// Other words in place of a command: the one for help texts, and one that does not exist.
+const OTHER_WORDS: [&str; 2] = ["help", "schema"];
 
 /// The shells with completions, and one without.
 const SHELLS: [&str; 6] = ["bash", "elvish", "fish", "powershell", "zsh", "csh"];
@@ -41,6 +42,11 @@ const QUICK_FIGURES: [&str; 5] = ["fig-2-", "fig-4-", "fig-7-", "fig-8-0", "fig-
 /// The words as a command line.
 fn line(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
+}
+
+/// The name of a command, or another word in its place.
+fn command_word(random: &mut SplitMix64) -> &'static str {
+    random.choose(&[&COMMAND_NAMES[..], &OTHER_WORDS[..]].concat())
 }
 
 /// A command that reads no document and computes nothing.
@@ -111,7 +117,7 @@ fn man_command(random: &mut SplitMix64) -> Vec<String> {
     }
     match random.below(4) {
         0 => words.push(edge_name(random)),
-        1 | 2 => words.push(random.choose(&COMMANDS).to_owned()),
+        1 | 2 => words.push(command_word(random).to_owned()),
         _ => (),
     }
     words
@@ -119,7 +125,7 @@ fn man_command(random: &mut SplitMix64) -> Vec<String> {
 
 /// A help text, or the message about a command that does not exist.
 fn help_command(random: &mut SplitMix64) -> Vec<String> {
-    let command = random.choose(&COMMANDS);
+    let command = command_word(random);
     match random.below(8) {
         0 => line(&["--help"]),
         1 => line(&["--version"]),

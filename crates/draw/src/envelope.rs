@@ -7,6 +7,9 @@ use std::ops::Range;
 
 use patchcord_core::trace::{Trace, Track};
 
+/// Number of samples of two groups.
+const SAMPLES_OF_PAIR: usize = 4;
+
 /// The envelope of a record, made from the blocks of
 /// [`run_in_blocks`](patchcord_core::solve::run_in_blocks).
 ///
@@ -139,20 +142,18 @@ impl TraceEnvelope {
         Trace { time: self.time, ..trace }
     }
 
-    /// The index in the envelope of the group of a sample.
+    /// The index in the envelope of the group of a sample. It is the length of the envelope for a sample after the last
+    /// one: a phase that takes no time at the end of the record has no sample.
     fn index_of(&self, sample: usize, run: &Trace) -> usize {
         let repetition = run.repetition_of(sample);
-        let begin = self.begins.get(repetition).zip(run.repetitions.get(repetition));
-        let index = begin.map(|(begin, repetition)| {
-            begin + 2 * (sample.saturating_sub(repetition.first) / self.group_samples)
-        });
-        // A phase that takes no time at the end of the record has no sample.
-        index.unwrap_or(usize::MAX).min(self.time.len())
+        match (self.begins.get(repetition), run.repetitions.get(repetition)) {
+            (Some(begin), Some(repetition)) if sample < self.seen => {
+                begin + 2 * (sample.saturating_sub(repetition.first) / self.group_samples)
+            }
+            _ => self.time.len(),
+        }
     }
 }
-
-/// Number of samples of two groups.
-const SAMPLES_OF_PAIR: usize = 4;
 
 /// The numbers of the groups of all runs, merged in pairs. `merge` takes the numbers of two groups, or of one.
 fn merged(numbers: &[f64], runs: &[Range<usize>], merge: impl Fn(&[f64]) -> [f64; 2]) -> Vec<f64> {
@@ -276,7 +277,7 @@ mod tests {
         let envelope = envelope(&record([103, 60]), 20);
         let firsts: Vec<_> = envelope.repetitions.iter().map(|repetition| repetition.first).collect();
         let samples: Vec<_> = envelope.phase_records.iter().map(|record| record.sample).collect();
-        assert_eq!((firsts, samples), (vec![0, 26], vec![0, 26, 32, 40]));
+        assert_eq!((firsts, samples), (vec![0, 26], vec![0, 26, 32, 42]));
         assert_eq!((envelope.time[25], envelope.time[26]), (102.5 / 103.0, 0.5 / 60.0));
         assert_eq!(envelope.tracks[1].per_volt, 2.0);
     }

@@ -27,8 +27,9 @@ const MAX_ENTRIES: usize = 5_000_000;
 /// Checks that the linear model of a program is not too large.
 ///
 /// # Errors
-/// If it has more than 500 states, delay lines and drives together, or more than 5 million derivatives: these times the
-/// states, delay lines and signals.
+/// If it has more than 500 states, delay lines and drives together, or more than 5 million derivatives. Their number is
+/// the number of states, delay lines and drives, times the number of states, delay lines and recordable signals. The
+/// recordable signals include every drive and every element.
 ///
 /// # Examples
 ///

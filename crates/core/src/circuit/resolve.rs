@@ -264,16 +264,12 @@ impl CordPlugger<'_> {
 
     /// The hint for a cord from a negative output, or from a fixed voltage under another name. `None` for other names.
     fn source_hint(&self, name: &str) -> Option<String> {
-        let fixed_voltage = || fixed_voltage_hint(name).filter(|_| !self.can_be_output(name));
-        self.inversion_hint(name).or_else(fixed_voltage)
-    }
-
-    /// Whether an unknown name can mean an output: one that could not be read, or one with other capitals.
-    fn can_be_output(&self, name: &str) -> bool {
         let outputs =
             self.nodes.keys().copied().chain(self.patch.instance_outputs.keys().map(String::as_str));
-        let mut outputs = outputs.filter(|output| output.eq_ignore_ascii_case(name));
-        self.patch.unread_names().can_include(name) || outputs.next().is_some()
+        // A name can also mean an output that could not be read.
+        let is_unread = || self.patch.unread_names().can_include(name);
+        let fixed_voltage = || fixed_voltage_hint(name, outputs).filter(|_| !is_unread());
+        self.inversion_hint(name).or_else(fixed_voltage)
     }
 
     /// The hint for a cord from a negative output, such as "-A1". `None` if the name does not mean this.

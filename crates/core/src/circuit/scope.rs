@@ -172,7 +172,7 @@ impl Quantities {
         check_cycles(placed, self, unit, findings)?;
         let value = self.in_si(&placed.value, value, unit);
         if !value.is_finite() {
-            findings.push(too_large(&placed.value, placed.span));
+            findings.push(too_large(placed.value.text(), placed.span));
             return None;
         }
         Some(value)
@@ -260,9 +260,10 @@ fn describe(dimension: Dimension) -> String {
     if dimension.is_dimensionless() { "is a pure number".to_owned() } else { format!("is in {dimension}") }
 }
 
-/// The diagnostic for a formula whose value overflows when it is converted to SI units or volts.
-pub(super) fn too_large(formula: &Formula, span: Span) -> Diagnostic {
-    let message = format!("the value of {} is too large", formula.text());
+/// The diagnostic for a value that overflows when it is converted to SI units or volts. `source` is the text of its
+/// formula, or describes where the value is.
+pub(super) fn too_large(source: &str, span: Span) -> Diagnostic {
+    let message = format!("the value of {source} is too large");
     Diagnostic::at(Code::NOT_FINITE, span, message).hint("look for a wrong power of ten, here or in a scale")
 }
 

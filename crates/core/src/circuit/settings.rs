@@ -16,7 +16,8 @@ use super::macros;
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
 use crate::document::{
-    Code, Diagnostic, Placed, Span, format_distinct, format_outside, range_violation, unit_suffix,
+    Code, Diagnostic, Placed, Span, format_distinct, format_number, format_outside, range_violation,
+    unit_suffix,
 };
 use crate::elements::{REFERENCES, Setting, SettingDefault, SettingQuantity, Transfer};
 use crate::machines::REFERENCE;
@@ -104,9 +105,13 @@ impl SettingChecker<'_> {
         let mut values = vec![None; self.entry.settings.len()];
         for (index, row) in self.entry.kind.settings.iter().enumerate() {
             let Some(placed) = &self.entry.settings[index] else { continue };
-            if let Amount::Formula(formula) = &placed.value {
-                let placed = Placed { value: formula.clone(), span: placed.span };
-                values[index] = self.checked_value(row, &placed, findings);
+            match &placed.value {
+                Amount::Formula(formula) => {
+                    let placed = Placed { value: formula.clone(), span: placed.span };
+                    values[index] = self.checked_value(row, &placed, findings);
+                }
+                Amount::Points(points) => findings.extend(self.point_violation(points, placed.span)),
+                Amount::Flag(_) | Amount::Choice(_) => (),
             }
         }
         self.check_order(&values, findings);
@@ -145,7 +150,7 @@ impl SettingChecker<'_> {
             _ => value,
         };
         if is_of_signal(row.quantity) && !self.volts(placed, value).is_finite() {
-            findings.push(too_large(&placed.value, placed.span));
+            findings.push(too_large(placed.value.text(), placed.span));
             return None;
         }
         if !row.is_allowed(value) {
@@ -184,6 +189,20 @@ impl SettingChecker<'_> {
             return 0.0;
         };
         self.quantities.in_si(&placed.value, value, unit) / volt
+    }
+
+    /// The diagnostic for the first point of a drive whose voltage is not finite. `None` if there is none, and for the
+    /// curve of an element, which is in volts.
+    ///
+    /// A factor that is not finite is reported when the patch is lowered.
+    fn point_violation(&self, points: &[[f64; 2]], span: Span) -> Option<Diagnostic> {
+        let unit = self.unit()?;
+        let volts_per_unit = unit.factor() / self.quantities.per_volt(self.scale?)?;
+        let is_violation = |[_, value]: &&[f64; 2]| !(volts_per_unit * value).is_finite();
+        let [time, value] = points.iter().find(is_violation).filter(|_| volts_per_unit.is_finite())?;
+        let (value, time) = (format_number(*value), format_number(*time));
+        let source = format!("{value}{} at {time} s in the table of {}", unit_suffix(unit.text()), self.name);
+        Some(too_large(&source, span))
     }
 
     /// Whether a dimension is right for a setting of this quantity.

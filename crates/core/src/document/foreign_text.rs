@@ -61,16 +61,17 @@ fn csv_header(text: &str) -> Option<Span> {
 }
 
 /// The diagnostic for a number with a comma in an object, such as 3,5, or with several points, such as 45.000.000.
-/// `None` if there is none at byte `at`.
+/// `None` if there is none at byte `at`. `separators` are the signs that can be part of the number.
 ///
 /// The parser reads a comma, or a second point, as the end of the number, and stops at byte `at`: at the digit after
-/// the comma, or at the point. In an object no number can follow a comma.
-pub(super) fn number_with_separators(text: &str, at: usize) -> Option<Diagnostic> {
+/// the comma, or at the point. In an object no number can follow a comma. In a list a comma separates items, so it is
+/// not part of a number with several points.
+pub(super) fn number_with_separators(text: &str, at: usize, separators: &str) -> Option<Diagnostic> {
     let (before, after) = text.split_at_checked(at)?;
-    let start =
-        before.trim_end_matches(|letter: char| letter.is_ascii_digit() || "-,.".contains(letter)).len();
-    let is_part = |letter: char| letter.is_ascii_digit() || "+-.,eE".contains(letter);
-    let end = at + after.find(|letter: char| !is_part(letter)).unwrap_or(after.len());
+    let is_part = |letter: char| letter.is_ascii_digit() || letter == '-' || separators.contains(letter);
+    let start = before.trim_end_matches(is_part).len();
+    let is_part_or_exponent = |letter: char| is_part(letter) || "+eE".contains(letter);
+    let end = at + after.find(|letter: char| !is_part_or_exponent(letter)).unwrap_or(after.len());
     let number = text[start..end].trim_end_matches(',');
     let advised = without_separators(number)?;
     let fault = if number.contains(',') { "a comma" } else { "several points" };
@@ -125,9 +126,11 @@ mod tests {
             assert_eq!(error.message, format!("not JSON: the number {number} has a comma"));
             assert_eq!(error.hint.as_deref(), Some(hint));
         }
-        let error = parse("{\"a\": [1, 45.000.000]}").unwrap_err();
-        assert_eq!(error.message, "not JSON: the number 45.000.000 has several points");
-        assert_eq!(error.hint.as_deref(), Some("write 45000000"));
+        for text in ["{\"a\": [1, 45.000.000]}", "[45.000.000,5]", "[1,45.000.000]"] {
+            let error = parse(text).unwrap_err();
+            assert_eq!(error.message, "not JSON: the number 45.000.000 has several points", "{text}");
+            assert_eq!(error.hint.as_deref(), Some("write 45000000"), "{text}");
+        }
         for text in ["{\"a\": 1, b: 2}", "{\"a\": 1, 5}", "{\"a\": 1,\n5}"] {
             assert!(parse(text).unwrap_err().message.starts_with("not JSON: Expected"), "{text}");
         }

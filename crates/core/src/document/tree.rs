@@ -175,11 +175,14 @@ pub fn parse(text: &str) -> Result<Node, Diagnostic> {
 /// The diagnostic for the error of the parser.
 fn syntax_error(text: &str, error: &ParseError) -> Diagnostic {
     let error_span = span(error.range());
-    let is_after_separator = matches!(
-        error.kind(),
-        ParseErrorKind::ExpectedStringObjectProperty | ParseErrorKind::BareDecimalPointNumbersNotAllowed
-    );
-    if is_after_separator && let Some(finding) = number_with_separators(text, error_span.start) {
+    let separators = match error.kind() {
+        ParseErrorKind::ExpectedStringObjectProperty => Some(",."),
+        ParseErrorKind::BareDecimalPointNumbersNotAllowed => Some("."),
+        _ => None,
+    };
+    let finding =
+        separators.and_then(|separators| number_with_separators(text, error_span.start, separators));
+    if let Some(finding) = finding {
         return finding;
     }
     let rest = text.get(error_span.start..).unwrap_or_default();

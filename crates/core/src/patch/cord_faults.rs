@@ -88,14 +88,22 @@ const VOLTAGE_NAMES: [(&[&str], &str); 4] = [
 ];
 
 /// The hint for a cord from an unknown name that means a fixed voltage: another name of a reference, or a voltage such
-/// as "+100V" or "5". `None` for other names.
-pub(crate) fn fixed_voltage_hint(name: &str) -> Option<String> {
-    if let Some(volts) = voltage(name) {
-        return Some(constant_hint(volts));
-    }
-    let name = name.trim().to_lowercase();
-    let (_, hint) = VOLTAGE_NAMES.iter().find(|(names, _)| names.contains(&name.as_str()))?;
-    Some((*hint).to_owned())
+/// as "+100V" or "5". `None` for other names, and for one that differs from an output only in its capitals, because it
+/// means that output.
+pub(crate) fn fixed_voltage_hint<'n>(
+    name: &str,
+    outputs: impl IntoIterator<Item = &'n str>,
+) -> Option<String> {
+    let hint = match voltage(name) {
+        Some(volts) => constant_hint(volts),
+        None => {
+            let name = name.trim().to_lowercase();
+            let (_, hint) = VOLTAGE_NAMES.iter().find(|(names, _)| names.contains(&name.as_str()))?;
+            (*hint).to_owned()
+        }
+    };
+    let is_output = outputs.into_iter().any(|output| output.eq_ignore_ascii_case(name));
+    (!is_output).then_some(hint)
 }
 
 /// The voltage that a text specifies, in volts: a number alone or with a unit. `None` for other texts.
@@ -161,12 +169,13 @@ mod tests {
         ];
         for (names, expected) in cases {
             for name in names {
-                let hint = fixed_voltage_hint(name).unwrap_or_default();
+                let hint = fixed_voltage_hint(name, ["A1"]).unwrap_or_default();
                 assert!(hint.starts_with(expected), "{name}: {hint}");
             }
         }
         for name in ["A1", "5 kg", "inf", "", "x", "grid"] {
-            assert_eq!(fixed_voltage_hint(name), None, "{name}");
+            assert_eq!(fixed_voltage_hint(name, ["A1"]), None, "{name}");
         }
+        assert_eq!(fixed_voltage_hint("GND", ["A1", "Gnd"]), None);
     }
 }

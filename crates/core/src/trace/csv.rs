@@ -14,8 +14,8 @@ use std::io::Write;
 use super::{Trace, Track};
 use patchcord_expr::round_significant;
 
-/// Number of significant digits to which times are rounded. A grid of decimal times needs fewer, and with so few hardly
-/// any other time is close enough to the rounded one.
+/// Number of significant digits to which times are rounded. Times of at most 13 digits are written without their
+/// rounding error. With this number, hardly any other time is close enough to the rounded one.
 const TIME_DIGITS: usize = 13;
 
 /// Largest relative difference of a time from the rounded one: the rounding errors of a multiple of a decimal interval,

@@ -350,11 +350,32 @@ fn option_unit<'a>(option: &str, signals: &'a [(String, String)]) -> &'a str {
     }
 }
 
-/// A number in a unit, alone or with a unit of the same dimension. A number alone needs no unit that can be parsed.
+/// A number in a unit, alone or with a unit of the same dimension. If the unit cannot be parsed, the number must be
+/// alone.
 fn number_in(unit: &str, text: &str) -> Result<f64, TypedNumberError> {
     let typed = TypedNumber::parse(text)?;
-    match Unit::parse(unit) {
-        Ok(unit) => typed.in_unit(&unit),
-        Err(_) => Ok(typed.number),
+    match (Unit::parse(unit), &typed.unit) {
+        (Ok(expected), _) => typed.in_unit(&expected),
+        (Err(_), None) => Ok(typed.number),
+        (Err(_), Some(found)) => Err(TypedNumberError::WrongUnit {
+            text: text.to_owned(),
+            found: found.text().to_owned(),
+            expected: unit.to_owned(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_is_never_ignored() {
+        assert_eq!(number_in("mm", "0.5"), Ok(0.5));
+        assert_eq!(number_in("mm", "1 um"), Ok(0.001));
+        let unknown = "furlong";
+        assert_eq!(number_in(unknown, "0.5"), Ok(0.5));
+        let error = number_in(unknown, "1mm").unwrap_err();
+        assert_eq!(error.to_string(), "\"1mm\" is in mm, but furlong is expected");
     }
 }

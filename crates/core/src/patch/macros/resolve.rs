@@ -181,12 +181,10 @@ impl<'m> SectionScope<'m> {
         Diagnostic::at(Code::UNKNOWN_NAME, cord.span, message).maybe_hint(hint)
     }
 
-    /// The hint for a cord from an unknown name. A name that differs from a known one only in its capitals means that
-    /// one, and not a fixed voltage.
+    /// The hint for a cord from an unknown name.
     fn source_hint(&self, name: &str) -> Option<String> {
         let known = self.source_names();
-        let is_known = known.iter().any(|known| known.eq_ignore_ascii_case(name));
-        fixed_voltage_hint(name).filter(|_| !is_known).or_else(|| suggestion(name, &known))
+        fixed_voltage_hint(name, known.iter().copied()).or_else(|| suggestion(name, &known))
     }
 
     /// The names that cords in this section can use, without ports of instances and references.
