@@ -209,7 +209,7 @@ fn element(shape: Shape, index: usize, count: usize) -> Node {
     let (drive, first) = (DRIVE.to_owned(), index == 0);
     let before = if first { drive.clone() } else { name(index - 1) };
     // Every other element reads the drive.
-    let nearest = if index % 2 == 0 { drive.clone() } else { before.clone() };
+    let nearest = if index.is_multiple_of(2) { drive.clone() } else { before.clone() };
     match shape {
         Shape::Ring if first => amplifier("integrator", "x1", vec![drive, name(count - 1)]),
         Shape::Chain | Shape::Ring => link(index, before),
@@ -217,7 +217,11 @@ fn element(shape: Shape, index: usize, count: usize) -> Node {
         Shape::Loops => {
             // The last of an odd number of summers is a loop by itself.
             let partner = name((index ^ 1).min(count - 1));
-            amplifier("summer", "x0.3", if index % 2 == 0 { vec![drive, partner] } else { vec![partner] })
+            amplifier(
+                "summer",
+                "x0.3",
+                if index.is_multiple_of(2) { vec![drive, partner] } else { vec![partner] },
+            )
         }
         Shape::Loop if first => amplifier("summer", "x0.5", vec![drive, name(count - 1)]),
         Shape::Loop => amplifier("summer", "x0.5", vec![before]),

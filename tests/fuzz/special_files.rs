@@ -71,7 +71,7 @@ fn link(_: &str, _: &Path) -> io::Result<()> {
 #[cfg(unix)]
 fn protect(path: &Path) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt as _;
-    fs::set_permissions(path, fs::Permissions::from_mode(0))
+    fs::set_permissions(path, fs::Permissions::from_mode(0o0))
 }
 
 #[cfg(not(unix))]

@@ -128,10 +128,13 @@ pub(crate) fn propagate(lines: &mut [DelayLine], time: f64, volts: impl Iterator
     }
 }
 
+/// Largest number of samples for which memory is reserved before the run. A line with more samples grows.
+const MAX_CAPACITY: f64 = 1e5;
+
 impl DelayLine {
     /// An empty line with capacity for a delay, in problem seconds, at this step length.
     pub(crate) fn new(delay: f64, initial: f64, step: f64) -> Self {
-        let capacity = (2.0 * delay / step).min(1e7) as usize + SPARE_SAMPLES;
+        let capacity = (2.0 * delay / step).min(MAX_CAPACITY) as usize + SPARE_SAMPLES;
         DelayLine {
             delay,
             initial,
@@ -153,7 +156,8 @@ impl DelayLine {
 
     /// The same line with capacity for this many jumps per second and their repeated passes.
     pub(crate) fn with_capacity_for(mut self, jump_rate: f64) -> Self {
-        let discontinuities = (2.0 * self.delay * jump_rate * f64::from(1 + MAX_PASSES)).min(1e7) as usize;
+        let discontinuities =
+            (2.0 * self.delay * jump_rate * f64::from(1 + MAX_PASSES)).min(MAX_CAPACITY) as usize;
         self.discontinuities.reserve(discontinuities);
         self.past.reserve(2 * discontinuities);
         self

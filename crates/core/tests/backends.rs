@@ -282,6 +282,33 @@ fn an_extreme_at_a_diode_corner_between_samples_is_found() {
     }
 }
 
+/// A kernel keeps the extremes while it is left and entered again, but not in the next run.
+#[test]
+fn extremes_of_repeated_runs_are_their_own() {
+    let pulse = element("pulse").set("height", 60).set("begin", 0.3).set("width", 0.1).set("period", 0.25);
+    let builder = volts("repeated")
+        .parameter("gain", 0.9, "1", [0.0, 1.0])
+        .drive("p", "volt", pulse)
+        .element("P", element("pot").cord("in", "p").set("setting", "gain"))
+        .element("A", element("lag").cords("x1", ["P"]).set("time", 0.05));
+    let program = built(builder);
+    let lower = Phase::set("gain", 0.2);
+    let phases =
+        [Phase::InitialCondition, Phase::operate(1.0), lower, Phase::InitialCondition, Phase::operate(1.0)];
+    let settings = RunSettings::from_phases(phases, 1e-3).with_signals(["A", "p"]);
+    let (specialised, reference) = specialised_and_reference(&program, &settings);
+    for (specialised, reference) in specialised.tracks.iter().zip(&reference.tracks) {
+        assert_eq!((specialised.extremes.len(), reference.extremes.len()), (2, 2));
+        for (specialised, reference) in specialised.extremes.iter().zip(&reference.extremes) {
+            let volts = [specialised.least, specialised.most].map(|extreme| extreme.volts);
+            let expected = [reference.least, reference.most].map(|extreme| extreme.volts);
+            assert!(volts.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{volts:?} {expected:?}");
+        }
+    }
+    let [first, second] = [0, 1].map(|run| specialised.tracks[0].extremes[run].least.volts);
+    assert!(first < -40.0 && (-15.0..-5.0).contains(&second), "{first} {second}");
+}
+
 /// The extremes of a signal depend neither on the other recorded signals nor on the sampling interval.
 #[test]
 fn extremes_do_not_depend_on_the_recording() {

@@ -270,3 +270,55 @@ fn pulses_of_half_a_step_have_the_right_length_or_a_warning() {
         assert!(step > 0.01 || trace.step_warning.is_none(), "step {step}: {:?}", trace.step_warning);
     }
 }
+
+/// x'' = -100 x from 10 V. A relay that switches in most steps has no influence on x.
+#[test]
+fn switchings_do_not_hide_the_error_of_a_step() {
+    let relay = element("relay").cord("in", "T").cord("on", "+100").cord("off", "-100");
+    let builder = volts("oscillator and relay")
+        .element("A1", element("integrator").cords("x100", ["B"]))
+        .element("A2", element("integrator").cords("x1", ["A1"]).set("initial", -10))
+        .element("B", element("inverter").cord("in", "A2"))
+        .element("T", element("integrator").cords("x10", ["R"]))
+        .element("R", relay.set("pull_in", 50).set("drop_out", -50));
+    let program = built(builder);
+    let warning = checked(&program, 0.1, 10.0, &["B"]).step_warning.unwrap();
+    assert!(warning.error > 0.3 && warning.recommended < 0.05, "{warning:?}");
+    let settings = RunSettings::from_phases([Phase::InitialCondition, Phase::operate(10.0)], 0.1);
+    let step = sufficient_step(&program, &settings.with_signals(["B"])).unwrap();
+    let machine = crate::common::run_for(&program, step, 10.0);
+    let expected = 10.0 * 100.0f64.cos();
+    assert!((voltage(&machine, "B") - expected).abs() < 0.02, "step {step}: {}", voltage(&machine, "B"));
+}
+
+/// The reaction of Robertson. With too long a step all outputs go to their limits and stay there, also with half of the
+/// step.
+#[test]
+fn outputs_that_an_unstable_step_throws_to_their_limits_are_reported() {
+    let product = |a: &str, b: &str| element("multiplier").cord("a", a).cord("b", b).set("mode", "product");
+    let inverse = |of: &str| element("inverter").cord("in", of);
+    let builder = volts("reaction")
+        .element("mA", element("integrator").cords("x0.04", ["mA"]).cords("x1", ["BC"]).set("initial", -100))
+        .element("A", inverse("mA"))
+        .element(
+            "mB",
+            element("integrator").cords("x400", ["A"]).cords("x10000", ["nBC"]).cords("x3000", ["nBB"]),
+        )
+        .element("B", inverse("mB"))
+        .element("mC", element("integrator").cords("x0.3", ["BB"]))
+        .element("C", inverse("mC"))
+        .element("BC", product("B", "C"))
+        .element("BB", product("B", "B"))
+        .element("nBC", inverse("BC"))
+        .element("nBB", inverse("BB"));
+    let program = built(builder);
+    for step in [0.1, 0.04] {
+        let trace = checked(&program, step, 40.0, &["A", "B", "C"]);
+        let warning = trace.step_warning.unwrap_or_else(|| panic!("step {step}: {:?}", trace.repetitions));
+        assert!(matches!(warning.cause, StepCause::Unstable(_)), "{warning:?}");
+        assert!(warning.error > 10.0 && warning.recommended < 0.3 * step, "{warning:?}");
+    }
+    // The values of a at 40 s in the literature: 0.7158.
+    let machine = crate::common::run_for(&program, 2e-4, 40.0);
+    assert!((voltage(&machine, "A") - 71.58270687).abs() < 1e-5, "{}", voltage(&machine, "A"));
+}

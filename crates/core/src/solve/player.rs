@@ -72,8 +72,9 @@ impl<'p, 'w> Player<'p, 'w> {
         let works = trace.repetitions.iter().map(|repetition| repetition.work);
         let crossed_events = works.map(|work| work.changes + work.crossings).sum();
         let check = self.machine.step_check.as_ref();
-        let by_events = check.and_then(|check| check.doubt_by_events(crossed_events));
-        (trace, StepDoubt::worse(self.recorder.step_doubt, by_events))
+        let is_interrupted = check.is_some_and(|check| check.is_interrupted(crossed_events));
+        let doubt = self.recorder.step_doubt;
+        (trace, if is_interrupted { Some(StepDoubt::interrupted(doubt)) } else { doubt })
     }
 
     /// The machine, and the time by the recorder's clock in seconds, summed over all repetitions.

@@ -31,6 +31,9 @@ const RECOMMENDED_PRODUCT: f64 = 1.4;
 const LARGEST_ADVANCE: f64 = 0.25;
 /// The advance that the recommended step has, in periods.
 const RECOMMENDED_ADVANCE: f64 = 0.02;
+/// Share of the step with which a run is compared if events end most of its steps: half the golden ratio. With half the
+/// step, the events could end the same steps.
+const INTERRUPTED_SHARE: f64 = 0.5 * 0.618_033_988_749_895;
 /// Least share of the step with which a run is compared: a twentieth of the golden ratio, which is no ratio of small
 /// numbers, so that an oscillation that one step does not show is seen in the other.
 const LEAST_COMPARED_SHARE: f64 = 0.05 * 0.618_033_988_749_895;
@@ -220,11 +223,10 @@ impl StepCheck {
         unstable.product = unstable.product.max(product);
     }
 
-    /// The doubt about the steps of a run because its checks met events; `None` if they did not, or if the run has too
-    /// many changes of mode and crossings of kinks for a comparison.
-    pub(super) fn doubt_by_events(&self, crossed_events: u64) -> Option<StepDoubt> {
-        let is_unknown = self.run_interruptions * UNKNOWN_SHARE > self.run_attempts;
-        (is_unknown && crossed_events <= MAX_COMPARED_EVENTS).then_some(StepDoubt::Inaccurate)
+    /// Whether the steps of a run are in doubt because many of its checks met events. `false` if the run has too many
+    /// changes of mode and crossings of kinks for a comparison.
+    pub(super) fn is_interrupted(&self, crossed_events: u64) -> bool {
+        self.run_interruptions * UNKNOWN_SHARE > self.run_attempts && crossed_events <= MAX_COMPARED_EVENTS
     }
 
     /// The doubt about the steps of the repetition; `None` if the checks found them short enough. `is_overloaded` is
@@ -242,7 +244,8 @@ impl StepCheck {
         let unstable = self.unstable.filter(|_| is_unstable).map(|Unstable { state, product }| {
             let element = setup.program.lowered.states[state].element;
             let recommended = setup.step * RECOMMENDED_PRODUCT / product;
-            StepDoubt::Unstable { element, recommended, is_overloaded }
+            let compared_share = if is_overloaded { LEAST_COMPARED_SHARE } else { 0.5 };
+            StepDoubt::Unstable { element, recommended, compared_share }
         });
         let (element, periods) = self.fastest;
         let recommended = setup.step * RECOMMENDED_ADVANCE / periods;
@@ -255,8 +258,10 @@ impl StepCheck {
 /// The doubt that the steps of a run are too long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum StepDoubt {
-    /// The method is stable, but its errors are large or not known.
+    /// The method is stable, but its errors are large.
     Inaccurate,
+    /// Events prevented many checks, so that the errors are not known.
+    Interrupted,
     /// An angle advances by a large part of a period in a step.
     Fast {
         /// Index of the element whose angle it is.
@@ -270,28 +275,39 @@ pub(super) enum StepDoubt {
         element: usize,
         /// A step that would do, in problem seconds.
         recommended: f64,
-        /// Whether an output was overloaded.
-        is_overloaded: bool,
+        /// The step of the run with which the run is compared, as a share of its own.
+        compared_share: f64,
     },
 }
 
 impl StepDoubt {
     /// The step of the run with which a run of this step is compared: half of it, unless that would not show an
-    /// oscillation either, or would give the same overload.
+    /// oscillation either, or would give the same steps between events or the same overload.
     pub(super) fn compared_step(self, step: f64) -> f64 {
         match self {
-            StepDoubt::Fast { recommended, .. }
-            | StepDoubt::Unstable { recommended, is_overloaded: true, .. } => {
-                recommended.max(LEAST_COMPARED_SHARE * step)
-            }
+            StepDoubt::Interrupted => INTERRUPTED_SHARE * step,
+            StepDoubt::Fast { recommended, .. } => recommended.max(LEAST_COMPARED_SHARE * step),
+            StepDoubt::Unstable { compared_share, .. } => compared_share * step,
             _ => 0.5 * step,
+        }
+    }
+
+    /// The doubt about a run with this doubt if in addition its checks met many events.
+    pub(super) fn interrupted(doubt: Option<Self>) -> Self {
+        match doubt {
+            Some(StepDoubt::Unstable { element, recommended, compared_share }) => {
+                let compared_share = compared_share.min(INTERRUPTED_SHARE);
+                StepDoubt::Unstable { element, recommended, compared_share }
+            }
+            Some(fast @ StepDoubt::Fast { .. }) => fast,
+            _ => StepDoubt::Interrupted,
         }
     }
 
     /// The worse of two doubts: the one with the shorter recommended step.
     pub(super) fn worse(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         let recommended = |doubt: &Self| match doubt {
-            StepDoubt::Inaccurate => f64::INFINITY,
+            StepDoubt::Inaccurate | StepDoubt::Interrupted => f64::INFINITY,
             StepDoubt::Unstable { recommended, .. } | StepDoubt::Fast { recommended, .. } => *recommended,
         };
         let doubts = one.into_iter().chain(other);

@@ -47,7 +47,7 @@ pub(super) fn step_warning(
     let by_error = step * (RECOMMENDED_SHARE / worst.share).powf(1.0 / ERROR_ORDER);
     let name = |element: usize| program.name(element).to_owned();
     let (cause, recommended) = match doubt {
-        StepDoubt::Inaccurate => (StepCause::Inaccurate, by_error.min(0.5 * step)),
+        StepDoubt::Inaccurate | StepDoubt::Interrupted => (StepCause::Inaccurate, by_error.min(0.5 * step)),
         StepDoubt::Fast { element, recommended } => (StepCause::Fast(name(element)), recommended),
         StepDoubt::Unstable { element, recommended, .. } => (StepCause::Unstable(name(element)), recommended),
     };

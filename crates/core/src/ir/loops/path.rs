@@ -104,3 +104,77 @@ impl<'a> Path<'a> {
         first
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Problem, pieces};
+    use super::*;
+    use crate::circuit::Circuit;
+    use crate::ir::Program;
+    use crate::ir::op::Sources;
+    use crate::patch::{ElementBuilder, PatchBuilder};
+
+    /// Follows the path of the only loop in a patch, and checks the laws at its end. If `is_small`, an enumeration must
+    /// find the same voltages and no others.
+    fn check(builder: PatchBuilder, is_small: bool) {
+        let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
+        let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+        let parameters: Vec<f64> = program.parameters.iter().map(|parameter| parameter.value).collect();
+        let coefficients = program.prepare(&parameters);
+        let from = Sources { coefficients: &coefficients, ..Sources::none() };
+        let entry = &program.lowered.loops[0];
+        let mut outside: Vec<f64> = Vec::new();
+        for op in &program.lowered.body[..entry.tears[0].register.index()] {
+            outside.push(op.apply(&from, |register| outside[register.index()]));
+        }
+        let problem = Problem { program: &program, entry, coefficients: &coefficients, outside: &outside };
+        let tears = solution(&problem).expect("a path to the solution");
+        let mut inside = vec![0.0; problem.order() + entry.operations.len()];
+        problem.evaluate_at(&tears, &mut inside);
+        problem.check_laws(&inside).unwrap_or_else(|fault| panic!("{fault:?} at {tears:?}"));
+        if is_small {
+            let counted = pieces::solutions(&problem).and_then(|all| all.only()).unwrap();
+            assert!(tears.iter().zip(&counted).all(|(a, b)| (a - b).abs() < 1e-9), "{tears:?} {counted:?}");
+        }
+    }
+
+    fn summer() -> ElementBuilder {
+        ElementBuilder::new("summer")
+    }
+
+    #[test]
+    fn a_matrix_with_large_entries_off_its_diagonal_is_solved() {
+        // Entry (i, j) is 0.9^|i - j|. The sides are chosen so that some outputs are at their limits.
+        let order = 16;
+        let builder = (0..order).fold(PatchBuilder::new("matrix"), |builder, row: i32| {
+            let others = (0..order).filter(|column| *column != row);
+            let sum = others.fold(summer(), |sum, column| {
+                sum.cords(&format!("x{}", 0.9f64.powi((row - column).abs())), [format!("S{column}")])
+            });
+            let reference = if row % 3 == 0 { "-100" } else { "+100" };
+            builder.element(&format!("S{row}"), sum.cords(&format!("x{}", 1 + row % 5), [reference]))
+        });
+        check(builder, false);
+    }
+
+    #[test]
+    fn amplifiers_that_reach_their_limits_together_are_solved() {
+        // Both demand -200 V minus 0.6 times the other output.
+        let amplifier = |other: &str| summer().cords("x0.6", [other]).cords("x2", ["+100"]);
+        let builder = PatchBuilder::new("pair").element("A", amplifier("B")).element("B", amplifier("A"));
+        check(builder, true);
+    }
+
+    #[test]
+    fn a_table_in_the_loop_is_followed_over_its_segments() {
+        let points = serde_json::json!([[-100, -20], [-40, -10], [0, 5], [30, 60], [100, 70]]);
+        for drive in ["x0.9", "x0.4", "x0.05"] {
+            let table =
+                ElementBuilder::new("function-generator").cord("in", "A").set("points", points.clone());
+            let builder = PatchBuilder::new("table")
+                .element("A", summer().cords("x0.5", ["F", "A"]).cords(drive, ["-100"]))
+                .element("F", table);
+            check(builder, true);
+        }
+    }
+}
