@@ -31,12 +31,14 @@ const RECOMMENDED_PRODUCT: f64 = 1.4;
 const LARGEST_ADVANCE: f64 = 0.25;
 /// The advance that the recommended step has, in periods.
 const RECOMMENDED_ADVANCE: f64 = 0.02;
+/// The inverse of the golden ratio, which is no ratio of small numbers.
+const GOLDEN_SHARE: f64 = 0.618_033_988_749_895;
 /// Share of the step with which a run is compared if events end most of its steps: half the golden ratio. With half the
 /// step, the events could end the same steps.
-const INTERRUPTED_SHARE: f64 = 0.5 * 0.618_033_988_749_895;
+const INTERRUPTED_SHARE: f64 = 0.5 * GOLDEN_SHARE;
 /// Least share of the step with which a run is compared: a twentieth of the golden ratio, which is no ratio of small
 /// numbers, so that an oscillation that one step does not show is seen in the other.
-const LEAST_COMPARED_SHARE: f64 = 0.05 * 0.618_033_988_749_895;
+const LEAST_COMPARED_SHARE: f64 = 0.05 * GOLDEN_SHARE;
 /// Error of one step, in volts, below which an unstable method does no harm.
 const HARMLESS_ERROR: f64 = 1e-4;
 /// Change of a state in one step, in volts, below which an unstable method does no harm at an event.
@@ -174,7 +176,9 @@ impl StepCheck {
         }
         let response =
             response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
-        if has_event(setup, state, delay_lines, buffers, length) {
+        let meets_event = event_at(setup, state, &buffers.voltages).is_some();
+        let meets_corner = has_corner(setup, state, delay_lines, buffers, length);
+        if meets_event || meets_corner {
             self.run_interruptions += u64::from(is_planned);
             let harmful = response.filter(|response| is_planned && response.change > HARMLESS_CHANGE);
             if let Some(response) = harmful {
@@ -182,7 +186,7 @@ impl StepCheck {
                 self.note_unstable(response);
             }
         }
-        if has_corner(setup, state, delay_lines, buffers, length) {
+        if meets_corner {
             return;
         }
         self.whole.copy_from_slice(&buffers.states);
@@ -333,19 +337,6 @@ fn has_corner(
     buffers.hint.is_some()
         || kink_crossed(setup, &state.voltages, &buffers.voltages).is_some()
         || length_to_turn(setup, state, delay_lines, buffers, (length, false)).is_some()
-}
-
-/// Whether the solver would not take the step of this length that was tried from a state as a whole, because of an event
-/// in it.
-fn has_event(
-    setup: &Setup<'_>,
-    state: &SolverState,
-    delay_lines: &mut [DelayLine],
-    buffers: &mut StepBuffers,
-    length: f64,
-) -> bool {
-    event_at(setup, state, &buffers.voltages).is_some()
-        || has_corner(setup, state, delay_lines, buffers, length)
 }
 
 /// How the rates respond to a change of the states within a step.
