@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::callee::Callee;
 use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
-use super::scope::{Scope, missing_property};
+use super::scope::{Scope, base_error, missing_property};
 use super::wording::{excerpt, name_values, operand_values};
 use crate::function::Function;
 use crate::number_text::format_shortest;
@@ -55,7 +55,10 @@ impl Evaluator<'_> {
         left: &Node,
         right: &Node,
     ) -> Result<f64, FormulaError> {
-        let a = self.value(left)?;
+        let a = self.value(left).map_err(|error| match operator {
+            Operator::Power => base_error(self.text, left, right, error),
+            _ => error,
+        })?;
         let b = self.value(right)?;
         let operands = [(left, a), (right, b)];
         match operator {

@@ -19,13 +19,16 @@ use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
 use super::synonyms;
 use super::tokens::{Token, TokenKind, tokenize};
-use crate::units::nearest;
+use crate::units::{Unit, nearest};
 
 /// The maximum length of a formula, in bytes. It bounds the time that a broken file can cost.
 const MAX_TEXT_LENGTH: usize = 2000;
 /// The maximum depth of nesting. It keeps the recursion of the parser, and of every later walk over
 /// the tree, far below the limit of the stack.
 const MAX_NESTING: usize = 200;
+
+/// The hint for a unit after a number. It can also be meant as the name of a quantity.
+const UNIT_HINT: &str = "numbers have no units in formulas; a product is written with *";
 
 /// Parses a text and returns the root of its expression tree.
 pub(super) fn root(text: &str) -> Result<Node, FormulaError> {
@@ -231,8 +234,16 @@ impl<'t> Parser<'t> {
             TokenKind::Sign(',') => FormulaError::new(range, "a comma is not allowed here")
                 .with_hint("a comma separates arguments; decimals are written with a point"),
             _ => FormulaError::new(range, format!("an operator is missing before {written}"))
-                .with_hint("a product is written with *"),
+                .with_hint(if self.is_unit_of_number() { UNIT_HINT } else { "a product is written with *" }),
         }
+    }
+
+    /// Whether the current token is the name of a unit and follows a number, as in `2 mm`.
+    fn is_unit_of_number(&self) -> bool {
+        let follows_number =
+            self.tokens[..self.at].last().is_some_and(|token| matches!(token.kind, TokenKind::Number(_)));
+        let Token { kind, range } = self.current();
+        follows_number && *kind == TokenKind::Name && Unit::parse(self.text_of(range)).is_ok()
     }
 }
 

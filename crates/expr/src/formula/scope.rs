@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use super::callee::Callee;
 use super::error::FormulaError;
+use super::expression::{Expression, Node};
+use super::wording::{excerpt, without_parentheses};
 use crate::units::{Dimension, nearest};
 
 /// The values and dimensions of the names in a formula.
@@ -76,7 +78,8 @@ impl Scope for NoNames {
 ///
 /// The message distinguishes three cases. A name in the list of the scope exists, but its value or
 /// unit is not available at this stage. The name of a function needs arguments. Any other name is
-/// unknown, and the hint is the most similar known name.
+/// unknown, and the hint is the most similar known name. Without such a name, e is the base of the
+/// natural logarithm.
 pub(super) fn missing_property(
     scope: &dyn Scope,
     name: &str,
@@ -87,9 +90,23 @@ pub(super) fn missing_property(
     if names.contains(&name) {
         return FormulaError::new(range, format!("{name} has no {property} here"));
     }
-    let hint = match Callee::from_name(name) {
-        Some(_) => Some(format!("{name} is a function: write {name}( ... )")),
-        None => nearest(name, names).map(|near| format!("did you mean {near}?")),
+    let hint = match (Callee::from_name(name), nearest(name, names)) {
+        (Some(_), _) => Some(format!("{name} is a function: write {name}( ... )")),
+        (None, Some(near)) => Some(format!("did you mean {near}?")),
+        (None, None) => (name == "e").then(|| E_HINT.to_owned()),
     };
     FormulaError::new(range, format!("{name} is not known here")).with_hint_if(hint)
+}
+
+/// The hint for the name e if it is not known and resembles no known name.
+const E_HINT: &str = "the number e is exp(1), and e to the power of x is exp(x)";
+
+/// Returns the error of the base of a power. If the base is the number e, the hint has the exponent: `write exp(k)` for
+/// `e^k`.
+pub(super) fn base_error(text: &str, base: &Node, exponent: &Node, error: FormulaError) -> FormulaError {
+    let is_number_e = matches!(base.expression, Expression::Name(_)) && error.hint.as_deref() == Some(E_HINT);
+    match is_number_e {
+        true => error.with_hint(format!("write exp({})", without_parentheses(&excerpt(text, exponent)))),
+        false => error,
+    }
 }

@@ -1,22 +1,30 @@
 //! Functions that other languages have, and how a formula computes the same.
 
 /// Names of functions that formulas do not have, and what to write instead.
-const SYNONYMS: [(&[&str], &str); 17] = [
+const SYNONYMS: [(&[&str], &str); 22] = [
     (&["asin", "arcsin"], "the arc sine of x is atan(x / sqrt(1 - x^2))"),
     (&["acos", "arccos"], "the arc cosine of x is pi / 2 - atan(x / sqrt(1 - x^2))"),
-    (&["arctan"], "did you mean atan?"),
+    (&["arctan", "arctg", "artg"], "did you mean atan?"),
     (&["arctan2"], "did you mean atan2?"),
+    (&["tg"], "did you mean tan?"),
+    (&["ctg", "cotg", "cot"], "the cotangent of x is 1 / tan(x)"),
+    (&["arcctg", "arccot", "acot"], "the arc cotangent of x is pi / 2 - atan(x)"),
     (&["pow"], "a power is written with ^, such as x^2"),
     (&["sqr", "square"], "a square is written x^2, and the square root sqrt(x)"),
     (&["cbrt"], "the cube root of a positive x is x^(1 / 3)"),
     (&["hypot"], "write sqrt(a^2 + b^2)"),
     (&["sign", "sgn", "signum"], "the sign of x is x / abs(x), if x is not 0"),
     (&["log"], "ln is the natural logarithm, and log10 the logarithm to base 10"),
+    (&["lg"], "did you mean log10?"),
     (&["log2", "lb", "ld"], "the logarithm of x to base 2 is ln(x) / ln(2)"),
     (&["sinh"], "the hyperbolic sine of x is (exp(x) - exp(-x)) / 2"),
     (&["cosh"], "the hyperbolic cosine of x is (exp(x) + exp(-x)) / 2"),
     (&["ceil", "ceiling"], "the smallest whole number from x on is -floor(-x)"),
     (&["round"], "the whole number nearest to x is floor(x + 0.5)"),
+    (
+        &["int", "trunc", "truncate", "fix"],
+        "without its decimals, a positive x is floor(x), and a negative one -floor(-x)",
+    ),
     (&["mod", "fmod"], "the remainder of a / b is a - b * floor(a / b)"),
     (&["if", "where", "step", "heaviside"], "formulas have no conditions: use min, max and floor"),
 ];
@@ -57,6 +65,10 @@ mod tests {
             ("-floor(-2.3)", 3.0),
             ("floor(2.6 + 0.5)", 3.0),
             ("7 - 3 * floor(7 / 3)", 1.0),
+            ("1 / tan(0.7)", 1.0 / 0.7f64.tan()),
+            ("pi / 2 - atan(1)", std::f64::consts::FRAC_PI_4),
+            ("floor(2.7)", 2.7f64.trunc()),
+            ("-floor(--2.7)", (-2.7f64).trunc()),
         ];
         for (text, expected) in cases {
             let value = Formula::parse(text).unwrap().evaluate(&NoNames).unwrap();

@@ -173,6 +173,29 @@ fn suggests_the_intended_name() {
 }
 
 #[test]
+fn the_number_e_is_written_with_exp() {
+    let cases = [
+        ("e^slip", "write exp(slip)"),
+        ("2 * e^-slip", "write exp(-slip)"),
+        ("1 - e^(-slip / (2 * 3))", "write exp(-slip / (2 * 3))"),
+        ("e^((slip) / (2))", "write exp((slip) / (2))"),
+        ("ln(e)", "the number e is exp(1), and e to the power of x is exp(x)"),
+        ("(1 + e)^slip", "the number e is exp(1), and e to the power of x is exp(x)"),
+    ];
+    for (text, expected) in cases {
+        let errors =
+            [formula(text).evaluate(&scope()).unwrap_err(), formula(text).dimension(&scope()).unwrap_err()];
+        for error in errors {
+            let found = (error.message.as_str(), error.hint.as_deref());
+            assert_eq!(found, ("e is not known here", Some(expected)), "{text}");
+        }
+    }
+    // A known name of one letter is meant by its other case.
+    let named = TestScope(vec![("E", Some(1.0), "1")]);
+    assert_eq!(formula("e^2").evaluate(&named).unwrap_err().hint.as_deref(), Some("did you mean E?"));
+}
+
+#[test]
 fn functions_and_signs_of_other_notations_get_a_hint() {
     let hint = |text: &str| Formula::parse(text).unwrap_err().hint.unwrap();
     let cases = [
@@ -180,6 +203,18 @@ fn functions_and_signs_of_other_notations_get_a_hint() {
         ("ASIN(0.5)", "the arc sine of x is atan(x / sqrt(1 - x^2))"),
         ("squrt(2)", "did you mean sqrt?"),
         ("spring(2)", "a product is written spring * ( ... )"),
+        ("lg(2)", "did you mean log10?"),
+        ("tg(2)", "did you mean tan?"),
+        ("ctg(2)", "the cotangent of x is 1 / tan(x)"),
+        ("arctg(2)", "did you mean atan?"),
+        ("arcctg(2)", "the arc cotangent of x is pi / 2 - atan(x)"),
+        ("int(2)", "without its decimals, a positive x is floor(x), and a negative one -floor(-x)"),
+        ("Trunc(2)", "without its decimals, a positive x is floor(x), and a negative one -floor(-x)"),
+        ("2 (3)", "a product is written with *"),
+        ("1 + 2 spring", "a product is written with *"),
+        ("1 + 2 mm", "numbers have no units in formulas; a product is written with *"),
+        ("(2mm)", "numbers have no units in formulas; a product is written with *"),
+        ("slip mm", "a product is written with *"),
         ("2 × 3", "write * instead"),
         ("2 * µ", "names consist of the letters a to z and A to Z, digits and _"),
     ];

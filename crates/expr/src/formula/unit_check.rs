@@ -10,7 +10,7 @@ use super::callee::Callee;
 use super::error::FormulaError;
 use super::evaluate;
 use super::expression::{Expression, Node, Operator};
-use super::scope::{NoNames, Scope, missing_property};
+use super::scope::{NoNames, Scope, base_error, missing_property};
 use super::wording::excerpt;
 use crate::function::Function;
 use crate::number_text::format_shortest;
@@ -167,7 +167,8 @@ impl UnitChecker<'_> {
     ///
     /// If the base has a unit, the exponents of its dimension are multiplied by the value of the exponent.
     fn power(&self, base: &Node, exponent: &Node) -> DimensionResult {
-        let (of_base, of_exponent) = (self.dimension(base)?, self.dimension(exponent)?);
+        let of_base = self.dimension(base).map_err(|error| base_error(self.text, base, exponent, error))?;
+        let of_exponent = self.dimension(exponent)?;
         if !of_exponent.is_pure_number() {
             let message = format!("the exponent {}", self.describe(exponent, of_exponent));
             return Err(

@@ -16,6 +16,17 @@ pub(super) fn excerpt(text: &str, node: &Node) -> String {
     }
 }
 
+/// Returns a text without the parentheses around the whole of it: `a + b` for `(a + b)`. The text `(a) + (b)` has none.
+pub(super) fn without_parentheses(text: &str) -> &str {
+    let Some(inside) = text.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')) else { return text };
+    let mut depth = 0_i32;
+    let is_balanced = inside.chars().all(|letter| {
+        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        depth >= 0
+    });
+    if is_balanced { inside } else { text }
+}
+
 /// Lists the values of the given operands: `: a - b is -4 and c is 2`.
 ///
 /// Literal numbers are omitted, since the excerpt already contains them. The text is empty if all
