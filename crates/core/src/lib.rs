@@ -22,6 +22,7 @@ pub mod elements;
 mod grid;
 pub mod ir;
 mod kernel;
+pub mod low_discrepancy;
 mod lower;
 pub mod machines;
 pub mod output;

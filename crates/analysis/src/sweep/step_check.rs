@@ -7,6 +7,7 @@ use std::convert::Infallible;
 
 use super::{Sweep, SweepSummary};
 use crate::parallel;
+use patchcord_core::low_discrepancy::golden_place;
 use patchcord_core::trace::StepWarning;
 
 /// The warning that the equal steps of a row are too long.
@@ -26,19 +27,13 @@ type CheckOutcome = Result<Option<StepWarning>, String>;
 const ROWS_PER_CHECK: u64 = 64;
 /// Largest number of rows that are checked.
 const MAX_CHECKED_ROWS: u64 = 8;
-/// The golden ratio. The fractional parts of its multiples are spread evenly, and have no period that agrees with that of
-/// the axis that changes fastest.
-const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// The rows that are checked among this number of rows, counted from 0, in ascending order. Each is at another place of
-/// an equal part of the rows.
+/// an equal part of the rows. The places have no period that agrees with that of the axis that changes fastest.
 fn checked_rows(rows: u64) -> Vec<u64> {
     let count = (rows / ROWS_PER_CHECK).clamp(1, MAX_CHECKED_ROWS).min(rows);
     let part_length = rows as f64 / count.max(1) as f64;
-    let row = |part: u64| {
-        let place = (GOLDEN_RATIO * (part + 1) as f64).fract();
-        ((part as f64 + place) * part_length) as u64
-    };
+    let row = |part: u64| ((part as f64 + golden_place(part + 1)) * part_length) as u64;
     (0..count).map(row).collect()
 }
 

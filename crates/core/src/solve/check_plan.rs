@@ -3,11 +3,10 @@
 //! The steps are divided into equal parts with one check in each, at a place that differs from part to part. So the
 //! checks do not always meet the same instant of a repetition. The plan depends on nothing except the numbers of steps.
 
+use crate::low_discrepancy::golden_place;
+
 /// Numbers of checked steps: the least, the most, and the number of steps for which one step is checked.
 const CHECKED_STEPS: (u64, u64, u64) = (32, 256, 6_400_000);
-/// The golden ratio. The fractional parts of its multiples are spread evenly, and have no period that agrees with that
-/// of the repetitions.
-const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// The steps of a run that are checked.
 #[derive(Debug, Clone, Copy)]
@@ -76,8 +75,7 @@ impl CheckPlan {
         if self.check >= self.checks {
             return u64::MAX;
         }
-        let place = (GOLDEN_RATIO * self.check as f64).fract();
-        let parts = (self.check - self.first_check) as f64 + place;
+        let parts = (self.check - self.first_check) as f64 + golden_place(self.check);
         self.begin.saturating_add((parts * self.part_length) as u64)
     }
 }

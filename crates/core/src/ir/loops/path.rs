@@ -11,12 +11,10 @@ use std::ops::ControlFlow;
 use super::Problem;
 use super::forms::{Forms, value};
 use super::matrix::Factors;
+use crate::low_discrepancy::golden_place;
 
 /// Maximum number of pieces of a path, for every operation of the loop.
 const PIECES_PER_OPERATION: usize = 20;
-/// The fractional parts of multiples of this number are irregular. So a path does not begin at the corners of several
-/// pieces at once.
-const IRREGULAR: f64 = 0.618_033_988_749_895;
 
 /// The solution of a straight loop that has only one. `None` if the path does not reach it: it has too many pieces, the
 /// linear system of a piece is singular, or a voltage is not finite.
@@ -41,10 +39,11 @@ struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// The path at its beginning, close to 0 V.
+    /// The path at its beginning, close to 0 V. The voltages there are irregular, so the path does not begin at the
+    /// corners of several pieces at once.
     fn new(problem: &'a Problem<'a>) -> Self {
         let span = problem.order() + problem.entry.operations.len();
-        let tears = (1..=problem.order()).map(|index| (IRREGULAR * index as f64).fract()).collect();
+        let tears = (1..=problem.order()).map(|index| golden_place(index as u64)).collect();
         let mut path = Path { forms: Forms::new(problem), tears, pieces: vec![0; span] };
         for at in problem.order()..span {
             let op = path.forms.op(at);
