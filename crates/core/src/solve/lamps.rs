@@ -124,28 +124,42 @@ impl Lamps {
 
     /// The overloads in the order in which the lamps lit, each with the name of the overloaded element that caused it.
     pub(super) fn history(&self, program: &Program) -> Vec<Overload> {
-        let mut lit: Vec<LitLamp> = self.lit.iter().flatten().copied().collect();
+        let lit = self.lit_in_order();
         if lit.is_empty() {
             return Vec::new();
         }
-        lit.sort_by(|a, b| a.time.total_cmp(&b.time));
         let elements: Vec<usize> = lit.iter().map(|lamp| lamp.element).collect();
-        let states = program.lowered.states.iter().enumerate();
-        let states: HashMap<usize, usize> = states.map(|(index, state)| (state.element, index)).collect();
+        let name = |element: usize| program.name(element).to_owned();
+        let causes = causes(&program.lowered.readers, &elements).into_iter();
+        let caused_by = causes.map(|cause| cause.map(|cause| name(elements[cause])));
+        let demands = self.demands(program, &lit);
+        let lit = lit.iter().zip(demands).zip(caused_by);
+        lit.map(|((lamp, demand), caused_by)| {
+            let element = name(lamp.element);
+            Overload { element, time: lamp.time, demand, caused_by }
+        })
+        .collect()
+    }
+
+    /// The lamps that are lit, in the order in which they lit.
+    fn lit_in_order(&self) -> Vec<LitLamp> {
+        let mut lit: Vec<LitLamp> = self.lit.iter().flatten().copied().collect();
+        lit.sort_by(|a, b| a.time.total_cmp(&b.time));
+        lit
+    }
+
+    /// The demand of each of these lamps: its peak, or how its integrator was driven if the peak is not known. The
+    /// feedback of the elements is found only if a lamp needs it.
+    fn demands(&self, program: &Program, lit: &[LitLamp]) -> Vec<Demand> {
+        let states = states_by_element(program);
         let feedback =
             LazyCell::new(|| feedback_through(&program.lowered.readers, elements_with_memory(program)));
-        let has_feedback = |element: usize| feedback[element];
         let limit_drive = |lamp: &LitLamp| {
             let state = *states.get(&lamp.element)?;
-            self.limit_drive(state, lamp, has_feedback)
+            self.limit_drive(state, lamp, |element| feedback[element])
         };
-        let overload = |(lamp, cause): (&LitLamp, Option<usize>)| Overload {
-            element: program.name(lamp.element).to_owned(),
-            time: lamp.time,
-            demand: limit_drive(lamp).map_or(Demand::Peak(lamp.peak), Demand::Driven),
-            caused_by: cause.map(|cause| program.name(elements[cause]).to_owned()),
-        };
-        lit.iter().zip(causes(&program.lowered.readers, &elements)).map(overload).collect()
+        let demand = |lamp: &LitLamp| limit_drive(lamp).map_or(Demand::Peak(lamp.peak), Demand::Driven);
+        lit.iter().map(demand).collect()
     }
 
     /// How the integrator of a lit lamp, given by the index of its state, was driven against its limit. `None` if the
@@ -223,6 +237,12 @@ impl Lamps {
             }
         }
     }
+}
+
+/// The index in `Program::states` of every integrator, by the index of its element.
+fn states_by_element(program: &Program) -> HashMap<usize, usize> {
+    let states = program.lowered.states.iter().enumerate();
+    states.map(|(index, state)| (state.element, index)).collect()
 }
 
 /// The elements with memory: integrators, lags, delay lines, and elements with a sampled value.
