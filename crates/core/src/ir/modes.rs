@@ -26,7 +26,8 @@ pub(crate) struct Mode {
 pub enum ChatterRemedy {
     /// The distance between the thresholds.
     Hysteresis,
-    /// Another element with the same purpose and two thresholds. The element has one threshold.
+    /// Another element with the same purpose and two thresholds. The element has one threshold. If it acts on its own
+    /// input, it switches back at once, so a shorter step does not help.
     TwoThresholds,
     /// The speed below which the element stays at rest at a stop. Bounces follow each other ever sooner, so a shorter
     /// step does not help.

@@ -1,4 +1,4 @@
-//! Chains of cords: which overload causes another, and whether feedback leads through other elements.
+//! Chains of cords: which overload causes another, and whether an element has feedback.
 //!
 //! `readers` are, for every element, the elements that read its output.
 
@@ -52,6 +52,19 @@ pub(super) fn feedback_through(readers: &[Vec<usize>], through: impl Iterator<It
     has_feedback
 }
 
+/// Whether a chain of cords leads from an element back to it.
+pub(super) fn is_in_feedback(readers: &[Vec<usize>], element: usize) -> bool {
+    let (mut is_reached, mut pending) = (vec![false; readers.len()], vec![element]);
+    while let Some(from) = pending.pop() {
+        for reader in &readers[from] {
+            if !std::mem::replace(&mut is_reached[*reader], true) {
+                pending.push(*reader);
+            }
+        }
+    }
+    is_reached[element]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +79,14 @@ mod tests {
         assert_eq!(through(&[0, 2, 3]), [true, true, true, false]);
         assert_eq!(through(&[3]), [false; 4]);
         assert_eq!(feedback_through(&[vec![], vec![]], [0, 1].into_iter()), [false; 2]);
+    }
+
+    #[test]
+    fn the_elements_of_a_ring_are_in_feedback() {
+        // 0, 1 and 2 are a ring. 2 drives 3, 3 drives 4, and 4 drives itself.
+        let readers = [vec![1], vec![2], vec![0, 3], vec![4], vec![4]];
+        let found = [0, 1, 2, 3, 4].map(|element| is_in_feedback(&readers, element));
+        assert_eq!(found, [true, true, true, false, true]);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::cord_chains::is_in_feedback;
 use super::discontinuities::{next_before, propagate};
 use super::error::RunError;
 use super::event_location::{EventFunction, first_event};
@@ -339,18 +340,21 @@ fn cross_kink(
 /// The error of an element, given by its index, that chatters at a problem time, with advice that fits the element and
 /// the kind of steps.
 fn chatter(setup: &Setup<'_>, time: f64, element: usize, remedy: ChatterRemedy) -> RunError {
-    let element = setup.program.name(element).to_owned();
     let within = if setup.is_adaptive { CHATTER_SPAN_SHARE * setup.step } else { setup.step };
+    // Without feedback, an element with one threshold only follows its input.
+    let follows_input =
+        remedy == ChatterRemedy::TwoThresholds && !is_in_feedback(&setup.program.lowered.readers, element);
+    let remedy = if follows_input { ChatterRemedy::Input } else { remedy };
     let advice = match (remedy, setup.is_adaptive) {
         (ChatterRemedy::Rest, _) => "give it a larger \"rest\": a rebound below it ends at the stop",
-        (ChatterRemedy::TwoThresholds, false) => {
-            "use a \"relay\", which has hysteresis, or choose a shorter step"
+        (ChatterRemedy::TwoThresholds, _) => {
+            "use a \"relay\" with hysteresis, \"drop_out\" below \"pull_in\", or put a \"delay\" into the loop"
         }
-        (ChatterRemedy::TwoThresholds, true) => "use a \"relay\", which has hysteresis",
         (ChatterRemedy::Hysteresis, false) => "give it hysteresis, or choose a shorter step",
         (ChatterRemedy::Hysteresis, true) => "give it hysteresis",
         (ChatterRemedy::Input, false) => "find out why its input oscillates, or choose a shorter step",
         (ChatterRemedy::Input, true) => "find out why its input oscillates",
     };
+    let element = setup.program.name(element).to_owned();
     RunError::Chatter { element, max: MAX_EVENTS_PER_SPAN as usize, within, time, advice }
 }
