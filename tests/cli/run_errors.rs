@@ -96,7 +96,7 @@ fn check_reports_why_a_patch_cannot_be_run() {
     let run = "{\"for\": 3.25, \"step\": 1e-3}";
     let (_folder, file) = spring_with(run, "{\"step\": 1e-3}");
     let message = out(&patchcord(&["check", &file]));
-    let wanted = "cannot be run: the patch's \"run\" does not give the length of the run (\"for\"); \
+    let wanted = "cannot be run: the patch's \"run\" does not give the length of the run (\"for\": SECONDS); \
                   with `patchcord run`, give --for\n";
     assert!(message.contains(wanted), "{message}");
     let document = json(&patchcord(&["check", &file, "--json"]));

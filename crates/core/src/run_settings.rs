@@ -49,7 +49,7 @@ impl RunSettings {
 /// The error that names the times that the plan lacks.
 fn missing(plan: &RunPlan) -> RunError {
     let times = [
-        (TimeSetting::Duration, plan.duration.is_some()),
+        (TimeSetting::Duration, plan.all_phases().is_some()),
         (TimeSetting::Step, plan.step.is_some() || plan.tolerance.is_some()),
     ];
     RunError::MissingTimes(times.iter().filter(|(_, given)| !given).map(|(which, _)| *which).collect())
@@ -57,3 +57,27 @@ fn missing(plan: &RunPlan) -> RunError {
 
 /// The first step that is tried if a plan has a tolerance but no step, as a share of the longest repetition.
 const FIRST_STEP: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patch::Patch;
+
+    /// The message about the times that a section "run" lacks.
+    fn missing_times(run: &str) -> String {
+        let elements = r#"{"A": {"kind": "integrator", "in": {"x1": ["A"]}}}"#;
+        let text = format!(r#"{{"patchcord": 1, "elements": {elements}, "run": {run}}}"#);
+        let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap()).unwrap();
+        RunSettings::of(&circuit).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_message_names_the_times_that_are_missing_and_their_keys() {
+        let step = r#"the patch's "run" does not give the step ("step": SECONDS)"#;
+        assert_eq!(missing_times(r#"{"phases": [{"operate": 1}]}"#), step);
+        assert_eq!(missing_times(r#"{"for": 1}"#), step);
+        let length = r#"the patch's "run" does not give the length of the run ("for": SECONDS)"#;
+        assert_eq!(missing_times(r#"{"step": 1e-3}"#), length);
+        assert_eq!(missing_times("{}"), format!("{length} and the step (\"step\": SECONDS)"));
+    }
+}

@@ -385,9 +385,10 @@ impl RunError {
     }
 }
 
-/// The names and keys of times, joined by "and", such as "the length of the run ("for") and the step ("step")".
+/// The names of times and how they are written, joined by "and": "the length of the run ("for": SECONDS) and the step
+/// ("step": SECONDS)".
 fn name_list(times: &[TimeSetting]) -> String {
-    let names: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\")", time.key())).collect();
+    let names: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\": SECONDS)", time.key())).collect();
     names.join(" and ")
 }
 
