@@ -14,12 +14,12 @@ use super::names::{found_or_report, output_names};
 use super::scope::Quantities;
 use super::{Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals};
 use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, factor_violation, suggestion};
-use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
+use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, misplaced_key_hint};
 use crate::machines::{self, MachineModel};
 use crate::patch::{
     Amount, ElementEntry, Patch, Plug, cord_hint, cord_notation, fixed_voltage_hint, no_cord, outputs_tied,
 };
-use patchcord_expr::Formula;
+use patchcord_expr::{Formula, nearest};
 
 /// The elements with the cords between them. An edge goes from the driver to the driven element.
 pub(super) type Graph = DiGraph<Element, Cord>;
@@ -164,7 +164,7 @@ impl CordPlugger<'_> {
         // A cord that could not be read may be the one that is missing at an input.
         let mut is_incomplete = self.entry.is_incomplete;
         for plugs in self.entry.plugs.chunk_by(|one, next| one.jack.span == next.jack.span) {
-            match self.jack(&plugs[0].jack, findings) {
+            match self.jack(&plugs[0].jack, Some(&plugs[0].from.value), findings) {
                 Some((input, gain)) => {
                     self.connect(plugs, Cord { input, gain }, graph, findings);
                     plugged[input].extend(plugs);
@@ -173,7 +173,7 @@ impl CordPlugger<'_> {
             }
         }
         for jack in &self.entry.empty_jacks {
-            match self.jack(jack, findings) {
+            match self.jack(jack, None, findings) {
                 Some((input, _)) => empty[input] = Some(jack.span),
                 None => is_incomplete = true,
             }
@@ -199,12 +199,18 @@ impl CordPlugger<'_> {
 
     /// The index of the input and the gain of a jack. Reports a jack or a gain that does not exist.
     ///
-    /// The name of a jack with a gain consists of the input and the gain, such as "x10". Its gain is 10.
-    fn jack(&self, jack: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<(usize, f64)> {
+    /// The name of a jack with a gain consists of the input and the gain, such as "x10". Its gain is 10. `source` is
+    /// what is plugged into the jack.
+    fn jack(
+        &self,
+        jack: &Placed<String>,
+        source: Option<&str>,
+        findings: &mut Vec<Diagnostic>,
+    ) -> Option<(usize, f64)> {
         let kind = self.entry.kind;
         let found = kind.input(&jack.value);
         match found {
-            None => findings.push(self.unknown_jack(jack)),
+            None => findings.push(self.unknown_jack(jack, source)),
             Some((_, gain)) => self.check_gain(jack, gain, findings),
         }
         found
@@ -213,17 +219,48 @@ impl CordPlugger<'_> {
     /// The diagnostic for a jack that the kind does not have.
     ///
     /// The hint names a jack that was probably meant, or lists the jacks of the kind.
-    fn unknown_jack(&self, jack: &Placed<String>) -> Diagnostic {
-        let message =
-            format!("{} (kind {}) has no input \"{}\"", self.name, self.entry.kind.name, jack.value);
-        let similar = self.entry.kind.inputs.iter().find_map(|input| similar_jack(input, &jack.value));
-        let jacks: Vec<_> = self.entry.kind.inputs.iter().map(jack_names).collect();
-        let hint = match similar {
-            Some(similar) => format!("did you mean \"{similar}\"?"),
+    fn unknown_jack(&self, jack: &Placed<String>, source: Option<&str>) -> Diagnostic {
+        let (kind, written) = (self.entry.kind, jack.value.as_str());
+        let message = format!("{} (kind {}) has no input \"{written}\"", self.name, kind.name);
+        let similar = kind.similar_jack(written).map(|similar| format!("did you mean \"{similar}\"?"));
+        let jacks: Vec<_> = kind.inputs.iter().map(jack_names).collect();
+        let hint = match similar.or_else(|| self.jack_with_gain_hint(written, source)) {
+            Some(hint) => hint,
             None if jacks.is_empty() => "it has no inputs".to_owned(),
             None => format!("it has {}", jacks.join(", ")),
         };
         Diagnostic::at(Code::UNKNOWN_INPUT, jack.span, message).hint(hint)
+    }
+
+    /// The hint for a key in "in" of an element whose inputs have gains: a source that is exchanged with its jack, an
+    /// output without a jack, a key that belongs next to "in", or a misspelled jack without a gain. `None` for other
+    /// names.
+    fn jack_with_gain_hint(&self, written: &str, source: Option<&str>) -> Option<String> {
+        let kind = self.entry.kind;
+        if !kind.has_gains() {
+            return None;
+        }
+        let as_jack = |source: &str| match kind.input(source) {
+            Some(_) => Some(source.to_owned()),
+            None => kind.similar_jack(source),
+        };
+        if let Some(jack) = source.filter(|source| !self.is_output(source)).and_then(as_jack) {
+            return Some(format!("write \"{jack}\": [\"{written}\"]"));
+        }
+        if self.is_output(written) {
+            return Some(format!("the gain is in the name of an input: write \"x1\": [\"{written}\"]"));
+        }
+        let similar = || {
+            let without_gain = kind.inputs.iter().filter(|input| input.jacks != Jacks::Gains);
+            nearest(written, without_gain.map(|input| input.name))
+        };
+        misplaced_key_hint(kind, written)
+            .or_else(|| similar().map(|similar| format!("did you mean \"{similar}\"?")))
+    }
+
+    /// Whether the patch has an output with this name.
+    fn is_output(&self, name: &str) -> bool {
+        self.nodes.contains_key(name) || self.patch.instance_outputs.contains_key(name)
     }
 
     /// Reports a gain outside the limits of all gains, or one that the machine does not have for this kind.
@@ -275,8 +312,7 @@ impl CordPlugger<'_> {
     /// The hint for a cord from a negative output, such as "-A1". `None` if the name does not mean this.
     fn inversion_hint(&self, name: &str) -> Option<String> {
         let output = name.strip_prefix('-')?.trim_start();
-        let is_output = self.nodes.contains_key(output) || self.patch.instance_outputs.contains_key(output);
-        is_output.then(|| {
+        self.is_output(output).then(|| {
             format!("a cord does not invert: plug in an \"inverter\" that has the cord \"in\": \"{output}\"")
         })
     }
@@ -331,15 +367,6 @@ impl CordPlugger<'_> {
         }
         outputs_tied(self.name, row.name, &plugs[0].from, &extra.from)
     }
-}
-
-/// The jack with a gain that was probably meant: the name was written in capitals, or as the gain alone.
-///
-/// Examples: "X10" means "x10", and "10" means "x10" as well.
-fn similar_jack(input: &Input, written: &str) -> Option<String> {
-    let lower_case = written.to_lowercase();
-    let candidates = [lower_case.clone(), format!("{}{lower_case}", input.name)];
-    candidates.into_iter().find(|jack| input.jacks == Jacks::Gains && gain_of(input.name, jack).is_some())
 }
 
 /// The jacks of an input for messages: "x1, x10, ..." or the quoted name.

@@ -208,7 +208,8 @@ impl Quantities {
             return None;
         }
         let dimension = formula.dimension(scope);
-        let dimension = dimension.map_err(|error| findings.push(unit_mismatch(scope, placed, error))).ok()?;
+        let mismatch = |error| unit_mismatch(scope, placed, error, Some(expected));
+        let dimension = dimension.map_err(|error| findings.push(mismatch(error))).ok()?;
         if let FormulaDimension::Of(found) = dimension
             && !fits(found)
         {

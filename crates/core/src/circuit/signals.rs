@@ -54,6 +54,9 @@ pub(super) fn resolve(
     (points, record)
 }
 
+/// What people write in a picture for the time "t", in lower case.
+const TIME_WORDS: [&str; 5] = ["t", "time", "sec", "second", "seconds"];
+
 /// Everything that can be recorded and drawn, by name.
 struct Recordable<'a> {
     /// The patch, for its signals, record and pictures.
@@ -144,6 +147,12 @@ impl<'a> Recordable<'a> {
         if name.value == "t" {
             return Some("s".to_owned());
         }
+        if self.is_meant_as_time(&name.value) {
+            let message = format!("there is no signal {}", name.value);
+            let hint = "write \"t\" for the time";
+            findings.push(Diagnostic::at(Code::UNKNOWN_NAME, name.span, message).hint(hint));
+            return None;
+        }
         let Some((signal, parameter)) = derivative_of(&name.value) else {
             return self.signal_unit(name, findings);
         };
@@ -151,6 +160,14 @@ impl<'a> Recordable<'a> {
         let signal_unit = self.signal_unit(&placed(signal), findings);
         let parameter_unit = self.parameter_unit(&placed(parameter), findings);
         Some(derivative_unit(&signal_unit?, parameter_unit?))
+    }
+
+    /// Whether a name that nothing has is another word for the time.
+    fn is_meant_as_time(&self, name: &str) -> bool {
+        let is_known = self.indices.contains_key(name) || self.patch.signals.contains_key(name);
+        !is_known
+            && !self.patch.unread_names().can_include(name)
+            && TIME_WORDS.contains(&name.to_lowercase().as_str())
     }
 
     /// Text of a signal's unit.

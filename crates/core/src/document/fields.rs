@@ -164,10 +164,20 @@ impl<'a> Fields<'a> {
     ///
     /// `noun` is what messages call the object.
     pub fn of(node: &'a Node, noun: impl Into<String>, findings: &mut Findings) -> Option<Self> {
+        Fields::of_with_hint(node, noun, None, findings)
+    }
+
+    /// Like [`Fields::of`]. `hint` says what to write in place of a value that is not an object.
+    pub fn of_with_hint(
+        node: &'a Node,
+        noun: impl Into<String>,
+        hint: Option<String>,
+        findings: &mut Findings,
+    ) -> Option<Self> {
         let noun = noun.into();
         let Content::Object(entries) = &node.value else {
             let message = format!("{noun} must be an object, not {}", node.value.noun());
-            findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message));
+            findings.push(Diagnostic::at(Code::WRONG_TYPE, node.span, message).maybe_hint(hint));
             return None;
         };
         report_duplicates(entries, findings);

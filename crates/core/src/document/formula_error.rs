@@ -4,19 +4,74 @@ use super::Placed;
 use super::code::Code;
 use super::diagnostic::Diagnostic;
 use super::wording::suggestion;
-use patchcord_expr::{Formula, FormulaError, Scope};
+use patchcord_expr::{Expression, Formula, FormulaError, Node, Operator, Scope, Unit};
 
 /// The diagnostic for a formula whose unit cannot be determined.
 ///
 /// The code is `UnknownName` if the formula contains a name that `scope` does not have, otherwise `UnitMismatch`.
-pub fn unit_mismatch(scope: &dyn Scope, placed: &Placed<Formula>, error: FormulaError) -> Diagnostic {
+/// `expected` describes the right unit of the formula, such as "a number of volts"; `None` if it is not known.
+pub fn unit_mismatch(
+    scope: &dyn Scope,
+    placed: &Placed<Formula>,
+    error: FormulaError,
+    expected: Option<&str>,
+) -> Diagnostic {
     let faulty = placed.value.text().get(error.range.clone()).unwrap_or_default();
     let is_unknown_name = placed.value.names().contains(&faulty) && scope.dimension(faulty).is_none();
     if !is_unknown_name {
         return formula_diagnostic(Code::UNIT_MISMATCH, placed, error);
     }
-    let hint = error.hint.clone().or_else(|| suggestion(faulty, &scope.names()));
+    let hint = unit_hint(scope, &placed.value, &error, expected)
+        .or_else(|| error.hint.clone())
+        .or_else(|| suggestion(faulty, &scope.names()));
     formula_diagnostic(Code::UNKNOWN_NAME, placed, error).maybe_hint(hint)
+}
+
+/// The hint for an unknown name that is the unit of a number, as in "5 * V". `None` for other names, and for one that
+/// differs from a known name only in its capitals.
+fn unit_hint(
+    scope: &dyn Scope,
+    formula: &Formula,
+    error: &FormulaError,
+    expected: Option<&str>,
+) -> Option<String> {
+    let is_unknown_unit = |name: &str| {
+        let is_known = scope.names().iter().any(|known| known.eq_ignore_ascii_case(name));
+        !is_known && Unit::parse(name).is_ok()
+    };
+    let name = formula.text().get(error.range.clone())?;
+    if !is_unknown_unit(name) || !follows_number(formula.root(), error.range.start) {
+        return None;
+    }
+    let advice = match expected.filter(|_| formula.names().into_iter().all(is_unknown_unit)) {
+        Some(expected) => format!("{expected} is expected here; a quantity {name} must be a parameter"),
+        None => format!("declare a parameter in {name}, or a quantity {name} as a parameter"),
+    };
+    Some(format!("numbers have no units in formulas: {advice}"))
+}
+
+/// Whether the factor that begins at a byte of the formula is multiplied by a number in front of it.
+fn follows_number(node: &Node, start: usize) -> bool {
+    match &node.expression {
+        Expression::Binary(operator, left, right) => {
+            let is_multiple = *operator == Operator::Multiply && is_number(left);
+            (is_multiple && right.range.start == start)
+                || follows_number(left, start)
+                || follows_number(right, start)
+        }
+        Expression::Negate(inner) => follows_number(inner, start),
+        Expression::Call(_, arguments) => arguments.iter().any(|argument| follows_number(argument, start)),
+        Expression::Number(_) | Expression::Name(_) => false,
+    }
+}
+
+/// Whether a node is a number, with or without a sign.
+fn is_number(node: &Node) -> bool {
+    match &node.expression {
+        Expression::Number(_) => true,
+        Expression::Negate(inner) => is_number(inner),
+        _ => false,
+    }
 }
 
 /// The diagnostic for an error of a formula. Its position is the faulty part of the formula.

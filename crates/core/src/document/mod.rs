@@ -50,6 +50,7 @@ pub use parameter_range::{ParameterRangeError, parameter_in_si};
 pub(crate) use phase::RunExtent;
 pub use phase::{ParameterChange, Phase, SwitchCondition};
 pub use printable::{escape_controls, printable};
+pub(crate) use quantity::possible_product;
 pub use report::{DiagnosticDocument, Report};
 pub use typed_number::{TypedNumber, TypedNumberError};
 pub(crate) use values::formula_in;

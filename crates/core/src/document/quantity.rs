@@ -41,20 +41,22 @@ impl<'a> Quantity<'a> {
     }
 
     /// The hint for a formula. `expected` is the unit of a number alone; `None` if it is not known.
-    ///
-    /// The unit may also be meant as the name of a parameter, as in "2 m" for "2 * m". If the unit is the expected
-    /// quantity, this is unlikely.
     pub(super) fn formula_hint(&self, expected: Option<&str>) -> String {
         let alone = expected.map_or_else(|| "the number alone, in that unit".to_owned(), number_with_unit);
-        if let Some(number) = expected.and_then(|expected| self.number_in(expected)) {
-            return format!("write {number}, {alone}");
-        }
-        let (number, unit) = (self.number, self.unit.text());
-        match unit.chars().all(char::is_alphanumeric) {
-            true => format!("write {alone}, or {number} * {unit} for a product"),
-            false => format!("write {alone}"),
+        match expected.and_then(|expected| self.number_in(expected)) {
+            Some(number) => format!("write {number}, {alone}"),
+            None => format!("write {alone}"),
         }
     }
+}
+
+/// The product that a number with a unit can also mean, and the name in it: "2 * m" and "m" for "2 m". `None` if the
+/// text is not a number with a unit, or if the unit cannot be a name.
+pub(crate) fn possible_product(text: &str) -> Option<(String, String)> {
+    let Quantity { number, unit } = Quantity::parse(text)?;
+    let name = unit.text();
+    let can_be_name = name.chars().all(|letter| letter.is_ascii_alphanumeric());
+    can_be_name.then(|| (format!("{number} * {name}"), name.to_owned()))
 }
 
 /// A number in an expected unit, as hints describe it.
@@ -132,19 +134,24 @@ mod tests {
         let cases = [
             ("1 Hz", Some("Hz"), "write 1, a number in Hz"),
             ("5 ms", Some("machine s"), "write 0.005, a number in machine s"),
-            ("5 kg", Some("s"), "write a number in s, or 5 * kg for a product"),
-            ("0.5 kg", Some("1"), "write a number without a unit, or 0.5 * kg for a product"),
-            ("3 m", Some("whole number"), "write a whole number, or 3 * m for a product"),
-            (
-                "1 mm",
-                Some("unit of the scale"),
-                "write a number in the unit of the scale, or 1 * mm for a product",
-            ),
+            ("5 kg", Some("s"), "write a number in s"),
+            ("0.5 kg", Some("1"), "write a number without a unit"),
+            ("3 m", Some("whole number"), "write a whole number"),
+            ("1 mm", Some("unit of the scale"), "write a number in the unit of the scale"),
             ("1 mm/s", Some("unit of the scale per s"), "write a number in the unit of the scale per s"),
-            ("2 m", None, "write the number alone, in that unit, or 2 * m for a product"),
+            ("2 m", None, "write the number alone, in that unit"),
         ];
         for (text, unit, expected) in cases {
             assert_eq!(hint(text, unit), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_unit_of_one_word_can_be_a_name_in_a_product() {
+        assert_eq!(possible_product("2.5 kN"), Some(("2.5 * kN".to_owned(), "kN".to_owned())));
+        assert_eq!(possible_product("-3m"), Some(("-3 * m".to_owned(), "m".to_owned())));
+        for text in ["1 mm/s", "1 N s", "5 %", "2 * m", "2", "m"] {
+            assert_eq!(possible_product(text), None, "{text}");
         }
     }
 

@@ -140,6 +140,17 @@ impl Node {
         }
     }
 
+    /// The innermost value that contains a byte of the text; this value if no inner one does.
+    pub(crate) fn value_at(&self, byte: usize) -> &Node {
+        let contains = |node: &&Node| (node.span.start..node.span.end).contains(&byte);
+        let inner = match &self.value {
+            Content::Object(entries) => entries.iter().map(|entry| &entry.value).find(contains),
+            Content::List(items) => items.iter().find(contains),
+            _ => None,
+        };
+        inner.map_or(self, |inner| inner.value_at(byte))
+    }
+
     /// The value of a key, if this is an object with that key.
     pub fn child(&self, key: &str) -> Option<&Node> {
         let Content::Object(entries) = &self.value else { return None };
@@ -292,6 +303,18 @@ mod tests {
         let Content::List(items) = parsed.value else { panic!("a list") };
         assert_eq!(items[0].value, Content::Number("1.50".into()));
         assert_eq!(items[1].value, Content::Number("45e6".into()));
+    }
+
+    #[test]
+    fn the_innermost_value_around_a_byte_is_found() {
+        let text = r#"{"a": [1, {"b": "two"}], "c": true}"#;
+        let root = parse(text).unwrap();
+        let at = |part: &str| root.value_at(text.find(part).unwrap()).value.clone();
+        assert_eq!(at("two"), Content::Text("two".to_owned()));
+        assert_eq!(at("1"), Content::Number("1".to_owned()));
+        assert_eq!(at("true"), Content::Flag(true));
+        assert_eq!(root.value_at(text.find("\"c\"").unwrap()), &root);
+        assert_eq!(root.value_at(1000), &root);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! Hints for unknown keys use these tables before they look for a similar key.
 
 use super::kind::Kind;
+use super::setting::Setting;
 use crate::document::fields::KeyAdvice;
 use crate::document::key_synonyms::{KeySynonyms, synonym_advice};
 
@@ -89,7 +90,35 @@ pub(crate) fn key_advice(kind: &Kind, group: &str, written: &str) -> Option<KeyA
         let is_input = group.is_empty() && (has_input || (kind.has_gains() && key == "in"));
         is_input || kind.setting(&format!("{group}{key}")).is_some()
     };
-    synonym_advice(&KEYS, &written, has_key)
+    let limit = || if group.is_empty() { limit_advice(kind, &written) } else { None };
+    synonym_advice(&KEYS, &written, has_key).or_else(limit)
+}
+
+/// The hint for a limit of an amplifier that is written outside "limit". `None` for other keys.
+fn limit_advice(kind: &Kind, written: &str) -> Option<KeyAdvice> {
+    kind.setting("limit.lower")?;
+    let is_limit = |key: &str| ["lower", "upper"].contains(&key);
+    let advice = synonym_advice(&KEYS, written, is_limit);
+    let key = if is_limit(written) { written } else { advice.as_ref()?.key };
+    let volts = if key == "lower" { "-10" } else { "10" };
+    let hint = format!("write \"limit\": {{\"{key}\": {volts}}}, in volts");
+    Some(KeyAdvice { key: "limit", hint })
+}
+
+/// The hint for a key of an amplifier that is written among its inputs, inside "in". `None` for other keys.
+pub(crate) fn misplaced_key_hint(kind: &Kind, written: &str) -> Option<String> {
+    let has_key = |setting: &Setting| setting.name.split('.').next() == Some(written);
+    let key = if ["note", "uses"].contains(&written) || kind.settings.iter().any(has_key) {
+        written
+    } else {
+        let KeyAdvice { key, hint } = key_advice(kind, "", written)?;
+        match key {
+            "in" => return is_gain(written).then_some(hint),
+            "limit" => return Some(format!("{hint}, next to \"in\"")),
+            other => other,
+        }
+    };
+    Some(format!("write \"{key}\" next to \"in\", not in it"))
 }
 
 /// The hint for a gain of an element whose inputs have gains.
@@ -145,5 +174,30 @@ mod tests {
         assert_eq!(element("integrator", "gain").as_deref(), Some(GAIN_HINT));
         assert_eq!(element("summer", "inputs"), meant("in"));
         assert_eq!(element("multiplier", "y"), meant("b"));
+        assert_eq!(element("comparator", "min"), meant("low"));
+        let limit = |bound: &str| Some(format!("write \"limit\": {{{bound}}}, in volts"));
+        for key in ["min", "Minimum", "lower", "low"] {
+            assert_eq!(element("integrator", key), limit("\"lower\": -10"), "{key}");
+        }
+        for key in ["max", "upper", "high"] {
+            assert_eq!(element("summer", key), limit("\"upper\": 10"), "{key}");
+        }
+        assert_eq!(element("pot", "min"), None);
+    }
+
+    #[test]
+    fn a_key_inside_the_inputs_belongs_next_to_them() {
+        let hint = |written| misplaced_key_hint(find(Family::Computing, "integrator").unwrap(), written);
+        let next_to = |key: &str| Some(format!("write \"{key}\" next to \"in\", not in it"));
+        let cases = [("initial", "initial"), ("ic", "initial"), ("limit", "limit"), ("note", "note")];
+        for (written, key) in cases {
+            assert_eq!(hint(written), next_to(key), "{written}");
+        }
+        let limit = "write \"limit\": {\"lower\": -10}, in volts, next to \"in\"";
+        assert_eq!(hint("min").as_deref(), Some(limit));
+        assert_eq!(hint("gain").as_deref(), Some(GAIN_HINT));
+        for written in ["P1", "x", "input", ""] {
+            assert_eq!(hint(written), None, "{written}");
+        }
     }
 }

@@ -233,6 +233,12 @@ impl Kind {
         })
     }
 
+    /// The jack with a gain that was probably meant by a name that no jack has: "x10" for "X10" and for "10". `None` for
+    /// other names.
+    pub(crate) fn similar_jack(&self, written: &str) -> Option<String> {
+        self.inputs.iter().find_map(|input| similar_jack(input, written))
+    }
+
     /// The index of the setting with this name.
     ///
     /// # Examples
@@ -264,9 +270,16 @@ impl Kind {
     }
 }
 
+/// The jack with a gain that was probably meant at an input: the name was written in capitals, or as the gain alone.
+fn similar_jack(input: &Input, written: &str) -> Option<String> {
+    let lower_case = written.to_lowercase();
+    let candidates = [lower_case.clone(), format!("{}{lower_case}", input.name)];
+    candidates.into_iter().find(|jack| input.jacks == Jacks::Gains && gain_of(input.name, jack).is_some())
+}
+
 /// The gain in the name of a jack, for example 10 for "x10" and the prefix "x". `None` if the name is not the prefix
 /// with a positive number.
-pub(crate) fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
+fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
     let digits = jack.strip_prefix(prefix)?;
     let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit() || b == b'.');
     let gain: f64 = if plain { digits.parse().ok()? } else { return None };
@@ -276,6 +289,7 @@ pub(crate) fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elements::find;
 
     #[test]
     fn gains_are_read_from_jack_names() {
@@ -286,5 +300,17 @@ mod tests {
             assert_eq!(gain_of("x", wrong), None, "{wrong}");
         }
         assert_eq!(gain_of("x", &format!("x{}", "9".repeat(400))), None, "overflow");
+    }
+
+    #[test]
+    fn a_jack_is_recognised_in_capitals_and_as_its_gain_alone() {
+        let similar = |kind, written| find(Family::Computing, kind).unwrap().similar_jack(written);
+        assert_eq!(similar("summer", "X10").as_deref(), Some("x10"));
+        assert_eq!(similar("summer", "0.5").as_deref(), Some("x0.5"));
+        assert_eq!(similar("integrator", "BRAKE_X1").as_deref(), Some("brake_x1"));
+        for written in ["x", "A1", "min", ""] {
+            assert_eq!(similar("integrator", written), None, "{written}");
+        }
+        assert_eq!(similar("pot", "10"), None);
     }
 }

@@ -45,8 +45,7 @@ mod table;
 mod track_hold;
 mod triangle;
 
-pub(crate) use key_synonyms::key_advice;
-pub(crate) use kind::gain_of;
+pub(crate) use key_synonyms::{key_advice, misplaced_key_hint};
 pub use kind::{Family, Input, Jacks, Kind, OutputStage, PartUse, Transfer};
 pub(crate) use open_amplifier::AMPLIFICATION;
 pub use page::markdown_table;
@@ -54,7 +53,7 @@ pub use page::{KindPage, reference_page};
 pub use reference::{REFERENCE, REFERENCES};
 pub use setting::{Setting, SettingDefault, SettingQuantity};
 pub use synonyms::kind_advice;
-pub(crate) use synonyms::meant_word;
+pub(crate) use synonyms::{kind_hint, meant_word};
 
 /// Every kind of element and drive, in the order of listings.
 ///

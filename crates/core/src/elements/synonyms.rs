@@ -3,6 +3,7 @@
 //! Hints for unknown names use these tables before they look for a similar name. Keys have tables of their own in
 //! `key_synonyms`, and functions of formulas in `patchcord_expr`.
 
+use super::find;
 use super::kind::Family;
 
 /// Names for a kind of element or drive.
@@ -142,9 +143,10 @@ static KINDS: &[KindSynonyms] = &[
     element(&["min", "minimum", "lower-of"], "use a \"diode-lower-of\""),
     element(&["max", "maximum", "upper-of"], "use a \"diode-upper-of\""),
     element(
-        &["lookup", "lookup-table", "lut", "table", "curve", "function", "nonlinearity", "characteristic"],
+        &["lookup", "lookup-table", "lut", "curve", "function", "nonlinearity", "characteristic"],
         "a curve of a voltage is a \"function-generator\"; a \"table\" over time belongs in \"drives\"",
     ),
+    element(&["table"], "a curve of a voltage is a \"function-generator\""),
     element(&["ln", "logarithm"], "use a \"log\": its base is 10"),
     element(
         &["log10", "lg"],
@@ -166,8 +168,9 @@ static KINDS: &[KindSynonyms] = &[
          seconds each",
     ),
     element(
-        &["sawtooth", "saw"],
-        "use an \"integrator\" of a constant voltage, with a \"comparator\" of its output at \"reset\"",
+        &["sawtooth", "saw", "saw-tooth"],
+        "use an \"integrator\" of a constant voltage, with a \"comparator\" of its output at \"reset\"; in \
+         \"drives\", use a \"table\"",
     ),
     element(
         &["timer", "stopwatch"],
@@ -192,8 +195,20 @@ static KINDS: &[KindSynonyms] = &[
         &["constant", "const", "dc", "heaviside", "jump"],
         "use a \"step\" with \"at\": 0: it has its \"height\" from the start",
     ),
-    drive(&["sin", "sinus", "sinusoid", "cos", "cosine", "oscillator"], "use a \"sine\""),
-    drive(&["square-wave", "rectangle", "rectangular", "clock", "pwm"], "use a \"square\""),
+    drive(
+        &["sin", "sinus", "sinusoid", "sinusoidal", "sine-wave", "cos", "cosine", "oscillator"],
+        "use a \"sine\"",
+    ),
+    drive(
+        &["square-wave", "rect", "rectangle", "rectangular", "rectangular-wave", "clock", "pwm"],
+        "use a \"square\"",
+    ),
+    drive(&["triangular", "triangle-wave"], "use a \"triangle\""),
+    drive(
+        &["trapezoid", "trapezoidal", "trapezium"],
+        "use a \"table\" of its corners; a periodic one is a \"triangle\" through a \"summer\" with a \"limit\" in \
+         \"elements\"",
+    ),
     drive(
         &["pulse-train", "rectangular-pulse", "impulse", "burst", "gate"],
         "use a \"pulse\": with a \"period\" it repeats",
@@ -202,7 +217,7 @@ static KINDS: &[KindSynonyms] = &[
     drive(&["staircase"], "use a \"table\" with \"hold\": \"previous\""),
     drive(&["csv", "file", "data", "curve", "lookup", "lut", "points", "dac"], "use a \"table\""),
     drive(
-        &["sawtooth", "saw"],
+        &["sawtooth", "saw", "saw-tooth"],
         "use a \"table\"; a periodic one is an \"integrator\" in \"elements\" that a \"comparator\" of its \
          output resets",
     ),
@@ -227,9 +242,32 @@ static KINDS: &[KindSynonyms] = &[
 /// assert_eq!(kind_advice(Family::Computing, "sumer"), None);
 /// ```
 pub fn kind_advice(family: Family, name: &str) -> Option<&'static str> {
-    let name = name.to_lowercase().replace(['_', ' '], "-");
+    let name = with_hyphens(name);
     let found = KINDS.iter().find(|row| row.family == family && row.names.contains(&name.as_str()));
     found.map(|row| row.advice)
+}
+
+/// A name in lower case, with hyphens in place of blanks and underscores.
+fn with_hyphens(name: &str) -> String {
+    name.to_lowercase().replace(['_', ' '], "-")
+}
+
+/// The hint for a name that no kind of a section has. A kind of the other section belongs there: a drive among elements,
+/// or an element among drives. `None` if nothing is known about the name.
+pub(crate) fn kind_hint(family: Family, name: &str) -> Option<String> {
+    let (section, other, other_section, other_noun) = match family {
+        Family::Drive => ("drives", Family::Computing, "elements", "an element"),
+        Family::Computing | Family::Reference => ("elements", Family::Drive, "drives", "a drive"),
+    };
+    let advice = kind_advice(family, name);
+    let misplaced = find(other, &with_hyphens(name))
+        .map(|kind| format!("\"{}\" is {other_noun}: write it under \"{other_section}\"", kind.name));
+    match (misplaced, advice) {
+        (Some(misplaced), Some(advice)) => Some(format!("{misplaced}; in \"{section}\", {advice}")),
+        (None, Some(advice)) => Some(advice.to_owned()),
+        (Some(misplaced), None) => Some(misplaced),
+        (None, None) => kind_advice(other, name).map(|advice| format!("in \"{other_section}\", {advice}")),
+    }
 }
 
 /// Words that people write for a word of a setting.
@@ -249,7 +287,7 @@ pub(crate) fn meant_word(written: &str, permitted: &[&'static str]) -> Option<&'
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elements::{REGISTRY, find};
+    use crate::elements::{REGISTRY, names};
 
     /// The texts in quotes.
     fn quoted(text: &str) -> Vec<&str> {
@@ -308,6 +346,70 @@ mod tests {
             for name in names {
                 let advice = kind_advice(Family::Computing, name).unwrap_or_default();
                 assert!(quoted(advice).contains(&kind), "{name}: {advice}");
+            }
+        }
+    }
+
+    /// Every drive among elements, and every element among drives, also in capitals.
+    #[test]
+    fn a_kind_of_the_other_section_belongs_there() {
+        let families = [
+            (Family::Drive, Family::Computing, "is a drive: write it under \"drives\""),
+            (Family::Computing, Family::Drive, "is an element: write it under \"elements\""),
+        ];
+        for (family, other, place) in families {
+            for name in names(family) {
+                for written in [name.to_owned(), name.to_uppercase(), name.replace('-', "_")] {
+                    let hint = kind_hint(other, &written).unwrap_or_default();
+                    assert!(hint.starts_with(&format!("\"{name}\" {place}")), "{written}: {hint}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn names_of_kinds_in_either_section_get_a_hint() {
+        let element = |name| kind_hint(Family::Computing, name).unwrap();
+        let drive = |name| kind_hint(Family::Drive, name).unwrap();
+        assert_eq!(element("ramp"), "\"ramp\" is a drive: write it under \"drives\"");
+        assert_eq!(
+            element("square"),
+            "\"square\" is a drive: write it under \"drives\"; in \"elements\", use a \"multiplier\" with \"mode\": \
+             \"product\" and the same output at \"a\" and \"b\""
+        );
+        assert_eq!(
+            element("table"),
+            "\"table\" is a drive: write it under \"drives\"; in \"elements\", a curve of a voltage is a \
+             \"function-generator\""
+        );
+        assert_eq!(element("rect"), "in \"drives\", use a \"square\"");
+        assert_eq!(
+            element("trapezoid"),
+            "in \"drives\", use a \"table\" of its corners; a periodic one is a \"triangle\" through a \"summer\" \
+             with a \"limit\" in \"elements\""
+        );
+        assert!(element("sawtooth").ends_with("at \"reset\"; in \"drives\", use a \"table\""));
+        assert_eq!(drive("integrator"), "\"integrator\" is an element: write it under \"elements\"");
+        assert_eq!(
+            drive("cos"),
+            "\"cos\" is an element: write it under \"elements\"; in \"drives\", use a \"sine\""
+        );
+        assert_eq!(drive("rect"), "use a \"square\"");
+        assert_eq!(
+            drive("adder"),
+            format!("in \"elements\", {}", kind_advice(Family::Computing, "sum").unwrap())
+        );
+        assert_eq!(kind_hint(Family::Drive, "gyrator"), None);
+    }
+
+    #[test]
+    fn articles_fit_the_kinds_in_quotes() {
+        for advice in KINDS.iter().map(|row| row.advice) {
+            for (before, after) in advice.match_indices(" \"").map(|(at, _)| advice.split_at(at)) {
+                let is_vowel = after.trim_start_matches([' ', '"']).starts_with(['a', 'e', 'i', 'o', 'u']);
+                let article = before.rsplit(' ').next().unwrap_or_default();
+                let wrong = if is_vowel { "a" } else { "an" };
+                assert_ne!(article, wrong, "{advice}");
             }
         }
     }

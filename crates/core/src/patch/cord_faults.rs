@@ -1,8 +1,8 @@
 //! Diagnostics about the cords into an input, for elements and for ports of macro instances.
 
-use crate::document::tree::{Content, Node};
+use crate::document::tree::{Content, KeyValue, Node};
 use crate::document::{Code, Diagnostic, Placed, Span, TypedNumber, format_number};
-use crate::elements::{Input, Jacks, Kind, REFERENCES};
+use crate::elements::{Input, Jacks, Kind, REFERENCES, misplaced_key_hint};
 use crate::machines::REFERENCE;
 use patchcord_expr::Unit;
 
@@ -53,6 +53,41 @@ pub(super) fn not_a_name(node: &Node, input: &str) -> Diagnostic {
     };
     let hint = hint.unwrap_or_else(|| "write the name of an output in quotes, or a list of names".to_owned());
     Diagnostic::at(Code::WRONG_TYPE, node.span, message).hint(hint)
+}
+
+/// The diagnostic for a number at a key of "in" that is no input: a source with its gain, or a key that belongs next to
+/// "in". `None` for other values, and for an input.
+pub(super) fn number_at_unknown_jack(kind: &Kind, jack: &KeyValue) -> Option<Diagnostic> {
+    let number = match &jack.value.value {
+        Content::Number(number) => number,
+        Content::List(items) => match items.as_slice() {
+            [Node { value: Content::Number(number), .. }] => number,
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let written = jack.key.as_str();
+    let is_jack = kind.input(written).is_some() || kind.similar_jack(written).is_some();
+    if is_jack || !kind.has_gains() {
+        return None;
+    }
+    let message =
+        format!("the {} has no input \"{written}\", and {number} is not the name of an output", kind.name);
+    let hint = misplaced_key_hint(kind, written).unwrap_or_else(|| exchanged_gain_hint(written, number));
+    Some(Diagnostic::at(Code::UNKNOWN_INPUT, jack.key_span, message).hint(hint))
+}
+
+/// The hint for a source and its gain that are exchanged: `"P1": 10` for `"x10": ["P1"]`.
+fn exchanged_gain_hint(source: &str, gain: &str) -> String {
+    match gain.parse::<f64>() {
+        Ok(gain) if gain > 0.0 && gain.is_finite() => format!("write \"x{gain}\": [\"{source}\"]"),
+        Ok(gain) if gain < 0.0 && gain.is_finite() => format!(
+            "a gain is positive, and the output is inverted: write \"x{}\": [\"{source}\"], or put an \"inverter\" in \
+             front",
+            -gain
+        ),
+        _ => format!("the gain is in the name of an input, such as \"x10\": [\"{source}\"]"),
+    }
 }
 
 /// The hint for a constant voltage in volts: the reference, or a pot at a reference.
@@ -154,6 +189,35 @@ mod tests {
         }
         let finding = not_a_name(&parse("null").unwrap(), "in");
         assert_eq!(finding.message, "\"in\" takes the names of outputs, not null");
+    }
+
+    #[test]
+    fn a_number_at_an_unknown_jack_is_a_gain_or_a_setting() {
+        let finding = |kind: &str, inputs: &str| {
+            let Content::Object(entries) = parse(inputs).unwrap().value else { panic!("{inputs}") };
+            number_at_unknown_jack(find(Family::Computing, kind).unwrap(), &entries[0])
+        };
+        let found = finding("integrator", r#"{"P1": 10}"#).unwrap();
+        let message = "the integrator has no input \"P1\", and 10 is not the name of an output";
+        assert_eq!((found.code, found.message.as_str()), (Code::UNKNOWN_INPUT, message));
+        let inverted = "a gain is positive, and the output is inverted: write \"x2.5\": [\"A1\"], or put an \
+                        \"inverter\" in front";
+        let cases = [
+            (r#"{"P1": 10}"#, "write \"x10\": [\"P1\"]"),
+            (r#"{"P1": [0.5]}"#, "write \"x0.5\": [\"P1\"]"),
+            (r#"{"A1": -2.5}"#, inverted),
+            (r#"{"A1": 0}"#, "the gain is in the name of an input, such as \"x10\": [\"A1\"]"),
+            (r#"{"initial": 5}"#, "write \"initial\" next to \"in\", not in it"),
+            (r#"{"min": -5}"#, "write \"limit\": {\"lower\": -10}, in volts, next to \"in\""),
+        ];
+        for (inputs, expected) in cases {
+            let hint = finding("integrator", inputs).unwrap().hint;
+            assert_eq!(hint.as_deref(), Some(expected), "{inputs}");
+        }
+        for inputs in [r#"{"x1": 5}"#, r#"{"10": 5}"#, r#"{"P1": "A1"}"#, r#"{"P1": [1, 2]}"#] {
+            assert_eq!(finding("integrator", inputs), None, "{inputs}");
+        }
+        assert_eq!(finding("pot", r#"{"P1": 10}"#), None);
     }
 
     #[test]

@@ -13,7 +13,8 @@ use super::decode_entry::element_entry;
 use super::decode_run::run;
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Scale, Signal};
 use super::key_synonyms::{scale_advice, signal_advice};
-use super::macros;
+use super::short_forms::{parameter_hint, scale_hint, signal_hint};
+use super::{macros, product_hints};
 use crate::document::fields::{Fields, Findings, flag, list, number, positive, string, strings};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{
@@ -65,6 +66,7 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     fields.text("$schema", &mut findings);
     patch.unread.has_unread_section = has_unread_section(&fields);
     fields.finish(&mut findings);
+    product_hints::offer_products(root, &mut findings);
     macros::expand_macros(macros, &element_section, patch, &mut findings);
     patch.element_section = element_section;
     report_empty(patch, root, &mut findings);
@@ -141,7 +143,8 @@ fn time_scale(fields: &mut Fields<'_>, findings: &mut Findings) -> f64 {
 
 /// Decodes an entry of "parameters". `None` if the value or the unit cannot be read.
 pub(super) fn parameter(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Parameter> {
-    let mut fields = Fields::of(&entry.value, format!("the parameter {}", entry.key), findings)?;
+    let noun = format!("the parameter {}", entry.key);
+    let mut fields = Fields::of_with_hint(&entry.value, noun, parameter_hint(entry), findings)?;
     let value_node = fields.require("value", "a number in the unit of the parameter");
     let value = value_node.and_then(|node| number(node, "value", findings));
     let unit = unit(&mut fields, findings);
@@ -157,7 +160,8 @@ pub(super) fn parameter(entry: &tree::KeyValue, findings: &mut Findings) -> Opti
 ///
 /// A scale whose value cannot be read is kept, because its unit is sufficient for the check of other units.
 pub(super) fn scale(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Scale> {
-    let mut fields = Fields::of(&entry.value, format!("the scale {}", entry.key), findings)?;
+    let noun = format!("the scale {}", entry.key);
+    let mut fields = Fields::of_with_hint(&entry.value, noun, scale_hint(entry), findings)?;
     let per_volt = fields.require("per_volt", "the value of one volt, in the unit of the scale");
     let per_volt = per_volt.and_then(|node| formula(node, "per_volt", findings));
     let unit = unit(&mut fields, findings);
@@ -175,7 +179,8 @@ pub(super) fn unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<U
 
 /// Decodes an entry of "signals". `None` if the element cannot be read.
 fn signal(entry: &tree::KeyValue, findings: &mut Findings) -> Option<Signal> {
-    let mut fields = Fields::of(&entry.value, format!("the signal {}", entry.key), findings)?;
+    let noun = format!("the signal {}", entry.key);
+    let mut fields = Fields::of_with_hint(&entry.value, noun, signal_hint(entry), findings)?;
     let element = fields.require("at", "the element whose output is read");
     let element = element.and_then(|node| string(node, "at", findings));
     let scale = fields.take("scale").and_then(|node| string(node, "scale", findings));

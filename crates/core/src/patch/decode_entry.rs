@@ -8,9 +8,10 @@
 //! "P2": {"kind": "pot", "in": "A1", "setting": "k / m", "uses": {"fixed_pots": ["P7"]}}
 //! ```
 
-use super::cord_faults::not_a_name;
+use super::cord_faults::{not_a_name, number_at_unknown_jack};
 use super::decode_curve::{Symmetry, curve, time_points};
 use super::document::{Amount, ElementEntry, Plug};
+use super::short_forms::entry_hint;
 use super::table_file::{self, TablePurpose};
 use crate::document::fields::{Fields, Findings, flag, string, strings};
 use crate::document::tree::{self, Content, Node};
@@ -28,7 +29,7 @@ pub(super) fn element_entry(
     findings: &mut Findings,
 ) -> Option<ElementEntry> {
     let noun = format!("the {} {}", family_noun(family), source.key);
-    let mut fields = Fields::of(&source.value, noun, findings)?;
+    let mut fields = Fields::of_with_hint(&source.value, noun, entry_hint(source, family), findings)?;
     let kind = kind(&mut fields, family, findings)?;
     let mut entry = ElementEntry {
         kind,
@@ -76,9 +77,7 @@ fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Opt
     let kind = elements::find(family, &name.value);
     if kind.is_none() {
         let message = format!("there is no kind \"{}\" of {}", name.value, family_noun(family));
-        let hint = elements::kind_advice(family, &name.value)
-            .map(str::to_owned)
-            .or_else(|| other_section_hint(family, &name.value))
+        let hint = elements::kind_hint(family, &name.value)
             .or_else(|| suggestion(&name.value, &elements::names(family)));
         findings.push(Diagnostic::at(Code::UNKNOWN_KIND, node.span, message).maybe_hint(hint));
     }
@@ -88,17 +87,6 @@ fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Opt
 /// The name of a family in messages.
 fn family_noun(family: Family) -> &'static str {
     if family == Family::Drive { "drive" } else { "element" }
-}
-
-/// The hint for a kind that belongs in the other section, or that is another name of such a kind: a drive among
-/// elements or an element among drives.
-fn other_section_hint(family: Family, name: &str) -> Option<String> {
-    let (other, section) =
-        if family == Family::Drive { (Family::Computing, "elements") } else { (Family::Drive, "drives") };
-    match elements::find(other, name) {
-        Some(_) => Some(format!("a \"{name}\" belongs in \"{section}\"")),
-        None => elements::kind_advice(other, name).map(|advice| format!("in \"{section}\", {advice}")),
-    }
 }
 
 /// Decodes the cords of an element.
@@ -131,7 +119,15 @@ fn jacks(node: &Node, entry: &mut ElementEntry, findings: &mut Findings) {
         return;
     }
     let Some(jacks) = Fields::of(node, "\"in\"", findings) else { return };
-    jacks.remaining().for_each(|jack| plug(&jack.key, jack.key_span, &jack.value, entry, findings));
+    for jack in jacks.remaining() {
+        match number_at_unknown_jack(entry.kind, jack) {
+            Some(finding) => {
+                findings.push(finding);
+                entry.is_incomplete = true;
+            }
+            None => plug(&jack.key, jack.key_span, &jack.value, entry, findings),
+        }
+    }
 }
 
 /// The hint for cords without the names of their inputs: the same cords at the input with gain 1.

@@ -22,8 +22,10 @@ mod key_synonyms;
 mod macros;
 mod names;
 mod picture_entry;
+mod product_hints;
 mod render;
 mod schema;
+mod short_forms;
 mod table_file;
 
 pub use builder::{ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder};

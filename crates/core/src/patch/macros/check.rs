@@ -161,7 +161,7 @@ fn check_formulas(definition: &mut Macro, patch: &Patch, findings: &mut Findings
     let has_fault = |formula: &Placed<Formula>, findings: &mut Findings| {
         let is_checkable = !scope.can_contain_unread(&formula.value);
         let error = is_checkable.then(|| formula.value.dimension(&scope).err());
-        let finding = error.flatten().map(|error| unit_mismatch(&scope, formula, error));
+        let finding = error.flatten().map(|error| unit_mismatch(&scope, formula, error, None));
         let has_fault = finding.is_some();
         findings.extend(finding);
         has_fault
