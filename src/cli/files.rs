@@ -8,12 +8,13 @@ use clap::Args;
 use super::failure::Failure;
 use super::load::PatchArguments;
 use super::outputs::Outputs;
-use super::pictures::{PictureArguments, PictureSamples, Resolution, TooManySamples, pictures};
+use super::pictures::{PictureArguments, Resolution, pictures};
 use super::standard_streams::{check_output, check_table, is_dash, table_path};
 use super::streamed_tables::StreamedTables;
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
 use patchcord::draw::plot::{self, Format, Picture, Size};
+use patchcord::draw::{self, PictureSamples, TooManySamplesError};
 use patchcord::solve::RunSettings;
 use patchcord::trace::Trace;
 
@@ -142,11 +143,9 @@ impl Files {
         &self,
         circuit: &Circuit,
         settings: &RunSettings,
-    ) -> Result<PictureSamples, TooManySamples> {
-        match self.sheets.is_empty() {
-            true => Ok(PictureSamples::None),
-            false => self.resolution.samples(&circuit.picture_specs(&settings.record), settings),
-        }
+    ) -> Result<PictureSamples, TooManySamplesError> {
+        let drawn = if self.sheets.is_empty() { vec![] } else { circuit.picture_specs(&settings.record) };
+        draw::picture_samples(&drawn, settings, self.resolution.size, self.resolution.scale)
     }
 
     /// The tables and the samples of the pictures, to be written and selected while the run is recorded.

@@ -20,7 +20,7 @@ use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading};
 use super::numbers::repetitions;
 use super::overloads::{OverloadDocument, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
-use super::pictures::TooManySamples;
+use super::pictures::advice_on_samples;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::recording::record;
 use super::run_report::{overloads_text, summary_text, work_text};
@@ -32,7 +32,8 @@ use super::times::{
 };
 use super::{errors_in_colour, output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{format_distinct, json_value, suggestion};
+use patchcord::document::{json_value, suggestion};
+use patchcord::draw::TooManySamplesError;
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
 use patchcord::solve::{BLOCK_SAMPLES, RunError, RunSettings, StoppedRunError};
@@ -173,16 +174,10 @@ impl Arguments {
     }
 
     /// The failure of a run with more samples than its pictures permit.
-    fn picture_failure(&self, TooManySamples { samples, max, reason }: TooManySamples) -> Failure {
-        let [found, permitted] = [format_distinct(samples, max), format_distinct(max, samples)];
-        let message = format!(
-            "the run would record {found} samples; at most {permitted} are allowed with pictures that need \
-             every sample, because {}: {}",
-            reason.text(),
-            reason.advice()
-        );
+    fn picture_failure(&self, error: TooManySamplesError) -> Failure {
+        let message = format!("{error}: {}", advice_on_samples(error.reason));
         // The same options and the same code as without pictures.
-        let error = RunError::TooManyNumbers { numbers: samples, max };
+        let error = RunError::TooManyNumbers { numbers: error.samples, max: error.max };
         failure_with_code(message, &error, self.is_cause_of(&error))
     }
 
