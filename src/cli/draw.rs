@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::{name_with_suffix, path_texts, picture_format, written_text};
+use super::files::{FOLDER_OPTION, name_with_suffix, path_texts, picture_format, written_text};
 use super::instant::{InstantOption, instant};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::progress::ProgressBar;
@@ -91,6 +91,7 @@ pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     /// The files to write, with their formats.
     fn files(&self) -> Result<Vec<(PathBuf, Format)>, Failure> {
+        FOLDER_OPTION.check(self.out.as_deref())?;
         let patch = &self.patch.patch;
         let ending = if self.board { ".board.svg" } else { ".schematic.svg" };
         let in_folder = self.out.as_ref().map(|folder| folder.join(name_with_suffix(patch, ending)));

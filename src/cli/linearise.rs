@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{path_texts, picture_format, write_pictures, written_text};
+use super::files::{CSV_OPTION, path_texts, picture_format, write_pictures, written_text};
 use super::instant::{InstantOption, OperatingPoint, instant};
 use super::linear_document::LinearDocument;
 use super::linear_report::{self, Analysis};
@@ -78,6 +78,7 @@ struct Document<'a> {
 /// the table, no report follows.
 pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
     check_table(arguments.csv.as_deref(), arguments.patch.json)?;
+    CSV_OPTION.check(arguments.csv.as_deref())?;
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     let files = arguments.files();
     let loaded = arguments.patch.load()?;

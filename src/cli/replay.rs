@@ -11,7 +11,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{path_texts, picture_format, written_text};
+use super::files::{FOLDER_OPTION, path_texts, picture_format, written_text};
 use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::table::Table;
@@ -46,6 +46,7 @@ pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
     if figures.is_empty() {
         return arguments.list();
     }
+    FOLDER_OPTION.check(arguments.out.as_deref())?;
     let plot = arguments.plot(&figures)?;
     let writer = Outputs::default();
     writer.prepare(arguments.out.as_deref(), arguments.known_files(&figures))?;

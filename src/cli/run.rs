@@ -18,7 +18,7 @@ use super::failure::Failure;
 use super::files::{FileArguments, Files, path_texts, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading};
 use super::numbers::repetitions;
-use super::overloads::{OverloadDocument, overload_failure};
+use super::overloads::{OverloadDocument, overload_advice, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
 use super::pictures::advice_on_samples;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
@@ -117,8 +117,9 @@ impl Arguments {
         trace: &Trace,
         (written, elapsed): (&[PathBuf], Duration),
     ) -> Result<(), Failure> {
+        let advice = overload_advice(trace, circuit, &self.patch.patch);
         if self.files.prints_table() {
-            eprint_doubts(trace, &overloads_text(trace, errors_in_colour()));
+            eprint_doubts(trace, &(overloads_text(trace, errors_in_colour()) + &advice));
             return Ok(());
         }
         print(&(heading(circuit) + &readings_text(trace) + &phases_text(trace)))?;
@@ -130,7 +131,7 @@ impl Arguments {
         if [&*work, &*overloads, &*warning, hint].iter().any(|text| !text.is_empty()) {
             print(&format!("\n{work}"))?;
             print_coloured(&overloads)?;
-            print(&format!("{warning}{hint}"))?;
+            print(&format!("{advice}{warning}{hint}"))?;
         }
         print(&(written_paragraph(written.iter()) + &summary_text(trace, elapsed)))
     }

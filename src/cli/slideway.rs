@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::criteria::advice_on;
 use super::failure::Failure;
-use super::files::{path_texts, picture_format, write_pictures, written_paragraph};
+use super::files::{OutputOption, PLOT, path_texts, picture_format, write_pictures, written_paragraph};
 use super::numbers::{in_declared_units, positive_in, setting};
 use super::outputs::Outputs;
 use super::progress::ProgressBar;
@@ -81,12 +81,17 @@ fn percent(text: &str) -> Result<f64, String> {
     if percent < 100.0 { Ok(percent) } else { Err("must be less than 100 %".to_owned()) }
 }
 
+/// The option for the patch.
+const PATCH_OPTION: OutputOption =
+    OutputOption { option: "--out", content: "patch", ending: "json", drawing: PLOT };
+
 /// Size of each of the two pictures, in pixels.
 const PANEL: Size = Size { width: 900, height: 440 };
 
 /// The chain takes eight runs: the slideway as it is, and one for each piece of advice.
 pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
+    PATCH_OPTION.check(arguments.out.as_deref())?;
     if arguments.steps.step == Some(StepChoice::Automatic) {
         return Err(Failure::usage("--step auto is not possible here: give seconds, or --tol"));
     }

@@ -12,7 +12,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{path_text, written_text};
+use super::files::{OutputOption, path_text, written_text};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
@@ -54,6 +54,14 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
+
+/// The option for the rows.
+const ROWS_OPTION: OutputOption = OutputOption {
+    option: "--out",
+    content: "table",
+    ending: "csv",
+    drawing: "`patchcord run` with --plot FILE.svg",
+};
 
 /// The list of measures for the help text.
 fn measures_text() -> String {
@@ -152,9 +160,11 @@ impl Arguments {
         self.out.as_ref().filter(|out| !is_dash(out))
     }
 
-    /// Checks that standard input is not read for rows, and that the output file is given if necessary.
+    /// Checks that standard input is not read for rows, and that the output file is given if necessary and is not a
+    /// picture.
     fn check_streams(&self) -> Result<(), Failure> {
         self.rows.iter().try_for_each(|rows| check_input(rows))?;
+        ROWS_OPTION.check(self.out.as_deref())?;
         let message = "with --json the rows cannot go to standard output: give --out FILE";
         if self.patch.json && self.file().is_none() { Err(Failure::usage(message)) } else { Ok(()) }
     }
