@@ -212,8 +212,7 @@ pub(super) fn picture_format(path: &Path) -> Result<Format, Failure> {
 }
 
 /// Endings of picture files.
-const PICTURE_ENDINGS: [&str; 10] =
-    ["svg", "png", "pdf", "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff"];
+const PICTURE_ENDINGS: [&str; 10] = ["svg", "png", "pdf", "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff"];
 
 /// Whether a file name has one of these endings, in upper or lower case.
 fn has_ending(path: &Path, endings: &[&str]) -> bool {

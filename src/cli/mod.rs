@@ -17,6 +17,7 @@
 //! code.
 
 mod check;
+mod command_synonyms;
 mod completions;
 mod criteria;
 mod doubts;
@@ -70,6 +71,7 @@ use std::process::ExitCode;
 use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use serde::Serialize;
 
+use command_synonyms::with_command_tip;
 use failure::Failure;
 use option_synonyms::with_option_tip;
 use patchcord::document::{escape_controls, printable};
@@ -146,7 +148,8 @@ pub(crate) fn main() -> ExitCode {
 /// Parses a command line. Returns the command, and whether it was given `--json`.
 fn parse(arguments: &[OsString]) -> Result<(Command, bool), clap::Error> {
     let matches = definition().try_get_matches_from(arguments);
-    let mut matches = matches.map_err(|error| with_option_tip(error, &definition(), arguments))?;
+    let mut matches =
+        matches.map_err(|error| with_command_tip(with_option_tip(error, &definition(), arguments)))?;
     let json = matches.subcommand().is_some_and(|(_, options)| has_json(options));
     let arguments = Arguments::from_arg_matches_mut(&mut matches);
     let arguments = arguments.map_err(|error| error.format(&mut definition()))?;

@@ -48,7 +48,9 @@ pub(super) fn overload_advice(trace: &Trace, circuit: &Circuit, patch: &Path) ->
             let place = if signal == element { String::new() } else { format!(" at {element}") };
             format!("enlarge \"per_volt\" of \"{scale}\", the scale of {signal}{place}, and adapt the gains")
         }
-        None => format!("reduce the gains into {element}, or enlarge the scales of the signals that it drives"),
+        None => {
+            format!("reduce the gains into {element}, or enlarge the scales of the signals that it drives")
+        }
     };
     let patch = escape_controls(&quoted(patch));
     format!("  = help: {remedy}; `patchcord check {patch} --scaling` compares scales and gains\n")
