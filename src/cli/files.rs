@@ -20,13 +20,13 @@ use patchcord::trace::Trace;
 
 #[derive(Args)]
 pub(super) struct FileArguments {
-    /// Write the recorded signals as CSV, in physical units; - writes to standard output, and only there
+    /// Write the recorded signals as CSV, in physical units; with -, to standard output in place of the readings
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw the pictures of the patch on one sheet; the file name selects SVG or PNG
+    /// Draw the pictures of the patch on one sheet; the ending of the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write table, sheet and each picture into this folder, under the name of the patch
+    /// Write the table, the sheet and a file for each picture into this folder, named after the patch
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

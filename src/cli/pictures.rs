@@ -17,7 +17,7 @@ pub(super) struct PictureArguments {
     /// Height of each picture in pixels, 240 to 4000; 560 if absent
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = side)]
     height: Option<u32>,
-    /// Resolution of PNG files: pixels per pixel of width and height, 0.25 to 10; 1 if absent
+    /// Resolution of PNG files: 2 gives twice as many pixels along each side. From 0.25 to 10; 1 if absent
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = scale)]
     scale: Option<f64>,
 }

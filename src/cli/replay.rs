@@ -28,10 +28,10 @@ pub(super) struct Arguments {
     /// Figures to reproduce, such as fig-8-24, or all (default: list the figures)
     #[arg(value_name = "ID|all")]
     ids: Vec<String>,
-    /// Write pictures, their patches and a page with pictures and claims into this folder
+    /// Write the pictures, their patches, and a page with the pictures and the claims into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Draw the figure into this file; the file name selects SVG or PNG
+    /// Draw the figure into this file; the ending of its name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
     /// Print one JSON document on standard output, and nothing else there

@@ -45,19 +45,19 @@ pub(super) struct Arguments {
     patch: PatchArguments,
     #[command(flatten)]
     times: TimeArguments,
-    /// Run this many times from initial condition (repetitive operation)
+    /// Run this many times, each time from initial condition (repetitive operation)
     #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = repetitions)]
     repeat: Option<u32>,
     /// Switch to hold at the first overload
     #[arg(long)]
     hold_on_overload: bool,
-    /// Fail with exit code 3 if there is an overload; files and results are written first
+    /// End with exit code 3 if there is an overload. Files and results are written first
     #[arg(long)]
     fail_on_overload: bool,
     /// Record these signals, drives or elements instead of those that the patch specifies
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     record: Vec<String>,
-    /// Also record the derivatives of all recorded signals with respect to these parameters, and list the largest ones
+    /// Also record the derivatives of all recorded signals with respect to these parameters, and print the largest
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     sensitivity: Vec<String>,
     /// Also print the work of the solver: steps, switchings, kinks and evaluations

@@ -49,25 +49,25 @@ pub(super) struct Arguments {
     /// Height Z of the ridges, in micrometres
     #[arg(long, value_name = "MICROMETRES", default_value = "2.5", allow_hyphen_values = true, value_parser = positive_in("µm"))]
     ridge_height: f64,
-    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units
-    /// or with a unit, instead of the computed value; may be given several times
+    /// Set a parameter of the circuit of Fig 8.16 in place of its computed value: M, K, f, Fs, VcL, Tc, v_start,
+    /// v_rate, v_turn or x_step. A number without a unit is in SI units. May be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     set: Vec<(String, TypedNumber)>,
-    /// By how many percent each piece of advice changes its quantity
+    /// Change that each piece of advice makes to its quantity, in percent
     #[arg(long = "by", value_name = "PERCENT", default_value = "10", allow_hyphen_values = true, value_parser = percent)]
     percent: f64,
-    /// The velocity oscillates if it swings by more than this, peak to peak, within a window; in mm/s
+    /// Largest change of the velocity within a window, in mm/s peak to peak, that does not count as oscillation
     #[arg(long, value_name = "MM/S", default_value = "0.25", allow_hyphen_values = true, value_parser = positive_in("mm/s"))]
     threshold: f64,
-    /// Length of the window, in s (default: 0.04, or the period of the table on its drive if that is longer)
+    /// Length of the window, in seconds (default: 0.04, or the period of the table on its drive if that is longer)
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive_in("s"))]
     window: Option<f64>,
     #[command(flatten)]
     steps: StepArguments,
-    /// Draw the velocity profile; the file name selects SVG or PNG
+    /// Draw the velocity profile into this file; the ending of its name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write the circuit as a patch, with which `patchcord run` reproduces the simulation
+    /// Write the circuit as a patch; `patchcord run` with it repeats the simulation
     #[arg(long, value_name = "FILE.json")]
     out: Option<PathBuf>,
     /// Print one JSON document in SI units on standard output, and nothing else there
