@@ -49,7 +49,7 @@ pub(super) fn overload_advice(trace: &Trace, circuit: &Circuit, patch: &Path) ->
             format!("enlarge \"per_volt\" of \"{scale}\", the scale of {signal}{place}, and adapt the gains")
         }
         None => {
-            format!("reduce the gains into {element}, or enlarge the scales of the signals that it drives")
+            format!("reduce the gains into {element}, or enlarge the scale of the quantity that it computes")
         }
     };
     let patch = escape_controls(&quoted(patch));

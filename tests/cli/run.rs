@@ -70,7 +70,7 @@ fn a_run_with_overloads_says_once_what_to_do() {
         format!("  = help: {remedy}; `patchcord check {file} --scaling` compares scales and gains\n")
     };
     let of_scale = "enlarge \"per_volt\" of \"position\", the scale of x at A, and adapt the gains";
-    let of_gains = "reduce the gains into A, or enlarge the scales of the signals that it drives";
+    let of_gains = "reduce the gains into A, or enlarge the scale of the quantity that it computes";
     for (file, remedy) in [(&scaled, of_scale), (&bare, of_gains)] {
         let text = out(&patchcord(&["run", file, "--repeat", "2"]));
         assert!(text.contains("run 2: overload: A"), "{text}");
