@@ -123,9 +123,9 @@ fn unknown_option_tip(
     arguments: &[OsString],
 ) -> Option<String> {
     let command = |argument: &OsString| definition.find_subcommand(argument);
-    let tip = arguments.iter().skip(1).find_map(command).and_then(|command| tip(command, written));
-    if tip.is_some() || error.get(ContextKind::SuggestedArg).is_some() {
-        return tip;
+    let synonym = arguments.iter().skip(1).find_map(command).and_then(|command| tip(command, written));
+    if synonym.is_some() || error.get(ContextKind::SuggestedArg).is_some() {
+        return synonym;
     }
     match arguments.get(1).and_then(command) {
         // The parser would advise to use the option as a file name.
@@ -165,7 +165,7 @@ fn tip(command: &Command, written: &str) -> Option<String> {
 fn option_text(command: &Command, name: &str) -> Option<String> {
     let option = command.get_arguments().find(|option| option.get_long() == Some(name))?;
     match option.get_value_names() {
-        Some([value, ..]) => Some(format!("'--{name} <{value}>'")),
+        Some([value, ..]) if option.get_action().takes_values() => Some(format!("'--{name} <{value}>'")),
         _ => Some(format!("'--{name}'")),
     }
 }
