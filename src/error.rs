@@ -1,9 +1,9 @@
 //! The error of the whole library.
 
 use crate::document::{DocumentError, ParameterRangeError, Report};
-use crate::draw::ScopeError;
 use crate::draw::plot::PlotError;
 use crate::draw::schematic::DrawError;
+use crate::draw::{ScopeError, TooManySamplesError};
 use crate::expr::{FormulaError, UnitError};
 use crate::ident::ExperimentError;
 use crate::ident::effects::EffectError;
@@ -80,6 +80,9 @@ pub enum Error {
     /// A recorded signal cannot be shown in a scope picture.
     #[error(transparent)]
     Scope(#[from] ScopeError),
+    /// A run has more samples than its pictures permit.
+    #[error(transparent)]
+    Samples(#[from] TooManySamplesError),
     /// A circuit cannot be drawn as a schematic or a patch panel.
     #[error(transparent)]
     Draw(#[from] DrawError),

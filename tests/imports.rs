@@ -45,6 +45,7 @@ const MODULES: [(&str, &[&str]); 6] = [
             "html",
             "plot",
             "envelope",
+            "picture_samples",
             "family",
             "faults",
             "scope",

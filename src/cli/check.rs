@@ -25,7 +25,7 @@ use patchcord::trace::Overload;
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Print the check of amplitude scaling (computer gain = input scale x block gain / output scale)
+    /// Compare the gains of the wiring with the scales (computer gain = input scale x block gain / output scale)
     #[arg(long)]
     scaling: bool,
     /// Print the voltages at initial condition (problem check)

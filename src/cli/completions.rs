@@ -18,7 +18,7 @@ Where to write the script:
 #[derive(Args)]
 #[command(after_help = PLACES)]
 pub(super) struct Arguments {
-    /// The shell
+    /// The shell that reads the script
     shell: Shell,
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::files::{name_with_suffix, path_texts, picture_format, written_text};
+use super::files::{FOLDER_OPTION, name_with_suffix, path_texts, picture_format, written_text};
 use super::instant::{InstantOption, instant};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::progress::ProgressBar;
@@ -22,10 +22,10 @@ use patchcord::solve::Machine;
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Draw into this file; the file name selects SVG or PNG
+    /// Draw into this file; the ending of its name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Draw into this folder, as SVG under the name of the patch
+    /// Draw an SVG file into this folder, named after the patch
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Show the voltages at the outputs: at initial condition, or after this many seconds of the run
@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     /// Draw the patch panel of the machine with its cords instead of the schematic
     #[arg(long, conflicts_with = "values")]
     board: bool,
-    /// Draw the elements of macros in place instead of boxes
+    /// Draw the elements of each macro instead of a box
     #[arg(long, conflicts_with = "board")]
     open: bool,
     /// Draw light lines on a dark background
@@ -91,6 +91,7 @@ pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     /// The files to write, with their formats.
     fn files(&self) -> Result<Vec<(PathBuf, Format)>, Failure> {
+        FOLDER_OPTION.check(self.out.as_deref())?;
         let patch = &self.patch.patch;
         let ending = if self.board { ".board.svg" } else { ".schematic.svg" };
         let in_folder = self.out.as_ref().map(|folder| folder.join(name_with_suffix(patch, ending)));

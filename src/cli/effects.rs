@@ -20,7 +20,7 @@ use patchcord::ident::report::effect_page::{EffectPage, library_markdown};
 pub(super) struct Arguments {
     /// Describe this effect
     name: Option<String>,
-    /// Add the effects in this folder: every .json file in it
+    /// Also use the effects of this folder: one in each .json file
     #[arg(long, value_name = "DIR")]
     effects: Option<PathBuf>,
     /// Print one JSON document

@@ -8,24 +8,25 @@ use clap::Args;
 use super::failure::Failure;
 use super::load::PatchArguments;
 use super::outputs::Outputs;
-use super::pictures::{PictureArguments, PictureSamples, Resolution, TooManySamples, pictures};
+use super::pictures::{PictureArguments, Resolution, pictures};
 use super::standard_streams::{check_output, check_table, is_dash, table_path};
 use super::streamed_tables::StreamedTables;
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
 use patchcord::draw::plot::{self, Format, Picture, Size};
+use patchcord::draw::{self, PictureSamples, TooManySamplesError};
 use patchcord::solve::RunSettings;
 use patchcord::trace::Trace;
 
 #[derive(Args)]
 pub(super) struct FileArguments {
-    /// Write the recorded signals as CSV, in physical units; - writes to standard output, and only there
+    /// Write the recorded signals as CSV, in physical units; with -, to standard output in place of the readings
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw the pictures of the patch on one sheet; the file name selects SVG or PNG
+    /// Draw the pictures of the patch on one sheet; the ending of the file name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write table, sheet and each picture into this folder, under the name of the patch
+    /// Write the table, the sheet and a file for each picture into this folder, named after the patch
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -52,6 +53,8 @@ impl FileArguments {
     /// JSON document both go to standard output.
     pub(super) fn files(&self, patch: &PatchArguments, circuit: &Circuit) -> Result<Files, Failure> {
         check_table(self.csv.as_deref(), patch.json)?;
+        CSV_OPTION.check(self.csv.as_deref())?;
+        FOLDER_OPTION.check(self.out.as_deref())?;
         let in_folder =
             |ending| self.out.as_ref().map(|folder| folder.join(name_with_suffix(&patch.patch, ending)));
         let tables = self.csv.as_deref().map(table_path).into_iter().chain(in_folder(".csv")).collect();
@@ -142,11 +145,9 @@ impl Files {
         &self,
         circuit: &Circuit,
         settings: &RunSettings,
-    ) -> Result<PictureSamples, TooManySamples> {
-        match self.sheets.is_empty() {
-            true => Ok(PictureSamples::None),
-            false => self.resolution.samples(&circuit.picture_specs(&settings.record), settings),
-        }
+    ) -> Result<PictureSamples, TooManySamplesError> {
+        let drawn = if self.sheets.is_empty() { vec![] } else { circuit.picture_specs(&settings.record) };
+        draw::picture_samples(&drawn, settings, self.resolution.size, self.resolution.scale)
     }
 
     /// The tables and the samples of the pictures, to be written and selected while the run is recorded.
@@ -206,7 +207,55 @@ impl Files {
 /// A usage error if the name has no known ending, or is `-`.
 pub(super) fn picture_format(path: &Path) -> Result<Format, Failure> {
     check_output(path)?;
-    Format::from_path(path).map_err(|error| Failure::usage(error.to_string()))
+    let advice = if has_ending(path, &["csv"]) { "; --csv of run and linearise writes a table" } else { "" };
+    Format::from_path(path).map_err(|error| Failure::usage(format!("{error}{advice}")))
+}
+
+/// Endings of picture files.
+const PICTURE_ENDINGS: [&str; 10] = ["svg", "png", "pdf", "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff"];
+
+/// Whether a file name has one of these endings, in upper or lower case.
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
+}
+
+/// An option whose output is not a picture.
+pub(super) struct OutputOption {
+    /// The name of the option.
+    pub option: &'static str,
+    /// What it writes.
+    pub content: &'static str,
+    /// The ending of its names; empty for folders.
+    pub ending: &'static str,
+    /// What draws a picture instead.
+    pub drawing: &'static str,
+}
+
+/// What draws a picture, for messages.
+pub(super) const PLOT: &str = "--plot FILE.svg or --plot FILE.png";
+
+/// The option `--csv`.
+pub(super) const CSV_OPTION: OutputOption =
+    OutputOption { option: "--csv", content: "table", ending: "csv", drawing: PLOT };
+
+/// The option `--out` of commands that draw several pictures.
+pub(super) const FOLDER_OPTION: OutputOption =
+    OutputOption { option: "--out", content: "folder", ending: "", drawing: PLOT };
+
+impl OutputOption {
+    /// Checks that the file or folder of this option does not have the name of a picture.
+    ///
+    /// # Errors
+    /// A usage error if it does.
+    pub(super) fn check(&self, path: Option<&Path>) -> Result<(), Failure> {
+        let Some(path) = path.filter(|path| has_ending(path, &PICTURE_ENDINGS)) else { return Ok(()) };
+        let OutputOption { option, content, ending, drawing } = self;
+        let [given, named] = [path_text(path), path_text(&path.with_extension(ending))];
+        Err(Failure::usage(format!(
+            "{given} is the name of a picture, but {option} writes a {content}: \
+             use {drawing} for a picture, and {option} {named} for the {content}"
+        )))
+    }
 }
 
 /// The paths as texts for `--json`.

@@ -30,16 +30,16 @@ use patchcord::ident::search::{Outcome, SearchSettings, search};
 pub(super) struct Arguments {
     /// Experiment file (JSON): the patch, the measured data, the parameters to fit; docs/gap.md shows an example
     experiment: PathBuf,
-    /// Only check the data (sampling, missing samples, noise, resolution, bandwidth), list the sites of effects, and
-    /// compute the weakest detectable effects
+    /// Do not search. Check the data (sampling, missing samples, noise, resolution, bandwidth), list the places where
+    /// effects can be wired in, and compute the weakest effects that the data would show
     #[arg(long, conflicts_with = "out")]
     check: bool,
-    /// Write these files into this folder: the report (report.html, report.json), the fitted patch (fitted.json) and
-    /// the patch with the missing effect (augmented.json); if the effect is unknown, the patch with its force as a
-    /// curve (recovered.json); if two effects cannot be distinguished, a drive that distinguishes them (separate.csv)
+    /// Write into this folder the report (report.html, report.json), the fitted patch (fitted.json), and the patch with
+    /// the missing effect (augmented.json). If the effect is unknown, recovered.json is the patch with its force as a
+    /// curve. If two effects cannot be distinguished, separate.csv is a drive that distinguishes them
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Add the effects in this folder: every .json file in it
+    /// Also use the effects of this folder: one in each .json file
     #[arg(long, value_name = "DIR")]
     effects: Option<PathBuf>,
     /// Seed for the random starting points of the fit

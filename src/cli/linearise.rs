@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{path_texts, picture_format, write_pictures, written_text};
+use super::files::{CSV_OPTION, path_texts, picture_format, write_pictures, written_text};
 use super::instant::{InstantOption, OperatingPoint, instant};
 use super::linear_document::LinearDocument;
 use super::linear_report::{self, Analysis};
@@ -31,23 +31,23 @@ pub(super) struct Arguments {
     /// Run for this many problem seconds and linearise there (default: at initial condition)
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "0", hide_default_value = true, value_parser = instant)]
     at: f64,
-    /// Frequency response from this drive, or from a signal or element that depends on a drive
+    /// Compute the frequency response from this drive, or from this signal or element that depends on a drive
     #[arg(long, value_name = "DRIVE|SIGNAL", requires = "to")]
     from: Option<String>,
-    /// ... to this signal, drive or element
+    /// Compute the frequency response to this signal, drive or element
     #[arg(long, value_name = "SIGNAL", requires = "from")]
     to: Option<String>,
-    /// The drive on which both depend (default: --from itself, or the only drive)
+    /// The drive on which --from and --to depend (default: --from itself, or the only drive)
     #[arg(long, value_name = "DRIVE", requires = "from")]
     by: Option<String>,
     /// Frequency band of the response, in Hz (default: whole decades from at most a tenth of the slowest root or
     /// delay to at least ten times the fastest; 0.01:100 without roots and delays)
     #[arg(long, value_name = "LOW:HIGH", requires = "from", allow_hyphen_values = true, value_parser = band)]
     hz: Option<FrequencyBand>,
-    /// Draw the response as a Bode plot; the file name selects SVG or PNG
+    /// Draw the response as a Bode plot into this file; the ending of its name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png", requires = "from")]
     plot: Option<PathBuf>,
-    /// Write the response as CSV; - writes to standard output, and only there
+    /// Write the response as CSV; with -, to standard output in place of the report
     #[arg(long, value_name = "FILE", requires = "from")]
     csv: Option<PathBuf>,
 }
@@ -78,6 +78,7 @@ struct Document<'a> {
 /// the table, no report follows.
 pub(super) fn linearise(arguments: &Arguments) -> Result<(), Failure> {
     check_table(arguments.csv.as_deref(), arguments.patch.json)?;
+    CSV_OPTION.check(arguments.csv.as_deref())?;
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
     let files = arguments.files();
     let loaded = arguments.patch.load()?;

@@ -25,8 +25,8 @@ use patchcord::solve::{Machine, RunError};
 pub(super) struct PatchArguments {
     /// Patch file (JSON); - reads standard input
     pub patch: PathBuf,
-    /// Set a parameter, in the unit that the patch declares for it or with a unit, such as VcL=2.54mm/s; may be given
-    /// several times
+    /// Set a parameter, such as VcL=2.54mm/s. A number without a unit is in the unit that the patch declares. May be
+    /// given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     pub set: Vec<(String, TypedNumber)>,
     /// Print one JSON document on standard output, and nothing else there

@@ -17,6 +17,7 @@
 //! code.
 
 mod check;
+mod command_synonyms;
 mod completions;
 mod criteria;
 mod doubts;
@@ -70,19 +71,20 @@ use std::process::ExitCode;
 use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use serde::Serialize;
 
+use command_synonyms::with_command_tip;
 use failure::Failure;
 use option_synonyms::with_option_tip;
 use patchcord::document::{escape_controls, printable};
 use patchcord::output::io_reason;
 
-/// A virtual analogue computer: patches in JSON, run in volts, read with the instruments of the period
+/// A virtual analogue computer: patch it in JSON, run it in volts, read it with the instruments of the period
 ///
-/// Exit codes: 0 success, 1 error in the patch or the data, or output that cannot be written, 2 error in the command
-/// line, 3 overload in a run with --fail-on-overload.
+/// The exit code is 0 for success, 1 for an error in the patch or the data or if output cannot be written, 2 for an
+/// error in the command line, and 3 for an overload in a run with --fail-on-overload.
 ///
-/// Long work shows its progress on standard error. If that is not a terminal, a line is printed there every ten
-/// seconds. The environment variable PATCHCORD_PROGRESS sets another interval in seconds, at least 0.001; with 0 no
-/// lines are printed.
+/// Long work shows its progress on standard error: a bar on a terminal, otherwise a line every ten seconds. The
+/// environment variable PATCHCORD_PROGRESS sets another interval of the lines, in seconds and at least 0.001. With 0,
+/// no lines are printed.
 #[derive(Parser)]
 #[command(name = "patchcord", version, arg_required_else_help = true)]
 struct Arguments {
@@ -96,17 +98,17 @@ enum Command {
     New(new::Arguments),
     /// Check a patch and report all errors at once
     Check(check::Arguments),
-    /// Run a patch: readings, CSV table, scope pictures
+    /// Run a patch: print readings, write a CSV table, draw scope pictures
     Run(run::Arguments),
     /// Run a patch for many parameter values and write one row of measures per run
     Sweep(sweep::Arguments),
-    /// Reproduce the figures of the thesis and check its claims
+    /// Reproduce the figures of the thesis on stick-slip friction and check its claims
     Replay(replay::Arguments),
-    /// Predict the critical velocity of a slideway from oil, load, stiffness and surface, and test advice to lower it
+    /// Predict the critical velocity of a slideway from oil, load, stiffness and surface, and test how to lower it
     Slideway(slideway::Arguments),
-    /// Explain a velocity profile: sticking, stick-slip, oscillation and smooth sliding along a ramp of the command
+    /// Explain a velocity profile: where motion sticks, slips, oscillates or slides evenly as the command changes
     Profile(profile::Arguments),
-    /// Compare a patch with measured data: find the missing effect, its place and time, and write an extended patch
+    /// Compare a patch with measured data, find the effect that it lacks, and write a patch with this effect
     Gap(gap::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
@@ -146,7 +148,8 @@ pub(crate) fn main() -> ExitCode {
 /// Parses a command line. Returns the command, and whether it was given `--json`.
 fn parse(arguments: &[OsString]) -> Result<(Command, bool), clap::Error> {
     let matches = definition().try_get_matches_from(arguments);
-    let mut matches = matches.map_err(|error| with_option_tip(error, &definition(), arguments))?;
+    let mut matches =
+        matches.map_err(|error| with_command_tip(with_option_tip(error, &definition(), arguments)))?;
     let json = matches.subcommand().is_some_and(|(_, options)| has_json(options));
     let arguments = Arguments::from_arg_matches_mut(&mut matches);
     let arguments = arguments.map_err(|error| error.format(&mut definition()))?;

@@ -1,7 +1,7 @@
 //! Options of other programs, and the options of this command that mean the same.
 //!
-//! An error about an unknown option gets a tip from this table before that of the parser, which looks for a similar
-//! name.
+//! An error about an unknown option gets a tip from these tables before that of the parser, which looks for a similar
+//! name. If there is no such name either, the tip is the command that lists the options.
 
 use std::ffi::OsString;
 
@@ -9,7 +9,7 @@ use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 /// What people write, in lower case without the first hyphens, and the options that are meant.
-const OPTIONS: [(&[&str], &[&str]); 15] = [
+const OPTIONS: [(&[&str], &[&str]); 16] = [
     (
         &["dt", "h", "timestep", "time-step", "stepsize", "step-size", "max-step", "dt-max", "delta-t"],
         &["step"],
@@ -47,34 +47,111 @@ const OPTIONS: [(&[&str], &[&str]); 15] = [
     (&["sweep", "range"], &["vary"]),
     (&["jobs", "j", "workers", "parallel", "cores"], &["threads"]),
     (&["freq", "frequency", "frequencies", "band"], &["hz"]),
+    (&["v", "verbosity"], &["verbose"]),
 ];
 
-/// The same error with a tip, if it is about an option of other programs and the command has an option that means the
-/// same. `definition` has all commands, and `arguments` are the command line.
+/// What people write for the method of the solver.
+const METHOD: &[&str] = &["method", "solver", "integrator", "algorithm"];
+
+/// What people write for things that no single option selects, as in [`OPTIONS`], with the tip. If there is an option
+/// between them, the tip is for commands with this option.
+const SENTENCES: [(&[&str], Option<&str>, &str); 3] = [
+    (
+        METHOD,
+        Some("tol"),
+        "the step selects the method: '--step <SECONDS|auto>' takes equal Runge-Kutta steps of order 4, \
+         '--tol <SHARE>' takes Dormand-Prince steps of orders 5 and 4",
+    ),
+    (
+        METHOD,
+        Some("set"),
+        "the section \"run\" of the patch selects the method: with \"step\" equal Runge-Kutta steps of order 4, \
+         with \"tolerance\" Dormand-Prince steps of orders 5 and 4",
+    ),
+    (
+        &["q", "quiet", "silent", "no-progress"],
+        None,
+        "set the environment variable PATCHCORD_PROGRESS=0 to print no progress, and redirect standard output to \
+         discard the results",
+    ),
+];
+
+/// The same error with another tip, if it is about an unknown option or about a file name after `--json`. A tip about a
+/// similar name stays. `definition` has all commands, and `arguments` are the command line.
 pub(super) fn with_option_tip(
     mut error: clap::Error,
     definition: &Command,
     arguments: &[OsString],
 ) -> clap::Error {
-    let Some(tip) = option_tip(&error, definition, arguments) else { return error };
+    let Some(tip) = better_tip(&error, definition, arguments) else { return error };
     error.remove(ContextKind::SuggestedArg);
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     error
 }
 
-/// The tip about the unknown option of an error; `None` if there is none.
-fn option_tip(error: &clap::Error, definition: &Command, arguments: &[OsString]) -> Option<String> {
-    if error.kind() != ErrorKind::UnknownArgument {
-        return None;
+/// The tip in place of that of the parser; `None` if that stays.
+fn better_tip(error: &clap::Error, definition: &Command, arguments: &[OsString]) -> Option<String> {
+    let written = context_text(error, ContextKind::InvalidArg)?;
+    match error.kind() {
+        ErrorKind::UnknownArgument if written.starts_with('-') => {
+            unknown_option_tip(error, written, definition, arguments)
+        }
+        ErrorKind::UnknownArgument => {
+            let mut pairs = arguments.windows(2);
+            pairs.any(|pair| pair[0] == "--json" && pair[1] == *written).then(|| redirection_tip(written))
+        }
+        ErrorKind::TooManyValues if written == "--json" => {
+            context_text(error, ContextKind::InvalidValue).map(redirection_tip)
+        }
+        _ => None,
     }
-    let Some(ContextValue::String(written)) = error.get(ContextKind::InvalidArg) else { return None };
-    let command = arguments.iter().skip(1).find_map(|argument| definition.find_subcommand(argument))?;
-    tip(command, written)
 }
 
-/// The options of a command that are meant by an unknown one, which begins with a hyphen. `None` if there are none.
+/// A text that belongs to an error; `None` if there is none.
+fn context_text(error: &clap::Error, kind: ContextKind) -> Option<&str> {
+    match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text),
+        _ => None,
+    }
+}
+
+/// The tip about an unknown option; `None` if that of the parser stays.
+fn unknown_option_tip(
+    error: &clap::Error,
+    written: &str,
+    definition: &Command,
+    arguments: &[OsString],
+) -> Option<String> {
+    let command = |argument: &OsString| definition.find_subcommand(argument);
+    let synonym = arguments.iter().skip(1).find_map(command).and_then(|command| tip(command, written));
+    if synonym.is_some() || error.get(ContextKind::SuggestedArg).is_some() {
+        return synonym;
+    }
+    match arguments.get(1).and_then(command) {
+        // The parser would advise to use the option as a file name.
+        Some(command) => Some(format!("'patchcord {} --help' lists the options", command.get_name())),
+        None if written == "-v" => Some("use '--version'".to_owned()),
+        // The parser says that the command after the option has this option.
+        None if error.get(ContextKind::Suggested).is_some() => None,
+        None => Some("'patchcord --help' lists the commands".to_owned()),
+    }
+}
+
+/// The tip about a file name after `--json`.
+fn redirection_tip(file: &str) -> String {
+    format!("--json prints the document on standard output: redirect it with '> {file}'")
+}
+
+/// The tip about an unknown option of a command, which begins with a hyphen. `None` if the tables have none for the
+/// command.
 fn tip(command: &Command, written: &str) -> Option<String> {
     let word = written.strip_prefix('-')?.trim_start_matches('-').to_lowercase().replace('_', "-");
+    let sentence = SENTENCES.iter().find(|(words, option, _)| {
+        words.contains(&word.as_str()) && option.is_none_or(|name| option_text(command, name).is_some())
+    });
+    if let Some((.., sentence)) = sentence {
+        return Some((*sentence).to_owned());
+    }
     let (_, meant) = OPTIONS.iter().find(|(words, _)| words.contains(&word.as_str()))?;
     let options: Vec<String> = meant.iter().filter_map(|name| option_text(command, name)).collect();
     let (last, others) = options.split_last()?;
@@ -88,7 +165,7 @@ fn tip(command: &Command, written: &str) -> Option<String> {
 fn option_text(command: &Command, name: &str) -> Option<String> {
     let option = command.get_arguments().find(|option| option.get_long() == Some(name))?;
     match option.get_value_names() {
-        Some([value, ..]) => Some(format!("'--{name} <{value}>'")),
+        Some([value, ..]) if option.get_action().takes_values() => Some(format!("'--{name} <{value}>'")),
         _ => Some(format!("'--{name}'")),
     }
 }
@@ -115,6 +192,7 @@ mod tests {
             ("run", "-o", "use '--csv <FILE>', '--plot <FILE.svg|png>' or '--out <DIR>'"),
             ("gap", "--output", "use '--out <DIR>'"),
             ("sweep", "-j", "use '--threads <NUMBER>'"),
+            ("run", "-v", "use '--verbose'"),
         ];
         for (command, written, expected) in cases {
             assert_eq!(tip_of(command, written).as_deref(), Some(expected), "{command} {written}");
@@ -129,8 +207,26 @@ mod tests {
     }
 
     #[test]
+    fn a_method_is_that_of_the_options_or_of_the_patch() {
+        let [of_options, of_patch, quiet] = SENTENCES.map(|(.., sentence)| Some(sentence));
+        for (command, expected) in
+            [("run", of_options), ("slideway", of_options), ("draw", of_patch), ("man", None)]
+        {
+            assert_eq!(tip_of(command, "--method").as_deref(), expected, "{command}");
+        }
+        let run = definition().find_subcommand("run").unwrap().clone();
+        for name in ["step", "tol"] {
+            let option = option_text(&run, name).unwrap();
+            assert!(of_options.is_some_and(|sentence| sentence.contains(&option)), "{option}");
+        }
+        assert_eq!(tip_of("man", "--quiet").as_deref(), quiet);
+    }
+
+    #[test]
     fn every_word_is_in_one_row_and_every_option_exists() {
-        let words: Vec<&str> = OPTIONS.iter().flat_map(|(words, _)| *words).copied().collect();
+        let sentences = SENTENCES.iter().skip(1).flat_map(|(words, ..)| *words);
+        let words: Vec<&str> =
+            OPTIONS.iter().flat_map(|(words, _)| *words).chain(sentences).copied().collect();
         for (index, word) in words.iter().enumerate() {
             assert!(!words[..index].contains(word), "{word}");
         }

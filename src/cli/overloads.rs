@@ -1,8 +1,13 @@
 //! Formats overloads as text and as JSON.
 
+use std::path::Path;
+
 use serde::Serialize;
 
 use super::failure::Failure;
+use super::new::quoted;
+use patchcord::circuit::Circuit;
+use patchcord::document::escape_controls;
 use patchcord::instruments::overload_demand;
 use patchcord::trace::{LimitDrive, Overload, Trace};
 
@@ -26,6 +31,29 @@ fn overload_text(order: usize, overload: &Overload) -> String {
         None => "not caused by an earlier one".to_owned(),
     };
     format!("overload: {element} at t = {time:.6} s, {} ({cause})", overload_demand(overload))
+}
+
+/// What to do about the first overload of a run, in one line. Empty if there is none. `patch` is the path of the patch.
+///
+/// The line names the scale of the overloaded amplifier, if a signal there has one.
+pub(super) fn overload_advice(trace: &Trace, circuit: &Circuit, patch: &Path) -> String {
+    let Some(Overload { element, .. }) = trace.overloads().next() else { return String::new() };
+    let mut signals = circuit.signals().iter();
+    let scaled = signals.find_map(|point| {
+        let scale = point.scale.filter(|_| circuit.element(point.element).name == *element)?;
+        Some((&point.name, circuit.derived(scale).0))
+    });
+    let remedy = match scaled {
+        Some((signal, scale)) => {
+            let place = if signal == element { String::new() } else { format!(" at {element}") };
+            format!("enlarge \"per_volt\" of \"{scale}\", the scale of {signal}{place}, and adapt the gains")
+        }
+        None => {
+            format!("reduce the gains into {element}, or enlarge the scale of the quantity that it computes")
+        }
+    };
+    let patch = escape_controls(&quoted(patch));
+    format!("  = help: {remedy}; `patchcord check {patch} --scaling` compares scales and gains\n")
 }
 
 /// The failure of a run with overloads, with an exit code of its own. None if there is no overload.

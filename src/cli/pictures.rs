@@ -1,34 +1,13 @@
-//! The pictures of a run: the options for their size, what they show, and the samples that they need.
+//! The pictures of a run: the options for their size, and what they show.
 
 use clap::Args;
 
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
 use patchcord::draw::plot::{Format, Picture, Size, check_sheet};
-use patchcord::draw::{self, TraceEnvelope};
+use patchcord::draw::{self, SampleDemand};
 use patchcord::instruments::{parameter_line, signal_faults};
-use patchcord::patch::PictureSpec;
-use patchcord::solve::{BLOCK_SAMPLES, RunSettings};
 use patchcord::trace::Trace;
-
-/// Largest number of numbers of 8 bytes for the samples of a run and for its pictures. They take 400 MB.
-const MAX_NUMBERS: f64 = 5e7;
-/// Numbers for every sample while one picture is drawn: its axes, its positions, and its wrong and its correct parts.
-const NUMBERS_FOR_DRAWING: usize = 16;
-/// Numbers for the time of every sample.
-const NUMBERS_FOR_TIME: usize = 1;
-/// Numbers for every sample of a curve.
-const NUMBERS_PER_POINT: usize = 2;
-/// Number of samples of a group of the envelope.
-const SAMPLES_PER_GROUP: f64 = 2.0;
-/// The largest number of groups, divided by the least number that remains when they are merged.
-const MERGED_GROUPS: f64 = 2.0;
-/// Least number of groups of the envelope for each pixel of the width, if the memory permits it. An extreme moves by at
-/// most a twenty-fifth of a pixel.
-const GROUPS_PER_PIXEL: f64 = 25.0;
-/// Least number of groups of the envelope for each pixel of the width in any case. An extreme moves by at most half a
-/// pixel.
-const MIN_GROUPS_PER_PIXEL: f64 = 2.0;
 
 #[derive(Args)]
 pub(super) struct PictureArguments {
@@ -38,7 +17,7 @@ pub(super) struct PictureArguments {
     /// Height of each picture in pixels, 240 to 4000; 560 if absent
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = side)]
     height: Option<u32>,
-    /// Resolution of PNG files: pixels per pixel of width and height, 0.25 to 10; 1 if absent
+    /// Resolution of PNG files: 2 gives twice as many pixels along each side. From 0.25 to 10; 1 if absent
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = scale)]
     scale: Option<f64>,
 }
@@ -107,127 +86,15 @@ impl Resolution {
             false => Failure::data(error.to_string()),
         })
     }
-
-    /// The samples of a run that these pictures need. Pictures against time need the envelope only, if there are too
-    /// many samples for the memory.
-    ///
-    /// # Errors
-    /// If they need more samples than the memory permits: a picture is against a signal, the samples belong to many
-    /// runs, or the envelope is too large because of the width or the number of curves.
-    pub(super) fn samples(
-        &self,
-        pictures: &[PictureSpec],
-        settings: &RunSettings,
-    ) -> Result<PictureSamples, TooManySamples> {
-        let signals = settings.record.len();
-        let derivatives = signals * settings.sensitivities.len();
-        let curves = pictures.iter().map(|picture| picture.y.len()).sum::<usize>() + derivatives;
-        let numbers =
-            NUMBERS_FOR_DRAWING + NUMBERS_FOR_TIME + signals + derivatives + NUMBERS_PER_POINT * curves;
-        let (samples, max) = (settings.max_samples(), MAX_NUMBERS / numbers as f64);
-        if samples <= max {
-            return Ok(PictureSamples::All);
-        }
-        let refused = |reason| Err(TooManySamples { samples, max, reason });
-        if pictures.iter().any(|picture| picture.x.value != "t") {
-            return refused(SampleDemand::AgainstSignal);
-        }
-        let permitted_groups = max / SAMPLES_PER_GROUP;
-        // Every phase may begin a run, which has one group more.
-        let max_groups = permitted_groups - settings.phase_count();
-        let pixels = f64::from(self.size.width) * self.scale.max(1.0);
-        // The groups are shared by all runs, and each run may take the whole width.
-        let runs = run_count(settings);
-        let wanted_groups = MERGED_GROUPS * GROUPS_PER_PIXEL * pixels * runs;
-        let least_groups = |runs: f64| MERGED_GROUPS * MIN_GROUPS_PER_PIXEL * pixels * runs;
-        let groups = max_groups.min(wanted_groups);
-        if groups >= least_groups(runs) {
-            Ok(PictureSamples::Envelope { groups: groups as usize })
-        } else if permitted_groups < least_groups(1.0) {
-            refused(SampleDemand::LargePictures)
-        } else {
-            refused(SampleDemand::ManyRuns)
-        }
-    }
 }
 
-/// The number of runs of the greatest length that take as long as all runs together. It is 1 for runs without duration.
-fn run_count(settings: &RunSettings) -> f64 {
-    let duration = settings.duration();
-    if duration > 0.0 { settings.total_duration() / duration } else { 1.0 }
-}
-
-/// The samples of a run that its pictures need.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum PictureSamples {
-    /// None, because there are no pictures.
-    None,
-    /// The envelope.
-    Envelope {
-        /// The largest number of its groups, apart from one for every run.
-        groups: usize,
-    },
-    /// All samples.
-    All,
-}
-
-/// A run with more samples than its pictures permit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TooManySamples {
-    /// Number of samples of the run.
-    pub(super) samples: f64,
-    /// The largest number of samples.
-    pub(super) max: f64,
-    /// Why the pictures need every sample.
-    pub(super) reason: SampleDemand,
-}
-
-/// Why pictures need every sample of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum SampleDemand {
-    /// A picture is against a signal.
-    AgainstSignal,
-    /// The envelope has too few groups for each of the runs.
-    ManyRuns,
-    /// The envelope of a single run would be too large, because of the width or the number of curves.
-    LargePictures,
-}
-
-/// What helps if a run is too long for its pictures.
-const SHORTER_RUN: &str =
-    "give a longer --every, a shorter --for or fewer repetitions, or write a table without pictures";
-
-impl SampleDemand {
-    /// The reason for messages.
-    pub(super) fn text(self) -> &'static str {
-        match self {
-            SampleDemand::AgainstSignal => "one is against a signal",
-            SampleDemand::ManyRuns => "there are very many repetitions or phases",
-            SampleDemand::LargePictures => "they have very many curves or pixels",
+/// What to do about pictures that need too many samples, for messages.
+pub(super) fn advice_on_samples(demand: SampleDemand) -> &'static str {
+    match demand {
+        SampleDemand::AgainstSignal | SampleDemand::ManyRuns => {
+            "give a longer --every, a shorter --for or fewer repetitions, or write a table without pictures"
         }
-    }
-
-    /// What to do about it, for messages.
-    pub(super) fn advice(self) -> &'static str {
-        match self {
-            SampleDemand::AgainstSignal | SampleDemand::ManyRuns => SHORTER_RUN,
-            SampleDemand::LargePictures => "draw fewer pictures, or give a smaller --width or --scale",
-        }
-    }
-}
-
-impl PictureSamples {
-    /// Number of samples of the blocks in which the run passes its samples on. `None` if the trace keeps all samples.
-    pub(super) fn block_samples(self) -> Option<usize> {
-        (self != PictureSamples::All).then_some(BLOCK_SAMPLES)
-    }
-
-    /// The envelope of a run that has not begun. `None` if the pictures do not need one.
-    pub(super) fn envelope(self) -> Option<TraceEnvelope> {
-        match self {
-            PictureSamples::Envelope { groups } => Some(TraceEnvelope::new(groups)),
-            PictureSamples::None | PictureSamples::All => None,
-        }
+        SampleDemand::LargePictures => "draw fewer pictures, or give a smaller --width or --scale",
     }
 }
 
@@ -249,70 +116,6 @@ pub(super) fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use patchcord::document::{Placed, Span};
-
-    /// Pictures of one signal each against `x`.
-    fn specs(x: &str, count: usize) -> Vec<PictureSpec> {
-        let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
-        let spec =
-            PictureSpec { title: String::new(), x: placed(x), y: vec![placed("y")], equal_scales: true };
-        vec![spec; count]
-    }
-
-    /// The samples for pictures of the usual size. The run has this many samples in each repetition.
-    fn samples(
-        specs: &[PictureSpec],
-        samples: f64,
-        repetitions: u64,
-    ) -> Result<PictureSamples, TooManySamples> {
-        let resolution = Resolution { size: Size::default(), scale: 1.0, is_given: false };
-        let settings = RunSettings::from_phases([], 1.0).with_duration(samples).repeated(repetitions);
-        resolution.samples(specs, &settings.with_signals(["x", "y"]))
-    }
-
-    #[test]
-    fn pictures_against_time_need_few_samples_of_a_long_run() {
-        assert_eq!(samples(&specs("t", 1), 2e6, 1), Ok(PictureSamples::All));
-        // From 25 to 50 groups for each of 900 pixels.
-        let few: Result<_, TooManySamples> = Ok(PictureSamples::Envelope { groups: 45_000 });
-        assert_eq!([samples(&specs("t", 1), 3e6, 1), samples(&specs("t", 1), 3e9, 1)], [few, few]);
-        let limited = Ok(PictureSamples::Envelope { groups: 1_190_276 });
-        assert_eq!(samples(&specs("t", 1), 3e6, 100), limited);
-    }
-
-    #[test]
-    fn the_envelope_is_limited() {
-        for (count, length, repetitions) in [(1, 3e6, 1), (1, 3e6, 100), (250, 1e6, 1), (60, 3e5, 7)] {
-            let kept = samples(&specs("t", count), length, repetitions);
-            let Ok(PictureSamples::Envelope { groups }) = kept else { panic!("{kept:?}") };
-            let numbers = 2.0 * (groups as f64 + 2.0 * repetitions as f64) * (19 + 2 * count) as f64;
-            assert!(numbers <= MAX_NUMBERS, "{count}: {groups}");
-            assert!(0.5 * groups as f64 >= 2.0 * 900.0 * repetitions as f64, "{count}: {groups}");
-        }
-    }
-
-    #[test]
-    fn pictures_against_a_signal_and_of_many_runs_need_every_sample() {
-        assert_eq!(samples(&specs("x", 1), 2e6, 1), Ok(PictureSamples::All));
-        let mixed = [specs("t", 1), specs("x", 1)].concat();
-        let refused = samples(&mixed, 3e6, 1).unwrap_err();
-        assert!(refused.samples >= 3e6 && refused.max == MAX_NUMBERS / 23.0, "{refused:?}");
-        assert_eq!(refused.reason, SampleDemand::AgainstSignal);
-        assert_eq!(samples(&specs("t", 1), 5e3, 400), Ok(PictureSamples::All));
-        for (length, repetitions) in [(5e3, 1000), (5.0, 10_000_000)] {
-            let refused = samples(&specs("t", 1), length, repetitions).unwrap_err();
-            assert_eq!(refused.reason, SampleDemand::ManyRuns, "{repetitions}");
-        }
-    }
-
-    #[test]
-    fn an_envelope_of_very_many_curves_is_too_large() {
-        let refused = samples(&specs("t", 4000), 1e6, 1).unwrap_err();
-        assert_eq!(refused.reason, SampleDemand::LargePictures);
-        // Without duration, every phase still has two samples.
-        let refused = samples(&specs("t", 1), 0.0, 10_000_000).unwrap_err();
-        assert_eq!(refused.reason, SampleDemand::ManyRuns);
-    }
 
     #[test]
     fn sides_and_scales_have_limits() {

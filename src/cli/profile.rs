@@ -40,24 +40,24 @@ pub(super) struct Arguments {
     patch: PatchArguments,
     #[command(flatten)]
     times: TimeArguments,
-    /// The commanded and the actual velocity
+    /// Names of the signals with the commanded and the actual velocity
     #[arg(long, value_name = "COMMAND,VELOCITY", default_value = "v_i,v_o", value_parser = pair)]
     signals: [String; 2],
-    /// The velocity oscillates if it swings by more than this, peak to peak, within a window; in the unit of the
-    /// signals: 0.25e-3 for a patch in m/s (default: 0.25 mm/s)
+    /// Largest change of the velocity within a window, peak to peak, that does not count as oscillation. It is in the
+    /// unit of the signals: 0.25e-3 for a patch in m/s (default: 0.25 mm/s)
     #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = positive)]
     threshold: Option<f64>,
-    /// Length of the window (default: 0.04): at least half a period of the slowest oscillation
+    /// Length of the window, in seconds: at least half a period of the slowest oscillation (default: 0.04)
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive_in("s"))]
     window: Option<f64>,
-    /// Largest velocity that counts as standstill, in the unit of the signals: 0.1e-3 for a patch in m/s (default: half
-    /// the threshold)
+    /// Largest velocity that counts as standstill. It is in the unit of the signals: 0.1e-3 for a patch in m/s
+    /// (default: half the threshold)
     #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = positive)]
     standstill: Option<f64>,
-    /// Read the falling ramp, during which the command falls from its largest value
+    /// Read the profile while the command falls from its largest value, not while it rises
     #[arg(long)]
     falling: bool,
-    /// Draw the profile with its points and sections; the file name selects SVG or PNG
+    /// Draw the profile with its points and sections into this file; the ending of its name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
 }

@@ -11,7 +11,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{path_texts, picture_format, written_text};
+use super::files::{FOLDER_OPTION, path_texts, picture_format, written_text};
 use super::outputs::Outputs;
 use super::progress::ProgressBar;
 use super::table::Table;
@@ -28,10 +28,10 @@ pub(super) struct Arguments {
     /// Figures to reproduce, such as fig-8-24, or all (default: list the figures)
     #[arg(value_name = "ID|all")]
     ids: Vec<String>,
-    /// Write pictures, their patches and a page with pictures and claims into this folder
+    /// Write the pictures, their patches, and a page with the pictures and the claims into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Draw the figure into this file; the file name selects SVG or PNG
+    /// Draw the figure into this file; the ending of its name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
     /// Print one JSON document on standard output, and nothing else there
@@ -46,6 +46,7 @@ pub(super) fn replay(arguments: &Arguments) -> Result<(), Failure> {
     if figures.is_empty() {
         return arguments.list();
     }
+    FOLDER_OPTION.check(arguments.out.as_deref())?;
     let plot = arguments.plot(&figures)?;
     let writer = Outputs::default();
     writer.prepare(arguments.out.as_deref(), arguments.known_files(&figures))?;

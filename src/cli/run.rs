@@ -18,9 +18,9 @@ use super::failure::Failure;
 use super::files::{FileArguments, Files, path_texts, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading};
 use super::numbers::repetitions;
-use super::overloads::{OverloadDocument, overload_failure};
+use super::overloads::{OverloadDocument, overload_advice, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
-use super::pictures::TooManySamples;
+use super::pictures::advice_on_samples;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::recording::record;
 use super::run_report::{overloads_text, summary_text, work_text};
@@ -32,7 +32,8 @@ use super::times::{
 };
 use super::{errors_in_colour, output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{format_distinct, json_value, suggestion};
+use patchcord::document::{json_value, suggestion};
+use patchcord::draw::TooManySamplesError;
 use patchcord::ir::Program;
 use patchcord::patch::RunPlan;
 use patchcord::solve::{BLOCK_SAMPLES, RunError, RunSettings, StoppedRunError};
@@ -44,19 +45,19 @@ pub(super) struct Arguments {
     patch: PatchArguments,
     #[command(flatten)]
     times: TimeArguments,
-    /// Run this many times from initial condition (repetitive operation)
+    /// Run this many times, each time from initial condition (repetitive operation)
     #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = repetitions)]
     repeat: Option<u32>,
     /// Switch to hold at the first overload
     #[arg(long)]
     hold_on_overload: bool,
-    /// Fail with exit code 3 if there is an overload; files and results are written first
+    /// End with exit code 3 if there is an overload. Files and results are written first
     #[arg(long)]
     fail_on_overload: bool,
     /// Record these signals, drives or elements instead of those that the patch specifies
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     record: Vec<String>,
-    /// Also record the derivatives of all recorded signals with respect to these parameters, and list the largest ones
+    /// Also record the derivatives of all recorded signals with respect to these parameters, and print the largest
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     sensitivity: Vec<String>,
     /// Also print the work of the solver: steps, switchings, kinks and evaluations
@@ -116,8 +117,9 @@ impl Arguments {
         trace: &Trace,
         (written, elapsed): (&[PathBuf], Duration),
     ) -> Result<(), Failure> {
+        let advice = overload_advice(trace, circuit, &self.patch.patch);
         if self.files.prints_table() {
-            eprint_doubts(trace, &overloads_text(trace, errors_in_colour()));
+            eprint_doubts(trace, &(overloads_text(trace, errors_in_colour()) + &advice));
             return Ok(());
         }
         print(&(heading(circuit) + &readings_text(trace) + &phases_text(trace)))?;
@@ -129,7 +131,7 @@ impl Arguments {
         if [&*work, &*overloads, &*warning, hint].iter().any(|text| !text.is_empty()) {
             print(&format!("\n{work}"))?;
             print_coloured(&overloads)?;
-            print(&format!("{warning}{hint}"))?;
+            print(&format!("{advice}{warning}{hint}"))?;
         }
         print(&(written_paragraph(written.iter()) + &summary_text(trace, elapsed)))
     }
@@ -173,16 +175,10 @@ impl Arguments {
     }
 
     /// The failure of a run with more samples than its pictures permit.
-    fn picture_failure(&self, TooManySamples { samples, max, reason }: TooManySamples) -> Failure {
-        let [found, permitted] = [format_distinct(samples, max), format_distinct(max, samples)];
-        let message = format!(
-            "the run would record {found} samples; at most {permitted} are allowed with pictures that need \
-             every sample, because {}: {}",
-            reason.text(),
-            reason.advice()
-        );
+    fn picture_failure(&self, error: TooManySamplesError) -> Failure {
+        let message = format!("{error}: {}", advice_on_samples(error.reason));
         // The same options and the same code as without pictures.
-        let error = RunError::TooManyNumbers { numbers: samples, max };
+        let error = RunError::TooManyNumbers { numbers: error.samples, max: error.max };
         failure_with_code(message, &error, self.is_cause_of(&error))
     }
 

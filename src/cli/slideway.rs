@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::criteria::advice_on;
 use super::failure::Failure;
-use super::files::{path_texts, picture_format, write_pictures, written_paragraph};
+use super::files::{OutputOption, PLOT, path_texts, picture_format, write_pictures, written_paragraph};
 use super::numbers::{in_declared_units, positive_in, setting};
 use super::outputs::Outputs;
 use super::progress::ProgressBar;
@@ -49,25 +49,25 @@ pub(super) struct Arguments {
     /// Height Z of the ridges, in micrometres
     #[arg(long, value_name = "MICROMETRES", default_value = "2.5", allow_hyphen_values = true, value_parser = positive_in("µm"))]
     ridge_height: f64,
-    /// Set a parameter of the circuit of Fig 8.16 (M, K, f, Fs, VcL, Tc, v_start, v_rate, v_turn, x_step), in SI units
-    /// or with a unit, instead of the computed value; may be given several times
+    /// Set a parameter of the circuit of Fig 8.16 in place of its computed value: M, K, f, Fs, VcL, Tc, v_start,
+    /// v_rate, v_turn or x_step. A number without a unit is in SI units. May be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     set: Vec<(String, TypedNumber)>,
-    /// By how many percent each piece of advice changes its quantity
+    /// Change that each piece of advice makes to its quantity, in percent
     #[arg(long = "by", value_name = "PERCENT", default_value = "10", allow_hyphen_values = true, value_parser = percent)]
     percent: f64,
-    /// The velocity oscillates if it swings by more than this, peak to peak, within a window; in mm/s
+    /// Largest change of the velocity within a window, in mm/s peak to peak, that does not count as oscillation
     #[arg(long, value_name = "MM/S", default_value = "0.25", allow_hyphen_values = true, value_parser = positive_in("mm/s"))]
     threshold: f64,
-    /// Length of the window, in s (default: 0.04, or the period of the table on its drive if that is longer)
+    /// Length of the window, in seconds (default: 0.04, or the period of the table on its drive if that is longer)
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive_in("s"))]
     window: Option<f64>,
     #[command(flatten)]
     steps: StepArguments,
-    /// Draw the velocity profile; the file name selects SVG or PNG
+    /// Draw the velocity profile into this file; the ending of its name selects SVG or PNG
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
-    /// Write the circuit as a patch, with which `patchcord run` reproduces the simulation
+    /// Write the circuit as a patch; `patchcord run` with it repeats the simulation
     #[arg(long, value_name = "FILE.json")]
     out: Option<PathBuf>,
     /// Print one JSON document in SI units on standard output, and nothing else there
@@ -81,12 +81,17 @@ fn percent(text: &str) -> Result<f64, String> {
     if percent < 100.0 { Ok(percent) } else { Err("must be less than 100 %".to_owned()) }
 }
 
+/// The option for the patch.
+const PATCH_OPTION: OutputOption =
+    OutputOption { option: "--out", content: "patch", ending: "json", drawing: PLOT };
+
 /// Size of each of the two pictures, in pixels.
 const PANEL: Size = Size { width: 900, height: 440 };
 
 /// The chain takes eight runs: the slideway as it is, and one for each piece of advice.
 pub(super) fn slideway(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.plot.as_deref().map(picture_format).transpose()?;
+    PATCH_OPTION.check(arguments.out.as_deref())?;
     if arguments.steps.step == Some(StepChoice::Automatic) {
         return Err(Failure::usage("--step auto is not possible here: give seconds, or --tol"));
     }

@@ -12,7 +12,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::files::{path_text, written_text};
+use super::files::{OutputOption, path_text, written_text};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument};
 use super::numbers::threads;
 use super::progress::ProgressBar;
@@ -33,15 +33,15 @@ use patchcord::sweep::{
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Vary a parameter, in the unit that the patch declares or with a unit: NAME=FIRST:LAST:COUNT,
-    /// NAME=FIRST:LAST:COUNT:log or NAME=VALUE,VALUE,...; may be given several times: all combinations are run, and the
-    /// last parameter changes fastest
+    /// Vary a parameter: NAME=VALUE,VALUE,... or NAME=FIRST:LAST:COUNT or NAME=FIRST:LAST:COUNT:log. A number without a
+    /// unit is in the unit that the patch declares. If given several times, all combinations are run, and the last
+    /// parameter changes fastest
     #[arg(long, value_name = "NAME=VALUES")]
     vary: Vec<String>,
     /// Read parameter values from a CSV file: parameter names in the first line, then one line per run
     #[arg(long, value_name = "FILE.csv")]
     rows: Option<PathBuf>,
-    /// Measure this quantity of every run; may be given several times
+    /// Measure this quantity of every run (see "Measures" below). May be given several times
     #[arg(long, value_name = "MEASURE")]
     measure: Vec<String>,
     #[command(flatten)]
@@ -49,11 +49,19 @@ pub(super) struct Arguments {
     /// Number of threads (default: number of cores)
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = threads)]
     threads: Option<usize>,
-    /// Append the rows to this CSV file; an interrupted sweep is continued. Without this option, or with -, the rows go
-    /// to standard output
+    /// Append the rows to this CSV file, which continues an interrupted sweep. Without this option, or with -, the rows
+    /// go to standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
+
+/// The option for the rows.
+const ROWS_OPTION: OutputOption = OutputOption {
+    option: "--out",
+    content: "table",
+    ending: "csv",
+    drawing: "`patchcord run` with --plot FILE.svg",
+};
 
 /// The list of measures for the help text.
 fn measures_text() -> String {
@@ -152,9 +160,11 @@ impl Arguments {
         self.out.as_ref().filter(|out| !is_dash(out))
     }
 
-    /// Checks that standard input is not read for rows, and that the output file is given if necessary.
+    /// Checks that standard input is not read for rows, and that the output file is given if necessary and is not a
+    /// picture.
     fn check_streams(&self) -> Result<(), Failure> {
         self.rows.iter().try_for_each(|rows| check_input(rows))?;
+        ROWS_OPTION.check(self.out.as_deref())?;
         let message = "with --json the rows cannot go to standard output: give --out FILE";
         if self.patch.json && self.file().is_none() { Err(Failure::usage(message)) } else { Ok(()) }
     }

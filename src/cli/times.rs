@@ -18,7 +18,7 @@ use patchcord::solve::{
 
 #[derive(Args)]
 pub(super) struct TimeArguments {
-    /// Length of the run in problem seconds: one initial condition and operate, instead of the phases of the patch
+    /// Length of the run in problem seconds. The run is then a single operate, without the phases of the patch
     #[arg(long = "for", value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     duration: Option<f64>,
     #[command(flatten)]
@@ -27,17 +27,17 @@ pub(super) struct TimeArguments {
 
 #[derive(Args)]
 pub(super) struct StepArguments {
-    /// Step of the solver in problem seconds, or "auto": try shorter steps until a check of the run finds no error
+    /// Step of the solver in problem seconds, or "auto" for a step that the checks of the run find short enough
     #[arg(long, value_name = "SECONDS|auto", allow_hyphen_values = true, value_parser = step)]
     pub step: Option<StepChoice>,
-    /// Choose the step by this tolerance: the sum of the errors of all steps, as a fraction of 100 V, such as 1e-6
+    /// Let the solver choose steps whose errors add up to at most this share of 100 V, such as 1e-6
     #[arg(long = "tol", value_name = "SHARE", allow_hyphen_values = true, value_parser = share, conflicts_with = "step")]
     pub tolerance: Option<f64>,
     /// Time between recorded samples, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     pub every: Option<f64>,
-    /// Backend of the solver; all except reference give identical bits. Native code supports up to about 1100 elements,
-    /// larger patches are interpreted. With --tol the reference backend is always used
+    /// Backend that computes the steps. All except reference give identical bits. Native code is for patches of up to
+    /// about 1100 elements; larger ones are interpreted. With --tol, the backend is always reference
     #[arg(long, value_name = "BACKEND", value_parser = backend(), default_value_t)]
     pub backend: Backend,
 }

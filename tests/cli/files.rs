@@ -65,11 +65,11 @@ fn no_file_is_written_twice_or_over_the_patch() {
     let folder = tempfile::tempdir().unwrap();
     let [patch, table, out] = ["a.json", "a.csv", "new"].map(|name| path(&folder, name));
     fs::copy(FIG_8_16, &patch).unwrap();
-    let [picture, twice] = [path(&folder, "a.svg"), path(&folder, "new/a.csv")];
+    let [here, twice] = [path(&folder, ""), path(&folder, "new/a.csv")];
     let roundabout = path(&folder, "../") + folder.path().file_name().unwrap().to_str().unwrap() + "/a.svg";
     let wrong: &[(&[&str], &str)] = &[
         (&["--csv", &patch], "is the patch itself"),
-        (&["--csv", &picture, "--plot", &roundabout], "would be written twice"),
+        (&["--out", &here, "--plot", &roundabout], "would be written twice"),
         (&["--csv", &twice, "--out", &out], "would be written twice"),
         (&["--csv", ""], "a value is required"),
     ];
@@ -83,7 +83,7 @@ fn no_file_is_written_twice_or_over_the_patch() {
     assert_eq!(code(&patchcord(&["run", &patch, "--for", "0.001", "--csv", &table])), 0);
 }
 
-/// Asserts that a command is refused because it would write a file that it reads.
+/// Asserts that a command is refused with this message.
 fn check_refused(arguments: &[&str], message: &str) {
     let ran = patchcord(arguments);
     assert_eq!(code(&ran), 2, "{arguments:?}: {}", errors(&ran));
@@ -108,6 +108,42 @@ fn no_command_writes_a_file_that_it_has_read() {
     let with_rows = ["sweep", &patch, "--rows", &rows, "--measure", "voltmeter:s", "--out", &rows];
     check_refused(&with_rows, "k.csv is the file of --rows itself");
     assert_eq!([&patch, &table, &rows].map(|file| fs::read(file).unwrap()), before);
+}
+
+#[test]
+fn only_options_for_pictures_take_the_name_of_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let [png, pdf, csv, json, none] =
+        ["x.png", "x.PDF", "x.csv", "x.json", "x"].map(|name| path(&folder, name));
+    let refused = |given: &str, option: &str, content: &str, drawing: &str, named: &str| {
+        format!(
+            "error: {given} is the name of a picture, but {option} writes a {content}: use {drawing} for a picture, \
+             and {option} {named} for the {content}\n"
+        )
+    };
+    let plot = "--plot FILE.svg or --plot FILE.png";
+    let table = |given: &str| refused(given, "--csv", "table", plot, &csv);
+    let inside = refused(&png, "--out", "folder", plot, &none);
+    let slideway = ["slideway", "--oil", "0.34", "--weight", "450", "--stiffness", "20", "--out", &png];
+    let sweep = ["sweep", FIG_8_16, "--vary", "Tc=0.01,0.02", "--measure", "overload", "--out", &png];
+    let run = "`patchcord run` with --plot FILE.svg";
+    let cases: &[(&[&str], String)] = &[
+        (&["run", FIG_8_16, "--csv", &png], table(&png)),
+        (&["run", FIG_8_16, "--csv", &pdf], table(&pdf)),
+        (&["linearise", FIG_8_16, "--from", "v_i", "--to", "v_o", "--csv", &png], table(&png)),
+        (&["run", FIG_8_16, "--out", &png], inside.clone()),
+        (&["draw", FIG_8_16, "--out", &png], inside.clone()),
+        (&["replay", "fig-8-24", "--out", &png], inside),
+        (&slideway, refused(&png, "--out", "patch", plot, &json)),
+        (&sweep, refused(&png, "--out", "table", run, &csv)),
+    ];
+    for (command, message) in cases {
+        let ran = patchcord(command);
+        assert_eq!((code(&ran), errors(&ran).as_str()), (2, message.as_str()), "{command:?}");
+    }
+    let message = "the extension must be .svg or .png; --csv of run and linearise writes a table\n";
+    check_refused(&["run", FIG_8_16, "--plot", &csv], message);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]

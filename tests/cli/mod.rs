@@ -25,6 +25,7 @@ mod standard_streams;
 mod sweep;
 mod sweep_killed;
 mod sweep_page;
+mod tips;
 
 use std::fs;
 use std::process::Output;
@@ -243,25 +244,6 @@ fn numbers_may_have_units() {
         assert!(errors(&failed).contains(wanted), "{}", errors(&failed));
     }
     assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "10ms"])), 0);
-}
-
-#[test]
-fn an_option_of_another_program_gets_a_tip() {
-    let cases = [
-        (["run", "--dt", "1e-4"], "tip: use '--step <SECONDS|auto>'\n"),
-        (["run", "--tolerance", "1e-6"], "tip: use '--tol <SHARE>'\n"),
-        (["sweep", "--duration", "1"], "tip: use '--for <SECONDS>'\n"),
-        (["run", "-o", "x.csv"], "tip: use '--csv <FILE>', '--plot <FILE.svg|png>' or '--out <DIR>'\n"),
-    ];
-    for ([command, option, value], wanted) in cases {
-        let failed = patchcord(&[command, FIG_8_16, option, value]);
-        let message = errors(&failed);
-        assert_eq!(code(&failed), 2, "{message}");
-        assert!(message.starts_with(&format!("error: unexpected argument '{option}' found\n")), "{message}");
-        assert!(message.contains(wanted) && message.matches("tip:").count() == 1, "{message}");
-    }
-    let message = errors(&patchcord(&["check", FIG_8_16, "--dt", "1e-4"]));
-    assert!(!message.contains("--step"), "{message}");
 }
 
 #[test]

@@ -59,6 +59,33 @@ fn an_overload_with_an_unknown_demand_does_not_depend_on_the_length_of_the_run()
 }
 
 #[test]
+fn a_run_with_overloads_says_once_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let [scaled, bare] = ["scaled.json", "bare.json"].map(|name| path(&folder, name));
+    let signal = r#""scales": {"position": {"per_volt": 1, "unit": "mm"}},
+    "signals": {"x": {"at": "A", "scale": "position"}}"#;
+    fs::write(&scaled, FEEDBACK_WITH_MEMORY.replace("\"record\": [\"A\"]", signal)).unwrap();
+    fs::write(&bare, FEEDBACK_WITH_MEMORY).unwrap();
+    let advice = |file: &str, remedy: &str| {
+        format!("  = help: {remedy}; `patchcord check {file} --scaling` compares scales and gains\n")
+    };
+    let of_scale = "enlarge \"per_volt\" of \"position\", the scale of x at A, and adapt the gains";
+    let of_gains = "reduce the gains into A, or enlarge the scale of the quantity that it computes";
+    for (file, remedy) in [(&scaled, of_scale), (&bare, of_gains)] {
+        let text = out(&patchcord(&["run", file, "--repeat", "2"]));
+        assert!(text.contains("run 2: overload: A"), "{text}");
+        assert_eq!(text.matches(&advice(file, remedy)).count(), 1, "{text}");
+    }
+    let table = patchcord(&["run", &scaled, "--csv", "-"]);
+    let once = |text: &str| text.matches(&advice(&scaled, of_scale)).count();
+    assert_eq!([once(&errors(&table)), once(&out(&table))], [1, 0], "{}", errors(&table));
+    let document = patchcord(&["run", &scaled, "--json"]);
+    assert_eq!((&json(&document)["ok"], once(&out(&document))), (&true.into(), 0));
+    let (_folder, file) = spring();
+    assert!(!out(&patchcord(&["run", &file])).contains("--scaling"));
+}
+
+#[test]
 fn readings_use_every_step_of_the_run() {
     let (_folder, file) = spring();
     let coarse = json(&patchcord(&["run", &file, "--every", "1", "--json"]));

@@ -149,8 +149,8 @@ fn a_run_that_ends_in_overload_is_no_result() {
     assert_eq!((code(&overloaded), out(&overloaded).as_str()), (1, ""));
     assert!(errors(&overloaded).contains(" is overloaded even at 25.4 mm/s a volt"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-    let twice = slideway(&["--plot", &path(&folder, "a.svg"), "--out", &path(&folder, "a.svg")]);
-    assert!(code(&twice) == 2 && errors(&twice).contains("would be written twice"));
+    let picture = slideway(&["--plot", &path(&folder, "a.svg"), "--out", &path(&folder, "a.svg")]);
+    assert!(code(&picture) == 2 && errors(&picture).contains("--out writes a patch"));
     let nowhere = slideway(&["--out", &path(&folder, "none/a.json")]);
     assert!(code(&nowhere) == 1 && errors(&nowhere).contains("no such folder"));
 }

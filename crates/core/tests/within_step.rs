@@ -116,6 +116,84 @@ fn pulses_of_a_third_of_a_step_are_found() {
     }
 }
 
+/// The integral of what a diode passes of a sine above a constant state, in every backend. Within a period the sine of
+/// 60 V at 1 Hz is above the state for a part of a step.
+fn passed_by_diode(threshold: f64, gain: f64, phase: f64) -> Patch {
+    let sine = element("sine").set("amplitude", 60).set("frequency", 1).set("phase", phase);
+    volts("diode")
+        .drive("S", "volt", sine)
+        .element("T", element("integrator").cords("x1", ["ground"]).set("initial", -threshold))
+        .element("M", element("summer").cords("x0.5", ["S", "T"]))
+        .element("Z", element("diode-lower-of").set("in", json!(["M", "ground"])))
+        .element("A", element("integrator").cords(&format!("x{gain}"), ["Z"]).set("initial", 0))
+        .build()
+        .unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// What the diode passes in this number of periods, without limits.
+fn passed(threshold: f64, gain: f64, periods: f64) -> f64 {
+    let angle = (threshold / 60.0).acos();
+    gain * periods * 0.5 * (60.0 * 2.0 * angle.sin() - threshold * 2.0 * angle) / TAU
+}
+
+#[test]
+fn a_diode_passes_pulses_of_half_a_step() {
+    let expected = passed(59.8, 200.0, 5.0);
+    assert!((expected - 1.73295).abs() < 1e-4, "{expected}");
+    for (phase, step) in [(2.0, 0.05), (2.0, 0.04), (0.3, 0.05), (1.0, 0.03), (4.0, 0.02)] {
+        let patch = passed_by_diode(59.8, 200.0, phase);
+        for backend in Backend::ALL {
+            let trace = run(&patch, step, 5.0, backend);
+            let found = trace.tracks[0].volts.last().unwrap();
+            assert!((found - expected).abs() < 1e-3 * expected, "{phase} {step} {backend}: {found} {expected}");
+        }
+    }
+    for (phase, tolerance) in [(2.0, 1e-4), (2.0, 1e-8), (0.3, 1e-6), (1.0, 1e-6)] {
+        let found = run_to_tolerance(&passed_by_diode(59.8, 200.0, phase), tolerance, 5.0, "A");
+        assert!((found - expected).abs() < 200.0 * tolerance, "{phase} {tolerance}: {found} {expected}");
+    }
+}
+
+/// The last voltage of a run with steps that adapt to a tolerance in machine units.
+fn run_to_tolerance(patch: &Patch, tolerance: f64, length: f64, signal: &str) -> f64 {
+    let circuit = circuit(patch, &[]);
+    let settings = RunSettings::of(&circuit).unwrap().with_duration(length).with_tolerance(tolerance);
+    let settings = settings.with_sample_interval(length).with_signals([signal]);
+    let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+    *trace.tracks[0].volts.last().unwrap()
+}
+
+/// The solution of P' = 1000 (max(S, P) - P) for a sine after 5 s, by the midpoint method with steps of 5e-6 s.
+fn held_peak(sine: impl Fn(f64) -> f64) -> f64 {
+    let step = 5e-6;
+    let rate = |time: f64, held: f64| 1000.0 * f64::max(sine(time) - held, 0.0);
+    (0..1_000_000).fold(0.0, |held, index| {
+        let time = step * f64::from(index);
+        held + step * rate(time + 0.5 * step, held + 0.5 * step * rate(time, held))
+    })
+}
+
+#[test]
+fn a_peak_holder_reaches_the_peak_with_a_tolerance() {
+    for (amplitude, frequency, phase) in [(70.0, 1.0, 0.0), (70.0, 1.0, 2.0), (30.0, 1.0, 1.0), (70.0, 3.3, 4.0)] {
+        let sine =
+            element("sine").set("amplitude", amplitude).set("frequency", frequency).set("phase", phase);
+        let patch = volts("holder")
+            .drive("S", "volt", sine)
+            .element("U", element("diode-upper-of").set("in", json!(["S", "P"])).set("drop", 0))
+            .element("N", element("inverter").cord("in", "U"))
+            .element("P", element("integrator").cords("x1000", ["N", "P"]))
+            .build()
+            .unwrap_or_else(|report| panic!("{report}"));
+        let expected = held_peak(|time| amplitude * (TAU * frequency * time + phase).sin());
+        for tolerance in [1e-4, 1e-6, 1e-8] {
+            let found = run_to_tolerance(&patch, tolerance, 5.0, "P");
+            let error = (found - expected).abs();
+            assert!(error < 100.0 * tolerance + 1e-6, "{amplitude} {phase} {tolerance}: {found} {expected}");
+        }
+    }
+}
+
 /// A backlash behind an input.
 fn with_backlash(builder: PatchBuilder, width: f64) -> Patch {
     let backlash = element("backlash").cord("in", "S").set("width", width);

@@ -2,7 +2,8 @@
 //!
 //! [`plot`] renders pictures and line drawings as SVG or PNG. [`picture()`], [`bode()`],
 //! [`profile_picture()`] and [`sensitivity_pictures()`] convert results of a run or of an analysis into
-//! pictures. A [`TraceEnvelope`] has the few samples of a long run that its pictures against time need.
+//! pictures. [`picture_samples()`] says which samples of a run its pictures need. A [`TraceEnvelope`] has the few
+//! samples of a long run that its pictures against time need.
 //! [`schematic`] draws a circuit as a schematic or a patch panel. [`html`] has the frame of generated pages.
 //! Nothing here computes physics; the data come from the crates below.
 
@@ -13,6 +14,7 @@ mod envelope;
 mod family;
 mod faults;
 pub mod html;
+mod picture_samples;
 mod plane;
 pub mod plot;
 mod profile_picture;
@@ -22,6 +24,7 @@ mod sensitivity;
 
 pub use bode::bode;
 pub use envelope::TraceEnvelope;
+pub use picture_samples::{PictureSamples, SampleDemand, TooManySamplesError, picture_samples};
 pub use plane::ProfilePlane;
 pub use profile_picture::{ProfileSignal, profile_picture};
 pub use scope::{ScopeError, picture};

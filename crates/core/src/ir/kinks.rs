@@ -45,6 +45,17 @@ impl Kink {
         self.surface.value(registers)
     }
 
+    /// Whether a value is on a corner, apart from rounding.
+    pub(crate) fn is_on_corner(&self, tables: &[Vec<[f64; 2]>], value: f64) -> bool {
+        match self.surface {
+            Surface::Points { table, .. } => {
+                let next = next_corner(&tables[table as usize], value - 3.0 * KINK_TOLERANCE, true);
+                next.is_some_and(|corner| (corner - value).abs() <= KINK_TOLERANCE)
+            }
+            _ => value.abs() <= KINK_TOLERANCE,
+        }
+    }
+
     /// The first corner between two values. `None` if there is none or if one of the values is on it.
     pub(crate) fn crossed(&self, tables: &[Vec<[f64; 2]>], from: f64, to: f64) -> Option<KinkCrossing> {
         let is_rising = to > from;

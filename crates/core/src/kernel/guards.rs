@@ -25,8 +25,6 @@ pub(super) struct SafeIntervals {
     pub first: usize,
     /// Number of intervals that are tested within a step: those of the first stage, then those of parabolas.
     pub within: usize,
-    /// For every watch that is tested within a step, whether its interval is that of a parabola.
-    pub is_followed: Vec<bool>,
     /// Index of the interval of each atom.
     indices: HashMap<Atom, usize>,
 }
@@ -50,8 +48,8 @@ impl Layouter {
         let mut safe_intervals = SafeIntervals::default();
         let lines: Vec<_> = watched.iter().map(|(atom, _)| self.as_line(*atom, |_| true)).collect();
         let curved: HashSet<Atom> = self.curved.iter().copied().collect();
-        let is_followed: Vec<bool> = lines[..within].iter().map(|(of, _)| curved.contains(of)).collect();
-        let (followed, first): (Vec<usize>, Vec<usize>) = (0..within).partition(|watch| is_followed[*watch]);
+        let (followed, first): (Vec<usize>, Vec<usize>) =
+            (0..within).partition(|watch| curved.contains(&lines[*watch].0));
         let mut add_all = |watches: &mut dyn Iterator<Item = usize>| {
             for watch in watches {
                 let (of, line) = lines[watch];
@@ -64,7 +62,6 @@ impl Layouter {
         let all_within = add_all(&mut followed.into_iter());
         add_all(&mut (within..watched.len()));
         (safe_intervals.first, safe_intervals.within) = (first, all_within);
-        safe_intervals.is_followed = is_followed;
         for (atom, node) in self.specialised.nodes.iter().enumerate() {
             if matches!(node, Node::State(_)) {
                 safe_intervals.at(atom as Atom, self.slots[atom]);

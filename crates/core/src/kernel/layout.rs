@@ -7,7 +7,7 @@
 //! A quick step tests safe intervals, and a thorough step tests every watch. So each has its own lists for the middle
 //! and the end.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use indexmap::IndexSet;
 
@@ -41,7 +41,7 @@ pub(super) struct Layouter {
     pub branch_dependent: Vec<bool>,
     /// For every atom, whether it is a linear function of states, time and constants within a step.
     straight: Vec<bool>,
-    /// The other atoms with guards, whose parabola within a step is computed.
+    /// The other atoms with guards or corners, whose parabola within a step is computed.
     pub curved: Vec<Atom>,
     /// Indices of the sampled values whose turning points count.
     turning: Vec<usize>,
@@ -127,9 +127,8 @@ impl Layouter {
         }
     }
 
-    /// Lists the voltages whose parabola within a step is computed. Those with corners only are not among them, unless
-    /// there are sampled values whose turning points count: a corner that is passed twice within a step changes the
-    /// rates little, and its test at the first stage finds most.
+    /// Lists the voltages whose parabola within a step is computed: those with guards or corners that are not linear
+    /// functions of states and time.
     fn list_followed(&mut self, program: &Program) {
         let sampled = program.lowered.sampled.iter().zip(&self.specialised.sampled).enumerate();
         let turning = sampled
@@ -137,13 +136,9 @@ impl Layouter {
         self.turning = turning.map(|(index, _)| index).collect();
         let (watched, within) = self.watched();
         let lines = watched[..within].iter().map(|(atom, _)| self.as_line(*atom, |_| true).0);
-        let lines: Vec<Atom> = lines.collect();
-        let guards = lines.iter().zip(&watched);
-        let guards = guards.filter(|(_, (_, condition))| !condition.is_corner() || !self.turning.is_empty());
-        let mut guarded: HashSet<Atom> = guards.map(|(of, _)| *of).collect();
         // The order is that of the intervals.
-        let curved = lines.iter().filter(|of| !self.straight[**of as usize] && guarded.remove(of));
-        self.curved = curved.copied().collect();
+        let curved: IndexSet<Atom> = lines.filter(|of| !self.straight[*of as usize]).collect();
+        self.curved = curved.into_iter().collect();
     }
 
     /// The atoms of the sampled values whose turning points count.
@@ -241,7 +236,6 @@ impl Layouter {
                 .map(|operand| self.operand(*operand))
                 .chain(self.curved.iter().map(|atom| slot(*atom)))
                 .collect(),
-            is_followed: safe_intervals.is_followed,
             first_intervals: safe_intervals.first,
             followed: self.followed(),
             curved_intervals: self.curved.len(),

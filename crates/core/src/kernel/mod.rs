@@ -122,13 +122,10 @@ pub(crate) struct Kernel {
     pub watches: Vec<Watch>,
     /// Number of watches that are corners.
     corners: usize,
-    /// For every watch that is tested within a step, whether it is tested by the parabola of its voltage. Otherwise it is
-    /// tested at the first stage.
-    is_followed: Vec<bool>,
     /// The voltages that a quick step tests, with their intervals. Those that are tested within a step come first, and
     /// of these first the ones that are tested at the first stage.
     safe_intervals: Vec<SafeInterval>,
-    /// Number of intervals that are tested at the first stage: those of linear functions, and those with corners only.
+    /// Number of intervals that are tested at the first stage: those of linear functions.
     first_intervals: usize,
     /// The voltages whose parabola within a step is computed: first those of the other intervals that are tested within
     /// a step, then the sampled values whose turning points count.

@@ -70,13 +70,8 @@ impl Kernel {
         }
         let dips = (0..self.thorough.within).filter_map(|watch| {
             let [begin, end] = [frame.present[watch], frame.margins[watch]];
-            let [first, second] = [&frame.inner[0], &frame.inner[1]].map(|margins| margins[watch]);
-            let curve = if self.is_followed[watch] {
-                Parabola::of_stages([first, second], [begin, end])
-            } else {
-                Parabola { begin, control: first, end }
-            };
-            curve.dip()
+            let stages = frame.inner.each_ref().map(|margins| margins[watch]);
+            Parabola::of_stages(stages, [begin, end]).dip()
         });
         dips.reduce(f64::min).map_or(LookResult::Quiet, LookResult::Inside)
     }

@@ -97,7 +97,7 @@ fn locate<F: EventFunction>(
     mut expected_share: Option<f64>,
 ) -> (f64, F::Event) {
     let end = Sample { share: 1.0, value: function.value(event) };
-    let mut bracket = Bracket::new(function.present_value(event), end);
+    let mut bracket = Bracket::new(value_before(function, event), end);
     for tries in 0..MAX_TRIES {
         if bracket.is_located() {
             break;
@@ -110,7 +110,7 @@ fn locate<F: EventFunction>(
         if let Some(first) = reached.filter(|first| *first != event) {
             event = first;
             let end = Sample { share, value: function.value(event) };
-            bracket = Bracket::new(function.present_value(event), end);
+            bracket = Bracket::new(value_before(function, event), end);
             continue;
         }
         let value = function.value(event);
@@ -123,6 +123,13 @@ fn locate<F: EventFunction>(
         function.evaluate(bracket.high.share * length);
     }
     (bracket.high.share, event)
+}
+
+/// The value of an event at the present. If the step begins within the tolerance of the event, it is positive: then there
+/// is no sign change between the ends, and the search bisects, because the zero at the beginning is not the event.
+fn value_before<F: EventFunction>(function: &F, event: F::Event) -> f64 {
+    let (value, tolerance) = (function.present_value(event), function.tolerance(event));
+    if tolerance > 0.0 && value >= -tolerance { value.max(f64::MIN_POSITIVE) } else { value }
 }
 
 /// The value of an event at a share of the step.

@@ -6,10 +6,12 @@
 
 use std::sync::Arc;
 
+use super::buffers::StepBuffers;
 use super::cord_chains::is_in_feedback;
 use super::discontinuities::{next_before, propagate};
 use super::error::RunError;
 use super::event_location::{EventFunction, first_event};
+use super::grazing;
 use super::machine::Machine;
 use super::observer::StepObserver;
 use super::runge_kutta;
@@ -23,6 +25,8 @@ const MAX_EVENTS_PER_SPAN: u32 = 1000;
 /// Largest number of lengths that are tried to end a step at a turning point. Each is closer to it by orders of magnitude,
 /// unless the errors of a loop decide its place.
 const MAX_TURN_TRIES: u32 = 8;
+/// Distance, in volts, by which a voltage that leaves a corner counts as past it.
+const DEPARTURE: f64 = 2.5 * KINK_TOLERANCE;
 /// Length of the counting span for chatter if steps adapt, as a share of the first step tried.
 const CHATTER_SPAN_SHARE: f64 = 0.01;
 
@@ -106,7 +110,8 @@ impl EventFunction for StepTrial<'_, '_> {
     }
 
     fn event(&self) -> Option<Event> {
-        event_at(&self.solver.setup, &self.solver.state, &self.solver.buffers.voltages)
+        let Solver { setup, state, buffers, .. } = &*self.solver;
+        event_at(setup, state, buffers, &buffers.voltages)
     }
 
     fn has_hint(&self) -> bool {
@@ -300,18 +305,34 @@ pub(super) fn open_transitions<'a>(
         .flat_map(|(mode, value)| mode.transitions.iter().filter(move |transition| transition.from == *value))
 }
 
-/// An event between the present and these voltages; `None` if there is none. Changes of mode come before kinks.
-pub(super) fn event_at(setup: &Setup<'_>, state: &SolverState, voltages: &[f64]) -> Option<Event> {
+/// An event between the present and these voltages, which are those of a stage or of the end of the tried step; `None` if
+/// there is none. Changes of mode come before kinks.
+pub(super) fn event_at(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    buffers: &StepBuffers,
+    voltages: &[f64],
+) -> Option<Event> {
     let mut guards = open_transitions(setup.program, &state.modes).map(|transition| transition.guard);
     let due = guards.find(|guard| guard.is_due(voltages)).map(Event::ModeChange);
-    due.or_else(|| kink_crossed(setup, &state.voltages, voltages))
+    due.or_else(|| kink_crossed(setup, state, buffers, voltages))
 }
 
-/// The first kink, by index, that is crossed between two sets of voltages.
-pub(super) fn kink_crossed(setup: &Setup<'_>, start_voltages: &[f64], end_voltages: &[f64]) -> Option<Event> {
+/// The first kink, by index, that is crossed between the present and these voltages. A voltage that begins on a corner,
+/// as after a crossing, crosses it if it leaves to the other side first.
+pub(super) fn kink_crossed(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    buffers: &StepBuffers,
+    voltages: &[f64],
+) -> Option<Event> {
+    let tables = &setup.program.tables;
     setup.kinks().enumerate().find_map(|(index, kink)| {
-        let [start, end] = [start_voltages, end_voltages].map(|voltages| kink.value(voltages));
-        Some(Event::Kink(index, kink.crossed(&setup.program.tables, start, end)?))
+        let [from, to] = [&state.voltages, voltages].map(|voltages| kink.value(voltages));
+        let turns_back =
+            kink.is_on_corner(tables, from) && grazing::turns_back(setup, state, buffers, kink, [from, to]);
+        let begin = if turns_back { from - DEPARTURE.copysign(to - from) } else { from };
+        Some(Event::Kink(index, kink.crossed(tables, begin, to)?))
     })
 }
 

@@ -8,6 +8,10 @@
 use super::buffers::StepBuffers;
 use super::events::{event_at, open_transitions};
 use super::state::{Setup, SolverState};
+use crate::ir::{KINK_TOLERANCE, Kink};
+
+/// Least distance from a corner, in volts, that a voltage must reach to be on one side of it.
+const EXCURSION: f64 = 3.0 * KINK_TOLERANCE;
 
 /// The share (0 ... 1) of the tried step at which an event may come and go: at a stage that shows one, or where a
 /// watched voltage turns just before its event. `None` if there is no sign of such an event.
@@ -15,7 +19,8 @@ pub(super) fn hint(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers
     let method = setup.method;
     let mut checked = method.checked_stages.iter().zip(&buffers.checked_voltages);
     let visible =
-        checked.find(|(_, voltages)| setup.is_adaptive && event_at(setup, state, voltages).is_some());
+        checked
+        .find(|(_, voltages)| setup.is_adaptive && event_at(setup, state, buffers, voltages).is_some());
     let share = visible.map(|(stage, _)| method.stages[*stage].node);
     share.or_else(|| grazing_time(setup, state, buffers))
 }
@@ -32,6 +37,26 @@ fn grazing_time(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -
         turn_towards(setup, buffers, ends, |voltages| kink.value(voltages), reaches)
     });
     guards.chain(kinks).reduce(f64::min)
+}
+
+/// Whether a voltage that begins the tried step on a corner, with the value `from`, goes to one side of it before it
+/// reaches `to` on the other.
+pub(super) fn turns_back(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    buffers: &StepBuffers,
+    kink: &Kink,
+    [from, to]: [f64; 2],
+) -> bool {
+    let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
+    let least = if to > from { -EXCURSION } else { EXCURSION };
+    let leaves = |turn: f64| (turn - from) / least > 1.0;
+    let value = |voltages: &[f64]| kink.value(voltages);
+    if setup.is_adaptive {
+        buffers.samples(setup.method, ends, value).turning_points().any(|turn| leaves(turn.value))
+    } else {
+        buffers.parabola(ends, value).turning_point().is_some_and(|(_, turn)| leaves(turn))
+    }
 }
 
 /// The share (0 ... 1) of the tried step at which a voltage turns, if a slightly larger swing would reach an event.

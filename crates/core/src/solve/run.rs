@@ -7,6 +7,7 @@
 mod in_blocks;
 
 pub use in_blocks::run_in_blocks;
+use in_blocks::{next_step, run_checked};
 
 use std::ops::ControlFlow;
 
@@ -90,17 +91,18 @@ pub fn run_with_progress(
     run_in_blocks(program, settings, progress, &mut |_| ControlFlow::Continue(()))
 }
 
-/// Plays all phases of a run. Returns the trace, and the doubt about the steps if they were checked.
+/// Plays all phases of a run up to a time in seconds, summed over all repetitions. Returns the trace, and the doubt about
+/// the steps if they were checked.
 ///
 /// # Errors
 /// As for [`run`].
 fn play<'w>(
     program: &Program,
     settings: &RunSettings,
-    progress: &'w mut dyn FnMut(f64),
-    consumer: &'w mut dyn FnMut(&Trace) -> ControlFlow<()>,
+    (progress, consumer): (&'w mut dyn FnMut(f64), &'w mut dyn FnMut(&Trace) -> ControlFlow<()>),
+    end: f64,
 ) -> Result<(Trace, Option<StepDoubt>), StoppedRunError> {
-    let mut player = prepare(program, settings, progress)?;
+    let mut player = prepare(program, settings, progress)?.with_end(end);
     player.recorder.consumer = Some(consumer);
     let outcome = player.run(&settings.phases);
     result_of(player, outcome)
@@ -238,10 +240,11 @@ pub fn sufficient_step(program: &Program, settings: &RunSettings) -> Result<f64,
     let settings = settings.clone().with_step(settings.step).with_step_checks();
     let mut settings = settings.with_blocks(BLOCK_SAMPLES);
     for attempt in 1.. {
-        let shorter = match run(program, &settings) {
+        let checked = run_checked(program, &settings, &mut |_| (), &mut |_| ControlFlow::Continue(()));
+        let shorter = match checked {
             Ok(trace) => {
                 let Some(warning) = trace.step_warning else { break };
-                warning.recommended.min(0.5 * settings.step)
+                next_step(&settings, &warning)
             }
             Err(stopped) if attempt >= MAX_STOPPED_ATTEMPTS || !stopped.error.may_depend_on_step() => {
                 return Err(stopped.error);

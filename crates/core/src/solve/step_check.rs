@@ -10,7 +10,8 @@
 use super::buffers::StepBuffers;
 use super::check_plan::CheckPlan;
 use super::events::{event_at, kink_crossed};
-use super::runge_kutta::try_step;
+use super::runge_kutta::{advance_states, try_step};
+use super::evaluate::{Scope, trial};
 use super::state::{Setup, Solver, SolverState, read_rates};
 use super::turns::length_to_turn;
 use crate::delay_line::DelayLine;
@@ -174,10 +175,11 @@ impl StepCheck {
                 self.fastest = (angle.element, periods);
             }
         }
-        let response =
-            response(&buffers.stage_rates, length).filter(|response| response.product > STABILITY_LIMIT);
-        let meets_event = event_at(setup, state, &buffers.voltages).is_some();
+        let meets_event = event_at(setup, state, buffers, &buffers.voltages).is_some();
         let meets_corner = has_corner(setup, state, delay_lines, buffers, length);
+        self.whole.copy_from_slice(&buffers.states);
+        let response = response(setup, state, delay_lines, buffers, length)
+            .filter(|response| response.product > STABILITY_LIMIT);
         if meets_event || meets_corner {
             self.run_interruptions += u64::from(is_planned);
             let harmful = response.filter(|response| is_planned && response.change > HARMLESS_CHANGE);
@@ -189,7 +191,6 @@ impl StepCheck {
         if meets_corner {
             return;
         }
-        self.whole.copy_from_slice(&buffers.states);
         let middle = self.middle.get_or_insert_with(|| Box::new(state.clone()));
         middle.as_mut().clone_from(state);
         try_step(setup, state, delay_lines, buffers, 0.5 * length);
@@ -285,6 +286,12 @@ pub(super) enum StepDoubt {
 }
 
 impl StepDoubt {
+    /// The doubt about the step in problem seconds of a run in which the element with this index was overloaded.
+    pub(super) fn of_overload(element: usize, step: f64) -> Self {
+        let compared_share = LEAST_COMPARED_SHARE;
+        StepDoubt::Unstable { element, recommended: compared_share * step, compared_share }
+    }
+
     /// The step of the run with which a run of this step is compared: half of it, unless that would not show an
     /// oscillation either, or would give the same steps between events or the same overload.
     pub(super) fn compared_step(self, step: f64) -> f64 {
@@ -335,7 +342,7 @@ fn has_corner(
     length: f64,
 ) -> bool {
     buffers.hint.is_some()
-        || kink_crossed(setup, &state.voltages, &buffers.voltages).is_some()
+        || kink_crossed(setup, state, buffers, &buffers.voltages).is_some()
         || length_to_turn(setup, state, delay_lines, buffers, (length, false)).is_some()
 }
 
@@ -350,22 +357,43 @@ struct Response {
     change: f64,
 }
 
-/// The response between the second and the third stage. Both are in the middle of the step, so their rates differ only
-/// because their states differ. `None` if rounding decides the difference.
-fn response(stage_rates: &[Vec<f64>], length: f64) -> Option<Response> {
-    let [first, second, third] = [0, 1, 2].map(|stage| &stage_rates[stage]);
+/// The response within the step that was tried last. The buffers keep its rates only. `None` if rounding decides it.
+fn response(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) -> Option<Response> {
+    let (program, half) = (setup.program, 0.5 * length);
+    advance_states(&mut buffers.states, &state.states, &buffers.stage_rates, &[(2, 1.0)], half);
+    trial(program, state, delay_lines, buffers, state.time + half, Scope::Rates);
+    let mut next = vec![0.0; state.states.len()];
+    read_rates(program, &buffers.voltages, &mut next);
+    let [first, second, third] = [0, 1, 2].map(|stage| &buffers.stage_rates[stage][..]);
+    response_of_rates([first, second, third, &next], length)
+}
+
+/// The response from four rates k1 to k4: at the beginning of a step, and in its middle, where each follows from the
+/// states that the rate before leads to. The middle rates differ only because their states differ, so each difference is
+/// the one before, multiplied by half the step and by the derivatives of the rates. Over two such multiplications an
+/// oscillation grows by the square of its frequency, whatever the scales of its states are. `None` if rounding decides
+/// the differences.
+fn response_of_rates(rates: [&[f64]; 4], length: f64) -> Option<Response> {
+    let half = 0.5 * length;
     let (mut before, mut after, mut most) = (0.0, 0.0, (0, 0.0));
-    for (index, ((first, second), third)) in first.iter().zip(second).zip(third).enumerate() {
-        let state = 0.5 * length * (second - first);
-        let change = length * (third - second);
-        before += state * state;
-        after += change * change;
-        if change.abs() > most.1 {
-            most = (index, change.abs());
+    for index in 0..rates[0].len() {
+        let [first, second, third, fourth] = rates.map(|rates| half * rates[index]);
+        before += (second - first) * (second - first);
+        after += (fourth - third) * (fourth - third);
+        let change = 2.0 * (third - second).abs();
+        if change > most.1 {
+            most = (index, change);
         }
     }
+    let product = 2.0 * (after / before).sqrt().sqrt();
     let is_known = before > LEAST_CHANGE * LEAST_CHANGE;
-    is_known.then(|| Response { state: most.0, product: (after / before).sqrt(), change: most.1 })
+    is_known.then_some(Response { state: most.0, product, change: most.1 })
 }
 
 /// Moves a copy of the state to the end of the step that was tried from it.
@@ -388,15 +416,29 @@ mod tests {
         assert_eq!(examined(1 << 20), EXAMINED_EVENTS + 15 * EXAMINED_EVENTS / 2);
     }
 
+    /// The response of x' = J x in a step from `x`.
+    fn linear_response(matrix: [[f64; 2]; 2], x: [f64; 2], step: f64) -> Option<Response> {
+        let rate = |x: [f64; 2]| matrix.map(|row| row[0] * x[0] + row[1] * x[1]);
+        let from = |k: [f64; 2]| rate([x[0] + 0.5 * step * k[0], x[1] + 0.5 * step * k[1]]);
+        let first = rate(x);
+        let second = from(first);
+        let third = from(second);
+        response_of_rates([&first, &second, &third, &from(third)], step)
+    }
+
     #[test]
     fn the_response_of_a_decay_is_its_rate() {
-        // x' = -1000 x from 1 V, with a step of 1 ms.
-        let first = -1000.0;
-        let second = -1000.0 * (1.0 + 0.5e-3 * first);
-        let third = -1000.0 * (1.0 + 0.5e-3 * second);
-        let rates = [first, second, third].map(|rate| vec![0.0, rate]);
-        let found = response(&rates, 1e-3).unwrap();
+        let found = linear_response([[0.0, 0.0], [0.0, -1000.0]], [1.0, 1.0], 1e-3).unwrap();
         assert!(found.state == 1 && (found.product - 1.0).abs() < 1e-12, "{found:?}");
-        assert_eq!(response(&[vec![1.0], vec![1.0], vec![1.0]], 1e-3), None);
+        assert_eq!(linear_response([[0.0, 0.0], [0.0, 0.0]], [1.0, 1.0], 1e-3), None);
+    }
+
+    /// An oscillator of 100 rad/s with gains of 1 and 10,000.
+    #[test]
+    fn the_response_of_an_oscillator_is_its_angular_frequency() {
+        for x in [[1.0, 0.0], [0.0, 1.0], [0.3, 50.0]] {
+            let found = linear_response([[0.0, 1.0], [-1e4, 0.0]], x, 5e-3).unwrap();
+            assert!((found.product - 0.5).abs() < 1e-12, "{found:?}");
+        }
     }
 }

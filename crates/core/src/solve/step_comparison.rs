@@ -2,6 +2,7 @@
 
 use super::step_check::StepDoubt;
 use crate::ir::Program;
+use crate::machines::REFERENCE;
 use crate::trace::{StepCause, StepWarning, Trace, Track};
 
 /// Difference of a signal between both runs, as a share of its range, above which the step is too long.
@@ -17,13 +18,15 @@ const ERROR_ORDER: f64 = 4.0;
 
 /// The largest difference of a signal between two runs.
 struct Difference<'t> {
-    /// The signal.
-    track: &'t Track,
+    /// Name of the signal.
+    name: &'t str,
+    /// Its unit.
+    unit: &'t str,
     /// The largest difference, in the unit of the signal.
     largest: f64,
     /// The same as a share of the range.
     share: f64,
-    /// Time at which the difference reached [`LARGEST_SHARE`] of the range, in seconds.
+    /// Time at which the difference exceeded [`LARGEST_SHARE`] of the range, in seconds.
     time: f64,
 }
 
@@ -42,8 +45,9 @@ pub(super) fn step_warning(
     let tracks = trace.tracks.iter().zip(&other.tracks).filter(|(track, _)| track.derivative.is_none());
     let with_extremes = matches!(doubt, StepDoubt::Fast { .. });
     let times = &trace.time[..common];
-    let differences = tracks.filter_map(|(track, half)| difference(times, track, half, with_extremes));
-    let worst = differences.max_by(|a, b| a.share.total_cmp(&b.share))?;
+    let differences = tracks.filter_map(|(track, other)| difference(times, track, other, with_extremes));
+    let worst = differences.max_by(|a, b| a.share.total_cmp(&b.share));
+    let worst = worst.or_else(|| false_overload(trace, other))?;
     let by_error = step * (RECOMMENDED_SHARE / worst.share).powf(1.0 / ERROR_ORDER);
     let name = |element: usize| program.name(element).to_owned();
     let (cause, recommended) = match doubt {
@@ -52,9 +56,9 @@ pub(super) fn step_warning(
         StepDoubt::Unstable { element, recommended, .. } => (StepCause::Unstable(name(element)), recommended),
     };
     Some(StepWarning {
-        signal: worst.track.name.clone(),
+        signal: worst.name.to_owned(),
         error: worst.largest,
-        unit: worst.track.unit.clone(),
+        unit: worst.unit.to_owned(),
         time: worst.time,
         cause,
         step,
@@ -86,7 +90,20 @@ fn difference<'t>(
     let gap = |[one, other]: [f64; 2]| (one - other).abs();
     let largest = points.iter().map(|(_, values)| gap(*values)).fold(0.0, f64::max);
     let (time, _) = points.iter().find(|(_, values)| gap(*values) > LARGEST_SHARE * range)?;
-    Some(Difference { track, largest, share: largest / range, time: *time })
+    Some(Difference { name: &track.name, unit: &track.unit, largest, share: largest / range, time: *time })
+}
+
+/// The first overload of a run, if another run has none of this amplifier. The last track of the other run is the output
+/// of the amplifier.
+fn false_overload<'t>(trace: &'t Trace, other: &Trace) -> Option<Difference<'t>> {
+    let first = trace.overloads().next()?;
+    if other.overloads().any(|overload| overload.element == first.element) {
+        return None;
+    }
+    let extremes = other.tracks.last()?.extremes.iter();
+    let peak = extremes.flat_map(|extremes| [extremes.least.volts.abs(), extremes.most.volts.abs()]);
+    let largest = REFERENCE - peak.fold(0.0, f64::max);
+    Some(Difference { name: &first.element, unit: "V", largest, share: largest / REFERENCE, time: first.time })
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above a number.

@@ -56,7 +56,7 @@ pub(super) fn draw(
         header.baseline += NOTE_ROW;
         header.write(warning, NOTE_TEXT, palette::WARNING)?;
     }
-    for row in rows(remaining, frame.max_text_width()) {
+    for row in rows(remaining, font, frame.max_text_width()) {
         header.baseline += LEGEND_ROW;
         header.legend_row(&row, MARGIN)?;
     }
@@ -110,27 +110,36 @@ impl HeaderWriter<'_> {
         let style = TextStyle { size: LABEL_TEXT, colour: palette::TEXT, align: Align::Start };
         let mut x = left;
         for entry in row {
-            let y = self.baseline - SAMPLE_ABOVE;
-            let (width, points) = trace::legend_sample(entry.channel, (x, y), SAMPLE_LENGTH);
-            self.surface.line(&points, width, entry.colour)?;
-            let at = (x + SAMPLE_LENGTH + SAMPLE_GAP, self.baseline);
-            self.surface.text(&entry.name, at, style)?;
+            let mut text_left = x;
+            if let Some((channel, colour)) = entry.sample {
+                let y = self.baseline - SAMPLE_ABOVE;
+                let (width, points) = trace::legend_sample(channel, (x, y), SAMPLE_LENGTH);
+                self.surface.line(&points, width, colour)?;
+                text_left += SAMPLE_LENGTH + SAMPLE_GAP;
+            }
+            self.surface.text(&entry.name, (text_left, self.baseline), style)?;
             x += entry.width + ENTRY_GAP;
         }
         Ok(())
     }
 }
 
-/// The entry of one channel in the legend.
+/// The entry of one channel in the legend, or the number of channels without an entry.
 struct LegendEntry<'a> {
-    /// The name of the channel and its axis, truncated to the width of the picture.
+    /// The name of the channel and its axis, truncated to the width of the picture; or "and 24 more".
     name: String,
     /// The width with the sample, without the gap to the next entry.
     width: f64,
-    /// The colour of the trace.
-    colour: RGBColor,
-    /// The channel, for the sample of its trace.
-    channel: &'a Channel,
+    /// The channel and the colour of its trace, for the sample. `None` for the number of channels without an entry.
+    sample: Option<(&'a Channel, RGBColor)>,
+}
+
+impl LegendEntry<'_> {
+    /// Returns the last entry of a legend from which this number of channels is missing.
+    fn missing(channels: usize, font: &Font) -> Self {
+        let name = format!("and {channels} more");
+        LegendEntry { width: font.width(&name, LABEL_TEXT), name, sample: None }
+    }
 }
 
 /// Returns the entries of the legend.
@@ -146,8 +155,7 @@ fn legend<'a>(picture: &'a Picture, font: &Font, max_width: f64) -> Vec<LegendEn
         LegendEntry {
             width: SAMPLE_LENGTH + SAMPLE_GAP + font.width(&name, LABEL_TEXT),
             name,
-            colour: palette::channel(index, channel),
-            channel,
+            sample: Some((channel, palette::channel(index, channel))),
         }
     };
     picture.channels.iter().enumerate().map(entry).collect()
@@ -169,14 +177,26 @@ fn width(row: &[LegendEntry<'_>]) -> f64 {
 }
 
 /// Breaks the legend into rows of at most `max_width`.
-fn rows(legend: Vec<LegendEntry<'_>>, max_width: f64) -> Vec<Vec<LegendEntry<'_>>> {
-    let mut rows: Vec<Vec<LegendEntry<'_>>> = Vec::new();
+///
+/// If there are more than [`MAX_LEGEND_ROWS`], the last entry says how many channels are missing.
+fn rows<'a>(legend: Vec<LegendEntry<'a>>, font: &Font, max_width: f64) -> Vec<Vec<LegendEntry<'a>>> {
+    let mut rows: Vec<Vec<LegendEntry<'a>>> = Vec::new();
     for entry in legend {
         match rows.last_mut() {
             Some(row) if width(row) + ENTRY_GAP + entry.width <= max_width => row.push(entry),
             _ => rows.push(vec![entry]),
         }
     }
+    let mut missing: usize = rows.iter().skip(MAX_LEGEND_ROWS).map(Vec::len).sum();
     rows.truncate(MAX_LEGEND_ROWS);
+    if let Some(last) = rows.last_mut().filter(|_| missing > 0) {
+        let mut note = LegendEntry::missing(missing, font);
+        // The note may take the place of further entries.
+        while width(last) + ENTRY_GAP + note.width > max_width && last.pop().is_some() {
+            missing += 1;
+            note = LegendEntry::missing(missing, font);
+        }
+        last.push(note);
+    }
     rows
 }

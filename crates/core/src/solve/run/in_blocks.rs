@@ -4,12 +4,26 @@ use std::ops::ControlFlow;
 
 use super::play;
 use crate::ir::Program;
+use crate::machines::REFERENCE;
 use crate::solve::settings::RunSettings;
 use crate::solve::settings_blocks::BLOCK_SAMPLES;
+use crate::solve::step_check::StepDoubt;
 use crate::solve::step_comparison::step_warning;
 use crate::solve::stopped_run::StoppedRunError;
 use crate::solve::thinned_trace::ThinnedTrace;
-use crate::trace::Trace;
+use crate::trace::{Overload, StepWarning, Trace};
+
+/// Excess of an output over 100 V, in volts, that may be an error of the solver but no instability.
+const SLIGHT_EXCESS: f64 = 1.0;
+/// Number of steps after an overload within which a run with shorter steps has the same overload.
+const STEPS_AFTER_OVERLOAD: f64 = 10.0;
+/// Number of shorter steps up to the first overload that are taken to compare any run.
+const STEPS_TO_OVERLOAD: f64 = 20_000.0;
+/// The same as a share of the steps of the run.
+const SHARE_TO_OVERLOAD: f64 = 0.02;
+/// Number of steps that are taken to check a recommended step, and as a multiple of the steps of the run.
+const STEPS_FOR_ADVICE: f64 = 200_000.0;
+const SHARE_FOR_ADVICE: f64 = 2.0;
 
 /// Runs a program, and passes its samples to `consumer` in blocks if the settings have
 /// [blocks](RunSettings::with_blocks). The memory of the run then does not grow with the number of samples.
@@ -56,6 +70,23 @@ pub fn run_in_blocks(
     progress: &mut dyn FnMut(f64),
     consumer: &mut dyn FnMut(&Trace) -> ControlFlow<()>,
 ) -> Result<Trace, StoppedRunError> {
+    let mut trace = run_checked(program, settings, progress, consumer)?;
+    if let Some(warning) = &mut trace.step_warning {
+        warning.recommended = passing_step(program, settings, warning.recommended);
+    }
+    Ok(trace)
+}
+
+/// The same, with a recommended step that is not checked itself.
+///
+/// # Errors
+/// As for [`run_in_blocks`].
+pub(super) fn run_checked(
+    program: &Program,
+    settings: &RunSettings,
+    progress: &mut dyn FnMut(f64),
+    consumer: &mut dyn FnMut(&Trace) -> ControlFlow<()>,
+) -> Result<Trace, StoppedRunError> {
     let (mut selection, mut flow) = (ThinnedTrace::new(), ControlFlow::Continue(()));
     let mut take = |block: &Trace| {
         if settings.checks_steps {
@@ -64,37 +95,106 @@ pub fn run_in_blocks(
         flow = consumer(block);
         flow
     };
-    let (mut trace, doubt) = play(program, settings, progress, &mut take)?;
-    if let Some(doubt) = doubt.filter(|_| flow.is_continue()) {
-        let shorter = doubt.compared_step(settings.step);
-        copy_extremes(&mut selection.trace, &trace);
-        let compared = if settings.block_samples.is_some() { &selection.trace } else { &trace };
-        let selected = selection.for_other_run(compared.len());
-        let other = with_step(program, settings, shorter, progress, selected);
-        trace.step_warning = step_warning(program, doubt, settings.step, compared, &other);
+    let (mut trace, doubt) = play(program, settings, (progress, &mut take), f64::INFINITY)?;
+    if !settings.checks_steps || flow.is_break() {
+        return Ok(trace);
     }
+    let Some((doubt, end)) = comparison(program, settings, &trace, doubt) else { return Ok(trace) };
+    let shorter = doubt.compared_step(settings.step);
+    copy_extremes(&mut selection.trace, &trace);
+    selection.trace.repetitions.clone_from(&trace.repetitions);
+    let compared = if settings.block_samples.is_some() { &selection.trace } else { &trace };
+    let selected = selection.for_other_run(compared.len());
+    let mut other_settings = RunSettings { step: shorter, ..settings.clone() };
+    other_settings.record.extend(trace.overloads().next().map(|overload| overload.element.clone()));
+    let other = other_trace(program, other_settings, (progress, end), selected);
+    trace.step_warning = step_warning(program, doubt, settings.step, compared, &other);
     Ok(trace)
 }
 
-/// The samples and extremes of a run with another step in problem seconds, up to an error if there is one. `selection` selects them.
-fn with_step(
+/// The doubt because of which a run is compared with another one, and the time in seconds, summed over all repetitions,
+/// up to which. Without another doubt, a run is compared up to its first overload, because an unstable step may have
+/// caused it. `None` if there is no reason, or if it would take too many steps.
+fn comparison(
     program: &Program,
     settings: &RunSettings,
-    step: f64,
-    progress: &mut dyn FnMut(f64),
+    trace: &Trace,
+    doubt: Option<StepDoubt>,
+) -> Option<(StepDoubt, f64)> {
+    if doubt.is_some() || settings.tolerance.is_some() {
+        return doubt.map(|doubt| (doubt, f64::INFINITY));
+    }
+    let (time, overload) = first_overload(trace)?;
+    let is_slight = overload.peak().is_some_and(|peak| peak < REFERENCE + SLIGHT_EXCESS);
+    let end = time + STEPS_AFTER_OVERLOAD * settings.step;
+    let (steps, run_steps) = (end / settings.step, settings.duration() / settings.step);
+    let doubt = StepDoubt::of_overload(program.element(&overload.element)?, settings.step);
+    let compared_steps = steps * settings.step / doubt.compared_step(settings.step);
+    let is_short = compared_steps <= f64::max(STEPS_TO_OVERLOAD, SHARE_TO_OVERLOAD * run_steps);
+    (!is_slight && is_short).then_some((doubt, end))
+}
+
+/// The first overload of a run, with its time in seconds summed over all repetitions.
+fn first_overload(trace: &Trace) -> Option<(f64, &Overload)> {
+    let mut begin = 0.0;
+    for repetition in &trace.repetitions {
+        if let Some(overload) = repetition.overloads.first() {
+            return Some((begin + overload.time, overload));
+        }
+        begin += repetition.end;
+    }
+    None
+}
+
+/// A step from `first` on, in problem seconds, with which the run is not warned of. If too many steps would be needed to
+/// find out, it is the last step that was recommended.
+fn passing_step(program: &Program, settings: &RunSettings, first: f64) -> f64 {
+    let mut settings = without_results(settings);
+    let run_steps = settings.duration() / settings.step;
+    let mut steps_left = STEPS_FOR_ADVICE + SHARE_FOR_ADVICE * run_steps;
+    settings.step = first;
+    loop {
+        steps_left -= settings.duration() / settings.step;
+        if steps_left < 0.0 {
+            return settings.step;
+        }
+        let checked = run_checked(program, &settings, &mut |_| (), &mut |_| ControlFlow::Continue(()));
+        match checked.ok().and_then(|trace| trace.step_warning) {
+            Some(warning) => settings.step = next_step(&settings, &warning),
+            None => return settings.step,
+        }
+    }
+}
+
+/// The step to try after a warning, in problem seconds.
+pub(super) fn next_step(settings: &RunSettings, warning: &StepWarning) -> f64 {
+    warning.recommended.min(0.5 * settings.step)
+}
+
+/// Settings of a run whose samples and derivatives are not kept.
+fn without_results(settings: &RunSettings) -> RunSettings {
+    let block_samples = Some(BLOCK_SAMPLES);
+    RunSettings { sensitivities: Vec::new(), block_samples, ..settings.clone() }
+}
+
+/// The samples, extremes and overloads of another run up to a time in seconds, or up to an error if there is one. `selection` selects
+/// the samples.
+fn other_trace(
+    program: &Program,
+    settings: RunSettings,
+    (progress, end): (&mut dyn FnMut(f64), f64),
     mut selection: ThinnedTrace,
 ) -> Trace {
-    let mut settings = RunSettings { checks_steps: false, step, ..settings.clone() };
-    settings.sensitivities.clear();
-    settings.block_samples = Some(BLOCK_SAMPLES);
+    let settings = RunSettings { checks_steps: false, ..without_results(&settings) };
     // The run before had no error. The samples before an error are compared, too.
     let mut take = |block: &Trace| {
         selection.add(block);
         ControlFlow::Continue(())
     };
-    let played = play(program, &settings, progress, &mut take);
+    let played = play(program, &settings, (progress, &mut take), end);
     let whole = played.map_or_else(|stopped| *stopped.trace, |(trace, _)| trace);
     copy_extremes(&mut selection.trace, &whole);
+    selection.trace.repetitions = whole.repetitions;
     selection.trace
 }
 

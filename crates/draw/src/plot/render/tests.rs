@@ -52,6 +52,31 @@ fn legend_names_the_axis_of_each_channel() {
     }
 }
 
+/// Returns the number of channels in the legend of a picture of this many channels, and the number that its last entry
+/// reports as missing; 0 if there is no such entry. `name` gives the name of a channel.
+fn legend_counts(channels: usize, name: impl Fn(usize) -> String) -> (usize, usize) {
+    let names: Vec<String> = (0..channels).map(name).collect();
+    let text =
+        svg(&[picture(names.iter().map(|name| channel(name, vec![(0.0, 0.0), (1.0, 1.0)])).collect())]);
+    // An ellipsis ends a name that is too long.
+    let begins = |name: &&String| text.contains(&format!(">\n{}", &name[..name.len().min(24)]));
+    let note = text.split(">\nand ").nth(1).and_then(|rest| rest.split_once(" more\n<"));
+    (names.iter().filter(begins).count(), note.map_or(0, |(number, _)| number.parse().unwrap()))
+}
+
+#[test]
+fn a_legend_reports_the_channels_that_it_has_no_row_for() {
+    let short = |index: usize| format!("velocity of mass {index:02}");
+    let (shown, missing) = legend_counts(40, short);
+    assert!((12..40).contains(&shown), "{shown}");
+    assert_eq!(shown + missing, 40);
+    assert_eq!(legend_counts(shown, short), (shown, 0));
+    // A name as wide as the picture leaves no space for the number in its row.
+    let long = |index: usize| format!("{index:02} velocity of a mass {}", "between springs ".repeat(20));
+    assert_eq!(legend_counts(40, long), (3, 37));
+    assert_eq!(legend_counts(4, long), (4, 0));
+}
+
 #[test]
 fn png_has_signature_and_size() {
     let size = Size { width: 320, height: 240 };
