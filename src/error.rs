@@ -4,7 +4,7 @@ use crate::document::{DocumentError, ParameterRangeError, Report};
 use crate::draw::plot::PlotError;
 use crate::draw::schematic::DrawError;
 use crate::draw::{ScopeError, TooManySamplesError};
-use crate::expr::{FormulaError, UnitError};
+use crate::expr::{ConversionError, FormulaError, UnitError};
 use crate::ident::ExperimentError;
 use crate::ident::effects::EffectError;
 use crate::ident::fit::model::ModelError;
@@ -53,6 +53,9 @@ pub enum Error {
     /// A text is not a unit.
     #[error(transparent)]
     Unit(#[from] UnitError),
+    /// A value cannot be converted from one unit to another.
+    #[error(transparent)]
+    Conversion(#[from] ConversionError),
     /// A text is not a formula, or a formula cannot be evaluated.
     #[error(transparent)]
     Formula(#[from] FormulaError),

@@ -246,6 +246,41 @@ fn numbers_may_have_units() {
     assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "10ms"])), 0);
 }
 
+/// A drive whose frequency n is in rpm and whose amplitude w is in 1/s.
+const TURNING: &str = r#"{"patchcord": 1,
+    "parameters": {"n": {"value": 120, "unit": "rpm", "range": [1, 1000]},
+        "w": {"value": 9, "unit": "1/s", "range": [1, 90]}},
+    "scales": {"speed": {"per_volt": 1, "unit": "1/s"}},
+    "drives": {"shake": {"kind": "sine", "scale": "speed", "amplitude": "w", "frequency": "n"}},
+    "elements": {"S": {"kind": "summer", "in": {"x1": ["shake"]}}},
+    "signals": {"s": {"at": "S", "scale": "speed"}},
+    "run": {"for": 1, "step": 0.01}}"#;
+
+#[test]
+fn revolutions_are_not_taken_for_radians() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "turning.json");
+    fs::write(&patch, TURNING).unwrap();
+    let loaded = |setting: &str| {
+        let checked = patchcord(&["check", &patch, "--json", "--set", setting]);
+        assert_eq!(code(&checked), 0, "{}", errors(&checked));
+        let name = setting.split_once('=').unwrap().0;
+        let parameters = json(&checked)["parameters"].as_array().unwrap().clone();
+        let parameter = parameters.iter().find(|parameter| parameter["name"] == name).unwrap();
+        parameter["value"].as_f64().unwrap()
+    };
+    let cases = [("n=150 1/min", 150.0), ("n=2.5 1/s", 150.0), ("w=150 rpm", 2.5), ("w=3 rad/s", 3.0)];
+    for (setting, value) in cases {
+        assert!((loaded(setting) / value - 1.0).abs() < 1e-12, "{setting}: {}", loaded(setting));
+    }
+    let failed = patchcord(&["check", &patch, "--set", "w=90 deg/s"]);
+    let wanted = "--set w: \"90 deg/s\": deg/s cannot be converted to 1/s, because 1/s may count radians, degrees or \
+                  revolutions: write the value in 1/s, or declare 1/s with its angle, as in \"rad/s\", \"deg/s\" or \
+                  \"rpm\"";
+    assert_eq!(code(&failed), 2);
+    assert!(errors(&failed).contains(wanted), "{}", errors(&failed));
+}
+
 #[test]
 fn control_characters_do_not_reach_the_terminal() {
     let (_folder, file) = spring_with("Mass on a spring", "Mass\\u001b[2J\\u0007\\u009b1m on a spring");

@@ -30,4 +30,4 @@ mod units;
 pub use formula::{Callee, Expression, Formula, FormulaDimension, FormulaError, Node, Operator, Scope};
 pub use function::Function;
 pub use number_text::{format_decimals, format_significant, leading_number, round_significant};
-pub use units::{Dimension, Unit, UnitError, engineering, nearest};
+pub use units::{Conversion, ConversionError, Dimension, Unit, UnitError, UnitLabel, engineering, nearest};

@@ -120,6 +120,29 @@ fn a_time_whose_name_may_contain_a_unit_gives_a_warning() {
 }
 
 #[test]
+fn a_time_in_full_is_converted_without_a_warning() {
+    let folder = folder();
+    for (header, step) in
+        [("t (seconds)", 0.1), ("t {sec}", 0.1), ("t<msec>", 100.0), ("t [mins]", 0.1 / 60.0)]
+    {
+        write_file(&folder, "data.csv", &table(0..80, step).replacen("t,", &format!("{header},"), 1));
+        let experiment = read(&folder, &json!({"time": "t"}));
+        assert!(experiment.warnings.findings.is_empty(), "{header}: {}", experiment.warnings);
+        let (begin, end) = time_range(&experiment.train[0]);
+        assert!(begin == 0.0 && (end - 5.9).abs() < 1e-9, "{header}: {begin} {end}");
+    }
+}
+
+#[test]
+fn a_time_in_days_gives_a_warning_with_the_right_advice() {
+    let folder = folder();
+    write_file(&folder, "data.csv", &table(0..80, 0.1).replacen("t,", "t (days),", 1));
+    let warnings = read(&folder, &json!({"time": "t (days)"})).warnings;
+    let hints: Vec<_> = warnings.findings.iter().map(|finding| finding.hint.as_deref()).collect();
+    assert!(matches!(hints[..], [Some(hint)] if hint.starts_with("a day is 24 h; ")), "{hints:?}");
+}
+
+#[test]
 fn ranges_select_training_and_test_data() {
     let folder = folder();
     ["data.csv", "again.csv"].into_iter().for_each(|file| write_file(&folder, file, &table(0..80, 0.1)));

@@ -7,10 +7,10 @@ use std::path::Path;
 
 use super::error::PlanError;
 use super::plan::{Axis, AxisValues, parameter};
-use patchcord_core::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable};
+use patchcord_core::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable, UnitComment};
 use patchcord_core::ir::{ParameterValue, Program};
 use patchcord_core::output::io_reason;
-use patchcord_expr::Unit;
+use patchcord_expr::{Conversion, ConversionError, Unit};
 
 /// The largest number of faults that one error lists. Further faults usually have the same cause.
 const MAX_FAULTS: usize = 10;
@@ -110,32 +110,39 @@ fn unit_faults(
 ) -> impl Iterator<Item = String> {
     table.units.iter().zip(parameters).filter_map(move |(comment, parameter)| {
         let (comment, declared) = (comment.as_ref()?, &parameter.declared);
-        fitting_units(&comment.text, &declared.unit).is_none().then(|| {
-            format!(
-                "line {} of {}: the unit of {} is \"{}\", but the patch declares {}",
-                comment.line,
-                path.display(),
-                declared.name,
-                comment.text,
-                declared.unit
-            )
-        })
+        let reason = conversion(comment, &declared.unit).err()?;
+        Some(format!(
+            "line {} of {}: the unit of {} is \"{}\", but the patch declares {}{reason}",
+            comment.line,
+            path.display(),
+            declared.name,
+            comment.text,
+            declared.unit
+        ))
     })
 }
 
-/// The unit of a column and the declared unit of its parameter. `None` if a text is not a unit, or the units have
-/// different dimensions.
-fn fitting_units(of_column: &str, declared: &str) -> Option<(Unit, Unit)> {
-    let [of_column, declared] = [Unit::parse(of_column).ok()?, Unit::parse(declared).ok()?];
-    (of_column.dimension() == declared.dimension()).then_some((of_column, declared))
+/// The conversion of a column to the declared unit of its parameter.
+///
+/// # Errors
+/// If there is none. The text is the reason, after a semicolon; it is empty if a text is not a unit, or if the units
+/// have different dimensions.
+fn conversion(comment: &UnitComment, declared: &str) -> Result<Conversion, String> {
+    let (Some(unit), Ok(declared)) = (comment.unit(), Unit::parse(declared)) else {
+        return Err(String::new());
+    };
+    unit.conversion_to(&declared).map_err(|error| match &error {
+        ConversionError::Dimension { .. } => String::new(),
+        ConversionError::Angle { hint, .. } => format!("; {error}: {hint}"),
+    })
 }
 
 /// Converts the columns with a unit to the declared units of their parameters.
 fn convert(table: &mut CsvTable, parameters: &[&ParameterValue]) {
     for ((column, unit), parameter) in table.columns.iter_mut().zip(&table.units).zip(parameters) {
-        let units = unit.as_ref().and_then(|unit| fitting_units(&unit.text, &parameter.declared.unit));
-        if let Some((unit, declared)) = units.filter(|(unit, declared)| !unit.is_same_as(declared)) {
-            column.iter_mut().for_each(|number| *number = unit.convert(*number, &declared));
+        let conversion = unit.as_ref().and_then(|unit| conversion(unit, &parameter.declared.unit).ok());
+        if let Some(conversion) = conversion.filter(|conversion| !conversion.is_identity()) {
+            column.iter_mut().for_each(|number| *number = conversion.apply(*number));
         }
     }
 }
@@ -222,6 +229,18 @@ mod tests {
             let error = plan(text).unwrap_err();
             assert!(error.starts_with(expected) && error.lines().count() == 1, "{text:?}: {error}");
         }
+    }
+
+    #[test]
+    fn a_rate_without_its_angle_is_not_converted() {
+        let comment = |text: &str| UnitComment { text: text.to_owned(), line: 1 };
+        assert_eq!(conversion(&comment("1/min"), "rpm").unwrap().apply(150.0), 150.0);
+        assert_eq!(conversion(&comment("1/sec"), "rpm").unwrap().apply(2.5), 150.0);
+        let reason = conversion(&comment("1/min"), "deg/s").unwrap_err();
+        let expected = "; 1/min cannot be converted to deg/s, because 1/min may count radians, degrees or revolutions: \
+                        write the unit with its angle, as in \"rad/s\", \"deg/s\" or \"rpm\"";
+        assert_eq!(reason, expected);
+        assert_eq!(conversion(&comment("kg"), "deg/s"), Err(String::new()));
     }
 
     #[test]

@@ -13,6 +13,7 @@ use std::path::Path;
 
 use super::input_file::InputFile;
 use crate::output::io_reason;
+use patchcord_expr::{Unit, UnitLabel};
 use reader::{MAX_LINE_BYTES, Reader};
 
 pub use column_name::{split_unit, unclear_time, unclear_value, without_unit};
@@ -62,6 +63,27 @@ pub struct UnitComment {
     pub text: String,
     /// Line of the comment or of the names in the file, from 1.
     pub line: usize,
+}
+
+impl UnitComment {
+    /// The unit; `None` if the text is not a unit. An empty text is none.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::document::csv_table::UnitComment;
+    /// use patchcord_expr::Unit;
+    ///
+    /// let comment = UnitComment { text: "msec".to_owned(), line: 1 };
+    /// assert_eq!(comment.unit(), Some(Unit::parse("ms")?));
+    /// # Ok::<(), patchcord_expr::UnitError>(())
+    /// ```
+    pub fn unit(&self) -> Option<Unit> {
+        match UnitLabel::read(&self.text) {
+            UnitLabel::Unit(unit) if !self.text.trim().is_empty() => Some(unit),
+            _ => None,
+        }
+    }
 }
 
 /// Selects a column of a file.

@@ -32,12 +32,12 @@ impl<'a> Quantity<'a> {
     /// `None` if the expected unit is in words, or if the number is another quantity.
     pub(super) fn number_in(&self, expected: &str) -> Option<String> {
         let expected = Unit::parse(expected.trim_start_matches("machine ")).ok()?;
-        if self.unit.is_same_as(&expected) {
+        let conversion = self.unit.conversion_to(&expected).ok()?;
+        if conversion.is_identity() {
             return Some(self.number.to_owned());
         }
-        let converted = self.unit.convert(self.number.parse().ok()?, &expected);
-        let is_possible = self.unit.dimension() == expected.dimension() && converted.is_finite();
-        is_possible.then(|| round_significant(converted, ADVISED_DIGITS).to_string())
+        let converted = conversion.apply(self.number.parse().ok()?);
+        converted.is_finite().then(|| round_significant(converted, ADVISED_DIGITS).to_string())
     }
 
     /// The hint for a formula. `expected` is the unit of a number alone; `None` if it is not known.
@@ -122,6 +122,8 @@ mod tests {
         assert_eq!(advised("20 V", "V").as_deref(), Some("20"));
         assert_eq!(advised("1e3 Hz", "Hz").as_deref(), Some("1e3"));
         assert_eq!(advised("120 rpm", "Hz").as_deref(), Some("2"));
+        assert_eq!(advised("120 1/min", "rpm").as_deref(), Some("120"));
+        assert_eq!(advised("120 1/min", "deg/s"), None);
         assert_eq!(advised("50 %", "1").as_deref(), Some("0.5"));
         assert_eq!(advised("3 kg", "s"), None);
         assert_eq!(advised("50 mm", "unit of the scale"), None);

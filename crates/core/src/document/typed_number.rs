@@ -3,7 +3,7 @@
 //! Options of the command line and axes of sweeps read numbers with [`TypedNumber::parse`]. A unit after the number is
 //! converted to the expected unit. A comma is never guessed: the error says what to write instead.
 
-use patchcord_expr::{Unit, UnitError, leading_number, round_significant};
+use patchcord_expr::{ConversionError, Unit, UnitError, leading_number, round_significant};
 
 /// A number with the unit that was typed after it.
 ///
@@ -68,6 +68,16 @@ pub enum TypedNumberError {
         /// The expected unit, in words.
         expected: String,
     },
+    /// The number cannot be converted, because one of the units may count several things.
+    #[error("\"{text}\": {reason}: {hint}")]
+    UnclearUnit {
+        /// The typed text.
+        text: String,
+        /// Why the number cannot be converted.
+        reason: String,
+        /// What to write.
+        hint: String,
+    },
 }
 
 /// Digits of a converted number. A conversion to other units then shows no rounding error: 2.54 mm/s is 0.00254 m/s.
@@ -109,19 +119,30 @@ impl TypedNumber {
     /// The number in this unit. A number that was typed alone is in this unit already.
     ///
     /// # Errors
-    /// If the typed unit has another dimension, or the converted number is too large.
+    /// If the typed unit cannot be converted, or the converted number is too large.
     pub fn in_unit(&self, expected: &Unit) -> Result<f64, TypedNumberError> {
-        let Some(unit) = self.unit.as_ref().filter(|unit| !unit.is_same_as(expected)) else {
+        let Some(unit) = &self.unit else { return Ok(self.number) };
+        let conversion = unit.conversion_to(expected).map_err(|error| self.unit_error(expected, &error))?;
+        if conversion.is_identity() {
             return Ok(self.number);
-        };
-        if unit.dimension() != expected.dimension() {
-            let (found, expected) = (unit.text().to_owned(), expected_unit(expected));
-            return Err(TypedNumberError::WrongUnit { text: self.text.clone(), found, expected });
         }
-        let converted = unit.convert(self.number, expected);
+        let converted = conversion.apply(self.number);
         match converted.is_finite() {
             true => Ok(round_significant(converted, CONVERTED_DIGITS)),
             false => Err(TypedNumberError::NotFinite(self.text.clone())),
+        }
+    }
+
+    /// The error for a unit that cannot be converted to the expected one.
+    fn unit_error(&self, expected: &Unit, error: &ConversionError) -> TypedNumberError {
+        let text = self.text.clone();
+        match error {
+            ConversionError::Dimension { from, .. } => {
+                TypedNumberError::WrongUnit { text, found: from.clone(), expected: expected_unit(expected) }
+            }
+            ConversionError::Angle { hint, .. } => {
+                TypedNumberError::UnclearUnit { text, reason: error.to_string(), hint: hint.clone() }
+            }
         }
     }
 }
@@ -216,6 +237,12 @@ mod tests {
             ("2.5 min", "s", 150.0),
             ("5 %", "1", 0.05),
             ("20 1/s", "Hz", 20.0),
+            ("150 1/min", "rpm", 150.0),
+            ("2.5 1/s", "rpm", 150.0),
+            ("150 rpm", "1/s", 2.5),
+            ("150 rpm", "1/min", 150.0),
+            ("3 rad/s", "1/s", 3.0),
+            ("30 rpm", "deg/s", 180.0),
             ("3um", "µm", 3.0),
         ];
         for (text, unit, expected) in cases {
@@ -232,6 +259,19 @@ mod tests {
             ("8 1", "s", "\"8 1\" is not a number"),
             ("", "s", "\"\" is not a number"),
             ("inf", "s", "inf is not a finite number"),
+            (
+                "90 deg/s",
+                "1/min",
+                "\"90 deg/s\": deg/s cannot be converted to 1/min, because 1/min may count radians, degrees or \
+                 revolutions: write the value in 1/min, or declare 1/min with its angle, as in \"rad/s\", \"deg/s\" \
+                 or \"rpm\"",
+            ),
+            (
+                "5 1/s",
+                "deg/s",
+                "\"5 1/s\": 1/s cannot be converted to deg/s, because 1/s may count radians, degrees or revolutions: \
+                 write the unit with its angle, as in \"rad/s\", \"deg/s\" or \"rpm\"",
+            ),
             ("1e308km", "nm", "1e308km is not a finite number"),
             ("3,5", "s", "\"3,5\" is not a number: write 3.5"),
             ("45,000,000", "s", "\"45,000,000\" is not a number: write 45000000"),

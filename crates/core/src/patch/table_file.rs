@@ -14,7 +14,7 @@ use crate::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable, UnitC
 use crate::document::fields::{Fields, Findings, string};
 use crate::document::tree::Node;
 use crate::document::{Code, Diagnostic, Placed, Span};
-use patchcord_expr::Unit;
+use patchcord_expr::{ConversionError, Unit};
 
 /// A reference from a setting to a CSV file.
 #[derive(Debug, Clone)]
@@ -195,7 +195,7 @@ impl TableFile {
     /// without a unit remain as they are.
     ///
     /// # Errors
-    /// If the unit of a column cannot be read, or has another dimension than the required unit.
+    /// If the unit of a column cannot be read, or cannot be converted to the required unit.
     fn converted(
         &self,
         mut rows: CsvTable,
@@ -206,17 +206,17 @@ impl TableFile {
         let mut faults = Vec::new();
         for axis in [0, 1] {
             let Some(comment) = &rows.units[axis] else { continue };
-            let column_unit = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
-            let Some(column_unit) = column_unit else {
+            let Some(column_unit) = comment.unit() else {
                 faults.push(unreadable_unit(&rows.names[axis], comment, path, axis));
                 continue;
             };
             let Some(required) = &required_units[axis] else { continue };
-            if column_unit.dimension() != required.dimension() {
-                faults.push(wrong_dimension(&rows.names[axis], &column_unit, required, path, axis));
-            } else if !column_unit.is_same_as(required) {
-                let column = rows.columns[axis].iter_mut();
-                column.for_each(|number| *number = column_unit.convert(*number, required));
+            match column_unit.conversion_to(required) {
+                Ok(conversion) if conversion.is_identity() => (),
+                Ok(conversion) => {
+                    rows.columns[axis].iter_mut().for_each(|number| *number = conversion.apply(*number));
+                }
+                Err(error) => faults.push(not_convertible(&rows.names[axis], &error, path, axis)),
             }
         }
         if faults.is_empty() { Ok(rows) } else { Err(faults) }
@@ -281,18 +281,21 @@ const SEVERAL_RUNS_HINT: &str = "the table contains several runs (initial_condit
 const JUMP_HINT: &str = "a phase that ends with a relay (until) or changes a parameter (set) writes a jump as two \
                          lines with the same time: keep one of them, or make the second slightly later";
 
-/// The fault of a column whose unit has another dimension than the required unit.
-fn wrong_dimension(name: &str, column_unit: &Unit, required: &Unit, path: &Path, axis: usize) -> CsvFault {
-    let message = format!(
-        "the column {name} of {} is in {}, but {} is needed here",
-        path.display(),
-        column_unit.text(),
-        required.text()
-    );
-    let place = match csv_table::split_unit(name) {
-        Some(_) => "unit in the name of the column".to_owned(),
-        None => format!("line \"# {name}: {}\"", column_unit.text()),
+/// The fault of a column whose unit cannot be converted to the required unit.
+fn not_convertible(name: &str, error: &ConversionError, path: &Path, axis: usize) -> CsvFault {
+    let fault = match error {
+        ConversionError::Dimension { from, to } => {
+            let message =
+                format!("the column {name} of {} is in {from}, but {to} is needed here", path.display());
+            let place = match csv_table::split_unit(name) {
+                Some(_) => "unit in the name of the column".to_owned(),
+                None => format!("line \"# {name}: {from}\""),
+            };
+            CsvFault::new(message, format!("use another column or scale, or correct the {place}"))
+        }
+        ConversionError::Angle { hint, .. } => {
+            CsvFault::new(format!("the column {name} of {}: {error}", path.display()), hint)
+        }
     };
-    let hint = format!("use another column or scale, or correct the {place}");
-    CsvFault { column: Some(axis), ..CsvFault::new(message, hint) }
+    CsvFault { column: Some(axis), ..fault }
 }

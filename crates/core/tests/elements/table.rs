@@ -117,6 +117,24 @@ fn speeds_in_a_file_are_converted_to_cycles_per_second() {
     assert!(near(out(&run_for(&program, 1e-2, 0.5)), 10.0), "20 Hz at 2 Hz per volt");
 }
 
+#[test]
+fn revolutions_in_a_file_are_not_taken_for_radians() {
+    for (unit, scale, value) in
+        [("1/min", "rpm", 120), ("1/s", "rpm", 2), ("rpm", "1/s", 7200), ("rpm", "1/min", 120)]
+    {
+        let csv = format!("t,n ({unit})\n0,{value}\n1,{value}\n");
+        let program = with_csv(&csv, json!({"csv": "table.csv"}), scale);
+        assert!(near(out(&run_for(&program, 1e-2, 0.5)), 60.0), "{value} {unit} are 120 {scale}");
+    }
+}
+
+#[test]
+fn units_in_full_are_converted() {
+    let csv = "t (milliseconds),f {kilonewtons}\n0,0.02\n600,0.08\n";
+    let program = with_csv(csv, json!({"csv": "table.csv", "x": "t", "y": "f"}), "N");
+    assert!(near(out(&run_for(&program, 1e-2, 0.3)), 25.0), "half-way to 0.6 s");
+}
+
 /// Points in s and V of the tables below.
 const POINTS: [[f64; 2]; 6] =
     [[0.0, 30.0], [0.02, -50.0], [0.03, -50.0], [0.0643, 80.0], [0.08, 10.0], [0.1, 0.0]];

@@ -123,6 +123,12 @@ impl Dimension {
         self == Self::NONE
     }
 
+    /// Whether this is the dimension of a power of time, such as 1/s or 1/s2. False for a pure number.
+    pub(super) fn is_power_of_time(self) -> bool {
+        let [_, _, second, _, _] = self.exponents;
+        !self.is_dimensionless() && self == Self::TIME.power(second)
+    }
+
     /// Combines the exponents of two dimensions one by one.
     fn combined(self, other: Self, combine: impl Fn(f64, f64) -> f64) -> Self {
         let combined = |index| combine(self.exponents[index], other.exponents[index]);
@@ -173,6 +179,16 @@ mod tests {
         let loss = Dimension::CURRENT.over(Dimension::LENGTH.times(Dimension::TEMPERATURE));
         assert_eq!(loss.to_string(), "A/(m K)");
         assert_eq!(Dimension::NONE.to_string(), "a pure number");
+    }
+
+    #[test]
+    fn powers_of_time_have_no_other_base_unit() {
+        for time in [Dimension::TIME, Dimension::FREQUENCY, Dimension::FREQUENCY.power(2.0)] {
+            assert!(time.is_power_of_time(), "{time}");
+        }
+        for other in [Dimension::NONE, Dimension::LENGTH, Dimension::LENGTH.over(Dimension::TIME)] {
+            assert!(!other.is_power_of_time(), "{other}");
+        }
     }
 
     #[test]

@@ -14,14 +14,16 @@ use std::ops::Range;
 
 use super::error::UnitError;
 use super::symbols::{Prefix, Symbol, from_name, suggestions};
-use super::synonyms::advice;
+use super::synonyms::{PURE_NUMBER, advice};
 
 /// The maximum length of a unit text, in bytes.
-const MAX_TEXT_LENGTH: usize = 200;
+pub(super) const MAX_TEXT_LENGTH: usize = 200;
 /// The maximum depth of nested parentheses; it bounds the recursion.
 const MAX_NESTING: usize = 8;
 /// The maximum absolute value of a written power.
 const MAX_POWER: f64 = 12.0;
+/// Signs that some people write for a missing unit.
+const DASHES: [&str; 3] = ["-", "\u{2013}", "\u{2014}"];
 
 /// A symbol with its prefix and power, such as the `mm2` of `N/mm2` (with power -2).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +56,10 @@ pub(super) fn parse_factors(text: &str) -> Result<Vec<Factor>, UnitError> {
     }
     if text.trim().is_empty() {
         return Ok(Vec::new());
+    }
+    if DASHES.contains(&text.trim()) {
+        let message = format!("{} is not a unit", text.trim());
+        return Err(UnitError::new(0..text.len(), message).with_hint(PURE_NUMBER));
     }
     let mut parser = Parser { text, at: 0, depth: 0 };
     let factors = parser.quotient()?;
@@ -250,7 +256,7 @@ impl Parser<'_> {
         let end = self.at + letter.map_or(0, char::len_utf8);
         let shown = letter.map(String::from).unwrap_or_default();
         UnitError::new(self.at..end, format!("{shown} is not allowed here")).with_hint(match letter {
-            Some('°') => "temperatures are in K, and degrees of an angle in deg",
+            Some('°' | '℃' | '℉') => "temperatures are in K, and degrees of an angle in deg",
             _ => "factors are separated by a blank, * or /, as in N s/m",
         })
     }
@@ -259,20 +265,19 @@ impl Parser<'_> {
 /// Whether a character can be part of a unit's name.
 ///
 /// A superscript starts a power, so it ends the name.
-fn is_name_letter(letter: char) -> bool {
+pub(super) fn is_name_letter(letter: char) -> bool {
     letter.is_alphabetic() && superscript_value(letter).is_none()
 }
 
-/// Temperature scales whose zero differs from that of K. They cannot be converted by a factor.
-const TEMPERATURES: [&str; 5] = ["degc", "degf", "celsius", "centigrade", "fahrenheit"];
+/// Whether a text after a name begins with a power without a minus, such as `2`, `^2` or `²`.
+pub(super) fn begins_with_power(text: &str) -> bool {
+    text.starts_with(|sign: char| sign.is_ascii_digit() || sign == '^' || superscript_value(sign).is_some())
+}
 
 /// Returns the error for a name that is not a unit, with the names that were probably meant.
 fn unknown_unit(name: &str, range: Range<usize>) -> UnitError {
     let error = UnitError::new(range, format!("{name} is not a known unit"));
-    if TEMPERATURES.contains(&name.to_lowercase().as_str()) {
-        return error.with_hint("temperatures are in K");
-    }
-    if let Some(advice) = advice(name) {
+    if let Some((advice, _)) = advice(name) {
         return error.with_hint(advice);
     }
     match suggestions(name).join(" or ") {

@@ -3,7 +3,8 @@
 //! The sizes of non-SI units are exact by definition (in, ft, lb, lbf, kgf, h) or rounded to the nearest
 //! 64-bit number (deg, rpm, psi, hp). The horsepower is the mechanical one, 550 ft lbf/s.
 
-use std::f64::consts::PI;
+use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
 
 use super::dimension::Dimension;
 use super::nearest::nearest;
@@ -29,6 +30,16 @@ impl Symbol {
         matches!(self.name, "rad" | "deg" | "rpm")
     }
 
+    /// The size of the unit if angles are measured in turns. Other symbols have their usual size.
+    pub(super) fn size_in_turns(self) -> f64 {
+        match self.name {
+            "rad" => 1.0 / TAU,
+            "deg" => 1.0 / 360.0,
+            "rpm" => 1.0 / 60.0,
+            _ => self.factor,
+        }
+    }
+
     /// Whether the symbol counts cycles.
     pub(super) fn is_cycle(self) -> bool {
         self.name == "Hz"
@@ -50,6 +61,13 @@ pub(super) const MAX_EXACT_POWER_OF_TEN: i32 = 22;
 pub(super) const NO_PREFIX: Prefix = prefix("", 0);
 /// The symbol of the second; [`super::Unit::per_second`] needs it.
 pub(super) const SECOND: Symbol = prefixed("s", 1.0, Dimension::TIME, 0);
+
+/// The largest number of letters of a short name. With an edit, a short name is often another unit: "cal" is not "cl".
+const MAX_SHORT_NAME: usize = 3;
+
+/// Pairs of units that are often written without a blank, such as `kNm`.
+const UNSPACED_PRODUCTS: [(&str, &str); 6] =
+    [("N", "m"), ("N", "mm"), ("N", "cm"), ("W", "h"), ("A", "h"), ("Pa", "s")];
 
 /// Every prefix that is accepted.
 ///
@@ -147,15 +165,26 @@ pub(super) fn prefix_for(exponent: i32) -> Option<Prefix> {
     every.find(|prefix| prefix.exponent == exponent).copied()
 }
 
+/// Returns a prefix and a symbol as one name; `None` if the symbol does not take the prefix.
+pub(super) fn with_prefix(prefix: &str, symbol: &str) -> Option<String> {
+    let name = format!("{prefix}{symbol}");
+    // A name such as "min" has another meaning.
+    let (found_prefix, found_symbol) = from_name(&name)?;
+    (found_prefix.name == prefix && found_symbol.name == symbol).then_some(name)
+}
+
 /// Returns at most two unit texts that the author of an unknown name probably meant.
 ///
 /// A name written in full gives its symbol. Otherwise the nearest name is suggested, and a product of
-/// two units if the name is one: `Nm` gives `nm` and `N m`.
+/// two units if the name is one: `Nm` gives `nm` and `N m`. The nearest name of a short name has the same letters.
 pub(super) fn suggestions(unknown: &str) -> Vec<String> {
-    if let Some(symbol) = symbol_of(unknown) {
-        return vec![symbol.to_owned()];
+    if let Some(symbol) = symbol_of(unknown).or_else(|| prefixed_full_name(unknown)) {
+        return vec![symbol];
     }
-    let names = all_names();
+    let mut names = all_names();
+    if unknown.chars().count() <= MAX_SHORT_NAME {
+        names.retain(|name| letters(name) == letters(unknown));
+    }
     let near = nearest(unknown, names.iter().map(String::as_str)).map(str::to_owned);
     match as_product(unknown) {
         Some(product) => {
@@ -163,6 +192,37 @@ pub(super) fn suggestions(unknown: &str) -> Vec<String> {
         }
         None => near.into_iter().collect(),
     }
+}
+
+/// Returns the symbol with its prefix for a prefix in front of a full name: `mV` for `mVolts`.
+pub(super) fn prefixed_full_name(name: &str) -> Option<String> {
+    PREFIXES.iter().find_map(|prefix| {
+        let full_name = name.strip_prefix(prefix.name)?;
+        let is_long = full_name.chars().count() > MAX_SHORT_NAME;
+        with_prefix(prefix.name, &symbol_of(full_name).filter(|_| is_long)?)
+    })
+}
+
+/// Returns a product of two units that is usual without a blank, with the blank: `kN m` for `kNm`.
+pub(super) fn unspaced_product(name: &str) -> Option<String> {
+    UNSPACED_PRODUCTS.iter().find_map(|(first, second)| {
+        let prefix = name.strip_suffix(*second)?.strip_suffix(*first)?;
+        with_prefix(prefix, first).map(|first| format!("{first} {second}"))
+    })
+}
+
+/// Returns the names of units that differ from a name only in upper and lower case, in alphabetical order.
+pub(super) fn in_other_case(name: &str) -> Vec<String> {
+    let mut names = all_names();
+    names.retain(|known| is_equal_ignoring_case(known, name));
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// Returns the letters of a name without regard to their order, number and case.
+fn letters(name: &str) -> BTreeSet<char> {
+    name.to_lowercase().chars().collect()
 }
 
 /// Whether two names are equal without regard to upper and lower case.
@@ -219,6 +279,48 @@ mod tests {
         assert_eq!(name("cP"), Some(("c", "P")));
         assert_eq!(name("kgf"), Some(("", "kgf")));
         assert_eq!(name("mmin"), None);
+    }
+
+    #[test]
+    fn products_without_a_blank_are_split() {
+        let cases = [
+            ("Nm", Some("N m")),
+            ("kNm", Some("kN m")),
+            ("mNm", Some("mN m")),
+            ("Nmm", Some("N mm")),
+            ("kWh", Some("kW h")),
+            ("mPas", Some("mPa s")),
+            ("nm", None),
+            ("Nms", None),
+            ("xNm", None),
+            ("N m", None),
+        ];
+        for (name, product) in cases {
+            assert_eq!(unspaced_product(name).as_deref(), product, "{name}");
+        }
+    }
+
+    #[test]
+    fn prefixes_of_full_names_are_found() {
+        let cases = [
+            ("mVolts", Some("mV")),
+            ("kNewton", Some("kN")),
+            ("uSeconds", Some("us")),
+            ("minches", None),
+            ("camp", None),
+            ("volts", None),
+        ];
+        for (name, symbol) in cases {
+            assert_eq!(prefixed_full_name(name).as_deref(), symbol, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_in_another_case_are_found() {
+        assert_eq!(in_other_case("KN"), ["kN"]);
+        assert_eq!(in_other_case("KG"), ["kg"]);
+        assert_eq!(in_other_case("MPA"), ["MPa", "mPa"]);
+        assert_eq!(in_other_case("left"), [""; 0]);
     }
 
     #[test]

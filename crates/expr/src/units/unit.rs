@@ -1,9 +1,9 @@
 //! A unit of measurement with its size in SI units.
 
-use std::f64::consts::TAU;
 use std::fmt;
 use std::str::FromStr;
 
+use super::conversion::Conversion;
 use super::dimension::Dimension;
 use super::error::UnitError;
 use super::format::format_product;
@@ -95,8 +95,8 @@ impl Unit {
         self.dimension
     }
 
-    /// Returns whether both units have the same dimension and size, whatever their texts. `Hz` differs
-    /// from `rad/s`, see [`Unit::convert`].
+    /// Returns whether the values in both units are the same, whatever their texts. `Hz` differs from
+    /// `rad/s`, see [`Unit::conversion_to`].
     ///
     /// # Examples
     ///
@@ -106,12 +106,11 @@ impl Unit {
     /// assert!(Unit::parse("N")?.is_same_as(&Unit::parse("kg m/s2")?));
     /// assert!(!Unit::parse("m")?.is_same_as(&Unit::parse("mm")?));
     /// assert!(!Unit::parse("Hz")?.is_same_as(&Unit::parse("rad/s")?));
+    /// assert!(Unit::parse("rpm")?.is_same_as(&Unit::parse("1/min")?));
     /// # Ok::<(), patchcord_expr::UnitError>(())
     /// ```
     pub fn is_same_as(&self, other: &Unit) -> bool {
-        self.dimension() == other.dimension()
-            && self.factor() == other.factor()
-            && self.cycle_factor(other) == 1.0
+        self.conversion_to(other).is_ok_and(Conversion::is_identity)
     }
 
     /// Returns the power of the angle in the unit: 1 for `rad/s`, `deg/s` and `rpm`, 0 for `Hz` and
@@ -136,17 +135,19 @@ impl Unit {
     }
 
     /// Returns the sum of the powers of all factors whose symbol satisfies a condition.
-    fn power_of(&self, belongs: impl Fn(Symbol) -> bool) -> f64 {
+    pub(super) fn power_of(&self, belongs: impl Fn(Symbol) -> bool) -> f64 {
         let matching = self.factors.iter().filter(|factor| belongs(factor.symbol));
         matching.fold(0.0, |sum, factor| sum + factor.power)
     }
 
-    /// Returns the factor between angles and cycles in the conversion to another unit: 1 / (2 pi) from
-    /// `rad/s` to `Hz`. It is 1 unless one unit has an angle where the other one has a cycle.
-    fn cycle_factor(&self, to: &Unit) -> f64 {
-        let radians = to.angle_power() - self.angle_power();
-        let cycles = self.power_of(Symbol::is_cycle) - to.power_of(Symbol::is_cycle);
-        if radians == cycles { libm::pow(TAU, cycles) } else { 1.0 }
+    /// Returns the size of the unit if angles are measured in turns: 1/60 for `rpm`, which is a turn per
+    /// minute.
+    pub(super) fn size_in_turns(&self) -> f64 {
+        let in_turns = |factor: &Factor| {
+            let symbol = Symbol { factor: factor.symbol.size_in_turns(), ..factor.symbol };
+            Factor { symbol, ..*factor }
+        };
+        size_of(&self.factors.iter().map(in_turns).collect::<Vec<_>>())
     }
 
     /// Converts a value from this unit to SI units.
@@ -167,26 +168,6 @@ impl Unit {
     /// ```
     pub fn out_of_si(&self, value: f64) -> f64 {
         value / self.factor
-    }
-
-    /// Converts a value from this unit to another one of the same dimension.
-    ///
-    /// `Hz` counts cycles, and `rad`, `deg` and `rpm` are angles. A cycle is 2 pi rad. The unit `1/s`
-    /// has neither, so its values stay the same in `Hz` and in `rad/s`.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use patchcord_expr::Unit;
-    ///
-    /// let hertz = Unit::parse("Hz")?;
-    /// assert!((Unit::parse("rpm")?.convert(120.0, &hertz) - 2.0).abs() < 1e-12);
-    /// assert_eq!(Unit::parse("1/min")?.convert(120.0, &hertz), 2.0);
-    /// assert_eq!(Unit::parse("km")?.convert(2.5, &Unit::parse("m")?), 2500.0);
-    /// # Ok::<(), patchcord_expr::UnitError>(())
-    /// ```
-    pub fn convert(&self, value: f64, to: &Unit) -> f64 {
-        to.out_of_si(self.to_si(value) * self.cycle_factor(to))
     }
 
     /// Returns the unit of the rate of change of a quantity in this unit: `m/s` for `m`, `m/s2` for

@@ -309,10 +309,10 @@ impl<'a> ExperimentBuilder<'a> {
 }
 
 /// Converts a standard deviation to the unit of the patch. It is in the unit that the experiment specifies for the
-/// column, or in the unit of the patch if there is none.
+/// column, or in the unit of the patch if there is none. A unit that cannot be converted has been reported.
 fn in_target_unit(sigma: f64, binding: &ColumnBinding, target: &Unit) -> f64 {
     let source = binding.unit.as_ref().map_or(target, |unit| &unit.value);
-    source.convert(sigma, target)
+    source.conversion_to(target).map_or(sigma, |conversion| conversion.apply(sigma))
 }
 
 /// Returns the columns to read: drives, then outputs. `targets` has the unit of the patch for each of them.

@@ -373,6 +373,8 @@ mod tests {
     fn a_unit_is_never_ignored() {
         assert_eq!(number_in("mm", "0.5"), Ok(0.5));
         assert_eq!(number_in("mm", "1 um"), Ok(0.001));
+        assert_eq!(number_in("rpm", "2 1/s"), Ok(120.0));
+        assert!(number_in("deg/s", "2 1/s").is_err());
         let unknown = "furlong";
         assert_eq!(number_in(unknown, "0.5"), Ok(0.5));
         let error = number_in(unknown, "1mm").unwrap_err();

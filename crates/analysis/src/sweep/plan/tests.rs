@@ -32,6 +32,32 @@ fn values_with_units_are_converted_to_the_declared_unit() {
     assert_eq!(plan(&["VcL=1mm/s:2mm/s:2"]), plan(&["VcL=1e-3:2e-3:2"]));
 }
 
+/// A drive whose frequency n is in rpm and whose amplitude w is in deg/s.
+const TURNING: &str = r#"{"patchcord": 1,
+    "parameters": {"n": {"value": 120, "unit": "rpm", "range": [1, 1000]},
+        "w": {"value": 9, "unit": "deg/s", "range": [1, 90]}},
+    "scales": {"speed": {"per_volt": 1, "unit": "deg/s"}},
+    "drives": {"shake": {"kind": "sine", "scale": "speed", "amplitude": "w", "frequency": "n"}},
+    "elements": {"S": {"kind": "summer", "in": {"x1": ["shake"]}}},
+    "signals": {"s": {"at": "S", "scale": "speed"}},
+    "run": {"for": 1, "step": 0.01}}"#;
+
+#[test]
+fn revolutions_are_not_taken_for_radians() {
+    let patch = Patch::parse("turning.json", TURNING).unwrap();
+    let program = Program::new(&Circuit::new(&patch).unwrap()).unwrap();
+    let values = |axis: &str| {
+        let plan = Plan::new([Axis::parse(axis)?], &program)?;
+        Ok::<_, PlanError>((0..plan.runs()).map(|run| plan.values(run)[0]).collect::<Vec<_>>())
+    };
+    assert_eq!(values("n=150 1/min,2.5 1/s,2 Hz,100").unwrap(), [150.0, 150.0, 120.0, 100.0]);
+    assert_eq!(values("w=5 rpm,0.1 Hz").unwrap(), [30.0, 36.0]);
+    let error = values("w=5 1/s,6").unwrap_err().to_string();
+    let expected =
+        "w: \"5 1/s\": 1/s cannot be converted to deg/s, because 1/s may count radians, degrees or";
+    assert!(error.starts_with(expected), "{error}");
+}
+
 #[test]
 fn ends_are_exact_and_spacing_is_regular() {
     let values = |axis: &str| {

@@ -3,24 +3,32 @@
 use std::path::Path;
 
 use super::{CsvFault, excerpt};
-use patchcord_expr::Unit;
+use patchcord_expr::{Unit, UnitLabel};
 
-/// Splits a column name into the name and the unit in parentheses or brackets at its end. `None` if it has no unit.
+/// Splits a column name into the name and the unit in parentheses, brackets, braces or angle brackets at its end.
+/// `None` if it has no unit.
 ///
 /// A text that is not a unit belongs to the name, as in "force (filtered)". So do numbers, and the letter t: "f(t)" is
-/// a function of time.
+/// a function of time. Units in full, the degree sign and products such as "kNm" are understood, see [`UnitLabel`].
 ///
 /// # Examples
 ///
 /// ```
 /// use patchcord_core::document::csv_table::split_unit;
+/// use patchcord_expr::Unit;
 ///
-/// assert_eq!(split_unit("t (ms)"), Some(("t", "ms")));
-/// assert_eq!(split_unit("c [N/(m s)]"), Some(("c", "N/(m s)")));
+/// assert_eq!(split_unit("t (ms)"), Some(("t", Unit::parse("ms")?)));
+/// assert_eq!(split_unit("c [N/(m s)]"), Some(("c", Unit::parse("N/(m s)")?)));
+/// assert_eq!(split_unit("t {seconds}"), Some(("t", Unit::parse("s")?)));
 /// assert_eq!(split_unit("force (filtered)"), None);
+/// # Ok::<(), patchcord_expr::UnitError>(())
 /// ```
-pub fn split_unit(column: &str) -> Option<(&str, &str)> {
-    split_label(column).filter(|(_, label)| Unit::parse(label).is_ok())
+pub fn split_unit(column: &str) -> Option<(&str, Unit)> {
+    let (name, label) = split_label(column)?;
+    match UnitLabel::read(label) {
+        UnitLabel::Unit(unit) => Some((name, unit)),
+        _ => None,
+    }
 }
 
 /// A column name without the unit at its end.
@@ -37,16 +45,18 @@ pub fn without_unit(column: &str) -> &str {
     split_unit(column).map_or(column, |(name, _)| name)
 }
 
-/// Splits off the text in the last parentheses or brackets. `None` if it is missing, is a number or the letter t, or is
-/// the whole name.
+/// Splits off the text in the last parentheses, brackets, braces or angle brackets. `None` if it is missing, is a
+/// number or the letter t, or is the whole name.
 fn split_label(column: &str) -> Option<(&str, &str)> {
-    let inner = column.strip_suffix(')').or_else(|| column.strip_suffix(']'))?;
+    let inner = column.strip_suffix([')', ']', '}', '>'])?;
+    // Angle brackets inside other brackets are comparisons.
+    let (opening, closing) = if column.ends_with('>') { ("<", ">") } else { ("([{", ")]}") };
     let mut depth = 1;
     let (open, _) = inner.char_indices().rev().find(|(_, letter)| {
-        match letter {
-            ')' | ']' => depth += 1,
-            '(' | '[' => depth -= 1,
-            _ => {}
+        if closing.contains(*letter) {
+            depth += 1;
+        } else if opening.contains(*letter) {
+            depth -= 1;
         }
         depth == 0
     })?;
@@ -54,39 +64,147 @@ fn split_label(column: &str) -> Option<(&str, &str)> {
     (!name.is_empty() && has_letter(label) && label != "t").then_some((name, label))
 }
 
-/// Whether a text has a letter or a percent sign. All other texts are numbers and signs, and no units.
+/// Whether a text has a letter, a percent sign or a degree sign. All other texts are numbers and signs, and no units.
 fn has_letter(text: &str) -> bool {
-    text.contains(|letter: char| letter.is_alphabetic() || letter == '%')
+    text.contains(|letter: char| letter.is_alphabetic() || "%°˚℃℉".contains(letter))
 }
 
 /// The characters between a name and a unit at its end.
 const SEPARATORS: [char; 5] = ['_', ' ', '.', '-', '/'];
 
+/// The characters between a unit and other words in parentheses, as in "V rms".
+const WORD_SEPARATORS: [char; 4] = [' ', ',', ';', '_'];
+
 /// A unit that is also a common word at the end of a name, as in "x_in" for an input.
 const AMBIGUOUS_UNIT: &str = "in";
 
-/// The end of a column name that is another unit of the required dimension: "ms" of "t_ms", "mm/s" of "v/mm/s".
-fn unit_at_end<'c>(column: &'c str, required: &Unit) -> Option<&'c str> {
-    // A unit in parentheses is understood.
-    let column = if split_label(column).is_some() { "" } else { column };
-    let mut ends = column.match_indices(SEPARATORS).map(|(at, _)| &column[at + 1..]);
-    ends.find(|end| *end != AMBIGUOUS_UNIT && is_other_unit(end, required))
+/// Units that end a word after its first letter, as in "aft".
+const ENDS_OF_WORDS: [&str; 2] = [AMBIGUOUS_UNIT, "ft"];
+
+/// A text in the name of a column that is probably meant as a unit, but is not read as one.
+struct Doubt<'c> {
+    /// The text.
+    text: &'c str,
+    /// What it probably means.
+    meaning: UnitLabel,
 }
 
-/// Whether a text is a unit of the required dimension, and another one than the required unit.
-fn is_other_unit(text: &str, required: &Unit) -> bool {
-    let is_other = |unit: Unit| unit.dimension() == required.dimension() && !unit.is_same_as(required);
-    has_letter(text) && Unit::parse(text).is_ok_and(is_other)
-}
-
-/// The part of the name of a column of times that is probably a unit, but is not understood: "sec" of "t (sec)", "ms"
-/// of "t_ms", "t/ms" and "ms". `None` if the name does not indicate another unit than the second.
-fn unclear_unit(column: &str) -> Option<&str> {
-    if let Some((_, label)) = split_label(column) {
-        return Unit::parse(label).is_err().then_some(label);
+impl<'c> Doubt<'c> {
+    /// The doubt about a text that is another unit than the required one, but of the same dimension. `None` if the text
+    /// is no such unit.
+    fn about(text: &'c str, required: &Unit) -> Option<Self> {
+        if !has_letter(text) || text.eq_ignore_ascii_case(AMBIGUOUS_UNIT) {
+            return None;
+        }
+        let is_other = |unit: &Unit| unit.dimension() == required.dimension() && !unit.is_same_as(required);
+        let meaning = UnitLabel::read(text);
+        let is_doubtful = match &meaning {
+            UnitLabel::Unit(unit) => is_other(unit),
+            // A long word, such as the "foot" of "left_foot", is rarely a unit.
+            UnitLabel::Similar(unit) => is_other(unit) && (text.len() <= 3 || is_spelt_as_unit(text)),
+            UnitLabel::Unknown { dimension, .. } => *dimension == Some(required.dimension()),
+            UnitLabel::Text => false,
+        };
+        is_doubtful.then_some(Doubt { text, meaning })
     }
-    let second = Unit::parse("s").ok()?;
-    unit_at_end(column, &second).or_else(|| is_other_unit(column, &second).then_some(column))
+
+    /// The doubt about the end of a column name: "ms" of "t_ms", "mm/s" of "v/mm/s".
+    fn about_end(column: &'c str, required: &Unit) -> Option<Self> {
+        let mut ends = column.match_indices(SEPARATORS).map(|(at, _)| &column[at + 1..]);
+        ends.find_map(|end| Doubt::about(end, required))
+    }
+
+    /// The doubt about a unit directly after the letter of a quantity or after "time": "ms" of "tms".
+    fn about_joined(column: &'c str, required: &Unit) -> Option<Self> {
+        if Unit::parse(column).is_ok() {
+            return None;
+        }
+        let after_word = column.strip_prefix("time").or_else(|| column.strip_prefix("Time"));
+        let after_letter = column.chars().next().map(|letter| &column[letter.len_utf8()..]);
+        let mut ends = after_word.into_iter().chain(after_letter);
+        let is_unit = |end: &&str| end.chars().count() > 1 && !ENDS_OF_WORDS.contains(end);
+        let unit = ends.find(|end| is_unit(end) && matches!(UnitLabel::read(end), UnitLabel::Unit(_)))?;
+        Doubt::about(unit, required)
+    }
+
+    /// The doubt about a text in parentheses that is probably meant as a unit, but is not understood.
+    fn about_label(label: &'c str, required: &Unit) -> Option<Self> {
+        if label.eq_ignore_ascii_case(AMBIGUOUS_UNIT) {
+            return None;
+        }
+        let meaning = UnitLabel::read(label);
+        let dimension = match &meaning {
+            UnitLabel::Similar(unit) if !unit.is_same_as(required) => Some(unit.dimension()),
+            UnitLabel::Unknown { dimension, .. } => *dimension,
+            UnitLabel::Text => {
+                return label.split(WORD_SEPARATORS).find_map(|word| Doubt::about(word, required));
+            }
+            _ => return None,
+        };
+        // A unit of another dimension may be an ordinary word, such as "day" in "T (day)".
+        let is_doubtful = dimension == Some(required.dimension()) || is_spelt_as_unit(label);
+        is_doubtful.then_some(Doubt { text: label, meaning })
+    }
+
+    /// The doubt about the name of a column of times.
+    fn about_times(column: &'c str, second: &Unit) -> Option<Self> {
+        let Some((_, label)) = split_label(column) else {
+            return Doubt::about_end(column, second)
+                .or_else(|| Doubt::about(column, second))
+                .or_else(|| Doubt::about_joined(column, second));
+        };
+        let meaning = UnitLabel::read(label);
+        let is_clear = match &meaning {
+            UnitLabel::Unit(_) => true,
+            UnitLabel::Similar(unit) => unit.is_same_as(second),
+            _ => false,
+        };
+        (!is_clear).then_some(Doubt { text: label, meaning })
+    }
+
+    /// The doubt about the name of a column of other values.
+    fn about_values(column: &'c str, required: &Unit) -> Option<Self> {
+        match split_label(column) {
+            Some((name, label)) => {
+                Doubt::about_label(label, required).or_else(|| Doubt::about_end(name, required))
+            }
+            None => Doubt::about_end(column, required).or_else(|| Doubt::about_joined(column, required)),
+        }
+    }
+
+    /// What to write. `example` is the name of a column for an example, and the values are read in the unit `required`.
+    fn hint(&self, column: &str, example: &str, required: &Unit) -> String {
+        let column = excerpt(column);
+        let fits = |unit: &&Unit| unit.dimension() == required.dimension();
+        let unit = match &self.meaning {
+            UnitLabel::Unit(unit) | UnitLabel::Similar(unit) => Some(unit).filter(fits),
+            _ => None,
+        };
+        if let Some(unit) = unit {
+            let unit = excerpt(unit.text());
+            return format!(
+                "write its unit above the names, as in \"# {column}: {unit}\", or in the name, as in \
+                 \"{example} ({unit})\""
+            );
+        }
+        let required = if required.text().is_empty() { "1" } else { required.text() };
+        let advice = match &self.meaning {
+            UnitLabel::Unknown { advice, .. } => format!("{advice}; "),
+            _ => String::new(),
+        };
+        format!(
+            "{advice}write the unit of the values above the names, as in \"# {column}: {required}\" for values in \
+             {required}, or in the name, as in \"{example} ({required})\""
+        )
+    }
+}
+
+/// Whether a text is spelt as a unit and not as a word: it has a sign such as "/", or a capital letter after a small
+/// one as in "mVolts".
+fn is_spelt_as_unit(text: &str) -> bool {
+    let mut pairs = text.chars().zip(text.chars().skip(1));
+    text.contains(['/', '^', '*', '·', '°', '²', '³', '⁻'])
+        || pairs.any(|(first, second)| first.is_lowercase() && second.is_uppercase())
 }
 
 /// The doubt about a column of times without a unit, if its name seems to indicate one. `path` is the file.
@@ -103,17 +221,15 @@ fn unclear_unit(column: &str) -> Option<&str> {
 /// assert_eq!(unclear_time("time", "a.csv"), None);
 /// ```
 pub fn unclear_time(column: &str, path: impl AsRef<Path>) -> Option<CsvFault> {
-    let (column, unit) = (excerpt(column), excerpt(unclear_unit(column)?));
+    let second = Unit::parse("s").ok()?;
+    let doubt = Doubt::about_times(column, &second)?;
     let message = format!(
-        "the times in the column {column} of {} are read as seconds, but its name has \"{unit}\"",
-        path.as_ref().display()
+        "the times in the column {} of {} are read as seconds, but its name has \"{}\"",
+        excerpt(column),
+        path.as_ref().display(),
+        excerpt(doubt.text)
     );
-    // A text that is not understood is no example.
-    let example = if Unit::parse(&unit).is_ok() { unit.as_str() } else { "ms" };
-    let hint = format!(
-        "write a unit above the names, as in \"# {column}: {example}\", or in the name, as in \"t ({example})\""
-    );
-    Some(CsvFault::new(message, hint))
+    Some(CsvFault::new(message, doubt.hint(column, "t", &second)))
 }
 
 /// The doubt about a column without a unit that is read in the required unit, if its name seems to indicate another
@@ -134,99 +250,168 @@ pub fn unclear_time(column: &str, path: impl AsRef<Path>) -> Option<CsvFault> {
 /// # Ok::<(), patchcord_expr::UnitError>(())
 /// ```
 pub fn unclear_value(column: &str, required: &Unit, path: impl AsRef<Path>) -> Option<CsvFault> {
-    let (column, unit) = (excerpt(column), excerpt(unit_at_end(column, required)?));
+    let doubt = Doubt::about_values(column, required)?;
     let message = format!(
-        "the column {column} of {} is read in {}, but its name has \"{unit}\"",
+        "the column {} of {} is read in {}, but its name has \"{}\"",
+        excerpt(column),
         path.as_ref().display(),
-        required.text()
+        required.text(),
+        excerpt(doubt.text)
     );
-    let hint = format!(
-        "write its unit above the names, as in \"# {column}: {unit}\", or in the name, as in \"x ({unit})\""
-    );
-    Some(CsvFault::new(message, hint))
+    Some(CsvFault::new(message, doubt.hint(column, "x", required)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn unit(text: &str) -> Unit {
+        Unit::parse(text).unwrap()
+    }
+
     #[test]
     fn a_unit_in_parentheses_or_brackets_is_split_off() {
         let cases = [
             ("t (ms)", Some(("t", "ms"))),
             ("time[ms]", Some(("time", "ms"))),
+            ("t {ms}", Some(("t", "ms"))),
+            ("t<ms>", Some(("t", "ms"))),
             ("x ( mm )", Some(("x", "mm"))),
             ("c (N/(m s))", Some(("c", "N/(m s)"))),
             ("slip (left) [%]", Some(("slip (left)", "%"))),
             ("n (rpm)", Some(("n", "rpm"))),
+            ("t (sec)", Some(("t", "s"))),
+            ("t (hrs)", Some(("t", "h"))),
+            ("t (usec)", Some(("t", "us"))),
+            ("M (kNm)", Some(("M", "kN m"))),
+            ("x (micron)", Some(("x", "µm"))),
+            ("phi (°)", Some(("phi", "deg"))),
             ("x", None),
             ("force (filtered)", None),
             ("x (1)", None),
             ("x (2)", None),
+            ("x (t<s)", None),
+            ("x>s", None),
             ("f(t)", None),
             ("(ms)", None),
             ("t ()", None),
             ("t ms)", None),
             (")", None),
+            (">", None),
+            ("T (°C)", None),
+            ("u (mVolts)", None),
             ("µ (µm)", Some(("µ", "µm"))),
         ];
         for (column, expected) in cases {
-            assert_eq!(split_unit(column), expected, "{column}");
+            let found = split_unit(column).map(|(name, unit)| (name, unit.text().to_owned()));
+            let expected = expected.map(|(name, unit)| (name, unit.to_owned()));
+            assert_eq!(found, expected, "{column}");
         }
     }
 
     #[test]
     fn a_name_that_may_contain_a_unit_of_time_is_doubtful() {
+        let in_doubt = |column| Doubt::about_times(column, &unit("s")).map(|doubt| doubt.text);
         let doubtful = [
-            ("t (sec)", "sec"),
+            ("t (days)", "days"),
+            ("t (MIN)", "MIN"),
             ("t_ms", "ms"),
             ("time us", "us"),
+            ("time_usec", "usec"),
             ("t-min", "min"),
+            ("t_days", "days"),
             ("T [ticks]", "ticks"),
             ("t/ms", "ms"),
             ("ms", "ms"),
+            ("hours", "hours"),
+            ("tms", "ms"),
+            ("timems", "ms"),
+            ("tmin", "min"),
         ];
-        for (column, unit) in doubtful {
-            assert_eq!(unclear_unit(column), Some(unit), "{column}");
+        for (column, text) in doubtful {
+            assert_eq!(in_doubt(column), Some(text), "{column}");
         }
-        for column in ["t", "time", "s", "t (ms)", "t (2)", "x(t)", "t (m)"] {
-            assert_eq!(unclear_unit(column), None, "{column}");
+        for column in ["t", "time", "s", "t (ms)", "t (2)", "x(t)", "t (m)", "seconds", "times", "th"] {
+            assert_eq!(in_doubt(column), None, "{column}");
         }
-        for column in ["t_s", "t/s", "t_rel", "t_2", "t_"] {
-            assert_eq!(unclear_unit(column), None, "{column}");
+        for column in ["t_s", "t/s", "t_sec", "t_rel", "t_2", "t_", "t (second)", "t (Sec)", "t (secs)"] {
+            assert_eq!(in_doubt(column), None, "{column}");
         }
     }
 
     #[test]
     fn the_hint_about_a_time_has_its_unit() {
-        for (column, example) in [("t_min", "min"), ("t (ticks)", "ms"), ("h", "h")] {
+        for (column, example) in
+            [("t_min", "min"), ("time_usec", "us"), ("tms", "ms"), ("h", "h"), ("t (ticks)", "s")]
+        {
             let hint = unclear_time(column, "a.csv").unwrap().hint;
             assert!(hint.ends_with(&format!(", as in \"t ({example})\"")), "{hint}");
         }
+        assert_eq!(
+            unclear_time("t (days)", "a.csv").unwrap().hint,
+            "a day is 24 h; write the unit of the values above the names, as in \"# t (days): s\" for values in s, or \
+             in the name, as in \"t (s)\""
+        );
     }
 
     #[test]
     fn the_end_of_a_name_that_is_a_common_word_is_no_unit() {
-        let metre = Unit::parse("m").unwrap();
-        assert_eq!(unit_at_end("x_in", &metre), None);
-        assert_eq!(unit_at_end("x_in_mm", &metre), Some("mm"));
+        let in_doubt = |column| Doubt::about_values(column, &unit("m")).map(|doubt| doubt.text);
+        assert_eq!(in_doubt("x_in_mm"), Some("mm"));
+        for column in ["x_in", "x_IN", "x (IN)", "aft", "left_foot", "xm"] {
+            assert_eq!(in_doubt(column), None, "{column}");
+        }
     }
 
     #[test]
     fn a_name_that_may_contain_another_unit_of_the_value_is_doubtful() {
-        let speed = Unit::parse("m/s").unwrap();
         let cases = [
-            ("v_mm/s", Some("mm/s")),
-            ("v/mm/s", Some("mm/s")),
-            ("v left km/h", Some("km/h")),
-            ("v_m/s", None),
-            ("v_mm", None),
-            ("v_rel", None),
-            ("v (mm/s)", None),
-            ("mm/s", None),
+            ("v_mm/s", "m/s", Some("mm/s")),
+            ("v/mm/s", "m/s", Some("mm/s")),
+            ("v left km/h", "m/s", Some("km/h")),
+            ("v_kmh", "m/s", Some("kmh")),
+            ("v_m/s", "m/s", None),
+            ("v_mm", "m/s", None),
+            ("v_rel", "m/s", None),
+            ("v (mm/s)", "m/s", None),
+            ("mm/s", "m/s", None),
+            ("xmm", "m", Some("mm")),
+            ("MPa", "kPa", None),
+            ("u (mVolts)", "V", Some("mVolts")),
+            ("u (mVolts)", "mV", None),
+            ("u (mVolts)", "A", Some("mVolts")),
+            ("u (mV rms)", "V", Some("mV")),
+            ("u (mV rms)", "mV", None),
+            ("F_kN (raw)", "N", Some("kN")),
+            ("F (KN)", "N", Some("KN")),
+            ("T (°C)", "K", Some("°C")),
+            ("T (°C)", "V", Some("°C")),
+            ("T_degC", "K", Some("degC")),
+            ("T (day)", "K", None),
+            ("F (second)", "N", None),
+            ("F (left foot)", "N", None),
+            ("F (Ch1)", "N", None),
+            ("duty_cycle", "1", None),
         ];
-        for (column, expected) in cases {
-            assert_eq!(unit_at_end(column, &speed), expected, "{column}");
+        for (column, required, expected) in cases {
+            let found = Doubt::about_values(column, &unit(required)).map(|doubt| doubt.text);
+            assert_eq!(found, expected, "{column} {required}");
         }
+    }
+
+    #[test]
+    fn the_hint_about_a_value_has_its_unit() {
+        let hint = |column, required| unclear_value(column, &unit(required), "a.csv").unwrap().hint;
+        assert_eq!(
+            hint("u (mVolts)", "V"),
+            "write its unit above the names, as in \"# u (mVolts): mV\", or in the name, as in \"x (mV)\""
+        );
+        assert_eq!(
+            hint("T (°C)", "K"),
+            "temperatures are in K, and 0 °C is 273.15 K; write the unit of the values above the names, as in \
+             \"# T (°C): K\" for values in K, or in the name, as in \"x (K)\""
+        );
+        // Millivolts are no current.
+        assert!(hint("u (mVolts)", "A").ends_with("as in \"x (A)\""));
     }
 }

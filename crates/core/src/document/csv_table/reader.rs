@@ -7,7 +7,6 @@ use super::{
     ColumnSelector, CsvFault, CsvTable, MAX_EXCERPT_CHARACTERS, MAX_FAULTS, UnitComment, excerpt, split_unit,
 };
 use crate::document::{MAX_NAME_CHARACTERS, is_name_too_long, suggestion};
-use patchcord_expr::Unit;
 
 /// Number of bytes of a line at most. A file without line ends would otherwise be one line of 100 MB.
 pub(super) const MAX_LINE_BYTES: usize = 10_000_000;
@@ -161,18 +160,20 @@ impl<'a> Reader<'a> {
     /// counts.
     fn unit(&self, column: &str) -> Option<UnitComment> {
         let in_name = split_unit(column);
-        let is_meant = |name: &str| name == column || in_name.is_some_and(|(bare, _)| name == bare);
+        let bare = in_name.as_ref().map(|(bare, _)| *bare);
+        let is_meant = |name: &str| name == column || bare == Some(name);
         let comment = self.unit_comments.iter().rev().find(|(name, _)| is_meant(name.as_str()));
         comment.map(|(_, unit)| unit.clone()).or_else(|| {
-            in_name.map(|(_, unit)| UnitComment { text: unit.to_owned(), line: self.line_number })
+            let (_, unit) = in_name.as_ref()?;
+            Some(UnitComment { text: unit.text().to_owned(), line: self.line_number })
         })
     }
 
     /// Reports the selected columns whose comment line gives another unit than their name.
     fn check_units(&mut self) {
         for (selector_index, (name, unit)) in self.table.names.iter().zip(&self.table.units).enumerate() {
-            let (Some((_, in_name)), Some(unit)) = (split_unit(name), unit) else { continue };
-            let [Ok(named), Ok(commented)] = [in_name, unit.text.as_str()].map(Unit::parse) else { continue };
+            let (Some((_, named)), Some(unit)) = (split_unit(name), unit) else { continue };
+            let Some(commented) = unit.unit() else { continue };
             if !named.is_same_as(&commented) {
                 let message = format!(
                     "line {} of {} names a column {}, but line {} gives its unit as {}",

@@ -70,6 +70,18 @@ fn units_are_in_comments_or_in_names() {
 }
 
 #[test]
+fn units_in_full_and_in_other_brackets_are_understood() {
+    let text = "# v: mm/sec\nt {msec},x<microns>,v,M (kNm),phi [°],n (rev/min)\n0,1,2,3,4,5\n";
+    let names = ["t", "x", "v", "M", "phi", "n"];
+    let table = table(text, &names.map(ColumnSelector::Named)).unwrap();
+    let units: Vec<_> = table.units.iter().flatten().filter_map(UnitComment::unit).collect();
+    let expected = ["ms", "µm", "mm/s", "kN m", "deg", "rpm"].map(|unit| Unit::parse(unit).unwrap());
+    assert_eq!(units, expected);
+    assert_eq!(table.units[2].as_ref().map(|unit| unit.text.as_str()), Some("mm/sec"));
+    assert_eq!(UnitComment { text: String::new(), line: 1 }.unit(), None);
+}
+
+#[test]
 fn a_name_without_its_unit_selects_only_one_column() {
     let selectors = [ColumnSelector::First, ColumnSelector::Named("x")];
     let faults = table("t,x (m),x (mm)\n0,1,1000\n", &selectors).unwrap_err();

@@ -7,14 +7,14 @@ use patchcord_core::document::csv_table::{CsvFault, CsvTable, unclear_time, uncl
 use patchcord_core::document::fields::Findings;
 use patchcord_core::document::{Code, Diagnostic, Placed, any_error};
 use patchcord_core::patch::unreadable_unit;
-use patchcord_expr::Unit;
+use patchcord_expr::{ConversionError, Unit};
 
 impl FileReader<'_> {
     /// Returns the unit that the file specifies for a column. The outer None means that it is invalid, the inner None
     /// that the file does not specify it.
     fn unit_in_file(&self, rows: &CsvTable, column: usize, findings: &mut Findings) -> Option<Option<Unit>> {
         let Some(comment) = &rows.units[column] else { return Some(None) };
-        let unit = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
+        let unit = comment.unit();
         if unit.is_none() {
             let fault = unreadable_unit(&rows.names[column], comment, self.path, column);
             findings.push(self.diagnostic(Code::UNKNOWN_UNIT, fault));
@@ -97,14 +97,16 @@ impl FileReader<'_> {
                 findings.extend(doubt.map(|doubt| self.unclear_unit(column, doubt)));
                 continue;
             };
-            if unit.dimension() != target.dimension() {
-                findings.push(self.wrong_dimension(rows, column, requested, &unit, target));
-            } else if !unit.is_same_as(target) {
-                if requested.has_sigma && requested.unit.is_none() {
-                    findings.push(self.ambiguous_sigma(requested, &unit, target));
+            match unit.conversion_to(target) {
+                Ok(conversion) if conversion.is_identity() => (),
+                Ok(conversion) => {
+                    if requested.has_sigma && requested.unit.is_none() {
+                        findings.push(self.ambiguous_sigma(requested, &unit, target));
+                    }
+                    rows.columns[column].iter_mut().for_each(|number| *number = conversion.apply(*number));
+                    findings.extend(self.overflow(rows, column, target));
                 }
-                rows.columns[column].iter_mut().for_each(|number| *number = unit.convert(*number, target));
-                findings.extend(self.overflow(rows, column, target));
+                Err(error) => findings.push(self.not_convertible(rows, column, requested, &error)),
             }
         }
         !any_error(&findings[reported..])
@@ -123,23 +125,27 @@ impl FileReader<'_> {
     }
 
     /// Reports a column whose unit cannot be converted to the unit of the patch.
-    fn wrong_dimension(
+    fn not_convertible(
         &self,
         rows: &CsvTable,
         column: usize,
         requested: &RequestedColumn<'_>,
-        unit: &Unit,
-        target: &Unit,
+        error: &ConversionError,
     ) -> Diagnostic {
-        let message = format!(
-            "the column {} of {} is in {unit}, but the {} {} of the patch is in {target}",
-            rows.names[column],
-            self.path.display(),
-            requested.noun,
-            requested.name
-        );
+        let (name, path, noun) = (&rows.names[column], self.path.display(), requested.noun);
+        let (message, hint) = match error {
+            ConversionError::Dimension { from, to } => (
+                format!(
+                    "the column {name} of {path} is in {from}, but the {noun} {} of the patch is in {to}",
+                    requested.name
+                ),
+                format!("name another column or another {noun}"),
+            ),
+            ConversionError::Angle { hint, .. } => {
+                (format!("the column {name} of {path}: {error}"), hint.clone())
+            }
+        };
         let span = requested.unit.map_or_else(|| self.span(column), |unit| unit.span);
-        let hint = format!("name another column or another {}", requested.noun);
         Diagnostic::at(Code::UNIT_MISMATCH, span, message).hint(hint)
     }
 
