@@ -22,12 +22,7 @@ fn sampled(program: &Program, [step, every]: [f64; 2], seconds: f64, signals: &[
 }
 
 /// Asserts that a run with the recommended step, and otherwise the same, gets no warning.
-fn assert_recommended_step_passes(
-    program: &Program,
-    warning: &StepWarning,
-    seconds: f64,
-    signals: &[&str],
-) {
+fn assert_recommended_step_passes(program: &Program, warning: &StepWarning, seconds: f64, signals: &[&str]) {
     let trace = sampled(program, [warning.recommended, warning.step], seconds, signals);
     assert_eq!(trace.step_warning, None, "{warning:?}");
 }

@@ -145,7 +145,10 @@ fn a_diode_passes_pulses_of_half_a_step() {
         for backend in Backend::ALL {
             let trace = run(&patch, step, 5.0, backend);
             let found = trace.tracks[0].volts.last().unwrap();
-            assert!((found - expected).abs() < 1e-3 * expected, "{phase} {step} {backend}: {found} {expected}");
+            assert!(
+                (found - expected).abs() < 1e-3 * expected,
+                "{phase} {step} {backend}: {found} {expected}"
+            );
         }
     }
     for (phase, tolerance) in [(2.0, 1e-4), (2.0, 1e-8), (0.3, 1e-6), (1.0, 1e-6)] {
@@ -175,7 +178,9 @@ fn held_peak(sine: impl Fn(f64) -> f64) -> f64 {
 
 #[test]
 fn a_peak_holder_reaches_the_peak_with_a_tolerance() {
-    for (amplitude, frequency, phase) in [(70.0, 1.0, 0.0), (70.0, 1.0, 2.0), (30.0, 1.0, 1.0), (70.0, 3.3, 4.0)] {
+    for (amplitude, frequency, phase) in
+        [(70.0, 1.0, 0.0), (70.0, 1.0, 2.0), (30.0, 1.0, 1.0), (70.0, 3.3, 4.0)]
+    {
         let sine =
             element("sine").set("amplitude", amplitude).set("frequency", frequency).set("phase", phase);
         let patch = volts("holder")

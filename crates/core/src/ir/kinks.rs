@@ -32,7 +32,7 @@ pub(crate) struct KinkCrossing {
     /// Abscissa of the first corner that was crossed in a table; otherwise 0.
     corner: f64,
     /// Whether the voltage rises through the corner.
-    is_rising: bool,
+    pub is_rising: bool,
 }
 
 /// A voltage within this distance of a kink, in volts, counts as on it. It is about the rounding of a voltage near 100

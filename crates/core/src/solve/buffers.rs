@@ -20,6 +20,8 @@ pub(super) struct StepBuffers {
     pub checked_voltages: [Vec<f64>; 2],
     /// The share (0 ... 1) of the tried step at which an event may come and go; `None` if no stage suggests one.
     pub hint: Option<f64>,
+    /// The kink that was crossed last; `None` before the first.
+    pub crossed: Option<Crossed>,
     /// States at the end of the tried step, or at the instant interpolated last.
     pub states: Vec<f64>,
     /// Every voltage at the end of the tried step, or at the instant interpolated last, one per operation of the body.
@@ -28,6 +30,8 @@ pub(super) struct StepBuffers {
     pub near_ends: [Vec<f64>; 2],
     /// States at the end of the tried step, while other states are evaluated.
     pub end_states: Vec<f64>,
+    /// Every voltage at the end of the tried step, while others are evaluated.
+    pub end_voltages: Vec<f64>,
     /// Outputs of the delay lines for the present evaluation.
     pub delayed: Vec<f64>,
     /// Scratch memory of an evaluation, with the faults of loops that it could not solve.
@@ -36,6 +40,17 @@ pub(super) struct StepBuffers {
     pub fourth_differences: Vec<f64>,
     /// The start of the step accepted last.
     pub last: StepStart,
+}
+
+/// A kink that was crossed at the end of a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossed {
+    /// Index of the kink in [`Setup::kinks`](super::state::Setup::kinks).
+    pub kink: usize,
+    /// Whether the voltage rose through the corner.
+    pub is_rising: bool,
+    /// The time of the crossing, in problem seconds.
+    pub time: f64,
 }
 
 /// The start of a step.
@@ -59,10 +74,12 @@ impl StepBuffers {
             stage_rates: vec![zeros(states); method.rates()],
             checked_voltages: [(); 2].map(|()| zeros(body)),
             hint: None,
+            crossed: None,
             states: zeros(states),
             voltages: zeros(body),
             near_ends: [(); 2].map(|()| zeros(body)),
             end_states: zeros(states),
+            end_voltages: zeros(body),
             delayed: zeros(delays),
             evaluation: Scratch::new(program),
             fourth_differences: zeros(delays),

@@ -50,7 +50,7 @@ pub(super) struct Curve {
 
 impl Curve {
     /// The curve of a method after a share (0 ... 1) of a step of this length.
-    fn new(method: &Tableau, length: f64, share: f64) -> Self {
+    pub(super) fn new(method: &Tableau, length: f64, share: f64) -> Self {
         let [states, rates] = hermite(length, share);
         let parabola = share * (1.0 - share);
         Curve { states, rates, correction: length * parabola * parabola, weights: method.dense_correction }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::buffers::StepBuffers;
+use super::buffers::{Crossed, StepBuffers};
 use super::cord_chains::is_in_feedback;
 use super::discontinuities::{next_before, propagate};
 use super::error::RunError;
@@ -16,7 +16,7 @@ use super::machine::Machine;
 use super::observer::StepObserver;
 use super::runge_kutta;
 use super::state::{Setup, Solver, SolverState};
-use crate::ir::{ChatterRemedy, Guard, KINK_TOLERANCE, KinkCrossing, Program, Transition};
+use crate::ir::{ChatterRemedy, Guard, KINK_TOLERANCE, Kink, KinkCrossing, Program, Transition};
 use crate::trace::WorkCounters;
 
 /// Number of changes of one mode, or of crossings of one kink, in a counting span above which it chatters. The counting
@@ -25,6 +25,8 @@ const MAX_EVENTS_PER_SPAN: u32 = 1000;
 /// Largest number of lengths that are tried to end a step at a turning point. Each is closer to it by orders of magnitude,
 /// unless the errors of a loop decide its place.
 const MAX_TURN_TRIES: u32 = 8;
+/// Least length to which a step is shortened because of a hint, as a share of the first step tried.
+const LEAST_LENGTH_BEFORE_HINT: f64 = 1e-6;
 /// Distance, in volts, by which a voltage that leaves a corner counts as past it.
 const DEPARTURE: f64 = 2.5 * KINK_TOLERANCE;
 /// Length of the counting span for chatter if steps adapt, as a share of the first step tried.
@@ -197,6 +199,11 @@ impl<'p> Machine<'p> {
             }
             let expected_share = mode_change.take().map(|seconds| seconds / length);
             let (share, event) = first_event(&mut self.step_trial(), length, expected_share);
+            if let Some(shorter) = self.length_before_hint(share * length) {
+                self.work.rejections += 1;
+                target = self.solver.state.time + shorter;
+                continue;
+            }
             if let Some(control) = &mut self.control
                 && let Some(shorter) = control.reject(&self.solver, &mut self.work, share * length)?
             {
@@ -206,7 +213,9 @@ impl<'p> Machine<'p> {
             (turn, turns) = (f64::INFINITY, 0);
             let time = if share >= 1.0 { end } else { self.solver.state.time + share * length };
             self.accept_step(time, observer)?;
-            if let Some(Event::Kink(kink, _)) = event {
+            if let Some(Event::Kink(kink, crossing)) = event {
+                let (time, is_rising) = (self.solver.state.time, crossing.is_rising);
+                self.solver.buffers.crossed = Some(Crossed { kink, is_rising, time });
                 cross_kink(&mut self.solver, &mut self.events, &mut self.work, kink)?;
             }
             self.handle_events(observer)?;
@@ -215,6 +224,15 @@ impl<'p> Machine<'p> {
             }
         }
         Ok(())
+    }
+
+    /// A shorter length, in problem seconds, of an adaptive step with a hint that no tried step confirmed; `None` if there
+    /// is no such hint. A step over the corner of a stiff circuit is wrong at its end, so it may not show the event. A step
+    /// that begins near the event does.
+    fn length_before_hint(&self, length: f64) -> Option<f64> {
+        let Solver { setup, buffers, .. } = &self.solver;
+        let shorter = 0.5 * buffers.hint.filter(|_| setup.is_adaptive)? * length;
+        (shorter > LEAST_LENGTH_BEFORE_HINT * setup.step).then_some(shorter)
     }
 
     /// Takes one step of `length` seconds to the change of mode that a kernel found before `target`, and makes the
@@ -329,11 +347,28 @@ pub(super) fn kink_crossed(
     let tables = &setup.program.tables;
     setup.kinks().enumerate().find_map(|(index, kink)| {
         let [from, to] = [&state.voltages, voltages].map(|voltages| kink.value(voltages));
-        let turns_back =
-            kink.is_on_corner(tables, from) && grazing::turns_back(setup, state, buffers, kink, [from, to]);
-        let begin = if turns_back { from - DEPARTURE.copysign(to - from) } else { from };
+        let departs =
+            kink.is_on_corner(tables, from) && departs_from(setup, state, buffers, (index, kink), [from, to]);
+        let begin = if departs { from - DEPARTURE.copysign(to - from) } else { from };
         Some(Event::Kink(index, kink.crossed(tables, begin, to)?))
     })
+}
+
+/// Whether a voltage that begins the tried step on a corner, with the value `from`, goes to one side of it before it
+/// reaches `to` on the other. If the step before has crossed the corner, the voltage continues in this direction.
+fn departs_from(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    buffers: &StepBuffers,
+    (index, kink): (usize, &Kink),
+    [from, to]: [f64; 2],
+) -> bool {
+    match buffers.crossed {
+        Some(crossed) if crossed.kink == index && crossed.time == state.time => {
+            crossed.is_rising != (to > from)
+        }
+        _ => grazing::turns_back(setup, state, buffers, kink, [from, to]),
+    }
 }
 
 /// Counts the crossing of the kink with this index, and records in the delay lines that their inputs may have a corner

@@ -2,41 +2,152 @@
 //!
 //! The voltages of guards and kinks are interpolated by the cubic through the checked stages and the ends of the tried
 //! step, or by the parabola of an equal step. A voltage that turns just before its event may graze it, so the location
-//! of events then tries a step to the turning point. Stages of adaptive steps, which are near the solution, may also
+//! of events then tries a step to the turning point. In adaptive steps, the turning point is first improved on the curve
+//! of the states, because a short pulse is near it only. Stages of adaptive steps, which are near the solution, may also
 //! show an event themselves.
 
 use super::buffers::StepBuffers;
+use super::dense_output::Curve;
+use super::evaluate::{Scope, trial};
 use super::events::{event_at, open_transitions};
+use super::minimum_search::MinimumSearch;
 use super::state::{Setup, SolverState};
-use crate::ir::{KINK_TOLERANCE, Kink};
+use super::turning_points::TurningPoint;
+use crate::delay_line::DelayLine;
+use crate::ir::{Guard, KINK_TOLERANCE, Kink};
 
 /// Least distance from a corner, in volts, that a voltage must reach to be on one side of it.
 const EXCURSION: f64 = 3.0 * KINK_TOLERANCE;
+/// Margin for the error of the curve of the states at a turning point, as a share of the swing of the samples.
+const CURVE_MARGIN: f64 = 1e-4;
 
-/// The share (0 ... 1) of the tried step at which an event may come and go: at a stage that shows one, or where a
-/// watched voltage turns just before its event. `None` if there is no sign of such an event.
-pub(super) fn hint(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
-    let method = setup.method;
-    let mut checked = method.checked_stages.iter().zip(&buffers.checked_voltages);
-    let visible =
-        checked
-        .find(|(_, voltages)| setup.is_adaptive && event_at(setup, state, buffers, voltages).is_some());
-    let share = visible.map(|(stage, _)| method.stages[*stage].node);
-    share.or_else(|| grazing_time(setup, state, buffers))
+/// A voltage with an event that may come and go.
+#[derive(Debug, Clone, Copy)]
+enum Watched<'k> {
+    /// The voltage of a guard, whose event is at 0.
+    Guard(Guard),
+    /// The voltage of a kink.
+    Kink(&'k Kink),
 }
 
-/// The share (0 ... 1) of the tried step at which the first guard or kink turns just before its event; `None` if none
-/// does.
-fn grazing_time(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
+impl Watched<'_> {
+    /// The voltage among all voltages.
+    fn value(self, voltages: &[f64]) -> f64 {
+        match self {
+            Watched::Guard(guard) => guard.value(voltages),
+            Watched::Kink(kink) => kink.value(voltages),
+        }
+    }
+
+    /// Whether the event is between the voltage at the beginning of a step and this one.
+    fn reaches(self, setup: &Setup<'_>, from: f64, to: f64) -> bool {
+        match self {
+            Watched::Guard(_) => to >= 0.0,
+            Watched::Kink(kink) => kink.crossed(&setup.program.tables, from, to).is_some(),
+        }
+    }
+}
+
+/// The share (0 ... 1) of the tried step of this length in problem seconds at which an event may come and go: at a stage
+/// that shows one, or where a watched voltage turns just before its event. `None` if there is no sign of such an event.
+pub(super) fn hint(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) -> Option<f64> {
+    let guards = open_transitions(setup.program, &state.modes).map(|open| Watched::Guard(open.guard));
+    let mut watched = guards.chain(setup.kinks().map(Watched::Kink));
+    if !setup.is_adaptive {
+        let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
+        let shares = watched.filter_map(|watched| {
+            let curve = buffers.parabola(ends, |voltages| watched.value(voltages));
+            let (share, value) = curve.turning_point()?;
+            watched.reaches(setup, curve.begin, value).then_some(share)
+        });
+        return shares.reduce(f64::min);
+    }
+    let mut checked = setup.method.checked_stages.iter().zip(&buffers.checked_voltages);
+    let visible = checked.find(|(_, voltages)| event_at(setup, state, buffers, voltages).is_some());
+    let share = visible.map(|(stage, _)| setup.method.stages[*stage].node);
+    if share.is_some() || !watched.any(|watched| turn_towards(setup, state, buffers, watched).is_some()) {
+        return share;
+    }
+    first_turn(setup, state, delay_lines, buffers, length)
+}
+
+/// The turning point of a watched voltage in an adaptive step, if a slightly larger swing would reach its event. The
+/// samples are those of the tried step.
+fn turn_towards(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    buffers: &StepBuffers,
+    watched: Watched<'_>,
+) -> Option<(TurningPoint, f64)> {
     let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
-    let guards = open_transitions(setup.program, &state.modes).filter_map(|open| {
-        turn_towards(setup, buffers, ends, |voltages| open.guard.value(voltages), |_, to| to >= 0.0)
-    });
-    let kinks = setup.kinks().filter_map(|kink| {
-        let reaches = |from, to| kink.crossed(&setup.program.tables, from, to).is_some();
-        turn_towards(setup, buffers, ends, |voltages| kink.value(voltages), reaches)
-    });
-    guards.chain(kinks).reduce(f64::min)
+    let samples = buffers.samples(setup.method, ends, |voltages| watched.value(voltages));
+    let turn = samples
+        .turning_points()
+        .find(|turn| watched.reaches(setup, samples.values[0], samples.with_margin(turn)))?;
+    Some((turn, samples.swing()))
+}
+
+/// The share of the tried adaptive step at which the first watched voltage reaches its event near a turning point. The
+/// states and voltages in the buffers are those of the end of the step again afterwards.
+fn first_turn(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) -> Option<f64> {
+    let faults = buffers.evaluation.faults.len();
+    buffers.end_states.copy_from_slice(&buffers.states);
+    buffers.end_voltages.copy_from_slice(&buffers.voltages);
+    let guards = open_transitions(setup.program, &state.modes).map(|open| Watched::Guard(open.guard));
+    let mut first = None;
+    for watched in guards.chain(setup.kinks().map(Watched::Kink)) {
+        let Some((turn, swing)) = turn_towards(setup, state, buffers, watched) else { continue };
+        let share = refined(setup, state, delay_lines, buffers, (length, watched), (turn, swing));
+        first = share.into_iter().chain(first).reduce(f64::min);
+        buffers.voltages.copy_from_slice(&buffers.end_voltages);
+    }
+    buffers.states.copy_from_slice(&buffers.end_states);
+    buffers.evaluation.faults.truncate(faults);
+    first
+}
+
+/// The share of the tried step, near a turning point, at which a watched voltage on the curve of the states reaches its
+/// event; `None` if it does not.
+fn refined(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    (length, watched): (f64, Watched<'_>),
+    (turn, swing): (TurningPoint, f64),
+) -> Option<f64> {
+    let begin = watched.value(&state.voltages);
+    // The search looks for a minimum.
+    let sign = if turn.is_peak { -1.0 } else { 1.0 };
+    let mut evaluate = |share: f64| {
+        let curve = Curve::new(setup.method, length, share);
+        for index in 0..state.states.len() {
+            let ends = [state.states[index], buffers.end_states[index]];
+            buffers.states[index] = curve.value(ends, &buffers.stage_rates, index);
+        }
+        trial(setup.program, state, delay_lines, buffers, state.time + share * length, Scope::Checked);
+        sign * watched.value(&buffers.voltages)
+    };
+    let mut search = MinimumSearch::around(turn.share, evaluate(turn.share));
+    while !watched.reaches(setup, begin, sign * search.best.1)
+        && let Some(share) = search.next()
+    {
+        search.add(share, evaluate(share));
+    }
+    let (share, value) = search.best;
+    watched.reaches(setup, begin, sign * (value - CURVE_MARGIN * swing)).then_some(share)
 }
 
 /// Whether a voltage that begins the tried step on a corner, with the value `from`, goes to one side of it before it
@@ -57,24 +168,4 @@ pub(super) fn turns_back(
     } else {
         buffers.parabola(ends, value).turning_point().is_some_and(|(_, turn)| leaves(turn))
     }
-}
-
-/// The share (0 ... 1) of the tried step at which a voltage turns, if a slightly larger swing would reach an event.
-/// `ends` are all voltages at the ends of the step. `reaches` decides from the voltage at the beginning and the voltage
-/// with margin at the turning point.
-fn turn_towards(
-    setup: &Setup<'_>,
-    buffers: &StepBuffers,
-    ends: [&[f64]; 2],
-    voltage: impl Fn(&[f64]) -> f64,
-    reaches: impl Fn(f64, f64) -> bool,
-) -> Option<f64> {
-    if !setup.is_adaptive {
-        let curve = buffers.parabola(ends, voltage);
-        let (share, value) = curve.turning_point()?;
-        return reaches(curve.begin, value).then_some(share);
-    }
-    let samples = buffers.samples(setup.method, ends, voltage);
-    let mut turns = samples.turning_points();
-    turns.find(|turn| reaches(samples.values[0], samples.with_margin(turn))).map(|turn| turn.share)
 }

@@ -30,6 +30,7 @@ mod levels;
 mod limit_drive;
 mod linear;
 mod machine;
+mod minimum_search;
 mod observer;
 mod operation;
 mod player;

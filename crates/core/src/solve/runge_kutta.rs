@@ -53,7 +53,7 @@ pub(super) fn try_step(
     flush_tiny_states(&mut buffers.states);
     trial(program, state, delay_lines, buffers, state.time + length, Scope::All);
     read_rates(program, &buffers.voltages, &mut buffers.stage_rates[method.rates() - 1]);
-    buffers.hint = grazing::hint(setup, state, buffers);
+    buffers.hint = grazing::hint(setup, state, delay_lines, buffers, length);
 }
 
 /// Number of evaluations that [`try_step`] takes; its caller counts them as work. The first stage needs none, because

@@ -9,9 +9,9 @@
 
 use super::buffers::StepBuffers;
 use super::check_plan::CheckPlan;
+use super::evaluate::{Scope, trial};
 use super::events::{event_at, kink_crossed};
 use super::runge_kutta::{advance_states, try_step};
-use super::evaluate::{Scope, trial};
 use super::state::{Setup, Solver, SolverState, read_rates};
 use super::turns::length_to_turn;
 use crate::delay_line::DelayLine;

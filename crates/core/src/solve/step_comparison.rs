@@ -103,7 +103,13 @@ fn false_overload<'t>(trace: &'t Trace, other: &Trace) -> Option<Difference<'t>>
     let extremes = other.tracks.last()?.extremes.iter();
     let peak = extremes.flat_map(|extremes| [extremes.least.volts.abs(), extremes.most.volts.abs()]);
     let largest = REFERENCE - peak.fold(0.0, f64::max);
-    Some(Difference { name: &first.element, unit: "V", largest, share: largest / REFERENCE, time: first.time })
+    Some(Difference {
+        name: &first.element,
+        unit: "V",
+        largest,
+        share: largest / REFERENCE,
+        time: first.time,
+    })
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above a number.
