@@ -24,12 +24,12 @@ const MAX_WORK: usize = 4_000_000;
 const FIRST_STEP: f64 = 0.25;
 /// Length of a step of the ascent as a share of the one before.
 const STEP_RATIO: f64 = 0.9;
-/// Multiples of the unit matrix that make a matrix definite during the ascent: this much more than necessary, as a share
-/// and at least.
+/// Multiples of the unit matrix that make a matrix definite during the ascent: this much more than necessary, as a
+/// share and at least.
 const SHIFT: (f64, f64) = (0.2, 1e-3);
 
-/// Whether simple factors make the symmetric part of all matrices between the bounds positive definite. The diagonal must
-/// be positive.
+/// Whether simple factors make the symmetric part of all matrices between the bounds positive definite. The diagonal
+/// must be positive.
 pub(super) fn has_definite_scaling(entries: &[Interval], order: usize) -> bool {
     let matrix = BoundedMatrix::new(entries, order);
     let own = (0..order).map(|row| 1.0 / matrix.middle[(row, row)]).collect();
@@ -40,8 +40,8 @@ pub(super) fn has_definite_scaling(entries: &[Interval], order: usize) -> bool {
     }
 }
 
-/// Whether a search finds factors that make the symmetric part of all matrices between the bounds positive definite. The
-/// diagonal must be positive.
+/// Whether a search finds factors that make the symmetric part of all matrices between the bounds positive definite.
+/// The diagonal must be positive.
 pub(super) fn find_definite_scaling(entries: &[Interval], order: usize) -> bool {
     let matrix = BoundedMatrix::new(entries, order);
     let at = |row: usize, column: usize| matrix.middle[(row, column)];
@@ -103,10 +103,10 @@ impl BoundedMatrix {
 
     /// Whether the symmetric part is positive definite with factors that steepest ascent finds, from these on.
     ///
-    /// With the roots r of the factors, r_i m_ij / r_j has the same property as the matrix with scaled rows. The sum of
-    /// its symmetric part S and a multiple of the unit matrix is positive definite. The ascent increases the determinant
-    /// of this sum, whose slope along the logarithm of r_i is twice entry i of the diagonal of A S^-1, with the
-    /// antisymmetric part A. The multiple is as small as the least eigenvalue permits.
+    /// With the roots r of the factors, r_i m_ij / r_j has the same property as the matrix with scaled rows. The sum S
+    /// of its symmetric part and a multiple of the unit matrix is positive definite. The ascent increases the
+    /// determinant of S. The slope of its logarithm along the logarithm of r_i is twice entry i of the diagonal of
+    /// A S^-1, with the antisymmetric part A. The multiple is nearly as small as the least eigenvalue permits.
     fn is_definite_after_ascent(&self, start: &[f64]) -> bool {
         let order = start.len();
         let mut roots: Vec<f64> = start.iter().map(|factor| factor.sqrt()).collect();

@@ -2,8 +2,8 @@
 //!
 //! If all matrices between the bounds of the slopes of y - F(y) have this property, then y = F(y) has at most one
 //! solution, with or without limits on the unknowns (D. Gale, H. Nikaido, Math. Annalen 159, 1965; for limits: R. W.
-//! Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, 1992, section 3.3). Unknowns that have no limit,
-//! or never reach it, can be eliminated before the test. Each test here is sufficient.
+//! Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, 1992, section 3.3). Unknowns that have no
+//! limit, or never reach it, can be eliminated before the test. Each test here is sufficient.
 
 use nalgebra::{DMatrix, DVector};
 
