@@ -39,8 +39,8 @@ pub(super) fn is_p_matrix(entries: &[Interval], order: usize, effort: Effort) ->
         || (effort == Effort::Thorough && find_definite_scaling(entries, order))
 }
 
-/// Eliminates the unknowns that are not limited, if the bounds of their diagonal are positive. Returns the bounds of the
-/// other rows and columns, and their number.
+/// Eliminates the unknowns that are not limited, if the bounds of their diagonal are positive. Returns the bounds of
+/// the other rows and columns, and their number.
 ///
 /// A limit multiplies a row of the slopes by some number from 0 to 1. Rows that are never limited are linear equations
 /// of the differences between two solutions, so their unknowns can be replaced in the other rows.
