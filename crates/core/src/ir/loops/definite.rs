@@ -196,6 +196,7 @@ mod tests {
 
     use super::super::p_matrix::has_positive_minors;
     use super::*;
+    use crate::low_discrepancy::golden_place;
 
     /// Bounds of a matrix whose entry is a function of its row and column.
     fn matrix(order: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<Interval> {
@@ -204,7 +205,7 @@ mod tests {
 
     /// Irregular numbers between -1 and 1.
     fn irregular(index: usize) -> f64 {
-        2.0 * (0.618_033_988_749_895 * (index * index + index + 1) as f64).fract() - 1.0
+        2.0 * golden_place((index * index + index + 1) as u64) - 1.0
     }
 
     /// Entry of F F^T + `own`, a symmetric positive definite matrix.
