@@ -189,6 +189,117 @@ fn random_correlation_matrices_are_solved_also_with_outputs_at_their_limits() {
     }
 }
 
+/// A symmetric positive definite matrix F F^T / order + 0.01.
+fn mass_matrix(random: &mut SplitMix64, order: usize) -> Vec<Vec<f64>> {
+    let factor: Vec<Vec<f64>> =
+        (0..order).map(|_| (0..order).map(|_| random.uniform(-1.0, 1.0)).collect()).collect();
+    let product = |i: usize, j: usize| factor[i].iter().zip(&factor[j]).map(|(a, b)| a * b).sum::<f64>();
+    let entry = |i: usize, j: usize| product(i, j) / order as f64 + if i == j { 0.01 } else { 0.0 };
+    (0..order).map(|i| (0..order).map(|j| entry(i, j)).collect()).collect()
+}
+
+/// An antisymmetric matrix of whole numbers from -10 to 10, without 0.
+fn antisymmetric_matrix(random: &mut SplitMix64, order: usize) -> Vec<Vec<f64>> {
+    let mut matrix = vec![vec![0.0; order]; order];
+    for row in 0..order {
+        for column in 0..row {
+            let entry = (1 + random.below(10)) as f64 * random.choose(&[1.0, -1.0]);
+            (matrix[row][column], matrix[column][row]) = (entry, -entry);
+        }
+    }
+    matrix
+}
+
+/// The matrix with every row multiplied by a factor.
+fn with_scaled_rows(mut matrix: Vec<Vec<f64>>, factor: impl Fn(usize, f64) -> f64) -> Vec<Vec<f64>> {
+    for (index, row) in matrix.iter_mut().enumerate() {
+        let factor = factor(index, row[index]);
+        row.iter_mut().for_each(|entry| *entry *= factor);
+    }
+    matrix
+}
+
+/// Checks a system with random voltages, and with some outputs at their limits.
+fn check_random_solutions(random: &mut SplitMix64, matrix: &[Vec<f64>]) {
+    let voltages = |random: &mut SplitMix64, highest: f64| -> Vec<f64> {
+        (0..matrix.len()).map(|_| random.uniform(-highest, highest)).collect()
+    };
+    check_system(matrix, &voltages(random, 90.0));
+    check_limited_system(matrix, &voltages(random, 300.0));
+}
+
+#[test]
+fn mass_matrices_with_scaled_rows_are_solved() {
+    let mut random = SplitMix64(13);
+    for order in [5, 16, 30] {
+        let matrix = mass_matrix(&mut random, order);
+        // Each summer is solved for its own output: the diagonal is 1.
+        let unit = with_scaled_rows(matrix.clone(), |_, own| 1.0 / own);
+        check_random_solutions(&mut random, &unit);
+        let factors: Vec<f64> = (0..order).map(|_| random.log_uniform(0.3, 10.0)).collect();
+        check_random_solutions(&mut random, &with_scaled_rows(matrix, |row, _| factors[row]));
+    }
+}
+
+#[test]
+fn antisymmetric_matrices_plus_one_are_solved() {
+    let mut random = SplitMix64(14);
+    for order in [12, 20, 40] {
+        let mut matrix = antisymmetric_matrix(&mut random, order);
+        (0..order).for_each(|index| matrix[index][index] = 1.0);
+        check_random_solutions(&mut random, &matrix);
+    }
+}
+
+#[test]
+fn mass_matrices_with_gyroscopic_terms_and_scaled_rows_are_solved() {
+    let mut random = SplitMix64(15);
+    for order in [10, 16, 30] {
+        let (mut matrix, gyroscopic) =
+            (mass_matrix(&mut random, order), antisymmetric_matrix(&mut random, order));
+        for (row, terms) in matrix.iter_mut().zip(&gyroscopic) {
+            row.iter_mut().zip(terms).for_each(|(entry, term)| *entry += 0.05 * term);
+        }
+        let factors: Vec<f64> = (0..order).map(|_| random.log_uniform(0.3, 3.0)).collect();
+        check_random_solutions(&mut random, &with_scaled_rows(matrix, |row, _| factors[row]));
+    }
+}
+
+#[test]
+fn matrices_with_a_negative_determinant_are_refused_also_with_scaled_rows() {
+    // A + 3 B = -19 V and 3 A + B = 7 V have the solution (5 V, -8 V). Both ends are solutions too.
+    let pair = with_scaled_rows(vec![vec![1.0, 3.0], vec![3.0, 1.0]], |row, _| [0.5, 2.0][row]);
+    let report = refusal(system(&pair, &[5.0, -8.0]));
+    assert!(report.contains("3 solutions"), "{report}");
+    // 1 - 1.5 u u^T with a unit vector u has an eigenvalue of -0.5.
+    let mut random = SplitMix64(16);
+    let order = 12;
+    let direction: Vec<f64> = (0..order).map(|_| random.uniform(0.5, 1.0)).collect();
+    let square: f64 = direction.iter().map(|entry| entry * entry).sum();
+    let entry =
+        |i: usize, j: usize| (if i == j { 1.0 } else { 0.0 }) - 1.5 * direction[i] * direction[j] / square;
+    let matrix: Vec<Vec<f64>> = (0..order).map(|i| (0..order).map(|j| entry(i, j)).collect()).collect();
+    let factors: Vec<f64> = (0..order).map(|_| random.log_uniform(0.3, 3.0)).collect();
+    let scaled = with_scaled_rows(matrix, |row, _| factors[row]);
+    let report = refusal(system(&scaled, &[10.0; 12]));
+    assert!(report.contains("solutions: "), "{report}");
+}
+
+#[test]
+fn a_curved_loop_with_many_unknowns_is_refused_quickly() {
+    // Every summer adds all others, and one of them a product. The search would begin with 3^19 boxes.
+    let order = 20;
+    let name = |index: usize| format!("S{index}");
+    let builder = (0..order).fold(volts("curved"), |builder, row| {
+        let others: Vec<String> = (0..order).filter(|other| *other != row).map(name).collect();
+        let sum = element("summer").cords("x1", others);
+        builder.element(&name(row), if row == 2 { sum.cords("x1", ["Q"]) } else { sum })
+    });
+    let product = element("multiplier").set("mode", "product").cord("a", "S0").cord("b", "S1");
+    let report = refusal(builder.element("Q", product));
+    assert!(report.contains("more pieces than the search examines"), "{report}");
+}
+
 /// Checks that the voltages of a system whose unlimited solution is `demanded` satisfy the law of every summer.
 fn check_limited_system(matrix: &[Vec<f64>], demanded: &[f64]) {
     let program = built(system(matrix, demanded));

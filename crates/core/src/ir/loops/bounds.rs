@@ -33,7 +33,7 @@ impl Bounds {
     }
 
     /// Whether the slope is exactly 0.
-    fn is_level(self) -> bool {
+    pub(super) fn is_level(self) -> bool {
         self.slope == Interval::constant(0.0)
     }
 }

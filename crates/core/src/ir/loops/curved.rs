@@ -123,6 +123,11 @@ struct Search<'a> {
 impl Search<'_> {
     /// Narrows boxes until none is left.
     fn run(&mut self) -> Result<(), Solutions> {
+        let limited = self.problem.entry.tears.iter().filter(|tear| tear.demand.is_some()).count();
+        // Every limited tear triples the number of boxes at the start.
+        if 3f64.powf(limited as f64) > MAX_BOXES as f64 {
+            return Err(Solutions::TooManyPieces);
+        }
         let mut open = self.all_places();
         let mut boxes = 0;
         while let Some(present) = open.pop() {

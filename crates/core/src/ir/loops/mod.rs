@@ -9,6 +9,7 @@
 
 mod bounds;
 mod curved;
+mod definite;
 mod forms;
 mod interval;
 mod matrix;
@@ -107,11 +108,16 @@ impl Problem<'_> {
                 Some(inner) => inside[inner],
                 None => outside(register.index()),
             };
-            let value = match self.program.lowered.body[at] {
-                Op::Table(table, abscissa) => get(abscissa).table(&self.program.tables[table as usize]),
-                op => op.apply(&Sources::none(), get),
-            };
-            inside[at - begin] = value;
+            inside[at - begin] = self.apply(self.program.lowered.body[at], get);
+        }
+    }
+
+    /// The result of an operation of the loop. `get` gives the values of its operands.
+    #[inline]
+    fn apply<N: Number>(&self, op: Op, get: impl Fn(Register) -> N) -> N {
+        match op {
+            Op::Table(table, abscissa) => get(abscissa).table(&self.program.tables[table as usize]),
+            op => op.apply(&Sources::none(), get),
         }
     }
 

@@ -2,50 +2,113 @@
 //! Journal 44, 1965).
 //!
 //! Newton's method can jump between the linear pieces of a loop without end. Here a step ends where it leaves its
-//! piece, and the next one begins in the piece beyond. All differences between the tears and their recomputed outputs
-//! then decrease in proportion. The proof that there is one solution gives the linear systems determinants of the same
-//! sign while the tears are within ±100 V, so the path does not turn back there.
+//! piece, and the next one begins in the piece beyond.
+//!
+//! An offset is added to the output that is demanded of every tear, before its limit, so that the path begins at a
+//! solution. All offsets then decrease in proportion. So a limited tear stays within ±100 V, and its inverter does not
+//! reach its limit. There the proof that there is one solution gives the linear systems determinants of the same sign,
+//! so the path does not turn back.
 
 use std::ops::ControlFlow;
 
-use super::Problem;
-use super::forms::{Forms, value};
+use super::forms::{Forms, Test, value};
+use super::interval::Interval;
 use super::matrix::Factors;
+use super::{Problem, SOLUTION_SPACING};
+use crate::ir::op::{Op, Register};
 use crate::low_discrepancy::golden_place;
+use crate::machines::REFERENCE;
 
-/// Maximum number of pieces of a path, for every operation of the loop.
-const PIECES_PER_OPERATION: usize = 20;
+/// Maximum number of pieces of a path, for every piece of an operation or tear.
+const MAX_VISITS: usize = 20;
+/// The piece of a tear that equals its demanded output.
+const WITHIN: usize = 0;
+/// The piece of a tear at +100 V.
+const TOP: usize = 1;
+/// The piece of a tear at -100 V.
+const BOTTOM: usize = 2;
 
 /// The solution of a straight loop that has only one. `None` if the path does not reach it: it has too many pieces, the
-/// linear system of a piece is singular, or a voltage is not finite.
+/// linear system of a piece is singular, or a voltage is not finite. Or a tear without a limit is outside ±100 V.
 pub(super) fn solution(problem: &Problem<'_>) -> Option<Vec<f64>> {
     let mut path = Path::new(problem);
-    for _ in 0..PIECES_PER_OPERATION * problem.entry.operations.len() {
+    for _ in 0..MAX_VISITS * path.piece_count() {
         if let ControlFlow::Break(found) = path.advance() {
-            return found;
+            return found.filter(|tears| is_solution(problem, tears));
         }
     }
     None
 }
 
-/// A point on the path, and the piece of every operation there.
+/// Whether all tears are near their recomputed outputs.
+fn is_solution(problem: &Problem<'_>, tears: &[f64]) -> bool {
+    let mut inside = vec![0.0; tears.len() + problem.entry.operations.len()];
+    problem.evaluate_at(tears, &mut inside);
+    problem.entry.tears.iter().zip(tears).all(|(tear, volts)| {
+        let difference = problem.get(&inside, tear.result) - volts;
+        difference.abs() <= SOLUTION_SPACING * problem.amplification(tear)
+    })
+}
+
+/// A point on the path, and the piece of every tear and operation there.
 struct Path<'a> {
+    /// The loop.
+    problem: &'a Problem<'a>,
     /// The affine forms of the present pieces.
     forms: Forms<'a>,
     /// The present voltages of the tears.
     tears: Vec<f64>,
+    /// The offsets at the beginning, in volts.
+    offsets: Vec<f64>,
+    /// The present offsets as a share of those at the beginning.
+    share: f64,
     /// The present piece of every tear and operation.
     pieces: Vec<usize>,
+    /// The operations that the demanded outputs depend on, counted from the first tear.
+    needed: Vec<usize>,
+    /// The tears and needed operations whose piece can change.
+    choices: Vec<usize>,
+}
+
+/// A condition of the present piece of a tear or an operation: a value that must not be negative.
+struct Condition {
+    /// The tear or operation, counted from the first tear.
+    at: usize,
+    /// Its piece where the value is negative.
+    beyond: usize,
+    /// The present value.
+    now: f64,
+    /// The value at the end of the present step.
+    then: f64,
+}
+
+impl Condition {
+    /// The share of the present step at which the value becomes negative. `None` if it does not.
+    fn crossing(&self) -> Option<f64> {
+        // Rounding leaves a value that was just crossed at about 0, and it increases.
+        let is_crossed = self.then < 0.0 && self.then < self.now;
+        is_crossed.then(|| self.now.max(0.0) / (self.now - self.then))
+    }
 }
 
 impl<'a> Path<'a> {
     /// The path at its beginning, close to 0 V. The voltages there are irregular, so the path does not begin at the
     /// corners of several pieces at once.
     fn new(problem: &'a Problem<'a>) -> Self {
-        let span = problem.order() + problem.entry.operations.len();
-        let tears = (1..=problem.order()).map(|index| golden_place(index as u64)).collect();
-        let mut path = Path { forms: Forms::new(problem), tears, pieces: vec![0; span] };
-        for at in problem.order()..span {
+        let order = problem.order();
+        let needed = needed_operations(problem);
+        let mut path = Path {
+            problem,
+            forms: Forms::new(problem),
+            tears: (1..=order).map(|index| golden_place(index as u64)).collect(),
+            offsets: vec![0.0; order],
+            share: 1.0,
+            pieces: vec![WITHIN; order + problem.entry.operations.len()],
+            choices: choices(problem, &needed),
+            needed,
+        };
+        for index in 0..path.needed.len() {
+            let at = path.needed[index];
             let op = path.forms.op(at);
             // The pieces are passed in one direction, so the loop ends.
             while let Some(test) =
@@ -55,7 +118,21 @@ impl<'a> Path<'a> {
             }
             path.update(at);
         }
+        for tear in 0..order {
+            path.offsets[tear] = path.tears[tear] - value(&path.demand(tear), &path.tears);
+        }
         path
+    }
+
+    /// Number of pieces of all choices.
+    fn piece_count(&self) -> usize {
+        let count = |at: usize| match at.checked_sub(self.tears.len()).map(|_| self.forms.op(at)) {
+            None => 3,
+            Some(Op::Table(table, _)) => self.problem.program.tables[table as usize].len() + 1,
+            Some(_) => 2,
+        };
+        // A loop without choices has one piece.
+        1 + self.choices.iter().map(|at| count(*at)).sum::<usize>()
     }
 
     /// Computes the form of an operation in its present piece.
@@ -64,48 +141,142 @@ impl<'a> Path<'a> {
         self.forms.set(at, &form);
     }
 
+    /// The form of the output that is demanded of a tear, without its offset.
+    fn demand(&self, tear: usize) -> Vec<f64> {
+        self.forms.get(self.problem.entry.tears[tear].demanded())
+    }
+
     /// Moves to the end of the present piece. Breaks with the solution if it is in the piece, or with `None` if the
     /// piece has none.
     fn advance(&mut self) -> ControlFlow<Option<Vec<f64>>> {
         let order = self.tears.len();
-        (order..self.pieces.len()).for_each(|at| self.update(at));
-        let (rows, mut end) = self.forms.equations();
+        let (rows, mut end) = self.equations();
         let Some(factors) = Factors::new(&rows, order) else { return ControlFlow::Break(None) };
         factors.solve(&mut end);
         if end.iter().any(|volts| !volts.is_finite()) {
             return ControlFlow::Break(None);
         }
-        let Some((share, at, beyond)) = self.first_crossing(&end) else {
+        let Some((step, at, beyond)) = self.first_crossing(&end) else {
             return ControlFlow::Break(Some(end));
         };
-        self.tears.iter_mut().zip(&end).for_each(|(tear, end)| *tear += share * (end - *tear));
+        self.tears.iter_mut().zip(&end).for_each(|(tear, end)| *tear += step * (end - *tear));
+        self.share *= 1.0 - step;
         self.pieces[at] = beyond;
+        // The forms do not depend on the pieces of tears. An operation changes only those after it.
+        if at >= order {
+            let first = self.needed.partition_point(|needed| *needed < at);
+            (first..self.needed.len()).for_each(|index| self.update(self.needed[index]));
+        }
         ControlFlow::Continue(())
     }
 
-    /// The first test that becomes negative on the way to `end`: the share of the way, the operation, and its piece
-    /// beyond.
-    fn first_crossing(&self, end: &[f64]) -> Option<(f64, usize, usize)> {
-        let mut first: Option<(f64, usize, usize)> = None;
-        for at in self.tears.len()..self.pieces.len() {
-            for test in self.forms.tests(self.forms.op(at), self.pieces[at]) {
-                let (now, then) = (value(&test.form, &self.tears), value(&test.form, end));
-                // Rounding leaves a test that was just crossed at about 0, and it increases.
-                if then >= 0.0 || then >= now {
-                    continue;
-                }
-                let share = now.max(0.0) / (now - then);
-                if first.is_none_or(|(least, ..)| share < least) {
-                    first = Some((share, at, test.beyond));
+    /// The linear equations of the tears in the present piece by rows, and their right-hand sides, without offsets.
+    fn equations(&self) -> (Vec<f64>, Vec<f64>) {
+        let order = self.tears.len();
+        let (mut rows, mut sides) = (vec![0.0; order * order], vec![0.0; order]);
+        for (tear, (row, side)) in rows.chunks_mut(order).zip(&mut sides).enumerate() {
+            match self.pieces[tear] {
+                TOP => *side = REFERENCE,
+                BOTTOM => *side = -REFERENCE,
+                _ => {
+                    let form = self.demand(tear);
+                    row.iter_mut().zip(&form).for_each(|(entry, slope)| *entry = -slope);
+                    *side = form[order];
                 }
             }
+            row[tear] += 1.0;
         }
-        first
+        (rows, sides)
     }
+
+    /// The first condition that is violated on the way to `end`: the share of the way, the tear or operation, and its
+    /// piece beyond.
+    fn first_crossing(&self, end: &[f64]) -> Option<(f64, usize, usize)> {
+        let conditions = self.choices.iter().flat_map(|at| {
+            if *at < end.len() { self.conditions_of_tear(*at, end) } else { self.conditions(*at, end) }
+        });
+        let crossings =
+            conditions.filter_map(|condition| Some((condition.crossing()?, condition.at, condition.beyond)));
+        crossings.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The conditions of an operation in its present piece.
+    fn conditions(&self, at: usize, end: &[f64]) -> Vec<Condition> {
+        let tests = self.forms.tests(self.forms.op(at), self.pieces[at]).into_iter();
+        let condition = |test: Test| {
+            let (now, then) = (value(&test.form, &self.tears), value(&test.form, end));
+            Condition { at, beyond: test.beyond, now, then }
+        };
+        tests.map(condition).collect()
+    }
+
+    /// The conditions of a tear in its present piece.
+    fn conditions_of_tear(&self, at: usize, end: &[f64]) -> Vec<Condition> {
+        let form = self.demand(at);
+        let demands = [value(&form, &self.tears) + self.share * self.offsets[at], value(&form, end)];
+        let condition = |beyond: usize, sign: f64, constant: f64| {
+            let [now, then] = demands.map(|demand| sign * demand + constant);
+            Condition { at, beyond, now, then }
+        };
+        match self.pieces[at] {
+            TOP => vec![condition(WITHIN, 1.0, -REFERENCE)],
+            BOTTOM => vec![condition(WITHIN, -1.0, -REFERENCE)],
+            _ => vec![condition(TOP, -1.0, REFERENCE), condition(BOTTOM, 1.0, REFERENCE)],
+        }
+    }
+}
+
+/// The operations that the demanded outputs of the tears depend on, counted from the first tear and in ascending order.
+/// The limits of the tears are not among them.
+fn needed_operations(problem: &Problem<'_>) -> Vec<usize> {
+    let (order, begin) = (problem.order(), problem.outside.len());
+    let inner = |register: Register| register.index().checked_sub(begin);
+    let mut is_needed = vec![false; order + problem.entry.operations.len()];
+    for at in problem.entry.tears.iter().filter_map(|tear| inner(tear.demanded())) {
+        is_needed[at] = true;
+    }
+    for at in (order..is_needed.len()).rev() {
+        if is_needed[at] {
+            let op = problem.program.lowered.body[begin + at];
+            op.operands().filter_map(inner).for_each(|operand| is_needed[operand] = true);
+        }
+    }
+    (order..is_needed.len()).filter(|at| is_needed[*at]).collect()
+}
+
+/// The tears and needed operations whose piece can change while all tears are within ±100 V. An inverter of a tear is
+/// not among them: its limit would be reached together with that of the tear.
+fn choices(problem: &Problem<'_>, needed: &[usize]) -> Vec<usize> {
+    let order = problem.order();
+    let mut ranges = vec![Interval::new(-REFERENCE, REFERENCE); order + problem.entry.operations.len()];
+    problem.evaluate(&mut ranges);
+    let range = |register: Register| problem.get(&ranges, register);
+    let is_limited = |tear: &usize| {
+        let demand = problem.entry.tears[*tear].demand.map(range);
+        demand
+            .is_some_and(|demand| !(is_at_most(-REFERENCE, demand.low) && is_at_most(demand.high, REFERENCE)))
+    };
+    let is_open = |at: &usize| match problem.program.lowered.body[problem.outside.len() + at] {
+        Op::Minimum(a, b) | Op::Maximum(a, b) => {
+            let (a, b) = (range(a), range(b));
+            !(is_at_most(a.high, b.low) || is_at_most(b.high, a.low))
+        }
+        Op::Absolute(a) => !(is_at_most(range(a).high, 0.0) || is_at_most(0.0, range(a).low)),
+        Op::Table(..) => true,
+        _ => false,
+    };
+    (0..order).filter(is_limited).chain(needed.iter().copied().filter(is_open)).collect()
+}
+
+/// Whether a is at most b. `false` if one of them is not a number.
+fn is_at_most(a: f64, b: f64) -> bool {
+    a <= b
 }
 
 #[cfg(test)]
 mod tests {
+    use std::cmp::Ordering;
+
     use super::super::{Problem, pieces};
     use super::*;
     use crate::circuit::Circuit;
@@ -154,6 +325,52 @@ mod tests {
             builder.element(&format!("S{row}"), sum.cords(&format!("x{}", 1 + row % 5), [reference]))
         });
         check(builder, false);
+    }
+
+    /// Equations (1 + S) x = f with an antisymmetric matrix S of whole numbers up to 10. The unlimited solution has
+    /// voltages up to `highest`.
+    fn antisymmetric(order: usize, highest: f64, has_inverters_first: bool) -> PatchBuilder {
+        let size = |row: usize, column: usize| {
+            let sign = if (row + column * column).is_multiple_of(3) { -1.0 } else { 1.0 };
+            sign * ((7 * row + 11 * column) % 10 + 1) as f64
+        };
+        let entry = |row: usize, column: usize| match row.cmp(&column) {
+            Ordering::Less => size(row, column),
+            Ordering::Equal => 1.0,
+            Ordering::Greater => -size(column, row),
+        };
+        let voltage = |row: usize| highest * (2.0 * golden_place(row as u64 + 1) - 1.0);
+        let summer_of = |row: usize| {
+            let others = (0..order).filter(|column| *column != row);
+            let sum = others.fold(summer(), |sum, column| {
+                let from = if entry(row, column) < 0.0 { "N" } else { "S" };
+                sum.cords(&format!("x{}", entry(row, column).abs()), [format!("{from}{column}")])
+            });
+            let side: f64 = (0..order).map(|column| entry(row, column) * voltage(column)).sum();
+            let reference = if side > 0.0 { "-100" } else { "+100" };
+            (format!("S{row}"), sum.cords(&format!("x{}", side.abs() / 100.0), [reference]))
+        };
+        let inverter =
+            |row: usize| (format!("N{row}"), ElementBuilder::new("inverter").cord("in", &format!("S{row}")));
+        let summers = (0..order).map(summer_of);
+        let inverters = (0..order).map(inverter);
+        let elements: Vec<_> = if has_inverters_first {
+            inverters.chain(summers).collect()
+        } else {
+            summers.chain(inverters).collect()
+        };
+        elements.into_iter().fold(PatchBuilder::new("antisymmetric"), |builder, (name, element)| {
+            builder.element(&name, element)
+        })
+    }
+
+    #[test]
+    fn inverters_of_tears_do_not_turn_the_path_back() {
+        for (order, highest) in [(12, 90.0), (12, 300.0), (16, 90.0), (16, 300.0)] {
+            for has_inverters_first in [false, true] {
+                check(antisymmetric(order, highest, has_inverters_first), false);
+            }
+        }
     }
 
     #[test]
