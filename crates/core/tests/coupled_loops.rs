@@ -108,7 +108,8 @@ fn system(matrix: &[Vec<f64>], solution: &[f64]) -> PatchBuilder {
             // The summer adds its own output once.
             let gain = if row == column { entry - 1.0 } else { *entry };
             side += entry * solution[column];
-            if gain == 0.0 {
+            // Rounding may leave a gain that is below the least one of a summer.
+            if gain.abs() < 1e-12 {
                 continue;
             }
             let from = if gain < 0.0 { format!("N{column}") } else { name(column) };

@@ -4,6 +4,7 @@
 //! step is tried by `runge_kutta` and accepted by `Solver::make_present`. Interpolation overwrites `states` and
 //! `voltages`.
 
+use super::grazing::Hint;
 use super::tableau::Tableau;
 use super::turning_points::Samples;
 use crate::ir::{Program, Scratch};
@@ -18,8 +19,8 @@ pub(super) struct StepBuffers {
     /// Voltages of the stages that are checked for events within the step, in the order of `Tableau::checked_stages`.
     /// With equal steps, only the voltages on which events depend are up to date.
     pub checked_voltages: [Vec<f64>; 2],
-    /// The share (0 ... 1) of the tried step at which an event may come and go; `None` if no stage suggests one.
-    pub hint: Option<f64>,
+    /// The hint of an event that may come and go within the tried step; `None` if nothing suggests one.
+    pub hint: Option<Hint>,
     /// The kink that was crossed last; `None` before the first.
     pub crossed: Option<Crossed>,
     /// States at the end of the tried step, or at the instant interpolated last.

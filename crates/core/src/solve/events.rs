@@ -121,7 +121,7 @@ impl EventFunction for StepTrial<'_, '_> {
     }
 
     fn hint_share(&self) -> f64 {
-        self.solver.buffers.hint.unwrap_or(1.0)
+        self.solver.buffers.hint.map_or(1.0, |hint| hint.share)
     }
 
     fn present_value(&self, event: Event) -> f64 {
@@ -226,12 +226,12 @@ impl<'p> Machine<'p> {
         Ok(())
     }
 
-    /// A shorter length, in problem seconds, of an adaptive step with a hint that no tried step confirmed; `None` if there
-    /// is no such hint. A step over the corner of a stiff circuit is wrong at its end, so it may not show the event. A step
+    /// A shorter length, in problem seconds, of a step with a certain hint that no tried step confirmed; `None` if there is
+    /// no such hint. A step over the corner of a stiff circuit is wrong at its end, so it may not show the event. A step
     /// that begins near the event does.
     fn length_before_hint(&self, length: f64) -> Option<f64> {
         let Solver { setup, buffers, .. } = &self.solver;
-        let shorter = 0.5 * buffers.hint.filter(|_| setup.is_adaptive)? * length;
+        let shorter = 0.5 * buffers.hint.filter(|hint| hint.is_certain)?.share * length;
         (shorter > LEAST_LENGTH_BEFORE_HINT * setup.step).then_some(shorter)
     }
 

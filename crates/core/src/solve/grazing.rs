@@ -11,15 +11,28 @@ use super::dense_output::Curve;
 use super::evaluate::{Scope, trial};
 use super::events::{event_at, open_transitions};
 use super::minimum_search::MinimumSearch;
+use super::runge_kutta::largest_error;
 use super::state::{Setup, SolverState};
 use super::turning_points::TurningPoint;
 use crate::delay_line::DelayLine;
 use crate::ir::{Guard, KINK_TOLERANCE, Kink};
+use crate::machines::REFERENCE;
 
 /// Least distance from a corner, in volts, that a voltage must reach to be on one side of it.
 const EXCURSION: f64 = 3.0 * KINK_TOLERANCE;
-/// Margin for the error of the curve of the states at a turning point, as a share of the swing of the samples.
-const CURVE_MARGIN: f64 = 1e-4;
+/// Margin for the error of the curve of the states, as a multiple of the estimated error of the step.
+const ERROR_MARGIN: f64 = 10.0;
+/// Margin for the position of a turning point on the curve, as a share of the swing of the samples.
+const SWING_MARGIN: f64 = 1e-7;
+
+/// A sign of an event within a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hint {
+    /// The share (0 ... 1) of the step at which the event may be.
+    pub share: f64,
+    /// Whether the curve of the states surely reaches the event there.
+    pub is_certain: bool,
+}
 
 /// A voltage with an event that may come and go.
 #[derive(Debug, Clone, Copy)]
@@ -48,16 +61,17 @@ impl Watched<'_> {
     }
 }
 
-/// The share (0 ... 1) of the tried step of this length in problem seconds at which an event may come and go: at a stage
-/// that shows one, or where a watched voltage turns just before its event. `None` if there is no sign of such an event.
+/// The hint of an event that may come and go within the tried step of this length in problem seconds: at a stage that shows
+/// one, or where a watched voltage turns just before its event. `None` if there is no sign of such an event.
 pub(super) fn hint(
     setup: &Setup<'_>,
     state: &SolverState,
     delay_lines: &mut [DelayLine],
     buffers: &mut StepBuffers,
     length: f64,
-) -> Option<f64> {
+) -> Option<Hint> {
     let guards = open_transitions(setup.program, &state.modes).map(|open| Watched::Guard(open.guard));
+    let uncertain = |share| Hint { share, is_certain: false };
     let mut watched = guards.chain(setup.kinks().map(Watched::Kink));
     if !setup.is_adaptive {
         let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
@@ -66,13 +80,13 @@ pub(super) fn hint(
             let (share, value) = curve.turning_point()?;
             watched.reaches(setup, curve.begin, value).then_some(share)
         });
-        return shares.reduce(f64::min);
+        return shares.reduce(f64::min).map(uncertain);
     }
     let mut checked = setup.method.checked_stages.iter().zip(&buffers.checked_voltages);
     let visible = checked.find(|(_, voltages)| event_at(setup, state, buffers, voltages).is_some());
-    let share = visible.map(|(stage, _)| setup.method.stages[*stage].node);
-    if share.is_some() || !watched.any(|watched| turn_towards(setup, state, buffers, watched).is_some()) {
-        return share;
+    let visible = visible.map(|(stage, _)| uncertain(setup.method.stages[*stage].node));
+    if visible.is_some() || !watched.any(|watched| turn_towards(setup, state, buffers, watched).is_some()) {
+        return visible;
     }
     first_turn(setup, state, delay_lines, buffers, length)
 }
@@ -93,7 +107,7 @@ fn turn_towards(
     Some((turn, samples.swing()))
 }
 
-/// The share of the tried adaptive step at which the first watched voltage reaches its event near a turning point. The
+/// The hint of the first watched voltage that reaches its event near a turning point in the tried adaptive step. The
 /// states and voltages in the buffers are those of the end of the step again afterwards.
 fn first_turn(
     setup: &Setup<'_>,
@@ -101,7 +115,8 @@ fn first_turn(
     delay_lines: &mut [DelayLine],
     buffers: &mut StepBuffers,
     length: f64,
-) -> Option<f64> {
+) -> Option<Hint> {
+    let (_, error) = largest_error(setup.method, &buffers.stage_rates, state.states.len(), length);
     let faults = buffers.evaluation.faults.len();
     buffers.end_states.copy_from_slice(&buffers.states);
     buffers.end_voltages.copy_from_slice(&buffers.voltages);
@@ -109,8 +124,9 @@ fn first_turn(
     let mut first = None;
     for watched in guards.chain(setup.kinks().map(Watched::Kink)) {
         let Some((turn, swing)) = turn_towards(setup, state, buffers, watched) else { continue };
-        let share = refined(setup, state, delay_lines, buffers, (length, watched), (turn, swing));
-        first = share.into_iter().chain(first).reduce(f64::min);
+        let margin = ERROR_MARGIN * error * REFERENCE + SWING_MARGIN * swing;
+        let hint = refined(setup, state, delay_lines, buffers, (length, watched), (turn, margin));
+        first = hint.into_iter().chain(first).min_by(|a, b| a.share.total_cmp(&b.share));
         buffers.voltages.copy_from_slice(&buffers.end_voltages);
     }
     buffers.states.copy_from_slice(&buffers.end_states);
@@ -118,16 +134,16 @@ fn first_turn(
     first
 }
 
-/// The share of the tried step, near a turning point, at which a watched voltage on the curve of the states reaches its
-/// event; `None` if it does not.
+/// The hint where a watched voltage on the curve of the states reaches its event near a turning point; `None` if it does
+/// not, with this margin in volts.
 fn refined(
     setup: &Setup<'_>,
     state: &SolverState,
     delay_lines: &mut [DelayLine],
     buffers: &mut StepBuffers,
     (length, watched): (f64, Watched<'_>),
-    (turn, swing): (TurningPoint, f64),
-) -> Option<f64> {
+    (turn, margin): (TurningPoint, f64),
+) -> Option<Hint> {
     let begin = watched.value(&state.voltages);
     // The search looks for a minimum.
     let sign = if turn.is_peak { -1.0 } else { 1.0 };
@@ -141,13 +157,14 @@ fn refined(
         sign * watched.value(&buffers.voltages)
     };
     let mut search = MinimumSearch::around(turn.share, evaluate(turn.share));
-    while !watched.reaches(setup, begin, sign * search.best.1)
+    let reaches = |value: f64| watched.reaches(setup, begin, sign * value);
+    while !reaches(search.best.1 + margin)
         && let Some(share) = search.next()
     {
         search.add(share, evaluate(share));
     }
     let (share, value) = search.best;
-    watched.reaches(setup, begin, sign * (value - CURVE_MARGIN * swing)).then_some(share)
+    reaches(value - margin).then(|| Hint { share, is_certain: reaches(value + margin) })
 }
 
 /// Whether a voltage that begins the tried step on a corner, with the value `from`, goes to one side of it before it

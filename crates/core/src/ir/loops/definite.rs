@@ -196,6 +196,7 @@ mod tests {
 
     use super::super::p_matrix::has_positive_minors;
     use super::*;
+    use crate::ir::number::Number;
     use crate::low_discrepancy::golden_place;
 
     /// Bounds of a matrix whose entry is a function of its row and column.
