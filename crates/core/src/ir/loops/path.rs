@@ -97,6 +97,7 @@ impl<'a> Path<'a> {
     fn new(problem: &'a Problem<'a>) -> Self {
         let order = problem.order();
         let needed = needed_operations(problem);
+        let ranges = ranges(problem);
         let mut path = Path {
             problem,
             forms: Forms::new(problem),
@@ -104,24 +105,30 @@ impl<'a> Path<'a> {
             offsets: vec![0.0; order],
             share: 1.0,
             pieces: vec![WITHIN; order + problem.entry.operations.len()],
-            choices: choices(problem, &needed),
+            choices: choices(problem, &ranges, &needed),
             needed,
         };
         for index in 0..path.needed.len() {
             let at = path.needed[index];
-            let op = path.forms.op(at);
-            // The pieces are passed in one direction, so the loop ends.
-            while let Some(test) =
-                path.forms.tests(op, path.pieces[at]).iter().find(|test| value(&test.form, &path.tears) < 0.0)
-            {
-                path.pieces[at] = test.beyond;
-            }
+            path.pieces[at] =
+                only_piece(problem, &ranges, path.forms.op(at)).unwrap_or_else(|| path.first_piece(at));
             path.update(at);
         }
         for tear in 0..order {
             path.offsets[tear] = path.tears[tear] - value(&path.demand(tear), &path.tears);
         }
         path
+    }
+
+    /// The piece of an operation at the beginning. The pieces of those before it are known.
+    fn first_piece(&self, at: usize) -> usize {
+        let (op, mut piece) = (self.forms.op(at), 0);
+        let is_outside = |test: &&Test| value(&test.form, &self.tears) < 0.0;
+        // The pieces are passed in one direction, so the loop ends.
+        while let Some(test) = self.forms.tests(op, piece).iter().find(is_outside) {
+            piece = test.beyond;
+        }
+        piece
     }
 
     /// Number of pieces of all choices.
@@ -244,28 +251,46 @@ fn needed_operations(problem: &Problem<'_>) -> Vec<usize> {
     (order..is_needed.len()).filter(|at| is_needed[*at]).collect()
 }
 
-/// The tears and needed operations whose piece can change while all tears are within ±100 V. An inverter of a tear is
-/// not among them: its limit would be reached together with that of the tear.
-fn choices(problem: &Problem<'_>, needed: &[usize]) -> Vec<usize> {
-    let order = problem.order();
-    let mut ranges = vec![Interval::new(-REFERENCE, REFERENCE); order + problem.entry.operations.len()];
+/// The ranges of all tears and operations while the tears are within ±100 V.
+fn ranges(problem: &Problem<'_>) -> Vec<Interval> {
+    let span = problem.order() + problem.entry.operations.len();
+    let mut ranges = vec![Interval::new(-REFERENCE, REFERENCE); span];
     problem.evaluate(&mut ranges);
-    let range = |register: Register| problem.get(&ranges, register);
+    ranges
+}
+
+/// The piece of an operation that is the same in its whole range; `None` if its piece can change. An inverter of a tear
+/// has one piece: its limit would be reached together with that of the tear.
+fn only_piece(problem: &Problem<'_>, ranges: &[Interval], op: Op) -> Option<usize> {
+    let range = |register: Register| problem.get(ranges, register);
+    let first_if = |is_first: bool, is_second: bool| match (is_first, is_second) {
+        (true, _) => Some(0),
+        (_, true) => Some(1),
+        _ => None,
+    };
+    match op {
+        Op::Minimum(a, b) | Op::Maximum(a, b) => {
+            let (a, b) = (range(a), range(b));
+            first_if(is_at_most(b.high, a.low), is_at_most(a.high, b.low))
+        }
+        Op::Absolute(a) => first_if(is_at_most(0.0, range(a).low), is_at_most(range(a).high, 0.0)),
+        Op::Table(..) => None,
+        _ => Some(0),
+    }
+}
+
+/// The tears and needed operations whose piece can change while all tears are within ±100 V.
+fn choices(problem: &Problem<'_>, ranges: &[Interval], needed: &[usize]) -> Vec<usize> {
+    let range = |register: Register| problem.get(ranges, register);
     let is_limited = |tear: &usize| {
         let demand = problem.entry.tears[*tear].demand.map(range);
         demand
             .is_some_and(|demand| !(is_at_most(-REFERENCE, demand.low) && is_at_most(demand.high, REFERENCE)))
     };
-    let is_open = |at: &usize| match problem.program.lowered.body[problem.outside.len() + at] {
-        Op::Minimum(a, b) | Op::Maximum(a, b) => {
-            let (a, b) = (range(a), range(b));
-            !(is_at_most(a.high, b.low) || is_at_most(b.high, a.low))
-        }
-        Op::Absolute(a) => !(is_at_most(range(a).high, 0.0) || is_at_most(0.0, range(a).low)),
-        Op::Table(..) => true,
-        _ => false,
+    let is_open = |at: &usize| {
+        only_piece(problem, ranges, problem.program.lowered.body[problem.outside.len() + at]).is_none()
     };
-    (0..order).filter(is_limited).chain(needed.iter().copied().filter(is_open)).collect()
+    (0..problem.order()).filter(is_limited).chain(needed.iter().copied().filter(is_open)).collect()
 }
 
 /// Whether a is at most b. `false` if one of them is not a number.
