@@ -202,11 +202,9 @@ fn mass_matrix(random: &mut SplitMix64, order: usize) -> Vec<Vec<f64>> {
 /// An antisymmetric matrix of whole numbers from -10 to 10, without 0.
 fn antisymmetric_matrix(random: &mut SplitMix64, order: usize) -> Vec<Vec<f64>> {
     let mut matrix = vec![vec![0.0; order]; order];
-    for row in 0..order {
-        for column in 0..row {
-            let entry = (1 + random.below(10)) as f64 * random.choose(&[1.0, -1.0]);
-            (matrix[row][column], matrix[column][row]) = (entry, -entry);
-        }
+    for (row, column) in (0..order).flat_map(|row| (0..row).map(move |column| (row, column))) {
+        let entry = (1 + random.below(10)) as f64 * random.choose(&[1.0, -1.0]);
+        (matrix[row][column], matrix[column][row]) = (entry, -entry);
     }
     matrix
 }

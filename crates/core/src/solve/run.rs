@@ -99,7 +99,8 @@ pub fn run_with_progress(
 fn play<'w>(
     program: &Program,
     settings: &RunSettings,
-    (progress, consumer): (&'w mut dyn FnMut(f64), &'w mut dyn FnMut(&Trace) -> ControlFlow<()>),
+    progress: &'w mut dyn FnMut(f64),
+    consumer: &'w mut dyn FnMut(&Trace) -> ControlFlow<()>,
     end: f64,
 ) -> Result<(Trace, Option<StepDoubt>), StoppedRunError> {
     let mut player = prepare(program, settings, progress)?.with_end(end);

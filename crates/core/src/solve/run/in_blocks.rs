@@ -95,7 +95,7 @@ pub(super) fn run_checked(
         flow = consumer(block);
         flow
     };
-    let (mut trace, doubt) = play(program, settings, (progress, &mut take), f64::INFINITY)?;
+    let (mut trace, doubt) = play(program, settings, progress, &mut take, f64::INFINITY)?;
     if !settings.checks_steps || flow.is_break() {
         return Ok(trace);
     }
@@ -191,7 +191,7 @@ fn other_trace(
         selection.add(block);
         ControlFlow::Continue(())
     };
-    let played = play(program, &settings, (progress, &mut take), end);
+    let played = play(program, &settings, progress, &mut take, end);
     let whole = played.map_or_else(|stopped| *stopped.trace, |(trace, _)| trace);
     copy_extremes(&mut selection.trace, &whole);
     selection.trace.repetitions = whole.repetitions;
