@@ -199,6 +199,27 @@ fn a_peak_holder_reaches_the_peak_with_a_tolerance() {
     }
 }
 
+/// Adaptive steps of a sine are up to an eighth of its period. A relay sees pulses of 0.02 to 0.3 of a step.
+#[test]
+fn short_pulses_within_adaptive_steps_are_found() {
+    let mut random = SplitMix64(54);
+    for number in 0..300 {
+        let (peak, share) = (random.uniform(0.1, 0.9), random.log_uniform(0.02, 0.3));
+        let threshold = AMPLITUDE * (0.5 * TAU * share * 0.125).cos();
+        let phase = TAU * (0.25 - peak);
+        let builder = if number % 2 == 0 { driven(phase) } else { oscillating(phase) };
+        let patch = counted(builder, "S", threshold);
+        let circuit = circuit(&patch, &[]);
+        let settings = RunSettings::of(&circuit).unwrap().with_duration(1.0).with_tolerance(1e-7);
+        let settings = settings.with_sample_interval(1.0).with_signals(["A"]);
+        let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+        let changes = trace.repetitions[0].work.changes;
+        assert!(changes == 2, "{number}: share {share}: {changes} changes");
+        let expected = share * 0.125;
+        assert!((time_on(&trace) - expected).abs() < 1e-4 * expected + 1e-5, "{number}: {}", time_on(&trace));
+    }
+}
+
 /// A backlash behind an input.
 fn with_backlash(builder: PatchBuilder, width: f64) -> Patch {
     let backlash = element("backlash").cord("in", "S").set("width", width);
