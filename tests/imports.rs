@@ -24,6 +24,7 @@ const MODULES: [(&str, &[&str]); 6] = [
             "machines",
             "grid",
             "divided_differences",
+            "low_discrepancy",
             "parabola",
             "delay_line",
             "document",

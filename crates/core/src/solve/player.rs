@@ -71,10 +71,12 @@ impl<'p, 'w> Player<'p, 'w> {
         let trace = self.recorder.trace;
         let works = trace.repetitions.iter().map(|repetition| repetition.work);
         let crossed_events = works.map(|work| work.changes + work.crossings).sum();
-        let check = self.machine.step_check.as_ref();
-        let is_interrupted = check.is_some_and(|check| check.is_interrupted(crossed_events));
+        let Machine { solver, step_check, .. } = &self.machine;
         let doubt = self.recorder.step_doubt;
-        (trace, if is_interrupted { Some(StepDoubt::interrupted(doubt)) } else { doubt })
+        match step_check.as_ref().filter(|check| check.is_interrupted(crossed_events)) {
+            Some(check) => (trace, Some(check.interrupted(&solver.setup, doubt))),
+            None => (trace, doubt),
+        }
     }
 
     /// The machine, and the time by the recorder's clock in seconds, summed over all repetitions.

@@ -262,7 +262,7 @@ impl RunSettings {
     /// let program = Program::new(&circuit)?;
     /// let trace = run(&program, &RunSettings::of(&circuit)?.with_step_checks())?;
     /// let warning = trace.step_warning.ok_or("no warning")?;
-    /// assert_eq!((warning.cause, warning.recommended), (StepCause::Unstable("A1".to_owned()), 1e-3));
+    /// assert_eq!((warning.cause, warning.recommended), (StepCause::Unstable("A1".to_owned()), 2e-4));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_step_checks(self) -> Self {

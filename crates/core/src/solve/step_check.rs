@@ -11,7 +11,7 @@ use super::buffers::StepBuffers;
 use super::check_plan::CheckPlan;
 use super::evaluate::{Scope, trial};
 use super::events::{event_at, kink_crossed};
-use super::runge_kutta::{advance_states, try_step};
+use super::runge_kutta::try_step;
 use super::state::{Setup, Solver, SolverState, read_rates};
 use super::turns::length_to_turn;
 use crate::delay_line::DelayLine;
@@ -50,8 +50,10 @@ const UNSTABLE_SHARE: u64 = 5;
 const LARGEST_ERROR: f64 = 0.1;
 /// The error of one step of order 4 after halving it is this share of the difference.
 const HALVING_SHARE: f64 = 16.0 / 15.0;
-/// Change of the states between two stages, in volts, below which rounding decides their rates.
+/// Change of the states by the change of the rates in half a step, in volts, up to which rounding decides the response.
 const LEAST_CHANGE: f64 = 1e-9;
+/// Largest change of a state, in volts, for which derivatives of the rates are computed.
+const SMALL_CHANGE: f64 = 1e-4;
 
 /// The checks of a run.
 #[derive(Debug, Clone)]
@@ -67,6 +69,8 @@ pub(super) struct StepCheck {
     results: u64,
     /// Sum of the errors of every state over all results of planned checks, in volts.
     sums: Vec<f64>,
+    /// The first state of all repetitions at which the method was unstable, whether it did harm or not.
+    run_unstable: Option<Unstable>,
     /// Number of planned checks of all repetitions, and of those without a result because of an event.
     run_attempts: u64,
     run_interruptions: u64,
@@ -97,6 +101,15 @@ struct Unstable {
     product: f64,
 }
 
+impl Unstable {
+    /// The doubt about a step at which the method is unstable. The run is compared with one of this share of the step.
+    fn doubt(self, setup: &Setup<'_>, compared_share: f64) -> StepDoubt {
+        let element = setup.program.lowered.states[self.state].element;
+        let recommended = setup.step * RECOMMENDED_PRODUCT / self.product;
+        StepDoubt::Unstable { element, recommended, compared_share }
+    }
+}
+
 impl StepCheck {
     /// The checks of a run of a program with this number of states. The run takes `run_steps` steps if no phase ends
     /// early.
@@ -108,6 +121,7 @@ impl StepCheck {
             attempts: 0,
             results: 0,
             sums: vec![0.0; states],
+            run_unstable: None,
             run_attempts: 0,
             run_interruptions: 0,
             event_count: 0,
@@ -123,9 +137,10 @@ impl StepCheck {
 
     /// Forgets the results, for a new initial condition.
     pub(super) fn reset(&mut self) {
-        let StepCheck { plan, run_attempts, run_interruptions, steps_after_events, .. } = *self;
+        let StepCheck { plan, run_unstable, run_attempts, run_interruptions, steps_after_events, .. } = *self;
         let (middle, new) = (self.middle.take(), StepCheck::new(self.sums.len(), 0));
-        *self = StepCheck { plan, run_attempts, run_interruptions, steps_after_events, middle, ..new };
+        let whole_run = StepCheck { plan, run_unstable, run_attempts, run_interruptions, ..new };
+        *self = StepCheck { steps_after_events, middle, ..whole_run };
     }
 
     /// Plans the checks of a phase with this number of steps.
@@ -180,12 +195,15 @@ impl StepCheck {
         self.whole.copy_from_slice(&buffers.states);
         let response = response(setup, state, delay_lines, buffers, length)
             .filter(|response| response.product > STABILITY_LIMIT);
+        if let Some(response) = response {
+            note_unstable(&mut self.run_unstable, response);
+        }
         if meets_event || meets_corner {
             self.run_interruptions += u64::from(is_planned);
             let harmful = response.filter(|response| is_planned && response.change > HARMLESS_CHANGE);
             if let Some(response) = harmful {
                 self.unstable_events += 1;
-                self.note_unstable(response);
+                note_unstable(&mut self.unstable, response);
             }
         }
         if meets_corner {
@@ -204,7 +222,7 @@ impl StepCheck {
         }
         let worst = self.add(&buffers.states, is_planned);
         if let Some(response) = response.filter(|_| worst > HARMLESS_ERROR) {
-            self.note_unstable(response);
+            note_unstable(&mut self.unstable, response);
         }
     }
 
@@ -221,17 +239,24 @@ impl StepCheck {
         worst
     }
 
-    /// Notes that the method is unstable.
-    fn note_unstable(&mut self, response: Response) {
-        let Response { state, product, .. } = response;
-        let unstable = self.unstable.get_or_insert(Unstable { state, product });
-        unstable.product = unstable.product.max(product);
-    }
-
     /// Whether the steps of a run are in doubt because many of its checks met events. `false` if the run has too many
     /// changes of mode and crossings of kinks for a comparison.
     pub(super) fn is_interrupted(&self, crossed_events: u64) -> bool {
         self.run_interruptions * UNKNOWN_SHARE > self.run_attempts && crossed_events <= MAX_COMPARED_EVENTS
+    }
+
+    /// The doubt about a run with this doubt whose checks met many events.
+    pub(super) fn interrupted(&self, setup: &Setup<'_>, doubt: Option<StepDoubt>) -> StepDoubt {
+        match doubt {
+            Some(StepDoubt::Unstable { element, recommended, compared_share }) => {
+                let compared_share = compared_share.min(INTERRUPTED_SHARE);
+                StepDoubt::Unstable { element, recommended, compared_share }
+            }
+            Some(fast @ StepDoubt::Fast { .. }) => fast,
+            _ => self
+                .run_unstable
+                .map_or(StepDoubt::Interrupted, |unstable| unstable.doubt(setup, INTERRUPTED_SHARE)),
+        }
     }
 
     /// The doubt about the steps of the repetition; `None` if the checks found them short enough. `is_overloaded` is
@@ -246,12 +271,9 @@ impl StepCheck {
             && (is_overloaded
                 || error > LARGEST_ERROR
                 || self.unstable_events * UNSTABLE_SHARE >= self.attempts);
-        let unstable = self.unstable.filter(|_| is_unstable).map(|Unstable { state, product }| {
-            let element = setup.program.lowered.states[state].element;
-            let recommended = setup.step * RECOMMENDED_PRODUCT / product;
-            let compared_share = if is_overloaded { LEAST_COMPARED_SHARE } else { 0.5 };
-            StepDoubt::Unstable { element, recommended, compared_share }
-        });
+        let compared_share = if is_overloaded { LEAST_COMPARED_SHARE } else { 0.5 };
+        let unstable =
+            self.unstable.filter(|_| is_unstable).map(|unstable| unstable.doubt(setup, compared_share));
         let (element, periods) = self.fastest;
         let recommended = setup.step * RECOMMENDED_ADVANCE / periods;
         let fast = (periods > LARGEST_ADVANCE).then_some(StepDoubt::Fast { element, recommended });
@@ -303,18 +325,6 @@ impl StepDoubt {
         }
     }
 
-    /// The doubt about a run with this doubt if in addition its checks met many events.
-    pub(super) fn interrupted(doubt: Option<Self>) -> Self {
-        match doubt {
-            Some(StepDoubt::Unstable { element, recommended, compared_share }) => {
-                let compared_share = compared_share.min(INTERRUPTED_SHARE);
-                StepDoubt::Unstable { element, recommended, compared_share }
-            }
-            Some(fast @ StepDoubt::Fast { .. }) => fast,
-            _ => StepDoubt::Interrupted,
-        }
-    }
-
     /// The worse of two doubts: the one with the shorter recommended step.
     pub(super) fn worse(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         let recommended = |doubt: &Self| match doubt {
@@ -324,6 +334,13 @@ impl StepDoubt {
         let doubts = one.into_iter().chain(other);
         doubts.min_by(|a, b| recommended(a).total_cmp(&recommended(b)))
     }
+}
+
+/// Notes that the method is unstable.
+fn note_unstable(unstable: &mut Option<Unstable>, response: Response) {
+    let Response { state, product, .. } = response;
+    let unstable = unstable.get_or_insert(Unstable { state, product });
+    unstable.product = unstable.product.max(product);
 }
 
 /// Whether the step after an event is checked. Events count from 1.
@@ -358,6 +375,9 @@ struct Response {
 }
 
 /// The response within the step that was tried last. The buffers keep its rates only. `None` if rounding decides it.
+///
+/// It is that of small changes from the present states in the middle of the step, because the stages of an unstable step
+/// may be beyond a corner.
 fn response(
     setup: &Setup<'_>,
     state: &SolverState,
@@ -365,35 +385,50 @@ fn response(
     buffers: &mut StepBuffers,
     length: f64,
 ) -> Option<Response> {
-    let (program, half) = (setup.program, 0.5 * length);
-    advance_states(&mut buffers.states, &state.states, &buffers.stage_rates, &[(2, 1.0)], half);
-    trial(program, state, delay_lines, buffers, state.time + half, Scope::Rates);
-    let mut next = vec![0.0; state.states.len()];
-    read_rates(program, &buffers.voltages, &mut next);
-    let [first, second, third] = [0, 1, 2].map(|stage| &buffers.stage_rates[stage][..]);
-    response_of_rates([first, second, third, &next], length)
+    let [begin, second, third] = [0, 1, 2].map(|stage| buffers.stage_rates[stage].clone());
+    let mut rates_from = |change: &[f64], factor: f64| {
+        for ((moved, volts), change) in buffers.states.iter_mut().zip(&state.states).zip(change) {
+            *moved = volts + factor * change;
+        }
+        trial(setup.program, state, delay_lines, buffers, state.time + 0.5 * length, Scope::Rates);
+        let mut rates = vec![0.0; change.len()];
+        read_rates(setup.program, &buffers.voltages, &mut rates);
+        rates
+    };
+    let change = difference(&second, &begin);
+    if length * largest(&change) <= LEAST_CHANGE {
+        return None;
+    }
+    let base = rates_from(&change, 0.0);
+    let growth = growth(&change, |change| {
+        let factor = SMALL_CHANGE / largest(change);
+        difference(&rates_from(change, factor), &base).iter().map(|rate| rate / factor).collect()
+    });
+    let last = difference(&third, &second);
+    let state = (0..last.len()).fold(0, |most, at| if last[at].abs() > last[most].abs() { at } else { most });
+    Some(Response { state, product: length * growth, change: length * largest(&last) })
 }
 
-/// The response from four rates k1 to k4: at the beginning of a step, and in its middle, where each follows from the
-/// states that the rate before leads to. The middle rates differ only because their states differ, so each difference is
-/// the one before, multiplied by half the step and by the derivatives of the rates. Over two such multiplications an
-/// oscillation grows by the square of its frequency, whatever the scales of its states are. `None` if rounding decides
-/// the differences.
-fn response_of_rates(rates: [&[f64]; 4], length: f64) -> Option<Response> {
-    let half = 0.5 * length;
-    let (mut before, mut after, mut most) = (0.0, 0.0, (0, 0.0));
-    for index in 0..rates[0].len() {
-        let [first, second, third, fourth] = rates.map(|rates| half * rates[index]);
-        before += (second - first) * (second - first);
-        after += (fourth - third) * (fourth - third);
-        let change = 2.0 * (third - second).abs();
-        if change > most.1 {
-            most = (index, change);
-        }
+/// The rate at which a change of the states grows, per second: the mean of two multiplications by the derivatives of the
+/// rates, which `derivative` does. Over two of them, an oscillation grows by the square of its angular frequency, whatever
+/// the scales of its states are.
+fn growth(change: &[f64], mut derivative: impl FnMut(&[f64]) -> Vec<f64>) -> f64 {
+    let size = |change: &[f64]| change.iter().map(|change| change * change).sum::<f64>().sqrt();
+    let first = derivative(change);
+    if size(&first) == 0.0 {
+        return 0.0;
     }
-    let product = 2.0 * (after / before).sqrt().sqrt();
-    let is_known = before > LEAST_CHANGE * LEAST_CHANGE;
-    is_known.then_some(Response { state: most.0, product, change: most.1 })
+    (size(&derivative(&first)) / size(change)).sqrt()
+}
+
+/// The difference of two lists of rates.
+fn difference(rates: &[f64], others: &[f64]) -> Vec<f64> {
+    rates.iter().zip(others).map(|(rate, other)| rate - other).collect()
+}
+
+/// The largest rate, without sign.
+fn largest(rates: &[f64]) -> f64 {
+    rates.iter().fold(0.0, |largest, rate| f64::max(largest, rate.abs()))
 }
 
 /// Moves a copy of the state to the end of the step that was tried from it.
@@ -416,29 +451,18 @@ mod tests {
         assert_eq!(examined(1 << 20), EXAMINED_EVENTS + 15 * EXAMINED_EVENTS / 2);
     }
 
-    /// The response of x' = J x in a step from `x`.
-    fn linear_response(matrix: [[f64; 2]; 2], x: [f64; 2], step: f64) -> Option<Response> {
-        let rate = |x: [f64; 2]| matrix.map(|row| row[0] * x[0] + row[1] * x[1]);
-        let from = |k: [f64; 2]| rate([x[0] + 0.5 * step * k[0], x[1] + 0.5 * step * k[1]]);
-        let first = rate(x);
-        let second = from(first);
-        let third = from(second);
-        response_of_rates([&first, &second, &third, &from(third)], step)
+    /// The growth of a change of the states of x' = J x.
+    fn growth_of(matrix: [[f64; 2]; 2], change: [f64; 2]) -> f64 {
+        growth(&change, |change| matrix.iter().map(|row| row[0] * change[0] + row[1] * change[1]).collect())
     }
 
     #[test]
-    fn the_response_of_a_decay_is_its_rate() {
-        let found = linear_response([[0.0, 0.0], [0.0, -1000.0]], [1.0, 1.0], 1e-3).unwrap();
-        assert!(found.state == 1 && (found.product - 1.0).abs() < 1e-12, "{found:?}");
-        assert_eq!(linear_response([[0.0, 0.0], [0.0, 0.0]], [1.0, 1.0], 1e-3), None);
-    }
-
-    /// An oscillator of 100 rad/s with gains of 1 and 10,000.
-    #[test]
-    fn the_response_of_an_oscillator_is_its_angular_frequency() {
-        for x in [[1.0, 0.0], [0.0, 1.0], [0.3, 50.0]] {
-            let found = linear_response([[0.0, 1.0], [-1e4, 0.0]], x, 5e-3).unwrap();
-            assert!((found.product - 0.5).abs() < 1e-12, "{found:?}");
+    fn a_change_grows_by_the_decay_rate_or_the_angular_frequency() {
+        assert!((growth_of([[0.0, 0.0], [0.0, -1000.0]], [0.0, 1.0]) - 1000.0).abs() < 1e-9);
+        assert_eq!(growth_of([[0.0, 0.0], [0.0, 0.0]], [1.0, 1.0]), 0.0);
+        // An oscillator of 100 rad/s with gains of 1 and 10,000.
+        for change in [[1.0, 0.0], [0.0, 1.0], [0.3, 50.0]] {
+            assert!((growth_of([[0.0, 1.0], [-1e4, 0.0]], change) - 100.0).abs() < 1e-9);
         }
     }
 }
