@@ -7,7 +7,7 @@
 //! A quick step tests safe intervals, and a thorough step tests every watch. So each has its own lists for the middle
 //! and the end.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexSet;
 
@@ -41,6 +41,8 @@ pub(super) struct Layouter {
     pub branch_dependent: Vec<bool>,
     /// For every atom, whether it is a linear function of states, time and constants within a step.
     straight: Vec<bool>,
+    /// For every atom, whether its curve within a step is that of a drive or a delay line.
+    curved_by_drive: Vec<bool>,
     /// The other atoms with guards or corners, whose parabola within a step is computed.
     pub curved: Vec<Atom>,
     /// Indices of the sampled values whose turning points count.
@@ -58,6 +60,7 @@ impl Layouter {
             depths: Vec::new(),
             branch_dependent: Vec::new(),
             straight: Vec::new(),
+            curved_by_drive: Vec::new(),
             curved: Vec::new(),
             turning: Vec::new(),
             specialised,
@@ -115,10 +118,21 @@ impl Layouter {
         }
     }
 
-    /// Finds the atoms that are linear functions of states and time. Tables of time are, because steps end at their
-    /// corners.
+    /// Finds the atoms that are linear functions of states and time, and those whose curve within a step is that of a drive
+    /// or a delay line. Tables of time are linear, because steps end at their corners.
     fn find_straight_atoms(&mut self) {
+        let mut depends_on_time: Vec<bool> = Vec::new();
         for node in &self.specialised.nodes {
+            let operands = node.operands();
+            let any = |flags: &[bool]| atoms(&operands).any(|atom| flags[atom as usize]);
+            let is_curved_by_drive = match node {
+                Node::Sum(_) => any(&self.curved_by_drive),
+                Node::Delayed(_) => true,
+                _ => any(&depends_on_time),
+            };
+            self.curved_by_drive.push(is_curved_by_drive);
+            let is_time = matches!(node, Node::Time | Node::Scheduled(_) | Node::Delayed(_));
+            depends_on_time.push(is_time || any(&depends_on_time));
             self.straight.push(match node {
                 Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Sampled(_) | Node::Level(_) => true,
                 Node::Sum(form) => form.terms.iter().all(|(atom, _)| self.straight[*atom as usize]),
@@ -127,18 +141,26 @@ impl Layouter {
         }
     }
 
-    /// Lists the voltages whose parabola within a step is computed: those with guards or corners that are not linear
-    /// functions of states and time.
+    /// Lists the voltages whose parabola within a step is computed: those with guards that are not linear functions of
+    /// states and time. Those with corners only are among them if their curve is that of a drive, or if there are sampled
+    /// values whose turning points count. For products of states, the test of a corner at the first stage is enough.
     fn list_followed(&mut self, program: &Program) {
         let sampled = program.lowered.sampled.iter().zip(&self.specialised.sampled).enumerate();
         let turning = sampled
             .filter(|(_, (sampled, next))| sampled.follows.is_some() && matches!(next, Operand::Atom(_)));
         self.turning = turning.map(|(index, _)| index).collect();
         let (watched, within) = self.watched();
-        let lines = watched[..within].iter().map(|(atom, _)| self.as_line(*atom, |_| true).0);
+        let lines: Vec<Atom> =
+            watched[..within].iter().map(|(atom, _)| self.as_line(*atom, |_| true).0).collect();
+        let counts = |of: Atom, condition: WatchCondition| {
+            !condition.is_corner() || self.curved_by_drive[of as usize] || !self.turning.is_empty()
+        };
+        let pairs = lines.iter().zip(&watched);
+        let mut counted: HashSet<Atom> =
+            pairs.filter(|(of, (_, condition))| counts(**of, *condition)).map(|(of, _)| *of).collect();
         // The order is that of the intervals.
-        let curved: IndexSet<Atom> = lines.filter(|of| !self.straight[*of as usize]).collect();
-        self.curved = curved.into_iter().collect();
+        let curved = lines.iter().filter(|of| !self.straight[**of as usize] && counted.remove(of));
+        self.curved = curved.copied().collect();
     }
 
     /// The atoms of the sampled values whose turning points count.

@@ -125,7 +125,7 @@ pub(crate) struct Kernel {
     /// The voltages that a quick step tests, with their intervals. Those that are tested within a step come first, and
     /// of these first the ones that are tested at the first stage.
     safe_intervals: Vec<SafeInterval>,
-    /// Number of intervals that are tested at the first stage: those of linear functions.
+    /// Number of intervals that are tested at the first stage: those that are not followed.
     first_intervals: usize,
     /// The voltages whose parabola within a step is computed: first those of the other intervals that are tested within
     /// a step, then the sampled values whose turning points count.
