@@ -25,6 +25,7 @@ fn warning_text(place: &str, advice: &str, warning: &StepWarning) -> String {
     };
     let [step, recommended] = [*step, *recommended].map(format_number);
     let [error, time] = [*error, *time].map(|value| format_significant(value, 2));
+    let error = if unit == "1" { error } else { format!("{error} {unit}") };
     let cause = match cause {
         StepCause::Inaccurate => "the solver is inaccurate".to_owned(),
         StepCause::Unstable(element) => format!("the solver is unstable at {element}"),
@@ -32,7 +33,7 @@ fn warning_text(place: &str, advice: &str, warning: &StepWarning) -> String {
     };
     format!(
         "warning: {place}the step of {step} s is too long: {cause}. With {comparison}, {signal} differs by up to \
-         {error} {unit}, from {time} s on\n  = help: try --step {recommended}{advice}\n"
+         {error}, from {time} s on\n  = help: try --step {recommended}{advice}\n"
     )
 }
 

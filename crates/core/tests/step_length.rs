@@ -8,22 +8,16 @@ use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 use patchcord_core::solve::{Phase, RunSettings, run, run_batch, sufficient_step};
 use patchcord_core::trace::{StepCause, StepWarning, Trace};
 
-/// A trace of a program over some seconds, with checks of its steps.
+/// A trace of a program over some seconds, with checks of its steps. Every step is recorded.
 fn checked(program: &Program, step: f64, seconds: f64, signals: &[&str]) -> Trace {
-    sampled(program, [step, step], seconds, signals)
-}
-
-/// The same with another time between the samples than the step.
-fn sampled(program: &Program, [step, every]: [f64; 2], seconds: f64, signals: &[&str]) -> Trace {
     let phases = [Phase::InitialCondition, Phase::operate(seconds)];
     let settings = RunSettings::from_phases(phases, step).with_signals(signals.iter().copied());
-    let settings = settings.with_sample_interval(every).with_step_checks();
-    run(program, &settings).unwrap_or_else(|stopped| panic!("{}", stopped.error))
+    run(program, &settings.with_step_checks()).unwrap_or_else(|stopped| panic!("{}", stopped.error))
 }
 
 /// Asserts that a run with the recommended step, and otherwise the same, gets no warning.
 fn assert_recommended_step_passes(program: &Program, warning: &StepWarning, seconds: f64, signals: &[&str]) {
-    let trace = sampled(program, [warning.recommended, warning.step], seconds, signals);
+    let trace = checked(program, warning.recommended, seconds, signals);
     assert_eq!(trace.step_warning, None, "{warning:?}");
 }
 

@@ -114,9 +114,9 @@ fn openers(graph: &Graph, component: &DirectGraph) -> Vec<NodeIndex> {
 /// The member that opens a strongly connected component, of which this is the graph.
 ///
 /// A member that leaves no loop among the others is preferred, then one that drives itself, then the one in most loops
-/// of two members, then the one with most pairs of a cord to it and a cord from it. So an inverter comes after a summer:
-/// chains of summers between the openers magnify rounding. Among equals, amplifiers come before passive elements, and then
-/// the order of the document decides.
+/// of two members, then the one with the largest product of incoming and outgoing cords. So an inverter comes after a
+/// summer: chains of summers between the openers magnify rounding. Among equals, amplifiers come before passive elements,
+/// and then the order of the document decides.
 fn opener(graph: &Graph, component: &DirectGraph) -> NodeIndex {
     let mut candidates: Vec<NodeIndex> = component.node_indices().collect();
     // The sort is stable, so the order of the document remains.

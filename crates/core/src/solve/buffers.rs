@@ -21,6 +21,8 @@ pub(super) struct StepBuffers {
     pub checked_voltages: [Vec<f64>; 2],
     /// The hint of an event that may come and go within the tried step; `None` if nothing suggests one.
     pub hint: Option<Hint>,
+    /// Number of evaluations that the search for hints has taken and that are not counted as work yet.
+    pub hint_evaluations: u64,
     /// The kink that was crossed last; `None` before the first.
     pub crossed: Option<Crossed>,
     /// States at the end of the tried step, or at the instant interpolated last.
@@ -75,6 +77,7 @@ impl StepBuffers {
             stage_rates: vec![zeros(states); method.rates()],
             checked_voltages: [(); 2].map(|()| zeros(body)),
             hint: None,
+            hint_evaluations: 0,
             crossed: None,
             states: zeros(states),
             voltages: zeros(body),

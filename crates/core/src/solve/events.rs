@@ -4,6 +4,7 @@
 //! step up to the event. [`Machine::handle_events`] then makes the jumps and changes of mode that are due at its end.
 //! Events are counted, because time would not advance if a mode changed without end (chatter).
 
+use std::mem;
 use std::sync::Arc;
 
 use super::buffers::{Crossed, StepBuffers};
@@ -109,6 +110,7 @@ impl EventFunction for StepTrial<'_, '_> {
         let Solver { setup, state, delay_lines, buffers, .. } = &mut *self.solver;
         self.work.evaluations += runge_kutta::evaluations(setup.method);
         runge_kutta::try_step(setup, state, delay_lines, buffers, length);
+        self.work.evaluations += mem::take(&mut buffers.hint_evaluations);
     }
 
     fn event(&self) -> Option<Event> {

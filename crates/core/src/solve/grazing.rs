@@ -154,6 +154,7 @@ fn refined(
             buffers.states[index] = curve.value(ends, &buffers.stage_rates, index);
         }
         trial(setup.program, state, delay_lines, buffers, state.time + share * length, Scope::Checked);
+        buffers.hint_evaluations += 1;
         sign * watched.value(&buffers.voltages)
     };
     let mut search = MinimumSearch::around(turn.share, evaluate(turn.share));

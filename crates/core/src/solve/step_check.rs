@@ -52,6 +52,9 @@ const LARGEST_ERROR: f64 = 0.1;
 const HALVING_SHARE: f64 = 16.0 / 15.0;
 /// Change of the states by the change of the rates in half a step, in volts, up to which rounding decides the response.
 const LEAST_CHANGE: f64 = 1e-9;
+/// Number of multiplications by the derivatives of the rates over which the growth of a change is the mean. It is even
+/// because of oscillations.
+const MULTIPLICATIONS: u32 = 4;
 /// Largest change of a state, in volts, for which derivatives of the rates are computed.
 const SMALL_CHANGE: f64 = 1e-4;
 
@@ -374,7 +377,8 @@ struct Response {
     change: f64,
 }
 
-/// The response within the step that was tried last. The buffers keep its rates only. `None` if rounding decides it.
+/// The response within the step that was tried last. The buffers keep its rates only. `None` if rounding decides it, or
+/// if a rate is not finite.
 ///
 /// It is that of small changes from the present states in the middle of the step, because the stages of an unstable step
 /// may be beyond a corner.
@@ -395,8 +399,9 @@ fn response(
         read_rates(setup.program, &buffers.voltages, &mut rates);
         rates
     };
-    let change = difference(&second, &begin);
-    if length * largest(&change) <= LEAST_CHANGE {
+    let (change, last) = (difference(&second, &begin), difference(&third, &second));
+    let size = length * largest(&change);
+    if size <= LEAST_CHANGE || !size.is_finite() {
         return None;
     }
     let base = rates_from(&change, 0.0);
@@ -404,21 +409,23 @@ fn response(
         let factor = SMALL_CHANGE / largest(change);
         difference(&rates_from(change, factor), &base).iter().map(|rate| rate / factor).collect()
     });
-    let last = difference(&third, &second);
     let state = (0..last.len()).fold(0, |most, at| if last[at].abs() > last[most].abs() { at } else { most });
     Some(Response { state, product: length * growth, change: length * largest(&last) })
 }
 
-/// The rate at which a change of the states grows, per second: the mean of two multiplications by the derivatives of the
-/// rates, which `derivative` does. Over two of them, an oscillation grows by the square of its angular frequency, whatever
-/// the scales of its states are.
+/// The rate at which a change of the states grows, per second: the mean of several multiplications by the derivatives of
+/// the rates, which `derivative` does. Over two of them, an oscillation grows by the square of its angular frequency,
+/// whatever the scales of its states are. A chain of as many integrators without feedback does not grow.
 fn growth(change: &[f64], mut derivative: impl FnMut(&[f64]) -> Vec<f64>) -> f64 {
     let size = |change: &[f64]| change.iter().map(|change| change * change).sum::<f64>().sqrt();
-    let first = derivative(change);
-    if size(&first) == 0.0 {
-        return 0.0;
+    let mut last = change.to_vec();
+    for _ in 0..MULTIPLICATIONS {
+        last = derivative(&last);
+        if size(&last) == 0.0 {
+            return 0.0;
+        }
     }
-    (size(&derivative(&first)) / size(change)).sqrt()
+    (size(&last) / size(change)).powf(1.0 / f64::from(MULTIPLICATIONS))
 }
 
 /// The difference of two lists of rates.
@@ -464,5 +471,7 @@ mod tests {
         for change in [[1.0, 0.0], [0.0, 1.0], [0.3, 50.0]] {
             assert!((growth_of([[0.0, 1.0], [-1e4, 0.0]], change) - 100.0).abs() < 1e-9);
         }
+        // Two integrators in a chain with a gain of 100.
+        assert_eq!(growth_of([[0.0, 0.0], [100.0, 0.0]], [1.0, 1.0]), 0.0);
     }
 }

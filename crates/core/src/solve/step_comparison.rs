@@ -3,7 +3,7 @@
 use super::step_check::StepDoubt;
 use crate::ir::Program;
 use crate::machines::REFERENCE;
-use crate::trace::{StepCause, StepWarning, Trace, Track};
+use crate::trace::{Overload, StepCause, StepWarning, Trace, Track};
 
 /// Difference of a signal between both runs, as a share of its range, above which the step is too long.
 const LARGEST_SHARE: f64 = 1e-3;
@@ -13,6 +13,8 @@ const RECOMMENDED_SHARE: f64 = 1e-4;
 const LEAST_RANGE: f64 = 1e-4;
 /// Difference of two samples in time up to which they are the same sample, as a share of the mean recording interval.
 const SAME_SAMPLE: f64 = 1e-6;
+/// Distance of an output from 100 V, in volts, that may be an error of the solver but no instability.
+pub(super) const SLIGHT_EXCESS: f64 = 1.0;
 /// Order of the error of a run: it grows with the step to this power.
 const ERROR_ORDER: f64 = 4.0;
 
@@ -93,17 +95,28 @@ fn difference<'t>(
     Some(Difference { name: &track.name, unit: &track.unit, largest, share: largest / range, time: *time })
 }
 
-/// The first overload of a run, if another run has none of this amplifier. The last track of the other run is the output
-/// of the amplifier.
-fn false_overload<'t>(trace: &'t Trace, other: &Trace) -> Option<Difference<'t>> {
-    let first = trace.overloads().next()?;
-    if other.overloads().any(|overload| overload.element == first.element) {
-        return None;
+/// The first overload of a run, with its time in seconds summed over all repetitions.
+pub(super) fn first_overload(trace: &Trace) -> Option<(f64, &Overload)> {
+    let mut begin = 0.0;
+    for repetition in &trace.repetitions {
+        if let Some(overload) = repetition.overloads.first() {
+            return Some((begin + overload.time, overload));
+        }
+        begin += repetition.end;
     }
+    None
+}
+
+/// The first overload of a run, if another run has passed its time, and the amplifier has stayed clearly below 100 V there.
+/// The last track of the other run is the output of the amplifier.
+fn false_overload<'t>(trace: &'t Trace, other: &Trace) -> Option<Difference<'t>> {
+    let (time, first) = first_overload(trace)?;
+    let reached: f64 = other.repetitions.iter().map(|repetition| repetition.end).sum();
     let extremes = other.tracks.last()?.extremes.iter();
     let peak = extremes.flat_map(|extremes| [extremes.least.volts.abs(), extremes.most.volts.abs()]);
     let largest = REFERENCE - peak.fold(0.0, f64::max);
-    Some(Difference {
+    let is_overloaded = other.overloads().any(|overload| overload.element == first.element);
+    (reached >= time && largest > SLIGHT_EXCESS && !is_overloaded).then_some(Difference {
         name: &first.element,
         unit: "V",
         largest,

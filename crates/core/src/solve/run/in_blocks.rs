@@ -8,21 +8,20 @@ use crate::machines::REFERENCE;
 use crate::solve::settings::RunSettings;
 use crate::solve::settings_blocks::BLOCK_SAMPLES;
 use crate::solve::step_check::StepDoubt;
-use crate::solve::step_comparison::step_warning;
+use crate::solve::step_comparison::{SLIGHT_EXCESS, first_overload, step_warning};
 use crate::solve::stopped_run::StoppedRunError;
 use crate::solve::thinned_trace::ThinnedTrace;
-use crate::trace::{Overload, StepWarning, Trace};
+use crate::trace::{StepWarning, Trace};
 
-/// Excess of an output over 100 V, in volts, that may be an error of the solver but no instability.
-const SLIGHT_EXCESS: f64 = 1.0;
 /// Number of steps after an overload within which a run with shorter steps has the same overload.
 const STEPS_AFTER_OVERLOAD: f64 = 10.0;
-/// Number of shorter steps up to the first overload that are taken to compare any run.
+/// Number of shorter steps up to the first overload that any run is compared with.
 const STEPS_TO_OVERLOAD: f64 = 20_000.0;
-/// The same as a share of the steps of the run.
+/// Number of such steps as a share of the steps of the run, if that is more.
 const SHARE_TO_OVERLOAD: f64 = 0.02;
-/// Number of steps that are taken to check a recommended step, and as a multiple of the steps of the run.
-const STEPS_FOR_ADVICE: f64 = 200_000.0;
+/// Number of steps that the search for a recommended step takes.
+const STEPS_FOR_ADVICE: f64 = 1e6;
+/// Number of steps that this search takes in addition, as a multiple of the steps of the run.
 const SHARE_FOR_ADVICE: f64 = 2.0;
 
 /// Runs a program, and passes its samples to `consumer` in blocks if the settings have
@@ -77,7 +76,7 @@ pub fn run_in_blocks(
     Ok(trace)
 }
 
-/// The same, with a recommended step that is not checked itself.
+/// Runs a program as [`run_in_blocks`] does, but does not check the step that the warning recommends.
 ///
 /// # Errors
 /// As for [`run_in_blocks`].
@@ -127,42 +126,35 @@ fn comparison(
     let (time, overload) = first_overload(trace)?;
     let is_slight = overload.peak().is_some_and(|peak| peak < REFERENCE + SLIGHT_EXCESS);
     let end = time + STEPS_AFTER_OVERLOAD * settings.step;
-    let (steps, run_steps) = (end / settings.step, settings.duration() / settings.step);
     let doubt = StepDoubt::of_overload(program.element(&overload.element)?, settings.step);
-    let compared_steps = steps * settings.step / doubt.compared_step(settings.step);
-    let is_short = compared_steps <= f64::max(STEPS_TO_OVERLOAD, SHARE_TO_OVERLOAD * run_steps);
-    (!is_slight && is_short).then_some((doubt, end))
+    let steps = end / doubt.compared_step(settings.step);
+    let most = f64::max(STEPS_TO_OVERLOAD, SHARE_TO_OVERLOAD * settings.duration() / settings.step);
+    (!is_slight && steps <= most).then_some((doubt, end))
 }
 
-/// The first overload of a run, with its time in seconds summed over all repetitions.
-fn first_overload(trace: &Trace) -> Option<(f64, &Overload)> {
-    let mut begin = 0.0;
-    for repetition in &trace.repetitions {
-        if let Some(overload) = repetition.overloads.first() {
-            return Some((begin + overload.time, overload));
-        }
-        begin += repetition.end;
-    }
-    None
-}
-
-/// A step from `first` on, in problem seconds, with which the run is not warned of. If too many steps would be needed to
-/// find out, it is the last step that was recommended.
+/// The first step, beginning with `first`, whose run gets no warning, in problem seconds. If too many steps would be
+/// needed to find out, it is the last step that was recommended. A run that records every step does so with the other
+/// steps, too.
 fn passing_step(program: &Program, settings: &RunSettings, first: f64) -> f64 {
     let mut settings = without_results(settings);
-    let run_steps = settings.duration() / settings.step;
-    let mut steps_left = STEPS_FOR_ADVICE + SHARE_FOR_ADVICE * run_steps;
+    let (duration, records_all) = (settings.duration(), settings.every == settings.step);
+    let mut steps_left = STEPS_FOR_ADVICE + SHARE_FOR_ADVICE * duration / settings.step;
     settings.step = first;
     loop {
-        steps_left -= settings.duration() / settings.step;
+        settings.every = if records_all { settings.step } else { settings.every };
+        steps_left -= duration / settings.step;
         if steps_left < 0.0 {
             return settings.step;
         }
         let checked = run_checked(program, &settings, &mut |_| (), &mut |_| ControlFlow::Continue(()));
-        match checked.ok().and_then(|trace| trace.step_warning) {
-            Some(warning) => settings.step = next_step(&settings, &warning),
-            None => return settings.step,
-        }
+        settings.step = match checked.map(|trace| trace.step_warning) {
+            Ok(None) => return settings.step,
+            Ok(Some(warning)) => {
+                steps_left -= duration / warning.compared_step;
+                next_step(&settings, &warning)
+            }
+            Err(_) => 0.5 * settings.step,
+        };
     }
 }
 
@@ -177,8 +169,8 @@ fn without_results(settings: &RunSettings) -> RunSettings {
     RunSettings { sensitivities: Vec::new(), block_samples, ..settings.clone() }
 }
 
-/// The samples, extremes and overloads of another run up to a time in seconds, or up to an error if there is one. `selection` selects
-/// the samples.
+/// The samples, extremes and overloads of another run up to a time in seconds, or up to an error if there is one.
+/// `selection` selects the samples.
 fn other_trace(
     program: &Program,
     settings: RunSettings,
