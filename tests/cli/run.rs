@@ -36,7 +36,8 @@ fn overloads_are_printed_with_their_causes() {
 }
 
 /// An integrator whose feedback leads through a lag. The lag changes its rate at the limit from 96 V/s to 90 V/s.
-const FEEDBACK_WITH_MEMORY: &str = r#"{"patchcord": 1, "title": "memory", "machine": "unlimited", "elements": {
+pub(super) const FEEDBACK_WITH_MEMORY: &str = r#"{"patchcord": 1, "title": "memory", "machine": "unlimited",
+    "elements": {
     "P": {"kind": "pot", "in": "A", "setting": 0.1},
     "L": {"kind": "lag", "in": {"x1": ["P"]}, "time": 1},
     "N": {"kind": "inverter", "in": "L"},

@@ -24,8 +24,7 @@ const WHOLE_TEXTS: [(&str, &str); 6] = [
 const PRODUCTS_WITH_POWER: [(&str, &str); 1] = [("kgm", "kg m")];
 
 /// Signs for degrees, and what they are read as. A letter of a temperature scale may follow.
-const DEGREE_SIGNS: [(&str, &str); 5] =
-    [("º", "°"), ("˚", "°"), ("℃", "degC"), ("℉", "degF"), ("°", "deg")];
+const DEGREE_SIGNS: [(&str, &str); 5] = [("º", "°"), ("˚", "°"), ("℃", "degC"), ("℉", "degF"), ("°", "deg")];
 
 /// The name of degrees, of an angle or of a temperature.
 const DEGREE: &str = "deg";

@@ -204,8 +204,8 @@ impl<'c> Doubt<'c> {
     }
 }
 
-/// Whether a text is spelt as a unit and not as a word: it has a sign such as "/", begins with degrees as in "deg C", or
-/// has a capital letter after a small one as in "mVolts".
+/// Whether a text is spelt as a unit and not as a word: it has a sign such as "/", begins with degrees as in "deg C",
+/// or has a capital letter after a small one as in "mVolts".
 fn is_spelt_as_unit(text: &str) -> bool {
     let mut pairs = text.chars().zip(text.chars().skip(1));
     text.contains(['/', '^', '*', '·', '°', '²', '³', '⁻'])
