@@ -20,7 +20,7 @@ const WHOLE_TEXTS: [(&str, &str); 6] = [
     ("unitless", "1"),
 ];
 
-/// Products without a blank in front of a power, and their units. Before other powers, the letters may be a name.
+/// Products that are usual without a blank in front of a power, such as `kgm2`, and their units.
 const PRODUCTS_WITH_POWER: [(&str, &str); 1] = [("kgm", "kg m")];
 
 /// Signs for degrees, and what they are read as. A letter of a temperature scale may follow.
