@@ -268,6 +268,13 @@ pub(super) fn path_text(path: &Path) -> String {
     escape_controls(&path.display().to_string())
 }
 
+/// A path quoted for a shell if necessary.
+pub(super) fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |letter: char| letter.is_alphanumeric() || "/._-".contains(letter);
+    if text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
 /// The list of written files after an empty line; empty if there are none.
 pub(super) fn written_paragraph<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
     let text = written_text(paths);
@@ -300,4 +307,15 @@ fn write_scaled_pictures(
 ) -> Result<(), Failure> {
     let bytes = plot::render_scaled(pictures, format, size, scale);
     outputs.write(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_with_spaces_are_quoted() {
+        let shown = [("a/b.json", "a/b.json"), ("a b.json", "'a b.json'"), ("it's.json", r"'it'\''s.json'")];
+        assert!(shown.iter().all(|(path, wanted)| quoted(Path::new(path)) == *wanted));
+    }
 }

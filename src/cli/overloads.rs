@@ -5,11 +5,12 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::new::quoted;
+use super::files::quoted;
+use super::standard_streams::is_dash;
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
 use patchcord::instruments::overload_demand;
-use patchcord::trace::{LimitDrive, Overload, Trace};
+use patchcord::trace::{LimitDrive, Overload, StepCause, StepWarning, Trace};
 
 /// The codes that begin and end the colour of overloads on a terminal: bold red, as for errors.
 const COLOUR: [&str; 2] = ["\x1b[1;31m", "\x1b[0m"];
@@ -35,8 +36,14 @@ fn overload_text(order: usize, overload: &Overload) -> String {
 
 /// What to do about the first overload of a run, in one line. Empty if there is none. `patch` is the path of the patch.
 ///
-/// The line names the scale of the overloaded amplifier, if a signal there has one.
+/// The line names the scale of the overloaded amplifier, if a signal there has one. It names the command that compares
+/// scales only if the patch is a file: standard input cannot be read again. If the solver is unstable, the overload may
+/// be false. Then the text is empty, because the advice about the step comes first.
 pub(super) fn overload_advice(trace: &Trace, circuit: &Circuit, patch: &Path) -> String {
+    let is_unstable = |warning: &StepWarning| matches!(warning.cause, StepCause::Unstable(_));
+    if trace.step_warning.as_ref().is_some_and(is_unstable) {
+        return String::new();
+    }
     let Some(Overload { element, .. }) = trace.overloads().next() else { return String::new() };
     let mut signals = circuit.signals().iter();
     let scaled = signals.find_map(|point| {
@@ -52,8 +59,13 @@ pub(super) fn overload_advice(trace: &Trace, circuit: &Circuit, patch: &Path) ->
             format!("reduce the gains into {element}, or enlarge the scale of the quantity that it computes")
         }
     };
-    let patch = escape_controls(&quoted(patch));
-    format!("  = help: {remedy}; `patchcord check {patch} --scaling` compares scales and gains\n")
+    let command = if is_dash(patch) {
+        String::new()
+    } else {
+        let patch = escape_controls(&quoted(patch));
+        format!("; `patchcord check {patch} --scaling` compares scales and gains")
+    };
+    format!("  = help: {remedy}{command}\n")
 }
 
 /// The failure of a run with overloads, with an exit code of its own. None if there is no overload.

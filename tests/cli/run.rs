@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use super::sweep::STIFF;
 use super::{
     FIG_8_16, code, errors, json, out, patchcord, patchcord_with_progress, path, spring, spring_with,
     without_elapsed_time,
@@ -35,7 +36,8 @@ fn overloads_are_printed_with_their_causes() {
 }
 
 /// An integrator whose feedback leads through a lag. The lag changes its rate at the limit from 96 V/s to 90 V/s.
-const FEEDBACK_WITH_MEMORY: &str = r#"{"patchcord": 1, "title": "memory", "machine": "unlimited", "elements": {
+pub(super) const FEEDBACK_WITH_MEMORY: &str = r#"{"patchcord": 1, "title": "memory", "machine": "unlimited",
+    "elements": {
     "P": {"kind": "pot", "in": "A", "setting": 0.1},
     "L": {"kind": "lag", "in": {"x1": ["P"]}, "time": 1},
     "N": {"kind": "inverter", "in": "L"},
@@ -83,6 +85,19 @@ fn a_run_with_overloads_says_once_what_to_do() {
     assert_eq!((&json(&document)["ok"], once(&out(&document))), (&true.into(), 0));
     let (_folder, file) = spring();
     assert!(!out(&patchcord(&["run", &file])).contains("--scaling"));
+}
+
+#[test]
+fn an_overload_of_an_unstable_solver_gets_no_advice_about_scales() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "stiff.json");
+    fs::write(&file, STIFF).unwrap();
+    let printed = out(&patchcord(&["run", &file]));
+    let with_table = errors(&patchcord(&["run", &file, "--csv", "-"]));
+    for text in [printed, with_table] {
+        assert!(text.contains("overload: F") && text.contains("the solver is unstable at F"), "{text}");
+        assert!(!text.contains("per_volt") && !text.contains("--scaling"), "{text}");
+    }
 }
 
 #[test]

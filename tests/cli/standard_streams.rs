@@ -6,6 +6,7 @@ use std::process::Output;
 
 use assert_cmd::Command;
 
+use super::run::FEEDBACK_WITH_MEMORY;
 use super::sweep::driven;
 use super::{FIG_8_16, SPRING, code, errors, json, out, patchcord, path, spring};
 
@@ -50,6 +51,15 @@ fn a_table_on_standard_output_has_its_overloads_on_standard_error() {
     let table = out(&ran);
     let is_row = |line: &str| line.starts_with(|sign: char| "#t".contains(sign) || sign.is_ascii_digit());
     assert!(table.lines().all(is_row) && table.contains("\nt,v_i,"), "{table}");
+}
+
+/// A command cannot read the patch from standard input a second time.
+#[test]
+fn the_advice_about_overloads_of_standard_input_names_no_command() {
+    let shown = out(&patchcord_reading(FEEDBACK_WITH_MEMORY, &["run", "-"]));
+    let advice = "  = help: reduce the gains into A, or enlarge the scale of the quantity that it computes\n";
+    assert!(shown.contains(advice), "{shown}");
+    assert!(!shown.contains("--scaling"), "{shown}");
 }
 
 #[test]

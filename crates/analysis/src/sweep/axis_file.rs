@@ -122,13 +122,14 @@ fn unit_faults(
     })
 }
 
-/// The conversion of a column to the declared unit of its parameter.
+/// The conversion of a column to the declared unit of its parameter. An empty comment is the unit of a pure number.
 ///
 /// # Errors
 /// If there is none. The text is the reason, after a semicolon; it is empty if a text is not a unit, or if the units
 /// have different dimensions.
 fn conversion(comment: &UnitComment, declared: &str) -> Result<Conversion, String> {
-    let (Some(unit), Ok(declared)) = (comment.unit(), Unit::parse(declared)) else {
+    let unit = if comment.text.is_empty() { Unit::parse("").ok() } else { comment.unit() };
+    let (Some(unit), Ok(declared)) = (unit, Unit::parse(declared)) else {
         return Err(String::new());
     };
     unit.conversion_to(&declared).map_err(|error| match &error {
@@ -215,6 +216,8 @@ mod tests {
             ("VcL,VcL\n1e-3,1e-3\n", "line 1 of FILE has more than one column \"VcL\"; give every column"),
             ("# VcL: mm\nVcL\n1\n", "line 1 of FILE: the unit of VcL is \"mm\", but the patch declares m/s"),
             ("VcL [N]\n1\n", "line 1 of FILE: the unit of VcL is \"N\", but the patch declares m/s"),
+            ("VcL (sec)\n1\n", "line 1 of FILE: the unit of VcL is \"sec\", but the patch declares m/s"),
+            ("# VcL:\nVcL\n1\n", "line 1 of FILE: the unit of VcL is \"\", but the patch declares m/s"),
             (
                 "# VcL: m/s\nVcL (mm/s)\n1\n",
                 "line 2 of FILE names a column VcL (mm/s), but line 1 gives its unit as m/s; correct or remove",
@@ -229,6 +232,15 @@ mod tests {
             let error = plan(text).unwrap_err();
             assert!(error.starts_with(expected) && error.lines().count() == 1, "{text:?}: {error}");
         }
+    }
+
+    #[test]
+    fn an_empty_comment_is_the_unit_of_a_pure_number() {
+        let comment = UnitComment { text: String::new(), line: 1 };
+        assert!(conversion(&comment, "1").unwrap().is_identity());
+        assert!(conversion(&comment, "").unwrap().is_identity());
+        assert_eq!(conversion(&comment, "%").unwrap().apply(0.5), 50.0);
+        assert_eq!(conversion(&comment, "m"), Err(String::new()));
     }
 
     #[test]

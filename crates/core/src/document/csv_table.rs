@@ -59,7 +59,7 @@ impl CsvFault {
 /// The unit of a column from a comment line `# name: unit`, or from the column's name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitComment {
-    /// Text of the unit. In a comment it may not be a valid unit.
+    /// Text of the unit as the file has it. In a comment it may not be a valid unit.
     pub text: String,
     /// Line of the comment or of the names in the file, from 1.
     pub line: usize,

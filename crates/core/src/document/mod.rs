@@ -93,12 +93,16 @@ pub const TIME_SCALE: &str = "time_scale";
 /// both.
 const MAX_FACTOR: f64 = 1e12;
 
+/// Whether a time scale or an input gain is within its limits.
+pub(crate) fn is_allowed_factor(factor: f64) -> bool {
+    (1.0 / MAX_FACTOR..=MAX_FACTOR).contains(&factor)
+}
+
 /// The diagnostic for a time scale or an input gain outside its limits. `what` is the subject of the message.
 pub(crate) fn factor_violation(what: &str, factor: Placed<f64>) -> Option<Diagnostic> {
-    let is_allowed = (1.0 / MAX_FACTOR..=MAX_FACTOR).contains(&factor.value);
     let value = format_outside(factor.value, (1.0 / MAX_FACTOR, MAX_FACTOR));
     let message = format!("{what} must be from 1e-12 to 1e12, not {value}");
-    (!is_allowed).then(|| Diagnostic::at(Code::BAD_NUMBER, factor.span, message))
+    (!is_allowed_factor(factor.value)).then(|| Diagnostic::at(Code::BAD_NUMBER, factor.span, message))
 }
 
 /// The smallest tolerance of a run. Below it, rounding errors exceed the errors of the steps: none of the test

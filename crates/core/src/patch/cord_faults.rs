@@ -1,7 +1,7 @@
 //! Diagnostics about the cords into an input, for elements and for ports of macro instances.
 
 use crate::document::tree::{Content, KeyValue, Node};
-use crate::document::{Code, Diagnostic, Placed, Span, TypedNumber, format_number};
+use crate::document::{Code, Diagnostic, Placed, Span, TypedNumber, format_number, is_allowed_factor};
 use crate::elements::{Input, Jacks, Kind, REFERENCES, misplaced_key_hint};
 use crate::machines::REFERENCE;
 use patchcord_expr::Unit;
@@ -77,11 +77,12 @@ pub(super) fn number_at_unknown_jack(kind: &Kind, jack: &KeyValue) -> Option<Dia
     Some(Diagnostic::at(Code::UNKNOWN_INPUT, jack.key_span, message).hint(hint))
 }
 
-/// The hint for a source and its gain that are exchanged: `"P1": 10` for `"x10": ["P1"]`.
+/// The hint for a source and its gain that are exchanged: `"P1": 10` for `"x10": ["P1"]`. A gain outside the limits is
+/// not repeated: no input has it.
 fn exchanged_gain_hint(source: &str, gain: &str) -> String {
     match gain.parse::<f64>() {
-        Ok(gain) if gain > 0.0 && gain.is_finite() => format!("write \"x{gain}\": [\"{source}\"]"),
-        Ok(gain) if gain < 0.0 && gain.is_finite() => format!(
+        Ok(gain) if is_allowed_factor(gain) => format!("write \"x{gain}\": [\"{source}\"]"),
+        Ok(gain) if is_allowed_factor(-gain) => format!(
             "a gain is positive, and the output is inverted: write \"x{}\": [\"{source}\"], or put an \"inverter\" in \
              front",
             -gain
@@ -207,6 +208,10 @@ mod tests {
             (r#"{"P1": [0.5]}"#, "write \"x0.5\": [\"P1\"]"),
             (r#"{"A1": -2.5}"#, inverted),
             (r#"{"A1": 0}"#, "the gain is in the name of an input, such as \"x10\": [\"A1\"]"),
+            (r#"{"P1": 1e12}"#, "write \"x1000000000000\": [\"P1\"]"),
+            (r#"{"A1": 1e300}"#, "the gain is in the name of an input, such as \"x10\": [\"A1\"]"),
+            (r#"{"A1": -1e300}"#, "the gain is in the name of an input, such as \"x10\": [\"A1\"]"),
+            (r#"{"A1": 1e-13}"#, "the gain is in the name of an input, such as \"x10\": [\"A1\"]"),
             (r#"{"initial": 5}"#, "write \"initial\" next to \"in\", not in it"),
             (r#"{"min": -5}"#, "write \"limit\": {\"lower\": -10}, in volts, next to \"in\""),
         ];

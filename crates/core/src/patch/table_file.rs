@@ -216,7 +216,9 @@ impl TableFile {
                 Ok(conversion) => {
                     rows.columns[axis].iter_mut().for_each(|number| *number = conversion.apply(*number));
                 }
-                Err(error) => faults.push(not_convertible(&rows.names[axis], &error, path, axis)),
+                Err(error) => {
+                    faults.push(not_convertible(&rows.names[axis], (comment, &error), path, axis));
+                }
             }
         }
         if faults.is_empty() { Ok(rows) } else { Err(faults) }
@@ -281,10 +283,17 @@ const SEVERAL_RUNS_HINT: &str = "the table contains several runs (initial_condit
 const JUMP_HINT: &str = "a phase that ends with a relay (until) or changes a parameter (set) writes a jump as two \
                          lines with the same time: keep one of them, or make the second slightly later";
 
-/// The fault of a column whose unit cannot be converted to the required unit.
-fn not_convertible(name: &str, error: &ConversionError, path: &Path, axis: usize) -> CsvFault {
+/// The fault of a column whose unit cannot be converted to the required unit. `comment` has the unit of the column.
+fn not_convertible(
+    name: &str,
+    (comment, error): (&UnitComment, &ConversionError),
+    path: &Path,
+    axis: usize,
+) -> CsvFault {
     let fault = match error {
-        ConversionError::Dimension { from, to } => {
+        ConversionError::Dimension { to, .. } => {
+            // The text of the file, not the unit: the file may have "sec" for "s".
+            let from = excerpt(&comment.text);
             let message =
                 format!("the column {name} of {} is in {from}, but {to} is needed here", path.display());
             let place = match csv_table::split_unit(name) {

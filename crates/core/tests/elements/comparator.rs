@@ -98,8 +98,8 @@ fn a_comparator_that_acts_on_its_input_chatters() {
     for mut machine in machines.map(Result::unwrap) {
         match machine.operate(1.0) {
             Err(RunError::Chatter { element, advice, time, .. }) => {
-                let remedy = "use a \"relay\" with hysteresis, \"drop_out\" below \"pull_in\", or put a \"delay\" into the \
-                              loop";
+                let remedy = "use a \"relay\" with hysteresis, \"drop_out\" below \"pull_in\", or put a \
+                              \"delay\" into the loop";
                 assert_eq!((element.as_str(), advice), ("K", remedy));
                 assert!((time - 0.5).abs() < 1e-2, "{time}");
             }

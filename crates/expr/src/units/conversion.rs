@@ -8,7 +8,7 @@
 //! * `rpm` counts revolutions, so a plain rate next to it does too: 1 rpm is 1 1/min, and 60 rpm are 1 1/s.
 //! * The radian is the number 1: 1 rad/s is 1 1/s, 1 N m/rad is 1 N m, and 180 deg are pi.
 //! * A plain rate next to `deg` may count degrees, radians or revolutions. So may one in `1/min` or `1/h` next
-//!   to `rad`. Such units are not converted.
+//!   to `rad`. Such units are not converted. Other factors do not matter: `deg/(s V)` is a rate, too.
 
 use super::dimension::Dimension;
 use super::symbols::Symbol;
@@ -142,7 +142,7 @@ impl Unit {
     /// Returns the unit of the angles of this unit if `plain` has no such angle. `None` if it is not clear.
     fn angle_unit_for(&self, plain: &Unit) -> Option<AngleUnit> {
         let power = |unit: &Unit, name: &str| unit.power_of(|symbol| symbol.name == name);
-        let is_rate = plain.dimension().is_power_of_time();
+        let is_rate = plain.dimension().is_power_of_time() || self.time_power() != 0.0;
         let revolutions = power(self, "rpm");
         let minutes = power(plain, "min");
         if power(self, "deg") != 0.0 {
@@ -154,6 +154,13 @@ impl Unit {
             let may_count_revolutions = is_rate && (minutes != 0.0 || power(plain, "h") != 0.0);
             (!may_count_revolutions).then_some(AngleUnit::Radian)
         }
+    }
+
+    /// Returns the power of time in the text of the unit: -1 for `deg/(s V)`, and 0 for `N m/deg`. The times that other
+    /// symbols contain, such as the newton, do not count.
+    fn time_power(&self) -> f64 {
+        let times = self.power_of(|symbol| symbol.dimension == Dimension::TIME);
+        times - self.power_of(|symbol| symbol.dimension == Dimension::FREQUENCY)
     }
 
     /// Returns the error for a conversion whose factor depends on what the unit without an angle counts.
@@ -236,7 +243,10 @@ mod tests {
             ("rad/ms", "1/s", 1000.0),
             ("rad/s2", "1/s2", 1.0),
             ("N m/rad", "N m", 1.0),
+            ("rad/(s V)", "1/(V s)", 1.0),
             ("N m/deg", "N m", 180.0 / PI),
+            ("N m/deg", "kg m2/s2", 180.0 / PI),
+            ("J/rad", "kW h", 1.0 / 3.6e6),
             ("deg", "1", PI / 180.0),
             ("mrad", "1", 1e-3),
         ];
@@ -254,6 +264,10 @@ mod tests {
             ("rad/s", "1/min"),
             ("rad/min", "1/min"),
             ("rad/h", "1/h"),
+            ("rad/(s V)", "1/(min V)"),
+            ("V h/rad", "V h"),
+            ("deg/(s V)", "1/(s V)"),
+            ("N m s/deg", "N m s"),
             ("rpm/V", "1/(V s)"),
             ("V/rpm", "V s"),
         ];

@@ -20,9 +20,17 @@ const WHOLE_TEXTS: [(&str, &str); 6] = [
     ("unitless", "1"),
 ];
 
+/// Products that are usual without a blank in front of a power, such as `kgm2`, and their units.
+const PRODUCTS_WITH_POWER: [(&str, &str); 1] = [("kgm", "kg m")];
+
 /// Signs for degrees, and what they are read as. A letter of a temperature scale may follow.
-const DEGREE_SIGNS: [(&str, &str); 6] =
-    [("º", "°"), ("˚", "°"), ("° ", "°"), ("℃", "degC"), ("℉", "degF"), ("°", "deg")];
+const DEGREE_SIGNS: [(&str, &str); 5] = [("º", "°"), ("˚", "°"), ("℃", "degC"), ("℉", "degF"), ("°", "deg")];
+
+/// The name of degrees, of an angle or of a temperature.
+const DEGREE: &str = "deg";
+
+/// The letters of the temperature scales.
+const TEMPERATURE_SCALES: [char; 3] = ['C', 'F', 'K'];
 
 /// What a text means as the unit of a column.
 ///
@@ -58,14 +66,18 @@ pub enum UnitLabel {
 impl UnitLabel {
     /// Reads a text. An empty text is the pure number. A text that is too long for a unit is none.
     pub fn read(text: &str) -> Self {
-        if let Ok(unit) = Unit::parse(text) {
-            return UnitLabel::Unit(unit);
-        }
         if text.len() > MAX_TEXT_LENGTH {
             return UnitLabel::Text;
         }
         let signs = DEGREE_SIGNS.into_iter();
-        let text = signs.fold(text.trim().to_owned(), |text, (sign, name)| text.replace(sign, name));
+        let without_signs = signs.fold(text.trim().to_owned(), |text, (sign, name)| text.replace(sign, name));
+        let with_scales = with_temperature_scales(&without_signs);
+        // "deg C" is a temperature, and not the product of an angle and a charge.
+        let has_temperature = with_scales != without_signs;
+        if let Some(unit) = Unit::parse(text).ok().filter(|_| !has_temperature) {
+            return UnitLabel::Unit(unit);
+        }
+        let text = with_scales;
         // "20 °C" is a condition and not a unit.
         if text.starts_with(|first: char| first.is_ascii_digit()) && !text.starts_with("1/") {
             return UnitLabel::Text;
@@ -76,6 +88,23 @@ impl UnitLabel {
             None => StrictText::of(&text).map_or(UnitLabel::Text, StrictText::label),
         }
     }
+}
+
+/// Replaces degrees and the letter of a temperature scale after blanks by one name: `degC` for `deg C`.
+fn with_temperature_scales(text: &str) -> String {
+    let mut joined = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find(DEGREE) {
+        let (before, after) = rest.split_at(at + DEGREE.len());
+        joined += before;
+        let name = after.trim_start();
+        let is_scale = name.strip_prefix(TEMPERATURE_SCALES).is_some_and(|end| {
+            // "deg C2" is a product, and "deg Cal" begins with another name.
+            !end.starts_with(is_name_letter) && !begins_with_power(end)
+        });
+        rest = if is_scale { name } else { after };
+    }
+    joined + rest
 }
 
 /// The meaning of one name.
@@ -101,8 +130,11 @@ impl Meaning {
             Some(symbol) if is_clear_full_name(name) && !(has_power && is_first) => Meaning::Unit(symbol),
             Some(symbol) if !has_power => Meaning::Similar(symbol),
             None if !has_power => Self::of_other(name),
-            None if name == "kgm" => Meaning::Unit("kg m".to_owned()),
-            _ => Meaning::Text,
+            None => {
+                let product = PRODUCTS_WITH_POWER.iter().find(|(known, _)| *known == name);
+                product.map_or(Meaning::Text, |(_, product)| Meaning::Unit((*product).to_owned()))
+            }
+            Some(_) => Meaning::Text,
         }
     }
 
@@ -232,6 +264,10 @@ mod tests {
             ("m/sec2", "m/s2"),
             ("°", "deg"),
             ("°/s", "deg/s"),
+            ("deg", "deg"),
+            ("N m/deg", "N m/deg"),
+            ("kg m/deg", "kg m/deg"),
+            ("deg C2", "deg C2"),
             ("º", "deg"),
             ("sec", "s"),
             ("secs", "s"),
@@ -276,7 +312,12 @@ mod tests {
         let cases = [
             ("°C", "temperatures are in K, and 0 °C is 273.15 K", Some(Dimension::TEMPERATURE)),
             ("° F", "temperatures are in K, and 0 °C is 273.15 K", Some(Dimension::TEMPERATURE)),
+            ("°  C", "temperatures are in K, and 0 °C is 273.15 K", Some(Dimension::TEMPERATURE)),
             ("℃", "temperatures are in K, and 0 °C is 273.15 K", Some(Dimension::TEMPERATURE)),
+            ("deg C", "temperatures are in K, and 0 °C is 273.15 K", Some(Dimension::TEMPERATURE)),
+            ("deg F", "temperatures are in K, and 0 °C is 273.15 K", Some(Dimension::TEMPERATURE)),
+            ("deg  K", "temperatures are in K, and 0 °C is 273.15 K", Some(Dimension::TEMPERATURE)),
+            ("W/(m2 deg C)", "temperatures are in K, and 0 °C is 273.15 K", None),
             ("days", "a day is 24 h", Some(Dimension::TIME)),
             ("kcal/h", "1 cal is 4.184 J", None),
             ("MPA", "a unit has upper-case and lower-case letters: MPa or mPa", Some(Dimension::PRESSURE)),

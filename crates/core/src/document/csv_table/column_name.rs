@@ -31,6 +31,11 @@ pub fn split_unit(column: &str) -> Option<(&str, Unit)> {
     }
 }
 
+/// Splits a column name as [`split_unit`] does, into the name and the text of the unit as it is written.
+pub(super) fn split_unit_text(column: &str) -> Option<(&str, &str)> {
+    split_label(column).filter(|(_, label)| matches!(UnitLabel::read(label), UnitLabel::Unit(_)))
+}
+
 /// A column name without the unit at its end.
 ///
 /// # Examples
@@ -199,11 +204,12 @@ impl<'c> Doubt<'c> {
     }
 }
 
-/// Whether a text is spelt as a unit and not as a word: it has a sign such as "/", or a capital letter after a small
-/// one as in "mVolts".
+/// Whether a text is spelt as a unit and not as a word: it has a sign such as "/", begins with degrees as in "deg C",
+/// or has a capital letter after a small one as in "mVolts".
 fn is_spelt_as_unit(text: &str) -> bool {
     let mut pairs = text.chars().zip(text.chars().skip(1));
     text.contains(['/', '^', '*', '·', '°', '²', '³', '⁻'])
+        || text.starts_with("deg ")
         || pairs.any(|(first, second)| first.is_lowercase() && second.is_uppercase())
 }
 
@@ -299,6 +305,8 @@ mod tests {
             (")", None),
             (">", None),
             ("T (°C)", None),
+            ("T (deg C)", None),
+            ("T [deg F]", None),
             ("u (mVolts)", None),
             ("µ (µm)", Some(("µ", "µm"))),
         ];
@@ -386,6 +394,10 @@ mod tests {
             ("F (KN)", "N", Some("KN")),
             ("T (°C)", "K", Some("°C")),
             ("T (°C)", "V", Some("°C")),
+            ("T (deg C)", "K", Some("deg C")),
+            ("T (deg F)", "V", Some("deg F")),
+            ("T (°  C)", "K", Some("°  C")),
+            ("T deg C", "K", Some("deg C")),
             ("T_degC", "K", Some("degC")),
             ("T (day)", "K", None),
             ("F (second)", "N", None),

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::rc::Rc;
 
+use super::column_name::split_unit_text;
 use super::{
     ColumnSelector, CsvFault, CsvTable, MAX_EXCERPT_CHARACTERS, MAX_FAULTS, UnitComment, excerpt, split_unit,
 };
@@ -157,15 +158,14 @@ impl<'a> Reader<'a> {
     }
 
     /// The unit of a column, from a comment line or else from its name. If a column has several comments, the last one
-    /// counts.
+    /// counts. The text of the unit remains as it is written, for messages.
     fn unit(&self, column: &str) -> Option<UnitComment> {
-        let in_name = split_unit(column);
-        let bare = in_name.as_ref().map(|(bare, _)| *bare);
-        let is_meant = |name: &str| name == column || bare == Some(name);
+        let in_name = split_unit_text(column);
+        let is_meant = |name: &str| name == column || in_name.is_some_and(|(bare, _)| bare == name);
         let comment = self.unit_comments.iter().rev().find(|(name, _)| is_meant(name.as_str()));
         comment.map(|(_, unit)| unit.clone()).or_else(|| {
-            let (_, unit) = in_name.as_ref()?;
-            Some(UnitComment { text: unit.text().to_owned(), line: self.line_number })
+            let (_, text) = in_name?;
+            Some(UnitComment { text: text.to_owned(), line: self.line_number })
         })
     }
 

@@ -77,8 +77,17 @@ fn units_in_full_and_in_other_brackets_are_understood() {
     let units: Vec<_> = table.units.iter().flatten().filter_map(UnitComment::unit).collect();
     let expected = ["ms", "µm", "mm/s", "kN m", "deg", "rpm"].map(|unit| Unit::parse(unit).unwrap());
     assert_eq!(units, expected);
-    assert_eq!(table.units[2].as_ref().map(|unit| unit.text.as_str()), Some("mm/sec"));
+    let texts: Vec<_> = table.units.iter().flatten().map(|unit| unit.text.as_str()).collect();
+    assert_eq!(texts, ["msec", "microns", "mm/sec", "kNm", "°", "rev/min"]);
     assert_eq!(UnitComment { text: String::new(), line: 1 }.unit(), None);
+}
+
+#[test]
+fn a_quotient_of_equal_units_in_a_name_is_the_pure_number() {
+    let table = table("t,x (sec/sec)\n0,1\n", &[ColumnSelector::First, ColumnSelector::Next]).unwrap();
+    let unit = table.units[1].as_ref().unwrap();
+    assert_eq!((unit.text.as_str(), unit.line), ("sec/sec", 1));
+    assert!(unit.unit().unwrap().is_same_as(&Unit::parse("1").unwrap()));
 }
 
 #[test]

@@ -9,6 +9,11 @@ use patchcord_core::document::{Code, Diagnostic, Placed, any_error};
 use patchcord_core::patch::unreadable_unit;
 use patchcord_expr::{ConversionError, Unit};
 
+/// Returns the text of the unit of a column for messages: as the file has it, or else that of the unit.
+fn unit_text<'t>(rows: &'t CsvTable, column: usize, unit: &'t str) -> &'t str {
+    rows.units[column].as_ref().map_or(unit, |comment| comment.text.as_str())
+}
+
 impl FileReader<'_> {
     /// Returns the unit that the file specifies for a column. The outer None means that it is invalid, the inner None
     /// that the file does not specify it.
@@ -37,8 +42,9 @@ impl FileReader<'_> {
         };
         if !in_file.is_same_as(&in_experiment.value) {
             let message = format!(
-                "the column {} has the unit {in_file} in {}, but {} in the experiment",
+                "the column {} has the unit {} in {}, but {} in the experiment",
                 rows.names[column],
+                unit_text(rows, column, in_file.text()),
                 self.path.display(),
                 in_experiment.value
             );
@@ -68,9 +74,10 @@ impl FileReader<'_> {
                 let is_time = unit.dimension() == second.dimension();
                 if !is_time {
                     let message = format!(
-                        "the column {} of {} must contain times, but its unit is {unit}",
+                        "the column {} of {} must contain times, but its unit is {}",
                         rows.names[0],
-                        self.path.display()
+                        self.path.display(),
+                        unit_text(rows, 0, unit.text())
                     );
                     let hint = "name the column of the times with \"time\"";
                     findings.push(Diagnostic::at(Code::UNIT_MISMATCH, self.span(0), message).hint(hint));
@@ -136,7 +143,8 @@ impl FileReader<'_> {
         let (message, hint) = match error {
             ConversionError::Dimension { from, to } => (
                 format!(
-                    "the column {name} of {path} is in {from}, but the {noun} {} of the patch is in {to}",
+                    "the column {name} of {path} is in {}, but the {noun} {} of the patch is in {to}",
+                    unit_text(rows, column, from),
                     requested.name
                 ),
                 format!("name another column or another {noun}"),
