@@ -278,6 +278,30 @@ fn pulses_of_half_a_step_have_the_right_length_or_a_warning() {
     }
 }
 
+/// A comparator of an oscillator of 99 V and 1 Hz is high above 98.9 V. The method damps the oscillator a little, and this
+/// shortens the pulses by much more.
+#[test]
+fn pulses_of_an_oscillator_have_the_right_length_or_a_warning() {
+    let rate = 2.0 * std::f64::consts::PI / 10.0;
+    let pot = |from: &str| element("pot").cord("in", from).set("setting", rate);
+    let builder = volts("pulses of an oscillator")
+        .element("C", element("integrator").cords("x10", ["PS"]).set("initial", 99))
+        .element("PS", pot("S"))
+        .element("S", element("integrator").cords("x10", ["PC"]))
+        .element("PC", pot("M"))
+        .element("M", element("inverter").cord("in", "C"))
+        .element("K", element("comparator").cord("in", "S").set("threshold", 98.9).set("low", 0))
+        .element("A", element("integrator").cords("x1", ["K"]));
+    let program = built(builder);
+    let expected = -100.0 * 10.0 * 2.0 * (98.9f64 / 99.0).acos() / (2.0 * std::f64::consts::PI);
+    for step in [0.035, 0.03, 0.028, 0.025, 0.022, 0.02, 0.01, 0.005] {
+        let trace = checked(&program, step, 10.0, &["A"]);
+        let error = (trace.values("A").unwrap().last().unwrap() - expected).abs();
+        assert!(error < 2e-3 * expected.abs() || trace.step_warning.is_some(), "step {step}: {error} V");
+        assert!(step > 0.01 || trace.step_warning.is_none(), "step {step}: {:?}", trace.step_warning);
+    }
+}
+
 /// x'' = -100 x from 10 V. A relay that switches in most steps has no influence on x.
 #[test]
 fn switchings_do_not_hide_the_error_of_a_step() {

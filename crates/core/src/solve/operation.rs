@@ -174,7 +174,7 @@ impl Machine<'_> {
     /// in the present phase. Kinks do not count, because kernels cross them.
     fn note_events(&mut self, next_step: u64) {
         if let Some(check) = &mut self.step_check {
-            check.note_events(self.work.changes + self.events.jumps, next_step);
+            check.note_events([self.work.changes, self.events.jumps], next_step);
         }
     }
 

@@ -48,6 +48,9 @@ const HARMLESS_CHANGE: f64 = 1e-2;
 const UNSTABLE_SHARE: u64 = 5;
 /// Estimated error of a run, in volts, above which its step is too long: 0.1 % of 100 V.
 const LARGEST_ERROR: f64 = 0.1;
+/// The same for a run with few changes of mode: a small error of a voltage near a threshold is a large error of
+/// the time of a change.
+const LARGEST_ERROR_WITH_CHANGES: f64 = 3e-3;
 /// The error of one step of order 4 after halving it is this share of the difference.
 const HALVING_SHARE: f64 = 16.0 / 15.0;
 /// Change of the states by the change of the rates in half a step, in volts, up to which rounding decides the response.
@@ -79,6 +82,8 @@ pub(super) struct StepCheck {
     run_interruptions: u64,
     /// Number of changes of mode and jumps so far.
     event_count: u64,
+    /// Number of changes of mode so far.
+    changes: u64,
     /// Number of steps of all repetitions that followed an event.
     steps_after_events: u64,
     /// Sum of the errors of every state over the checked steps after events, in volts.
@@ -128,6 +133,7 @@ impl StepCheck {
             run_attempts: 0,
             run_interruptions: 0,
             event_count: 0,
+            changes: 0,
             steps_after_events: 0,
             sums_after_events: vec![0.0; states],
             unstable_events: 0,
@@ -156,9 +162,10 @@ impl StepCheck {
 
     /// Notes how many changes of mode and jumps there have been since the initial condition, before the step with this
     /// number in the present phase.
-    pub(super) fn note_events(&mut self, events: u64, next_step: u64) {
-        if events > self.event_count {
-            self.event_count = events;
+    pub(super) fn note_events(&mut self, [changes, jumps]: [u64; 2], next_step: u64) {
+        self.changes = changes;
+        if changes + jumps > self.event_count {
+            self.event_count = changes + jumps;
             self.note_event(next_step);
         }
     }
@@ -280,7 +287,9 @@ impl StepCheck {
         let (element, periods) = self.fastest;
         let recommended = setup.step * RECOMMENDED_ADVANCE / periods;
         let fast = (periods > LARGEST_ADVANCE).then_some(StepDoubt::Fast { element, recommended });
-        let inaccurate = (error > LARGEST_ERROR).then_some(StepDoubt::Inaccurate);
+        let has_few_changes = (1..=MAX_COMPARED_EVENTS).contains(&self.changes);
+        let most = if has_few_changes { LARGEST_ERROR_WITH_CHANGES } else { LARGEST_ERROR };
+        let inaccurate = (error > most).then_some(StepDoubt::Inaccurate);
         StepDoubt::worse(StepDoubt::worse(unstable, fast), inaccurate)
     }
 }
