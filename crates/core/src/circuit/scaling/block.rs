@@ -66,7 +66,7 @@ impl Blocks {
     /// that differs by a power of ten, as with a wrong input, or the only one with this dimension. `None` if it is not
     /// clear which of several is meant: the right unit alone is no reason.
     pub(super) fn find(&self, dimension: Dimension, gain: f64) -> Option<Block> {
-        let fits = |block: &&Block| block.dimension == dimension && block.value > 0.0;
+        let fits = |block: &&Block| block.dimension == dimension && is_usable(block.value);
         let fitting: Vec<&Block> = self.singles.iter().filter(fits).collect();
         let agrees = |block: &&&Block| logarithmic_distance(gain, block.value) < GAIN_AGREEMENT;
         match fitting.iter().find(agrees) {
@@ -109,6 +109,11 @@ fn probable<'b>(fitting: &[&'b Block], gain: f64) -> Option<&'b Block> {
     }
 }
 
+/// Whether the value of an expression can be that of a gain. The reciprocal of a parameter of 0 cannot.
+fn is_usable(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
 /// The absolute difference of the logarithms of a gain and a positive value. The sign of the gain does not count.
 fn logarithmic_distance(gain: f64, value: f64) -> f64 {
     (gain.abs() / value).ln().abs()
@@ -128,7 +133,7 @@ fn pairs(singles: &[Block]) -> Vec<Pair> {
         let quotient = (first.value / second.value, first.dimension.over(second.dimension));
         let product = (first.value * second.value, first.dimension.times(second.dimension));
         for (is_product, (value, dimension)) in [(false, quotient), (true, product)] {
-            if factors[0] != factors[1] && value > 0.0 {
+            if factors[0] != factors[1] && is_usable(value) {
                 pairs.push(Pair { factors, is_product, value, dimension, rank: pairs.len() });
             }
         }

@@ -42,6 +42,15 @@ fn a_pot_for_k_over_m_has_the_block_gain_k_over_m() {
 }
 
 #[test]
+fn the_reciprocal_of_a_parameter_of_zero_is_no_block_gain() {
+    let patch =
+        spring("3 * k / m * position / velocity / 10 / time_scale").parameter("T2", 0.0, "s2", [0.0, 1.0]);
+    let circuit = Circuit::new(&patch.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
+    let row = circuit.scaling().into_iter().find(|row| row.output == "v").unwrap();
+    assert_eq!((row.block, row.expected_gain), (None, None));
+}
+
+#[test]
 fn pairs_are_considered_up_to_100_parameters() {
     let block = |more: usize| {
         let spring = spring("k / m * position / velocity / 10 / time_scale");
