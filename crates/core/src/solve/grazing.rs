@@ -61,8 +61,14 @@ impl Watched<'_> {
     }
 }
 
-/// The hint of an event that may come and go within the tried step of this length in problem seconds: at a stage that shows
-/// one, or where a watched voltage turns just before its event. `None` if there is no sign of such an event.
+/// All watched voltages: those of the guards that are possible from the present modes, then those of the kinks.
+fn all_watched<'a>(setup: &'a Setup<'_>, state: &'a SolverState) -> impl Iterator<Item = Watched<'a>> {
+    let guards = open_transitions(setup.program, &state.modes).map(|open| Watched::Guard(open.guard));
+    guards.chain(setup.kinks().map(Watched::Kink))
+}
+
+/// The hint of an event that may come and go within the tried step of this length in problem seconds: at a stage that
+/// shows one, or where a watched voltage turns just before its event. `None` if there is no sign of such an event.
 pub(super) fn hint(
     setup: &Setup<'_>,
     state: &SolverState,
@@ -70,9 +76,8 @@ pub(super) fn hint(
     buffers: &mut StepBuffers,
     length: f64,
 ) -> Option<Hint> {
-    let guards = open_transitions(setup.program, &state.modes).map(|open| Watched::Guard(open.guard));
     let uncertain = |share| Hint { share, is_certain: false };
-    let mut watched = guards.chain(setup.kinks().map(Watched::Kink));
+    let mut watched = all_watched(setup, state);
     if !setup.is_adaptive {
         let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
         let shares = watched.filter_map(|watched| {
@@ -120,9 +125,8 @@ fn first_turn(
     let faults = buffers.evaluation.faults.len();
     buffers.end_states.copy_from_slice(&buffers.states);
     buffers.end_voltages.copy_from_slice(&buffers.voltages);
-    let guards = open_transitions(setup.program, &state.modes).map(|open| Watched::Guard(open.guard));
     let mut first = None;
-    for watched in guards.chain(setup.kinks().map(Watched::Kink)) {
+    for watched in all_watched(setup, state) {
         let Some((turn, swing)) = turn_towards(setup, state, buffers, watched) else { continue };
         let margin = ERROR_MARGIN * error * REFERENCE + SWING_MARGIN * swing;
         let hint = refined(setup, state, delay_lines, buffers, (length, watched), (turn, margin));
