@@ -5,7 +5,7 @@
 
 use super::sine::sine_of;
 use super::{Kind, Setting, SettingQuantity};
-use crate::ir::{Builder, Guard, Register, Transition};
+use crate::ir::{Builder, Guard, ModeNames, Register, Transition};
 use patchcord_expr::Function;
 
 /// The frequency is a straight line in time.
@@ -60,12 +60,15 @@ fn output_law(builder: &mut dyn Builder) -> Register {
     sine_of(builder, cycles)
 }
 
+/// The mode of the sweep.
+const COURSE: ModeNames = ModeNames { mode: "course", values: &[(SWEEPING, "sweeping"), (STEADY, "steady")] };
+
 /// The time within the sweep and the time after it, in problem seconds: t and 0 during the sweep, then its length and
 /// the rest of t.
 fn times(builder: &mut dyn Builder) -> [Register; 2] {
     let (time, length) = (builder.time(), builder.get("time"));
     let (since, until) = (builder.subtract(time, length), builder.subtract(length, time));
-    let course = builder.new_mode(SWEEPING);
+    let course = builder.new_mode(COURSE, SWEEPING);
     builder.transition(course, Transition::new(SWEEPING, STEADY, Guard::reached(since)));
     builder.transition(course, Transition::new(STEADY, SWEEPING, Guard::passed(until)));
     let half = builder.constant(0.5);

@@ -5,7 +5,7 @@
 
 use super::relay::difference;
 use super::{Input, Kind, PartUse, Setting, SettingQuantity};
-use crate::ir::{Builder, ChatterRemedy, Guard, Register, Transition};
+use crate::ir::{Builder, ChatterRemedy, Guard, ModeNames, Register, Transition};
 use crate::machines::{Part, REFERENCE};
 
 /// The row of the comparator. Both inputs act through the memory, so a comparator in a loop leaves no loop to solve.
@@ -38,9 +38,12 @@ const LOW: f64 = 0.0;
 /// Mode while the output is high. It is position 1.
 const HIGH: f64 = 1.0;
 
+/// The mode of the output.
+const POSITION: ModeNames = ModeNames { mode: "output", values: &[(LOW, "low"), (HIGH, "high")] };
+
 /// out = high or low, in volts.
 fn output_law(builder: &mut dyn Builder) -> Register {
-    let position = builder.new_mode(LOW);
+    let position = builder.new_mode(POSITION, LOW);
     builder.chatter_remedy(position, ChatterRemedy::TwoThresholds);
     let (half, high, low) = (builder.constant(0.5), builder.get("high"), builder.get("low"));
     builder.select(position.value, half, high, low)

@@ -5,7 +5,7 @@
 //! at which they change.
 
 use super::{Input, Jacks, Kind, OutputStage, PartUse, Setting, SettingQuantity, Transfer, soft_limit};
-use crate::ir::{Builder, ChatterRemedy, Guard, ModeHandle, Register, Transition};
+use crate::ir::{Builder, ChatterRemedy, Guard, ModeHandle, ModeNames, Register, Transition};
 use crate::machines::{Part, REFERENCE};
 
 /// The row of the integrator. Every input acts through the rate only, so an integrator in a loop leaves no loop to
@@ -104,9 +104,9 @@ fn memory_law(builder: &mut dyn Builder) {
     let sum = builder.sum("x");
     let mut rate = builder.negate(sum);
     let modes = Modes {
-        direction: builder.is_driven("brake_x").then(|| builder.new_mode(STUCK)),
-        contact: builder.is_driven("gap").then(|| builder.new_mode(CLEAR)),
-        reset: builder.is_driven("reset").then(|| builder.new_mode(OPERATING)),
+        direction: builder.is_driven("brake_x").then(|| builder.new_mode(BRAKE, STUCK)),
+        contact: builder.is_driven("gap").then(|| builder.new_mode(CONTACT, CLEAR)),
+        reset: builder.is_driven("reset").then(|| builder.new_mode(RESET_CONTROL, OPERATING)),
     };
     if let Some(direction) = modes.direction {
         rate = brake(builder, direction, rate);
@@ -123,6 +123,9 @@ fn memory_law(builder: &mut dyn Builder) {
 
 /// Mode of a brake that holds. While it slips, the mode is the sign of the output.
 const STUCK: f64 = 0.0;
+/// The mode of the brake.
+const BRAKE: ModeNames =
+    ModeNames { mode: "brake", values: &[(STUCK, "stuck"), (1.0, "slipping up"), (-1.0, "slipping down")] };
 
 /// The rate with Coulomb friction of a level b >= 0: 0 while stuck, net - b x direction while the output slips.
 ///
@@ -165,6 +168,17 @@ const CLEAR: f64 = 0.0;
 const REBOUNDING: f64 = 1.0;
 /// Mode at rest against the stop.
 const RESTING: f64 = 2.0;
+/// The mode of the stops.
+const CONTACT: ModeNames = ModeNames {
+    mode: "contact",
+    values: &[
+        (CLEAR, "clear"),
+        (REBOUNDING, "rebounding down"),
+        (-REBOUNDING, "rebounding up"),
+        (RESTING, "pressed up"),
+        (-RESTING, "pressed down"),
+    ],
+};
 
 /// The rate with stops: 0 while the output rests against a stop, otherwise the given rate.
 ///
@@ -236,6 +250,9 @@ fn slowness(builder: &mut dyn Builder, after: Register) -> Register {
 const OPERATING: f64 = 0.0;
 /// Mode while the integrator is in initial condition by its reset input.
 const RESET: f64 = 1.0;
+/// The mode of the reset.
+const RESET_CONTROL: ModeNames =
+    ModeNames { mode: "reset", values: &[(OPERATING, "operating"), (RESET, "reset")] };
 
 /// The rate with a reset: 0 while reset, otherwise the given rate.
 ///

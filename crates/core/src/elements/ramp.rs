@@ -1,7 +1,7 @@
 //! Drive: a ramp that may reverse.
 
 use super::{Kind, Setting, SettingQuantity};
-use crate::ir::{Builder, Guard, Register, Transition};
+use crate::ir::{Builder, Guard, ModeNames, Register, Transition};
 
 /// The row of the ramp. Without `turn` it has no mode and no corner.
 pub(super) static KIND: Kind = Kind {
@@ -39,11 +39,14 @@ const FORTH: f64 = 0.0;
 /// Mode after the turn.
 const BACK: f64 = 1.0;
 
+/// The mode of a ramp that reverses.
+const DIRECTION: ModeNames = ModeNames { mode: "direction", values: &[(FORTH, "forth"), (BACK, "back")] };
+
 /// The time t until the turn, and 2 turn - t after it. The corner is a change of mode, so no step of the solver reaches
 /// across it.
 fn turned(builder: &mut dyn Builder, time: Register, turn: Register) -> Register {
     let (since, until) = (builder.subtract(time, turn), builder.subtract(turn, time));
-    let direction = builder.new_mode(FORTH);
+    let direction = builder.new_mode(DIRECTION, FORTH);
     builder.transition(direction, Transition::new(FORTH, BACK, Guard::reached(since)));
     builder.transition(direction, Transition::new(BACK, FORTH, Guard::passed(until)));
     let (back, half) = (builder.add(turn, until), builder.constant(0.5));

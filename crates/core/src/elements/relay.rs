@@ -5,7 +5,7 @@
 //! threshold and no contacts.
 
 use super::{Input, Kind, PartUse, Setting, SettingQuantity};
-use crate::ir::{Builder, ChatterRemedy, Guard, Register, Transition};
+use crate::ir::{Builder, ChatterRemedy, Guard, ModeNames, Register, Transition};
 use crate::machines::Part;
 
 /// Mode while the relay is released: the contact `off` is connected. It is position 0.
@@ -51,10 +51,14 @@ pub(super) static KIND: Kind = Kind {
     ..Kind::NETWORK
 };
 
+/// The mode of the contacts.
+const POSITION: ModeNames =
+    ModeNames { mode: "position", values: &[(RELEASED, "released"), (PULLED_IN, "pulled in")] };
+
 /// out = on while pulled in, off while released, in volts. The mode begins at the setting `closed`.
 fn output_law(builder: &mut dyn Builder) -> Register {
     let start = if builder.flag("closed") { PULLED_IN } else { RELEASED };
-    let position = builder.new_mode(start);
+    let position = builder.new_mode(POSITION, start);
     builder.chatter_remedy(position, ChatterRemedy::Hysteresis);
     let half = builder.constant(0.5);
     let (on, off) = (builder.input("on"), builder.input("off"));

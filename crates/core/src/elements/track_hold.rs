@@ -4,7 +4,7 @@
 //! says whether it holds.
 
 use super::{Input, Kind, PartUse, Setting, SettingQuantity};
-use crate::ir::{Builder, Guard, ModeHandle, Register, Transition};
+use crate::ir::{Builder, Guard, ModeHandle, ModeNames, Register, Transition};
 use crate::machines::Part;
 
 /// The row of the track-and-hold amplifier. Its control acts through the memory only.
@@ -41,9 +41,13 @@ const HOLDING: f64 = 0.0;
 /// Mode while the output follows the input.
 const TRACKING: f64 = 1.0;
 
+/// The mode of the amplifier.
+const POSITION: ModeNames =
+    ModeNames { mode: "position", values: &[(HOLDING, "holding"), (TRACKING, "tracking")] };
+
 /// out = -in while tracking, and otherwise the sampled output, in volts.
 fn output_law(builder: &mut dyn Builder) -> Register {
-    let (held, position) = (builder.new_sampled_value("initial"), builder.new_mode(HOLDING));
+    let (held, position) = (builder.new_sampled_value("initial"), builder.new_mode(POSITION, HOLDING));
     let signal = builder.input("in");
     let (followed, half) = (builder.negate(signal), builder.constant(0.5));
     builder.select(position.value, half, followed, held)

@@ -1,7 +1,7 @@
 //! Drive: a triangular wave.
 
 use super::{Kind, Setting, SettingQuantity};
-use crate::ir::{Builder, Guard, Register, Transition};
+use crate::ir::{Builder, Guard, ModeNames, Register, Transition};
 
 /// The row of the triangular wave. Amplitude and offset are in the unit of the drive's scale.
 pub(super) static KIND: Kind = Kind {
@@ -25,6 +25,9 @@ const RISING: f64 = 0.0;
 /// Mode on the falling flank.
 const FALLING: f64 = 1.0;
 
+/// The mode of the wave.
+const SLOPE: ModeNames = ModeNames { mode: "slope", values: &[(RISING, "rising"), (FALLING, "falling")] };
+
 /// out = offset + amplitude x tri, in volts. The frequency is in periods per problem second.
 ///
 /// tri = 1 - |4 p - 2|, where p is the fractional part of frequency t + 1/4. The corners are changes of mode, so no
@@ -40,7 +43,7 @@ fn output_law(builder: &mut dyn Builder) -> Register {
     let centred = builder.subtract(quadrupled, two);
     let distance = builder.absolute(centred);
     let before = builder.negate(centred);
-    let direction = builder.new_mode(RISING);
+    let direction = builder.new_mode(SLOPE, RISING);
     builder.transition(direction, Transition::new(RISING, FALLING, Guard::reached(centred)));
     builder.transition(direction, Transition::new(FALLING, RISING, Guard::passed(before)));
     let wave = builder.subtract(one, distance);

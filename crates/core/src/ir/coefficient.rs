@@ -10,7 +10,7 @@ use crate::document::{Span, format_distinct, format_outside, range_violation};
 #[derive(Debug, Clone)]
 pub struct Coefficient {
     /// The register of the prologue that contains it.
-    pub(crate) register: Register,
+    pub register: Register,
     /// Its element and setting, for messages: "PC5 setting".
     pub label: String,
     /// Least and largest permitted value.

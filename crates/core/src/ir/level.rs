@@ -9,12 +9,15 @@ use super::pulses::{Pulses, pulse_value};
 
 /// The source of a level.
 #[derive(Debug, Clone)]
-pub(crate) enum Level {
+pub enum Level {
     /// Random numbers at equal intervals.
     Noise(Noise),
     /// A stepped table of time: each value applies until the next point. Before the first point, the first value
     /// applies.
-    Points { table: usize },
+    Points {
+        /// Index of the table.
+        table: usize,
+    },
     /// Rectangular pulses.
     Pulses(Pulses),
 }

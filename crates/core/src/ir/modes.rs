@@ -7,9 +7,11 @@ use super::{Builder, Program, Register};
 
 /// A discrete value of an element, constant within a step. Relays, brakes, limits and drives with corners use modes.
 #[derive(Debug, Clone)]
-pub(crate) struct Mode {
+pub struct Mode {
     /// Index of the element.
     pub element: usize,
+    /// Its name and those of its values.
+    pub names: ModeNames,
     /// Whether the element is a drive: its mode depends on time only.
     pub is_drive: bool,
     /// The value in initial condition.
@@ -18,6 +20,15 @@ pub(crate) struct Mode {
     pub transitions: Vec<Transition>,
     /// What the error message recommends if the mode changes without end.
     pub chatter_remedy: ChatterRemedy,
+}
+
+/// The name of a mode and the names of its values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeNames {
+    /// A noun, such as "contact".
+    pub mode: &'static str,
+    /// The values, each with its name, such as 0 with "clear".
+    pub values: &'static [(f64, &'static str)],
 }
 
 /// The means of an element against endless switching (chatter). Error messages recommend it.
@@ -40,15 +51,15 @@ pub enum ChatterRemedy {
 #[derive(Debug, Clone)]
 pub struct Transition {
     /// The value of the mode before the change.
-    pub(crate) from: f64,
+    pub from: f64,
     /// The value of the mode after the change.
-    pub(crate) to: f64,
+    pub to: f64,
     /// The condition for the change.
-    pub(crate) guard: Guard,
+    pub guard: Guard,
     /// The state that the change sets, if any.
-    pub(crate) reset: Option<Reset>,
+    pub reset: Option<Reset>,
     /// Indices of other modes that change at the same time, with their new values.
-    pub(crate) sets: Vec<(u32, f64)>,
+    pub sets: Vec<(u32, f64)>,
 }
 
 /// A mode of the element whose law is being emitted.
@@ -64,14 +75,14 @@ pub struct ModeHandle {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard {
     /// The register that is compared with 0.
-    pub(crate) register: Register,
+    pub register: Register,
     /// Whether the value must be above 0; otherwise 0 is sufficient.
-    pub(crate) is_strict: bool,
+    pub is_strict: bool,
 }
 
 /// A state that a transition sets to a new value.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reset {
+pub struct Reset {
     /// Index of the state.
     pub state: u32,
     /// Register with the new value.

@@ -10,7 +10,7 @@ use chacha20::rand_core::{Rng as _, SeedableRng as _};
 
 /// A noise source of a program.
 #[derive(Debug, Clone)]
-pub(crate) struct Noise {
+pub struct Noise {
     /// Index of the drive.
     pub element: usize,
     /// Index of the coefficient with the seed.
@@ -23,7 +23,7 @@ pub(crate) struct Noise {
 
 /// The distribution of the numbers, which have mean 0 and variance 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Distribution {
+pub enum Distribution {
     /// Normal (Gaussian).
     Normal,
     /// Uniform from -sqrt(3) to sqrt(3).

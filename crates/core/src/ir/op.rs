@@ -117,7 +117,7 @@ impl<N: Number> Sources<'_, N> {
 
 impl Op {
     /// The registers that the operation reads.
-    pub(crate) fn operands(self) -> impl Iterator<Item = Register> {
+    pub fn operands(self) -> impl Iterator<Item = Register> {
         let operands = match self {
             Op::Absolute(a) | Op::Table(_, a) => [Some(a), None, None, None],
             Op::Add(a, b)

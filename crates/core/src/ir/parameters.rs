@@ -49,7 +49,7 @@ pub struct ParameterDeclaration {
     /// Text of the declared unit.
     pub unit: String,
     /// Dimension of the declared unit. Formulas of a run are checked with it.
-    pub(crate) dimension: Dimension,
+    pub dimension: Dimension,
 }
 
 impl ParameterValue {

@@ -32,7 +32,7 @@ pub struct ElementOutput {
 
 /// The state of an integrator or a lag: its output voltage.
 #[derive(Debug, Clone)]
-pub(crate) struct State {
+pub struct State {
     /// Index of the element.
     pub element: usize,
     /// Register of the rate, in volts per problem second. The rate is 0 while a limit holds the state.
@@ -49,7 +49,7 @@ pub(crate) struct State {
 
 /// The time constant of a lag.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct TimeConstant {
+pub struct TimeConstant {
     /// Coefficient of the time in machine seconds.
     pub time: u32,
     /// Problem seconds per machine second.
@@ -58,7 +58,7 @@ pub(crate) struct TimeConstant {
 
 /// A delay line of the program.
 #[derive(Debug, Clone)]
-pub(crate) struct Delay {
+pub struct Delay {
     /// Index of the element.
     pub element: usize,
     /// Register of the input.
@@ -76,7 +76,7 @@ pub(crate) struct Delay {
 
 /// A value that is constant within a step and sampled at its end: the memory of backlash and track-and-hold.
 #[derive(Debug, Clone)]
-pub(crate) struct SampledValue {
+pub struct SampledValue {
     /// Index of the element.
     pub element: usize,
     /// Index of the coefficient with the initial value.
@@ -96,9 +96,9 @@ pub(crate) struct SampledValue {
 #[derive(Debug, Clone)]
 pub struct Loop {
     /// The tears. Their registers are consecutive, and the operations of the loop follow them.
-    pub(crate) tears: Vec<Tear>,
+    pub tears: Vec<Tear>,
     /// The operations that depend on a tear, as a range of the body.
-    pub(crate) operations: Range<usize>,
+    pub operations: Range<usize>,
     /// The lamps of the members, as a range of the program's lamps.
     pub(crate) lamps: Range<usize>,
     /// The registers before the loop that its operations read, in ascending order.
@@ -112,7 +112,7 @@ pub struct Loop {
 
 /// An unknown output of a loop.
 #[derive(Debug, Clone)]
-pub(crate) struct Tear {
+pub struct Tear {
     /// Name of the element.
     pub name: String,
     /// Register of the unknown output.
@@ -141,7 +141,7 @@ impl Loop {
 
 /// An overload lamp of an amplifier without a state.
 #[derive(Debug, Clone)]
-pub(crate) struct Lamp {
+pub struct Lamp {
     /// Index of the element.
     pub element: usize,
     /// Register of the demanded output, before the amplifier's limit.
@@ -156,18 +156,18 @@ pub struct SignalInfo {
     /// Name of the signal.
     pub name: String,
     /// Register with its voltage.
-    pub(crate) register: Register,
+    pub register: Register,
     /// Index of the coefficient with the signal's value per volt, in SI. `None` if the signal is in volts.
-    pub(crate) per_volt: Option<u32>,
+    pub per_volt: Option<u32>,
     /// Text of the unit.
     pub unit: String,
     /// Value of the unit in SI.
-    pub(crate) per_unit: f64,
+    pub per_unit: f64,
     /// Dimension of the unit; that of a voltage if the signal has no scale.
-    pub(crate) dimension: Dimension,
+    pub dimension: Dimension,
     /// Whether the patch defines it under `signals`. The outputs of elements and drives are recordable under their own
     /// names.
-    pub(crate) is_named: bool,
+    pub is_named: bool,
 }
 
 /// An element that switches between named positions.

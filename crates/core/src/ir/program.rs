@@ -143,13 +143,14 @@ impl Program {
             .filter(|element| self.lowered.drives.contains(&self.lowered.elements[*element].register))
     }
 
-    /// Index of the table that a drive looks up at time.
-    pub(crate) fn drive_table(&self, drive: usize) -> Option<usize> {
+    /// Index of the table that a drive looks up at time. `drive` is its index in [`Program::element_outputs`].
+    pub fn drive_table(&self, drive: usize) -> Option<usize> {
         self.lowered.timetables.iter().find(|entry| entry.element == drive).map(|entry| entry.table)
     }
 
-    /// Index of the table that an element looks up at a voltage.
-    pub(crate) fn element_curve(&self, element: usize) -> Option<usize> {
+    /// Index of the table that an element looks up at a voltage. `element` is its index in
+    /// [`Program::element_outputs`].
+    pub fn element_curve(&self, element: usize) -> Option<usize> {
         self.lowered.curves.iter().find(|curve| curve.0 == element).map(|curve| curve.1)
     }
 

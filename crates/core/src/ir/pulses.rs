@@ -11,7 +11,7 @@ use patchcord_expr::Function;
 
 /// A source of rectangular pulses: 1 within a pulse, 0 outside.
 #[derive(Debug, Clone)]
-pub(crate) struct Pulses {
+pub struct Pulses {
     /// Index of the drive.
     pub element: usize,
     /// The pulses, with an index of a coefficient for each setting.
@@ -21,7 +21,7 @@ pub(crate) struct Pulses {
 /// Pulses of equal width. `V` is the type of a setting: an index of a coefficient, a number, or a number with its
 /// slope.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum PulseTrain<V> {
+pub enum PulseTrain<V> {
     /// Pulses without beginning and end.
     Wave {
         /// Pulses per problem second.
@@ -56,25 +56,23 @@ impl<V> PulseTrain<V> {
     }
 }
 
-impl<N: Number> PulseTrain<N> {
-    /// The problem time of an edge in seconds; infinity after the last edge.
-    fn edge_time(self, edge: u64) -> N {
-        let (pulse, is_fall) = (N::constant((edge / 2) as f64), edge % 2 == 1);
-        match self {
-            PulseTrain::Wave { frequency, duty, phase } => {
-                let turns = phase.divide(N::constant(TAU));
-                let start = turns.subtract(N::call(Function::Floor, turns, turns));
-                let cycles = if is_fall { pulse.add(duty) } else { pulse };
-                cycles.subtract(start).divide(frequency)
-            }
-            PulseTrain::Train { begin, width, period } => {
-                let rise = match period {
-                    Some(period) => begin.add(pulse.multiply(period)),
-                    None if edge < 2 => begin,
-                    None => N::constant(f64::INFINITY),
-                };
-                if is_fall { rise.add(width) } else { rise }
-            }
+/// The problem time of an edge in seconds; infinity after the last edge.
+fn edge_time<N: Number>(train: PulseTrain<N>, edge: u64) -> N {
+    let (pulse, is_fall) = (N::constant((edge / 2) as f64), edge % 2 == 1);
+    match train {
+        PulseTrain::Wave { frequency, duty, phase } => {
+            let turns = phase.divide(N::constant(TAU));
+            let start = turns.subtract(N::call(Function::Floor, turns, turns));
+            let cycles = if is_fall { pulse.add(duty) } else { pulse };
+            cycles.subtract(start).divide(frequency)
+        }
+        PulseTrain::Train { begin, width, period } => {
+            let rise = match period {
+                Some(period) => begin.add(pulse.multiply(period)),
+                None if edge < 2 => begin,
+                None => N::constant(f64::INFINITY),
+            };
+            if is_fall { rise.add(width) } else { rise }
         }
     }
 }
@@ -82,7 +80,7 @@ impl<N: Number> PulseTrain<N> {
 impl PulseTrain<f64> {
     /// The problem time of an edge in seconds; infinity after the last edge.
     pub(crate) fn time(self, edge: u64) -> f64 {
-        self.edge_time(edge)
+        edge_time(self, edge)
     }
 
     /// The number of edges up to a problem time in seconds.
@@ -128,7 +126,7 @@ impl Pulses {
     /// The slope of the instant of an edge, in problem seconds. `slopes` are those of the coefficients.
     pub(crate) fn shift(&self, edge: u64, coefficients: &[f64], slopes: &[f64]) -> f64 {
         let setting = |index: u32| Dual::new(coefficients[index as usize], slopes[index as usize]);
-        self.train.map(setting).edge_time(edge).slope
+        edge_time(self.train.map(setting), edge).slope
     }
 
     /// Whether an edge is at t = 0 and has a slope: with another value of the parameter it would be elsewhere. Edges at

@@ -129,6 +129,47 @@ impl Dimension {
         !self.is_dimensionless() && self == Self::TIME.power(second)
     }
 
+    /// The same dimension without its power of time.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Dimension;
+    ///
+    /// let speed = Dimension::LENGTH.over(Dimension::TIME);
+    /// assert_eq!(speed.without_time(), Dimension::LENGTH);
+    /// assert_eq!(Dimension::FREQUENCY.without_time(), Dimension::NONE);
+    /// ```
+    pub fn without_time(self) -> Self {
+        let [kilogram, metre, _, ampere, kelvin] = self.exponents;
+        Self { exponents: [kilogram, metre, 0.0, ampere, kelvin] }
+    }
+
+    /// The SI unit with volts in place of amperes, such as `V/m` in place of `kg m/(s3 A)`. For quantities of a machine
+    /// whose numbers are voltages.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Dimension;
+    ///
+    /// let slope = Dimension::VOLTAGE.over(Dimension::LENGTH);
+    /// assert_eq!(slope.text_in_volts(), "V/m");
+    /// assert_eq!(slope.power(-1.0).over(Dimension::TIME).text_in_volts(), "m/(s V)");
+    /// assert_eq!(Dimension::FORCE.text_in_volts(), "N");
+    /// ```
+    pub fn text_in_volts(self) -> String {
+        let [_, _, _, ampere, _] = self.exponents;
+        let rest = self.times(Self::VOLTAGE.power(ampere));
+        if ampere == 0.0 {
+            return self.to_string();
+        }
+        match NAMED.iter().find(|(name, dimension)| *dimension == rest && !name.contains('/')) {
+            Some((name, _)) => format_product([(*name, 1.0), ("V", -ampere)].into_iter()),
+            None => format_product(BASE_UNITS.into_iter().zip(rest.exponents).chain([("V", -ampere)])),
+        }
+    }
+
     /// Combines the exponents of two dimensions one by one.
     fn combined(self, other: Self, combine: impl Fn(f64, f64) -> f64) -> Self {
         let combined = |index| combine(self.exponents[index], other.exponents[index]);

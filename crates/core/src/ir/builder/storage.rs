@@ -5,13 +5,16 @@
 
 use super::Builder;
 use crate::ir::{
-    ChatterRemedy, Delay, Distribution, Guard, Level, Mode, ModeHandle, Noise, Op, PulseTrain, Pulses,
-    Register, SampledValue, State, TimeConstant, Transition,
+    ChatterRemedy, Delay, Distribution, Guard, Level, Mode, ModeHandle, ModeNames, Noise, Op, PulseTrain,
+    Pulses, Register, SampledValue, State, TimeConstant, Transition,
 };
 use crate::machines::REFERENCE;
 
 /// Mode of an integrator between its limits. At a limit, the mode is the sign of the limit.
 const FREE: f64 = 0.0;
+/// The mode of an integrator at its limits.
+const LIMIT: ModeNames =
+    ModeNames { mode: "limit", values: &[(FREE, "free"), (1.0, "at the upper"), (-1.0, "at the lower")] };
 
 impl dyn Builder + '_ {
     /// Adds a state to the current element. A setting is its initial voltage.
@@ -55,7 +58,7 @@ impl dyn Builder + '_ {
     /// The same with a lower and an upper limit, which apply if they are within ±100 V.
     pub fn set_limited_rate(&mut self, rate: Register, [lower, upper]: [Option<Register>; 2]) {
         let demand = self.scaled(rate, self.draft().program.lowered.time_scale);
-        let (held, zero, half) = (self.new_mode(FREE), self.constant(0.0), self.constant(0.5));
+        let (held, zero, half) = (self.new_mode(LIMIT, FREE), self.constant(0.0), self.constant(0.5));
         let (least, most) = (self.constant(-REFERENCE), self.constant(REFERENCE));
         let lower = lower.map_or(least, |lower| self.maximum(lower, least));
         let upper = upper.map_or(most, |upper| self.minimum(upper, most));
@@ -85,14 +88,15 @@ impl dyn Builder + '_ {
         self.transition(held, Transition::new(sign, FREE, Guard::passed(inside)));
     }
 
-    /// Adds a mode to the current element.
-    pub fn new_mode(&mut self, initial: f64) -> ModeHandle {
+    /// Adds a mode to the current element. The names are for the reader of its law.
+    pub fn new_mode(&mut self, names: ModeNames, initial: f64) -> ModeHandle {
         let is_drive = self.is_drive();
         let draft = self.draft_mut();
         let (element, index) = (draft.current, draft.program.lowered.modes.len() as u32);
         let (transitions, chatter_remedy) = (Vec::new(), ChatterRemedy::Input);
         draft.program.lowered_mut().modes.push(Mode {
             element,
+            names,
             is_drive,
             initial,
             transitions,

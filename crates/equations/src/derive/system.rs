@@ -1,0 +1,128 @@
+//! A system of equations in exact symbolic form.
+
+use num_traits::{Signed as _, Zero as _};
+use patchcord_expr::Dimension;
+
+use crate::symbolic::{Fraction, Symbol, Symbols};
+
+/// The equations of a circuit, in SI units.
+#[derive(Debug, Clone)]
+pub(crate) struct System {
+    /// The names of all quantities.
+    pub symbols: Symbols,
+    /// The laws. A definition comes before the laws that read its quantity, except in implicit laws and delays.
+    pub laws: Vec<Law>,
+    /// The modes.
+    pub modes: Vec<ModeLaw>,
+    /// The tables, by their index in the program: each with the name of its element.
+    pub tables: Vec<TableLaw>,
+}
+
+/// What determines a quantity.
+#[derive(Debug, Clone)]
+pub(crate) struct Law {
+    /// The quantity.
+    pub of: Symbol,
+    /// How it is determined.
+    pub kind: LawKind,
+}
+
+/// How a quantity is determined.
+#[derive(Debug, Clone)]
+pub(crate) enum LawKind {
+    /// A state: its rate, its value at the start, and its limits if it has any within those of the amplifier.
+    State { rate: Fraction, initial: Fraction, limits: [Option<Fraction>; 2] },
+    /// A value that follows from other quantities.
+    Definition(Fraction),
+    /// A value at which an expression is 0.
+    Implicit(Fraction),
+    /// A value that another one had some time ago, and the value before the first one arrives.
+    Delay { input: Fraction, time: Fraction, initial: Fraction },
+    /// A value that is stored at the end of each step: what is stored, and the value at the start.
+    Stored { next: Fraction, initial: Fraction },
+    /// A drive: a value that follows from time and parameters.
+    Drive(Fraction),
+    /// A source that is constant between known instants.
+    Source(Source),
+}
+
+/// A source that is constant between known instants.
+#[derive(Debug, Clone)]
+pub(crate) enum Source {
+    /// Random numbers with mean 0 and variance 1.
+    Noise,
+    /// The last value of a table of time at or before the present time.
+    Steps(usize),
+    /// 1 within a pulse, 0 outside: a law of time.
+    Pulses(Fraction),
+}
+
+/// A discrete value that is constant until a transition.
+#[derive(Debug, Clone)]
+pub(crate) struct ModeLaw {
+    /// The mode.
+    pub symbol: Symbol,
+    /// Name of its element.
+    pub element: String,
+    /// A noun, such as "contact".
+    pub noun: &'static str,
+    /// Its values with their names.
+    pub values: &'static [(f64, &'static str)],
+    /// The value in initial condition.
+    pub initial: f64,
+    /// The possible changes; of several that are due, the first one happens.
+    pub transitions: Vec<TransitionLaw>,
+}
+
+/// A change of a mode.
+#[derive(Debug, Clone)]
+pub(crate) struct TransitionLaw {
+    /// The value before the change.
+    pub from: f64,
+    /// The value after the change.
+    pub to: f64,
+    /// The change happens if this is 0 or above.
+    pub guard: Fraction,
+    /// Whether it must be above 0.
+    pub is_strict: bool,
+    /// The state that the change sets, with its new value.
+    pub reset: Option<(Symbol, Fraction)>,
+}
+
+impl TransitionLaw {
+    /// Whether the change can happen: its condition is not a number that fails.
+    pub(crate) fn is_possible(&self) -> bool {
+        self.guard
+            .as_rational()
+            .is_none_or(|value| value.is_positive() || (value.is_zero() && !self.is_strict))
+    }
+}
+
+/// A table of points.
+#[derive(Debug, Clone)]
+pub(crate) struct TableLaw {
+    /// Name of the element.
+    pub element: String,
+    /// The points, [abscissa, ordinate].
+    pub points: Vec<[f64; 2]>,
+    /// The unit of the ordinates if it is looked up at time. Otherwise both are voltages.
+    pub unit: Option<TableUnit>,
+}
+
+/// The unit of a table of time.
+#[derive(Debug, Clone)]
+pub(crate) struct TableUnit {
+    /// Its text.
+    pub text: String,
+    /// Its size in SI.
+    pub factor: f64,
+    /// Its dimension.
+    pub dimension: Dimension,
+}
+
+impl System {
+    /// The law of a quantity.
+    pub(crate) fn law(&self, of: Symbol) -> Option<&LawKind> {
+        self.laws.iter().find(|law| law.of == of).map(|law| &law.kind)
+    }
+}

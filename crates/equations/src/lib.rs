@@ -1,0 +1,38 @@
+//! Equations and wiring of patchcord.
+//!
+//! [`EquationListing`] derives the equations that the wiring of a patch solves, with exact numbers, in the signals,
+//! parameters and units of the patch. [`Notation`] is an expression as it is written, and [`text`] and [`latex`] write
+//! it.
+//!
+//! # Examples
+//!
+//! ```
+//! use patchcord_core::circuit::Circuit;
+//! use patchcord_core::ir::Program;
+//! use patchcord_core::patch::Patch;
+//! use patchcord_equations::{Detail, EquationListing};
+//!
+//! let patch = Patch::read("../../patches/lessons/lorenz.json")?;
+//! let circuit = Circuit::new(&patch)?;
+//! let listing = EquationListing::new(&circuit, &Program::new(&circuit)?, Detail::Signals);
+//! let equations: Vec<String> = listing.equations.iter().map(|equation| equation.text()).collect();
+//! assert_eq!(equations, ["x' = sigma (y - x)", "y' = rho x - y - x z", "z' = x y - beta z"]);
+//! # Ok::<(), Box<patchcord_core::document::Report>>(())
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod derive;
+mod listing;
+mod notation;
+mod symbolic;
+mod writing;
+
+pub use listing::{
+    Detail, EquationListing, InitialDocument, InitialValue, ListingDocument, ModeChange, ModeDescription,
+    TableDescription,
+};
+pub use notation::{
+    Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
+    equation_latex, equation_text, latex, text,
+};

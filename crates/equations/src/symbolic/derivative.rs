@@ -1,0 +1,116 @@
+//! The derivative of an expression with respect to one symbol.
+
+use num_traits::One as _;
+use patchcord_expr::Function;
+
+use super::apply::{apply, call, opaque, step};
+use super::fraction::Fraction;
+use super::monomial::{Application, Atom, CallOrder, Monomial, Operation};
+use super::number::{Rational, whole};
+use super::polynomial::Polynomial;
+use super::symbol::Symbol;
+
+/// The derivative of an expression with respect to a symbol.
+///
+/// `rate` is the derivative of a symbol: 1 for the symbol of a partial derivative and 0 for all others, or the rate of
+/// every symbol for a derivative with respect to time. At a corner it is the derivative on one side.
+pub(crate) fn derivative(fraction: &Fraction, rate: &mut dyn FnMut(Symbol) -> Fraction) -> Fraction {
+    let top = polynomial_derivative(fraction.numerator(), rate);
+    let bottom = fraction.divisors().fold(Fraction::whole(1), |bottom, (divisor, power)| {
+        bottom.times(&Fraction::from(divisor.clone()).power(power as i32))
+    });
+    let mut result = top.over(&bottom);
+    for (divisor, power) in fraction.divisors() {
+        let inner = polynomial_derivative(divisor, rate);
+        let factor = Fraction::whole(i64::from(power)).over(&Fraction::from(divisor.clone()));
+        result = result.minus(&fraction.times(&factor).times(&inner));
+    }
+    result
+}
+
+/// The derivative of a sum.
+fn polynomial_derivative(polynomial: &Polynomial, rate: &mut dyn FnMut(Symbol) -> Fraction) -> Fraction {
+    let mut sum = Fraction::zero();
+    for (product, number) in polynomial.terms() {
+        for (atom, exponent) in product.factors() {
+            let inner = atom_derivative(atom, rate);
+            if inner.is_zero() {
+                continue;
+            }
+            let rest = product.over(&Monomial::power_of(atom.clone(), 1));
+            let outer = Polynomial::term(number * whole(i64::from(*exponent)), rest);
+            sum = sum.plus(&Fraction::from(outer).times(&inner));
+        }
+    }
+    sum
+}
+
+/// The derivative of a factor.
+fn atom_derivative(atom: &Atom, rate: &mut dyn FnMut(Symbol) -> Fraction) -> Fraction {
+    match atom {
+        Atom::Symbol(symbol) => rate(*symbol),
+        Atom::Apply(applied) => {
+            let mut sum = Fraction::zero();
+            for index in 0..applied.arguments.len() {
+                let inner = derivative(&applied.arguments[index], rate);
+                if !inner.is_zero() {
+                    sum = sum.plus(&outer_derivative(atom, applied, index, rate).times(&inner));
+                }
+            }
+            sum
+        }
+    }
+}
+
+/// The derivative of a function with respect to one of its arguments.
+fn outer_derivative(
+    atom: &Atom,
+    applied: &Application,
+    index: usize,
+    rate: &mut dyn FnMut(Symbol) -> Fraction,
+) -> Fraction {
+    let one = Fraction::whole(1);
+    let [first, last] = [applied.arguments.first(), applied.arguments.last()]
+        .map(|argument| argument.cloned().unwrap_or_default());
+    let own = Fraction::atom(atom.clone());
+    match applied.operation {
+        // The sign: twice the step, less 1.
+        Operation::Absolute => step(&first).times(&Fraction::whole(2)).minus(&one),
+        Operation::Step | Operation::TableSlope(_) => Fraction::zero(),
+        Operation::Table(table) => apply(Operation::TableSlope(table), vec![first]),
+        Operation::Delay if index == 0 => {
+            // The chain rule multiplies by the inner derivative, so the delayed rate is divided by it.
+            let inner = derivative(&first, rate);
+            opaque(Operation::Delay, vec![inner.clone(), last]).over(&inner)
+        }
+        // The normal form has no minimum and no maximum.
+        Operation::Delay | Operation::Minimum | Operation::Maximum => Fraction::zero(),
+        Operation::Call(CallOrder(function)) => match function {
+            Function::Sqrt => one.over(&own.times(&Fraction::whole(2))),
+            Function::Sin => call(Function::Cos, &first, &first),
+            Function::Cos => call(Function::Sin, &first, &first).negated(),
+            Function::Tan => one.plus(&own.power(2)),
+            Function::Atan => one.over(&one.plus(&first.power(2))),
+            Function::Atan2 => {
+                let square = first.power(2).plus(&last.power(2));
+                if index == 0 { last.over(&square) } else { first.negated().over(&square) }
+            }
+            Function::Exp => own,
+            Function::Exp10 => own.times(&Fraction::number(std::f64::consts::LN_10)),
+            Function::Ln => one.over(&first),
+            Function::Log10 => one.over(&first.times(&Fraction::number(std::f64::consts::LN_10))),
+            Function::Tanh => one.minus(&own.power(2)),
+            Function::Power if index == 0 => last.times(&own).over(&first),
+            Function::Power => own.times(&call(Function::Ln, &first, &first)),
+            _ => Fraction::zero(),
+        },
+    }
+}
+
+/// The partial derivative with respect to one symbol.
+pub(crate) fn partial_derivative(fraction: &Fraction, of: Symbol) -> Fraction {
+    derivative(fraction, &mut |symbol| {
+        let value = if symbol == of { Rational::one() } else { whole(0) };
+        Fraction::rational(value)
+    })
+}

@@ -1,0 +1,58 @@
+//! The value of an expression.
+
+use super::fraction::Fraction;
+use super::monomial::{Application, Atom, CallOrder, Operation};
+use super::number::nearest;
+use super::polynomial::Polynomial;
+use super::symbol::Symbol;
+
+/// What an expression is evaluated with.
+pub(crate) trait Values {
+    /// The value of a symbol.
+    fn symbol(&self, symbol: Symbol) -> f64;
+    /// The value of a table at an abscissa.
+    fn table(&self, table: u32, at: f64) -> f64;
+    /// The slope of a table at an abscissa.
+    fn slope(&self, table: u32, at: f64) -> f64;
+    /// The value of an expression some time ago.
+    fn delayed(&self, expression: &Fraction, time: f64) -> f64;
+}
+
+/// The value of an expression.
+pub(crate) fn value(fraction: &Fraction, values: &dyn Values) -> f64 {
+    let top = sum(fraction.numerator(), values);
+    fraction.divisors().fold(top, |top, (divisor, power)| top / sum(divisor, values).powi(power as i32))
+}
+
+/// The value of a sum.
+fn sum(polynomial: &Polynomial, values: &dyn Values) -> f64 {
+    let term = |(product, number): (&super::Monomial, &super::Rational)| {
+        let factors = product.factors().iter().map(|(atom, exponent)| factor(atom, values).powi(*exponent));
+        factors.fold(nearest(number), |product, factor| product * factor)
+    };
+    polynomial.terms().map(term).sum()
+}
+
+/// The value of a factor.
+fn factor(atom: &Atom, values: &dyn Values) -> f64 {
+    match atom {
+        Atom::Symbol(symbol) => values.symbol(*symbol),
+        Atom::Apply(applied) => applied_value(applied, values),
+    }
+}
+
+/// The value of a function.
+fn applied_value(applied: &Application, values: &dyn Values) -> f64 {
+    let argument =
+        |index: usize| applied.arguments.get(index).map_or(0.0, |argument| value(argument, values));
+    match applied.operation {
+        Operation::Absolute => argument(0).abs(),
+        Operation::Step => f64::from(u8::from(argument(0) >= 0.0)),
+        Operation::Call(CallOrder(function)) => function.apply(argument(0), argument(1)),
+        Operation::Table(table) => values.table(table, argument(0)),
+        Operation::TableSlope(table) => values.slope(table, argument(0)),
+        Operation::Minimum => argument(0).min(argument(1)),
+        Operation::Maximum => argument(0).max(argument(1)),
+        Operation::Delay => values.delayed(&applied.arguments[0], argument(1)),
+    }
+}

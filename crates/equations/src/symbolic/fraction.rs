@@ -1,0 +1,298 @@
+//! The normal form of an expression: a sum of products over a product of sums.
+
+use std::collections::BTreeMap;
+
+use num_traits::{One as _, Signed as _, ToPrimitive as _};
+
+use super::apply::{absolute, apply, powers_reduced, step};
+use super::monomial::{Atom, Monomial};
+use super::number::{Rational, exact, whole};
+use super::polynomial::Polynomial;
+use super::symbol::Symbol;
+
+/// An expression in normal form.
+///
+/// Products are multiplied out, like terms are added, and common factors are cancelled. Divisors with one term are
+/// negative powers in the numerator. So equal expressions nearly always have equal normal forms: the exceptions are
+/// divisors with a common factor that is not a divisor itself, and identities between functions.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub(crate) struct Fraction {
+    /// The numerator.
+    numerator: Polynomial,
+    /// The divisors with more than one term, each with its power. Each begins with the number 1 and has no factor in
+    /// common to all terms.
+    divisors: BTreeMap<Polynomial, u32>,
+}
+
+impl Fraction {
+    /// The number 0.
+    pub(crate) fn zero() -> Self {
+        Self::default()
+    }
+
+    /// An exact number.
+    pub(crate) fn rational(number: Rational) -> Self {
+        Self::from(Polynomial::constant(number))
+    }
+
+    /// The number that a decimal means. A number that is not finite has no expression: it counts as 0.
+    pub(crate) fn number(value: f64) -> Self {
+        if value.is_finite() { Self::rational(exact(value)) } else { Self::zero() }
+    }
+
+    /// A whole number.
+    pub(crate) fn whole(number: i64) -> Self {
+        Self::rational(whole(number))
+    }
+
+    /// A symbol.
+    pub(crate) fn symbol(symbol: Symbol) -> Self {
+        Self::atom(Atom::Symbol(symbol))
+    }
+
+    /// A factor.
+    pub(crate) fn atom(atom: Atom) -> Self {
+        Self::from(Polynomial::term(Rational::one(), Monomial::power_of(atom, 1)))
+    }
+
+    /// The numerator.
+    pub(crate) fn numerator(&self) -> &Polynomial {
+        &self.numerator
+    }
+
+    /// The divisors with their powers.
+    pub(crate) fn divisors(&self) -> impl ExactSizeIterator<Item = (&Polynomial, u32)> {
+        self.divisors.iter().map(|(divisor, power)| (divisor, *power))
+    }
+
+    /// Whether it is the number 0.
+    pub(crate) fn is_zero(&self) -> bool {
+        self.numerator.is_zero()
+    }
+
+    /// The number, if it is one.
+    pub(crate) fn as_rational(&self) -> Option<Rational> {
+        if self.divisors.is_empty() { self.numerator.as_constant() } else { None }
+    }
+
+    /// The whole number, if it is a small one.
+    fn as_whole(&self) -> Option<i32> {
+        self.as_rational().filter(Rational::is_integer)?.to_integer().to_i32()
+    }
+
+    /// Whether it cannot be negative.
+    pub(crate) fn is_nonnegative(&self) -> bool {
+        self.numerator.is_nonnegative() && self.divisors.keys().all(Polynomial::is_nonnegative)
+    }
+
+    /// The sum.
+    pub(crate) fn plus(&self, other: &Fraction) -> Fraction {
+        if self.divisors == other.divisors {
+            let numerator = self.numerator.plus(&other.numerator);
+            return Fraction { numerator, divisors: self.divisors.clone() }.cancelled();
+        }
+        let mut divisors = self.divisors.clone();
+        for (divisor, power) in &other.divisors {
+            let own = divisors.entry(divisor.clone()).or_default();
+            *own = (*own).max(*power);
+        }
+        let numerator = self.numerator_over(&divisors).plus(&other.numerator_over(&divisors));
+        Fraction { numerator, divisors }.reduced()
+    }
+
+    /// The difference.
+    pub(crate) fn minus(&self, other: &Fraction) -> Fraction {
+        self.plus(&other.negated())
+    }
+
+    /// The negative.
+    pub(crate) fn negated(&self) -> Fraction {
+        Fraction { numerator: self.numerator.negated(), divisors: self.divisors.clone() }
+    }
+
+    /// The product.
+    pub(crate) fn times(&self, other: &Fraction) -> Fraction {
+        let mut divisors = self.divisors.clone();
+        for (divisor, power) in &other.divisors {
+            *divisors.entry(divisor.clone()).or_default() += power;
+        }
+        Fraction { numerator: self.numerator.times(&other.numerator), divisors }.reduced()
+    }
+
+    /// The quotient. A quotient by 0 counts as 0, because it has no expression.
+    pub(crate) fn over(&self, other: &Fraction) -> Fraction {
+        self.times(&other.reciprocal())
+    }
+
+    /// A whole power.
+    pub(crate) fn power(&self, exponent: i32) -> Fraction {
+        let base = if exponent < 0 { self.reciprocal() } else { self.clone() };
+        if let (Some((product, number)), true) = (base.numerator.as_term(), base.divisors.is_empty()) {
+            let exponent = exponent.abs();
+            let power = Polynomial::term(number.pow(exponent), product.power(exponent));
+            return Fraction::from(power).reduced();
+        }
+        (0..exponent.abs()).fold(Fraction::whole(1), |power, _| power.times(&base))
+    }
+
+    /// 1 over the expression; 0 for 0.
+    fn reciprocal(&self) -> Fraction {
+        if self.is_zero() {
+            return Fraction::zero();
+        }
+        let (number, content, rest) = self.numerator.clone().into_primitive();
+        let divisor = if rest.is_one() { None } else { Some((rest, 1)) };
+        let top = Polynomial::term(number.recip(), content.power(-1));
+        let numerator = self
+            .divisors
+            .iter()
+            .fold(top, |top, (divisor, power)| (0..*power).fold(top, |top, _| top.times(divisor)));
+        Fraction { numerator, divisors: divisor.into_iter().collect() }.reduced()
+    }
+
+    /// The smaller of two values.
+    pub(crate) fn minimum(&self, other: &Fraction) -> Fraction {
+        self.plus(other).minus(&absolute(&self.minus(other))).over(&Fraction::whole(2))
+    }
+
+    /// The larger of two values.
+    pub(crate) fn maximum(&self, other: &Fraction) -> Fraction {
+        self.plus(other).plus(&absolute(&self.minus(other))).over(&Fraction::whole(2))
+    }
+
+    /// `then` if left >= right, otherwise `otherwise`.
+    pub(crate) fn select(
+        left: &Fraction,
+        right: &Fraction,
+        then: &Fraction,
+        otherwise: &Fraction,
+    ) -> Fraction {
+        otherwise.plus(&then.minus(otherwise).times(&step(&left.minus(right))))
+    }
+
+    /// The power with an exponent that is an expression, if it is a whole number from -12 to 12.
+    pub(crate) fn whole_power(&self, exponent: &Fraction) -> Option<Fraction> {
+        let exponent = exponent.as_whole().filter(|exponent| exponent.abs() <= MOST_EXPANDED)?;
+        Some(self.power(exponent))
+    }
+
+    /// The expression with each symbol replaced.
+    pub(crate) fn mapped(&self, replace: &mut dyn FnMut(Symbol) -> Fraction) -> Fraction {
+        self.with_factors(&mut |atom| match atom {
+            Atom::Symbol(symbol) => Some(replace(*symbol)),
+            Atom::Apply(_) => None,
+        })
+    }
+
+    /// The expression with some factors replaced, also inside functions. A factor stays if `replace` gives `None`.
+    pub(crate) fn with_factors(&self, replace: &mut dyn FnMut(&Atom) -> Option<Fraction>) -> Fraction {
+        let top = with_factors(&self.numerator, replace);
+        self.divisors.iter().fold(top, |top, (divisor, power)| {
+            let divisor = with_factors(divisor, replace);
+            top.over(&divisor.power(*power as i32))
+        })
+    }
+
+    /// Whether a symbol with this property occurs anywhere in it.
+    pub(crate) fn contains(&self, is_wanted: &mut dyn FnMut(Symbol) -> bool) -> bool {
+        let polynomials = [&self.numerator].into_iter().chain(self.divisors.keys());
+        let mut atoms = polynomials.flat_map(Polynomial::atoms);
+        atoms.any(|atom| match atom {
+            Atom::Symbol(symbol) => is_wanted(*symbol),
+            Atom::Apply(applied) => applied.arguments.iter().any(|argument| argument.contains(is_wanted)),
+        })
+    }
+
+    /// The expression as a sum of two: the terms for which a condition holds, and the others.
+    pub(crate) fn split(&self, is_first: &mut dyn FnMut(&Fraction) -> bool) -> [Fraction; 2] {
+        let mut parts = [Fraction::zero(), Fraction::zero()];
+        for (product, number) in self.numerator.terms() {
+            let numerator = Polynomial::term(number.clone(), product.clone());
+            let term = Fraction { numerator, divisors: self.divisors.clone() };
+            let place = usize::from(!is_first(&term));
+            parts[place] = parts[place].plus(&term);
+        }
+        parts
+    }
+
+    /// Number of terms in the numerator and the divisors, a measure of the cost of a product.
+    pub(crate) fn size(&self) -> usize {
+        self.numerator.terms().len()
+            + self.divisors.keys().map(|divisor| divisor.terms().len()).sum::<usize>()
+    }
+
+    /// The numerator over other divisors, which contain the own ones.
+    fn numerator_over(&self, divisors: &BTreeMap<Polynomial, u32>) -> Polynomial {
+        divisors.iter().fold(self.numerator.clone(), |numerator, (divisor, power)| {
+            let own = self.divisors.get(divisor).copied().unwrap_or_default();
+            (own..*power).fold(numerator, |numerator, _| numerator.times(divisor))
+        })
+    }
+
+    /// The normal form after a product: powers of functions are reduced and common factors are cancelled.
+    fn reduced(self) -> Fraction {
+        match powers_reduced(&self.numerator) {
+            Some(numerator) => {
+                let divisors =
+                    Fraction { numerator: Polynomial::constant(Rational::one()), divisors: self.divisors };
+                // The divisors have no powers that can be reduced, so this ends.
+                numerator.times(&divisors)
+            }
+            None => self.cancelled(),
+        }
+    }
+
+    /// The same with common factors of numerator and divisors cancelled.
+    fn cancelled(mut self) -> Fraction {
+        if self.numerator.is_zero() {
+            return Fraction::zero();
+        }
+        let divisors = std::mem::take(&mut self.divisors);
+        for (divisor, mut power) in divisors {
+            while power > 0
+                && let Some(quotient) = self.numerator.divided_by(&divisor)
+            {
+                self.numerator = quotient;
+                power -= 1;
+            }
+            if power > 0 {
+                self.divisors.insert(divisor, power);
+            }
+        }
+        self
+    }
+}
+
+/// Exponents up to this size are multiplied out.
+const MOST_EXPANDED: i32 = 12;
+
+impl From<Polynomial> for Fraction {
+    fn from(numerator: Polynomial) -> Self {
+        Fraction { numerator, divisors: BTreeMap::new() }
+    }
+}
+
+/// A sum with some factors replaced.
+fn with_factors(polynomial: &Polynomial, replace: &mut dyn FnMut(&Atom) -> Option<Fraction>) -> Fraction {
+    let mut sum = Fraction::zero();
+    for (product, number) in polynomial.terms() {
+        let mut term = Fraction::rational(number.clone());
+        for (atom, exponent) in product.factors() {
+            let factor = replace(atom).unwrap_or_else(|| match atom {
+                Atom::Symbol(symbol) => Fraction::symbol(*symbol),
+                Atom::Apply(applied) => {
+                    let arguments = applied.arguments.iter().map(|argument| argument.with_factors(replace));
+                    apply(applied.operation, arguments.collect())
+                }
+            });
+            term = term.times(&factor.power(*exponent));
+        }
+        sum = sum.plus(&term);
+    }
+    sum
+}
+
+/// Whether the number in front of the greatest product is negative.
+pub(super) fn leads_negative(fraction: &Fraction) -> bool {
+    fraction.numerator.terms().next_back().is_some_and(|(_, number)| number.is_negative())
+}

@@ -1,0 +1,25 @@
+//! Expressions with exact numbers, in a normal form.
+//!
+//! Two expressions are equal if their difference is 0 in normal form. The numbers are rational, so gains and scales
+//! cancel exactly.
+
+mod apply;
+mod derivative;
+mod evaluate;
+mod fraction;
+mod monomial;
+mod number;
+mod polynomial;
+mod symbol;
+
+pub(crate) use apply::{absolute, call, delay, opaque, root, step, with_reduced_powers};
+pub(crate) use derivative::{derivative, partial_derivative};
+pub(crate) use evaluate::{Values, value};
+pub(crate) use fraction::Fraction;
+pub(crate) use monomial::{Application, Atom, CallOrder, Monomial, Operation};
+pub(crate) use number::{Rational, exact, is_negligible, nearest, whole};
+pub(crate) use polynomial::Polynomial;
+pub(crate) use symbol::{Symbol, SymbolEntry, SymbolKind, Symbols};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+//! Sums of products.
+
+use std::collections::BTreeMap;
+
+use num_traits::{One as _, Signed as _, Zero as _};
+
+use super::monomial::{Atom, Monomial};
+use super::number::Rational;
+
+/// A sum of products with numbers in front of them. No number is 0.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub(crate) struct Polynomial {
+    /// The numbers, by product.
+    terms: BTreeMap<Monomial, Rational>,
+}
+
+impl Polynomial {
+    /// A number.
+    pub(crate) fn constant(number: Rational) -> Self {
+        Self::term(number, Monomial::default())
+    }
+
+    /// A product with a number in front of it.
+    pub(crate) fn term(number: Rational, product: Monomial) -> Self {
+        let terms = (!number.is_zero()).then_some((product, number));
+        Polynomial { terms: terms.into_iter().collect() }
+    }
+
+    /// The terms in ascending order of their products.
+    pub(crate) fn terms(
+        &self,
+    ) -> impl DoubleEndedIterator<Item = (&Monomial, &Rational)> + ExactSizeIterator {
+        self.terms.iter()
+    }
+
+    /// Whether the sum is empty.
+    pub(crate) fn is_zero(&self) -> bool {
+        self.terms.is_empty()
+    }
+
+    /// The number, if the sum is one.
+    pub(crate) fn as_constant(&self) -> Option<Rational> {
+        match self.as_term() {
+            Some((product, number)) => product.is_one().then(|| number.clone()),
+            None => self.is_zero().then(Rational::zero),
+        }
+    }
+
+    /// The only term, if there is exactly one.
+    pub(crate) fn as_term(&self) -> Option<(&Monomial, &Rational)> {
+        self.terms.iter().next().filter(|_| self.terms.len() == 1)
+    }
+
+    /// Whether the sum is the number 1.
+    pub(crate) fn is_one(&self) -> bool {
+        self.as_term().is_some_and(|(product, number)| product.is_one() && number.is_one())
+    }
+
+    /// Whether the sum cannot be negative: no term can be, or terms that can be are covered by an absolute value, as
+    /// in |x| - x.
+    pub(crate) fn is_nonnegative(&self) -> bool {
+        let is_safe =
+            |(product, number): &(&Monomial, &Rational)| number.is_positive() && product.is_nonnegative();
+        if self.terms.iter().all(|term| is_safe(&term)) {
+            return true;
+        }
+        let covering = self.terms.iter().filter(is_safe).filter_map(|(product, number)| {
+            let (rest, inside) = product.absolute_factor()?;
+            Some((product, inside.times_term(&rest, number)))
+        });
+        let mut left = self.clone();
+        for (product, inside) in covering {
+            for covered in [inside.negated(), inside] {
+                if covered.terms.iter().all(|(product, number)| left.terms.get(product) == Some(number)) {
+                    left = left.plus(&covered.negated());
+                    left.terms.remove(product);
+                    break;
+                }
+            }
+        }
+        left.terms.iter().all(|term| is_safe(&term))
+    }
+
+    /// Adds a term.
+    pub(crate) fn add_term(&mut self, product: Monomial, number: &Rational) {
+        let sum = self.terms.remove(&product).map_or_else(|| number.clone(), |own| own + number);
+        if !sum.is_zero() {
+            self.terms.insert(product, sum);
+        }
+    }
+
+    /// The sum of two sums.
+    pub(crate) fn plus(&self, other: &Polynomial) -> Polynomial {
+        let mut sum = self.clone();
+        other.terms.iter().for_each(|(product, number)| sum.add_term(product.clone(), number));
+        sum
+    }
+
+    /// The product with one term.
+    pub(crate) fn times_term(&self, product: &Monomial, number: &Rational) -> Polynomial {
+        let terms = self.terms.iter().map(|(own, coefficient)| (own.times(product), coefficient * number));
+        Polynomial { terms: terms.filter(|(_, number)| !number.is_zero()).collect() }
+    }
+
+    /// The product of two sums, multiplied out.
+    pub(crate) fn times(&self, other: &Polynomial) -> Polynomial {
+        let mut result = Polynomial::default();
+        for (product, number) in &self.terms {
+            for (other, coefficient) in &other.terms {
+                result.add_term(product.times(other), &(number * coefficient));
+            }
+        }
+        result
+    }
+
+    /// The sum with every number negated.
+    pub(crate) fn negated(&self) -> Polynomial {
+        Polynomial { terms: self.terms.iter().map(|(product, number)| (product.clone(), -number)).collect() }
+    }
+
+    /// The term with the greatest product. The sum must not be empty.
+    fn leading(&self) -> (&Monomial, &Rational) {
+        self.terms.last_key_value().expect("the sum has a term")
+    }
+
+    /// The sum as number x product x rest. The rest has no factor in common to all terms and begins with the number 1.
+    /// The sum must not be empty.
+    pub(crate) fn into_primitive(self) -> (Rational, Monomial, Polynomial) {
+        let mut products = self.terms.keys();
+        let first = products.next().cloned().unwrap_or_default();
+        let content = products.fold(first, |content, product| content.common(product));
+        let number = self.leading().1.clone();
+        let divide = |(product, own): (Monomial, Rational)| (product.over(&content), own / &number);
+        let rest = Polynomial { terms: self.terms.into_iter().map(divide).collect() };
+        (number, content, rest)
+    }
+
+    /// The quotient if the division leaves no remainder.
+    pub(crate) fn divided_by(&self, divisor: &Polynomial) -> Option<Polynomial> {
+        if self.is_zero() {
+            return Some(Polynomial::default());
+        }
+        let (lead, number) = divisor.leading();
+        let last = divisor.terms.first_key_value()?.0;
+        // Every product of the quotient lies above this one, or the division does not end.
+        let least = self.terms.first_key_value()?.0.over(last);
+        let (mut rest, mut quotient) = (self.clone(), Polynomial::default());
+        for _ in 0..MOST_TERMS {
+            if rest.is_zero() {
+                return Some(quotient);
+            }
+            let (top, coefficient) = rest.leading();
+            let (product, factor) = (top.over(lead), coefficient / number);
+            if product < least {
+                return None;
+            }
+            rest = rest.plus(&divisor.times_term(&product, &-factor.clone()));
+            quotient.add_term(product, &factor);
+        }
+        None
+    }
+
+    /// The sum in powers of a factor: the exponents with the sums that multiply them.
+    pub(crate) fn by_powers(&self, atom: &Atom) -> BTreeMap<i32, Polynomial> {
+        let mut powers: BTreeMap<i32, Polynomial> = BTreeMap::new();
+        for (product, number) in &self.terms {
+            let exponent = product.exponent(atom);
+            let rest = product.over(&Monomial::power_of(atom.clone(), exponent));
+            powers.entry(exponent).or_default().add_term(rest, number);
+        }
+        powers
+    }
+
+    /// All factors of all terms.
+    pub(crate) fn atoms(&self) -> impl Iterator<Item = &Atom> {
+        self.terms.keys().flat_map(|product| product.factors().iter().map(|(atom, _)| atom))
+    }
+}
+
+/// Terms of a quotient at most. A division with more is given up: the quotient would be no simplification.
+const MOST_TERMS: usize = 400;

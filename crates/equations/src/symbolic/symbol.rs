@@ -1,0 +1,75 @@
+//! Symbols: the named quantities of expressions.
+
+use patchcord_expr::Dimension;
+
+/// A named quantity: a parameter, a variable, the time or pi. [`Symbols`] has its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Symbol {
+    /// The index in the table of symbols.
+    pub index: u32,
+    /// Whether the quantity is never negative. So it can be taken out of an absolute value.
+    pub is_nonnegative: bool,
+}
+
+/// What a symbol stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SymbolKind {
+    /// The number pi.
+    Pi,
+    /// Problem time in seconds.
+    Time,
+    /// A parameter of the patch, with its index.
+    Parameter(usize),
+    /// A quantity that varies in a run.
+    Variable,
+    /// A number that is constant within a step: a mode, a held value, noise or pulses.
+    Held,
+}
+
+/// The entry of a symbol.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SymbolEntry {
+    /// The name without primes.
+    pub name: String,
+    /// The number of time derivatives.
+    pub primes: u8,
+    /// What it stands for.
+    pub kind: SymbolKind,
+    /// The dimension of its value; the value itself is in SI units.
+    pub dimension: Dimension,
+}
+
+/// The table of all symbols. The order is that in which they appear in products.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Symbols {
+    entries: Vec<SymbolEntry>,
+}
+
+impl Symbols {
+    /// Adds a symbol.
+    pub(crate) fn add(&mut self, entry: SymbolEntry, is_nonnegative: bool) -> Symbol {
+        self.entries.push(entry);
+        Symbol { index: self.entries.len() as u32 - 1, is_nonnegative }
+    }
+
+    /// Adds a variable of any sign.
+    pub(crate) fn variable(&mut self, name: &str, primes: u8, dimension: Dimension) -> Symbol {
+        let kind = SymbolKind::Variable;
+        self.add(SymbolEntry { name: name.to_owned(), primes, kind, dimension }, false)
+    }
+
+    /// The entry of a symbol.
+    pub(crate) fn entry(&self, symbol: Symbol) -> &SymbolEntry {
+        &self.entries[symbol.index as usize]
+    }
+
+    /// The index of the first symbol with this name.
+    pub(crate) fn first_of_name(&self, name: &str) -> Option<u32> {
+        self.entries.iter().position(|entry| entry.name == name).map(|index| index as u32)
+    }
+
+    /// Whether a symbol is constant in a run: a parameter or pi.
+    pub(crate) fn is_constant(&self, symbol: Symbol) -> bool {
+        matches!(self.entry(symbol).kind, SymbolKind::Pi | SymbolKind::Parameter(_))
+    }
+}

@@ -1,0 +1,217 @@
+//! Writes choices as cases: values by condition.
+
+use num_traits::Signed as _;
+use patchcord_expr::Dimension;
+
+use super::Writer;
+use super::maxima::with_maxima;
+use crate::derive::ModeLaw;
+use crate::notation::{Comparison, Condition, Notation, Relation, comparison_text};
+use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, SymbolKind};
+
+/// Most conditions of one expression that become cases. Further ones are written as a function `step`.
+const MOST_CONDITIONS: usize = 3;
+
+/// A value with the conditions under which it applies.
+type Case = (Notation, Vec<Comparison>);
+
+impl Writer<'_> {
+    /// An expression, with cases if it contains a mode or a condition.
+    pub(super) fn cases(&self, value: &Fraction, dimension: Option<Dimension>) -> Notation {
+        let mut cases = self.branches(value, dimension, MOST_CONDITIONS);
+        // The last case needs no condition of its own if the one before it has the same value.
+        while let [.., (before, _), (last, conditions)] = cases.as_slice()
+            && before == last
+            && conditions.is_empty()
+        {
+            let end = cases.len() - 2;
+            cases.remove(end);
+        }
+        if cases.len() == 1 {
+            return cases.remove(0).0;
+        }
+        let conditioned = cases
+            .into_iter()
+            .map(|(value, condition)| (value, (!condition.is_empty()).then_some(Condition(condition))));
+        Notation::Cases(conditioned.collect())
+    }
+
+    /// The cases of an expression, in the order in which they are examined. The last one may have no condition.
+    fn branches(&self, value: &Fraction, dimension: Option<Dimension>, left: usize) -> Vec<Case> {
+        let mode = self.system.modes.iter().find(|mode| value.contains(&mut |symbol| symbol == mode.symbol));
+        if let Some(mode) = mode {
+            return self.mode_branches(mode, value, dimension, left);
+        }
+        let condition = if left == 0 { None } else { first_condition(value) };
+        let Some(condition) = condition else { return vec![(self.sum(value, dimension), Vec::new())] };
+        let [then, otherwise] = [1, 0].map(|holds| with_condition(value, &condition, holds));
+        if then == otherwise {
+            return self.branches(&then, dimension, left);
+        }
+        // A law of time begins with the earlier values.
+        let is_reversed = self.is_of_time(&condition);
+        let relation = if is_reversed { Relation::Less } else { Relation::AtLeast };
+        let (first, second) = if is_reversed { (otherwise, then) } else { (then, otherwise) };
+        let comparison = self.compare(&condition, relation);
+        let mut cases = self.branches(&first, dimension, left - 1);
+        cases.iter_mut().for_each(|(_, conditions)| conditions.insert(0, comparison.clone()));
+        cases.extend(self.branches(&second, dimension, left - 1));
+        cases
+    }
+
+    /// The cases by the value of a mode. Values with the same expression are one case.
+    fn mode_branches(
+        &self,
+        mode: &ModeLaw,
+        value: &Fraction,
+        dimension: Option<Dimension>,
+        left: usize,
+    ) -> Vec<Case> {
+        let mut by_expression: Vec<(Fraction, Vec<&str>)> = Vec::new();
+        for (number, name) in mode.values {
+            let expression = value.mapped(&mut |symbol| {
+                if symbol == mode.symbol { Fraction::number(*number) } else { Fraction::symbol(symbol) }
+            });
+            match by_expression.iter_mut().find(|(known, _)| *known == expression) {
+                Some((_, names)) if names.contains(name) => {}
+                Some((_, names)) => names.push(name),
+                None => by_expression.push((expression, vec![name])),
+            }
+        }
+        // The expression of most values is last. It needs no condition.
+        by_expression.sort_by_key(|(_, names)| names.len());
+        let last = by_expression.len() - 1;
+        let cases = by_expression.iter().enumerate().flat_map(|(index, (expression, names))| {
+            let words = Comparison::Words(format!("{} is {}", mode.element, names.join(" or ")));
+            let mut cases = self.branches(expression, dimension, left);
+            if index < last {
+                cases.iter_mut().for_each(|(_, conditions)| conditions.insert(0, words.clone()));
+            }
+            cases
+        });
+        cases.collect()
+    }
+
+    /// Whether an expression varies with time only.
+    fn is_of_time(&self, value: &Fraction) -> bool {
+        let symbols = &self.system.symbols;
+        !value.contains(&mut |symbol| {
+            !symbols.is_constant(symbol) && symbols.entry(symbol).kind != SymbolKind::Time
+        })
+    }
+
+    /// The condition that an expression is 0 or above, or strictly above 0, as text. The smaller of two values is above
+    /// 0 if both are.
+    pub(crate) fn condition_text(&self, guard: &Fraction, is_strict: bool) -> String {
+        if let Some([first, second]) = minimum_of(guard) {
+            let [first, second] = [first, second].map(|guard| self.condition_text(&guard, is_strict));
+            return format!("{first} and {second}");
+        }
+        let relation = if is_strict { Relation::Greater } else { Relation::AtLeast };
+        comparison_text(&self.compare(guard, relation))
+    }
+
+    /// A comparison of an expression with 0, with variables on the left and constants on the right, and without
+    /// positive factors.
+    fn compare(&self, condition: &Fraction, relation: Relation) -> Comparison {
+        if condition.divisors().len() > 0 || condition.is_zero() {
+            let (left, dimension) = (condition, self.dimension(condition));
+            let right = Notation::Number { value: 0.0, unit: None };
+            return Comparison::Compare { left: self.expression(left, dimension), relation, right };
+        }
+        let (number, content, rest) = with_maxima(condition.numerator()).into_primitive();
+        let is_number =
+            self.is_constant(&content) && rest.terms().all(|(product, _)| self.is_constant(product));
+        let unknown = content.only(|atom, exponent| is_number || exponent % 2 != 0 && !atom.is_nonnegative());
+        let relation = if number.is_negative() { reversed(relation) } else { relation };
+        let (mut left, mut right) = (Polynomial::default(), Polynomial::default());
+        for (product, number) in rest.terms() {
+            let product = product.times(&unknown);
+            if self.is_constant(&product) {
+                right.add_term(product, &-number.clone());
+            } else {
+                left.add_term(product, number);
+            }
+        }
+        if left.is_zero() {
+            std::mem::swap(&mut left, &mut right);
+            left = left.negated();
+        }
+        let is_negative = left.terms().all(|(_, number)| number.is_negative());
+        let (left, right, relation) = if is_negative {
+            (left.negated(), right.negated(), reversed(relation))
+        } else {
+            (left, right, relation)
+        };
+        let dimension = self.sum_dimension(&left);
+        let [left, right] = [left, right].map(|side| self.expression(&Fraction::from(side), dimension));
+        Comparison::Compare { left, relation, right }
+    }
+}
+
+/// The two values of which an expression is the smaller one, but for a positive factor.
+fn minimum_of(guard: &Fraction) -> Option<[Fraction; 2]> {
+    if guard.divisors().len() > 0 {
+        return None;
+    }
+    let written = with_maxima(guard.numerator());
+    let (product, number) = written.as_term()?;
+    let is_minimum = |atom: &Atom| {
+        matches!(atom, Atom::Apply(applied)
+        if matches!(applied.operation, Operation::Minimum | Operation::Maximum))
+    };
+    let (atom, _) = product.factors().iter().find(|(atom, exponent)| is_minimum(atom) && *exponent == 1)?;
+    let is_known =
+        |(other, exponent): &(Atom, i32)| other == atom || exponent % 2 == 0 || other.is_nonnegative();
+    let Atom::Apply(applied) = atom else { return None };
+    let [first, second] = applied.arguments.as_slice() else { return None };
+    match applied.operation {
+        _ if !product.factors().iter().all(is_known) => None,
+        Operation::Minimum if number.is_positive() => Some([first.clone(), second.clone()]),
+        Operation::Maximum if number.is_negative() => Some([first.negated(), second.negated()]),
+        _ => None,
+    }
+}
+
+/// The relation with both sides negated.
+fn reversed(relation: Relation) -> Relation {
+    match relation {
+        Relation::Less => Relation::Greater,
+        Relation::AtMost => Relation::AtLeast,
+        Relation::Greater => Relation::Less,
+        Relation::AtLeast => Relation::AtMost,
+        Relation::Equal => Relation::Equal,
+    }
+}
+
+/// The argument of a step in an expression that contains no other step.
+fn first_condition(value: &Fraction) -> Option<Fraction> {
+    let divisors = value.divisors().map(|(divisor, _)| divisor);
+    let mut atoms = [value.numerator()].into_iter().chain(divisors).flat_map(Polynomial::atoms);
+    atoms.find_map(|atom| match atom {
+        Atom::Symbol(_) => None,
+        Atom::Apply(applied) => {
+            let inner = applied.arguments.iter().find_map(first_condition);
+            inner.or_else(|| step_argument(applied).cloned())
+        }
+    })
+}
+
+/// The argument of a step.
+fn step_argument(applied: &Application) -> Option<&Fraction> {
+    if applied.operation == Operation::Step { applied.arguments.first() } else { None }
+}
+
+/// An expression with the step of a condition, and that of the opposite condition, replaced by numbers.
+fn with_condition(value: &Fraction, condition: &Fraction, holds: i64) -> Fraction {
+    let opposite = condition.negated();
+    value.with_factors(&mut |atom| {
+        let Atom::Apply(applied) = atom else { return None };
+        let argument = step_argument(applied)?;
+        if argument == condition {
+            Some(Fraction::whole(holds))
+        } else {
+            (*argument == opposite).then(|| Fraction::whole(1 - holds))
+        }
+    })
+}

@@ -1,0 +1,142 @@
+//! Writes exact expressions in the order and grouping that a reader expects.
+//!
+//! Terms with equal constant factors are grouped: `sigma (y - x)`. A positive term comes first. Constant factors are
+//! written in front: `(k/m) x`. Absolute values become minima and maxima where that is shorter, and choices by a
+//! condition become cases.
+
+mod cases;
+mod dimensions;
+mod maxima;
+mod terms;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_expr::Dimension;
+
+use crate::derive::System;
+use crate::notation::Notation;
+use crate::symbolic::{Application, Atom, CallOrder, Fraction, Monomial, Operation, Symbol};
+
+/// Writes the expressions of a system.
+pub(crate) struct Writer<'a> {
+    /// The system, with the names of all quantities.
+    pub system: &'a System,
+    /// The dimensions that count as pure numbers.
+    purity: Purity,
+}
+
+/// The dimensions that count as pure numbers in a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purity {
+    /// None: the patch has physical units.
+    Physical,
+    /// Times: no parameter and no scale has a dimension that contains time.
+    Times,
+    /// All: the patch has no units other than volts.
+    All,
+}
+
+impl Purity {
+    /// The purity of a patch.
+    fn of(circuit: &Circuit) -> Self {
+        let patch = circuit.patch();
+        let parameters = patch.parameters.values().map(|parameter| parameter.unit.dimension());
+        let scales = patch.scales.values().map(|scale| scale.unit.dimension());
+        let dimensions: Vec<Dimension> = parameters.chain(scales).collect();
+        let is_volts =
+            |dimension: &Dimension| dimension.is_dimensionless() || *dimension == Dimension::VOLTAGE;
+        if dimensions.iter().all(is_volts) {
+            Purity::All
+        } else if dimensions.iter().all(|dimension| *dimension == dimension.without_time()) {
+            Purity::Times
+        } else {
+            Purity::Physical
+        }
+    }
+
+    /// A dimension without its pure parts.
+    fn reduced(self, dimension: Dimension) -> Dimension {
+        match self {
+            Purity::Physical => dimension,
+            Purity::Times => dimension.without_time(),
+            Purity::All => Dimension::NONE,
+        }
+    }
+}
+
+impl<'a> Writer<'a> {
+    /// A writer for a system that was derived from this circuit.
+    pub(crate) fn new(circuit: &Circuit, system: &'a System) -> Self {
+        Writer { system, purity: Purity::of(circuit) }
+    }
+
+    /// An expression of this dimension. Numbers that have a dimension are written with their unit in SI. `None` if any
+    /// dimension is right.
+    pub(crate) fn expression(&self, value: &Fraction, dimension: Option<Dimension>) -> Notation {
+        self.cases(value, dimension.map(|dimension| self.purity.reduced(dimension)))
+    }
+
+    /// A quantity, or one of its derivatives.
+    pub(crate) fn name(&self, symbol: Symbol) -> Notation {
+        let entry = self.system.symbols.entry(symbol);
+        Notation::Name { name: entry.name.clone(), primes: entry.primes }
+    }
+
+    /// A factor.
+    fn factor(&self, atom: &Atom) -> Notation {
+        match atom {
+            Atom::Symbol(symbol) => self.name(*symbol),
+            Atom::Apply(applied) => self.function(applied),
+        }
+    }
+
+    /// A function with its arguments.
+    fn function(&self, applied: &Application) -> Notation {
+        let argument = |(index, argument): (usize, &Fraction)| {
+            self.expression(argument, self.argument_dimension(applied, index))
+        };
+        let arguments = applied.arguments.iter().enumerate().map(argument).collect();
+        Notation::Call(self.function_name(applied.operation), arguments)
+    }
+
+    /// Name of a function.
+    fn function_name(&self, operation: Operation) -> String {
+        match operation {
+            Operation::Absolute => "abs".to_owned(),
+            Operation::Step => "step".to_owned(),
+            Operation::Call(CallOrder(function)) => function.name().to_owned(),
+            Operation::Table(table) => self.table_name(table),
+            Operation::TableSlope(table) => format!("slope_of_{}", self.table_name(table)),
+            Operation::Delay => "delay".to_owned(),
+            Operation::Minimum => "min".to_owned(),
+            Operation::Maximum => "max".to_owned(),
+        }
+    }
+
+    /// Name of a table as a function.
+    pub(crate) fn table_name(&self, table: u32) -> String {
+        let prefix = if self.is_time_table(table) { "table" } else { "curve" };
+        format!("{prefix}_{}", self.system.tables[table as usize].element)
+    }
+
+    /// Whether a table is looked up at time.
+    fn is_time_table(&self, table: u32) -> bool {
+        self.system.tables[table as usize].unit.is_some()
+    }
+
+    /// Whether a product is constant in a run.
+    fn is_constant(&self, product: &Monomial) -> bool {
+        product.factors().iter().all(|(atom, _)| self.is_constant_factor(atom))
+    }
+
+    /// Whether a factor is constant in a run.
+    fn is_constant_factor(&self, atom: &Atom) -> bool {
+        let symbols = &self.system.symbols;
+        match atom {
+            Atom::Symbol(symbol) => symbols.is_constant(*symbol),
+            Atom::Apply(applied) => applied
+                .arguments
+                .iter()
+                .all(|argument| !argument.contains(&mut |symbol| !symbols.is_constant(symbol))),
+        }
+    }
+}
