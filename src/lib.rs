@@ -157,6 +157,7 @@ pub use patchcord_core::solve::{Machine, RunSettings, run};
 pub use patchcord_core::trace::Trace;
 pub use patchcord_core::{circuit, document, elements, ir, machines, output, patch, solve, trace};
 pub use patchcord_draw as draw;
+pub use patchcord_equations as equations;
 pub use patchcord_expr as expr;
 pub use patchcord_ident as ident;
 pub use patchcord_ident::{Experiment, Library, Outcome, Problem, SearchSettings, search};

@@ -14,6 +14,7 @@ use crate::known_problems::runs;
 use patchcord::circuit::Circuit;
 use patchcord::draw::plot;
 use patchcord::elements::reference_page;
+use patchcord::equations::{Detail, EquationListing};
 use patchcord::ident::effects::{Attachment, InputRole, Library, OutputRole};
 use patchcord::ir::Program;
 use patchcord::patch::{Patch, json_schema};
@@ -188,6 +189,26 @@ fn the_schema_is_up_to_date() {
 #[test]
 fn the_page_of_elements_is_up_to_date() {
     assert_up_to_date("docs/elements.md", reference_page().as_bytes(), "patchcord");
+}
+
+/// The heading after which a page is generated.
+const GENERATED_EQUATIONS: &str = "## The equations of the shipped patches\n";
+
+#[test]
+fn the_page_of_equations_is_up_to_date() {
+    let page = fs::read_to_string("docs/equations.md").unwrap();
+    let (written, _) = page.split_once(GENERATED_EQUATIONS).expect("the page has the heading");
+    let mut fresh = format!("{written}{GENERATED_EQUATIONS}");
+    for file in crate::common::files::shipped_files() {
+        let circuit = crate::common::circuit(&crate::common::patch_of(&file), &[]);
+        let program = Program::new(&circuit).unwrap();
+        let listing = EquationListing::new(&circuit, &program, Detail::Signals);
+        let text: String =
+            listing.text().lines().map(|line| format!("    {line}").trim_end().to_owned() + "\n").collect();
+        let title = &circuit.patch().title;
+        fresh += &format!("\n### {file}\n\n{title}.\n\n{text}");
+    }
+    assert_up_to_date("docs/equations.md", fresh.as_bytes(), "patchcord");
 }
 
 #[test]

@@ -10,12 +10,12 @@ use crate::docs::sources;
 
 /// The crates in order. Each may depend on earlier ones, except that [`INDEPENDENT`] crates do not depend on each
 /// other.
-const CRATES: [&str; 6] = ["expr", "core", "analysis", "draw", "ident", "thesis"];
+const CRATES: [&str; 7] = ["expr", "core", "equations", "analysis", "draw", "ident", "thesis"];
 /// Crates that do not depend on each other.
 const INDEPENDENT: [&str; 2] = ["ident", "thesis"];
 
 /// The top-level modules of each crate in order. Each may import earlier ones.
-const MODULES: [(&str, &[&str]); 6] = [
+const MODULES: [(&str, &[&str]); 7] = [
     ("expr", &["number_text", "function", "units", "formula"]),
     (
         "core",
@@ -39,6 +39,7 @@ const MODULES: [(&str, &[&str]); 6] = [
             "run_settings",
         ],
     ),
+    ("equations", &["notation", "symbolic", "derive", "writing", "listing"]),
     ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),
     (
         "draw",

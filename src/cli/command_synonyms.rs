@@ -6,7 +6,7 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 /// What people write, in lower case, and the tip.
-const COMMANDS: [(&[&str], &str); 12] = [
+const COMMANDS: [(&[&str], &str); 13] = [
     (
         &["plot", "scope", "curves", "picture"],
         "'patchcord run PATCH --plot FILE.svg' draws the curves of a run, \
@@ -45,6 +45,10 @@ const COMMANDS: [(&[&str], &str); 12] = [
     (
         &["bode", "roots", "eigenvalues", "poles", "stability", "frequency", "linear"],
         "use 'patchcord linearise PATCH'",
+    ),
+    (
+        &["equation", "eqs", "ode", "odes", "formula", "formulas", "latex", "model"],
+        "use 'patchcord equations PATCH'",
     ),
     (&["sensitivity", "sensitivities", "derivatives"], "use 'patchcord run PATCH --sensitivity PARAMETER'"),
     (

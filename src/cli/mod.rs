@@ -24,6 +24,7 @@ mod doubts;
 mod draw;
 mod effects;
 mod elements;
+mod equations;
 mod failure;
 mod files;
 mod gap;
@@ -112,6 +113,8 @@ enum Command {
     Gap(gap::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
+    /// Print the equations that the wiring of a patch solves, as text or LaTeX
+    Equations(equations::Arguments),
     /// Linearise a patch about an operating point: roots, frequencies, damping, Bode plot
     Linearise(linearise::Arguments),
     /// List the computing elements and drives, or describe one of them
@@ -174,6 +177,7 @@ fn run_command(command: &Command) -> Result<(), Failure> {
         Command::Profile(arguments) => profile::profile(arguments),
         Command::Gap(arguments) => gap::gap(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
+        Command::Equations(arguments) => equations::equations(arguments),
         Command::Linearise(arguments) => linearise::linearise(arguments),
         Command::Elements(arguments) => elements::elements(arguments),
         Command::Effects(arguments) => effects::effects(arguments),

@@ -444,6 +444,7 @@ impl Lister<'_> {
         tables
             .map(|(index, table)| TableDescription {
                 name: self.writer.table_name(index as u32),
+                unit: table.unit.as_ref().map(|unit| unit.text.clone()),
                 points: table.points.clone(),
             })
             .collect()

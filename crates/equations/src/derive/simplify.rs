@@ -4,11 +4,11 @@
 //! written where they are used. A state without a signal gets the name of a signal that differs from it by a constant
 //! factor and by drives, or of the derivative of such a signal.
 
+use patchcord_expr::Dimension;
+
 use super::system::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
 use super::wiring::Wiring;
-use crate::symbolic::{
-    Fraction, Symbol, SymbolEntry, SymbolKind, delay, derivative, partial_derivative, step,
-};
+use crate::symbolic::{Fraction, Symbol, SymbolEntry, delay, derivative, partial_derivative, step};
 
 /// The readable equations of a wiring. `is_known` is whether the patch names a quantity of this name.
 pub(crate) fn simplified(wiring: Wiring, is_known: &dyn Fn(&str) -> bool) -> System {
@@ -158,7 +158,7 @@ impl Simplification<'_> {
             Fraction::symbol(symbols.variable(
                 &entry.name,
                 entry.primes + 1,
-                entry.dimension.over(patchcord_expr::Dimension::TIME),
+                entry.dimension.over(Dimension::TIME),
             ))
         })
     }
@@ -189,7 +189,7 @@ impl Simplification<'_> {
         });
         let Some(Relation { signal, state, factor, rest }) = found else { return false };
         let entry: SymbolEntry = self.system.symbols.entry(signal).clone();
-        let dimension = entry.dimension.over(patchcord_expr::Dimension::TIME);
+        let dimension = entry.dimension.over(Dimension::TIME);
         let prime = self.system.symbols.variable(&entry.name, entry.primes + 1, dimension);
         self.rename(&Relation { signal: prime, state, factor, rest });
         true
@@ -261,9 +261,4 @@ fn comparison(mode: &ModeLaw) -> Option<Fraction> {
     };
     let is_binary = between(rises, 0.0, 1.0) && between(falls, 1.0, 0.0);
     (is_opposite && is_binary).then(|| step(&rises.guard))
-}
-
-/// Whether a symbol is a quantity that varies continuously.
-pub(crate) fn is_variable(system: &System, symbol: Symbol) -> bool {
-    system.symbols.entry(symbol).kind == SymbolKind::Variable
 }

@@ -17,7 +17,7 @@ pub(crate) use derivative::{derivative, partial_derivative};
 pub(crate) use evaluate::{Values, value};
 pub(crate) use fraction::Fraction;
 pub(crate) use monomial::{Application, Atom, CallOrder, Monomial, Operation};
-pub(crate) use number::{Rational, exact, is_negligible, nearest, whole};
+pub(crate) use number::{Rational, nearest, whole};
 pub(crate) use polynomial::Polynomial;
 pub(crate) use symbol::{Symbol, SymbolEntry, SymbolKind, Symbols};
 

@@ -3,7 +3,7 @@
 use num_bigint::BigInt;
 use num_integer::Integer as _;
 use num_rational::BigRational;
-use num_traits::{One as _, Pow as _, Signed as _, ToPrimitive as _, Zero as _};
+use num_traits::{One as _, Pow as _, ToPrimitive as _, Zero as _};
 
 /// A rational number. Products of scales and gains cancel exactly in it, which they do not as f64.
 pub(crate) type Rational = BigRational;
@@ -57,11 +57,6 @@ pub(crate) fn square_root(number: &Rational) -> (Rational, Rational) {
 
 /// Square factors of primes below this number are found.
 const LARGEST_PRIME: i64 = 100;
-
-/// Whether a number is 0 for a reader: less than 1e-12 of `size`. Units such as degrees have no exact decimals.
-pub(crate) fn is_negligible(number: &Rational, size: &Rational) -> bool {
-    number.abs() * whole(1_000_000_000_000) < size.abs()
-}
 
 #[cfg(test)]
 mod tests {
