@@ -60,7 +60,9 @@ fn follows_number(node: &Node, start: usize) -> bool {
                 || follows_number(right, start)
         }
         Expression::Negate(inner) => follows_number(inner, start),
-        Expression::Call(_, arguments) => arguments.iter().any(|argument| follows_number(argument, start)),
+        Expression::Call(_, arguments) | Expression::Apply(_, arguments) => {
+            arguments.iter().any(|argument| follows_number(argument, start))
+        }
         Expression::Number(_) | Expression::Name(_) => false,
     }
 }
