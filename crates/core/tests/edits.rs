@@ -43,6 +43,7 @@ fn description(patch: &Patch) -> Result<String, Box<Report>> {
     add(format!("{:?} {:?}", patch.parameters, patch.scales));
     add(format!("{:?} {:?} {:?}", patch.drives, patch.elements, patch.signals));
     add(format!("{:?} {:?}", patch.macros, patch.instances));
+    add(format!("{:?} {:?}", patch.equations, circuit.auxiliary_quantities().collect::<Vec<_>>()));
     add(format!("{:?} {:?} {:?}", patch.run, patch.record, patch.pictures));
     for (index, element) in circuit.elements().into_iter().enumerate() {
         add(format!("{element:?} {:?}", circuit.cords(index)));
@@ -367,6 +368,28 @@ fn a_fault_after_an_edit_is_reported_at_its_position_in_the_edited_text() {
     let report = Circuit::new(&edited).and_then(|circuit| Program::new(&circuit).map(drop)).unwrap_err();
     let span = report.findings.iter().find_map(|finding| finding.span).unwrap();
     assert_eq!(&report.text[span.start..span.end], "1.5");
+}
+
+#[test]
+fn equations_can_be_set() {
+    let patch = decay().equation("u = 0").build().unwrap();
+    let edited = |equations: &[&str]| {
+        let mut editor = patch.edit();
+        editor.set_equations(equations);
+        editor.finish("decay.json").unwrap()
+    };
+    let right = edited(&["q = u / T", "u' = -q"]);
+    let texts: Vec<_> = right.equations.iter().map(|placed| placed.value.text()).collect();
+    assert_eq!(texts, ["q = u / T", "u' = -q"]);
+    assert_equals_its_text(&right, "equations");
+    assert_equals_its_text(&edited(&[]), "no equations");
+    for (wrong, part) in [("u = T'", "T'"), ("u = 2 +", ""), ("u' = u / T / T", "u' = u / T / T")] {
+        let edited = edited(&["q = u", wrong]);
+        let report = Circuit::new(&edited).unwrap_err();
+        let span = report.findings[0].span.unwrap();
+        assert_eq!(&report.text[span.start..span.end], part, "{report}");
+        assert_equals_its_text(&edited, wrong);
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use patchcord_core::solve::RunSettings;
 pub(super) const FORMAT_VERSION: u32 = 3;
 
 /// Sections of a patch that no row depends on, or that the run settings already contain.
-const IGNORED_SECTIONS: [&str; 5] = ["title", "source", "pictures", "record", "run"];
+const IGNORED_SECTIONS: [&str; 6] = ["title", "source", "equations", "pictures", "record", "run"];
 /// Keys of an entry that only people read.
 const IGNORED_KEYS: [&str; 2] = ["note", "description"];
 /// Hexadecimal digits of a fingerprint: 128 bits.
@@ -157,6 +157,8 @@ mod tests {
         assert_eq!(patch, canonical(&PATCH.replace("wiper", "slider"), &[]));
         assert_eq!(patch, canonical(&PATCH.replace(": ", " :  "), &[]));
         assert_eq!(patch, canonical(&PATCH.replace(", \"pictures\"", "\n, \"pictures\""), &[]));
+        let equations = ", \"equations\": \"s = s\", \"pictures\"";
+        assert_eq!(patch, canonical(&PATCH.replace(", \"pictures\"", equations), &[]));
     }
 
     #[test]

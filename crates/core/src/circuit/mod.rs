@@ -5,10 +5,11 @@
 //! are computed, with the loops that have no integrator. Lowering makes a program from the circuit.
 //!
 //! The checks run in the order in which they need each other: names, machine, quantities, cords, settings, parts,
-//! phases, signals, loops. Warnings about unused elements come last, and only if there is no error. Scales are compared
-//! with the wiring, and times of tables with the run, when the warnings are requested.
+//! phases, signals, equations, loops. Warnings about unused elements come last, and only if there is no error. Scales
+//! are compared with the wiring, and times of tables with the run, when the warnings are requested.
 
 mod element;
+mod equations;
 mod inventory;
 mod loops;
 mod macros;
@@ -34,6 +35,7 @@ use crate::patch::{Parameter, Patch, RunPlan};
 use patchcord_expr::{Formula, Unit};
 
 pub use element::{Cord, Element, EvaluationStep, SignalPoint};
+pub use equations::EquationScope;
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
 
@@ -75,6 +77,8 @@ pub struct Circuit {
     signals: Vec<SignalPoint>,
     /// Indices of the signals that the patch records.
     record: Vec<usize>,
+    /// The auxiliary quantities of the equations. All their dimensions are known.
+    auxiliaries: equations::Auxiliaries,
     /// The parts of the machine that the patch uses, with their numbers.
     parts: Vec<(Part, usize)>,
     /// The warnings of all checks. There are no errors among them.

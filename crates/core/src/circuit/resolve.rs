@@ -12,7 +12,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::names::{found_or_report, output_names};
 use super::scope::Quantities;
-use super::{Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals};
+use super::{Circuit, Cord, Element, equations, inventory, loops, macros, names, phases, settings, signals};
 use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, factor_violation, suggestion};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, misplaced_key_hint};
 use crate::machines::{self, MachineModel};
@@ -42,6 +42,7 @@ pub(super) fn resolve(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     let parts = inventory::check(patch, machine, &mut findings);
     phases::check(patch, &quantities, &mut findings);
     let (points, record) = signals::resolve(patch, &graph, &mut findings);
+    let auxiliaries = equations::check(patch, &mut findings);
     let evaluation_order = loops::evaluation_order(&graph);
     // With errors, an unused element is often one whose cord has a wrong name, so it gets no warning.
     if !any_error(&findings) {
@@ -64,6 +65,7 @@ pub(super) fn resolve(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
         evaluation_order,
         signals: points,
         record,
+        auxiliaries,
         parts,
         warnings: findings,
     })

@@ -1,4 +1,4 @@
-//! Diagnostics for the errors of formulas, at their position in the document.
+//! Diagnostics for the errors of formulas and equations, at their position in the document.
 
 use super::Placed;
 use super::code::Code;
@@ -16,22 +16,28 @@ pub fn unit_mismatch(
     error: FormulaError,
     expected: Option<&str>,
 ) -> Diagnostic {
-    let faulty = placed.value.text().get(error.range.clone()).unwrap_or_default();
-    let is_unknown_name = placed.value.names().contains(&faulty) && scope.dimension(faulty).is_none();
+    let formula = &placed.value;
+    let faulty = formula.text().get(error.range.clone()).unwrap_or_default();
+    let is_unknown_name = formula.names().contains(&faulty) && scope.dimension(faulty).is_none();
     if !is_unknown_name {
         return formula_diagnostic(Code::UNIT_MISMATCH, placed, error);
     }
-    let hint = unit_hint(scope, &placed.value, &error, expected)
+    let advice = unit_advice(scope, formula.text(), &[formula.root()], &error, expected);
+    let hint = advice
+        .map(|advice| format!("numbers have no units in formulas: {advice}"))
         .or_else(|| error.hint.clone())
         .or_else(|| suggestion(faulty, &scope.names()));
     formula_diagnostic(Code::UNKNOWN_NAME, placed, error).maybe_hint(hint)
 }
 
-/// The hint for an unknown name that is the unit of a number, as in "5 * V". `None` for other names, and for one that
-/// differs from a known name only in its capitals.
-fn unit_hint(
+/// What to do about an unknown name that is the unit of a number, as in "5 * V". `None` for other names, and for one
+/// that differs from a known name only in its capitals.
+///
+/// `roots` are the trees of the text: one for a formula, two for an equation. The error is that about the name.
+pub(crate) fn unit_advice(
     scope: &dyn Scope,
-    formula: &Formula,
+    text: &str,
+    roots: &[&Node],
     error: &FormulaError,
     expected: Option<&str>,
 ) -> Option<String> {
@@ -39,15 +45,15 @@ fn unit_hint(
         let is_known = scope.names().iter().any(|known| known.eq_ignore_ascii_case(name));
         !is_known && Unit::parse(name).is_ok()
     };
-    let name = formula.text().get(error.range.clone())?;
-    if !is_unknown_unit(name) || !follows_number(formula.root(), error.range.start) {
+    let name = text.get(error.range.clone())?;
+    if !is_unknown_unit(name) || !roots.iter().any(|root| follows_number(root, error.range.start)) {
         return None;
     }
-    let advice = match expected.filter(|_| formula.names().into_iter().all(is_unknown_unit)) {
+    let mut names = roots.iter().flat_map(|root| root.names());
+    Some(match expected.filter(|_| names.all(is_unknown_unit)) {
         Some(expected) => format!("{expected} is expected here; a quantity {name} must be a parameter"),
         None => format!("declare a parameter in {name}, or a quantity {name} as a parameter"),
-    };
-    Some(format!("numbers have no units in formulas: {advice}"))
+    })
 }
 
 /// Whether the factor that begins at a byte of the formula is multiplied by a number in front of it.
@@ -60,7 +66,9 @@ fn follows_number(node: &Node, start: usize) -> bool {
                 || follows_number(right, start)
         }
         Expression::Negate(inner) => follows_number(inner, start),
-        Expression::Call(_, arguments) => arguments.iter().any(|argument| follows_number(argument, start)),
+        Expression::Call(_, arguments) | Expression::Apply(_, arguments) => {
+            arguments.iter().any(|argument| follows_number(argument, start))
+        }
         Expression::Number(_) | Expression::Name(_) => false,
     }
 }
@@ -74,10 +82,10 @@ fn is_number(node: &Node) -> bool {
     }
 }
 
-/// The diagnostic for an error of a formula. Its position is the faulty part of the formula.
+/// The diagnostic for an error of a formula or an equation. Its position is the faulty part of the formula.
 ///
 /// The position assumes that the formula is in quotes: plain numbers have no errors.
-pub fn formula_diagnostic(code: Code, placed: &Placed<Formula>, error: FormulaError) -> Diagnostic {
+pub fn formula_diagnostic<T>(code: Code, placed: &Placed<T>, error: FormulaError) -> Diagnostic {
     let inside = error.range.start + 1..error.range.end + 1;
     Diagnostic::at(code, placed.span.subspan(&inside), error.message).maybe_hint(error.hint)
 }

@@ -42,6 +42,7 @@ pub use code::{Code, CodeEntry};
 pub use derivative::{derivative_name, derivative_of, derivative_unit};
 pub use diagnostic::{Diagnostic, Severity, Span, any_error};
 pub use file::{DocumentError, read_text};
+pub(crate) use formula_error::unit_advice;
 pub use formula_error::{formula_diagnostic, unit_mismatch};
 pub use input_file::InputFile;
 pub use json_value::json_value;
@@ -54,7 +55,7 @@ pub(crate) use quantity::possible_product;
 pub use report::{DiagnosticDocument, Report};
 pub use typed_number::{TypedNumber, TypedNumberError};
 pub(crate) use values::formula_in;
-pub use values::{formula, parse_unit, range};
+pub use values::{equation, formula, parse_unit, range};
 pub(crate) use wording::MAX_SUGGESTIONS;
 pub use wording::{
     format_distinct, format_number, format_outside, plural, range_violation, suggestion, unit_suffix,

@@ -1,4 +1,4 @@
-//! Reads ranges, units and formulas from the values of a document.
+//! Reads ranges, units, formulas and equations from the values of a document.
 //!
 //! Every reader returns `None` for a wrong value and adds a diagnostic to the findings, so reading can continue.
 
@@ -9,7 +9,7 @@ use super::fields::{Findings, list, number, string, wrong_type};
 use super::quantity::{Quantity, unit_rule};
 use super::tree::{Content, Node};
 use super::typed_number::without_separators;
-use patchcord_expr::{Formula, FormulaError, Unit};
+use patchcord_expr::{Equation, Formula, FormulaError, Unit};
 
 /// Reads a list of two numbers, the lower and the upper bound.
 ///
@@ -141,4 +141,30 @@ pub(crate) fn formula_in(
         }
     };
     Some(Placed { value, span: node.span })
+}
+
+/// Reads an equation in quotes. `None` if the value is not a text or the equation has a syntax error.
+///
+/// The names and units in the equation are not checked here.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::{equation, tree};
+///
+/// let (node, mut findings) = (tree::parse("\"m x'' = -k x\"")?, Vec::new());
+/// let placed = equation(&node, "equations", &mut findings).expect("an equation");
+/// assert_eq!(placed.value.names(), ["m", "x''", "k", "x"]);
+/// assert!(findings.is_empty());
+/// # Ok::<(), patchcord_core::document::Diagnostic>(())
+/// ```
+pub fn equation(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<Equation>> {
+    let Placed { value: text, span } = string(node, key, findings)?;
+    let value = Equation::parse(&text, &[])
+        .map_err(|error| {
+            let span = inside_quotes(span, &error.range);
+            findings.push(Diagnostic::at(Code::BAD_FORMULA, span, error.message).maybe_hint(error.hint));
+        })
+        .ok()?;
+    Some(Placed { value, span })
 }

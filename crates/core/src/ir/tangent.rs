@@ -185,6 +185,7 @@ impl RunScope<'_> {
                     Callee::Function(function) => Dual::call(*function, first, second),
                 }
             }
+            Expression::Apply(..) => unreachable!("only equations apply functions of equations and tables"),
         }
     }
 

@@ -151,6 +151,7 @@ impl Lowering<'_> {
                 let arguments: Vec<_> = arguments.iter().map(|argument| self.expression(argument)).collect();
                 self.emit_prologue(call(*callee, &arguments))
             }
+            Expression::Apply(..) => unreachable!("only equations apply functions of equations and tables"),
         }
     }
 

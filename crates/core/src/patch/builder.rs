@@ -120,6 +120,25 @@ impl PatchBuilder {
         self.insert("signals", name, json_value(&SignalEntry { at: element, scale, factor }))
     }
 
+    /// Adds an equation that the wiring is meant to solve, in the units of the problem.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let patch = PatchBuilder::new("decay")
+    ///     .parameter("T", 1.0, "s", [0.1, 10.0])
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]))
+    ///     .equation("T x' = -x")
+    ///     .build()?;
+    /// assert_eq!(patch.equations[0].value.text(), "T x' = -x");
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn equation(self, text: &str) -> Self {
+        self.append("equations", text.into())
+    }
+
     /// Sets the duration of the run and the step of the solver, both in problem seconds and positive.
     pub fn run(mut self, duration: f64, step: f64) -> Self {
         self.document.insert("run".into(), json_value(&RunEntry { duration, step }));
@@ -147,12 +166,8 @@ impl PatchBuilder {
     /// assert_eq!(patch.pictures[0].y[0].value, "A1");
     /// # Ok::<(), Box<patchcord_core::document::Report>>(())
     /// ```
-    pub fn picture(mut self, title: &str, x: &str, y: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
-        let pictures = self.document.entry("pictures").or_insert_with(|| Value::Array(Vec::new()));
-        if let Value::Array(pictures) = pictures {
-            pictures.push(json_value(&PictureEntry::new(title, x, y)));
-        }
-        self
+    pub fn picture(self, title: &str, x: &str, y: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
+        self.append("pictures", json_value(&PictureEntry::new(title, x, y)))
     }
 
     /// Decodes the collected document.
@@ -178,6 +193,15 @@ impl PatchBuilder {
     /// Adds an entry to a section.
     fn insert(mut self, section: &str, name: &str, value: Value) -> Self {
         insert_in_section(&mut self.document, section, name, value);
+        self
+    }
+
+    /// Adds an item to the end of a list.
+    fn append(mut self, list: &str, value: Value) -> Self {
+        let items = self.document.entry(list).or_insert_with(|| Value::Array(Vec::new()));
+        if let Value::Array(items) = items {
+            items.push(value);
+        }
         self
     }
 }

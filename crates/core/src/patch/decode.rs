@@ -12,16 +12,17 @@ use indexmap::IndexMap;
 use super::decode_entry::element_entry;
 use super::decode_run::run;
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Scale, Signal};
-use super::key_synonyms::{scale_advice, signal_advice};
+use super::key_synonyms::{patch_advice, scale_advice, signal_advice};
 use super::short_forms::{parameter_hint, scale_hint, signal_hint};
 use super::{macros, product_hints};
 use crate::document::fields::{Fields, Findings, flag, list, number, positive, string, strings};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{
-    Code, Diagnostic, DocumentKind, Placed, Span, any_error, factor_violation, formula, parse_unit, range,
+    Code, Diagnostic, DocumentKind, Placed, Span, any_error, equation, factor_violation, formula, parse_unit,
+    range,
 };
 use crate::elements::Family;
-use patchcord_expr::{Unit, nearest};
+use patchcord_expr::{Equation, Unit, nearest};
 
 /// Fills the fields of a patch from the tree of its text.
 ///
@@ -58,6 +59,8 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     fields.each("signals", &mut findings, |entry, findings| {
         store(&mut patch.signals, unread, entry, signal(entry, findings));
     });
+    let equation_list = fields.take("equations");
+    patch.equations = equation_list.map(|node| equations(node, unread, &mut findings)).unwrap_or_default();
     patch.run = fields.take("run").map(|node| run(node, &mut findings)).unwrap_or_default();
     patch.record =
         fields.take("record").map(|node| strings(node, "record", &mut findings)).unwrap_or_default();
@@ -65,7 +68,7 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     patch.note = fields.text("note", &mut findings);
     fields.text("$schema", &mut findings);
     patch.unread.has_unread_section = has_unread_section(&fields);
-    fields.finish(&mut findings);
+    fields.finish_with_advice(&patch_advice, &mut findings);
     product_hints::offer_products(root, &mut findings);
     macros::expand_macros(macros, &element_section, patch, &mut findings);
     patch.element_section = element_section;
@@ -198,6 +201,33 @@ fn factor(node: &Node, findings: &mut Findings) -> Option<f64> {
         findings.push(Diagnostic::at(Code::BAD_NUMBER, node.span, "\"factor\" must not be 0"));
     }
     Some(factor)
+}
+
+/// Decodes the list "equations", or a single equation.
+///
+/// An equation that cannot be read may define an auxiliary quantity. The name on its left side is added to the unread
+/// names, so that the equations that use it are not reported as well.
+pub(super) fn equations(
+    node: &Node,
+    unread: &mut HashSet<String>,
+    findings: &mut Findings,
+) -> Vec<Placed<Equation>> {
+    let items = match &node.value {
+        Content::List(items) => items.as_slice(),
+        _ => std::slice::from_ref(node),
+    };
+    let mut equations = Vec::new();
+    for item in items {
+        match (equation(item, "equations", findings), &item.value) {
+            (Some(equation), _) => equations.push(equation),
+            (None, Content::Text(text)) => {
+                let left = text.split('=').next().unwrap_or_default();
+                unread.insert(left.trim().to_owned());
+            }
+            (None, _) => {}
+        }
+    }
+    equations
 }
 
 /// Decodes the list "pictures".

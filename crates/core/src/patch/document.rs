@@ -18,7 +18,7 @@ use crate::document::{
     Diagnostic, ParameterRangeError, Phase, Placed, Report, RunExtent, Span, parameter_in_si,
 };
 use crate::elements::Kind;
-use patchcord_expr::{Formula, Unit};
+use patchcord_expr::{Equation, Formula, Unit};
 
 /// The version of the document format that this program reads and writes. It is the value of the key "patchcord".
 pub const FORMAT_VERSION: u64 = 1;
@@ -267,6 +267,8 @@ pub struct Patch {
     pub(crate) macros_span: Span,
     /// Signals by name.
     pub signals: IndexMap<String, Signal>,
+    /// The equations that the wiring is meant to solve, in the units of the problem.
+    pub equations: Vec<Placed<Equation>>,
     /// Length, step and phases of the run.
     pub run: RunPlan,
     /// Names of the signals, drives and elements to record.
@@ -300,6 +302,7 @@ impl Patch {
             instance_outputs: IndexMap::new(),
             macros_span: Span::default(),
             signals: IndexMap::new(),
+            equations: Vec::new(),
             run: RunPlan::default(),
             record: Vec::new(),
             pictures: Vec::new(),

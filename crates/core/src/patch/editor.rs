@@ -15,7 +15,7 @@ use super::document::Patch;
 use super::edit::EditError;
 use super::macros::{self, Macros, SectionEntry};
 use super::render::{DocumentEdit, render};
-use super::{decode_entry, table_file};
+use super::{decode, decode_entry, table_file};
 use crate::document::fields::Findings;
 use crate::document::tree::{KeyValue, Node};
 use crate::document::{Diagnostic, Placed, Span, any_error};
@@ -175,6 +175,31 @@ impl PatchEditor {
     pub fn set_note(&mut self, text: &str) {
         text.clone_into(&mut self.patch.note);
         self.put_in_document(["note"], text.into());
+    }
+
+    /// Sets the equations that the wiring is meant to solve. They replace those of the patch.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::PatchBuilder;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let mut editor = PatchBuilder::new("spring").equation("x' = v").build()?.edit();
+    /// editor.set_equations(["m x'' = -k x"]);
+    /// let patch = editor.finish("spring.json")?;
+    /// assert_eq!(patch.equations.len(), 1);
+    /// assert_eq!(patch.value()["equations"][0], "m x'' = -k x");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn set_equations(&mut self, texts: impl IntoIterator<Item = impl AsRef<str>>) {
+        let value: Value = texts.into_iter().map(|text| Value::from(text.as_ref())).collect();
+        let node = Node::of(&value, &mut self.patch.edited_text.next_span);
+        let mut findings = Findings::new();
+        self.patch.equations = decode::equations(&node, &mut self.patch.unread.names, &mut findings);
+        self.reread_if_faulty(&findings);
+        self.put_in_document(["equations"], value);
     }
 
     /// Sets the machine for which the patch is made.

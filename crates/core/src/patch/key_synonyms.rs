@@ -1,10 +1,33 @@
-//! Keys that people write in "run", "scales" and "signals", and the keys of this format.
+//! Keys that people write in a patch and in its "run", "scales" and "signals", and the keys of this format.
 //!
 //! Hints for unknown keys use these tables before they look for a similar key. Keys of elements and drives have tables
 //! of their own in `elements`.
 
 use crate::document::fields::KeyAdvice;
 use crate::document::key_synonyms::{KeySynonyms, synonym_advice};
+
+/// Keys that people write for the sections of a patch.
+static PATCH: [KeySynonyms; 1] = [KeySynonyms {
+    key: "equations",
+    meaning: "the equations that the wiring is meant to solve",
+    words: &[
+        "equation",
+        "eq",
+        "eqs",
+        "eqn",
+        "eqns",
+        "ode",
+        "odes",
+        "dae",
+        "system",
+        "model",
+        "problem",
+        "dynamics",
+        "equations_of_motion",
+        "differential_equation",
+        "differential_equations",
+    ],
+}];
 
 /// Keys of other programs for the settings of a run.
 static RUN: [KeySynonyms; 5] = [
@@ -66,6 +89,11 @@ static SIGNAL: [KeySynonyms; 1] = [KeySynonyms {
     words: &["from", "of", "in", "element", "source", "node", "output", "jack", "probe"],
 }];
 
+/// The hint about a key that a patch does not have. `None` if the table does not have the key.
+pub(super) fn patch_advice(written: &str) -> Option<KeyAdvice> {
+    synonym_advice(&PATCH, written, |_| true)
+}
+
 /// The hint about a key that "run" does not have. `None` if the table does not have the key.
 pub(super) fn run_advice(written: &str) -> Option<KeyAdvice> {
     synonym_advice(&RUN, written, |_| true)
@@ -100,6 +128,9 @@ mod tests {
         }
         let hint = run_advice("dt").map(|advice| advice.hint);
         assert_eq!(hint.as_deref(), Some("did you mean \"step\", the step of the solver in s?"));
+        for word in ["equation", "ODE", "differential equations"] {
+            assert_eq!(patch_advice(word).map(|advice| advice.key), Some("equations"), "{word}");
+        }
         assert_eq!(scale_advice("max").map(|advice| advice.key), Some("per_volt"));
         assert_eq!(signal_advice("element").map(|advice| advice.key), Some("at"));
         assert_eq!(run_advice("colour"), None);
@@ -107,7 +138,7 @@ mod tests {
 
     #[test]
     fn every_word_is_in_one_row_and_is_no_key() {
-        for table in [&RUN[..], &SCALE, &SIGNAL] {
+        for table in [&PATCH[..], &RUN, &SCALE, &SIGNAL] {
             let words: Vec<&str> = table.iter().flat_map(|row| row.words).copied().collect();
             for (index, word) in words.iter().enumerate() {
                 assert!(!words[..index].contains(word), "{word}");

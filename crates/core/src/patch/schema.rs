@@ -55,6 +55,7 @@ pub fn json_schema() -> Value {
             "macros": section(macro_definition()),
             "elements": element_section(),
             "signals": section(signal()),
+            "equations": equations(),
             "run": run(),
             "record": name_list("signals, drives or elements to record"),
             "pictures": {"type": "array", "items": picture()},
@@ -140,6 +141,14 @@ fn signal() -> Value {
             "note": text("free text"),
         }),
     )
+}
+
+/// The section "equations": one equation or a list of equations.
+fn equations() -> Value {
+    json!({
+        "description": "the equations that the wiring is meant to solve, such as m x'' = -k x",
+        "oneOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+    })
 }
 
 /// The section "run". "for" and "repeat" exclude "phases".

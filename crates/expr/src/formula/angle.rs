@@ -8,6 +8,7 @@
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use super::callee::Callee;
+use super::equation::EquationFunction;
 use super::error::FormulaError;
 use super::evaluate;
 use super::expression::{Expression, Node, Operator};
@@ -74,6 +75,7 @@ impl AngleChecker<'_> {
             Expression::Negate(inner) => self.power(inner),
             Expression::Binary(operator, left, right) => self.binary(node, *operator, left, right),
             Expression::Call(callee, arguments) => self.call(node, *callee, arguments),
+            Expression::Apply(name, arguments) => self.application(name, arguments),
         }
     }
 
@@ -94,6 +96,16 @@ impl AngleChecker<'_> {
             (Callee::Minimum | Callee::Maximum, [a, b]) => self.agreeing(node, a, b),
             (Callee::Function(Function::Sqrt), [only]) => Ok(0.5 * self.power(only)?),
             (Callee::Function(Function::Power), [base, exponent]) => self.raised(base, exponent),
+            _ => Ok(0.0),
+        }
+    }
+
+    /// Returns the power of the angle of a function of equations or a table. The functions whose value has the
+    /// dimension of their first argument keep its power.
+    fn application(&self, name: &str, arguments: &[Node]) -> PowerResult {
+        use EquationFunction::{DeadZone, Delay, Limit};
+        match (EquationFunction::from_name(name), arguments) {
+            (Some(DeadZone | Delay | Limit), [first, ..]) => self.power(first),
             _ => Ok(0.0),
         }
     }
@@ -159,7 +171,7 @@ fn conversion_power(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Formula;
+    use super::super::{Equation, Formula};
     use super::*;
     use crate::units::Dimension;
 
@@ -238,6 +250,20 @@ mod tests {
             "sin(phi) / T",
         ] {
             assert_eq!(is_angular(text), Ok(false), "{text}");
+        }
+    }
+
+    #[test]
+    fn functions_of_equations_keep_the_angle_of_their_first_argument() {
+        let power = |text: &str| {
+            let equation = Equation::parse(&format!("y = {text}"), &["curve"]).unwrap();
+            super::is_angular(equation.text(), equation.right(), &Units)
+        };
+        for text in ["delay(w, T)", "limit(w, 0, n)", "dead_zone(w, n)"] {
+            assert_eq!(power(text), Ok(true), "{text}");
+        }
+        for text in ["sign(w)", "step(w)", "curve(w)"] {
+            assert_eq!(power(text), Ok(false), "{text}");
         }
     }
 

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::callee::Callee;
+use super::equation::EquationFunction;
 use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
 use super::scope::{Scope, base_error, missing_property};
@@ -36,6 +37,7 @@ impl Evaluator<'_> {
             Expression::Negate(inner) => Ok(-self.value(inner)?),
             Expression::Binary(operator, left, right) => self.binary(node, *operator, left, right),
             Expression::Call(callee, arguments) => self.call(node, *callee, arguments),
+            Expression::Apply(name, arguments) => self.application(node, name, arguments),
         }
     }
 
@@ -73,11 +75,26 @@ impl Evaluator<'_> {
 
     /// Evaluates the arguments from left to right and calls the function.
     fn call(&self, node: &Node, callee: Callee, arguments: &[Node]) -> Result<f64, FormulaError> {
-        let mut operands = Vec::with_capacity(arguments.len());
-        for argument in arguments {
-            operands.push((argument, self.value(argument)?));
+        self.apply(node, callee, &self.operands(arguments)?)
+    }
+
+    /// Returns the value of a function of equations. Delays and tables have none here: it depends on more than
+    /// the present values of the arguments.
+    fn application(&self, node: &Node, name: &str, arguments: &[Node]) -> Result<f64, FormulaError> {
+        let operands = self.operands(arguments)?;
+        let values: Vec<f64> = operands.iter().map(|(_, value)| *value).collect();
+        match EquationFunction::from_name(name).and_then(|function| function.value(&values)) {
+            Some(value) => self.check_overflow(node, value, &operands),
+            None => {
+                let message = format!("{} has no value here", excerpt(self.text, node));
+                Err(FormulaError::new(node.range.clone(), message))
+            }
         }
-        self.apply(node, callee, &operands)
+    }
+
+    /// Returns the arguments of a call with their values, evaluated from left to right.
+    fn operands<'n>(&self, arguments: &'n [Node]) -> Result<Vec<(&'n Node, f64)>, FormulaError> {
+        arguments.iter().map(|argument| Ok((argument, self.value(argument)?))).collect()
     }
 
     /// Calls a function with evaluated operands. A function of one argument gets 0 as the second.

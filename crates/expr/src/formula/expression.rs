@@ -33,7 +33,7 @@ pub struct Node {
 pub enum Expression {
     /// A number, or the constant `pi`.
     Number(f64),
-    /// The name of a quantity.
+    /// The name of a quantity. In an equation it ends in its primes: `x''`.
     Name(String),
     /// The operand with the opposite sign.
     Negate(Box<Node>),
@@ -41,6 +41,9 @@ pub enum Expression {
     Binary(Operator, Box<Node>, Box<Node>),
     /// A function call. The number of arguments is always [`Callee::argument_count`].
     Call(Callee, Vec<Node>),
+    /// A function of equations or a table, with its arguments: only in equations. The number of arguments
+    /// is [`EquationFunction::argument_count`](crate::EquationFunction::argument_count), and 1 for a table.
+    Apply(String, Vec<Node>),
 }
 
 /// A binary operator.
@@ -69,6 +72,7 @@ impl Node {
     /// Returns a copy of the tree with each name replaced by `new_name(name)`, if that is not `None`.
     pub(super) fn renamed(&self, new_name: &impl Fn(&str) -> Option<String>) -> Node {
         let inner = |node: &Node| Box::new(node.renamed(new_name));
+        let all = |nodes: &[Node]| nodes.iter().map(|node| node.renamed(new_name)).collect();
         let expression = match &self.expression {
             Expression::Number(value) => Expression::Number(*value),
             Expression::Name(name) => Expression::Name(new_name(name).unwrap_or_else(|| name.clone())),
@@ -76,12 +80,18 @@ impl Node {
             Expression::Binary(operator, left, right) => {
                 Expression::Binary(*operator, inner(left), inner(right))
             }
-            Expression::Call(callee, arguments) => Expression::Call(
-                *callee,
-                arguments.iter().map(|argument| argument.renamed(new_name)).collect(),
-            ),
+            Expression::Call(callee, arguments) => Expression::Call(*callee, all(arguments)),
+            Expression::Apply(name, arguments) => Expression::Apply(name.clone(), all(arguments)),
         };
         Node { expression, range: self.range.clone() }
+    }
+
+    /// Returns the first node below this one, or this one, that is this name. `None` if there is none.
+    pub(super) fn find_name(&self, name: &str) -> Option<&Node> {
+        match &self.expression {
+            Expression::Name(found) if found == name => Some(self),
+            _ => self.operands().into_iter().find_map(|operand| operand.find_name(name)),
+        }
     }
 
     /// Adds the names below this node that `names` does not contain yet, from left to right.
@@ -98,7 +108,7 @@ impl Node {
             Expression::Number(_) | Expression::Name(_) => Vec::new(),
             Expression::Negate(inner) => vec![inner],
             Expression::Binary(_, left, right) => vec![left, right],
-            Expression::Call(_, arguments) => arguments.iter().collect(),
+            Expression::Call(_, arguments) | Expression::Apply(_, arguments) => arguments.iter().collect(),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Formulas such as `K * position / force / 100`: parsing, evaluation and the check of units.
 //!
+//! Equations such as `m x'' = -k x` share all of this. Their parser permits more.
+//!
 //! The text is split into tokens and parsed into a tree of nodes. Every node records the bytes of
 //! the text that it covers. Evaluation and the check of units both walk this tree and ask a scope
 //! for the values and dimensions of the names. An error carries the bytes of the node at fault and
@@ -7,9 +9,12 @@
 
 mod angle;
 mod callee;
+mod equation;
 mod error;
 mod evaluate;
 mod expression;
+mod foreign_signs;
+mod language;
 mod parse;
 mod scope;
 mod synonyms;
@@ -18,6 +23,7 @@ mod unit_check;
 mod wording;
 
 pub use callee::Callee;
+pub use equation::{Equation, EquationFunction, split_primes};
 pub use error::FormulaError;
 pub use expression::{Expression, Node, Operator};
 pub use scope::Scope;
@@ -27,6 +33,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::number_text::format_shortest;
+use language::Language;
 
 /// A parsed expression together with its text.
 ///
@@ -191,7 +198,7 @@ impl Formula {
     /// # Ok::<(), patchcord_expr::FormulaError>(())
     /// ```
     pub fn dimension(&self, scope: &dyn Scope) -> Result<FormulaDimension, FormulaError> {
-        unit_check::dimension(&self.text, &self.root, scope)
+        unit_check::dimension(&self.text, &self.root, scope, Language::Formula)
     }
 
     /// Returns whether the value is an angular frequency, such as one in rad/s, and not a number of cycles

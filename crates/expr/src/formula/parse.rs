@@ -1,15 +1,21 @@
-//! The recursive-descent parser of formulas.
+//! The recursive-descent parser of formulas and equations.
 //!
 //! Each rule of the grammar is one method of [`Parser`]. A number, a name and a call are leaves or
 //! nodes of the tree; parentheses only widen the range of the node inside them.
 //!
 //! ```text
-//! sum     := product { ( "+" | "-" ) product }
-//! product := signed { ( "*" | "/" ) signed }
-//! signed  := "-" signed | power
-//! power   := primary [ "^" signed ]
-//! primary := number | name | name "(" sum { "," sum } ")" | "(" sum ")"
+//! equation := sum "=" sum
+//! sum      := product { ( "+" | "-" ) product }
+//! product  := signed { ( "*" | "/" ) signed | power }
+//! signed   := "-" signed | power
+//! power    := primary [ "^" signed ]
+//! primary  := number | name | name "(" sum { "," sum } ")" | "(" sum ")"
 //! ```
+//!
+//! Only an equation may have the product without a sign, which does not begin with a number. The module
+//! `equation` has the rules that only equations have.
+
+mod equation;
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -17,11 +23,12 @@ use std::ops::Range;
 use super::callee::Callee;
 use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
+use super::language::Language;
 use super::synonyms;
 use super::tokens::{Token, TokenKind, tokenize};
 use crate::units::{Unit, nearest};
 
-/// The maximum length of a formula, in bytes. It bounds the time that a broken file can cost.
+/// The maximum length of a formula or an equation, in bytes. It bounds the time that a broken file can cost.
 const MAX_TEXT_LENGTH: usize = 2000;
 /// The maximum depth of nesting. It keeps the recursion of the parser, and of every later walk over
 /// the tree, far below the limit of the stack.
@@ -30,16 +37,9 @@ const MAX_NESTING: usize = 200;
 /// The hint for a unit after a number. It can also be meant as the name of a quantity.
 const UNIT_HINT: &str = "numbers have no units in formulas; a product is written with *";
 
-/// Parses a text and returns the root of its expression tree.
+/// Parses a formula and returns the root of its expression tree.
 pub(super) fn root(text: &str) -> Result<Node, FormulaError> {
-    if text.len() > MAX_TEXT_LENGTH {
-        let message = format!("a formula has at most {MAX_TEXT_LENGTH} bytes");
-        return Err(FormulaError::new(0..text.len(), message));
-    }
-    let mut parser = Parser { text, tokens: tokenize(text)?, at: 0, depth: 0 };
-    if parser.current().kind == TokenKind::End {
-        return Err(FormulaError::new(0..text.len(), "the formula is empty"));
-    }
+    let mut parser = Parser::new(text, Language::Formula, &[])?;
     let root = parser.sum()?;
     match parser.current().kind {
         TokenKind::End => Ok(root),
@@ -47,10 +47,25 @@ pub(super) fn root(text: &str) -> Result<Node, FormulaError> {
     }
 }
 
-/// The tokens of a formula and the position of the parser in them.
+/// Parses an equation and returns the roots of its left and right sides. `tables` has the names of the
+/// tables that it can apply.
+pub(super) fn sides(text: &str, tables: &[&str]) -> Result<(Node, Node), FormulaError> {
+    let mut parser = Parser::new(text, Language::Equation, tables)?;
+    let left = parser.sum()?;
+    parser.equals_sign()?;
+    let right = parser.sum()?;
+    parser.end_of_equation()?;
+    Ok((left, right))
+}
+
+/// The tokens of a formula or an equation and the position of the parser in them.
 struct Parser<'t> {
     /// The text of the formula, for names and error messages.
     text: &'t str,
+    /// The language of the text.
+    language: Language,
+    /// The names of the tables that an equation can apply.
+    tables: &'t [&'t str],
     /// Never empty; the last token is the end.
     tokens: Vec<Token>,
     /// The index of the current token.
@@ -60,6 +75,19 @@ struct Parser<'t> {
 }
 
 impl<'t> Parser<'t> {
+    /// Splits a text into tokens. A text that is empty or too long is an error.
+    fn new(text: &'t str, language: Language, tables: &'t [&'t str]) -> Result<Self, FormulaError> {
+        if text.len() > MAX_TEXT_LENGTH {
+            let message = format!("{} has at most {MAX_TEXT_LENGTH} bytes", language.noun());
+            return Err(FormulaError::new(0..text.len(), message));
+        }
+        let parser = Parser { text, language, tables, tokens: tokenize(text, language)?, at: 0, depth: 0 };
+        match parser.current().kind {
+            TokenKind::End => Err(FormulaError::new(0..text.len(), language.empty_message())),
+            _ => Ok(parser),
+        }
+    }
+
     /// Parses terms joined by `+` and `-`. They associate to the left: `a - b - c` is `(a - b) - c`.
     fn sum(&mut self) -> Result<Node, FormulaError> {
         let mut left = self.product()?;
@@ -70,12 +98,29 @@ impl<'t> Parser<'t> {
     }
 
     /// Parses factors joined by `*` and `/`. They associate to the left.
+    ///
+    /// In an equation a factor may also follow without a sign, except after a division.
     fn product(&mut self) -> Result<Node, FormulaError> {
         let mut left = self.signed()?;
-        while let Some(operator) = self.take_operator(&['*', '/']) {
-            left = binary(operator, left, self.signed()?);
+        let mut last_operator = None;
+        loop {
+            if let Some(operator) = self.take_operator(&['*', '/']) {
+                let right = self.signed()?;
+                if operator == Operator::Divide {
+                    self.check_quotient(&left, &right)?;
+                }
+                left = binary(operator, left, right);
+                last_operator = Some(operator);
+            } else if self.begins_implied_factor() {
+                let right = self.power()?;
+                if last_operator == Some(Operator::Divide) {
+                    return Err(self.ambiguous_product(&left, &right));
+                }
+                left = binary(Operator::Multiply, left, right);
+            } else {
+                return Ok(left);
+            }
         }
-        Ok(left)
     }
 
     /// Parses an operand with any number of minus signs in front.
@@ -87,8 +132,8 @@ impl<'t> Parser<'t> {
         self.depth += 1;
         if self.depth > MAX_NESTING {
             let range = self.current().range.clone();
-            return Err(FormulaError::new(range, "the formula is nested too deeply")
-                .with_hint("define a part of it as a parameter"));
+            let (message, hint) = self.language.nesting_message();
+            return Err(FormulaError::new(range, message).with_hint(hint));
         }
         let node = match self.take('-') {
             Some(sign) => negated(sign, self.signed()?),
@@ -138,6 +183,9 @@ impl<'t> Parser<'t> {
 
     /// Parses what follows a name: an argument list makes it a call, and `pi` is a number.
     fn name_or_call(&mut self, range: Range<usize>) -> Result<Node, FormulaError> {
+        if self.language == Language::Equation {
+            return self.equation_name(range);
+        }
         let name = self.text_of(&range);
         let expression = match (self.take('('), name) {
             (Some(open), _) => return self.call(range, &open),
@@ -156,7 +204,7 @@ impl<'t> Parser<'t> {
         let arguments = self.arguments()?;
         let range = name.start..self.close(open)?;
         if arguments.len() != callee.argument_count() {
-            return Err(wrong_argument_count(callee, arguments.len(), range));
+            return Err(wrong_argument_count(called, callee.argument_count(), arguments.len(), range));
         }
         let expression = Expression::Call(callee, arguments);
         Ok(Node { expression, range })
@@ -220,6 +268,7 @@ impl<'t> Parser<'t> {
         let hint = match self.current().kind {
             TokenKind::Sign('+') => Some("a positive number is written without a sign".to_owned()),
             TokenKind::Sign('*') => Some("a power is written with ^".to_owned()),
+            TokenKind::Sign('=') => Some("an equation has a left and a right side".to_owned()),
             _ => None,
         };
         FormulaError::new(range, "a number, a name or a parenthesis is missing here").with_hint_if(hint)
@@ -233,8 +282,19 @@ impl<'t> Parser<'t> {
             TokenKind::Sign(')') => FormulaError::new(range, "this parenthesis has no opening parenthesis"),
             TokenKind::Sign(',') => FormulaError::new(range, "a comma is not allowed here")
                 .with_hint("a comma separates arguments; decimals are written with a point"),
+            TokenKind::Sign('=') => FormulaError::new(range, "= is not allowed inside parentheses")
+                .with_hint("close the parenthesis before the ="),
             _ => FormulaError::new(range, format!("an operator is missing before {written}"))
-                .with_hint(if self.is_unit_of_number() { UNIT_HINT } else { "a product is written with *" }),
+                .with_hint(self.product_hint()),
+        }
+    }
+
+    /// Returns the hint for a token where an operator is missing. In an equation it is a number.
+    fn product_hint(&self) -> &'static str {
+        match self.language {
+            Language::Equation => "a product of numbers is written with *, and a power with ^",
+            Language::Formula if self.is_unit_of_number() => UNIT_HINT,
+            Language::Formula => "a product is written with *",
         }
     }
 
@@ -274,10 +334,10 @@ fn unknown_function(name: &str, range: Range<usize>) -> FormulaError {
     FormulaError::new(range, format!("{name} is not a function")).with_hint(hint)
 }
 
-/// Returns the error for a call with `found` arguments. `range` is that of the whole call.
-fn wrong_argument_count(callee: Callee, found: usize, range: Range<usize>) -> FormulaError {
-    let name = callee.name();
-    let wanted = match callee.argument_count() {
+/// Returns the error for a call with `found` arguments instead of `wanted`. `range` is that of the whole
+/// call.
+fn wrong_argument_count(name: &str, wanted: usize, found: usize, range: Range<usize>) -> FormulaError {
+    let wanted = match wanted {
         1 => "1 argument".to_owned(),
         several => format!("{several} arguments"),
     };

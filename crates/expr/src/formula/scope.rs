@@ -52,6 +52,18 @@ pub trait Scope {
         None
     }
 
+    /// Returns the dimensions of the argument and of the value of a table that an equation applies; `None` if
+    /// it is not known.
+    fn table(&self, _name: &str) -> Option<(Dimension, Dimension)> {
+        None
+    }
+
+    /// Returns the dimension of a time. It differs from [`Dimension::TIME`] only if equations count times as
+    /// pure numbers.
+    fn time(&self) -> Dimension {
+        Dimension::TIME
+    }
+
     /// Returns every name that may be used; the hint for an unknown name is chosen from them.
     fn names(&self) -> Vec<&str>;
 }

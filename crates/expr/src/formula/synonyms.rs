@@ -1,4 +1,4 @@
-//! Functions that other languages have, and how a formula computes the same.
+//! Functions that other languages have, and how a formula or an equation computes the same.
 
 /// Names of functions that formulas do not have, and what to write instead.
 const SYNONYMS: [(&[&str], &str); 22] = [
@@ -29,11 +29,34 @@ const SYNONYMS: [(&[&str], &str); 22] = [
     (&["if", "where", "step", "heaviside"], "formulas have no conditions: use min, max and floor"),
 ];
 
+/// Names of functions that equations do not have but can express, and what to write instead. They precede
+/// [`SYNONYMS`].
+const EQUATION_SYNONYMS: [(&[&str], &str); 7] = [
+    (&["sgn", "signum"], "did you mean sign?"),
+    (&["heaviside", "unit_step", "unitstep"], "did you mean step?"),
+    (&["deadzone", "dead_band", "deadband"], "did you mean dead_zone?"),
+    (&["sat", "saturate", "saturation", "clamp", "clip", "limiter"], "did you mean limit?"),
+    (&["dead_time", "deadtime", "transport_delay", "delayed"], "did you mean delay?"),
+    (&["der", "ddt", "diff", "derivative"], "the derivative of x is written x'"),
+    (&["if", "where", "piecewise"], "equations have no conditions: use step, limit, min and max"),
+];
+
 /// Returns what to write instead of a function that formulas do not have; `None` if the name is not in the
 /// table.
 pub(super) fn advice(name: &str) -> Option<&'static str> {
+    find(&SYNONYMS, name)
+}
+
+/// Returns what an equation has instead of a function that it does not have; `None` if the name is not in
+/// the table of equations.
+pub(super) fn equation_advice(name: &str) -> Option<&'static str> {
+    find(&EQUATION_SYNONYMS, name)
+}
+
+/// Returns the advice of the row with a name. Capitals do not count.
+fn find(table: &[(&[&str], &'static str)], name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
-    let found = SYNONYMS.iter().find(|(names, _)| names.contains(&name.as_str()));
+    let found = table.iter().find(|(names, _)| names.contains(&name.as_str()));
     found.map(|(_, advice)| *advice)
 }
 
@@ -41,7 +64,7 @@ pub(super) fn advice(name: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::formula::scope::NoNames;
-    use crate::formula::{Callee, Formula};
+    use crate::formula::{Callee, EquationFunction, Formula};
 
     #[test]
     fn no_synonym_is_a_function() {
@@ -50,6 +73,21 @@ mod tests {
             assert_eq!(advice(name), advice(&name.to_uppercase()));
         }
         assert_eq!(advice("cosine_of_it"), None);
+    }
+
+    #[test]
+    fn synonyms_of_equations_are_no_functions_and_advise_existing_ones() {
+        for (names, text) in EQUATION_SYNONYMS {
+            for name in names {
+                assert!(Callee::from_name(name).is_none(), "{name}");
+                assert!(EquationFunction::from_name(name).is_none(), "{name}");
+                assert_eq!(equation_advice(&name.to_uppercase()), Some(text));
+            }
+            if let Some(advised) = text.strip_prefix("did you mean ") {
+                assert!(EquationFunction::from_name(advised.trim_end_matches('?')).is_some(), "{text}");
+            }
+        }
+        assert_eq!(equation_advice("pow"), None);
     }
 
     #[test]

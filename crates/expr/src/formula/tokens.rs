@@ -2,20 +2,26 @@
 //!
 //! A number is `1`, `.5`, `2.` or `1e-3`. A name consists of ASCII letters, digits and `_`, and does
 //! not begin with a digit. Dots belong to numbers only, so a name such as `L1.T` cannot be written in
-//! a formula; only the expansion of macros makes such names.
+//! a formula; only the expansion of macros makes such names. In an equation the primes after a name
+//! belong to its token, and `=` is a sign.
 
 use std::ops::Range;
 
 use super::error::FormulaError;
+use super::foreign_signs;
+use super::language::Language;
+
+/// The sign after the name of a quantity that means a derivative with respect to time.
+pub(super) const PRIME: char = '\'';
 
 /// The kind of a token, with the value of a number.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum TokenKind {
     /// A finite, unsigned number.
     Number(f64),
-    /// A name, the name of a function, or `pi`.
+    /// A name, the name of a function, or `pi`. In an equation the name may end in primes.
     Name,
-    /// One of `+ - * / ^ ( ) ,`.
+    /// One of `+ - * / ^ ( ) ,`, and in an equation also `=`.
     Sign(char),
     /// The end of the text.
     End,
@@ -31,11 +37,11 @@ pub(super) struct Token {
 }
 
 /// Splits a text into tokens. Blanks are skipped, and the last token is [`TokenKind::End`].
-pub(super) fn tokenize(text: &str) -> Result<Vec<Token>, FormulaError> {
+pub(super) fn tokenize(text: &str, language: Language) -> Result<Vec<Token>, FormulaError> {
     let mut found = Vec::new();
     let mut at = 0;
     while let Some((start, first)) = next_letter(text, at) {
-        let token = token_at(text, start, first)?;
+        let token = token_at(text, start, first, language)?;
         at = token.range.end;
         found.push(token);
     }
@@ -52,26 +58,38 @@ fn next_letter(text: &str, at: usize) -> Option<(usize, char)> {
 }
 
 /// Reads the token that begins at byte `start` with the character `first`.
-fn token_at(text: &str, start: usize, first: char) -> Result<Token, FormulaError> {
+fn token_at(text: &str, start: usize, first: char, language: Language) -> Result<Token, FormulaError> {
+    let is_equation = language == Language::Equation;
+    if is_equation && let Some(error) = foreign_signs::error(text, start, first) {
+        return Err(error);
+    }
     let (kind, length) = match first {
         '0'..='9' | '.' => {
             let length = number_length(&text[start..]);
             (number(text, start..start + length)?, length)
         }
-        'A'..='Z' | 'a'..='z' | '_' => (TokenKind::Name, prefix_length(&text[start..], is_name_letter)),
+        'A'..='Z' | 'a'..='z' | '_' => (TokenKind::Name, name_length(&text[start..], is_equation)),
         '+' | '-' | '*' | '/' | '^' | '(' | ')' | ',' => (TokenKind::Sign(first), 1),
-        _ => return Err(unexpected_character(start, first)),
+        '=' if is_equation => (TokenKind::Sign(first), 1),
+        _ => return Err(unexpected_character(start, first, language)),
     };
     Ok(Token { kind, range: start..start + length })
 }
 
 /// Whether a character can be part of a name after its first character.
-fn is_name_letter(letter: char) -> bool {
+pub(super) fn is_name_letter(letter: char) -> bool {
     letter.is_ascii_alphanumeric() || letter == '_'
 }
 
+/// Returns the number of bytes of the name at the beginning of a text. In an equation the primes after
+/// the name count.
+fn name_length(text: &str, is_equation: bool) -> usize {
+    let letters = prefix_length(text, is_name_letter);
+    if is_equation { letters + prefix_length(&text[letters..], |letter| letter == PRIME) } else { letters }
+}
+
 /// Returns the number of leading bytes whose characters all satisfy `belongs`.
-fn prefix_length(text: &str, belongs: impl Fn(char) -> bool) -> usize {
+pub(super) fn prefix_length(text: &str, belongs: impl Fn(char) -> bool) -> usize {
     text.find(|letter| !belongs(letter)).unwrap_or(text.len())
 }
 
@@ -110,7 +128,7 @@ fn number(text: &str, range: Range<usize>) -> Result<TokenKind, FormulaError> {
 
 /// Returns the error for a character that no token starts with, with the ASCII sign or the rule for names
 /// as hint.
-fn unexpected_character(start: usize, letter: char) -> FormulaError {
+fn unexpected_character(start: usize, letter: char, language: Language) -> FormulaError {
     let range = start..start + letter.len_utf8();
     let hint = match letter {
         '×' | '·' | '⋅' => Some("write * instead"),
@@ -125,6 +143,6 @@ fn unexpected_character(start: usize, letter: char) -> FormulaError {
         _ => None,
     };
     let shown = letter.escape_debug();
-    FormulaError::new(range, format!("{shown} is not allowed in a formula"))
+    FormulaError::new(range, format!("{shown} is not allowed in {}", language.noun()))
         .with_hint_if(hint.map(str::to_owned))
 }

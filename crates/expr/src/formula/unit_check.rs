@@ -3,13 +3,16 @@
 //! Dimensions are derived from the leaves to the root. Operands of a sum, and of `min`, `max` and
 //! `atan2`, must have the same dimension. Arguments of other functions and exponents must be pure
 //! numbers. A literal number counts as a pure number, except that a literal 0 fits every dimension.
+//! The sides of an equation agree like the operands of a sum.
 
 use std::ops::Range;
 
 use super::callee::Callee;
+use super::equation::EquationFunction;
 use super::error::FormulaError;
 use super::evaluate;
 use super::expression::{Expression, Node, Operator};
+use super::language::Language;
 use super::scope::{NoNames, Scope, base_error, missing_property};
 use super::wording::excerpt;
 use crate::function::Function;
@@ -60,8 +63,14 @@ impl FormulaDimension {
 }
 
 /// Returns the dimension of a node.
-pub(super) fn dimension(text: &str, node: &Node, scope: &dyn Scope) -> DimensionResult {
-    UnitChecker { text, scope }.dimension(node)
+pub(super) fn dimension(text: &str, node: &Node, scope: &dyn Scope, language: Language) -> DimensionResult {
+    UnitChecker { text, scope, language }.dimension(node)
+}
+
+/// Checks that both sides of an equation have the same dimension.
+pub(super) fn sides(text: &str, left: &Node, right: &Node, scope: &dyn Scope) -> Result<(), FormulaError> {
+    let checker = UnitChecker { text, scope, language: Language::Equation };
+    checker.agreeing(&(left.range.start..right.range.end), left, right).map(|_| ())
 }
 
 /// Derives the dimensions of the nodes of one formula.
@@ -70,6 +79,8 @@ struct UnitChecker<'m> {
     text: &'m str,
     /// The dimensions of the names, and the units in which they were declared.
     scope: &'m dyn Scope,
+    /// The language of the text. Equations have no scales, so their hints differ.
+    language: Language,
 }
 
 /// The dimension of a node, or the error of the first node whose operands do not fit.
@@ -84,6 +95,7 @@ impl UnitChecker<'_> {
             Expression::Negate(inner) => self.dimension(inner),
             Expression::Binary(operator, left, right) => self.binary(node, *operator, left, right),
             Expression::Call(callee, arguments) => self.call(node, *callee, arguments),
+            Expression::Apply(name, arguments) => self.application(node, name, arguments),
         }
     }
 
@@ -98,7 +110,7 @@ impl UnitChecker<'_> {
     /// Returns the dimension of an operation. Products and quotients accept all dimensions.
     fn binary(&self, node: &Node, operator: Operator, left: &Node, right: &Node) -> DimensionResult {
         match operator {
-            Operator::Add | Operator::Subtract => self.agreeing(node, left, right),
+            Operator::Add | Operator::Subtract => self.agreeing(&node.range, left, right),
             Operator::Multiply => {
                 let (a, b) = (self.dimension(left)?, self.dimension(right)?);
                 Ok(a.combined(b, Dimension::times))
@@ -119,21 +131,101 @@ impl UnitChecker<'_> {
     fn call(&self, node: &Node, callee: Callee, arguments: &[Node]) -> DimensionResult {
         match (callee, arguments) {
             (Callee::Absolute, [only]) => self.dimension(only),
-            (Callee::Minimum | Callee::Maximum, [a, b]) => self.agreeing(node, a, b),
+            (Callee::Minimum | Callee::Maximum, [a, b]) => self.agreeing(&node.range, a, b),
             (Callee::Function(Function::Sqrt), [only]) => {
                 Ok(self.dimension(only)?.map(|dimension| dimension.power(0.5)))
             }
             (Callee::Function(Function::Power), [base, exponent]) => self.power(base, exponent),
             (Callee::Function(Function::Atan2), [a, b]) => {
-                Ok(self.agreeing(node, a, b)?.map(|_| Dimension::NONE))
+                Ok(self.agreeing(&node.range, a, b)?.map(|_| Dimension::NONE))
             }
             (_, arguments) => self.pure_arguments(callee, arguments),
         }
     }
 
-    /// Returns the common dimension of two operands. A literal 0 adapts to the other operand.
-    fn agreeing(&self, node: &Node, left: &Node, right: &Node) -> DimensionResult {
+    /// Returns the dimension of a function of equations or a table.
+    ///
+    /// `sign` and `step` give pure numbers. The arguments of `dead_zone` and `limit` agree, and their value
+    /// has the same dimension. `delay` keeps the dimension of its first argument; the second is a time.
+    fn application(&self, node: &Node, name: &str, arguments: &[Node]) -> DimensionResult {
+        use EquationFunction::{DeadZone, Delay, Limit, Sign, Step};
+        match (EquationFunction::from_name(name), arguments) {
+            (Some(Sign | Step), [only]) => Ok(self.dimension(only)?.map(|_| Dimension::NONE)),
+            (Some(DeadZone | Limit), arguments) => self.all_agreeing(&node.range, arguments),
+            (Some(Delay), [input, time]) => {
+                let dimension = self.dimension(input)?;
+                self.check_argument(name, time, self.scope.time())?;
+                Ok(dimension)
+            }
+            (_, arguments) => self.table(node, name, arguments),
+        }
+    }
+
+    /// Returns the dimension of the value of a table, whose argument has the dimension from the scope.
+    fn table(&self, node: &Node, name: &str, arguments: &[Node]) -> DimensionResult {
+        let Some((of_argument, of_value)) = self.scope.table(name) else {
+            let message = format!("the table {name} is not known here");
+            return Err(FormulaError::new(node.range.clone(), message));
+        };
+        for argument in arguments {
+            self.check_argument(name, argument, of_argument)?;
+        }
+        Ok(FormulaDimension::Of(of_value))
+    }
+
+    /// Checks that an argument has the expected dimension. A literal 0 has every dimension.
+    fn check_argument(&self, name: &str, argument: &Node, expected: Dimension) -> Result<(), FormulaError> {
+        let found = self.dimension(argument)?;
+        if is_literal_zero(argument) || found.or_dimensionless() == expected {
+            return Ok(());
+        }
+        let wanted = if expected == Dimension::TIME {
+            "a time".to_owned()
+        } else if expected.is_dimensionless() {
+            "a pure number".to_owned()
+        } else {
+            format!("a quantity in {expected}")
+        };
+        let message = format!("{name} takes {wanted}, but {}", self.describe(argument, found));
+        let hint = (found == FormulaDimension::Literal).then(|| {
+            let written = excerpt(self.text, argument);
+            format!("declare {written} as a parameter in {expected}")
+        });
+        Err(FormulaError::new(argument.range.clone(), message).with_hint_if(hint))
+    }
+
+    /// Returns the common dimension of several arguments. Each literal 0 adapts to the others.
+    ///
+    /// The dimension of each argument is derived once, so that nested calls take no exponential time.
+    fn all_agreeing(&self, range: &Range<usize>, arguments: &[Node]) -> DimensionResult {
+        let mut dimensions = Vec::with_capacity(arguments.len());
+        for argument in arguments {
+            dimensions.push((argument, self.dimension(argument)?));
+        }
+        let reference = dimensions.iter().copied().find(|(argument, _)| !is_literal_zero(argument));
+        let Some(reference) = reference else { return Ok(FormulaDimension::Literal) };
+        let mut common = reference.1;
+        for argument in dimensions {
+            let agreed = self.common(range, reference, argument)?;
+            common = common.combined(agreed, |dimension, _| dimension);
+        }
+        Ok(common)
+    }
+
+    /// Returns the common dimension of two operands. `range` is that of both.
+    fn agreeing(&self, range: &Range<usize>, left: &Node, right: &Node) -> DimensionResult {
         let (a, b) = (self.dimension(left)?, self.dimension(right)?);
+        self.common(range, (left, a), (right, b))
+    }
+
+    /// Returns the common dimension of two operands with these dimensions. A literal 0 adapts to the other
+    /// operand.
+    fn common(
+        &self,
+        range: &Range<usize>,
+        (left, a): (&Node, FormulaDimension),
+        (right, b): (&Node, FormulaDimension),
+    ) -> DimensionResult {
         let agreed = match (a, b) {
             (FormulaDimension::Literal, _) if is_literal_zero(left) => Some(b),
             (_, FormulaDimension::Literal) if is_literal_zero(right) => Some(a),
@@ -142,7 +234,7 @@ impl UnitChecker<'_> {
             }
             _ => None,
         };
-        agreed.ok_or_else(|| self.disagreement(node, (left, a), (right, b)))
+        agreed.ok_or_else(|| self.disagreement(range, (left, a), (right, b)))
     }
 
     /// Returns the error for operands of different dimensions: `k is in N/m but 1 is a pure number`.
@@ -150,17 +242,17 @@ impl UnitChecker<'_> {
     /// If one of them is a pure number, the hint says how to give it the unit of the other.
     fn disagreement(
         &self,
-        node: &Node,
+        range: &Range<usize>,
         (left, a): (&Node, FormulaDimension),
         (right, b): (&Node, FormulaDimension),
     ) -> FormulaError {
         let message = format!("{} but {}", self.describe(left, a), self.describe(right, b));
         let hint = match (a.is_pure_number(), b.is_pure_number()) {
-            (true, false) => Some(self.quantity_hint(left, right, b)),
-            (false, true) => Some(self.quantity_hint(right, left, a)),
+            (true, false) => Some(self.quantity_hint((left, a), (right, b))),
+            (false, true) => Some(self.quantity_hint((right, b), (left, a))),
             _ => None,
         };
-        FormulaError::new(node.range.clone(), message).with_hint_if(hint)
+        FormulaError::new(range.clone(), message).with_hint_if(hint)
     }
 
     /// Returns the dimension of a power. The exponent is always a pure number.
@@ -227,14 +319,34 @@ impl UnitChecker<'_> {
     fn impure(&self, callee: Callee, argument: &Node, dimension: FormulaDimension) -> FormulaError {
         let described = self.describe(argument, dimension);
         let message = format!("{} takes a pure number, but {described}", callee.name());
+        let divisor = match self.language {
+            Language::Formula => "scale",
+            Language::Equation => "parameter",
+        };
         FormulaError::new(argument.range.clone(), message)
-            .with_hint(format!("divide it by a scale in {}", self.unit(argument, dimension)))
+            .with_hint(format!("divide it by a {divisor} in {}", self.unit(argument, dimension)))
     }
 
-    /// Returns the hint for a pure number that must have the dimension of `other`.
-    fn quantity_hint(&self, number: &Node, other: &Node, dimension: FormulaDimension) -> String {
-        let (number, unit) = (excerpt(self.text, number), self.unit(other, dimension));
-        format!("declare {number} as a parameter in {unit}, or write its volts times a scale in {unit}")
+    /// Returns the hint for a pure number that must have the dimension of another node.
+    fn quantity_hint(
+        &self,
+        (number, of_number): (&Node, FormulaDimension),
+        (other, of_other): (&Node, FormulaDimension),
+    ) -> String {
+        let (number, unit) = (excerpt(self.text, number), self.unit(other, of_other));
+        match (self.language, of_number) {
+            (Language::Formula, _) => {
+                format!(
+                    "declare {number} as a parameter in {unit}, or write its volts times a scale in {unit}"
+                )
+            }
+            (Language::Equation, FormulaDimension::Literal) => {
+                format!("declare {number} as a parameter in {unit}")
+            }
+            (Language::Equation, FormulaDimension::Of(_)) => {
+                format!("multiply {number} by a parameter in {unit}")
+            }
+        }
     }
 
     /// Describes the unit of a node for a message: `k is in N/m` or `2 * a is a pure number`.

@@ -123,6 +123,12 @@ impl Dimension {
         self == Self::NONE
     }
 
+    /// Whether the dimension has a power of time, as that of a velocity or a force has.
+    pub fn contains_time(self) -> bool {
+        let [_, _, second, _, _] = self.exponents;
+        second.abs() >= EXPONENT_TOLERANCE
+    }
+
     /// Whether this is the dimension of a power of time, such as 1/s or 1/s2. False for a pure number.
     pub(super) fn is_power_of_time(self) -> bool {
         let [_, _, second, _, _] = self.exponents;
@@ -230,6 +236,15 @@ mod tests {
         for other in [Dimension::NONE, Dimension::LENGTH, Dimension::LENGTH.over(Dimension::TIME)] {
             assert!(!other.is_power_of_time(), "{other}");
         }
+    }
+
+    #[test]
+    fn velocities_and_forces_contain_time() {
+        let speed = Dimension::LENGTH.over(Dimension::TIME);
+        assert!([speed, Dimension::FORCE, Dimension::FREQUENCY].into_iter().all(Dimension::contains_time));
+        let length = speed.times(Dimension::TIME.power(0.5)).times(Dimension::TIME.power(0.5));
+        let without = [Dimension::NONE, length, Dimension::MASS, Dimension::TEMPERATURE];
+        assert!(!without.into_iter().any(Dimension::contains_time));
     }
 
     #[test]
