@@ -4,6 +4,7 @@ mod check;
 mod completions;
 mod draw;
 mod effects;
+mod equations;
 mod files;
 mod gap;
 mod limits;
