@@ -206,7 +206,7 @@ fn the_page_of_equations_is_up_to_date() {
         let text: String =
             listing.text().lines().map(|line| format!("    {line}").trim_end().to_owned() + "\n").collect();
         let title = &circuit.patch().title;
-        fresh += &format!("\n### {file}\n\n{title}.\n\n{text}");
+        fresh += &format!("\n### {}\n\n{title}.\n\n{text}", file.display());
     }
     assert_up_to_date("docs/equations.md", fresh.as_bytes(), "patchcord");
 }

@@ -22,12 +22,14 @@
 
 #![forbid(unsafe_code)]
 
+mod compare;
 mod derive;
 mod listing;
 mod notation;
 mod symbolic;
 mod writing;
 
+pub use compare::{Agreement, ComparedEquation, compare_equations};
 pub use listing::{
     Detail, EquationListing, InitialDocument, InitialValue, ListingDocument, ModeChange, ModeDescription,
     TableDescription,

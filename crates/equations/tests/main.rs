@@ -1,1 +1,3 @@
-fn main() {}
+//! Integration tests of the equations: derived, stated and compared.
+
+mod compare;

@@ -4,11 +4,9 @@
 //! written where they are used. A state without a signal gets the name of a signal that differs from it by a constant
 //! factor and by drives, or of the derivative of such a signal.
 
-use patchcord_expr::Dimension;
-
 use super::system::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
 use super::wiring::Wiring;
-use crate::symbolic::{Fraction, Symbol, SymbolEntry, delay, derivative, partial_derivative, step};
+use crate::symbolic::{Fraction, Symbol, delay, derivative, partial_derivative, step};
 
 /// The readable equations of a wiring. `is_known` is whether the patch names a quantity of this name.
 pub(crate) fn simplified(wiring: Wiring, is_known: &dyn Fn(&str) -> bool) -> System {
@@ -154,12 +152,7 @@ impl Simplification<'_> {
             if symbols.is_constant(symbol) {
                 return Fraction::zero();
             }
-            let entry = symbols.entry(symbol).clone();
-            Fraction::symbol(symbols.variable(
-                &entry.name,
-                entry.primes + 1,
-                entry.dimension.over(Dimension::TIME),
-            ))
+            Fraction::symbol(symbols.derivative(symbol))
         })
     }
 
@@ -188,9 +181,7 @@ impl Simplification<'_> {
             relation.rest.is_zero().then_some(relation)
         });
         let Some(Relation { signal, state, factor, rest }) = found else { return false };
-        let entry: SymbolEntry = self.system.symbols.entry(signal).clone();
-        let dimension = entry.dimension.over(Dimension::TIME);
-        let prime = self.system.symbols.variable(&entry.name, entry.primes + 1, dimension);
+        let prime = self.system.symbols.derivative(signal);
         self.rename(&Relation { signal: prime, state, factor, rest });
         true
     }
@@ -204,22 +195,7 @@ impl Simplification<'_> {
                 });
             }
         };
-        for law in &mut self.system.laws {
-            match &mut law.kind {
-                LawKind::State { rate, initial, limits } => {
-                    [rate, initial].into_iter().chain(limits.iter_mut().flatten()).for_each(replaced);
-                }
-                LawKind::Definition(value) | LawKind::Implicit(value) | LawKind::Drive(value) => {
-                    replaced(value)
-                }
-                LawKind::Delay { input, time, initial } => {
-                    [input, time, initial].into_iter().for_each(replaced)
-                }
-                LawKind::Stored { next, initial } => [next, initial].into_iter().for_each(replaced),
-                LawKind::Source(Source::Pulses(value)) => replaced(value),
-                LawKind::Source(_) => {}
-            }
-        }
+        self.system.laws.iter_mut().for_each(|law| law.kind.for_each_mut(&mut |value| replaced(value)));
         for transition in self.system.modes.iter_mut().flat_map(|mode| &mut mode.transitions) {
             replaced(&mut transition.guard);
             transition.reset.iter_mut().for_each(|(_, to)| replaced(to));

@@ -46,6 +46,24 @@ pub(crate) enum LawKind {
     Source(Source),
 }
 
+impl LawKind {
+    /// Changes every expression of the law.
+    pub(crate) fn for_each_mut(&mut self, change: &mut dyn FnMut(&mut Fraction)) {
+        match self {
+            LawKind::State { rate, initial, limits } => {
+                change(rate);
+                change(initial);
+                limits.iter_mut().flatten().for_each(change);
+            }
+            LawKind::Definition(value) | LawKind::Implicit(value) | LawKind::Drive(value) => change(value),
+            LawKind::Delay { input, time, initial } => [input, time, initial].into_iter().for_each(change),
+            LawKind::Stored { next, initial } => [next, initial].into_iter().for_each(change),
+            LawKind::Source(Source::Pulses(value)) => change(value),
+            LawKind::Source(Source::Noise | Source::Steps(_)) => {}
+        }
+    }
+}
+
 /// A source that is constant between known instants.
 #[derive(Debug, Clone)]
 pub(crate) enum Source {

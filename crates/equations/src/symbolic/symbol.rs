@@ -43,12 +43,15 @@ pub(crate) struct SymbolEntry {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Symbols {
     entries: Vec<SymbolEntry>,
+    /// For each entry, whether it is never negative.
+    nonnegative: Vec<bool>,
 }
 
 impl Symbols {
     /// Adds a symbol.
     pub(crate) fn add(&mut self, entry: SymbolEntry, is_nonnegative: bool) -> Symbol {
         self.entries.push(entry);
+        self.nonnegative.push(is_nonnegative);
         Symbol { index: self.entries.len() as u32 - 1, is_nonnegative }
     }
 
@@ -56,6 +59,22 @@ impl Symbols {
     pub(crate) fn variable(&mut self, name: &str, primes: u8, dimension: Dimension) -> Symbol {
         let kind = SymbolKind::Variable;
         self.add(SymbolEntry { name: name.to_owned(), primes, kind, dimension }, false)
+    }
+
+    /// The derivative of a symbol with respect to time, which is added if it is new.
+    pub(crate) fn derivative(&mut self, of: Symbol) -> Symbol {
+        let SymbolEntry { name, primes, dimension, .. } = self.entry(of).clone();
+        match self.find(&name, primes + 1) {
+            Some(known) => known,
+            None => self.variable(&name, primes + 1, dimension.over(Dimension::TIME)),
+        }
+    }
+
+    /// The first symbol with this name and number of primes.
+    pub(crate) fn find(&self, name: &str, primes: u8) -> Option<Symbol> {
+        let index = self.entries.iter().position(|entry| entry.name == name && entry.primes == primes)?;
+        let is_nonnegative = self.nonnegative[index];
+        Some(Symbol { index: index as u32, is_nonnegative })
     }
 
     /// The entry of a symbol.

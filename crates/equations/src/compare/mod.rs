@@ -1,0 +1,278 @@
+//! Compares the equations that a patch states with those that its wiring solves.
+//!
+//! Both sides of a stated equation are expressed by the states, drives and parameters of the wiring. If the difference is
+//! 0 in normal form, the wiring solves the equation. Otherwise the equation is solved for the highest derivative on its
+//! left, and compared with the wiring term by term for the present values of the parameters.
+
+mod intended;
+mod model;
+mod terms;
+
+use std::collections::HashSet;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_expr::{Equation, split_primes};
+
+use crate::derive::{LawKind, System};
+use crate::notation::{Notation, text};
+use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, partial_derivative};
+use crate::writing::Writer;
+use intended::fraction;
+use model::{Model, Obstacle};
+use terms::{DifferenceKind, TermDifference, differences, is_negative};
+
+/// A stated equation, compared with the wiring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedEquation {
+    /// Its index among the equations of the patch.
+    pub index: usize,
+    /// Whether the wiring solves it.
+    pub agreement: Agreement,
+}
+
+/// Whether the wiring solves a stated equation.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Agreement {
+    /// The wiring solves it.
+    Solved,
+    /// The wiring solves another equation.
+    Different {
+        /// The differences, each as a clause, such as "the sign of (k/m) x is wrong".
+        differences: Vec<String>,
+        /// The equation that the wiring solves, for the same quantity.
+        wired: String,
+    },
+    /// The comparison is not possible; the text says why.
+    Undecided(String),
+}
+
+/// Compares every stated equation of a patch with its wiring, in the order of the patch.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+/// use patchcord_equations::{Agreement, compare_equations};
+///
+/// let text = r#"{"patchcord": 1, "equations": ["x' = -2 x"],
+///   "scales": {"length": {"per_volt": 1, "unit": "1"}},
+///   "elements": {"P1": {"kind": "pot", "in": "A1", "setting": 0.2},
+///                "A1": {"kind": "integrator", "in": {"x1": ["P1"]}, "initial": 50}},
+///   "signals": {"x": {"at": "A1", "scale": "length"}}}"#;
+/// let circuit = Circuit::new(&Patch::parse("decay.json", text)?)?;
+/// let compared = compare_equations(&circuit, &Program::new(&circuit)?);
+/// let Agreement::Different { differences, wired } = &compared[0].agreement else { panic!("0.2 is not 2") };
+/// assert_eq!(differences, &["the term -2 x is 10 times too small"]);
+/// assert_eq!(wired, "x' = -0.2 x");
+/// # Ok::<(), Box<patchcord_core::document::Report>>(())
+/// ```
+pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEquation> {
+    if circuit.equations().is_empty() {
+        return Vec::new();
+    }
+    let mut comparison = Comparison { circuit, program, model: Model::new(circuit, program) };
+    let compared = circuit.equations().iter().enumerate().map(|(index, placed)| ComparedEquation {
+        index,
+        agreement: comparison.agreement(&placed.value).unwrap_or_else(|obstacle| Agreement::Undecided(obstacle.text())),
+    });
+    compared.collect()
+}
+
+impl Obstacle {
+    /// The obstacle as a clause.
+    fn text(&self) -> String {
+        match self {
+            Obstacle::Unknown(name) => format!("{name} is not known"),
+            Obstacle::Implicit(name) => {
+                format!("{name} is the solution of a loop without a formula, so its derivative is not known")
+            }
+        }
+    }
+}
+
+/// A comparison in progress.
+struct Comparison<'a> {
+    circuit: &'a Circuit,
+    program: &'a Program,
+    model: Model<'a>,
+}
+
+impl Comparison<'_> {
+    /// Whether the wiring solves an equation.
+    fn agreement(&mut self, equation: &Equation) -> Result<Agreement, Obstacle> {
+        if let Some(initial) = initial_name(equation) {
+            return self.initial_agreement(equation, initial);
+        }
+        let none = HashSet::new();
+        let [left, right] = [equation.left(), equation.right()].map(|side| {
+            fraction(side, &mut |name| self.model.named(name, &none))
+        });
+        if left?.minus(&right?).is_zero() {
+            return Ok(Agreement::Solved);
+        }
+        let Some((name, stated)) = self.solved(equation)? else {
+            return Ok(Agreement::Undecided("it cannot be solved for a quantity on its left".to_owned()));
+        };
+        let kept = self.kept(equation, &name);
+        let (stated, wired) = (self.model.expanded_fraction(&stated, &kept), self.model.named(&name, &kept)?);
+        let found = self.differences(&stated, &wired);
+        if found.is_empty() {
+            return Ok(Agreement::Solved);
+        }
+        // Signals in the equation are wired correctly or not; a difference that remains without them is in this one.
+        let none = HashSet::new();
+        let full_stated = self.model.expanded_fraction(&stated, &none);
+        let full_wired = self.model.named(&name, &none)?;
+        if self.differences(&full_stated, &full_wired).is_empty() {
+            return Ok(Agreement::Solved);
+        }
+        Ok(self.different(&name, &found, &wired))
+    }
+
+    /// Whether a quantity has its stated initial value.
+    fn initial_agreement(&mut self, equation: &Equation, name: &str) -> Result<Agreement, Obstacle> {
+        let (base, primes) = split_primes(name);
+        let none = HashSet::new();
+        let stated = fraction(equation.right(), &mut |name| self.model.named(name, &none))?;
+        let wired = self.model.initial(base, primes)?;
+        let found = self.differences(&stated, &wired);
+        if found.is_empty() {
+            return Ok(Agreement::Solved);
+        }
+        let dimension = self.circuit.equation_dimension(name);
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let [stated, wired] = [stated, wired].map(|value| text(&writer.expression(&value, dimension)));
+        let differences = vec![format!("{name} is {wired} at t = 0, and should be {stated}")];
+        Ok(Agreement::Different { differences, wired: format!("{name}(0) = {wired}") })
+    }
+
+    /// The name for which an equation is solved, and its value in the names of the equation. It is the name with the
+    /// most primes on the left. `None` if the equation is not linear in it.
+    fn solved(&mut self, equation: &Equation) -> Result<Option<(String, Fraction)>, Obstacle> {
+        let mut names = equation.left().names();
+        names.retain(|name| self.is_variable(name));
+        names.sort_by_key(|name| std::cmp::Reverse(split_primes(name).1));
+        let Some(name) = names.first().map(|name| (*name).to_owned()) else { return Ok(None) };
+        let dimension = patchcord_expr::Dimension::NONE;
+        let unknown = self.model.system.symbols.variable(&name, 0, dimension);
+        let kept = self.kept(equation, &name);
+        let [left, right] = [equation.left(), equation.right()].map(|side| {
+            fraction(side, &mut |other| {
+                if other == name { Ok(Fraction::symbol(unknown)) } else { self.model.named(other, &kept) }
+            })
+        });
+        let difference = left?.minus(&right?);
+        let slope = partial_derivative(&difference, unknown);
+        if slope.is_zero() || slope.contains(&mut |symbol| symbol == unknown) {
+            return Ok(None);
+        }
+        let value = Fraction::symbol(unknown).minus(&difference.over(&slope));
+        Ok((!value.contains(&mut |symbol| symbol == unknown)).then_some((name, value)))
+    }
+
+    /// Whether a name of an equation is a quantity that varies.
+    fn is_variable(&self, name: &str) -> bool {
+        let base = split_primes(name).0;
+        let patch = self.circuit.patch();
+        patch.signals.contains_key(base) || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
+    }
+
+    /// The signals of an equation that follow from others: they stay in the comparison under their names, except the
+    /// one for which the equation is solved.
+    fn kept(&self, equation: &Equation, solved: &str) -> HashSet<Symbol> {
+        let solved = split_primes(solved).0;
+        let symbols = &self.model.system.symbols;
+        let names = equation.names().into_iter().filter(|name| *name != solved && split_primes(name).1 == 0);
+        let found = names.filter_map(|name| symbols.find(name, 0));
+        found.filter(|symbol| matches!(self.model.system.law(*symbol), Some(LawKind::Definition(_)))).collect()
+    }
+
+    /// The terms in which a stated and a wired expression differ.
+    fn differences(&self, stated: &Fraction, wired: &Fraction) -> Vec<TermDifference> {
+        let values = ParameterValues { system: &self.model.system, program: self.program };
+        differences(stated, wired, &self.model.system.symbols, &values)
+    }
+
+    /// The agreement for a quantity whose terms differ.
+    fn different(&self, name: &str, found: &[TermDifference], wired: &Fraction) -> Agreement {
+        let dimension = self.circuit.equation_dimension(name);
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let write = |value: &Fraction| text(&writer.expression(value, dimension));
+        let time_scale = self.circuit.time_scale();
+        let clauses = found.iter().map(|difference| clause(difference, time_scale, &write));
+        let (base, primes) = split_primes(name);
+        let left = Notation::Name { name: base.to_owned(), primes: u8::try_from(primes).unwrap_or(u8::MAX) };
+        Agreement::Different {
+            differences: clauses.collect(),
+            wired: format!("{} = {}", text(&left), write(wired)),
+        }
+    }
+}
+
+/// A difference as a clause.
+fn clause(difference: &TermDifference, time_scale: f64, write: &dyn Fn(&Fraction) -> String) -> String {
+    let size = |value: &Fraction| write(&if is_negative(value) { value.negated() } else { value.clone() });
+    match difference.kind {
+        DifferenceKind::Sign => format!("the sign of {} is wrong", size(&difference.stated)),
+        DifferenceKind::Missing => format!("the term {} is missing", write(&difference.stated)),
+        DifferenceKind::Extra => format!("the term {} is not in the equation", write(&difference.wired)),
+        DifferenceKind::Factor(factor) => {
+            let sign = if factor < 0.0 { "has the wrong sign and " } else { "" };
+            let (times, word) = if factor.abs() < 1.0 { (1.0 / factor.abs(), "small") } else { (factor.abs(), "large") };
+            let times = patchcord_expr::format_significant(times, FACTOR_DIGITS);
+            let reason = if is_power_of(factor.abs(), time_scale) { ", by the time scale" } else { "" };
+            let is = if sign.is_empty() { "is" } else { "and is" };
+            let sign = sign.trim_end_matches("and ");
+            format!("the term {} {sign}{is} {times} times too {word}{reason}", write(&difference.stated))
+        }
+    }
+}
+
+/// Significant digits of a factor in a message.
+const FACTOR_DIGITS: usize = 4;
+
+/// Whether a factor is the time scale, its square, or the reciprocal of either.
+fn is_power_of(factor: f64, time_scale: f64) -> bool {
+    let is_near = |power: i32| (factor / time_scale.powi(power) - 1.0).abs() < 1e-9;
+    time_scale != 1.0 && [-2, -1, 1, 2].into_iter().any(is_near)
+}
+
+/// The quantity of which an equation states the initial value, such as "x'" of "x'(0) = 0".
+fn initial_name(equation: &Equation) -> Option<&str> {
+    match &equation.left().expression {
+        patchcord_expr::Expression::Name(name) => name.strip_suffix("(0)"),
+        _ => None,
+    }
+}
+
+/// The present values of the parameters.
+struct ParameterValues<'a> {
+    system: &'a System,
+    program: &'a Program,
+}
+
+impl Values for ParameterValues<'_> {
+    fn symbol(&self, symbol: Symbol) -> f64 {
+        match self.system.symbols.entry(symbol).kind {
+            SymbolKind::Pi => std::f64::consts::PI,
+            SymbolKind::Parameter(index) => self.program.parameters()[index].value,
+            SymbolKind::Time | SymbolKind::Variable | SymbolKind::Held => f64::NAN,
+        }
+    }
+
+    fn table(&self, _table: u32, _at: f64) -> f64 {
+        f64::NAN
+    }
+
+    fn slope(&self, _table: u32, _at: f64) -> f64 {
+        f64::NAN
+    }
+
+    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
+        f64::NAN
+    }
+}

@@ -1,0 +1,195 @@
+//! The quantities of a wiring as functions of its states, drives and parameters.
+
+use std::collections::{HashMap, HashSet};
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_expr::{Expression, Node};
+
+use super::intended::fraction;
+use crate::derive::{LawKind, ModeLaw, Options, System, derive, simplified};
+use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
+
+/// A wiring with the quantities that its equations can name.
+pub(crate) struct Model<'a> {
+    /// The equations of the wiring.
+    pub system: System,
+    /// The right sides of the auxiliary quantities, by name.
+    auxiliaries: HashMap<&'a str, &'a Node>,
+    /// The quantities that are being expanded, so that a circle ends.
+    open: Vec<Symbol>,
+}
+
+/// The reason why a quantity has no expression.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Obstacle {
+    /// The patch has no such quantity. Its check has reported it.
+    Unknown(String),
+    /// The quantity is the solution of a loop without a formula, so its derivative is not known.
+    Implicit(String),
+}
+
+impl<'a> Model<'a> {
+    /// The model of a circuit. Stops and resets do not act in it, and brakes slip: it describes free motion.
+    pub(crate) fn new(circuit: &'a Circuit, program: &Program) -> Self {
+        let options = Options { keeps_elements: false, has_ideal_amplifiers: true };
+        let patch = circuit.patch();
+        let is_known = |name: &str| patch.signals.contains_key(name) || patch.drives.contains_key(name);
+        let mut system = simplified(derive(circuit, program, options), &is_known);
+        let free: HashMap<Symbol, Fraction> =
+            system.modes.iter().filter_map(|mode| Some((mode.symbol, value_in_motion(mode)?))).collect();
+        for law in &mut system.laws {
+            law.kind.for_each_mut(&mut |value| {
+                *value = value.mapped(&mut |symbol| {
+                    free.get(&symbol).cloned().unwrap_or_else(|| Fraction::symbol(symbol))
+                });
+            });
+        }
+        let definitions = circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
+            Expression::Name(name) => Some((name.as_str(), placed.value.right())),
+            _ => None,
+        });
+        let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
+        let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
+        Model { system, auxiliaries, open: Vec::new() }
+    }
+
+    /// A quantity of an equation, with this number of derivatives, as a function of states, drives, time and
+    /// parameters. Signals in `kept` stay as they are.
+    pub(crate) fn quantity(
+        &mut self,
+        name: &str,
+        primes: usize,
+        kept: &HashSet<Symbol>,
+    ) -> Result<Fraction, Obstacle> {
+        let (mut value, derivatives) = self.lowest(name, primes, kept)?;
+        for _ in 0..derivatives {
+            value = self.time_derivative(&value, kept)?;
+        }
+        Ok(value)
+    }
+
+    /// The quantity, or its highest derivative that is a state, and the number of derivatives that remain.
+    fn lowest(
+        &mut self,
+        name: &str,
+        primes: usize,
+        kept: &HashSet<Symbol>,
+    ) -> Result<(Fraction, usize), Obstacle> {
+        if let Some(node) = self.auxiliaries.get(name).copied() {
+            let value = fraction(node, &mut |name| self.named(name, kept))?;
+            return Ok((value, primes));
+        }
+        for order in (0..=primes).rev() {
+            let found = u8::try_from(order).ok().and_then(|order| self.system.symbols.find(name, order));
+            if let Some(symbol) = found {
+                let is_state = matches!(self.system.law(symbol), Some(LawKind::State { .. }));
+                if order == 0 || is_state {
+                    return Ok((self.expanded(symbol, kept), primes - order));
+                }
+            }
+        }
+        Err(Obstacle::Unknown(name.to_owned()))
+    }
+
+    /// A name of an equation, such as x'', k or t.
+    pub(crate) fn named(&mut self, name: &str, kept: &HashSet<Symbol>) -> Result<Fraction, Obstacle> {
+        let (base, primes) = patchcord_expr::split_primes(name);
+        self.quantity(base, primes, kept)
+    }
+
+    /// A symbol as a function of states, drives, time and parameters.
+    fn expanded(&mut self, symbol: Symbol, kept: &HashSet<Symbol>) -> Fraction {
+        let own = Fraction::symbol(symbol);
+        if kept.contains(&symbol) || self.open.contains(&symbol) {
+            return own;
+        }
+        let value = match self.system.law(symbol) {
+            Some(LawKind::Definition(value)) => value.clone(),
+            Some(LawKind::Delay { input, time, .. }) => {
+                let (input, time) = (input.clone(), time.clone());
+                self.open.push(symbol);
+                let input = self.expanded_fraction(&input, kept);
+                self.open.pop();
+                let symbols = &self.system.symbols;
+                return delay(&input, &time, &|symbol| symbols.is_constant(symbol));
+            }
+            _ => return own,
+        };
+        self.open.push(symbol);
+        let value = self.expanded_fraction(&value, kept);
+        self.open.pop();
+        value
+    }
+
+    /// An expression with its symbols expanded.
+    pub(crate) fn expanded_fraction(&mut self, value: &Fraction, kept: &HashSet<Symbol>) -> Fraction {
+        value.mapped(&mut |symbol| self.expanded(symbol, kept))
+    }
+
+    /// The derivative of an expanded expression with respect to time.
+    fn time_derivative(&mut self, value: &Fraction, kept: &HashSet<Symbol>) -> Result<Fraction, Obstacle> {
+        let mut obstacle = None;
+        let result = derivative(value, &mut |symbol| match self.rate(symbol, kept) {
+            Ok(rate) => rate,
+            Err(error) => {
+                obstacle = Some(error);
+                Fraction::zero()
+            }
+        });
+        obstacle.map_or(Ok(result), Err)
+    }
+
+    /// The derivative of a symbol with respect to time.
+    fn rate(&mut self, symbol: Symbol, kept: &HashSet<Symbol>) -> Result<Fraction, Obstacle> {
+        let entry = self.system.symbols.entry(symbol);
+        match entry.kind {
+            SymbolKind::Time => return Ok(Fraction::whole(1)),
+            SymbolKind::Pi | SymbolKind::Parameter(_) | SymbolKind::Held => return Ok(Fraction::zero()),
+            SymbolKind::Variable => {}
+        }
+        let name = entry.name.clone();
+        match self.system.law(symbol) {
+            Some(LawKind::State { rate, .. }) => {
+                let rate = rate.clone();
+                Ok(self.expanded_fraction(&rate, kept))
+            }
+            // A signal that is kept.
+            Some(LawKind::Definition(_)) => {
+                let value = self.expanded(symbol, &HashSet::new());
+                self.time_derivative(&value, &HashSet::new())
+            }
+            Some(LawKind::Drive(_)) | None => Ok(Fraction::symbol(self.system.symbols.derivative(symbol))),
+            Some(_) => Err(Obstacle::Implicit(name)),
+        }
+    }
+
+    /// The value of a quantity at t = 0 as a function of parameters.
+    pub(crate) fn initial(&mut self, name: &str, primes: usize) -> Result<Fraction, Obstacle> {
+        let value = self.quantity(name, primes, &HashSet::new())?;
+        let mut at_start = value;
+        // Drives depend on time, and initial values can depend on drives.
+        for _ in 0..3 {
+            at_start = at_start.mapped(&mut |symbol| match self.system.law(symbol) {
+                Some(LawKind::State { initial, .. } | LawKind::Delay { initial, .. }) => initial.clone(),
+                Some(LawKind::Drive(value)) => value.clone(),
+                _ if self.system.symbols.entry(symbol).kind == SymbolKind::Time => Fraction::zero(),
+                _ => Fraction::symbol(symbol),
+            });
+        }
+        Ok(at_start)
+    }
+}
+
+/// The value of a mode in free motion: no contact, no reset, and a brake that slips in the direction of motion. `None`
+/// for the positions of relays, which are quantities of their own.
+fn value_in_motion(mode: &ModeLaw) -> Option<Fraction> {
+    match mode.noun {
+        "contact" | "reset" => Some(Fraction::zero()),
+        "brake" => {
+            let upwards = mode.transitions.iter().find(|transition| transition.to == 1.0)?;
+            Some(step(&upwards.guard).times(&Fraction::whole(2)).minus(&Fraction::whole(1)))
+        }
+        _ => None,
+    }
+}

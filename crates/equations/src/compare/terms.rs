@@ -1,0 +1,123 @@
+//! Compares two expressions of one quantity term by term.
+
+use std::collections::BTreeMap;
+
+use num_traits::Signed as _;
+
+use crate::symbolic::{Atom, Fraction, Monomial, Polynomial, Rational, Symbols, Values, nearest, value};
+
+/// A term that differs between the stated equation and the wiring.
+#[derive(Debug, Clone)]
+pub(crate) struct TermDifference {
+    /// The term as the equation states it; 0 if it has none.
+    pub stated: Fraction,
+    /// The term that the wiring has; 0 if it has none.
+    pub wired: Fraction,
+    /// How they differ.
+    pub kind: DifferenceKind,
+}
+
+/// How a term differs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum DifferenceKind {
+    /// The sign is wrong.
+    Sign,
+    /// The term of the wiring is this many times the stated one.
+    Factor(f64),
+    /// The wiring does not have the term.
+    Missing,
+    /// The equation does not have the term.
+    Extra,
+}
+
+/// Relative deviation of a factor up to which a term is right. Settings are often rounded to three digits, like the
+/// readings of the voltmeter that they come from.
+const TOLERANCE: f64 = 1e-3;
+
+/// The terms in which two expressions of a quantity differ, for the present values of the parameters.
+pub(crate) fn differences(
+    stated: &Fraction,
+    wired: &Fraction,
+    symbols: &Symbols,
+    values: &dyn Values,
+) -> Vec<TermDifference> {
+    let (divisors, [stated, wired]) = over_common_divisors(stated, wired);
+    let [stated, wired] = [stated, wired].map(|sum| by_variables(&sum, symbols));
+    let mut products: Vec<&Monomial> = stated.keys().chain(wired.keys()).collect();
+    products.sort_unstable();
+    products.dedup();
+    let none = Polynomial::default();
+    let term = |factor: &Polynomial, product: &Monomial| {
+        Fraction::from(factor.times_term(product, &Rational::from_integer(1.into()))).over(&divisors)
+    };
+    let difference = |product: &Monomial| {
+        let [own, other] = [&stated, &wired].map(|terms| terms.get(product).unwrap_or(&none));
+        let kind = kind(own, other, values)?;
+        Some(TermDifference { stated: term(own, product), wired: term(other, product), kind })
+    };
+    products.into_iter().filter_map(difference).collect()
+}
+
+/// The numerators of two expressions over all their divisors, and these divisors.
+fn over_common_divisors(first: &Fraction, second: &Fraction) -> (Fraction, [Polynomial; 2]) {
+    let mut powers: BTreeMap<&Polynomial, u32> = BTreeMap::new();
+    for (divisor, power) in first.divisors().chain(second.divisors()) {
+        let own = powers.entry(divisor).or_default();
+        *own = power.max(*own);
+    }
+    let divisors = powers.iter().fold(Fraction::whole(1), |product, (divisor, power)| {
+        product.times(&Fraction::from((*divisor).clone()).power(*power as i32))
+    });
+    let numerators = [first, second].map(|fraction| fraction.times(&divisors).numerator().clone());
+    (divisors, numerators)
+}
+
+/// The factors of a sum by their product of variables. A factor is constant in a run.
+fn by_variables(sum: &Polynomial, symbols: &Symbols) -> BTreeMap<Monomial, Polynomial> {
+    let mut terms: BTreeMap<Monomial, Polynomial> = BTreeMap::new();
+    for (product, number) in sum.terms() {
+        let constant = product.only(|atom, _| is_constant(atom, symbols));
+        terms.entry(product.over(&constant)).or_default().add_term(constant, number);
+    }
+    terms
+}
+
+/// Whether a factor is constant in a run.
+fn is_constant(atom: &Atom, symbols: &Symbols) -> bool {
+    match atom {
+        Atom::Symbol(symbol) => symbols.is_constant(*symbol),
+        Atom::Apply(applied) => applied
+            .arguments
+            .iter()
+            .all(|argument| !argument.contains(&mut |symbol| !symbols.is_constant(symbol))),
+    }
+}
+
+/// How the wired factor of a product differs from the stated one. `None` if they are equal.
+fn kind(stated: &Polynomial, wired: &Polynomial, values: &dyn Values) -> Option<DifferenceKind> {
+    let [own, other] = [stated, wired].map(|factor| value(&Fraction::from(factor.clone()), values));
+    if stated.is_zero() {
+        return (other != 0.0).then_some(DifferenceKind::Extra);
+    }
+    if wired.is_zero() {
+        return (own != 0.0).then_some(DifferenceKind::Missing);
+    }
+    let ratio = Fraction::from(wired.clone()).over(&Fraction::from(stated.clone()));
+    let factor = match ratio.as_rational() {
+        Some(number) => nearest(&number),
+        None if own == other => 1.0,
+        None => other / own,
+    };
+    if (factor - 1.0).abs() < TOLERANCE {
+        None
+    } else if (factor + 1.0).abs() < TOLERANCE {
+        Some(DifferenceKind::Sign)
+    } else {
+        Some(DifferenceKind::Factor(factor))
+    }
+}
+
+/// Whether an expression begins with a minus sign in every term.
+pub(crate) fn is_negative(fraction: &Fraction) -> bool {
+    fraction.numerator().terms().all(|(_, number)| number.is_negative())
+}

@@ -1,0 +1,86 @@
+//! Stated equations are compared with the wiring.
+
+use std::fs;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+use patchcord_equations::{Agreement, compare_equations};
+use serde_json::{Value, json};
+
+/// The agreement of every equation of a patch.
+fn agreements(patch: &Value) -> Vec<Agreement> {
+    let patch = Patch::from_value("patch.json", patch).unwrap_or_else(|report| panic!("{report}"));
+    let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    compare_equations(&circuit, &program).into_iter().map(|compared| compared.agreement).collect()
+}
+
+/// A shipped patch with equations.
+fn patch(file: &str, equations: &[&str]) -> Value {
+    let text = fs::read_to_string(format!("../../patches/{file}.json")).unwrap();
+    let mut patch: Value = serde_json::from_str(&text).unwrap();
+    patch["equations"] = json!(equations);
+    patch
+}
+
+/// The clauses of a difference and the equation of the wiring.
+fn difference(agreement: &Agreement) -> (Vec<&str>, &str) {
+    let Agreement::Different { differences, wired } = agreement else { panic!("{agreement:?}") };
+    (differences.iter().map(String::as_str).collect(), wired)
+}
+
+#[test]
+fn correct_equations_agree() {
+    let cases: [(&str, &[&str]); 9] = [
+        ("lessons/mass-and-spring", &["x' = v", "m x'' = -k x", "total = (k x^2 + m v^2)/2", "kinetic = m x'^2/2"]),
+        ("lessons/van-der-pol", &["x'' - mu (1 - x^2) x' + x = 0", "v = x'"]),
+        ("lessons/lorenz", &["x' = sigma (y - x)", "y' = x (rho - z) - y", "z' = x y - beta z"]),
+        ("lessons/driven-oscillator", &["m x'' = push - k x - d x'"]),
+        ("lessons/square-root-and-division", &["w = sqrt(2 g h)", "A h' = -a w", "lasts = A h/(a w)"]),
+        ("lessons/projectile", &["x'' = -(c/m) speed x'", "m y'' = -m g - c speed y'"]),
+        ("lessons/mathieu", &["y'' + (a - 2 q pump) y = 0"]),
+        (
+            "thesis/fig-8-16",
+            &[
+                "x_error' = v_i + x_i' - v_o",
+                "spring_force = K x_error",
+                "M v_o' = dead_zone(spring_force, friction_level) - f v_o",
+                "friction_level = Fs max(memory, 0)^2",
+                "memory' = (max(1 - abs(v_o)/VcL, 0) - memory)/Tc",
+                "Tc memory' + memory = 1 - min(abs(v_o)/VcL, 1)",
+                "F = max(1 - abs(v_o)/VcL, 0)",
+                "memory' = (F - memory)/Tc + 0 F'",
+            ],
+        ),
+        ("thesis/fig-8-04", &["M x_o'' = K (x_i - x_o) - f (x_o' + v_i) - M v_i'", "net_force = M a_o"]),
+    ];
+    for (file, equations) in cases {
+        for (equation, agreement) in equations.iter().zip(agreements(&patch(file, equations))) {
+            assert_eq!(agreement, Agreement::Solved, "{file}: {equation}");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_sign_is_named() {
+    let mut spring = patch("lessons/driven-oscillator", &["m v' = push - k x + d v"]);
+    let agreement = agreements(&spring);
+    assert_eq!(
+        difference(&agreement[0]),
+        (vec!["the sign of (d/m) v is wrong"], "v' = push/m - (k/m) x - (d/m) v")
+    );
+    spring["equations"] = json!(["x' = -v"]);
+    assert_eq!(difference(&agreements(&spring)[0]), (vec!["the sign of v is wrong"], "x' = v"));
+}
+
+#[test]
+fn factors_of_terms_are_named() {
+    let lorenz = patch("lessons/lorenz", &["y' = x (rho - 10 z) - y", "x' = 2 sigma y - sigma x", "z' = x y - beta z + x"]);
+    let found = agreements(&lorenz);
+    assert_eq!(difference(&found[0]).0, ["the term -10 x z is 10 times too small"]);
+    assert_eq!(difference(&found[1]).0, ["the term 2 sigma y is 2 times too small"]);
+    assert_eq!(difference(&found[2]).0, ["the term x is missing"]);
+    let extra = agreements(&patch("lessons/lorenz", &["x' = sigma y"]));
+    assert_eq!(difference(&extra[0]).0, ["the term -sigma x is not in the equation"]);
+}
