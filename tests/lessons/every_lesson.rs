@@ -1,4 +1,5 @@
-//! Every lesson has a source, units and ranges, well-used voltages, pictures, a section of the page, and a test.
+//! Every lesson has a source, equations, units and ranges, well-used voltages, pictures, a section of the page, and a
+//! test.
 
 use std::fs;
 use std::path::Path;
@@ -20,11 +21,11 @@ fn stems() -> Vec<String> {
 }
 
 #[test]
-fn every_lesson_has_a_title_a_source_and_described_parameters() {
+fn every_lesson_has_a_title_a_source_equations_and_described_parameters() {
     for stem in stems() {
         let patch = shipped(&format!("lessons/{stem}"));
         let value = patch.value();
-        for key in ["title", "source", "machine", "run", "pictures"] {
+        for key in ["title", "source", "machine", "equations", "run", "pictures"] {
             assert!(!value[key].is_null(), "{stem} has no {key}");
         }
         for (name, parameter) in value["parameters"].as_object().unwrap() {
