@@ -199,6 +199,7 @@ fn the_page_of_equations_is_up_to_date() {
     let page = fs::read_to_string("docs/equations.md").unwrap();
     let (written, _) = page.split_once(GENERATED_EQUATIONS).expect("the page has the heading");
     let mut fresh = format!("{written}{GENERATED_EQUATIONS}");
+    let root = crate::common::files::repository_path("");
     for file in crate::common::files::shipped_files() {
         let circuit = crate::common::circuit(&crate::common::patch_of(&file), &[]);
         let program = Program::new(&circuit).unwrap();
@@ -206,7 +207,7 @@ fn the_page_of_equations_is_up_to_date() {
         let text: String =
             listing.text().lines().map(|line| format!("    {line}").trim_end().to_owned() + "\n").collect();
         let title = &circuit.patch().title;
-        fresh += &format!("\n### {}\n\n{title}.\n\n{text}", file.display());
+        fresh += &format!("\n### {}\n\n{title}.\n\n{text}", file.strip_prefix(&root).unwrap().display());
     }
     assert_up_to_date("docs/equations.md", fresh.as_bytes(), "patchcord");
 }

@@ -50,7 +50,7 @@ fn correct_equations_agree() {
                 "memory' = (max(1 - abs(v_o)/VcL, 0) - memory)/Tc",
                 "Tc memory' + memory = 1 - min(abs(v_o)/VcL, 1)",
                 "F = max(1 - abs(v_o)/VcL, 0)",
-                "memory' = (F - memory)/Tc + 0 F'",
+                "memory' + 0 F' = (F - memory)/Tc",
             ],
         ),
         ("thesis/fig-8-04", &["M x_o'' = K (x_i - x_o) - f (x_o' + v_i) - M v_i'", "net_force = M a_o"]),
@@ -60,6 +60,33 @@ fn correct_equations_agree() {
             assert_eq!(agreement, Agreement::Solved, "{file}: {equation}");
         }
     }
+}
+
+#[test]
+fn the_wiring_of_every_shipped_patch_solves_its_equations() {
+    let mut count = 0;
+    for folder in ["lessons", "measured", "others", "problems", "thesis"] {
+        for entry in fs::read_dir(format!("../../patches/{folder}")).unwrap() {
+            let path = entry.unwrap().path();
+            let Ok(patch) = Patch::read(&path) else { continue };
+            let Ok(circuit) = Circuit::new(&patch) else { continue };
+            let program = Program::new(&circuit).unwrap();
+            for compared in compare_equations(&circuit, &program) {
+                let text = circuit.equations()[compared.index].value.text();
+                let is_solved = match &compared.agreement {
+                    Agreement::Solved => true,
+                    Agreement::SolvedIf(conditions) => match circuit.patch().title.split(':').next() {
+                        Some("Two tanks") => conditions.iter().all(|condition| condition.ends_with(">= 0.0001 V")),
+                        _ => text.contains("speed") && conditions == &["x' >= 0"],
+                    },
+                    _ => false,
+                };
+                assert!(is_solved, "{}: {text}: {:?}", path.display(), compared.agreement);
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 100, "{count}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use patchcord_expr::{Equation, split_primes};
 
 use crate::derive::{LawKind, System};
 use crate::notation::{Notation, text};
-use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, partial_derivative};
+use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, Values, absolute, partial_derivative};
 use crate::writing::Writer;
 use intended::fraction;
 use model::{Model, Obstacle};
@@ -37,6 +37,9 @@ pub struct ComparedEquation {
 pub enum Agreement {
     /// The wiring solves it.
     Solved,
+    /// The wiring solves it while the inputs of its squaring networks and logarithms are within their range. Each
+    /// condition is a text, such as "u >= 0".
+    SolvedIf(Vec<String>),
     /// The wiring solves another equation.
     Different {
         /// The differences, each as a clause, such as "the sign of (k/m) x is wrong".
@@ -74,10 +77,21 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
     if circuit.equations().is_empty() {
         return Vec::new();
     }
-    let mut comparison = Comparison { circuit, program, model: Model::new(circuit, program) };
+    let [mut exact, mut positive] = [false, true].map(|stays_in_range| {
+        let model = Model::new(circuit, program, stays_in_range);
+        Comparison { circuit, program, model }
+    });
+    let mut agreement = |equation: &Equation| {
+        let found = exact.agreement(equation)?;
+        if matches!(found, Agreement::Different { .. }) && positive.agreement(equation)? == Agreement::Solved {
+            return Ok(Agreement::SolvedIf(exact.range_conditions(equation)));
+        }
+        Ok(found)
+    };
     let compared = circuit.equations().iter().enumerate().map(|(index, placed)| ComparedEquation {
         index,
-        agreement: comparison.agreement(&placed.value).unwrap_or_else(|obstacle| Agreement::Undecided(obstacle.text())),
+        agreement: agreement(&placed.value)
+            .unwrap_or_else(|obstacle: Obstacle| Agreement::Undecided(obstacle.text())),
     });
     compared.collect()
 }
@@ -111,7 +125,8 @@ impl Comparison<'_> {
         let [left, right] = [equation.left(), equation.right()].map(|side| {
             fraction(side, &mut |name| self.model.named(name, &none))
         });
-        if left?.minus(&right?).is_zero() {
+        let residual = left?.minus(&right?);
+        if residual.is_zero() || self.is_implicit_law(&residual) {
             return Ok(Agreement::Solved);
         }
         let Some((name, stated)) = self.solved(equation)? else {
@@ -131,6 +146,39 @@ impl Comparison<'_> {
             return Ok(Agreement::Solved);
         }
         Ok(self.different(&name, &found, &wired))
+    }
+
+    /// Whether an expression is 0 because a loop of the wiring makes it 0: it is a constant times the residual of the
+    /// loop.
+    fn is_implicit_law(&mut self, residual: &Fraction) -> bool {
+        let implicit = self.model.system.laws.iter().filter_map(|law| match &law.kind {
+            LawKind::Implicit(value) => Some(value.clone()),
+            _ => None,
+        });
+        let implicit: Vec<Fraction> = implicit.collect();
+        let none = HashSet::new();
+        implicit.iter().any(|law| {
+            let ratio = residual.over(&self.model.expanded_fraction(law, &none));
+            let symbols = &self.model.system.symbols;
+            !ratio.contains(&mut |symbol| !symbols.is_constant(symbol))
+        })
+    }
+
+    /// The conditions under which the inputs of the squaring networks and logarithms behind an equation are within their
+    /// range.
+    fn range_conditions(&mut self, equation: &Equation) -> Vec<String> {
+        let none = HashSet::new();
+        let names: Vec<String> = equation.names().into_iter().map(str::to_owned).collect();
+        let quantities: Vec<Fraction> = names.iter().filter_map(|name| self.model.named(name, &none).ok()).collect();
+        let mut inputs = self.model.system.margins.clone();
+        inputs.iter_mut().for_each(|input| *input = self.model.expanded_fraction(input, &none));
+        // An input matters if the absolute value of it remains in a quantity.
+        inputs.retain(|input| !input.is_nonnegative());
+        inputs.retain(|input| quantities.iter().any(|quantity| has_absolute_value_of(quantity, input)));
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let mut conditions: Vec<String> = inputs.iter().map(|input| writer.condition_text(input, false)).collect();
+        conditions.dedup();
+        conditions
     }
 
     /// Whether a quantity has its stated initial value.
@@ -211,6 +259,18 @@ impl Comparison<'_> {
             wired: format!("{} = {}", text(&left), write(wired)),
         }
     }
+}
+
+/// Whether an expression contains the absolute value of another one, but for a positive factor.
+fn has_absolute_value_of(value: &Fraction, inside: &Fraction) -> bool {
+    let size = absolute(inside);
+    let Some((product, _)) = size.numerator().as_term() else { return false };
+    let mut is_found = false;
+    value.with_factors(&mut |atom| {
+        is_found |= matches!(atom, Atom::Apply(_)) && product.exponent(atom) != 0;
+        None
+    });
+    is_found
 }
 
 /// A difference as a clause.

@@ -31,8 +31,8 @@ pub(crate) enum Obstacle {
 
 impl<'a> Model<'a> {
     /// The model of a circuit. Stops and resets do not act in it, and brakes slip: it describes free motion.
-    pub(crate) fn new(circuit: &'a Circuit, program: &Program) -> Self {
-        let options = Options { keeps_elements: false, has_ideal_amplifiers: true };
+    pub(crate) fn new(circuit: &'a Circuit, program: &Program, stays_in_range: bool) -> Self {
+        let options = Options { keeps_elements: false, has_ideal_amplifiers: true, stays_in_range };
         let patch = circuit.patch();
         let is_known = |name: &str| patch.signals.contains_key(name) || patch.drives.contains_key(name);
         let mut system = simplified(derive(circuit, program, options), &is_known);

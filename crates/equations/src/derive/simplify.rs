@@ -196,6 +196,7 @@ impl Simplification<'_> {
             }
         };
         self.system.laws.iter_mut().for_each(|law| law.kind.for_each_mut(&mut |value| replaced(value)));
+        self.system.margins.iter_mut().for_each(replaced);
         for transition in self.system.modes.iter_mut().flat_map(|mode| &mut mode.transitions) {
             replaced(&mut transition.guard);
             transition.reset.iter_mut().for_each(|(_, to)| replaced(to));

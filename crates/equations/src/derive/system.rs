@@ -16,6 +16,8 @@ pub(crate) struct System {
     pub modes: Vec<ModeLaw>,
     /// The tables, by their index in the program: each with the name of its element.
     pub tables: Vec<TableLaw>,
+    /// By how much the inputs of squaring networks and logarithms are within their range, in volts.
+    pub margins: Vec<Fraction>,
 }
 
 /// What determines a quantity.

@@ -4,7 +4,7 @@
 //! the expression that computes an output becomes its definition. The limits of the amplifiers at ±100 V are left out:
 //! the equations hold while no amplifier is overloaded.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::elements::Family;
@@ -24,6 +24,9 @@ pub(crate) struct Options {
     pub keeps_elements: bool,
     /// Whether open amplifiers are ideal: the sum of their inputs is exactly 0.
     pub has_ideal_amplifiers: bool,
+    /// Whether the inputs of squaring networks and logarithms count as within their range: above 0, or above the least
+    /// value of a logarithm.
+    pub stays_in_range: bool,
 }
 
 /// The equations of a program, and how they refer to it.
@@ -81,6 +84,8 @@ struct Derivation<'a> {
     coefficients: Vec<Fraction>,
     /// For outputs of amplifiers, the register before the limit.
     unlimited: HashMap<Register, Register>,
+    /// The inputs of squaring networks and logarithms after the limit of their range.
+    ranged: HashSet<Register>,
     /// The value of each register that was computed.
     values: Vec<Option<Fraction>>,
     /// Number of intermediate quantities that were named because they are long.
@@ -108,7 +113,7 @@ impl<'a> Derivation<'a> {
         let parameters: Vec<Symbol> = parameters.collect();
         let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);
         let tables = tables(program);
-        let system = System { symbols, laws: Vec::new(), modes: Vec::new(), tables };
+        let system = System { symbols, laws: Vec::new(), modes: Vec::new(), tables, margins: Vec::new() };
         let wiring = Wiring {
             system,
             states: Vec::new(),
@@ -130,6 +135,7 @@ impl<'a> Derivation<'a> {
             pi,
             coefficients,
             unlimited,
+            ranged: ranged(program),
             values,
             intermediates: 0,
         };
@@ -141,7 +147,7 @@ impl<'a> Derivation<'a> {
     fn prologue(&mut self) -> Vec<Fraction> {
         let mut registers: Vec<Fraction> = Vec::with_capacity(self.program.prologue().len());
         for op in self.program.prologue() {
-            let value = self.operation(*op, &|register: Register| registers[register.index()].clone());
+            let value = self.operation(*op, false, &|register: Register| registers[register.index()].clone());
             registers.push(value);
         }
         let coefficients = self.program.coefficients().iter();
@@ -339,7 +345,7 @@ impl<'a> Derivation<'a> {
         let op = self.program.body()[at];
         let value = match self.unlimited.get(&register) {
             Some(demand) => self.value(*demand),
-            None => self.operation(op, &|register: Register| self.value(register)),
+            None => self.operation(op, self.ranged.contains(&register), &|register: Register| self.value(register)),
         };
         let Some(output) = self.wiring.names.get(&register).cloned() else {
             let value = if defines { self.shortened(value) } else { value };
@@ -425,7 +431,9 @@ impl<'a> Derivation<'a> {
     }
 
     /// The expression of an operation, with the expressions of its operands.
-    fn operation(&self, op: Op, get: &dyn Fn(Register) -> Fraction) -> Fraction {
+    ///
+    /// `is_ranged` is whether it limits the input of a squaring network or a logarithm to its range.
+    fn operation(&self, op: Op, is_ranged: bool, get: &dyn Fn(Register) -> Fraction) -> Fraction {
         match op {
             Op::Constant(value) => self.constant(value),
             Op::Parameter(index) => Fraction::symbol(self.wiring.parameters[index as usize]),
@@ -441,6 +449,7 @@ impl<'a> Derivation<'a> {
             Op::Multiply(a, b) => get(a).times(&get(b)),
             Op::Divide(a, b) => get(a).over(&get(b)),
             Op::Minimum(a, b) => get(a).minimum(&get(b)),
+            Op::Maximum(a, _) if is_ranged && self.options.stays_in_range => get(a),
             Op::Maximum(a, b) => get(a).maximum(&get(b)),
             Op::Absolute(a) => absolute(&get(a)),
             Op::Select { left, right, then, otherwise } => {
@@ -490,6 +499,7 @@ impl<'a> Derivation<'a> {
         self.other_signals();
         self.states();
         self.delays();
+        self.margins();
         self.levels();
         self.transitions();
         self.wiring
@@ -541,6 +551,18 @@ impl<'a> Derivation<'a> {
             let initial = self.coefficients[sampled.initial as usize].clone();
             let kind = LawKind::Stored { next, initial };
             self.wiring.system.laws.push(Law { of: self.wiring.sampled[index], kind });
+        }
+    }
+
+    /// Lists by how much the inputs of squaring networks and logarithms are within their range.
+    fn margins(&mut self) {
+        let mut registers: Vec<Register> = self.ranged.iter().copied().collect();
+        registers.sort_unstable();
+        for register in registers {
+            if let Op::Maximum(input, least) = self.program.body()[register.index()] {
+                let margin = self.value(input).minus(&self.value(least));
+                self.wiring.system.margins.push(margin);
+            }
         }
     }
 
@@ -599,6 +621,20 @@ impl<'a> Derivation<'a> {
             self.wiring.system.modes[index].transitions = transitions;
         }
     }
+}
+
+/// The registers that limit the inputs of squaring networks and logarithms to their range.
+fn ranged(program: &Program) -> HashSet<Register> {
+    let inputs = program.body().iter().filter_map(|op| match op {
+        Op::Multiply(a, b) if a == b => Some(*a),
+        Op::Call(Function::Ln | Function::Log10, a, _) => match program.body()[a.index()] {
+            // The limited voltage is divided by that of the argument 1.
+            Op::Divide(limited, _) => Some(limited),
+            _ => Some(*a),
+        },
+        _ => None,
+    });
+    inputs.filter(|register| matches!(program.body()[register.index()], Op::Maximum(..))).collect()
 }
 
 /// The tables, in the order of the program.

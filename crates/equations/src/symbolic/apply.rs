@@ -88,6 +88,7 @@ pub(crate) fn call(function: Function, first: &Fraction, second: &Fraction) -> F
         Function::Sin | Function::Tan | Function::Atan | Function::Tanh if leads_negative(first) => {
             plain_call(function, vec![first.negated()]).negated()
         }
+        Function::Exp | Function::Exp10 => exponential(function, first),
         Function::Cos if leads_negative(first) => plain_call(function, vec![first.negated()]),
         Function::Atan2 => plain_call(function, vec![first.clone(), second.clone()]),
         _ => plain_call(function, vec![first.clone()]),
@@ -97,6 +98,22 @@ pub(crate) fn call(function: Function, first: &Fraction, second: &Fraction) -> F
 /// A function without a rule for its arguments.
 fn plain_call(function: Function, arguments: Vec<Fraction>) -> Fraction {
     opaque(Operation::Call(CallOrder(function)), arguments)
+}
+
+/// An exponential function. The exponential of c ln(x) is x^c.
+fn exponential(function: Function, exponent: &Fraction) -> Fraction {
+    let logarithm = if function == Function::Exp { Function::Ln } else { Function::Log10 };
+    let logarithm_in = |(atom, power): &(Atom, i32)| match atom {
+        Atom::Apply(applied) if *power == 1 && applied.operation == Operation::Call(CallOrder(logarithm)) => {
+            Some((atom.clone(), applied.arguments[0].clone()))
+        }
+        _ => None,
+    };
+    let term = exponent.numerator().as_term().filter(|_| exponent.divisors().len() == 0);
+    match term.and_then(|(product, _)| product.factors().iter().find_map(logarithm_in)) {
+        Some((atom, base)) => power(&base, &exponent.over(&Fraction::atom(atom))),
+        None => plain_call(function, vec![exponent.clone()]),
+    }
 }
 
 /// A power. Whole exponents multiply out, and half a whole number is a root.

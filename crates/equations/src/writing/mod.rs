@@ -10,7 +10,7 @@ mod maxima;
 mod terms;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_expr::Dimension;
+use patchcord_expr::{Dimension, Function};
 
 use crate::derive::System;
 use crate::notation::Notation;
@@ -94,7 +94,12 @@ impl<'a> Writer<'a> {
         let argument = |(index, argument): (usize, &Fraction)| {
             self.expression(argument, self.argument_dimension(applied, index))
         };
-        let arguments = applied.arguments.iter().enumerate().map(argument).collect();
+        let mut arguments: Vec<Notation> = applied.arguments.iter().enumerate().map(argument).collect();
+        if applied.operation == Operation::Call(CallOrder(Function::Power))
+            && let (Some(exponent), Some(base)) = (arguments.pop(), arguments.pop())
+        {
+            return Notation::Power(Box::new(base), Box::new(exponent));
+        }
         Notation::Call(self.function_name(applied.operation), arguments)
     }
 
