@@ -76,7 +76,7 @@ fn the_wiring_of_every_shipped_patch_solves_its_equations() {
                 let is_solved = match &compared.agreement {
                     Agreement::Solved => true,
                     Agreement::SolvedIf(conditions) => match circuit.patch().title.split(':').next() {
-                        Some("Two tanks") => conditions.iter().all(|condition| condition.ends_with(">= 0.0001 V")),
+                        Some("Two tanks, one above the other, filled by a pump") => conditions.iter().all(|condition| condition.ends_with(">= 0.0001 V")),
                         _ => text.contains("speed") && conditions == &["x' >= 0"],
                     },
                     _ => false,

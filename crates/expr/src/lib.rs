@@ -30,7 +30,7 @@ mod units;
 
 pub use formula::{
     Callee, Equation, EquationFunction, Expression, Formula, FormulaDimension, FormulaError, Node, Operator,
-    Scope, split_primes,
+    Scope, split_initial, split_primes,
 };
 pub use function::Function;
 pub use number_text::{format_decimals, format_significant, leading_number, round_significant};

@@ -4,9 +4,13 @@
 //! name that is nothing else and stands alone on the left of one equation, such as `F_s` in `F_s = k x`. Its dimension
 //! is that of the right side.
 //!
-//! The checks run in the order in which they need each other: names, left sides, auxiliary quantities, dimensions. A
-//! check stays silent about an equation in which an earlier one has found a fault.
+//! An equation such as `x(0) = x0` states the initial value of a signal by parameters. The module `initial` has its
+//! rules.
+//!
+//! The checks run in the order in which they need each other: names, initial values, left sides, auxiliary quantities,
+//! dimensions. A check stays silent about an equation in which an earlier one has found a fault.
 
+mod initial;
 mod names;
 mod scope;
 
@@ -39,18 +43,20 @@ pub(super) fn check(patch: &Patch, findings: &mut Vec<Diagnostic>) -> Auxiliarie
         is_time_dimensionless: is_time_dimensionless(patch),
     };
     checker.check_names(findings);
+    checker.check_initial_values(findings);
     checker.check_left_sides(findings);
     checker.derive_auxiliaries(findings);
     checker.check_dimensions(findings);
     checker.auxiliaries
 }
 
-/// The auxiliary quantities, each with the index of the first equation that defines it.
+/// The auxiliary quantities, each with the index of the first equation that defines it. A derivative or an initial
+/// value on the left defines none.
 fn definitions(patch: &Patch) -> IndexMap<String, usize> {
     let mut definitions = IndexMap::new();
     for (index, placed) in patch.equations.iter().enumerate() {
         if let Expression::Name(name) = &placed.value.left().expression
-            && split_primes(name).1 == 0
+            && split_primes(name).0 == name
             && !scope::is_taken(patch, name)
             && !patch.unread_names().can_include(name)
         {
@@ -87,6 +93,16 @@ impl EquationChecker<'_> {
         let checker = NameChecker { patch: self.patch, scope: &scope };
         let is_sound = self.patch.equations.iter().map(|placed| checker.check(placed, findings)).collect();
         self.is_sound = is_sound;
+    }
+
+    /// Reports initial values in wrong places and those that depend on other names than parameters.
+    fn check_initial_values(&mut self, findings: &mut Vec<Diagnostic>) {
+        for (placed, is_sound) in self.patch.equations.iter().zip(&mut self.is_sound) {
+            if *is_sound && let Some(error) = initial::fault(self.patch, &placed.value) {
+                *is_sound = false;
+                findings.push(formula_diagnostic(Code::BAD_FORMULA, placed, error));
+            }
+        }
     }
 
     /// Reports equations with the same left side. Left sides without a name, such as 0, may be the same.
@@ -252,7 +268,8 @@ impl Circuit {
         EquationScope::new(&self.patch, &self.auxiliaries, self.is_time_dimensionless())
     }
 
-    /// The dimension of a name in an equation, which may have primes. `None` if the equations cannot use the name.
+    /// The dimension of a name in an equation. The name may have primes, or be an initial value such as `x'(0)`. `None`
+    /// if the equations cannot use the name.
     ///
     /// # Examples
     ///
@@ -272,6 +289,7 @@ impl Circuit {
     /// let circuit = Circuit::new(&patch)?;
     /// let speed = Dimension::LENGTH.over(Dimension::TIME);
     /// assert_eq!(circuit.equation_dimension("x'"), Some(speed));
+    /// assert_eq!(circuit.equation_dimension("x'(0)"), Some(speed));
     /// assert_eq!(circuit.equation_dimension("F_s"), Some(Dimension::FORCE));
     /// assert_eq!(circuit.equation_dimension("A1"), None);
     /// # Ok(())

@@ -118,7 +118,7 @@ struct Comparison<'a> {
 impl Comparison<'_> {
     /// Whether the wiring solves an equation.
     fn agreement(&mut self, equation: &Equation) -> Result<Agreement, Obstacle> {
-        if let Some(initial) = initial_name(equation) {
+        if let Some(initial) = equation.initial_quantity() {
             return self.initial_agreement(equation, initial);
         }
         let none = HashSet::new();
@@ -299,14 +299,6 @@ const FACTOR_DIGITS: usize = 4;
 fn is_power_of(factor: f64, time_scale: f64) -> bool {
     let is_near = |power: i32| (factor / time_scale.powi(power) - 1.0).abs() < 1e-9;
     time_scale != 1.0 && [-2, -1, 1, 2].into_iter().any(is_near)
-}
-
-/// The quantity of which an equation states the initial value, such as "x'" of "x'(0) = 0".
-fn initial_name(equation: &Equation) -> Option<&str> {
-    match &equation.left().expression {
-        patchcord_expr::Expression::Name(name) => name.strip_suffix("(0)"),
-        _ => None,
-    }
 }
 
 /// The present values of the parameters.

@@ -1,8 +1,8 @@
 //! Equations such as `m x'' = -k x - c x'`: two expressions with one `=` between them.
 //!
 //! The tokenizer, the parser, the evaluation and the check of units are those of formulas. The language
-//! permits more: primes for derivatives, products without a sign, the functions of [`EquationFunction`]
-//! and tables by name.
+//! permits more: primes for derivatives, `(0)` for initial values, products without a sign, the functions
+//! of [`EquationFunction`] and tables by name.
 
 mod function;
 
@@ -12,7 +12,7 @@ use std::ops::Range;
 pub use function::EquationFunction;
 
 use super::error::FormulaError;
-use super::expression::Node;
+use super::expression::{Expression, Node};
 use super::language::Language;
 use super::scope::{Scope, missing_property};
 use super::tokens::PRIME;
@@ -21,9 +21,10 @@ use super::{evaluate, parse, unit_check};
 
 /// A parsed equation together with its text.
 ///
-/// The sides are formulas with four additions.
+/// The sides are formulas with five additions.
 ///
 /// * Primes after a name mean derivatives with respect to time: `x''`. A name has at most 9 of them.
+/// * `(0)` directly after a name and its primes means the value at t = 0: `x'(0)`.
 /// * A product needs no sign: `-k x`, `2x`, `k (a + b)`. It binds like `*`. After a division it is an
 ///   error, because `a / b c` is ambiguous.
 /// * The functions of [`EquationFunction`] can be called.
@@ -94,8 +95,8 @@ impl Equation {
         &self.right
     }
 
-    /// Returns each name of the equation once, in the order of first appearance. `x` and `x'` are two names.
-    /// `pi` is a number, and names of functions and tables do not count.
+    /// Returns each name of the equation once, in the order of first appearance. `x`, `x'` and `x(0)` are
+    /// three names. `pi` is a number, and names of functions and tables do not count.
     pub fn names(&self) -> Vec<&str> {
         let mut names = self.left.names();
         let further: Vec<_> = self.right.names().into_iter().filter(|name| !names.contains(name)).collect();
@@ -118,6 +119,25 @@ impl Equation {
     pub fn range_of(&self, name: &str) -> Option<Range<usize>> {
         let found = self.left.find_name(name).or_else(|| self.right.find_name(name));
         found.map(|node| node.range.clone())
+    }
+
+    /// Returns the quantity whose initial value the equation states, with its primes. `None` if the left side
+    /// is something else.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Equation;
+    ///
+    /// assert_eq!(Equation::parse("x'(0) = v0", &[])?.initial_quantity(), Some("x'"));
+    /// assert_eq!(Equation::parse("x' = v", &[])?.initial_quantity(), None);
+    /// # Ok::<(), patchcord_expr::FormulaError>(())
+    /// ```
+    pub fn initial_quantity(&self) -> Option<&str> {
+        match &self.left.expression {
+            Expression::Name(name) => split_initial(name),
+            _ => None,
+        }
     }
 
     /// Returns the values of the left and of the right side in SI units. Both are finite.
@@ -227,7 +247,11 @@ impl fmt::Display for Equation {
     }
 }
 
-/// Returns a name of an equation without its primes, and their number.
+/// The end of the name of an initial value.
+pub(super) const INITIAL: &str = "(0)";
+
+/// Returns a name of an equation without its primes, and their number. The `(0)` of an initial value does
+/// not count.
 ///
 /// # Examples
 ///
@@ -236,10 +260,26 @@ impl fmt::Display for Equation {
 ///
 /// assert_eq!(split_primes("x''"), ("x", 2));
 /// assert_eq!(split_primes("x"), ("x", 0));
+/// assert_eq!(split_primes("x'(0)"), ("x", 1));
 /// ```
 pub fn split_primes(name: &str) -> (&str, usize) {
-    let base = name.trim_end_matches(PRIME);
-    (base, name.len() - base.len())
+    let quantity = split_initial(name).unwrap_or(name);
+    let base = quantity.trim_end_matches(PRIME);
+    (base, quantity.len() - base.len())
+}
+
+/// Returns the quantity of an initial value, with its primes. `None` if the name is not an initial value.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::split_initial;
+///
+/// assert_eq!(split_initial("x'(0)"), Some("x'"));
+/// assert_eq!(split_initial("x'"), None);
+/// ```
+pub fn split_initial(name: &str) -> Option<&str> {
+    name.strip_suffix(INITIAL)
 }
 
 #[cfg(test)]

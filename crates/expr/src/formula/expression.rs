@@ -33,7 +33,8 @@ pub struct Node {
 pub enum Expression {
     /// A number, or the constant `pi`.
     Number(f64),
-    /// The name of a quantity. In an equation it ends in its primes: `x''`.
+    /// The name of a quantity. In an equation it ends in its primes, as in `x''`, or in the `(0)` of an initial
+    /// value, as in `x'(0)`.
     Name(String),
     /// The operand with the opposite sign.
     Negate(Box<Node>),
@@ -87,7 +88,7 @@ impl Node {
     }
 
     /// Returns the first node below this one, or this one, that is this name. `None` if there is none.
-    pub(super) fn find_name(&self, name: &str) -> Option<&Node> {
+    pub fn find_name(&self, name: &str) -> Option<&Node> {
         match &self.expression {
             Expression::Name(found) if found == name => Some(self),
             _ => self.operands().into_iter().find_map(|operand| operand.find_name(name)),

@@ -2,8 +2,8 @@
 
 /// A language of the parser.
 ///
-/// An equation is written like a formula. It also has one `=`, primes for derivatives, products
-/// without a sign and a few more functions.
+/// An equation is written like a formula. It also has one `=`, primes for derivatives, `(0)` for initial
+/// values, products without a sign and a few more functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Language {
     /// A formula, such as `2 * K * position`.

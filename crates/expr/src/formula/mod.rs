@@ -23,7 +23,7 @@ mod unit_check;
 mod wording;
 
 pub use callee::Callee;
-pub use equation::{Equation, EquationFunction, split_primes};
+pub use equation::{Equation, EquationFunction, split_initial, split_primes};
 pub use error::FormulaError;
 pub use expression::{Expression, Node, Operator};
 pub use scope::Scope;

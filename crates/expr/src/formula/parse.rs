@@ -9,11 +9,11 @@
 //! product  := signed { ( "*" | "/" ) signed | power }
 //! signed   := "-" signed | power
 //! power    := primary [ "^" signed ]
-//! primary  := number | name | name "(" sum { "," sum } ")" | "(" sum ")"
+//! primary  := number | name | name "(0)" | name "(" sum { "," sum } ")" | "(" sum ")"
 //! ```
 //!
-//! Only an equation may have the product without a sign, which does not begin with a number. The module
-//! `equation` has the rules that only equations have.
+//! Only an equation may have the initial value `name "(0)"`, and the product without a sign, which does not
+//! begin with a number. The module `equation` has the rules that only equations have.
 
 mod equation;
 

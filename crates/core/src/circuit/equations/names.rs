@@ -2,12 +2,12 @@
 
 use std::collections::HashSet;
 
-use super::scope::{EquationScope, TIME, is_element, is_scale};
+use super::scope::{EquationScope, ParameterNames, TIME, is_element, is_scale};
 use crate::document::{
     Code, Diagnostic, MAX_SUGGESTIONS, Placed, TIME_SCALE, formula_diagnostic, suggestion, unit_advice,
 };
 use crate::patch::Patch;
-use patchcord_expr::{Equation, Expression, FormulaError, Scope as _, split_primes};
+use patchcord_expr::{Equation, Expression, FormulaError, Scope, split_initial, split_primes};
 
 /// Checks names against the patch and the auxiliary quantities.
 pub(super) struct NameChecker<'a> {
@@ -74,12 +74,18 @@ impl NameChecker<'_> {
             let message = format!("{base} is ambiguous: it is {other} and a parameter");
             return Some(NameFault::new(Code::DUPLICATE_NAME, message, "rename the parameter"));
         }
+        let is_initial = split_initial(name).is_some();
         if self.scope.is_variable(base) {
-            return None;
+            let is_signal = self.patch.signals.contains_key(base);
+            return (is_initial && !is_signal)
+                .then(|| no_initial_value(base, variable_noun(self.patch, base)));
         }
         if is_parameter || base == TIME {
             let noun = if is_parameter { "a parameter" } else { "the time" };
-            return (order > 0).then(|| no_derivative(base, noun));
+            return match is_initial {
+                true => Some(no_initial_value(base, noun)),
+                false => (order > 0).then(|| no_derivative(base, noun)),
+            };
         }
         let message = format!("{base} is not a quantity of the equations");
         if is_element(self.patch, base) {
@@ -112,12 +118,16 @@ impl NameChecker<'_> {
     }
 
     /// The fault of an unknown name. The hint is the unit or the name that is probably meant, the signal that an equation
-    /// such as `x' = v` needs, or a list of the known names.
+    /// such as `x' = v` needs, or a list of the known names. In an initial value the name is meant as a parameter.
     fn unknown(&self, placed: &Placed<Equation>, name: &str, base: &str, reported: usize) -> NameFault {
         let message = format!("{base} is not known here");
         let equation = &placed.value;
+        let is_in_initial_value =
+            equation.initial_quantity().is_some_and(|quantity| split_primes(quantity).0 != base);
+        let parameters = ParameterNames(self.patch);
+        let scope: &dyn Scope = if is_in_initial_value { &parameters } else { self.scope };
         let error = match reported < MAX_SUGGESTIONS {
-            true => equation.unknown_name(name, self.scope),
+            true => equation.unknown_name(name, scope),
             false => None,
         };
         let Some(error) = error else { return NameFault { code: Code::UNKNOWN_NAME, message, hint: None } };
@@ -125,6 +135,7 @@ impl NameChecker<'_> {
         let hint = unit_advice(self.scope, equation.text(), &sides, &error, None)
             .map(|advice| format!("numbers have no units in equations: {advice}"))
             .or(error.hint)
+            .or_else(|| is_in_initial_value.then(|| format!("declare {base} as a parameter")))
             .or_else(|| self.derivative_hint(base))
             .or_else(|| suggestion(base, &self.scope.names()));
         NameFault { code: Code::UNKNOWN_NAME, message, hint }
@@ -141,7 +152,7 @@ impl NameChecker<'_> {
         });
         let derivative = derivatives.find(|name| {
             let (base, order) = split_primes(name);
-            order > 0 && self.scope.is_variable(base)
+            order > 0 && split_initial(name).is_none() && self.scope.is_variable(base)
         })?;
         Some(format!("add a signal {unknown} to the patch, or write {derivative}"))
     }
@@ -152,6 +163,23 @@ fn no_derivative(name: &str, noun: &str) -> NameFault {
     let message = format!("{name} is {noun} and has no derivative");
     let hint = "primes follow the names of signals, drives and auxiliary quantities";
     NameFault::new(Code::BAD_FORMULA, message, hint)
+}
+
+/// The fault of the initial value of a name that has none. `noun` is what the name is, with its article.
+fn no_initial_value(name: &str, noun: &str) -> NameFault {
+    let message = format!("{name} is {noun} and has no initial value");
+    NameFault::new(Code::BAD_FORMULA, message, "only signals have initial values, such as x(0)")
+}
+
+/// What a signal, a drive or an auxiliary quantity is, with its article.
+pub(super) fn variable_noun(patch: &Patch, name: &str) -> &'static str {
+    if patch.signals.contains_key(name) {
+        "a signal"
+    } else if patch.drives.contains_key(name) {
+        "a drive"
+    } else {
+        "an auxiliary quantity"
+    }
 }
 
 /// The hint for the name of a scale.

@@ -3,15 +3,15 @@
 use super::Auxiliaries;
 use crate::document::TIME_SCALE;
 use crate::patch::{Patch, Scale};
-use patchcord_expr::{Dimension, Scope, split_primes};
+use patchcord_expr::{Dimension, Scope, split_initial, split_primes};
 
 /// Name of the time in equations, in problem seconds.
 pub(super) const TIME: &str = "t";
 
 /// The names that the equations of a patch can use: signals, drives, auxiliary quantities, parameters and the time.
 ///
-/// A name may have primes if it is that of a signal, a drive or an auxiliary quantity. The scope has dimensions but no
-/// values.
+/// A name may have primes if it is that of a signal, a drive or an auxiliary quantity. Signals have initial values, such
+/// as `x'(0)`. The scope has dimensions but no values.
 ///
 /// # Examples
 ///
@@ -32,6 +32,8 @@ pub(super) const TIME: &str = "t";
 /// let scope = circuit.equation_scope();
 /// assert_eq!(scope.names(), ["x", "t"]);
 /// assert_eq!(scope.dimension("x''"), Some(Dimension::NONE));
+/// assert_eq!(scope.dimension("x(0)"), Some(Dimension::NONE));
+/// assert_eq!(scope.dimension("t(0)"), None);
 /// assert!(circuit.is_time_dimensionless());
 /// # Ok(())
 /// # }
@@ -95,6 +97,9 @@ impl Scope for EquationScope<'_> {
 
     fn dimension(&self, name: &str) -> Option<Dimension> {
         let (base, order) = split_primes(name);
+        if split_initial(name).is_some() && !self.patch.signals.contains_key(base) {
+            return None;
+        }
         if self.is_variable(base) {
             return Some(self.variable_dimension(base)?.over(self.time().power(order as f64)));
         }
@@ -105,8 +110,10 @@ impl Scope for EquationScope<'_> {
         }
     }
 
-    /// The declared unit of a parameter, or the unit of the scale of a signal or a drive. A derivative has none.
+    /// The declared unit of a parameter, or the unit of the scale of a signal or a drive. A derivative has none, and an
+    /// initial value has that of its signal.
     fn declared_unit(&self, name: &str) -> Option<&str> {
+        let name = split_initial(name).unwrap_or(name);
         let unit = match self.scale(name) {
             Some(scale) => &scale.unit,
             None => &self.patch.parameters.get(name)?.unit,
@@ -125,6 +132,25 @@ impl Scope for EquationScope<'_> {
         let variables = variables.filter(|name| can_be_written(name));
         let quantities = variables.chain(self.auxiliaries.keys()).chain(patch.parameters.keys());
         quantities.map(String::as_str).chain([TIME]).collect()
+    }
+}
+
+/// The parameters of a patch, as the names that an initial value can use. The scope is for hints only, so it has neither
+/// values nor dimensions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ParameterNames<'a>(pub &'a Patch);
+
+impl Scope for ParameterNames<'_> {
+    fn value(&self, _name: &str) -> Option<f64> {
+        None
+    }
+
+    fn dimension(&self, _name: &str) -> Option<Dimension> {
+        None
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.0.parameters.keys().map(String::as_str).collect()
     }
 }
 

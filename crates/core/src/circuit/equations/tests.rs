@@ -1,7 +1,7 @@
 use super::*;
 use crate::document::Report;
 
-/// A patch with these equations. x, v, u and w are signals, F is a drive, m, k, c, T and w are parameters.
+/// A patch with these equations. x, v, u and w are signals, F is a drive, m, k, c, T, w, x0 and v0 are parameters.
 fn patch_text(equations: &[&str]) -> String {
     let equations = serde_json::json!(equations);
     format!(
@@ -9,7 +9,8 @@ fn patch_text(equations: &[&str]) -> String {
   "patchcord": 1,
   "parameters": {{
     "m": {{"value": 2, "unit": "kg"}}, "k": {{"value": 3, "unit": "N/m"}}, "c": {{"value": 1, "unit": "N s/m"}},
-    "T": {{"value": 0.5, "unit": "s"}}, "w": {{"value": 1, "unit": "m/s"}}
+    "T": {{"value": 0.5, "unit": "s"}}, "w": {{"value": 1, "unit": "m/s"}}, "x0": {{"value": 2, "unit": "mm"}},
+    "v0": {{"value": 0.1, "unit": "m/s"}}
   }},
   "scales": {{
     "position": {{"per_volt": 1, "unit": "mm"}}, "velocity": {{"per_volt": 10, "unit": "mm/s"}},
@@ -93,7 +94,10 @@ fn names_have_the_dimensions_of_their_scales_and_definitions() {
     let scope = circuit.equation_scope();
     assert_eq!(scope.declared_unit("x"), Some("mm"));
     assert_eq!(scope.declared_unit("x'"), None);
-    assert_eq!(scope.names(), ["x", "v", "u", "w", "F", "E", "F_s", "m", "k", "c", "T", "w", "t"]);
+    assert_eq!(
+        scope.names(),
+        ["x", "v", "u", "w", "F", "E", "F_s", "m", "k", "c", "T", "w", "x0", "v0", "t"]
+    );
 }
 
 #[test]
@@ -155,13 +159,121 @@ fn a_name_has_one_meaning_and_primes_only_if_it_varies() {
 }
 
 #[test]
+fn initial_values_are_expressions_of_parameters() {
+    let equations = [
+        "m x'' = -k x + F",
+        "v = x'",
+        "F_s = k x",
+        "x(0) = 2 x0 - T v0",
+        "x'(0) = limit(v0, 0, x0 / T) + step(v0 T / x0) v0",
+        "x''(0) = 0",
+        "u(0) = 0",
+    ];
+    let circuit = circuit_of(&patch_text(&equations)).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(circuit.auxiliary_quantities().collect::<Vec<_>>(), ["F_s"]);
+    let speed = Dimension::LENGTH.over(Dimension::TIME);
+    let cases = [
+        ("x(0)", Some(Dimension::LENGTH)),
+        ("x'(0)", Some(speed)),
+        ("u(0)", Some(Dimension::VOLTAGE)),
+        ("F(0)", None),
+        ("F_s(0)", None),
+        ("k(0)", None),
+        ("t(0)", None),
+        ("unheard_of(0)", None),
+    ];
+    for (name, dimension) in cases {
+        assert_eq!(circuit.equation_dimension(name), dimension, "{name}");
+    }
+    let scope = circuit.equation_scope();
+    assert_eq!((scope.declared_unit("x(0)"), scope.declared_unit("x'(0)")), (Some("mm"), None));
+}
+
+#[test]
+fn initial_values_depend_on_parameters_only() {
+    let dependent = |equations: &[&str], part: &str, hint: &str| {
+        let message = "an initial value is an expression of parameters";
+        assert_fault(equations, Code::BAD_FORMULA, part, message, hint);
+    };
+    dependent(&["x(0) = x0 + x"], "x", "x is a signal: declare a parameter for x at the start");
+    dependent(&["v(0) = v0 + x'"], "x'", "x is a signal: declare a parameter for x' at the start");
+    dependent(&["x(0) = F / k"], "F", "F is a drive: declare a parameter for F at the start");
+    let hint = "F_s is an auxiliary quantity: declare a parameter for F_s at the start";
+    dependent(&["F_s = k x", "x(0) = F_s / k"], "F_s", hint);
+    dependent(&["x(0) = x0 + v0 t"], "t", "t is 0 at the start: write the expression without it");
+    dependent(&["x(0) = x0", "v(0) = x(0) / T"], "x(0)", "write parameters in place of x(0)");
+    // The position is that on the right side.
+    let equation = "x(0) = 2 x(0)";
+    let text = patch_text(&[equation]);
+    let report = circuit_of(&text).unwrap_err();
+    let start = report.findings[0].span.unwrap().start;
+    assert_eq!(start, text.find(equation).unwrap() + "x(0) = 2 ".len());
+}
+
+#[test]
+fn an_initial_value_stands_alone_on_the_left() {
+    let misplaced = |equation: &str, hint: &str| {
+        let message = "x(0) must stand alone on the left of an equation";
+        assert_fault(&[equation], Code::BAD_FORMULA, "x(0)", message, hint);
+    };
+    let hint = "write an equation x(0) = ... with parameters, and these parameters here";
+    misplaced("x' = -x(0) / T", hint);
+    misplaced("x0 = x(0)", hint);
+    let hint = "write x(0) = ... with all other factors and terms on the right";
+    misplaced("2 x(0) = x0", hint);
+    misplaced("x - x(0) = v T", hint);
+}
+
+#[test]
+fn only_signals_have_initial_values() {
+    let other = |equations: &[&str], part: &str, noun: &str| {
+        let message = format!("{} is {noun} and has no initial value", part.trim_end_matches("(0)"));
+        let hint = "only signals have initial values, such as x(0)";
+        assert_fault(equations, Code::BAD_FORMULA, part, &message, hint);
+    };
+    other(&["F(0) = k x0"], "F(0)", "a drive");
+    other(&["F_s = k x", "F_s(0) = k x0"], "F_s(0)", "an auxiliary quantity");
+    other(&["T(0) = x0 / v0"], "T(0)", "a parameter");
+    other(&["t(0) = 0"], "t(0)", "the time");
+    let message = "A2 is not a quantity of the equations";
+    assert_fault(
+        &["A2(0) = x0"],
+        Code::UNKNOWN_NAME,
+        "A2(0)",
+        message,
+        "A2 is an element: name its signal x",
+    );
+}
+
+#[test]
+fn an_unknown_name_in_an_initial_value_is_meant_as_a_parameter() {
+    let unknown = |equations: &[&str], part: &str, hint: &str| {
+        let message = format!("{} is not known here", part.trim_end_matches("(0)"));
+        assert_fault(equations, Code::UNKNOWN_NAME, part, &message, hint);
+    };
+    unknown(&["x'(0) = speed_0"], "speed_0", "declare speed_0 as a parameter");
+    unknown(&["x(0) = V0 T"], "V0", "did you mean v0?");
+    unknown(&["x(0) = step"], "step", "step is a function: write step( ... )");
+    let hint =
+        "numbers have no units in equations: declare a parameter in ft, or a quantity ft as a parameter";
+    unknown(&["x(0) = 2 ft"], "ft", hint);
+    unknown(&["z(0) = x0"], "z(0)", "known here: x, v, u, w, F, m, k, c, T, w, ...");
+    // The signal that an equation needs is not an initial value.
+    let faults = faults(&["x'(0) = z", "m z' = F"]);
+    let hints: Vec<_> = faults.iter().map(|(_, part, _, hint)| (part.as_str(), hint.as_str())).collect();
+    let list = "known here: x, v, u, w, F, m, k, c, T, w, ...";
+    assert_eq!(hints, [("z", "declare z as a parameter"), ("z'", list)]);
+}
+
+#[test]
 fn left_sides_differ() {
     let hint = "remove one of the two, or write it for another quantity";
     let message = "another equation has the same left side";
     assert_fault(&["v = x'", "v = x' + x / T"], Code::DUPLICATE_NAME, "v", message, hint);
     assert_fault(&["m x'' = F", "m*(x'') = -k x"], Code::DUPLICATE_NAME, "m*(x'')", message, hint);
     assert_fault(&["F_s = k x", "F_s = -k x"], Code::DUPLICATE_NAME, "F_s", message, hint);
-    for equations in [["0 = v - x'", "0 = F - k x"], ["x' = v", "x'' = v'"]] {
+    assert_fault(&["x(0) = x0", "x( 0 ) = 0"], Code::DUPLICATE_NAME, "x( 0 )", message, hint);
+    for equations in [["0 = v - x'", "0 = F - k x"], ["x' = v", "x'' = v'"], ["x = v0 t", "x(0) = 0"]] {
         assert!(circuit_of(&patch_text(&equations)).is_ok(), "{equations:?}");
     }
 }
@@ -183,6 +295,9 @@ fn sides_and_terms_agree_in_dimension() {
     };
     mismatch(&["m x'' = -k x'"], "m x'' = -k x'", "m x'' is in N but -k x' is in N/s", "");
     mismatch(&["x = 5"], "x = 5", "x is in mm but 5 is a pure number", "declare 5 as a parameter in mm");
+    let message = "x(0) is in mm but 5 is a pure number";
+    mismatch(&["x(0) = 5"], "x(0) = 5", message, "declare 5 as a parameter in mm");
+    mismatch(&["x'(0) = x0"], "x'(0) = x0", "x'(0) is in m/s but x0 is in mm", "");
     // The fault of a definition is not reported again where its quantity is used.
     mismatch(&["b = a", "a = k + x", "F = b"], "k + x", "k is in N/m but x is in mm", "");
 }

@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::formula::Formula;
-use crate::formula::expression::{Expression, Operator};
+use crate::formula::expression::Operator;
 use crate::units::{Dimension, Unit};
 
 /// The tables of the tests.
@@ -125,6 +125,56 @@ fn names_have_their_primes_and_are_listed_once() {
 }
 
 #[test]
+fn a_name_directly_before_a_zero_in_parentheses_is_an_initial_value() {
+    let stated = equation("x'(0) = v0 + 1");
+    assert_eq!(stated.left().expression, Expression::Name("x'(0)".to_owned()));
+    assert_eq!(stated.left().range, 0..5);
+    assert_eq!(stated.names(), ["x'(0)", "v0"]);
+    assert_eq!(stated.initial_quantity(), Some("x'"));
+    let used = equation("x' = -x( 0.0 ) - x");
+    assert_eq!(used.names(), ["x'", "x(0)", "x"]);
+    assert_eq!(["x(0)", "x"].map(|name| used.range_of(name)), [Some(6..14), Some(17..18)]);
+    assert_eq!(used.initial_quantity(), None);
+    assert_eq!(equation("2 x(0) = 1").initial_quantity(), None);
+    let cases = [
+        ("2 x(0) y", "((2 * x(0)) * y)"),
+        ("k x'(0)^2", "(k * (x'(0) ^ 2))"),
+        ("x(0)(a)", "(x(0) * a)"),
+        // The name of a quantity may resemble that of a function.
+        ("tau(0)", "tau(0)"),
+        ("round(0)", "round(0)"),
+        // Names of functions and tables keep their meaning.
+        ("cos(0)", "cos[0]"),
+        ("step(0)", "step<0>"),
+        ("friction(0)", "friction<0>"),
+        // Other groups are factors.
+        ("x(0 + 0)", "(x * (0 + 0))"),
+        ("x(-0)", "(x * (-0))"),
+        ("x (5)", "(x * 5)"),
+        ("(x)(0)", "(x * 0)"),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(right(text), expected, "{text}");
+    }
+    assert_faults(&[
+        (
+            "x' (0) = v0",
+            "x' (0)",
+            "x' (0) is the product of x' and 0",
+            "write x'(0) for the value at the start",
+        ),
+        ("x(0)' = v0", "'", "' is not allowed here", "a prime follows the name of a quantity"),
+        ("x(0 = x0", "=", "= is not allowed inside parentheses", "close the parenthesis before the ="),
+    ]);
+}
+
+#[test]
+fn names_are_split_into_base_primes_and_initial_value() {
+    assert_eq!(["x", "x''", "x(0)", "x''(0)"].map(split_primes), [("x", 0), ("x", 2), ("x", 0), ("x", 2)]);
+    assert_eq!(["x", "x''", "x(0)", "x''(0)"].map(split_initial), [None, None, Some("x"), Some("x''")]);
+}
+
+#[test]
 fn products_need_no_sign() {
     let cases = [
         ("m x''", "(m * x'')"),
@@ -237,7 +287,13 @@ fn misspelt_and_foreign_functions_are_errors() {
             "m x''(t) = F",
             "x''(t)",
             "x''(t) is the product of x'' and t",
-            "write x'': a quantity depends on the time anyway",
+            "write x'': a quantity depends on the time anyway; its value at the start is x''(0)",
+        ),
+        (
+            "y = x'(5)",
+            "x'(5)",
+            "x'(5) is the product of x' and 5",
+            "the product is 5 x'; the value at the start is x'(0)",
         ),
         ("y = sign(a, b)", "sign(a, b)", "sign takes 1 argument, not 2", ""),
         ("y = limit(a, b)", "limit(a, b)", "limit takes 3 arguments, not 2", ""),
@@ -311,6 +367,10 @@ fn derivatives_are_written_with_primes() {
         ("m d2x/dt2 = F", "d2x/dt2", "d2x/dt2 is not a derivative here", "write x''"),
         ("d x / dt = v", "d x / dt", "d x / dt is not a derivative here", "write x'"),
         ("d/dt x = v", "d/dt", "d/dt is not a derivative here", "the derivative of x is written x'"),
+        ("dx(0)/dt = v", "dx(0)/dt", "dx(0)/dt is not a derivative here", "write x'(0)"),
+        ("d x(0) / dt = v", "d x(0) / dt", "d x(0) / dt is not a derivative here", "write x'(0)"),
+        ("dx/dt(0) = v", "dx/dt(0)", "dx/dt(0) is not a derivative here", "write x'(0)"),
+        ("d2x/dt2(0) = v", "d2x/dt2(0)", "d2x/dt2(0) is not a derivative here", "write x''(0)"),
         ("ẋ = v", "ẋ", "ẋ is not allowed in an equation", "write x'"),
         ("m ẍ = F", "ẍ", "ẍ is not allowed in an equation", "write x''"),
         ("x′ = v", "′", "′ is not allowed in an equation", "write x'"),
@@ -343,7 +403,7 @@ fn signs_of_other_notations_get_a_hint() {
 
 #[test]
 fn formulas_do_not_have_the_additions_of_equations() {
-    for text in ["2 (a + b)", "2 a", "a (b)", "x'", "sign(a)", "delay(a, b)", "a = b"] {
+    for text in ["2 (a + b)", "2 a", "a (b)", "x'", "x(0)", "sign(a)", "delay(a, b)", "a = b"] {
         assert!(Formula::parse(text).is_err(), "{text}");
     }
     assert_eq!(Formula::parse("a = b").unwrap_err().message, "= is not allowed in a formula");
@@ -374,6 +434,9 @@ fn sides_agree_in_dimension() {
         "x = delay(x, 0)",
         "F = friction(x') + friction(0)",
         "T x' + x = 0",
+        "x(0) = T v",
+        "x'(0) = v / 2",
+        "x''(0) = 0",
     ] {
         assert_eq!(equation(text).dimension_check(&SCOPE), Ok(()), "{text}");
     }
@@ -385,6 +448,8 @@ fn disagreeing_sides_are_errors_with_their_units() {
     let cases = [
         ("m x'' = -k x'", "m x'' = -k x'", "m x'' is in N but -k x' is in N/s", ""),
         ("x = 5", "x = 5", "x is in m but 5 is a pure number", "declare 5 as a parameter in m"),
+        ("x'(0) = x", "x'(0) = x", "x'(0) is in m/s but x is in m", ""),
+        ("x(0) = 5", "x(0) = 5", "x(0) is in m but 5 is a pure number", "declare 5 as a parameter in m"),
         ("m v' = u", "m v' = u", "m v' is in N but u is a pure number", "multiply u by a parameter in N"),
         ("x' = v + F", "v + F", "v is in m/s but F is in N", ""),
         ("u = sin(x)", "x", "sin takes a pure number, but x is in m", "divide it by a parameter in m"),
@@ -468,6 +533,9 @@ fn unknown_names_get_a_hint() {
     let error = unknown("x' = 2 vx'", "vx'");
     assert_eq!((error.range, error.message.as_str()), (7..10, "vx is not known here"));
     assert_eq!(unknown("x' = V", "V").hint.as_deref(), Some("did you mean v?"));
+    let error = unknown("V'(0) = 0", "V'(0)");
+    assert_eq!((error.range, error.message.as_str()), (0..5, "V is not known here"));
+    assert_eq!(error.hint.as_deref(), Some("did you mean v?"));
     assert_eq!(unknown("x' = step", "step").hint.as_deref(), Some("step is a function: write step( ... )"));
     let number = unknown("x = e^u", "e").hint.unwrap();
     assert_eq!(number, "the number e is exp(1), and e to the power of x is exp(x)");
@@ -484,7 +552,7 @@ proptest! {
 
     #[test]
     fn nothing_panics_on_equation_like_text(
-        text in "((x'{0,2}|dx|dt|k|friction|sign\\(|2|limit\\(|\\(|pi|ẋ|=)[-+*/^,) =]{0,2}){0,12}\\)?"
+        text in "((x'{0,2}|dx|dt|k|friction|sign\\(|2|limit\\(|\\(|\\(0\\)|pi|ẋ|=)[-+*/^,) =]{0,2}){0,12}\\)?"
     ) {
         match Equation::parse(&text, &TABLES) {
             Err(error) => prop_assert!(text.get(error.range).is_some()),

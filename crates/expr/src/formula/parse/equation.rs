@@ -1,15 +1,16 @@
-//! The rules that only equations have: the equals sign, primes, products without a sign, functions of
-//! equations and tables.
+//! The rules that only equations have: the equals sign, primes, initial values, products without a sign,
+//! functions of equations and tables.
 //!
 //! A name before a parenthesis is the name of a function or a table, or the first factor of a product.
-//! Names that resemble a function are errors there, so that a misspelt function is not a product.
+//! Names that resemble a function are errors there, so that a misspelt function is not a product. A name
+//! directly before `(0)` is an initial value.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::{Parser, wrong_argument_count};
 use crate::formula::callee::Callee;
-use crate::formula::equation::{EquationFunction, split_primes};
+use crate::formula::equation::{EquationFunction, INITIAL, split_initial, split_primes};
 use crate::formula::error::FormulaError;
 use crate::formula::expression::{Expression, Node, Operator};
 use crate::formula::language::Language;
@@ -77,9 +78,11 @@ impl Parser<'_> {
         let range = range.start..divisor.range.end;
         let message = format!("{} is not a derivative here", &self.text[range.clone()]);
         let primes = "'".repeat(order);
-        let hint = match variable {
+        let is_initial = is_initial_value(divisor) || split_initial(variable).is_some();
+        let start = if is_initial { INITIAL } else { "" };
+        let hint = match split_initial(variable).unwrap_or(variable) {
             "" => format!("the derivative of x is written x{primes}"),
-            variable => format!("write {variable}{primes}"),
+            variable => format!("write {variable}{primes}{start}"),
         };
         Err(FormulaError::new(range, message).with_hint(hint))
     }
@@ -109,10 +112,42 @@ impl Parser<'_> {
         if name == "pi" {
             return Ok(Node { expression: Expression::Number(PI), range });
         }
-        if opens && self.current().range.start == range.end {
+        let is_adjacent = opens && self.current().range.start == range.end;
+        if let Some(end) = self.end_of_zero_group() {
+            return self.initial_value(range.start..end, name, is_adjacent);
+        }
+        if is_adjacent {
             self.check_product_with_group(name, &range)?;
         }
         Ok(Node { expression: Expression::Name(name.to_owned()), range })
+    }
+
+    /// Returns the end of the group `(0)` if it begins at the current token. `None` if something else does.
+    fn end_of_zero_group(&self) -> Option<usize> {
+        let [open, number, close, ..] = &self.tokens[self.at..] else { return None };
+        let is_zero_group = open.kind == TokenKind::Sign('(')
+            && number.kind == TokenKind::Number(0.0)
+            && close.kind == TokenKind::Sign(')');
+        is_zero_group.then_some(close.range.end)
+    }
+
+    /// Consumes the group `(0)` after the name of a quantity. `range` is that of both.
+    ///
+    /// With a blank between them, the text is a product with the factor 0. Nobody means that, so it is an
+    /// error.
+    fn initial_value(
+        &mut self,
+        range: Range<usize>,
+        name: &str,
+        is_adjacent: bool,
+    ) -> Result<Node, FormulaError> {
+        if !is_adjacent {
+            let message = format!("{} is the product of {name} and 0", self.text_of(&range));
+            return Err(FormulaError::new(range, message)
+                .with_hint(format!("write {name}{INITIAL} for the value at the start")));
+        }
+        self.at += 3;
+        Ok(Node { expression: Expression::Name(format!("{name}{INITIAL}")), range })
     }
 
     /// Parses the arguments of a function of equations or of a table after the opening parenthesis.
@@ -128,22 +163,27 @@ impl Parser<'_> {
     }
 
     /// Checks a name that a parenthesis follows without a blank. It is the first factor of a product,
-    /// unless it is a misspelt or foreign function, or a quantity that is written as `x(t)`.
+    /// unless it is a misspelt or foreign function, or a quantity that is written as `x(t)` or `x(5)`.
     fn check_product_with_group(&self, name: &str, range: &Range<usize>) -> Result<(), FormulaError> {
         if let Some(hint) = self.function_hint(name) {
             let message = format!("{name} is not a function");
             return Err(FormulaError::new(range.clone(), message).with_hint(hint));
         }
-        match &self.tokens[self.at..] {
-            [_, argument, close, ..]
-                if self.text_of(&argument.range) == TIME && close.kind == TokenKind::Sign(')') =>
-            {
-                let message = format!("{name}(t) is the product of {name} and t");
-                Err(FormulaError::new(range.start..close.range.end, message)
-                    .with_hint(format!("write {name}: a quantity depends on the time anyway")))
-            }
-            _ => Ok(()),
+        let [_, argument, close, ..] = &self.tokens[self.at..] else { return Ok(()) };
+        if close.kind != TokenKind::Sign(')') {
+            return Ok(());
         }
+        let written = self.text_of(&argument.range);
+        let hint = match argument.kind {
+            TokenKind::Name if written == TIME => {
+                format!("write {name}: a quantity depends on the time anyway; its value at the start is")
+            }
+            TokenKind::Number(_) => format!("the product is {written} {name}; the value at the start is"),
+            _ => return Ok(()),
+        };
+        let message = format!("{name}({written}) is the product of {name} and {written}");
+        Err(FormulaError::new(range.start..close.range.end, message)
+            .with_hint(format!("{hint} {name}{INITIAL}")))
     }
 
     /// Returns the hint for a name that is probably meant as a function. `None` for other names.
@@ -183,11 +223,16 @@ fn missing_parentheses(name: &str, range: Range<usize>) -> FormulaError {
         .with_hint("the arguments of a function are in parentheses")
 }
 
-/// Returns the order of the derivative with this divisor: 1 for `dt`, 2 for `dt^2` and `dt2`. `None` for
-/// other divisors.
+/// Whether a node is an initial value, such as `x'(0)`.
+fn is_initial_value(node: &Node) -> bool {
+    matches!(&node.expression, Expression::Name(name) if split_initial(name).is_some())
+}
+
+/// Returns the order of the derivative with this divisor: 1 for `dt` and `dt(0)`, 2 for `dt^2` and `dt2`.
+/// `None` for other divisors.
 fn time_order(divisor: &Node) -> Option<usize> {
     match &divisor.expression {
-        Expression::Name(name) => order_of(name.strip_prefix("dt")?),
+        Expression::Name(name) => order_of(split_initial(name).unwrap_or(name).strip_prefix("dt")?),
         Expression::Binary(Operator::Power, base, exponent) => match (&base.expression, &exponent.expression)
         {
             (Expression::Name(name), Expression::Number(order)) if name == "dt" => whole_order(*order),
