@@ -204,10 +204,9 @@ fn the_page_of_equations_is_up_to_date() {
         let circuit = crate::common::circuit(&crate::common::patch_of(&file), &[]);
         let program = Program::new(&circuit).unwrap();
         let listing = EquationListing::new(&circuit, &program, Detail::Signals);
-        let text: String =
-            listing.text().lines().map(|line| format!("    {line}").trim_end().to_owned() + "\n").collect();
+        let text = listing.text();
         let title = &circuit.patch().title;
-        fresh += &format!("\n### {}\n\n{title}.\n\n{text}", file.strip_prefix(&root).unwrap().display());
+        fresh += &format!("\n### {}\n\n{title}.\n\n```text\n{text}```\n", file.strip_prefix(&root).unwrap().display());
     }
     assert_up_to_date("docs/equations.md", fresh.as_bytes(), "patchcord");
 }

@@ -39,7 +39,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "run_settings",
         ],
     ),
-    ("equations", &["notation", "symbolic", "derive", "writing", "listing"]),
+    ("equations", &["notation", "symbolic", "derive", "writing", "compare", "fixes", "findings", "listing"]),
     ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),
     (
         "draw",

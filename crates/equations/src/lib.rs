@@ -24,12 +24,16 @@
 
 mod compare;
 mod derive;
+mod findings;
+mod fixes;
 mod listing;
 mod notation;
 mod symbolic;
 mod writing;
 
 pub use compare::{Agreement, ComparedEquation, compare_equations};
+pub use findings::{codes, equation_findings};
+pub use fixes::{Fix, find_fixes};
 pub use listing::{
     Detail, EquationListing, InitialDocument, InitialValue, ListingDocument, ModeChange, ModeDescription,
     TableDescription,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::derive::{Law, LawKind, ModeLaw, Options, Source, System, TransitionLaw, derive, simplified};
 use crate::notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
-    equation_text, latex, text,
+    latex, text,
 };
 use crate::symbolic::{Fraction, Symbol, whole};
 use crate::writing::Writer;
@@ -102,13 +102,6 @@ pub struct TableDescription {
     pub unit: Option<String>,
     /// The points, [abscissa, ordinate].
     pub points: Vec<[f64; 2]>,
-}
-
-impl WrittenEquation {
-    /// The equation as plain text. Equations with cases take several lines.
-    pub fn text(&self) -> String {
-        equation_text(self, LINE_WIDTH)
-    }
 }
 
 impl EquationListing {

@@ -32,6 +32,12 @@ impl Program {
         &self.lowered.coefficients
     }
 
+    /// The values of the coefficients for the present parameters.
+    pub fn coefficient_values(&self) -> Vec<f64> {
+        let parameters: Vec<f64> = self.parameters.iter().map(|parameter| parameter.value).collect();
+        self.prepare(&parameters)
+    }
+
     /// The states; the index is the one in [`Op::State`].
     pub fn state_laws(&self) -> &[State] {
         &self.lowered.states
@@ -79,8 +85,7 @@ impl Program {
 
     /// The point with every state, mode and stored value as in initial condition, before loops and modes settle.
     pub fn initial_point(&self) -> ProgramPoint {
-        let parameters: Vec<f64> = self.parameters.iter().map(|parameter| parameter.value).collect();
-        let coefficients = self.prepare(&parameters);
+        let coefficients = self.coefficient_values();
         let value = |index: u32| coefficients[index as usize];
         ProgramPoint {
             states: self.lowered.states.iter().map(|state| value(state.initial)).collect(),

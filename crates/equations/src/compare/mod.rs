@@ -77,16 +77,19 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
     if circuit.equations().is_empty() {
         return Vec::new();
     }
-    let [mut exact, mut positive] = [false, true].map(|stays_in_range| {
+    let comparison = |stays_in_range| {
         let model = Model::new(circuit, program, stays_in_range);
         Comparison { circuit, program, model }
-    });
+    };
+    let (mut exact, mut in_range) = (comparison(false), None);
     let mut agreement = |equation: &Equation| {
         let found = exact.agreement(equation)?;
-        if matches!(found, Agreement::Different { .. }) && positive.agreement(equation)? == Agreement::Solved {
-            return Ok(Agreement::SolvedIf(exact.range_conditions(equation)));
+        if !matches!(found, Agreement::Different { .. }) || exact.model.system.margins.is_empty() {
+            return Ok(found);
         }
-        Ok(found)
+        let in_range = in_range.get_or_insert_with(|| comparison(true));
+        let is_solved = in_range.agreement(equation)? == Agreement::Solved;
+        Ok(if is_solved { Agreement::SolvedIf(exact.range_conditions(equation)) } else { found })
     };
     let compared = circuit.equations().iter().enumerate().map(|(index, placed)| ComparedEquation {
         index,
@@ -236,7 +239,17 @@ impl Comparison<'_> {
         let symbols = &self.model.system.symbols;
         let names = equation.names().into_iter().filter(|name| *name != solved && split_primes(name).1 == 0);
         let found = names.filter_map(|name| symbols.find(name, 0));
-        found.filter(|symbol| matches!(self.model.system.law(*symbol), Some(LawKind::Definition(_)))).collect()
+        found.filter(|symbol| self.is_expression(*symbol)).collect()
+    }
+
+    /// Whether a signal follows from others, and is not only another name for one of them.
+    fn is_expression(&self, signal: Symbol) -> bool {
+        let Some(LawKind::Definition(value)) = self.model.system.law(signal) else { return false };
+        let symbols = &self.model.system.symbols;
+        let is_constant =
+            |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbols.is_constant(*symbol));
+        let factors = value.numerator().as_term().map(|(product, _)| product.only(|atom, _| !is_constant(atom)));
+        !factors.is_some_and(|product| matches!(product.factors(), [(Atom::Symbol(_), 1)]))
     }
 
     /// The terms in which a stated and a wired expression differ.

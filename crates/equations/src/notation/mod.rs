@@ -93,6 +93,14 @@ pub struct WrittenEquation {
     pub right: Notation,
 }
 
+impl WrittenEquation {
+    /// The equation as plain text. Equations with cases take several lines.
+    #[must_use]
+    pub fn text(&self) -> String {
+        equation_text(self, LINE_WIDTH)
+    }
+}
+
 /// How strongly a written expression holds together, from weak to strong.
 ///
 /// An expression needs parentheses if its place requires a stronger one.

@@ -85,11 +85,13 @@ impl Writer<'_> {
             return None;
         }
         let dimension = dimension.map(|dimension| dimension.over(self.product_dimension(&variable)));
-        let factor = self.polynomial(&inside, dimension);
+        let is_negative = inside.terms().all(|(_, number)| number.is_negative());
+        let factor = self.polynomial(&if is_negative { inside.negated() } else { inside }, dimension);
         let variables = self.factors(&variable, 1);
         let top = joined([factor].into_iter().chain(variables).collect());
         let divisors = self.factors(&variable, -1);
-        Some(if divisors.is_empty() { top } else { quotient(vec![top], divisors) })
+        let written = if divisors.is_empty() { top } else { quotient(vec![top], divisors) };
+        Some(if is_negative { Notation::Negative(Box::new(written)) } else { written })
     }
 
     /// The terms of a sum, with those grouped that have the same constant factor.

@@ -1,0 +1,54 @@
+//! The stated equations that the wiring does not solve, as diagnostics with fixes.
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::document::Diagnostic;
+use patchcord_core::ir::Program;
+
+use crate::compare::{Agreement, ComparedEquation, compare_equations};
+use crate::fixes::{Fix, MOST_FIXES, find_fixes};
+
+/// The codes of equations.
+pub mod codes {
+    patchcord_core::diagnostic_codes! {
+        /// All codes of equations, in the order of the reference page.
+        self::ALL;
+        NOT_SOLVED "equation-not-solved" Error "The wiring solves another equation than the patch states."
+            "`patchcord equations PATCH` prints the equations that the wiring solves";
+        NOT_COMPARED "equation-not-compared" Warning "An equation cannot be compared with the wiring."
+            "write it for a signal or the derivative of a signal";
+    }
+}
+
+/// Compares the equations of a patch with its wiring. The diagnostics are in the order of the equations. Each lists at
+/// most three single changes after which the wiring solves its equation.
+pub fn equation_findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
+    let compared = compare_equations(circuit, program);
+    let is_wrong = |compared: &&ComparedEquation| matches!(compared.agreement, Agreement::Different { .. });
+    let unsolved: Vec<usize> = compared.iter().filter(is_wrong).map(|compared| compared.index).collect();
+    let fixes = if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, &unsolved) };
+    compared.into_iter().filter_map(|compared| finding(circuit, compared, &fixes)).collect()
+}
+
+/// The diagnostic of an equation; `None` if the wiring solves it.
+fn finding(circuit: &Circuit, compared: ComparedEquation, fixes: &[Fix]) -> Option<Diagnostic> {
+    let span = circuit.equations()[compared.index].span;
+    match compared.agreement {
+        Agreement::Different { differences, wired } => {
+            let message = format!("the wiring does not solve this equation: {}", differences.join("; "));
+            let own = fixes.iter().filter(|fix| fix.solves.contains(&compared.index));
+            let descriptions: Vec<&str> = own.take(MOST_FIXES).map(|fix| fix.description.as_str()).collect();
+            let remedy = match descriptions.as_slice() {
+                [] => String::new(),
+                [only] => format!(". This change mends it: {only}"),
+                several => format!(". Any of these changes mends it: {}", several.join("; or ")),
+            };
+            let hint = format!("the wiring solves {wired}{remedy}");
+            Some(Diagnostic::at(codes::NOT_SOLVED, span, message).hint(hint))
+        }
+        Agreement::Undecided(reason) => {
+            let message = format!("this equation is not compared with the wiring: {reason}");
+            Some(Diagnostic::at(codes::NOT_COMPARED, span, message))
+        }
+        Agreement::Solved | Agreement::SolvedIf(_) => None,
+    }
+}

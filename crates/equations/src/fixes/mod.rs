@@ -1,0 +1,108 @@
+//! Searches for single changes of a patch after which its wiring solves its equations.
+//!
+//! Each candidate is made in a copy of the patch, and all equations are compared again. Candidates are tried in the order
+//! of their cost: the mistakes that people make most often come first.
+
+mod candidates;
+mod screen;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::{Edit, Patch};
+
+use crate::compare::{Agreement, compare_equations};
+use candidates::candidates;
+use screen::Screen;
+
+/// A change of a patch.
+#[derive(Debug, Clone)]
+pub struct Fix {
+    /// The change as a command, such as "plug B1 into P1 in place of A2".
+    pub description: String,
+    /// The change of the document.
+    pub edits: Vec<Edit>,
+    /// The indices of the equations that the wiring solves after the change and did not solve before, in rising order.
+    pub solves: Vec<usize>,
+}
+
+/// A change with its place in the order of the search.
+struct Candidate {
+    description: String,
+    edits: Vec<Edit>,
+    /// How unusual the mistake is that the change mends.
+    cost: u32,
+}
+
+/// Changes that are returned for an equation at most.
+pub(crate) const MOST_FIXES: usize = 3;
+/// If a change mends all equations, changes of a higher cost than this above its own are not tried.
+const COST_WINDOW: u32 = 8;
+/// Changes that are tried at most.
+const MOST_TRIALS: usize = 5000;
+
+/// Single changes after which the wiring solves equations that it did not solve, and all others as before. Those that
+/// mend the most equations come first, then the likeliest ones. There are at most three for each equation.
+///
+/// Each change was made, and all equations were compared again. `unsolved` are the indices of the equations that the
+/// wiring does not solve.
+pub fn find_fixes(circuit: &Circuit, unsolved: &[usize]) -> Vec<Fix> {
+    let mut candidates = candidates(circuit);
+    candidates.sort_by_key(|candidate| candidate.cost);
+    let mut fixes: Vec<Fix> = Vec::new();
+    let (mut complete, mut dearest) = (0, u32::MAX);
+    for candidate in candidates.into_iter().take(MOST_TRIALS) {
+        if complete >= MOST_FIXES || candidate.cost > dearest {
+            break;
+        }
+        let solves = solved_by(circuit, &candidate, unsolved);
+        if !solves.is_empty() {
+            let Candidate { description, edits, cost } = candidate;
+            if solves.len() == unsolved.len() {
+                complete += 1;
+                dearest = dearest.min(cost + COST_WINDOW);
+            }
+            fixes.push(Fix { description, edits, solves });
+        }
+    }
+    // The sort is stable: among equals, the likelier change comes first.
+    fixes.sort_by_key(|fix| std::cmp::Reverse(fix.solves.len()));
+    let mut counts = vec![0; circuit.equations().len()];
+    fixes.retain(|fix| {
+        let is_wanted = fix.solves.iter().any(|equation| counts[*equation] < MOST_FIXES);
+        fix.solves.iter().for_each(|equation| counts[*equation] += 1);
+        is_wanted
+    });
+    fixes
+}
+
+/// The unsolved equations that the wiring solves after a change; empty if it then does not solve another one.
+fn solved_by(circuit: &Circuit, candidate: &Candidate, unsolved: &[usize]) -> Vec<usize> {
+    let patch = circuit.patch();
+    let Ok(changed) = patch.with_edits(patch.file(), &candidate.edits) else { return Vec::new() };
+    let Some((circuit, program)) = compiled(circuit, &changed) else { return Vec::new() };
+    if let Some(screen) = Screen::new(&circuit, &program) {
+        let fails = |index: &usize| !screen.passes(&circuit.equations()[*index].value);
+        let solved = (0..circuit.equations().len()).filter(|index| !unsolved.contains(index));
+        if unsolved.iter().all(fails) || solved.into_iter().any(|index| fails(&index)) {
+            return Vec::new();
+        }
+    }
+    let compared = compare_equations(&circuit, &program);
+    let different: Vec<usize> = compared
+        .iter()
+        .filter(|compared| matches!(compared.agreement, Agreement::Different { .. }))
+        .map(|compared| compared.index)
+        .collect();
+    if different.iter().any(|index| !unsolved.contains(index)) {
+        return Vec::new();
+    }
+    unsolved.iter().copied().filter(|index| !different.contains(index)).collect()
+}
+
+/// A changed patch with the parameters of a circuit; `None` if it has errors.
+fn compiled(circuit: &Circuit, changed: &Patch) -> Option<(Circuit, Program)> {
+    let parameters = circuit.parameters().map(|(name, _, value)| (name.to_owned(), value));
+    let circuit = Circuit::with_parameters(changed, parameters).ok()?;
+    let program = Program::new(&circuit).ok()?;
+    Some((circuit, program))
+}
