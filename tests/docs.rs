@@ -206,7 +206,10 @@ fn the_page_of_equations_is_up_to_date() {
         let listing = EquationListing::new(&circuit, &program, Detail::Signals);
         let text = listing.text();
         let title = &circuit.patch().title;
-        fresh += &format!("\n### {}\n\n{title}.\n\n```text\n{text}```\n", file.strip_prefix(&root).unwrap().display());
+        fresh += &format!(
+            "\n### {}\n\n{title}.\n\n```text\n{text}```\n",
+            file.strip_prefix(&root).unwrap().display()
+        );
     }
     assert_up_to_date("docs/equations.md", fresh.as_bytes(), "patchcord");
 }

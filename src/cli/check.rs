@@ -8,7 +8,7 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::failure::Failure;
+use super::failure::{Failure, eprint_report};
 use super::load::{LoadedPatch, ParameterDocument, PatchArguments, problem_check};
 use super::overloads::{OverloadDocument, overload_lines};
 use super::table::Table;
@@ -16,6 +16,7 @@ use super::times::advice;
 use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::document::{DiagnosticDocument, Report, escape_controls, plural};
+use patchcord::equations::{Agreement, compare_equations, equation_findings};
 use patchcord::ir::Program;
 use patchcord::patch::Instance;
 use patchcord::solve::{self, BLOCK_SAMPLES, RunError, RunSettings};
@@ -37,6 +38,7 @@ pub(super) struct Arguments {
 /// command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let LoadedPatch { circuit, program, warnings } = arguments.patch.load()?;
+    check_equations(&circuit, &program)?;
     let problem = check_problem(&circuit, &program)?;
     if arguments.patch.json {
         return print_json(&Document::new(&circuit, &program, &warnings, &problem));
@@ -53,6 +55,42 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
         print(&format!("\n{}", scaling_table(&circuit.scaling())))?;
     }
     Ok(())
+}
+
+/// Compares the wiring with the equations that the patch states, and prints what cannot be compared.
+///
+/// # Errors
+/// If the wiring does not solve an equation. The report lists the changes that mend it.
+fn check_equations(circuit: &Circuit, program: &Program) -> Result<(), Failure> {
+    let patch = circuit.patch();
+    let report = Report::new(patch.file(), patch.text(), equation_findings(circuit, program));
+    if report.has_errors() {
+        return Err(Box::new(report).into());
+    }
+    eprint_report(&report);
+    Ok(())
+}
+
+/// A line about the equations of a patch, and one for each that holds under a condition.
+fn equation_lines(circuit: &Circuit, program: &Program) -> String {
+    let compared = compare_equations(circuit, program);
+    let solved =
+        compared.iter().filter(|compared| !matches!(compared.agreement, Agreement::Undecided(_))).count();
+    let mut text = match (solved, compared.len()) {
+        (_, 0) => return String::new(),
+        (1, 1) => "the wiring solves its equation\n".to_owned(),
+        (solved, all) if solved == all => format!("the wiring solves its {all} equations\n"),
+        (solved, all) => {
+            format!("the wiring solves {solved} of its {all} equations; the others are not compared\n")
+        }
+    };
+    for compared in compared {
+        if let Agreement::SolvedIf(conditions) = compared.agreement {
+            let equation = circuit.equations()[compared.index].value.text();
+            text += &format!("  {equation}  if {}\n", conditions.join(" and "));
+        }
+    }
+    text
 }
 
 /// The result of the problem check: the machine at initial condition.
@@ -115,7 +153,7 @@ fn summary(circuit: &Circuit, program: &Program, warnings: &Report) -> String {
     for entry in program.loops() {
         text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
     }
-    text
+    text + &equation_lines(circuit, program)
 }
 
 /// The error of a run as the patch specifies it; None if it can be run.

@@ -66,6 +66,24 @@ fn four_times_the_mass_has_twice_the_period() {
     assert!((heavy / light - 2.0).abs() < 1e-3, "{light} {heavy}");
 }
 
+/// The mistake of the README: `A2` plugged into `P1` instead of `B1`.
+#[test]
+fn the_report_of_a_wrong_sign_is_the_quoted_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "spring.json");
+    assert_eq!(code(&patchcord(&["new", &file])), 0);
+    let text = fs::read_to_string(&file).unwrap();
+    let (right, wrong) = (r#""P1": {"kind": "pot", "in": "B1""#, r#""P1": {"kind": "pot", "in": "A2""#);
+    assert!(text.contains(right), "{text}");
+    fs::write(&file, text.replace(right, wrong)).unwrap();
+    let mut process = Command::new(env!("CARGO_BIN_EXE_patchcord"));
+    let checked = process.args(["check", "spring.json"]).current_dir(&folder).output().unwrap();
+    assert_eq!(code(&checked), 1);
+    let quoted = readme_block("instead of `B1`, and check again.\n");
+    let printed: Vec<String> = errors(&checked).lines().map(|line| line.trim().to_owned()).collect();
+    assert_eq!(quoted[..quoted.len() - 1], printed[..quoted.len() - 1], "{}", errors(&checked));
+}
+
 /// The pictures at the top of the README are those of the patch that `patchcord new` writes.
 #[test]
 fn the_first_pictures_of_the_readme_are_up_to_date() {

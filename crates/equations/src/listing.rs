@@ -108,7 +108,11 @@ impl EquationListing {
     /// Derives the equations of a circuit from its program.
     pub fn new(circuit: &Circuit, program: &Program, detail: Detail) -> Self {
         let keeps_elements = detail == Detail::Elements;
-        let wiring = derive(circuit, program, Options { keeps_elements, has_ideal_amplifiers: true, stays_in_range: false });
+        let wiring = derive(
+            circuit,
+            program,
+            Options { keeps_elements, has_ideal_amplifiers: true, stays_in_range: false },
+        );
         let patch = circuit.patch();
         let is_known = |name: &str| {
             keeps_elements || patch.signals.contains_key(name) || patch.drives.contains_key(name)

@@ -33,7 +33,10 @@ fn difference(agreement: &Agreement) -> (Vec<&str>, &str) {
 #[test]
 fn correct_equations_agree() {
     let cases: [(&str, &[&str]); 9] = [
-        ("lessons/mass-and-spring", &["x' = v", "m x'' = -k x", "total = (k x^2 + m v^2)/2", "kinetic = m x'^2/2"]),
+        (
+            "lessons/mass-and-spring",
+            &["x' = v", "m x'' = -k x", "total = (k x^2 + m v^2)/2", "kinetic = m x'^2/2"],
+        ),
         ("lessons/van-der-pol", &["x'' - mu (1 - x^2) x' + x = 0", "v = x'"]),
         ("lessons/lorenz", &["x' = sigma (y - x)", "y' = x (rho - z) - y", "z' = x y - beta z"]),
         ("lessons/driven-oscillator", &["m x'' = push - k x - d x'"]),
@@ -76,7 +79,9 @@ fn the_wiring_of_every_shipped_patch_solves_its_equations() {
                 let is_solved = match &compared.agreement {
                     Agreement::Solved => true,
                     Agreement::SolvedIf(conditions) => match circuit.patch().title.split(':').next() {
-                        Some("Two tanks, one above the other, filled by a pump") => conditions.iter().all(|condition| condition.ends_with(">= 0.0001 V")),
+                        Some("Two tanks, one above the other, filled by a pump") => {
+                            conditions.iter().all(|condition| condition.ends_with(">= 0.0001 V"))
+                        }
                         _ => text.contains("speed") && conditions == &["x' >= 0"],
                     },
                     _ => false,
@@ -103,7 +108,10 @@ fn a_wrong_sign_is_named() {
 
 #[test]
 fn factors_of_terms_are_named() {
-    let lorenz = patch("lessons/lorenz", &["y' = x (rho - 10 z) - y", "x' = 2 sigma y - sigma x", "z' = x y - beta z + x"]);
+    let lorenz = patch(
+        "lessons/lorenz",
+        &["y' = x (rho - 10 z) - y", "x' = 2 sigma y - sigma x", "z' = x y - beta z + x"],
+    );
     let found = agreements(&lorenz);
     assert_eq!(difference(&found[0]).0, ["the term -10 x z is 10 times too small"]);
     assert_eq!(difference(&found[1]).0, ["the term 2 sigma y is 2 times too small"]);

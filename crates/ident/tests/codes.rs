@@ -41,7 +41,8 @@ fn every_code_has_a_bad_patch_or_experiment() {
     let of_patches = bad_patches().into_iter().flat_map(|path| report(&path).findings);
     let of_experiments = bad::experiments().into_iter().flat_map(|path| bad::report(&path).findings);
     let covered: HashSet<Code> = of_patches.chain(of_experiments).map(|finding| finding.code).collect();
-    let missing: Vec<_> = all_codes().filter(|code| !covered.contains(code)).collect();
+    let codes = Code::ALL.iter().chain(codes::ALL);
+    let missing: Vec<_> = codes.filter(|code| !covered.contains(code)).collect();
     assert!(
         missing.is_empty(),
         "no patch in {PATCHES} and no experiment in {} gets {missing:?}",
@@ -49,9 +50,9 @@ fn every_code_has_a_bad_patch_or_experiment() {
     );
 }
 
-/// The codes of patches, then those of experiments.
+/// The codes of patches, then those of equations, which have their own bad patches, then those of experiments.
 fn all_codes() -> impl Iterator<Item = &'static Code> {
-    Code::ALL.iter().chain(codes::ALL)
+    Code::ALL.iter().chain(patchcord_equations::codes::ALL).chain(codes::ALL)
 }
 
 /// The bad patch whose report is the example at the top of the page.
@@ -66,12 +67,13 @@ fn diagnostics_page() -> String {
          This page lists every diagnostic code of patches and of the experiments of [gap.md](gap.md). It is for \
          readers and scripts that process a report. All findings are reported at once. Each has a code that never \
          changes, its place in the file, the error, and the remedy:\n\n```text\n{example}\n```\n\n\
-         An *error* stops the patch; a *warning* does not. With `--json` every finding is an object of `code`, \
+         An *error* stops the patch; a *warning* does not. Only `patchcord check` compares the wiring with stated \
+         equations. With `--json` every finding is an object of `code`, \
          `severity`, `file`, `line`, `column`, `message` and `hint`. The terminal shows the first 50 findings and \
          the number of the others; `--json` gives all of them. In a file of data the first ten faults are reported, \
          and the rest of the file is not read.\n\n\
-         Every code has bad patches in `crates/core/tests/patches/bad`, or bad experiments in \
-         `crates/ident/tests/bad`. They are named after the code, and the expected report is next to each. Errors \
+         Every code has bad patches in `crates/core/tests/patches/bad` or `crates/equations/tests/patches/bad`, or \
+         bad experiments in `crates/ident/tests/bad`. They are named after the code, and the expected report is next to each. Errors \
          that keep a run from beginning or stop it have separate codes: \
          [patch-format.md](patch-format.md#the-recorded-table) lists them.\n\n\
          | code | severity | meaning | what to do |\n|---|---|---|---|\n{rows}\n\

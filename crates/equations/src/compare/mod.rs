@@ -6,6 +6,7 @@
 
 mod intended;
 mod model;
+mod points;
 mod terms;
 
 use std::collections::HashSet;
@@ -14,12 +15,13 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::{Equation, split_primes};
 
-use crate::derive::{LawKind, System};
+use crate::derive::LawKind;
 use crate::notation::{Notation, text};
-use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, Values, absolute, partial_derivative};
+use crate::symbolic::{Atom, Fraction, Symbol, absolute, partial_derivative};
 use crate::writing::Writer;
 use intended::fraction;
 use model::{Model, Obstacle};
+use points::{Point, are_equal};
 use terms::{DifferenceKind, TermDifference, differences, is_negative};
 
 /// A stated equation, compared with the wiring.
@@ -125,9 +127,8 @@ impl Comparison<'_> {
             return self.initial_agreement(equation, initial);
         }
         let none = HashSet::new();
-        let [left, right] = [equation.left(), equation.right()].map(|side| {
-            fraction(side, &mut |name| self.model.named(name, &none))
-        });
+        let [left, right] = [equation.left(), equation.right()]
+            .map(|side| fraction(side, &mut |name| self.model.named(name, &none)));
         let residual = left?.minus(&right?);
         if residual.is_zero() || self.is_implicit_law(&residual) {
             return Ok(Agreement::Solved);
@@ -145,7 +146,9 @@ impl Comparison<'_> {
         let none = HashSet::new();
         let full_stated = self.model.expanded_fraction(&stated, &none);
         let full_wired = self.model.named(&name, &none)?;
-        if self.differences(&full_stated, &full_wired).is_empty() {
+        if self.differences(&full_stated, &full_wired).is_empty()
+            || are_equal(&self.model.system, self.program, &full_stated, &full_wired)
+        {
             return Ok(Agreement::Solved);
         }
         Ok(self.different(&name, &found, &wired))
@@ -172,14 +175,16 @@ impl Comparison<'_> {
     fn range_conditions(&mut self, equation: &Equation) -> Vec<String> {
         let none = HashSet::new();
         let names: Vec<String> = equation.names().into_iter().map(str::to_owned).collect();
-        let quantities: Vec<Fraction> = names.iter().filter_map(|name| self.model.named(name, &none).ok()).collect();
+        let quantities: Vec<Fraction> =
+            names.iter().filter_map(|name| self.model.named(name, &none).ok()).collect();
         let mut inputs = self.model.system.margins.clone();
         inputs.iter_mut().for_each(|input| *input = self.model.expanded_fraction(input, &none));
         // An input matters if the absolute value of it remains in a quantity.
         inputs.retain(|input| !input.is_nonnegative());
         inputs.retain(|input| quantities.iter().any(|quantity| has_absolute_value_of(quantity, input)));
         let writer = Writer::new(self.circuit, &self.model.system);
-        let mut conditions: Vec<String> = inputs.iter().map(|input| writer.condition_text(input, false)).collect();
+        let mut conditions: Vec<String> =
+            inputs.iter().map(|input| writer.condition_text(input, false)).collect();
         conditions.dedup();
         conditions
     }
@@ -229,7 +234,8 @@ impl Comparison<'_> {
     fn is_variable(&self, name: &str) -> bool {
         let base = split_primes(name).0;
         let patch = self.circuit.patch();
-        patch.signals.contains_key(base) || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
+        patch.signals.contains_key(base)
+            || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
     }
 
     /// The signals of an equation that follow from others: they stay in the comparison under their names, except the
@@ -246,16 +252,16 @@ impl Comparison<'_> {
     fn is_expression(&self, signal: Symbol) -> bool {
         let Some(LawKind::Definition(value)) = self.model.system.law(signal) else { return false };
         let symbols = &self.model.system.symbols;
-        let is_constant =
-            |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbols.is_constant(*symbol));
-        let factors = value.numerator().as_term().map(|(product, _)| product.only(|atom, _| !is_constant(atom)));
+        let is_constant = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbols.is_constant(*symbol));
+        let factors =
+            value.numerator().as_term().map(|(product, _)| product.only(|atom, _| !is_constant(atom)));
         !factors.is_some_and(|product| matches!(product.factors(), [(Atom::Symbol(_), 1)]))
     }
 
     /// The terms in which a stated and a wired expression differ.
     fn differences(&self, stated: &Fraction, wired: &Fraction) -> Vec<TermDifference> {
-        let values = ParameterValues { system: &self.model.system, program: self.program };
-        differences(stated, wired, &self.model.system.symbols, &values)
+        let point = Point { system: &self.model.system, program: self.program, index: 0 };
+        differences(stated, wired, &self.model.system.symbols, &point)
     }
 
     /// The agreement for a quantity whose terms differ.
@@ -295,7 +301,8 @@ fn clause(difference: &TermDifference, time_scale: f64, write: &dyn Fn(&Fraction
         DifferenceKind::Extra => format!("the term {} is not in the equation", write(&difference.wired)),
         DifferenceKind::Factor(factor) => {
             let sign = if factor < 0.0 { "has the wrong sign and " } else { "" };
-            let (times, word) = if factor.abs() < 1.0 { (1.0 / factor.abs(), "small") } else { (factor.abs(), "large") };
+            let (times, word) =
+                if factor.abs() < 1.0 { (1.0 / factor.abs(), "small") } else { (factor.abs(), "large") };
             let times = patchcord_expr::format_significant(times, FACTOR_DIGITS);
             let reason = if is_power_of(factor.abs(), time_scale) { ", by the time scale" } else { "" };
             let is = if sign.is_empty() { "is" } else { "and is" };
@@ -312,32 +319,4 @@ const FACTOR_DIGITS: usize = 4;
 fn is_power_of(factor: f64, time_scale: f64) -> bool {
     let is_near = |power: i32| (factor / time_scale.powi(power) - 1.0).abs() < 1e-9;
     time_scale != 1.0 && [-2, -1, 1, 2].into_iter().any(is_near)
-}
-
-/// The present values of the parameters.
-struct ParameterValues<'a> {
-    system: &'a System,
-    program: &'a Program,
-}
-
-impl Values for ParameterValues<'_> {
-    fn symbol(&self, symbol: Symbol) -> f64 {
-        match self.system.symbols.entry(symbol).kind {
-            SymbolKind::Pi => std::f64::consts::PI,
-            SymbolKind::Parameter(index) => self.program.parameters()[index].value,
-            SymbolKind::Time | SymbolKind::Variable | SymbolKind::Held => f64::NAN,
-        }
-    }
-
-    fn table(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn slope(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
-        f64::NAN
-    }
 }

@@ -45,10 +45,11 @@ impl<'a> Model<'a> {
                 });
             });
         }
-        let definitions = circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
-            Expression::Name(name) => Some((name.as_str(), placed.value.right())),
-            _ => None,
-        });
+        let definitions =
+            circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
+                Expression::Name(name) => Some((name.as_str(), placed.value.right())),
+                _ => None,
+            });
         let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
         let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
         Model { system, auxiliaries, open: Vec::new() }

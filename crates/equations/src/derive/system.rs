@@ -129,6 +129,19 @@ pub(crate) struct TableLaw {
     pub unit: Option<TableUnit>,
 }
 
+impl TableLaw {
+    /// The ordinate at an abscissa: straight lines between the points, constant outside.
+    pub(crate) fn value(&self, at: f64) -> f64 {
+        let after = self.points.partition_point(|point| point[0] < at);
+        match (after.checked_sub(1).map(|before| self.points[before]), self.points.get(after)) {
+            (Some([x, y]), Some([next, ordinate])) => y + (ordinate - y) * (at - x) / (next - x),
+            (Some([_, y]), None) => y,
+            (None, Some([_, y])) => *y,
+            (None, None) => f64::NAN,
+        }
+    }
+}
+
 /// The unit of a table of time.
 #[derive(Debug, Clone)]
 pub(crate) struct TableUnit {

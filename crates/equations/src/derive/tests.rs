@@ -65,7 +65,7 @@ impl Values for Point<'_> {
     fn table(&self, table: u32, at: f64) -> f64 {
         let table = &self.system.tables[table as usize];
         let factor = table.unit.as_ref().map_or(1.0, |unit| unit.factor);
-        factor * interpolated(&table.points, at)
+        factor * table.value(at)
     }
 
     fn slope(&self, _table: u32, _at: f64) -> f64 {
@@ -75,18 +75,6 @@ impl Values for Point<'_> {
     fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
         f64::NAN
     }
-}
-
-/// A table at an abscissa.
-fn interpolated(points: &[[f64; 2]], at: f64) -> f64 {
-    let (first, last) = (points[0], points[points.len() - 1]);
-    if at <= first[0] {
-        return first[1];
-    }
-    let pair = points.windows(2).find(|pair| at <= pair[1][0]);
-    pair.map_or(last[1], |pair| {
-        pair[0][1] + (pair[1][1] - pair[0][1]) * (at - pair[0][0]) / (pair[1][0] - pair[0][0])
-    })
 }
 
 /// The values of all symbols of a wiring. Named outputs have the values that the program computes.
@@ -223,7 +211,10 @@ fn equations_of_shipped_patches_equal_their_programs() {
     assert!(files.len() > 35, "{}", files.len());
     for file in files {
         for keeps_elements in [false, true] {
-            let compared = compare(&file, Options { keeps_elements, has_ideal_amplifiers: false, stays_in_range: false });
+            let compared = compare(
+                &file,
+                Options { keeps_elements, has_ideal_amplifiers: false, stays_in_range: false },
+            );
             assert!(compared > 0, "{}", file.display());
         }
     }
@@ -235,7 +226,12 @@ fn equations_of_the_engine_s_test_patches_equal_their_programs() {
     assert!(files.len() > 8, "{}", files.len());
     let compared: usize = files
         .iter()
-        .map(|file| compare(file, Options { keeps_elements: false, has_ideal_amplifiers: false, stays_in_range: false }))
+        .map(|file| {
+            compare(
+                file,
+                Options { keeps_elements: false, has_ideal_amplifiers: false, stays_in_range: false },
+            )
+        })
         .sum();
     assert!(compared > 100, "{compared}");
 }

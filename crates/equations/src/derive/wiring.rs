@@ -345,7 +345,8 @@ impl<'a> Derivation<'a> {
         let op = self.program.body()[at];
         let value = match self.unlimited.get(&register) {
             Some(demand) => self.value(*demand),
-            None => self.operation(op, self.ranged.contains(&register), &|register: Register| self.value(register)),
+            None => self
+                .operation(op, self.ranged.contains(&register), &|register: Register| self.value(register)),
         };
         let Some(output) = self.wiring.names.get(&register).cloned() else {
             let value = if defines { self.shortened(value) } else { value };

@@ -80,7 +80,8 @@ impl Found<'_> {
             let without = without_cord(self.cords(name), jack, source);
             for other in GAINS.iter().filter(|other| *other != jack) {
                 let with = with_cord(without.clone(), other, source);
-                let fits = fits_pot(self.circuit, source, gain(other)) && !fits_pot(self.circuit, source, gain(jack));
+                let fits = fits_pot(self.circuit, source, gain(other))
+                    && !fits_pot(self.circuit, source, gain(jack));
                 let decades = (gain(other) / gain(jack)).log10().abs() as u32;
                 let cost = if fits { cost::GAIN - cost::FITTING } else { cost::GAIN + 3 * (decades - 1) };
                 let description = format!("plug {source} into {other} of {name} in place of {jack}");
@@ -153,7 +154,8 @@ impl Found<'_> {
         match value {
             Value::String(_) => Some(Edit::at(["elements", name, jack.as_str()], json!(to))),
             Value::Array(list) => {
-                let replaced = list.iter().map(|item| if item == source.as_str() { json!(to) } else { item.clone() });
+                let replaced =
+                    list.iter().map(|item| if item == source.as_str() { json!(to) } else { item.clone() });
                 Some(Edit::at(["elements", name, jack.as_str()], Value::Array(replaced.collect())))
             }
             _ => None,
@@ -173,7 +175,11 @@ impl Found<'_> {
             } else if setting.name == "initial" {
                 let negative = negated(present);
                 let edit = Edit::at(["elements", name, "initial"], negative.clone());
-                self.push(cost::INITIAL, format!("give {name} the initial value {}", shown(&negative)), vec![edit]);
+                self.push(
+                    cost::INITIAL,
+                    format!("give {name} the initial value {}", shown(&negative)),
+                    vec![edit],
+                );
                 for factor in POWERS {
                     let other = multiplied(present, factor);
                     let edit = Edit::at(["elements", name, "initial"], other.clone());
@@ -213,7 +219,8 @@ impl Found<'_> {
                 let other = multiplied(present, factor);
                 let unit = scale.unit.text();
                 let description = format!("let 1 V of the scale {name} be {} {unit}", shown(&other));
-                let cost = if [1e3, 1e-3].contains(&factor) { cost::SCALE } else { cost::SCALE + cost::FITTING };
+                let cost =
+                    if [1e3, 1e-3].contains(&factor) { cost::SCALE } else { cost::SCALE + cost::FITTING };
                 self.push(cost, description, vec![Edit::at(["scales", name.as_str(), "per_volt"], other)]);
             }
         }
@@ -245,8 +252,13 @@ impl Found<'_> {
     fn signals(&mut self) {
         for (name, signal) in &self.circuit.patch().signals {
             let factor = -signal.factor;
-            let description = format!("give the signal {name} the factor {}", format_significant(factor, DIGITS));
-            self.push(cost::SIGNAL_SIGN, description, vec![Edit::at(["signals", name.as_str(), "factor"], json!(factor))]);
+            let description =
+                format!("give the signal {name} the factor {}", format_significant(factor, DIGITS));
+            self.push(
+                cost::SIGNAL_SIGN,
+                description,
+                vec![Edit::at(["signals", name.as_str(), "factor"], json!(factor))],
+            );
         }
     }
 
@@ -269,7 +281,8 @@ impl Found<'_> {
     /// The outputs that are read by a cord or a signal.
     fn read_outputs(&self) -> HashSet<String> {
         let patch = self.circuit.patch();
-        let cords = patch.elements.values().flat_map(|entry| &entry.plugs).map(|plug| plug.from.value.clone());
+        let cords =
+            patch.elements.values().flat_map(|entry| &entry.plugs).map(|plug| plug.from.value.clone());
         cords.chain(["+100", "-100"].map(str::to_owned)).collect()
     }
 
@@ -320,7 +333,9 @@ fn fits_pot(circuit: &Circuit, source: &str, gain: f64) -> bool {
     let compact: String = text.split_whitespace().collect();
     let powers = ["10", "100", "1000"];
     let by_division = powers.iter().find(|power| {
-        compact.ends_with(&format!("/{power}")) || compact.contains(&format!("/{power}*")) || compact.contains(&format!("/{power}/"))
+        compact.ends_with(&format!("/{power}"))
+            || compact.contains(&format!("/{power}*"))
+            || compact.contains(&format!("/{power}/"))
     });
     let decimals = [("0.1*", 10.0), ("0.01*", 100.0), ("0.001*", 1000.0)];
     let by_decimal = decimals.iter().find(|(prefix, _)| compact.starts_with(prefix)).map(|(_, gain)| *gain);
@@ -402,7 +417,11 @@ fn multiplied(value: &Value, factor: f64) -> Value {
     {
         let divisor = divisor / factor;
         let rest = rest.trim_end();
-        return if divisor == 1.0 { json!(rest) } else { json!(format!("{rest} / {}", format_significant(divisor, DIGITS))) };
+        return if divisor == 1.0 {
+            json!(rest)
+        } else {
+            json!(format!("{rest} / {}", format_significant(divisor, DIGITS)))
+        };
     }
     if factor >= 1.0 {
         json!(format!("({text}) * {}", format_significant(factor, DIGITS)))

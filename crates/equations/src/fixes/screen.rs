@@ -41,10 +41,13 @@ impl<'a> Screen<'a> {
             (signal.name.as_str(), (signal.register, per_volt))
         });
         let names: Vec<&str> = circuit.auxiliary_quantities().collect();
-        let auxiliaries = circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
-            Expression::Name(name) if names.contains(&name.as_str()) => Some((name.as_str(), &placed.value)),
-            _ => None,
-        });
+        let auxiliaries =
+            circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
+                Expression::Name(name) if names.contains(&name.as_str()) => {
+                    Some((name.as_str(), &placed.value))
+                }
+                _ => None,
+            });
         let (point, size) = SIZES.iter().find_map(|size| {
             let point = point(program, *size);
             let voltages = program.voltages_at(&point)?;
@@ -100,7 +103,9 @@ impl<'a> Screen<'a> {
 /// A point with fixed irregular voltages.
 fn point(program: &Program, size: f64) -> ProgramPoint {
     let mut point = program.initial_point();
-    let voltage = |index: usize| size * (1.0 + (index as f64 * GOLDEN).fract()) / 2.0 * if index % 3 == 1 { -1.0 } else { 1.0 };
+    let voltage = |index: usize| {
+        size * (1.0 + (index as f64 * GOLDEN).fract()) / 2.0 * if index % 3 == 1 { -1.0 } else { 1.0 }
+    };
     point.states.iter_mut().enumerate().for_each(|(index, state)| *state = voltage(index));
     point.delayed.iter_mut().enumerate().for_each(|(index, delayed)| *delayed = voltage(index + 7));
     point.sampled.iter_mut().enumerate().for_each(|(index, sampled)| *sampled = voltage(index + 11));

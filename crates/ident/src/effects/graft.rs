@@ -348,6 +348,10 @@ impl<'a> GraftBuilder<'a> {
             self.patch.macros.contains_key(name) || elements::find(Family::Computing, name).is_some()
         });
         let mut editor = self.patch.edit();
+        if !self.patch.equations.is_empty() {
+            // With the effect, the wiring solves other equations.
+            editor.set_equations([] as [&str; 0]);
+        }
         self.put_elements(&macro_name, &mut editor)?;
         for (name, per_volt, unit) in &self.scales {
             editor.put_scale(name, per_volt.clone(), unit);

@@ -1,0 +1,80 @@
+//! Values of all quantities at points, for identities that the normal form does not show.
+
+use patchcord_core::ir::Program;
+
+use crate::derive::System;
+use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, value};
+
+/// Points at which two expressions are compared.
+const POINTS: u32 = 64;
+/// Difference of two equal expressions by rounding, as a share of the sum of their terms.
+const ROUNDING: f64 = 1e-9;
+/// The golden ratio, whose multiples have irregular fractions.
+const GOLDEN: f64 = 1.618_033_988_749_895;
+
+/// The present values of the parameters, and a value for every other quantity that depends on the index of the point.
+pub(super) struct Point<'a> {
+    pub system: &'a System,
+    pub program: &'a Program,
+    /// Index of the point.
+    pub index: u32,
+}
+
+/// Whether two expressions are equal at all points. An expression that cannot be evaluated is not equal.
+pub(super) fn are_equal(system: &System, program: &Program, first: &Fraction, second: &Fraction) -> bool {
+    (1..=POINTS).all(|index| {
+        let point = Point { system, program, index };
+        let [one, other] = [first, second].map(|fraction| value(fraction, &point));
+        let size = size(first, &point) + size(second, &point);
+        (one - other).abs() <= ROUNDING * size
+    })
+}
+
+/// The sum of the sizes of the terms of an expression.
+fn size(fraction: &Fraction, point: &Point<'_>) -> f64 {
+    let mut sum = 0.0;
+    fraction.split(&mut |term| {
+        sum += value(term, point).abs();
+        true
+    });
+    sum
+}
+
+impl Point<'_> {
+    /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point, so that corners of
+    /// characteristics lie between them.
+    fn variable(&self, symbol: Symbol) -> f64 {
+        let turn = f64::from(self.index) * GOLDEN + f64::from(symbol.index) * GOLDEN * GOLDEN;
+        let share = 2.0 * turn.fract() - 1.0;
+        let volts = share * 10f64.powi(self.index as i32 % 3);
+        let name = &self.system.symbols.entry(symbol).name;
+        let signal = self.program.signals().iter().find(|signal| signal.name == *name);
+        let per_volt = signal.and_then(|signal| signal.per_volt);
+        per_volt.map_or(volts, |index| volts * self.program.coefficient_values()[index as usize])
+    }
+}
+
+impl Values for Point<'_> {
+    fn symbol(&self, symbol: Symbol) -> f64 {
+        match self.system.symbols.entry(symbol).kind {
+            SymbolKind::Pi => std::f64::consts::PI,
+            SymbolKind::Parameter(index) => self.program.parameters()[index].value,
+            SymbolKind::Time => f64::from(self.index) / 7.0,
+            SymbolKind::Variable | SymbolKind::Held => self.variable(symbol),
+        }
+    }
+
+    fn table(&self, table: u32, at: f64) -> f64 {
+        let table = &self.system.tables[table as usize];
+        let factor = table.unit.as_ref().map_or(1.0, |unit| unit.factor);
+        factor * table.value(at)
+    }
+
+    fn slope(&self, _table: u32, _at: f64) -> f64 {
+        f64::NAN
+    }
+
+    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
+        f64::NAN
+    }
+}

@@ -1,0 +1,70 @@
+//! Patches whose wiring does not solve their equations, and typical mistakes of beginners.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use crate::files::{assert_up_to_date, json_files_in, repository_path};
+use patchcord_core::circuit::Circuit;
+use patchcord_core::document::{Code, Report};
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+use patchcord_equations::{codes, equation_findings};
+
+/// The patches of a folder of this crate's tests.
+fn patches(folder: &str) -> Vec<PathBuf> {
+    json_files_in(&repository_path("crates/equations/tests/patches").join(folder))
+}
+
+/// The findings about a patch: those of its check, or else those of its equations.
+fn report(path: &Path) -> Report {
+    let text = std::fs::read_to_string(path).unwrap();
+    let file = path.file_name().unwrap().to_str().unwrap();
+    let checked = || -> Result<Report, Box<Report>> {
+        let patch = Patch::parse(file, &text)?;
+        let circuit = Circuit::new(&patch)?;
+        let program = Program::new(&circuit)?;
+        let mut findings = circuit.warnings().findings;
+        findings.extend(equation_findings(&circuit, &program));
+        Ok(Report::new(patch.file(), patch.text(), findings))
+    };
+    checked().unwrap_or_else(|report| *report)
+}
+
+#[test]
+fn every_bad_patch_has_its_report() {
+    for folder in ["bad", "traps"] {
+        for path in patches(folder) {
+            let stem = path.file_stem().unwrap().to_str().unwrap();
+            let expected = format!("crates/equations/tests/patches/{folder}/{stem}.txt");
+            assert_up_to_date(&expected, format!("{}\n", report(&path)).as_bytes(), "patchcord-equations");
+        }
+    }
+}
+
+#[test]
+fn every_code_has_a_bad_patch() {
+    let found: HashSet<Code> =
+        patches("bad").iter().flat_map(|path| report(path).findings).map(|finding| finding.code).collect();
+    for code in codes::ALL {
+        assert!(found.contains(code), "{}", code.as_str());
+    }
+}
+
+/// The mistakes of the traps and a part of the report that names the cause first.
+#[test]
+fn the_first_change_names_the_mistake() {
+    let cases = [
+        ("car2", "put an inverter between road and T"),
+        ("g1", "plug P1 into x10 of A1 in place of x1"),
+        ("g2", "plug B1 into P1 in place of A2"),
+        ("g6c", "give the scale velocity the unit mm/s"),
+        ("lv2", "put an inverter between A1 and PA"),
+    ];
+    for (trap, cause) in cases {
+        let path = repository_path("crates/equations/tests/patches/traps").join(format!("{trap}.json"));
+        let report = report(&path);
+        let hint = report.findings[0].advice().to_owned();
+        let (_, fixes) = hint.split_once("mends it: ").unwrap_or_else(|| panic!("{trap}: {hint}"));
+        assert!(fixes.starts_with(cause), "{trap}: {fixes}");
+    }
+}
