@@ -29,6 +29,8 @@ mod fixes;
 mod listing;
 mod notation;
 mod symbolic;
+#[cfg(test)]
+mod testing;
 mod writing;
 
 pub use compare::{Agreement, ComparedEquation, compare_equations};

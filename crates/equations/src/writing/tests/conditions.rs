@@ -1,0 +1,74 @@
+//! Choices and conditions.
+
+use super::{Fixture, Purity, check};
+
+#[test]
+fn a_choice_is_written_as_cases() {
+    check(&[
+        ("step(x) y", "{y if x >= 0; 0 otherwise}"),
+        ("step(x - w) y + (1 - step(x - w)) z", "{y if x >= w; z otherwise}"),
+        ("2 step(x) - 1", "{1 if x >= 0; -1 otherwise}"),
+        ("step(-x)", "{1 if x <= 0; 0 otherwise}"),
+        ("k x step(w - x)", "{k x if x <= w; 0 otherwise}"),
+        ("x + 2 step(y)", "{x + 2 if y >= 0; x otherwise}"),
+        ("step(x)/(1 + step(x))", "{0.5 if x >= 0; 0 otherwise}"),
+        ("sin(x + step(y))", "{sin(x + 1) if y >= 0; sin(x) otherwise}"),
+        ("abs(step(x) - y)", "{abs(y - 1) if x >= 0; abs(y) otherwise}"),
+        ("step(x) step(y)", "{1 if y >= 0 and x >= 0; 0 otherwise}"),
+        ("step(x)^2 - step(x)", "0"),
+    ]);
+}
+
+#[test]
+fn a_law_of_time_begins_with_the_earlier_values() {
+    check(&[
+        ("F step(t - 3)", "{0 if t < 3; F otherwise}"),
+        ("x step(w - t) + y (1 - step(w - t))", "{y if t > w; x otherwise}"),
+    ]);
+}
+
+#[test]
+fn the_fourth_condition_is_a_function() {
+    let fixture = Fixture::new();
+    let written = fixture.written(Purity::All, "step(x) + step(y) + step(z) + step(v)", "1");
+    assert!(written.starts_with("{step(v) + 3 if x >= 0 and y >= 0 and z >= 0; "), "{written}");
+    assert!(written.ends_with("; step(v) otherwise}"), "{written}");
+}
+
+#[test]
+fn a_mode_is_a_condition_in_words() {
+    check(&[
+        ("relay F - k x", "{-k x if R is released; F - k x otherwise}"),
+        ("relay step(y) x", "{0 if R is released; x if y >= 0; 0 otherwise}"),
+        ("relay x - relay x + y", "y"),
+        ("(1 - relay) (1 - relay/2) relay", "0"),
+    ]);
+}
+
+#[test]
+fn conditions_have_variables_on_the_left() {
+    let fixture = Fixture::new();
+    let cases = [
+        ("x - 0.1", "x >= 0.1 m", "x > 0.1 m"),
+        ("0.1 - x", "x <= 0.1 m", "x < 0.1 m"),
+        ("x - y", "x - y >= 0", "x - y > 0"),
+        ("2 x - 2 w", "x >= w", "x > w"),
+        ("F - k x", "k x <= F", "k x < F"),
+        ("1 - x/w", "x <= w", "x < w"),
+        ("-v", "v <= 0", "v < 0"),
+        ("k x", "x >= 0", "x > 0"),
+        ("x v", "x v >= 0", "x v > 0"),
+        ("x^2 - 4", "x^2 >= 4 m2", "x^2 > 4 m2"),
+        ("w - 0.5", "w - 0.5 m >= 0", "w - 0.5 m > 0"),
+        ("b", "b >= 0", "b > 0"),
+        ("x/(y + 1)", "x/(y + 1 m) >= 0", "x/(y + 1 m) > 0"),
+        ("min(x - 0.1, v)", "x >= 0.1 m and v >= 0", "x > 0.1 m and v > 0"),
+        ("-max(x, y)", "x <= 0 and y <= 0", "x < 0 and y < 0"),
+        ("max(x, y)", "max(x, y) >= 0", "max(x, y) > 0"),
+    ];
+    for (guard, expected, strictly) in cases {
+        let writer = fixture.writer(Purity::Physical);
+        assert_eq!(writer.condition_text(&fixture.read(guard), false), expected, "{guard}");
+        assert_eq!(writer.condition_text(&fixture.read(guard), true), strictly, "{guard}");
+    }
+}
