@@ -17,7 +17,7 @@
 //! let listing = EquationListing::new(&circuit, &Program::new(&circuit)?, Detail::Signals);
 //! let equations: Vec<String> = listing.equations.iter().map(|equation| equation.text()).collect();
 //! assert_eq!(equations, ["x' = sigma (y - x)", "y' = rho x - y - x z", "z' = x y - beta z"]);
-//! # Ok::<(), Box<patchcord_core::document::Report>>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 #![forbid(unsafe_code)]

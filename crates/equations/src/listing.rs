@@ -40,7 +40,7 @@ pub enum Detail {
 /// let listing = EquationListing::new(&circuit, &Program::new(&circuit)?, Detail::Signals);
 /// assert_eq!(listing.equations[0].text(), "x' = v");
 /// assert_eq!(listing.equations[1].text(), "v' = mu (1 - x^2) v - x");
-/// # Ok::<(), Box<patchcord_core::document::Report>>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct EquationListing {

@@ -64,7 +64,7 @@ fn without_known_signs(argument: &Fraction) -> (Fraction, Fraction) {
     let mut outside = Fraction::from(Polynomial::term(number.abs(), known));
     for (divisor, power) in argument.divisors() {
         if power % 2 == 0 || divisor.is_nonnegative() {
-            outside = outside.over(&Fraction::from(divisor.clone()).power(power as i32));
+            outside = outside.times(&Fraction::from(divisor.clone()).power(-(power as i32)));
         }
     }
     let inside = argument.over(&outside);

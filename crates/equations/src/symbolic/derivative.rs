@@ -16,10 +16,9 @@ use super::symbol::Symbol;
 /// every symbol for a derivative with respect to time. At a corner it is the derivative on one side.
 pub(crate) fn derivative(fraction: &Fraction, rate: &mut dyn FnMut(Symbol) -> Fraction) -> Fraction {
     let top = polynomial_derivative(fraction.numerator(), rate);
-    let bottom = fraction.divisors().fold(Fraction::whole(1), |bottom, (divisor, power)| {
-        bottom.times(&Fraction::from(divisor.clone()).power(power as i32))
+    let mut result = fraction.divisors().fold(top, |top, (divisor, power)| {
+        top.times(&Fraction::from(divisor.clone()).power(-(power as i32)))
     });
-    let mut result = top.over(&bottom);
     for (divisor, power) in fraction.divisors() {
         let inner = polynomial_derivative(divisor, rate);
         let factor = Fraction::whole(i64::from(power)).over(&Fraction::from(divisor.clone()));

@@ -189,7 +189,7 @@ impl Fraction {
         let top = with_factors(&self.numerator, replace);
         self.divisors.iter().fold(top, |top, (divisor, power)| {
             let divisor = with_factors(divisor, replace);
-            top.over(&divisor.power(*power as i32))
+            top.times(&divisor.power(-(*power as i32)))
         })
     }
 

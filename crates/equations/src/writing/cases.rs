@@ -209,9 +209,14 @@ fn with_condition(value: &Fraction, condition: &Fraction, holds: i64) -> Fractio
         let Atom::Apply(applied) = atom else { return None };
         let argument = step_argument(applied)?;
         if argument == condition {
-            Some(Fraction::whole(holds))
-        } else {
-            (*argument == opposite).then(|| Fraction::whole(1 - holds))
+            return Some(Fraction::whole(holds));
         }
+        if *argument == opposite {
+            return Some(Fraction::whole(1 - holds));
+        }
+        // A condition with a lower threshold holds too, and one with a higher threshold fails too.
+        let above = argument.minus(condition);
+        let is_implied = if holds == 1 { above.is_nonnegative() } else { above.negated().is_nonnegative() };
+        is_implied.then(|| Fraction::whole(holds))
     })
 }

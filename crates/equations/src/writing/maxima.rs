@@ -55,16 +55,24 @@ impl Item {
         let number = &self.number * whole(2);
         let (mut first, mut second) =
             (self.inside.times_term(&Monomial::default(), &whole(sign)), Polynomial::default());
-        for (product, own) in first.clone().terms() {
-            let (outer, outside) = (self.factor.times(product), -(&number * own));
-            if coefficient(rest, &outer) == outside {
-                rest.add_term(outer, &-outside);
-                first.add_term(product.clone(), &-own.clone());
-                second.add_term(product.clone(), &-own.clone());
+        let mut is_two_sided = false;
+        for cancels in [true, false] {
+            for (product, own) in first.clone().terms() {
+                let outer = self.factor.times(product);
+                let outside = coefficient(rest, &outer);
+                let moved = &outside / &number;
+                let is_moved = if cancels { moved == -own } else { is_two_sided && !outside.is_zero() };
+                if is_moved {
+                    is_two_sided = true;
+                    rest.add_term(outer, &-outside);
+                    first.add_term(product.clone(), &moved);
+                    second.add_term(product.clone(), &moved);
+                }
             }
         }
-        let (outer, number) = (self.factor.clone(), number);
-        let (outer, number) = self.with_constant_one(outer, number, [&mut first, &mut second]);
+        let (first, second, number) = without_content(&first, &second, number);
+        let (mut first, mut second) = (first, second);
+        let (outer, number) = self.with_constant_one(self.factor.clone(), number, [&mut first, &mut second]);
         let negatives =
             first.terms().chain(second.terms()).filter(|(_, number)| number.is_negative()).count();
         let is_minimum = number.is_negative() && 2 * negatives > first.terms().len() + second.terms().len();
@@ -89,7 +97,8 @@ impl Item {
         let [first, second] = arguments;
         let divides = |product: &Monomial| {
             let exponents = product.factors().iter();
-            !product.is_one() && exponents.clone().all(|(atom, own)| *own > 0 && outer.exponent(atom) <= -own)
+            let is_divided = |(atom, own): &(Atom, i32)| *own > 0 && outer.exponent(atom) <= -own;
+            !product.is_one() && product.is_nonnegative() && exponents.clone().all(is_divided)
         };
         let found = first.terms().chain(second.terms()).find(|(product, _)| divides(product));
         let Some((constant, size)) = found.map(|(product, size)| (product.clone(), size.abs())) else {
@@ -100,6 +109,22 @@ impl Item {
         }
         (outer.times(&constant), number * size)
     }
+}
+
+/// Two arguments in written form and the number outside, with the numbers that both have in common outside.
+fn without_content(
+    first: &Polynomial,
+    second: &Polynomial,
+    number: Rational,
+) -> (Polynomial, Polynomial, Rational) {
+    let written = [first, second].map(with_maxima);
+    let mut numbers = written.iter().flat_map(|sum| sum.terms().map(|(_, number)| number.abs()));
+    let Some(content) = numbers.next() else { return (first.clone(), second.clone(), number) };
+    if !numbers.all(|number| number == content) {
+        return (first.clone(), second.clone(), number);
+    }
+    let [first, second] = [first, second].map(|sum| sum.times_term(&Monomial::default(), &content.recip()));
+    (first, second, number * content)
 }
 
 /// The number in front of a product; 0 if the sum does not have it.

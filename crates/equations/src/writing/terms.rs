@@ -16,6 +16,9 @@ struct Term {
     variable: Monomial,
 }
 
+/// The place of a part in a sum: its class, its degree, its variables and its constants.
+type Rank = (u8, i32, Vec<(u32, i32)>, Vec<(u32, i32)>);
+
 /// A part of a sum: one term, or terms with a common factor.
 struct Part {
     /// The number in front. It is the common factor of the numbers if there are several terms.
@@ -112,16 +115,17 @@ impl Writer<'_> {
 
     /// The place of a part in a sum: terms of low degree first, then in the order of the variables. Constants are last,
     /// but come before terms of time only.
-    fn rank(&self, part: &Part) -> (u8, i32, Vec<(u32, i32)>) {
+    fn rank(&self, part: &Part) -> Rank {
         let inside = part.inside.terms().map(|(product, _)| product).max().cloned().unwrap_or_default();
         let variable = part.variable.times(&inside);
         let is_time = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if self.system.symbols.entry(*symbol).kind == SymbolKind::Time);
         let is_of_time = variable.factors().iter().all(|(atom, _)| is_time(atom));
         let class = if variable.is_one() { 1 } else { 2 * u8::from(is_of_time) };
         let degree = variable.factors().iter().map(|(_, exponent)| exponent.max(&0)).sum();
-        let order =
-            variable.factors().iter().map(|(atom, exponent)| (first_symbol(atom), *exponent)).collect();
-        (class, degree, order)
+        let order = |product: &Monomial| {
+            product.factors().iter().map(|(atom, exponent)| (first_symbol(atom), *exponent)).collect()
+        };
+        (class, degree, order(&variable), order(&part.constant))
     }
 
     /// One part of a sum, with its sign.
