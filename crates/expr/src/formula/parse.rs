@@ -112,7 +112,8 @@ impl<'t> Parser<'t> {
                 left = binary(operator, left, right);
                 last_operator = Some(operator);
             } else if self.begins_implied_factor() {
-                let right = self.power()?;
+                // It has no sign; this method counts its depth.
+                let right = self.signed()?;
                 if last_operator == Some(Operator::Divide) {
                     return Err(self.ambiguous_product(&left, &right));
                 }

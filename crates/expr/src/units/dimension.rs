@@ -171,7 +171,7 @@ impl Dimension {
             return self.to_string();
         }
         match NAMED.iter().find(|(name, dimension)| *dimension == rest && !name.contains('/')) {
-            Some((name, _)) => format_product([(*name, 1.0), ("V", -ampere)].into_iter()),
+            Some((name, _)) => format_product([(*name, 1.0), ("V", -ampere)]),
             None => format_product(BASE_UNITS.into_iter().zip(rest.exponents).chain([("V", -ampere)])),
         }
     }

@@ -268,7 +268,7 @@ fn differential(dividend: &Node, order: usize) -> Option<(Range<usize>, &str)> {
     }
     let Expression::Binary(Operator::Multiply, others, _) = &dividend.expression else { return None };
     let sign = last_factor(others);
-    is_differential_sign(sign, order).then(|| (sign.range.start..last.range.end, name.as_str()))
+    is_differential_sign(sign, order).then_some((sign.range.start..last.range.end, name.as_str()))
 }
 
 /// Whether a node is the sign of a differential in front of its variable: `d`, or `d^2` if the order is 2.
