@@ -69,7 +69,8 @@ const MODULES: [(&str, &[&str]); 7] = [
 fn modules(folder: &Path) -> Vec<(String, String)> {
     let mut found = Vec::new();
     sources(folder, &mut found);
-    found.retain(|path| path.file_stem().is_some_and(|stem| stem != "tests"));
+    let is_test = |path: &Path| path.with_extension("").iter().any(|part| part == "tests" || part == "testing");
+    found.retain(|path| !is_test(path.strip_prefix(folder).unwrap()));
     let read = |path: &PathBuf| {
         let inside = path.strip_prefix(folder).unwrap();
         let source = code(&fs::read_to_string(path).unwrap());

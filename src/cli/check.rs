@@ -15,9 +15,10 @@ use super::table::Table;
 use super::times::advice;
 use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
-use patchcord::document::{DiagnosticDocument, Report, escape_controls, plural};
+use patchcord::document::{Diagnostic, DiagnosticDocument, Report, escape_controls, plural};
 use patchcord::equations::{Agreement, compare_equations, equation_findings};
 use patchcord::ir::Program;
+use patchcord::linear::{check_size, growth_warning};
 use patchcord::patch::Instance;
 use patchcord::solve::{self, BLOCK_SAMPLES, RunError, RunSettings};
 use patchcord::trace::Overload;
@@ -37,9 +38,13 @@ pub(super) struct Arguments {
 /// Tables of voltages and scaling follow the summary on request. Overloads at initial condition do not fail the
 /// command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let LoadedPatch { circuit, program, warnings } = arguments.patch.load()?;
+    let LoadedPatch { circuit, program, mut warnings } = arguments.patch.load()?;
     check_equations(&circuit, &program)?;
     let problem = check_problem(&circuit, &program)?;
+    let growth =
+        Report::new(&warnings.file, circuit.patch().text(), problem.growth.iter().cloned().collect());
+    eprint_report(&growth);
+    warnings.findings.extend(growth.findings);
     if arguments.patch.json {
         return print_json(&Document::new(&circuit, &program, &warnings, &problem));
     }
@@ -101,6 +106,8 @@ struct ProblemCheck {
     voltages: Vec<ElementVoltage>,
     /// The overloads at initial condition.
     overloads: Vec<Overload>,
+    /// The warning about a loop that amplifies deviations.
+    growth: Option<Diagnostic>,
 }
 
 /// The voltage of an element at initial condition.
@@ -129,7 +136,9 @@ fn check_problem(circuit: &Circuit, program: &Program) -> Result<ProblemCheck, F
         let (element, kind) = (element.name.clone(), element.kind.name);
         voltages.push(ElementVoltage { element, kind, volts, position });
     }
-    Ok(ProblemCheck { voltages, overloads: machine.overloads() })
+    let growth =
+        if check_size(program).is_ok() { growth_warning(circuit, &machine.state_space()) } else { None };
+    Ok(ProblemCheck { voltages, overloads: machine.overloads(), growth })
 }
 
 /// The summary: warnings, machine parts, macros and loops. Lines that do not apply are left out.

@@ -50,9 +50,11 @@ fn every_code_has_a_bad_patch_or_experiment() {
     );
 }
 
-/// The codes of patches, then those of equations, which have their own bad patches, then those of experiments.
+/// The codes of patches, then those of equations and of the linear analysis, which have tests of their own, then those of
+/// experiments.
 fn all_codes() -> impl Iterator<Item = &'static Code> {
-    Code::ALL.iter().chain(patchcord_equations::codes::ALL).chain(codes::ALL)
+    let others = patchcord_equations::codes::ALL.iter().chain(patchcord_analysis::linear::codes::ALL);
+    Code::ALL.iter().chain(others).chain(codes::ALL)
 }
 
 /// The bad patch whose report is the example at the top of the page.

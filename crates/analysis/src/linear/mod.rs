@@ -2,18 +2,20 @@
 //!
 //! All functions are pure functions of a [`StateSpace`](patchcord_core::ir::StateSpace), which
 //! [`Machine::state_space`](patchcord_core::solve::Machine::state_space) computes. `roots` gives the natural modes,
-//! `eigenvalues` does the numerical work for them. `response` gives gain and phase over the frequencies of a `band`,
+//! `eigenvalues` does the numerical work for them. `growth` finds the loop behind a motion that grows. `response` gives gain and phase over the frequencies of a `band`,
 //! and `phase` makes the phase continuous.
 
 mod band;
 mod eigenvalues;
 mod error;
+mod growth;
 mod phase;
 mod response;
 mod roots;
 
 pub use band::FrequencyBand;
 pub use error::LinearError;
+pub use growth::{GrowingLoop, codes, growing_loop, growth_warning};
 pub use response::{FrequencyResponse, ResponsePoint, TransferFunction};
 pub use roots::{Root, Stability, fastest_state, roots};
 

@@ -15,7 +15,8 @@ use patchcord_core::solve::RunSettings;
 pub(super) const FORMAT_VERSION: u32 = 3;
 
 /// Sections of a patch that no row depends on, or that the run settings already contain.
-const IGNORED_SECTIONS: [&str; 6] = ["title", "source", "equations", "pictures", "record", "run"];
+const IGNORED_SECTIONS: [&str; 7] =
+    ["title", "source", "equations", "positive_feedback", "pictures", "record", "run"];
 /// Keys of an entry that only people read.
 const IGNORED_KEYS: [&str; 2] = ["note", "description"];
 /// Hexadecimal digits of a fingerprint: 128 bits.

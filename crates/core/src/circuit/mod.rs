@@ -202,6 +202,9 @@ impl Circuit {
             Some(Err(report)) => *report,
             None => {
                 let mut found = scaling::integral_warnings(self);
+                if found.is_empty() {
+                    found.extend(scaling::time_scale_warning(self));
+                }
                 table_times::check(&self.patch, plan, &mut found);
                 self.report_with(macros::merge_instances(&self.patch, found))
             }

@@ -16,7 +16,7 @@ use super::{Circuit, Cord, Element, SignalPoint};
 use crate::elements::{SettingDefault, SettingQuantity, Transfer};
 use crate::patch::Amount;
 use block::Blocks;
-pub(super) use integrals::integral_warnings;
+pub(super) use integrals::{integral_warnings, time_scale_warning};
 use patchcord_expr::Dimension;
 
 /// The linear wiring between two scaled signals, compared with eq. 4-8.

@@ -179,6 +179,8 @@ impl Code {
         SCALE_MISMATCH "scale-mismatch" Warning "The wiring between a rate and its integral does not agree with their \
             scales."
             "compare the gains by `patchcord check --scaling`";
+        UNUSED_TIME_SCALE "unused-time-scale" Warning "No setting contains the time scale, although it is not 1."
+            "divide the settings in front of integrators by time_scale";
         UNUSED_ELEMENT "unused-element" Warning "Nothing reads the output of an element."
             "use its output, or remove the element";
         NOT_A_RELAY "not-a-relay" Error "A phase of a run waits for an element that does not switch."

@@ -61,6 +61,9 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     });
     let equation_list = fields.take("equations");
     patch.equations = equation_list.map(|node| equations(node, unread, &mut findings)).unwrap_or_default();
+    let positive_feedback = fields.take("positive_feedback");
+    patch.positive_feedback =
+        positive_feedback.and_then(|node| flag(node, "positive_feedback", &mut findings)).unwrap_or_default();
     patch.run = fields.take("run").map(|node| run(node, &mut findings)).unwrap_or_default();
     patch.record =
         fields.take("record").map(|node| strings(node, "record", &mut findings)).unwrap_or_default();

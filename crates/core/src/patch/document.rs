@@ -269,6 +269,8 @@ pub struct Patch {
     pub signals: IndexMap<String, Signal>,
     /// The equations that the wiring is meant to solve, in the units of the problem.
     pub equations: Vec<Placed<Equation>>,
+    /// Whether loops of integrators with positive feedback are intended.
+    pub positive_feedback: bool,
     /// Length, step and phases of the run.
     pub run: RunPlan,
     /// Names of the signals, drives and elements to record.
@@ -303,6 +305,7 @@ impl Patch {
             macros_span: Span::default(),
             signals: IndexMap::new(),
             equations: Vec::new(),
+            positive_feedback: false,
             run: RunPlan::default(),
             record: Vec::new(),
             pictures: Vec::new(),

@@ -56,6 +56,10 @@ pub fn json_schema() -> Value {
             "elements": element_section(),
             "signals": section(signal()),
             "equations": equations(),
+            "positive_feedback": {
+                "type": "boolean",
+                "description": "whether loops of integrators that amplify a deviation are intended",
+            },
             "run": run(),
             "record": name_list("signals, drives or elements to record"),
             "pictures": {"type": "array", "items": picture()},

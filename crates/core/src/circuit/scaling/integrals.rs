@@ -79,9 +79,59 @@ fn warning(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Op
         format_number(path.gain.abs() / factor)
     );
     let wrong = if has_time_scale { "a scale, a gain or the time scale" } else { "a scale or a gain" };
-    let hint = format!("correct {wrong}; if the factor is intended, write it as a parameter");
+    let is_time_scale = has_time_scale && is_power_of(factor, circuit.time_scale());
+    let hint = if is_time_scale {
+        "the factor is the time scale: divide the settings in front of integrators by time_scale".to_owned()
+    } else {
+        format!("correct {wrong}; if the factor is intended, write it as a parameter")
+    };
     let span = circuit.element(output.element).span?;
     Some(Diagnostic::at(Code::SCALE_MISMATCH, span, message).hint(hint))
+}
+
+/// Whether a factor is the time scale or its square, or the reciprocal of either.
+fn is_power_of(factor: f64, time_scale: f64) -> bool {
+    [-2, -1, 1, 2].into_iter().any(|power| (factor / time_scale.powi(power) - 1.0).abs() < GAIN_TOLERANCE)
+}
+
+/// The warning if the patch has a time scale and pots in front of integrators, and none of their settings names the time
+/// scale. `None` if a setting is a number or names only parameters that could contain the time scale.
+pub(in crate::circuit) fn time_scale_warning(circuit: &Circuit) -> Option<Diagnostic> {
+    let time_scale = circuit.time_scale();
+    if time_scale == 1.0 {
+        return None;
+    }
+    let elements = circuit.elements();
+    let integrators =
+        (0..elements.len()).filter(|element| elements[*element].kind.transfer == Transfer::Integrating);
+    let drivers = integrators.flat_map(|element| circuit.cords(element)).filter(|(_, cord)| cord.input == 0);
+    let pots: Vec<usize> = drivers
+        .map(|(from, _)| from)
+        .filter(|from| elements[*from].kind.transfer == Transfer::Share)
+        .collect();
+    let scales = &circuit.patch().scales;
+    let is_scaled =
+        |element: &usize| setting_names(circuit, *element).iter().any(|name| scales.contains_key(*name));
+    let names_time =
+        elements.iter().enumerate().any(|(element, _)| setting_names(circuit, element).contains(&TIME_SCALE));
+    let first = *pots.first().filter(|_| !names_time && pots.iter().all(is_scaled))?;
+    let speed = if time_scale < 1.0 { "slow" } else { "fast" };
+    let times = format_number(time_scale.max(1.0 / time_scale));
+    let message = format!(
+        "no setting contains time_scale, so all rates are {times} times too {speed} for a time scale of {}",
+        format_number(time_scale)
+    );
+    Some(Diagnostic::at(Code::UNUSED_TIME_SCALE, elements[first].span?, message))
+}
+
+/// The names in the formulas of an element's settings.
+fn setting_names(circuit: &Circuit, element: usize) -> Vec<&str> {
+    let settings = circuit.element(element).settings.iter().flatten();
+    let formulas = settings.filter_map(|setting| match &setting.value {
+        Amount::Formula(formula) => Some(formula.names()),
+        Amount::Flag(_) | Amount::Choice(_) | Amount::Points(_) => None,
+    });
+    formulas.flatten().collect()
 }
 
 /// Whether a block gain differs from 1, and also from 2 pi and its reciprocal: a phase in rad is 2 pi times the
