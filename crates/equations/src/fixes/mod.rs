@@ -6,7 +6,7 @@
 mod candidates;
 mod screen;
 
-use patchcord_core::circuit::Circuit;
+use patchcord_core::circuit::{Circuit, EvaluationStep};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 
@@ -99,10 +99,19 @@ fn solved_by(circuit: &Circuit, candidate: &Candidate, unsolved: &[usize]) -> Ve
     unsolved.iter().copied().filter(|index| !different.contains(index)).collect()
 }
 
-/// A changed patch with the parameters of a circuit; `None` if it has errors.
+/// A changed patch with the parameters of a circuit. `None` if it has errors, or more loops without an integrator: no
+/// correction makes one, and the proof that it has one solution takes long.
 fn compiled(circuit: &Circuit, changed: &Patch) -> Option<(Circuit, Program)> {
     let parameters = circuit.parameters().map(|(name, _, value)| (name.to_owned(), value));
-    let circuit = Circuit::with_parameters(changed, parameters).ok()?;
-    let program = Program::new(&circuit).ok()?;
-    Some((circuit, program))
+    let changed = Circuit::with_parameters(changed, parameters).ok()?;
+    if loop_count(&changed) > loop_count(circuit) {
+        return None;
+    }
+    let program = Program::new(&changed).ok()?;
+    Some((changed, program))
+}
+
+/// Number of loops without an integrator.
+fn loop_count(circuit: &Circuit) -> usize {
+    circuit.evaluation_order().iter().filter(|step| matches!(step, EvaluationStep::Loop { .. })).count()
 }
