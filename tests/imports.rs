@@ -69,7 +69,8 @@ const MODULES: [(&str, &[&str]); 7] = [
 fn modules(folder: &Path) -> Vec<(String, String)> {
     let mut found = Vec::new();
     sources(folder, &mut found);
-    let is_test = |path: &Path| path.with_extension("").iter().any(|part| part == "tests" || part == "testing");
+    let is_test =
+        |path: &Path| path.with_extension("").iter().any(|part| part == "tests" || part == "testing");
     found.retain(|path| !is_test(path.strip_prefix(folder).unwrap()));
     let read = |path: &PathBuf| {
         let inside = path.strip_prefix(folder).unwrap();

@@ -23,9 +23,15 @@ pub mod codes {
 /// most three single changes after which the wiring solves its equation.
 pub fn equation_findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let compared = compare_equations(circuit, program);
-    let is_wrong = |compared: &&ComparedEquation| matches!(compared.agreement, Agreement::Different { .. });
-    let unsolved: Vec<usize> = compared.iter().filter(is_wrong).map(|compared| compared.index).collect();
-    let fixes = if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, &unsolved) };
+    let [mut unsolved, mut solved] = [Vec::new(), Vec::new()];
+    for compared in &compared {
+        match compared.agreement {
+            Agreement::Different { .. } => unsolved.push(compared.index),
+            Agreement::Solved | Agreement::SolvedIf(_) => solved.push(compared.index),
+            Agreement::Undecided(_) => {}
+        }
+    }
+    let fixes = if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, &unsolved, &solved) };
     compared.into_iter().filter_map(|compared| finding(circuit, compared, &fixes)).collect()
 }
 
@@ -39,8 +45,8 @@ fn finding(circuit: &Circuit, compared: ComparedEquation, fixes: &[Fix]) -> Opti
             let descriptions: Vec<&str> = own.take(MOST_FIXES).map(|fix| fix.description.as_str()).collect();
             let remedy = match descriptions.as_slice() {
                 [] => String::new(),
-                [only] => format!(". This change mends it: {only}"),
-                several => format!(". Any of these changes mends it: {}", several.join("; or ")),
+                [only] => format!(". This change corrects it: {only}"),
+                several => format!(". Any of these changes corrects it: {}", several.join("; or ")),
             };
             let hint = format!("the wiring solves {wired}{remedy}");
             Some(Diagnostic::at(codes::NOT_SOLVED, span, message).hint(hint))

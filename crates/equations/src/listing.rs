@@ -322,7 +322,7 @@ impl Lister<'_> {
         let entry = self.system.symbols.entry(of);
         let left = Notation::Name { name: entry.name.clone(), primes: entry.primes + 1 };
         let right = self.writer.expression(rate, Some(entry.dimension.over(Dimension::TIME)));
-        if right == left {
+        if right == left && limits.iter().all(Option::is_none) {
             return None;
         }
         let mut cases = Vec::new();

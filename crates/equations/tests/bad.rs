@@ -64,7 +64,7 @@ fn the_first_change_names_the_mistake() {
         let path = repository_path("crates/equations/tests/patches/traps").join(format!("{trap}.json"));
         let report = report(&path);
         let hint = report.findings[0].advice().to_owned();
-        let (_, fixes) = hint.split_once("mends it: ").unwrap_or_else(|| panic!("{trap}: {hint}"));
+        let (_, fixes) = hint.split_once("corrects it: ").unwrap_or_else(|| panic!("{trap}: {hint}"));
         assert!(fixes.starts_with(cause), "{trap}: {fixes}");
     }
 }

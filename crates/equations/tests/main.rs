@@ -8,3 +8,4 @@ mod compare;
 #[path = "../../core/tests/common/files.rs"]
 #[allow(dead_code, reason = "the tests of several crates share the file")]
 mod files;
+mod listing;

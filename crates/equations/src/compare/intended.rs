@@ -53,14 +53,14 @@ fn all(
 /// A function that only equations have. `None` for a table.
 fn applied(name: &str, arguments: &[Fraction]) -> Option<Fraction> {
     Some(match (EquationFunction::from_name(name)?, arguments) {
-        (EquationFunction::Sign, [x]) => step(x).times(&Fraction::whole(2)).minus(&Fraction::whole(1)),
+        (EquationFunction::Sign, [x]) => step(x).minus(&step(&x.negated())),
         (EquationFunction::Step, [x]) => step(x),
         (EquationFunction::DeadZone, [x, width]) => {
             let above = x.minus(width).maximum(&Fraction::zero());
             above.plus(&x.plus(width).minimum(&Fraction::zero()))
         }
         (EquationFunction::Limit, [x, low, high]) => x.maximum(low).minimum(high),
-        (EquationFunction::Delay, [x, time]) => delay(x, time, &|_| false),
+        (EquationFunction::Delay, [x, time]) => delay(x, time),
         _ => return None,
     })
 }

@@ -21,7 +21,7 @@ use crate::symbolic::{Atom, Fraction, Symbol, absolute, partial_derivative};
 use crate::writing::Writer;
 use intended::fraction;
 use model::{Model, Obstacle};
-use points::{Point, are_equal};
+use points::{Point, equal_at_points};
 use terms::{DifferenceKind, TermDifference, differences, is_negative};
 
 /// A stated equation, compared with the wiring.
@@ -107,7 +107,10 @@ impl Obstacle {
         match self {
             Obstacle::Unknown(name) => format!("{name} is not known"),
             Obstacle::Implicit(name) => {
-                format!("{name} is the solution of a loop without a formula, so its derivative is not known")
+                format!("{name} is the solution of a loop without a formula")
+            }
+            Obstacle::Unsettled(name) => {
+                format!("the value at t = 0 depends on {name}, which is no parameter")
             }
         }
     }
@@ -129,12 +132,20 @@ impl Comparison<'_> {
         let none = HashSet::new();
         let [left, right] = [equation.left(), equation.right()]
             .map(|side| fraction(side, &mut |name| self.model.named(name, &none)));
-        let residual = left?.minus(&right?);
+        let (left, right) = (left?, right?);
+        let residual = left.minus(&right);
         if residual.is_zero() || self.is_implicit_law(&residual) {
             return Ok(Agreement::Solved);
         }
         let Some((name, stated)) = self.solved(equation)? else {
-            return Ok(Agreement::Undecided("it cannot be solved for a quantity on its left".to_owned()));
+            if let Some(name) = self.implicit_quantity(&residual) {
+                return Err(Obstacle::Implicit(name));
+            }
+            return Ok(match equal_at_points(&self.model.system, self.program, &left, &right) {
+                Some(true) => Agreement::Solved,
+                Some(false) => self.unequal(&left, &right),
+                None => Agreement::Undecided("it has no value at most voltages".to_owned()),
+            });
         };
         let kept = self.kept(equation, &name);
         let (stated, wired) = (self.model.expanded_fraction(&stated, &kept), self.model.named(&name, &kept)?);
@@ -147,7 +158,7 @@ impl Comparison<'_> {
         let full_stated = self.model.expanded_fraction(&stated, &none);
         let full_wired = self.model.named(&name, &none)?;
         if self.differences(&full_stated, &full_wired).is_empty()
-            || are_equal(&self.model.system, self.program, &full_stated, &full_wired)
+            || equal_at_points(&self.model.system, self.program, &full_stated, &full_wired) == Some(true)
         {
             return Ok(Agreement::Solved);
         }
@@ -165,9 +176,22 @@ impl Comparison<'_> {
         let none = HashSet::new();
         implicit.iter().any(|law| {
             let ratio = residual.over(&self.model.expanded_fraction(law, &none));
-            let symbols = &self.model.system.symbols;
-            !ratio.contains(&mut |symbol| !symbols.is_constant(symbol))
+            !ratio.contains(&mut |symbol| !symbol.is_constant)
         })
+    }
+
+    /// The name of a quantity in an expression that a loop without a formula determines.
+    fn implicit_quantity(&self, value: &Fraction) -> Option<String> {
+        let system = &self.model.system;
+        let mut found = None;
+        value.contains(&mut |symbol| {
+            let is_implicit = matches!(system.law(symbol), Some(LawKind::Implicit(_)));
+            if is_implicit {
+                found = Some(system.symbols.entry(symbol).name.clone());
+            }
+            is_implicit
+        });
+        found
     }
 
     /// The conditions under which the inputs of the squaring networks and logarithms behind an equation are within their
@@ -209,7 +233,7 @@ impl Comparison<'_> {
     /// The name for which an equation is solved, and its value in the names of the equation. It is the name with the
     /// most primes on the left. `None` if the equation is not linear in it.
     fn solved(&mut self, equation: &Equation) -> Result<Option<(String, Fraction)>, Obstacle> {
-        let mut names = equation.left().names();
+        let mut names = equation.names();
         names.retain(|name| self.is_variable(name));
         names.sort_by_key(|name| std::cmp::Reverse(split_primes(name).1));
         let Some(name) = names.first().map(|name| (*name).to_owned()) else { return Ok(None) };
@@ -251,8 +275,7 @@ impl Comparison<'_> {
     /// Whether a signal follows from others, and is not only another name for one of them.
     fn is_expression(&self, signal: Symbol) -> bool {
         let Some(LawKind::Definition(value)) = self.model.system.law(signal) else { return false };
-        let symbols = &self.model.system.symbols;
-        let is_constant = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbols.is_constant(*symbol));
+        let is_constant = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbol.is_constant);
         let factors =
             value.numerator().as_term().map(|(product, _)| product.only(|atom, _| !is_constant(atom)));
         !factors.is_some_and(|product| matches!(product.factors(), [(Atom::Symbol(_), 1)]))
@@ -261,7 +284,16 @@ impl Comparison<'_> {
     /// The terms in which a stated and a wired expression differ.
     fn differences(&self, stated: &Fraction, wired: &Fraction) -> Vec<TermDifference> {
         let point = Point { system: &self.model.system, program: self.program, index: 0 };
-        differences(stated, wired, &self.model.system.symbols, &point)
+        differences(stated, wired, &point)
+    }
+
+    /// The agreement of an equation that is not solved for a quantity and has unequal sides.
+    fn unequal(&self, left: &Fraction, right: &Fraction) -> Agreement {
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let [left, right] = [left, right].map(|side| text(&writer.expression(side, writer.dimension(side))));
+        let differences =
+            vec![format!("in the wiring, the left side is {left} and the right side is {right}")];
+        Agreement::Different { differences, wired: format!("{left} = {right} at some instants only") }
     }
 
     /// The agreement for a quantity whose terms differ.

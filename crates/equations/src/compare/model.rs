@@ -27,6 +27,8 @@ pub(crate) enum Obstacle {
     Unknown(String),
     /// The quantity is the solution of a loop without a formula, so its derivative is not known.
     Implicit(String),
+    /// A value at the start depends on this quantity, which the problem check settles.
+    Unsettled(String),
 }
 
 impl<'a> Model<'a> {
@@ -112,8 +114,7 @@ impl<'a> Model<'a> {
                 self.open.push(symbol);
                 let input = self.expanded_fraction(&input, kept);
                 self.open.pop();
-                let symbols = &self.system.symbols;
-                return delay(&input, &time, &|symbol| symbols.is_constant(symbol));
+                return delay(&input, &time);
             }
             _ => return own,
         };
@@ -167,8 +168,7 @@ impl<'a> Model<'a> {
 
     /// The value of a quantity at t = 0 as a function of parameters.
     pub(crate) fn initial(&mut self, name: &str, primes: usize) -> Result<Fraction, Obstacle> {
-        let value = self.quantity(name, primes, &HashSet::new())?;
-        let mut at_start = value;
+        let mut at_start = self.quantity(name, primes, &HashSet::new())?;
         // Drives depend on time, and initial values can depend on drives.
         for _ in 0..3 {
             at_start = at_start.mapped(&mut |symbol| match self.system.law(symbol) {
@@ -178,7 +178,24 @@ impl<'a> Model<'a> {
                 _ => Fraction::symbol(symbol),
             });
         }
-        Ok(at_start)
+        match self.first_variable(&at_start) {
+            Some(name) => Err(Obstacle::Unsettled(name)),
+            None => Ok(at_start),
+        }
+    }
+}
+
+impl Model<'_> {
+    /// The name of a quantity in an expression that is no parameter.
+    fn first_variable(&self, value: &Fraction) -> Option<String> {
+        let mut found = None;
+        value.contains(&mut |symbol| {
+            if !symbol.is_constant {
+                found = Some(self.system.symbols.entry(symbol).name.clone());
+            }
+            !symbol.is_constant
+        });
+        found
     }
 }
 

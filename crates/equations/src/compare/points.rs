@@ -7,6 +7,8 @@ use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, value};
 
 /// Points at which two expressions are compared.
 const POINTS: u32 = 64;
+/// Points at which both expressions must have a value.
+const MIN_POINTS: u32 = 8;
 /// Difference of two equal expressions by rounding, as a share of the sum of their terms.
 const ROUNDING: f64 = 1e-9;
 /// The golden ratio, whose multiples have irregular fractions.
@@ -20,14 +22,28 @@ pub(super) struct Point<'a> {
     pub index: u32,
 }
 
-/// Whether two expressions are equal at all points. An expression that cannot be evaluated is not equal.
-pub(super) fn are_equal(system: &System, program: &Program, first: &Fraction, second: &Fraction) -> bool {
-    (1..=POINTS).all(|index| {
+/// Whether two expressions are equal at all points at which both have a value. `None` if they have one at few points, as
+/// the root of a quantity that is mostly negative.
+pub(super) fn equal_at_points(
+    system: &System,
+    program: &Program,
+    first: &Fraction,
+    second: &Fraction,
+) -> Option<bool> {
+    let mut compared = 0;
+    for index in 1..=POINTS {
         let point = Point { system, program, index };
         let [one, other] = [first, second].map(|fraction| value(fraction, &point));
+        if !(one.is_finite() && other.is_finite()) {
+            continue;
+        }
         let size = size(first, &point) + size(second, &point);
-        (one - other).abs() <= ROUNDING * size
-    })
+        if (one - other).abs() > ROUNDING * size {
+            return Some(false);
+        }
+        compared += 1;
+    }
+    (compared >= MIN_POINTS).then_some(true)
 }
 
 /// The sum of the sizes of the terms of an expression.

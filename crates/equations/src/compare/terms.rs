@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use num_traits::Signed as _;
 
-use crate::symbolic::{Atom, Fraction, Monomial, Polynomial, Rational, Symbols, Values, nearest, value};
+use crate::symbolic::{Atom, Fraction, Monomial, Polynomial, Rational, Values, nearest, value};
 
 /// A term that differs between the stated equation and the wiring.
 #[derive(Debug, Clone)]
@@ -35,14 +35,9 @@ pub(crate) enum DifferenceKind {
 const TOLERANCE: f64 = 1e-3;
 
 /// The terms in which two expressions of a quantity differ, for the present values of the parameters.
-pub(crate) fn differences(
-    stated: &Fraction,
-    wired: &Fraction,
-    symbols: &Symbols,
-    values: &dyn Values,
-) -> Vec<TermDifference> {
+pub(crate) fn differences(stated: &Fraction, wired: &Fraction, values: &dyn Values) -> Vec<TermDifference> {
     let (divisors, [stated, wired]) = over_common_divisors(stated, wired);
-    let [stated, wired] = [stated, wired].map(|sum| by_variables(&sum, symbols));
+    let [stated, wired] = [stated, wired].map(|sum| by_variables(&sum));
     let mut products: Vec<&Monomial> = stated.keys().chain(wired.keys()).collect();
     products.sort_unstable();
     products.dedup();
@@ -73,23 +68,22 @@ fn over_common_divisors(first: &Fraction, second: &Fraction) -> (Fraction, [Poly
 }
 
 /// The factors of a sum by their product of variables. A factor is constant in a run.
-fn by_variables(sum: &Polynomial, symbols: &Symbols) -> BTreeMap<Monomial, Polynomial> {
+fn by_variables(sum: &Polynomial) -> BTreeMap<Monomial, Polynomial> {
     let mut terms: BTreeMap<Monomial, Polynomial> = BTreeMap::new();
     for (product, number) in sum.terms() {
-        let constant = product.only(|atom, _| is_constant(atom, symbols));
+        let constant = product.only(|atom, _| is_constant(atom));
         terms.entry(product.over(&constant)).or_default().add_term(constant, number);
     }
     terms
 }
 
 /// Whether a factor is constant in a run.
-fn is_constant(atom: &Atom, symbols: &Symbols) -> bool {
+fn is_constant(atom: &Atom) -> bool {
     match atom {
-        Atom::Symbol(symbol) => symbols.is_constant(*symbol),
-        Atom::Apply(applied) => applied
-            .arguments
-            .iter()
-            .all(|argument| !argument.contains(&mut |symbol| !symbols.is_constant(symbol))),
+        Atom::Symbol(symbol) => symbol.is_constant,
+        Atom::Apply(applied) => {
+            applied.arguments.iter().all(|argument| !argument.contains(&mut |symbol| !symbol.is_constant))
+        }
     }
 }
 
@@ -106,6 +100,8 @@ fn kind(stated: &Polynomial, wired: &Polynomial, values: &dyn Values) -> Option<
     let factor = match ratio.as_rational() {
         Some(number) => nearest(&number),
         None if own == other => 1.0,
+        None if own == 0.0 => return Some(DifferenceKind::Extra),
+        None if other == 0.0 => return Some(DifferenceKind::Missing),
         None => other / own,
     };
     if (factor - 1.0).abs() < TOLERANCE {

@@ -69,8 +69,7 @@ impl Simplification<'_> {
             self.system.laws.iter().map(|law| law.of).filter(|of| !self.is_known(*of)).collect();
         for symbol in unnamed {
             let Some(LawKind::Delay { input, time, .. }) = self.system.law(symbol) else { continue };
-            let symbols = &self.system.symbols;
-            let value = delay(input, time, &|symbol| symbols.is_constant(symbol));
+            let value = delay(input, time);
             if !value.contains(&mut |other| other == symbol) {
                 self.system.laws.retain(|law| law.of != symbol);
                 self.replace(symbol, &value);
@@ -108,13 +107,17 @@ impl Simplification<'_> {
     /// The relation signal = factor x state + rest, with a constant factor and a rest of drives and time.
     fn relation(&self, signal: Symbol, value: &Fraction, state: Symbol) -> Option<Relation> {
         let factor = partial_derivative(value, state);
-        let symbols = &self.system.symbols;
-        if factor.is_zero() || factor.contains(&mut |symbol| !symbols.is_constant(symbol)) {
+        if factor.is_zero() || factor.contains(&mut |symbol| !symbol.is_constant) {
+            return None;
+        }
+        // Limits would be exchanged by a negative factor.
+        let has_limits = matches!(self.system.law(state), Some(LawKind::State { limits, .. }) if limits.iter().any(Option::is_some));
+        if has_limits && !factor.is_nonnegative() && !factor.negated().is_nonnegative() {
             return None;
         }
         let rest = value.minus(&factor.times(&Fraction::symbol(state)));
         let is_other = &mut |symbol: Symbol| {
-            !symbols.is_constant(symbol) && !matches!(self.system.law(symbol), Some(LawKind::Drive(_)))
+            !symbol.is_constant && !matches!(self.system.law(symbol), Some(LawKind::Drive(_)))
         };
         (!rest.contains(is_other)).then_some(Relation { signal, state, factor, rest })
     }
@@ -149,7 +152,7 @@ impl Simplification<'_> {
             if symbol == time {
                 return Fraction::whole(1);
             }
-            if symbols.is_constant(symbol) {
+            if symbol.is_constant {
                 return Fraction::zero();
             }
             Fraction::symbol(symbols.derivative(symbol))

@@ -369,7 +369,7 @@ impl<'a> Derivation<'a> {
 
     /// The expression, or a new symbol for it if it is long.
     fn shortened(&mut self, value: Fraction) -> Fraction {
-        if value.size() <= LONGEST {
+        if value.nested_size(LONGEST) < LONGEST {
             return value;
         }
         self.intermediates += 1;

@@ -44,8 +44,8 @@ const MOST_TRIALS: usize = 5000;
 /// mend the most equations come first, then the likeliest ones. There are at most three for each equation.
 ///
 /// Each change was made, and all equations were compared again. `unsolved` are the indices of the equations that the
-/// wiring does not solve.
-pub fn find_fixes(circuit: &Circuit, unsolved: &[usize]) -> Vec<Fix> {
+/// wiring does not solve, and `solved` those of the equations that it solves.
+pub fn find_fixes(circuit: &Circuit, unsolved: &[usize], solved: &[usize]) -> Vec<Fix> {
     let mut candidates = candidates(circuit);
     candidates.sort_by_key(|candidate| candidate.cost);
     let mut fixes: Vec<Fix> = Vec::new();
@@ -54,7 +54,7 @@ pub fn find_fixes(circuit: &Circuit, unsolved: &[usize]) -> Vec<Fix> {
         if complete >= MOST_FIXES || candidate.cost > dearest {
             break;
         }
-        let solves = solved_by(circuit, &candidate, unsolved);
+        let solves = solved_by(circuit, &candidate, unsolved, solved);
         if !solves.is_empty() {
             let Candidate { description, edits, cost } = candidate;
             if solves.len() == unsolved.len() {
@@ -76,27 +76,23 @@ pub fn find_fixes(circuit: &Circuit, unsolved: &[usize]) -> Vec<Fix> {
 }
 
 /// The unsolved equations that the wiring solves after a change; empty if it then does not solve another one.
-fn solved_by(circuit: &Circuit, candidate: &Candidate, unsolved: &[usize]) -> Vec<usize> {
+fn solved_by(circuit: &Circuit, candidate: &Candidate, unsolved: &[usize], solved: &[usize]) -> Vec<usize> {
     let patch = circuit.patch();
     let Ok(changed) = patch.with_edits(patch.file(), &candidate.edits) else { return Vec::new() };
     let Some((circuit, program)) = compiled(circuit, &changed) else { return Vec::new() };
     if let Some(screen) = Screen::new(&circuit, &program) {
         let fails = |index: &usize| !screen.passes(&circuit.equations()[*index].value);
-        let solved = (0..circuit.equations().len()).filter(|index| !unsolved.contains(index));
-        if unsolved.iter().all(fails) || solved.into_iter().any(|index| fails(&index)) {
+        if unsolved.iter().all(fails) || solved.iter().any(fails) {
             return Vec::new();
         }
     }
     let compared = compare_equations(&circuit, &program);
-    let different: Vec<usize> = compared
-        .iter()
-        .filter(|compared| matches!(compared.agreement, Agreement::Different { .. }))
-        .map(|compared| compared.index)
-        .collect();
-    if different.iter().any(|index| !unsolved.contains(index)) {
+    let is_solved =
+        |index: &usize| matches!(compared[*index].agreement, Agreement::Solved | Agreement::SolvedIf(_));
+    if solved.iter().any(|index| !is_solved(index)) {
         return Vec::new();
     }
-    unsolved.iter().copied().filter(|index| !different.contains(index)).collect()
+    unsolved.iter().copied().filter(is_solved).collect()
 }
 
 /// A changed patch with the parameters of a circuit. `None` if it has errors, or more loops without an integrator: no

@@ -9,13 +9,13 @@ use super::fraction::{Fraction, leads_negative};
 use super::monomial::{Application, Atom, CallOrder, Monomial, Operation};
 use super::number::{Rational, exact, nearest, square_root};
 use super::polynomial::Polynomial;
-use super::symbol::Symbol;
 
 /// A function of expressions in normal form. The number of arguments must be that of the function.
 pub(crate) fn apply(operation: Operation, arguments: Vec<Fraction>) -> Fraction {
     match (operation, arguments.as_slice()) {
         (Operation::Absolute, [argument]) => absolute(argument),
         (Operation::Step, [argument]) => step(argument),
+        (Operation::Delay, [delayed, time]) => delay(delayed, time),
         (Operation::Minimum, [first, second]) => first.minimum(second),
         (Operation::Maximum, [first, second]) => first.maximum(second),
         (Operation::Call(CallOrder(function)), [argument]) => call(function, argument, argument),
@@ -158,13 +158,13 @@ pub(crate) fn root(argument: &Fraction) -> Fraction {
 }
 
 /// The value some time ago. The delay of a sum is the sum of the delays, and constant factors are taken out.
-pub(crate) fn delay(delayed: &Fraction, time: &Fraction, is_constant: &dyn Fn(Symbol) -> bool) -> Fraction {
+pub(crate) fn delay(delayed: &Fraction, time: &Fraction) -> Fraction {
     if delayed.divisors().len() > 0 {
         return opaque(Operation::Delay, vec![delayed.clone(), time.clone()]);
     }
     let mut sum = Fraction::zero();
     for (product, number) in delayed.numerator().terms() {
-        let constant = product.only(|atom, _| matches!(atom, Atom::Symbol(symbol) if is_constant(*symbol)));
+        let constant = product.only(|atom, _| matches!(atom, Atom::Symbol(symbol) if symbol.is_constant));
         let varying = product.over(&constant);
         let factor = Fraction::from(Polynomial::term(number.clone(), constant));
         let term = if varying.is_one() {

@@ -3,7 +3,7 @@
 use num_traits::One as _;
 use patchcord_expr::Function;
 
-use super::apply::{apply, call, opaque, step};
+use super::apply::{apply, call, delay, step};
 use super::fraction::Fraction;
 use super::monomial::{Application, Atom, CallOrder, Monomial, Operation};
 use super::number::{Rational, whole};
@@ -80,7 +80,7 @@ fn outer_derivative(
         Operation::Delay if index == 0 => {
             // The chain rule multiplies by the inner derivative, so the delayed rate is divided by it.
             let inner = derivative(&first, rate);
-            opaque(Operation::Delay, vec![inner.clone(), last]).over(&inner)
+            delay(&inner, &last).over(&inner)
         }
         // The normal form has no minimum and no maximum.
         Operation::Delay | Operation::Minimum | Operation::Maximum => Fraction::zero(),

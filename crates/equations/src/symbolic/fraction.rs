@@ -135,6 +135,12 @@ impl Fraction {
         (0..exponent.abs()).fold(Fraction::whole(1), |power, _| power.times(&base))
     }
 
+    /// Number of terms of a power if it is multiplied out, at most.
+    fn power_size(&self, exponent: i32) -> usize {
+        let terms = self.size();
+        (0..exponent.unsigned_abs() as usize).fold(1, |size, step| size * (terms + step) / (step + 1))
+    }
+
     /// 1 over the expression; 0 for 0.
     fn reciprocal(&self) -> Fraction {
         if self.is_zero() {
@@ -172,7 +178,9 @@ impl Fraction {
 
     /// The power with an exponent that is an expression, if it is a whole number from -12 to 12.
     pub(crate) fn whole_power(&self, exponent: &Fraction) -> Option<Fraction> {
-        let exponent = exponent.as_whole().filter(|exponent| exponent.abs() <= MOST_EXPANDED)?;
+        let is_short =
+            |exponent: &i32| exponent.abs() <= MOST_EXPANDED && self.power_size(*exponent) <= LONGEST_POWER;
+        let exponent = exponent.as_whole().filter(is_short)?;
         Some(self.power(exponent))
     }
 
@@ -213,6 +221,22 @@ impl Fraction {
             parts[place] = parts[place].plus(&term);
         }
         parts
+    }
+
+    /// Number of terms, also inside functions, counted up to a limit.
+    pub(crate) fn nested_size(&self, limit: usize) -> usize {
+        let mut size = self.size();
+        let polynomials = [&self.numerator].into_iter().chain(self.divisors.keys());
+        for atom in polynomials.flat_map(Polynomial::atoms) {
+            let Atom::Apply(applied) = atom else { continue };
+            for argument in &applied.arguments {
+                if size >= limit {
+                    return size;
+                }
+                size += argument.nested_size(limit - size);
+            }
+        }
+        size
     }
 
     /// Number of terms in the numerator and the divisors, a measure of the cost of a product.
@@ -263,6 +287,8 @@ impl Fraction {
     }
 }
 
+/// Terms of a power that is multiplied out at most.
+const LONGEST_POWER: usize = 200;
 /// Exponents up to this size are multiplied out.
 const MOST_EXPANDED: i32 = 12;
 

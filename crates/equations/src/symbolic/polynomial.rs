@@ -141,9 +141,15 @@ impl Polynomial {
             return Some(Polynomial::default());
         }
         let (lead, number) = divisor.leading();
-        let last = divisor.terms.first_key_value()?.0;
-        // Every product of the quotient lies above this one, or the division does not end.
-        let least = self.terms.first_key_value()?.0.over(last);
+        let (own, others) = (self.exponents(), divisor.exponents());
+        // An exponent of the quotient is between the differences of the least and of the greatest exponents. Otherwise the
+        // division does not end.
+        let is_possible = |product: &Monomial| {
+            product.factors().iter().all(|(atom, exponent)| {
+                let [own, other] = [&own, &others].map(|range| range.get(atom).copied().unwrap_or_default());
+                (own.0 - other.0..=own.1 - other.1).contains(exponent)
+            })
+        };
         let (mut rest, mut quotient) = (self.clone(), Polynomial::default());
         for _ in 0..MOST_TERMS {
             if rest.is_zero() {
@@ -151,13 +157,28 @@ impl Polynomial {
             }
             let (top, coefficient) = rest.leading();
             let (product, factor) = (top.over(lead), coefficient / number);
-            if product < least {
+            if !is_possible(&product) {
                 return None;
             }
             rest = rest.plus(&divisor.times_term(&product, &-factor.clone()));
             quotient.add_term(product, &factor);
         }
         None
+    }
+
+    /// The least and the greatest exponent of every factor; terms without the factor have the exponent 0.
+    fn exponents(&self) -> BTreeMap<&Atom, (i32, i32)> {
+        let mut exponents: BTreeMap<&Atom, (i32, i32, usize)> = BTreeMap::new();
+        for product in self.terms.keys() {
+            for (atom, exponent) in product.factors() {
+                let known = exponents.entry(atom).or_insert((*exponent, *exponent, 0));
+                *known = (known.0.min(*exponent), known.1.max(*exponent), known.2 + 1);
+            }
+        }
+        let with_zero = |(least, greatest, count): (i32, i32, usize)| {
+            if count < self.terms.len() { (least.min(0), greatest.max(0)) } else { (least, greatest) }
+        };
+        exponents.into_iter().map(|(atom, range)| (atom, with_zero(range))).collect()
     }
 
     /// The sum in powers of a factor: the exponents with the sums that multiply them.

@@ -9,6 +9,8 @@ pub(crate) struct Symbol {
     pub index: u32,
     /// Whether the quantity is never negative. So it can be taken out of an absolute value.
     pub is_nonnegative: bool,
+    /// Whether the quantity is constant in a run. So it can be taken out of a delay.
+    pub is_constant: bool,
 }
 
 /// What a symbol stands for.
@@ -43,16 +45,18 @@ pub(crate) struct SymbolEntry {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Symbols {
     entries: Vec<SymbolEntry>,
-    /// For each entry, whether it is never negative.
-    nonnegative: Vec<bool>,
+    /// The symbol of each entry.
+    symbols: Vec<Symbol>,
 }
 
 impl Symbols {
     /// Adds a symbol.
     pub(crate) fn add(&mut self, entry: SymbolEntry, is_nonnegative: bool) -> Symbol {
+        let is_constant = matches!(entry.kind, SymbolKind::Pi | SymbolKind::Parameter(_));
+        let symbol = Symbol { index: self.entries.len() as u32, is_nonnegative, is_constant };
         self.entries.push(entry);
-        self.nonnegative.push(is_nonnegative);
-        Symbol { index: self.entries.len() as u32 - 1, is_nonnegative }
+        self.symbols.push(symbol);
+        symbol
     }
 
     /// Adds a variable of any sign.
@@ -73,8 +77,7 @@ impl Symbols {
     /// The first symbol with this name and number of primes.
     pub(crate) fn find(&self, name: &str, primes: u8) -> Option<Symbol> {
         let index = self.entries.iter().position(|entry| entry.name == name && entry.primes == primes)?;
-        let is_nonnegative = self.nonnegative[index];
-        Some(Symbol { index: index as u32, is_nonnegative })
+        Some(self.symbols[index])
     }
 
     /// The entry of a symbol.
@@ -85,10 +88,5 @@ impl Symbols {
     /// The index of the first symbol with this name.
     pub(crate) fn first_of_name(&self, name: &str) -> Option<u32> {
         self.entries.iter().position(|entry| entry.name == name).map(|index| index as u32)
-    }
-
-    /// Whether a symbol is constant in a run: a parameter or pi.
-    pub(crate) fn is_constant(&self, symbol: Symbol) -> bool {
-        matches!(self.entry(symbol).kind, SymbolKind::Pi | SymbolKind::Parameter(_))
     }
 }

@@ -15,7 +15,7 @@ pub(crate) const VARIABLES: usize = 3;
 pub(crate) fn symbol(name: &str) -> Symbol {
     let index = QUANTITIES.iter().position(|known| *known == name);
     let index = index.unwrap_or_else(|| panic!("{name} is no quantity of the tests"));
-    Symbol { index: index as u32, is_nonnegative: index >= VARIABLES }
+    Symbol { index: index as u32, is_nonnegative: index >= VARIABLES, is_constant: index >= VARIABLES }
 }
 
 /// The values of the first quantities at one instant. Each of them rises at a rate of 1.

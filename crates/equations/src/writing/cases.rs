@@ -95,9 +95,7 @@ impl Writer<'_> {
     /// Whether an expression varies with time only.
     fn is_of_time(&self, value: &Fraction) -> bool {
         let symbols = &self.system.symbols;
-        !value.contains(&mut |symbol| {
-            !symbols.is_constant(symbol) && symbols.entry(symbol).kind != SymbolKind::Time
-        })
+        !value.contains(&mut |symbol| !symbol.is_constant && symbols.entry(symbol).kind != SymbolKind::Time)
     }
 
     /// The condition that an expression is 0 or above, or strictly above 0, as text. The smaller of two values is above

@@ -135,13 +135,11 @@ impl<'a> Writer<'a> {
 
     /// Whether a factor is constant in a run.
     fn is_constant_factor(&self, atom: &Atom) -> bool {
-        let symbols = &self.system.symbols;
         match atom {
-            Atom::Symbol(symbol) => symbols.is_constant(*symbol),
-            Atom::Apply(applied) => applied
-                .arguments
-                .iter()
-                .all(|argument| !argument.contains(&mut |symbol| !symbols.is_constant(symbol))),
+            Atom::Symbol(symbol) => symbol.is_constant,
+            Atom::Apply(applied) => {
+                applied.arguments.iter().all(|argument| !argument.contains(&mut |symbol| !symbol.is_constant))
+            }
         }
     }
 }

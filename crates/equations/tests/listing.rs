@@ -1,0 +1,113 @@
+//! The listing of equations, on patches with delays, limits and long chains.
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+use patchcord_equations::{Agreement, Detail, EquationListing, compare_equations};
+use serde_json::{Map, Value, json};
+
+/// The circuit and the program of a patch.
+fn compiled(patch: &Value) -> (Circuit, Program) {
+    let patch = Patch::from_value("patch.json", patch).unwrap_or_else(|report| panic!("{report}"));
+    let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    (circuit, program)
+}
+
+/// The equations of a patch as text.
+fn equations(patch: &Value) -> Vec<String> {
+    let (circuit, program) = compiled(patch);
+    let listing = EquationListing::new(&circuit, &program, Detail::Signals);
+    listing.equations.iter().map(|equation| equation.text()).collect()
+}
+
+/// The agreement of the only equation of a patch.
+fn agreement(patch: &mut Value, equation: &str) -> Agreement {
+    patch["equations"] = json!([equation]);
+    let (circuit, program) = compiled(patch);
+    compare_equations(&circuit, &program).remove(0).agreement
+}
+
+#[test]
+fn an_integrator_with_a_limit_shows_it() {
+    let patch = json!({
+        "patchcord": 1,
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["B2"]}, "initial": 5, "limit": {"upper": 10}},
+            "A2": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+            "B2": {"kind": "inverter", "in": "A2"},
+        },
+        "signals": {"y": {"at": "A2", "scale": "x"}},
+    });
+    let expected = "y'' = 0             if y' <= -10 and y'' would be below 0\n      -y            otherwise";
+    assert_eq!(equations(&patch), [expected]);
+}
+
+#[test]
+fn delays_of_sums_and_constant_factors_agree() {
+    let mut patch = json!({
+        "patchcord": 1,
+        "parameters": {"k": {"value": 0.5, "unit": "1"}},
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["A2"]}, "initial": 50},
+            "A2": {"kind": "integrator", "in": {"x1": ["B1"]}},
+            "B1": {"kind": "inverter", "in": "A1"},
+            "P1": {"kind": "pot", "in": "A1", "setting": "k"},
+            "D1": {"kind": "delay", "in": "P1", "delay": 1},
+        },
+        "signals": {"x": {"at": "A1", "scale": "x"}, "y": {"at": "D1", "scale": "x"}},
+    });
+    for equation in ["y = delay(k x, 1)", "y = k delay(x, 1)", "y'' = -y", "y' = k delay(x', 1)"] {
+        assert_eq!(agreement(&mut patch, equation), Agreement::Solved, "{equation}");
+    }
+    assert!(matches!(agreement(&mut patch, "y = delay(x, 1)"), Agreement::Different { .. }));
+}
+
+#[test]
+fn an_equation_that_is_not_solved_for_a_quantity_is_compared_too() {
+    let text = std::fs::read_to_string("../../patches/lessons/square-root-and-division.json").unwrap();
+    let mut patch: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(agreement(&mut patch, "w^2 = 2 g h"), Agreement::Solved);
+    assert!(matches!(agreement(&mut patch, "w^2 = 4 g h"), Agreement::Different { .. }));
+    assert_eq!(agreement(&mut patch, "0 = A h' + a w"), Agreement::Solved);
+    assert!(matches!(agreement(&mut patch, "0 = A h' + 2 a w"), Agreement::Different { .. }));
+}
+
+/// Limited summers in series, each of which contains the one before twice.
+#[test]
+fn long_chains_of_limited_amplifiers_are_listed() {
+    let mut elements = Map::new();
+    elements.insert("A0".into(), json!({"kind": "integrator", "in": {"x1": ["S30"]}, "initial": 50}));
+    for index in 1..=30 {
+        let input = if index == 1 { "A0".to_owned() } else { format!("S{}", index - 1) };
+        let summer = json!({"kind": "summer", "in": {"x1": [input]}, "limit": {"upper": 10, "lower": -20}});
+        elements.insert(format!("S{index}"), summer);
+    }
+    let patch = json!({"patchcord": 1, "elements": elements, "signals": {"y": {"at": "A0"}}});
+    assert!(equations(&patch).iter().any(|equation| equation.starts_with("y' = ")));
+}
+
+#[test]
+fn sums_of_quotients_and_high_powers_end() {
+    let mut patch = json!({
+        "patchcord": 1,
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+            "A2": {"kind": "integrator", "in": {"x1": ["A2"]}, "initial": 20},
+            "A3": {"kind": "integrator", "in": {"x1": ["A3"]}, "initial": 10},
+        },
+        "signals": {
+            "x": {"at": "A1", "scale": "x"}, "y": {"at": "A2", "scale": "x"}, "z": {"at": "A3", "scale": "x"},
+        },
+    });
+    let cases = [
+        "x' + x/(x + 1.1) + y/(y + 1.2) + z/(z + 1.3) = -x + x/(x + 1.1) + y/(y + 1.2) + z/(z + 1.3)",
+        "x' + (x + y + z + x y + y z + x z)^12 = (x + y + z + x y + y z + x z)^12 - x",
+    ];
+    for equation in cases {
+        assert_eq!(agreement(&mut patch, equation), Agreement::Solved, "{equation}");
+    }
+}
