@@ -16,7 +16,7 @@ use super::times::advice;
 use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::document::{Diagnostic, DiagnosticDocument, Report, escape_controls, plural};
-use patchcord::equations::{Agreement, compare_equations, equation_findings};
+use patchcord::equations::{Agreement, ComparedEquation, compare_equations, equation_findings};
 use patchcord::ir::Program;
 use patchcord::linear::{check_size, growth_warning};
 use patchcord::patch::Instance;
@@ -39,16 +39,17 @@ pub(super) struct Arguments {
 /// command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let LoadedPatch { circuit, program, mut warnings } = arguments.patch.load()?;
-    check_equations(&circuit, &program)?;
+    let compared = compare_equations(&circuit, &program);
+    let mut further = check_equations(&circuit, &program, &compared)?;
     let problem = check_problem(&circuit, &program)?;
-    let growth =
-        Report::new(&warnings.file, circuit.patch().text(), problem.growth.iter().cloned().collect());
-    eprint_report(&growth);
-    warnings.findings.extend(growth.findings);
+    further.extend(problem.growth.clone());
+    eprint_report(&Report::new(&warnings.file, circuit.patch().text(), further.clone()));
+    warnings.findings.extend(further);
     if arguments.patch.json {
-        return print_json(&Document::new(&circuit, &program, &warnings, &problem));
+        let equations = EquationDocument::all(&circuit, &compared);
+        return print_json(&Document::new(&circuit, &program, &warnings, &problem, equations));
     }
-    print(&summary(&circuit, &program, &warnings))?;
+    print(&summary(&circuit, &program, &compared, &warnings))?;
     print_coloured(&overload_lines("", &problem.overloads, output_in_colour()))?;
     if let Some(error) = run_error(&circuit, &program) {
         print(&format!("cannot be run: {}\n", run_error_text(&error)))?;
@@ -62,23 +63,22 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Compares the wiring with the equations that the patch states, and prints what cannot be compared.
+/// Compares the wiring with the equations that the patch states. Returns the warnings about them.
 ///
 /// # Errors
-/// If the wiring does not solve an equation. The report lists the changes that mend it.
-fn check_equations(circuit: &Circuit, program: &Program) -> Result<(), Failure> {
+/// If the wiring does not solve an equation. The report lists the changes that correct it.
+fn check_equations(
+    circuit: &Circuit,
+    program: &Program,
+    compared: &[ComparedEquation],
+) -> Result<Vec<Diagnostic>, Failure> {
     let patch = circuit.patch();
-    let report = Report::new(patch.file(), patch.text(), equation_findings(circuit, program));
-    if report.has_errors() {
-        return Err(Box::new(report).into());
-    }
-    eprint_report(&report);
-    Ok(())
+    let report = Report::new(patch.file(), patch.text(), equation_findings(circuit, program, compared));
+    if report.has_errors() { Err(Box::new(report).into()) } else { Ok(report.findings) }
 }
 
 /// A line about the equations of a patch, and one for each that holds under a condition.
-fn equation_lines(circuit: &Circuit, program: &Program) -> String {
-    let compared = compare_equations(circuit, program);
+fn equation_lines(circuit: &Circuit, compared: &[ComparedEquation]) -> String {
     let solved =
         compared.iter().filter(|compared| !matches!(compared.agreement, Agreement::Undecided(_))).count();
     let mut text = match (solved, compared.len()) {
@@ -90,7 +90,7 @@ fn equation_lines(circuit: &Circuit, program: &Program) -> String {
         }
     };
     for compared in compared {
-        if let Agreement::SolvedIf(conditions) = compared.agreement {
+        if let Agreement::SolvedIf(conditions) = &compared.agreement {
             let equation = circuit.equations()[compared.index].value.text();
             text += &format!("  {equation}  if {}\n", conditions.join(" and "));
         }
@@ -142,7 +142,7 @@ fn check_problem(circuit: &Circuit, program: &Program) -> Result<ProblemCheck, F
 }
 
 /// The summary: warnings, machine parts, macros and loops. Lines that do not apply are left out.
-fn summary(circuit: &Circuit, program: &Program, warnings: &Report) -> String {
+fn summary(circuit: &Circuit, program: &Program, compared: &[ComparedEquation], warnings: &Report) -> String {
     let patch = circuit.patch();
     let mut text = format!("{}: {}\n", escape_controls(patch.file()), verdict(warnings.warning_count()));
     if !patch.title.is_empty() {
@@ -162,7 +162,7 @@ fn summary(circuit: &Circuit, program: &Program, warnings: &Report) -> String {
     for entry in program.loops() {
         text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
     }
-    text + &equation_lines(circuit, program)
+    text + &equation_lines(circuit, compared)
 }
 
 /// The error of a run as the patch specifies it; None if it can be run.
@@ -265,9 +265,36 @@ struct Document<'a> {
     loops: Vec<&'a [String]>,
     /// Why a run without options is impossible; None if it is possible.
     cannot_be_run: Option<RunErrorDocument>,
+    equations: Vec<EquationDocument<'a>>,
     overloads: Vec<OverloadDocument<'a>>,
     voltages: &'a [ElementVoltage],
     scaling: Vec<ScalingDocument>,
+}
+
+/// A stated equation and whether the wiring solves it.
+#[derive(Serialize)]
+struct EquationDocument<'a> {
+    text: &'a str,
+    /// "always", "within the range of a network", "for the present parameters" or "not compared".
+    solved: &'static str,
+    /// The conditions of the range, or the names of the parameters; the reason if it is not compared.
+    details: Vec<String>,
+}
+
+impl<'a> EquationDocument<'a> {
+    /// All stated equations of a circuit.
+    fn all(circuit: &'a Circuit, compared: &[ComparedEquation]) -> Vec<Self> {
+        let document = |compared: &ComparedEquation| {
+            let (solved, details) = match &compared.agreement {
+                Agreement::SolvedIf(conditions) => ("within the range of a network", conditions.clone()),
+                Agreement::SolvedAt(parameters) => ("for the present parameters", parameters.clone()),
+                Agreement::Undecided(reason) => ("not compared", vec![reason.clone()]),
+                _ => ("always", Vec::new()),
+            };
+            EquationDocument { text: circuit.equations()[compared.index].value.text(), solved, details }
+        };
+        compared.iter().map(document).collect()
+    }
 }
 
 /// A kind of part of the machine: how many the patch uses, and how many the machine has. `owned` is null without a
@@ -324,7 +351,13 @@ struct ScalingDocument {
 
 impl<'a> Document<'a> {
     /// The document of a patch, its warnings and its problem check.
-    fn new(circuit: &'a Circuit, program: &'a Program, warnings: &Report, problem: &'a ProblemCheck) -> Self {
+    fn new(
+        circuit: &'a Circuit,
+        program: &'a Program,
+        warnings: &Report,
+        problem: &'a ProblemCheck,
+        equations: Vec<EquationDocument<'a>>,
+    ) -> Self {
         let (patch, machine) = (circuit.patch(), circuit.machine());
         let parts = circuit.parts().iter().map(|(part, used)| PartDocument {
             part: part.key(),
@@ -344,6 +377,7 @@ impl<'a> Document<'a> {
             macros: instances(circuit).into_iter().map(MacroDocument::of).collect(),
             loops: program.loops().iter().map(|entry| entry.members.as_slice()).collect(),
             cannot_be_run,
+            equations,
             overloads: OverloadDocument::all(&problem.overloads),
             voltages: &problem.voltages,
             scaling: circuit.scaling().into_iter().map(ScalingDocument::of).collect(),

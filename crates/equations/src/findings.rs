@@ -4,7 +4,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
 use patchcord_core::ir::Program;
 
-use crate::compare::{Agreement, ComparedEquation, compare_equations};
+use crate::compare::{Agreement, ComparedEquation};
 use crate::fixes::{Fix, MOST_FIXES, find_fixes};
 
 /// The codes of equations.
@@ -14,31 +14,39 @@ pub mod codes {
         self::ALL;
         NOT_SOLVED "equation-not-solved" Error "The wiring solves another equation than the patch states."
             "`patchcord equations PATCH` prints the equations that the wiring solves";
+        SOLVED_AT "equation-solved-at" Warning "The wiring solves an equation for the present values of parameters only."
+            "let the settings contain the parameters, so that --set and sweeps change the wiring too";
         NOT_COMPARED "equation-not-compared" Warning "An equation cannot be compared with the wiring."
             "write it for a signal or the derivative of a signal";
     }
 }
 
-/// Compares the equations of a patch with its wiring. The diagnostics are in the order of the equations. Each lists at
+/// The diagnostics of compared equations, in their order. Each lists at
 /// most three single changes after which the wiring solves its equation.
-pub fn equation_findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
-    let compared = compare_equations(circuit, program);
+pub fn equation_findings(
+    circuit: &Circuit,
+    program: &Program,
+    compared: &[ComparedEquation],
+) -> Vec<Diagnostic> {
     let [mut unsolved, mut solved] = [Vec::new(), Vec::new()];
-    for compared in &compared {
+    for compared in compared {
         match compared.agreement {
             Agreement::Different { .. } => unsolved.push(compared.index),
-            Agreement::Solved | Agreement::SolvedIf(_) => solved.push(compared.index),
+            Agreement::Solved | Agreement::SolvedIf(_) | Agreement::SolvedAt(_) => {
+                solved.push(compared.index)
+            }
             Agreement::Undecided(_) => {}
         }
     }
-    let fixes = if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, &unsolved, &solved) };
-    compared.into_iter().filter_map(|compared| finding(circuit, compared, &fixes)).collect()
+    let fixes =
+        if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, program, &unsolved, &solved) };
+    compared.iter().filter_map(|compared| finding(circuit, compared, &fixes)).collect()
 }
 
 /// The diagnostic of an equation; `None` if the wiring solves it.
-fn finding(circuit: &Circuit, compared: ComparedEquation, fixes: &[Fix]) -> Option<Diagnostic> {
+fn finding(circuit: &Circuit, compared: &ComparedEquation, fixes: &[Fix]) -> Option<Diagnostic> {
     let span = circuit.equations()[compared.index].span;
-    match compared.agreement {
+    match &compared.agreement {
         Agreement::Different { differences, wired } => {
             let message = format!("the wiring does not solve this equation: {}", differences.join("; "));
             let own = fixes.iter().filter(|fix| fix.solves.contains(&compared.index));
@@ -54,6 +62,11 @@ fn finding(circuit: &Circuit, compared: ComparedEquation, fixes: &[Fix]) -> Opti
         Agreement::Undecided(reason) => {
             let message = format!("this equation is not compared with the wiring: {reason}");
             Some(Diagnostic::at(codes::NOT_COMPARED, span, message))
+        }
+        Agreement::SolvedAt(names) => {
+            let names = names.join(", ");
+            let message = format!("the wiring solves this equation for the present values of {names} only");
+            Some(Diagnostic::at(codes::SOLVED_AT, span, message))
         }
         Agreement::Solved | Agreement::SolvedIf(_) => None,
     }

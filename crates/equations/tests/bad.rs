@@ -8,7 +8,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Report};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
-use patchcord_equations::{codes, equation_findings};
+use patchcord_equations::{codes, compare_equations, equation_findings};
 
 /// The patches of a folder of this crate's tests.
 fn patches(folder: &str) -> Vec<PathBuf> {
@@ -24,7 +24,8 @@ fn report(path: &Path) -> Report {
         let circuit = Circuit::new(&patch)?;
         let program = Program::new(&circuit)?;
         let mut findings = circuit.warnings().findings;
-        findings.extend(equation_findings(&circuit, &program));
+        let compared = compare_equations(&circuit, &program);
+        findings.extend(equation_findings(&circuit, &program, &compared));
         Ok(Report::new(patch.file(), patch.text(), findings))
     };
     checked().unwrap_or_else(|report| *report)

@@ -9,7 +9,7 @@ mod model;
 mod points;
 mod terms;
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -17,11 +17,11 @@ use patchcord_expr::{Equation, split_primes};
 
 use crate::derive::LawKind;
 use crate::notation::{Notation, text};
-use crate::symbolic::{Atom, Fraction, Symbol, absolute, partial_derivative};
+use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, absolute, partial_derivative};
 use crate::writing::Writer;
 use intended::fraction;
 use model::{Model, Obstacle};
-use points::{Point, equal_at_points};
+use points::{ParameterValues, Point, equal_at_points};
 use terms::{DifferenceKind, TermDifference, differences, is_negative};
 
 /// A stated equation, compared with the wiring.
@@ -42,6 +42,9 @@ pub enum Agreement {
     /// The wiring solves it while the inputs of its squaring networks and logarithms are within their range. Each
     /// condition is a text, such as "u >= 0".
     SolvedIf(Vec<String>),
+    /// The wiring solves it for the present values of these parameters, but not for others: a setting is a number, or
+    /// lacks a parameter.
+    SolvedAt(Vec<String>),
     /// The wiring solves another equation.
     Different {
         /// The differences, each as a clause, such as "the sign of (k/m) x is wrong".
@@ -116,6 +119,17 @@ impl Obstacle {
     }
 }
 
+/// For each signal of a patch, whether it varies: whether it depends on a state, a drive or time.
+pub(crate) fn varying_signals(circuit: &Circuit, program: &Program) -> Vec<bool> {
+    let mut model = Model::new(circuit, program, false);
+    let none = HashSet::new();
+    let varies = |name: &String| {
+        let value = model.quantity(name, 0, &none);
+        value.is_ok_and(|value| value.contains(&mut |symbol| !symbol.is_constant))
+    };
+    circuit.patch().signals.keys().map(varies).collect()
+}
+
 /// A comparison in progress.
 struct Comparison<'a> {
     circuit: &'a Circuit,
@@ -141,26 +155,27 @@ impl Comparison<'_> {
             if let Some(name) = self.implicit_quantity(&residual) {
                 return Err(Obstacle::Implicit(name));
             }
-            return Ok(match equal_at_points(&self.model.system, self.program, &left, &right) {
-                Some(true) => Agreement::Solved,
+            return Ok(match self.are_equal(ParameterValues::Present, [&left, &right]) {
+                Some(true) => self.solved_generally([&left, &right]),
                 Some(false) => self.unequal(&left, &right),
                 None => Agreement::Undecided("it has no value at most voltages".to_owned()),
             });
         };
         let kept = self.kept(equation, &name);
         let (stated, wired) = (self.model.expanded_fraction(&stated, &kept), self.model.named(&name, &kept)?);
-        let found = self.differences(&stated, &wired);
+        let found = self.differences(ParameterValues::Present, [&stated, &wired]);
         if found.is_empty() {
-            return Ok(Agreement::Solved);
+            return Ok(self.solved_generally([&stated, &wired]));
         }
         // Signals in the equation are wired correctly or not; a difference that remains without them is in this one.
         let none = HashSet::new();
         let full_stated = self.model.expanded_fraction(&stated, &none);
         let full_wired = self.model.named(&name, &none)?;
-        if self.differences(&full_stated, &full_wired).is_empty()
-            || equal_at_points(&self.model.system, self.program, &full_stated, &full_wired) == Some(true)
+        let sides = [&full_stated, &full_wired];
+        if self.differences(ParameterValues::Present, sides).is_empty()
+            || self.are_equal(ParameterValues::Present, sides) == Some(true)
         {
-            return Ok(Agreement::Solved);
+            return Ok(self.solved_generally(sides));
         }
         Ok(self.different(&name, &found, &wired))
     }
@@ -219,9 +234,8 @@ impl Comparison<'_> {
         let none = HashSet::new();
         let stated = fraction(equation.right(), &mut |name| self.model.named(name, &none))?;
         let wired = self.model.initial(base, primes)?;
-        let found = self.differences(&stated, &wired);
-        if found.is_empty() {
-            return Ok(Agreement::Solved);
+        if self.differences(ParameterValues::Present, [&stated, &wired]).is_empty() {
+            return Ok(self.solved_generally([&stated, &wired]));
         }
         let dimension = self.circuit.equation_dimension(name);
         let writer = Writer::new(self.circuit, &self.model.system);
@@ -282,9 +296,38 @@ impl Comparison<'_> {
     }
 
     /// The terms in which a stated and a wired expression differ.
-    fn differences(&self, stated: &Fraction, wired: &Fraction) -> Vec<TermDifference> {
-        let point = Point { system: &self.model.system, program: self.program, index: 0 };
+    fn differences(
+        &self,
+        parameters: ParameterValues,
+        [stated, wired]: [&Fraction; 2],
+    ) -> Vec<TermDifference> {
+        let point = Point { system: &self.model.system, program: self.program, parameters, index: 0 };
         differences(stated, wired, &point)
+    }
+
+    /// Whether two expressions are equal at points; see [`equal_at_points`].
+    fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
+        equal_at_points(&self.model.system, self.program, parameters, sides)
+    }
+
+    /// The agreement of two sides that are equal for the present values of the parameters: also for others, or not.
+    fn solved_generally(&self, sides: [&Fraction; 2]) -> Agreement {
+        if self.differences(ParameterValues::Other, sides).is_empty()
+            || self.are_equal(ParameterValues::Other, sides) == Some(true)
+        {
+            return Agreement::Solved;
+        }
+        let mut names = BTreeSet::new();
+        for side in sides {
+            side.contains(&mut |symbol| {
+                let entry = self.model.system.symbols.entry(symbol);
+                if matches!(entry.kind, SymbolKind::Parameter(_)) {
+                    names.insert(entry.name.clone());
+                }
+                false
+            });
+        }
+        Agreement::SolvedAt(names.into_iter().collect())
     }
 
     /// The agreement of an equation that is not solved for a quantity and has unequal sides.

@@ -14,12 +14,24 @@ const ROUNDING: f64 = 1e-9;
 /// The golden ratio, whose multiples have irregular fractions.
 const GOLDEN: f64 = 1.618_033_988_749_895;
 
-/// The present values of the parameters, and a value for every other quantity that depends on the index of the point.
+/// A value for every quantity, which depends on the index of the point for those that vary.
+#[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
     pub system: &'a System,
     pub program: &'a Program,
+    /// Values of the parameters.
+    pub parameters: ParameterValues,
     /// Index of the point.
     pub index: u32,
+}
+
+/// Values of the parameters at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ParameterValues {
+    /// Those of the circuit.
+    Present,
+    /// Others near them, all by different factors, so that no relation between them holds by chance.
+    Other,
 }
 
 /// Whether two expressions are equal at all points at which both have a value. `None` if they have one at few points, as
@@ -27,12 +39,12 @@ pub(super) struct Point<'a> {
 pub(super) fn equal_at_points(
     system: &System,
     program: &Program,
-    first: &Fraction,
-    second: &Fraction,
+    parameters: ParameterValues,
+    [first, second]: [&Fraction; 2],
 ) -> Option<bool> {
     let mut compared = 0;
     for index in 1..=POINTS {
-        let point = Point { system, program, index };
+        let point = Point { system, program, parameters, index };
         let [one, other] = [first, second].map(|fraction| value(fraction, &point));
         if !(one.is_finite() && other.is_finite()) {
             continue;
@@ -57,6 +69,16 @@ fn size(fraction: &Fraction, point: &Point<'_>) -> f64 {
 }
 
 impl Point<'_> {
+    /// The value of a parameter.
+    fn parameter(&self, index: usize) -> f64 {
+        let present = self.program.parameters()[index].value;
+        match self.parameters {
+            ParameterValues::Present => present,
+            ParameterValues::Other if present == 0.0 => 1.0 + (index as f64 * GOLDEN).fract(),
+            ParameterValues::Other => present * (1.1 + 0.3 * (index as f64 * GOLDEN).fract()),
+        }
+    }
+
     /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point, so that corners of
     /// characteristics lie between them.
     fn variable(&self, symbol: Symbol) -> f64 {
@@ -74,7 +96,7 @@ impl Values for Point<'_> {
     fn symbol(&self, symbol: Symbol) -> f64 {
         match self.system.symbols.entry(symbol).kind {
             SymbolKind::Pi => std::f64::consts::PI,
-            SymbolKind::Parameter(index) => self.program.parameters()[index].value,
+            SymbolKind::Parameter(index) => self.parameter(index),
             SymbolKind::Time => f64::from(self.index) / 7.0,
             SymbolKind::Variable | SymbolKind::Held => self.variable(symbol),
         }

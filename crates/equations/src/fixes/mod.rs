@@ -10,7 +10,7 @@ use patchcord_core::circuit::{Circuit, EvaluationStep};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 
-use crate::compare::{Agreement, compare_equations};
+use crate::compare::{Agreement, compare_equations, varying_signals};
 use candidates::candidates;
 use screen::Screen;
 
@@ -45,7 +45,8 @@ const MOST_TRIALS: usize = 5000;
 ///
 /// Each change was made, and all equations were compared again. `unsolved` are the indices of the equations that the
 /// wiring does not solve, and `solved` those of the equations that it solves.
-pub fn find_fixes(circuit: &Circuit, unsolved: &[usize], solved: &[usize]) -> Vec<Fix> {
+pub fn find_fixes(circuit: &Circuit, program: &Program, unsolved: &[usize], solved: &[usize]) -> Vec<Fix> {
+    let target = Target { circuit, unsolved, solved, is_varying: varying_signals(circuit, program) };
     let mut candidates = candidates(circuit);
     candidates.sort_by_key(|candidate| candidate.cost);
     let mut fixes: Vec<Fix> = Vec::new();
@@ -54,7 +55,7 @@ pub fn find_fixes(circuit: &Circuit, unsolved: &[usize], solved: &[usize]) -> Ve
         if complete >= MOST_FIXES || candidate.cost > dearest {
             break;
         }
-        let solves = solved_by(circuit, &candidate, unsolved, solved);
+        let solves = solved_by(&target, &candidate);
         if !solves.is_empty() {
             let Candidate { description, edits, cost } = candidate;
             if solves.len() == unsolved.len() {
@@ -75,24 +76,42 @@ pub fn find_fixes(circuit: &Circuit, unsolved: &[usize], solved: &[usize]) -> Ve
     fixes
 }
 
-/// The unsolved equations that the wiring solves after a change; empty if it then does not solve another one.
-fn solved_by(circuit: &Circuit, candidate: &Candidate, unsolved: &[usize], solved: &[usize]) -> Vec<usize> {
-    let patch = circuit.patch();
+/// What a change must achieve.
+struct Target<'a> {
+    circuit: &'a Circuit,
+    /// The indices of the equations that the wiring does not solve.
+    unsolved: &'a [usize],
+    /// The indices of the equations that it solves.
+    solved: &'a [usize],
+    /// For each signal, whether it varies.
+    is_varying: Vec<bool>,
+}
+
+/// The unsolved equations that the wiring solves after a change. Empty if it then does not solve another one, or if a
+/// signal does not vary any more: a signal that is 0 solves many equations, but no correction makes one.
+fn solved_by(target: &Target<'_>, candidate: &Candidate) -> Vec<usize> {
+    let patch = target.circuit.patch();
     let Ok(changed) = patch.with_edits(patch.file(), &candidate.edits) else { return Vec::new() };
-    let Some((circuit, program)) = compiled(circuit, &changed) else { return Vec::new() };
+    let Some((circuit, program)) = compiled(target.circuit, &changed) else { return Vec::new() };
     if let Some(screen) = Screen::new(&circuit, &program) {
         let fails = |index: &usize| !screen.passes(&circuit.equations()[*index].value);
-        if unsolved.iter().all(fails) || solved.iter().any(fails) {
+        if target.unsolved.iter().all(fails) || target.solved.iter().any(fails) {
             return Vec::new();
         }
     }
     let compared = compare_equations(&circuit, &program);
-    let is_solved =
-        |index: &usize| matches!(compared[*index].agreement, Agreement::Solved | Agreement::SolvedIf(_));
-    if solved.iter().any(|index| !is_solved(index)) {
+    let is_solved = |index: &usize| {
+        let agreement = &compared[*index].agreement;
+        matches!(agreement, Agreement::Solved | Agreement::SolvedIf(_) | Agreement::SolvedAt(_))
+    };
+    if target.solved.iter().any(|index| !is_solved(index)) || !target.unsolved.iter().any(is_solved) {
         return Vec::new();
     }
-    unsolved.iter().copied().filter(is_solved).collect()
+    let is_varying = varying_signals(&circuit, &program);
+    if target.is_varying.iter().zip(is_varying).any(|(before, after)| *before && !after) {
+        return Vec::new();
+    }
+    target.unsolved.iter().copied().filter(is_solved).collect()
 }
 
 /// A changed patch with the parameters of a circuit. `None` if it has errors, or more loops without an integrator: no
