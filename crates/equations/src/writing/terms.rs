@@ -137,7 +137,8 @@ impl Writer<'_> {
             unit = dimension.map(|dimension| dimension.over(outside)).filter(|unit| !unit.is_dimensionless());
         } else {
             let inside = self.polynomial(&part.inside, dimension.map(|dimension| dimension.over(outside)));
-            let place = if part.variable.is_one() { 0 } else { variables.len() - 1 };
+            // The last variable follows the sum: x (1 - y) z is (1 - y) x z, but mu (1 - x^2) v keeps v last.
+            let place = variables.len().saturating_sub(1);
             variables.insert(place, inside);
         }
         let divisors = self.factors(&part.variable, -1);
