@@ -9,3 +9,4 @@ mod compare;
 #[allow(dead_code, reason = "the tests of several crates share the file")]
 mod files;
 mod listing;
+mod mistakes;
