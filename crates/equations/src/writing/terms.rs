@@ -137,7 +137,7 @@ impl Writer<'_> {
             unit = dimension.map(|dimension| dimension.over(outside)).filter(|unit| !unit.is_dimensionless());
         } else {
             let inside = self.polynomial(&part.inside, dimension.map(|dimension| dimension.over(outside)));
-            // The last variable follows the sum: x (1 - y) z is (1 - y) x z, but mu (1 - x^2) v keeps v last.
+            // The sum comes before the last variable: mu (1 - x^2) v.
             let place = variables.len().saturating_sub(1);
             variables.insert(place, inside);
         }

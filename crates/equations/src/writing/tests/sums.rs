@@ -79,6 +79,7 @@ fn divisors_are_below_the_terms_that_they_divide() {
         ("x (1 + y)^(-2)", "x/(y + 1)^2"),
         ("(x + 1)/(2 y + 2)", "(0.5 x + 0.5)/(y + 1)"),
         ("1/(k + 1) - x/(k + 1)", "(1 - x)/(1 + k)"),
+        ("k/x + k y/x", "k (y + 1)/x"),
     ]);
     check_unchanged(&[
         "x/y",
