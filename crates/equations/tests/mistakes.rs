@@ -163,8 +163,7 @@ fn the_first_change_corrects_every_kind_of_mistake() {
         let patch = correct_patch(name);
         if examined.insert(name) {
             let (circuit, program) = compiled(&patch);
-            let findings =
-                equation_findings(&circuit, &program, &compare_equations(&circuit, &program));
+            let findings = equation_findings(&circuit, &program, &compare_equations(&circuit, &program));
             assert!(findings.is_empty(), "{name}: {}", findings[0].message);
         }
         let edits: Vec<Edit> = wrong.iter().map(|(path, value)| Edit::new(path, value.clone())).collect();

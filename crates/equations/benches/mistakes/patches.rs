@@ -78,10 +78,9 @@ pub(crate) fn compiled(patch: &Patch) -> Option<(Circuit, Program)> {
 /// This number of correct patches, or fewer if there are not enough variants. They are the same in every run.
 pub(crate) fn correct_patches(count: usize) -> Collection {
     let bases = bases();
-    let unchanged = bases.iter().map(|(name, patch)| CorrectPatch {
-        name: name.clone(),
-        patch: with_initial_values(patch),
-    });
+    let unchanged = bases
+        .iter()
+        .map(|(name, patch)| CorrectPatch { name: name.clone(), patch: with_initial_values(patch) });
     let mut collection = Collection { patches: unchanged.take(count).collect(), unsolved_variants: 0 };
     let mut known: HashSet<String> = bases.iter().map(|(_, patch)| patch.text().to_owned()).collect();
     for round in 1.. {
