@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use crate::derive::{Law, LawKind, ModeLaw, Options, Source, System, TransitionLaw, derive, simplified};
 use crate::notation::{
-    Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
-    latex, text,
+    Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, aligned, latex,
+    text,
 };
 use crate::symbolic::{Fraction, Symbol, whole};
 use crate::writing::Writer;
@@ -143,14 +143,10 @@ impl EquationListing {
 
     /// The equations, initial values and drives in LaTeX, as one `align` environment.
     pub fn latex(&self) -> String {
-        let initial = self.initial.iter().map(|entry| {
-            let at_start =
-                Notation::Call(text(&entry.quantity), vec![Notation::Number { value: 0.0, unit: None }]);
-            WrittenEquation { left: at_start, right: entry.value.clone() }
-        });
-        let all: Vec<WrittenEquation> =
-            self.equations.iter().cloned().chain(initial).chain(self.drives.iter().cloned()).collect();
-        document(&all)
+        let sides = |equation: &WrittenEquation| (latex(&equation.left), latex(&equation.right));
+        let initial =
+            self.initial.iter().map(|entry| (format!("{}(0)", latex(&entry.quantity)), latex(&entry.value)));
+        aligned(self.equations.iter().map(sides).chain(initial).chain(self.drives.iter().map(sides)))
     }
 
     /// The equations as a document for programs.

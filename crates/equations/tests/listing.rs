@@ -75,6 +75,39 @@ fn an_equation_that_is_not_solved_for_a_quantity_is_compared_too() {
     assert!(matches!(agreement(&mut patch, "0 = A h' + 2 a w"), Agreement::Different { .. }));
 }
 
+#[test]
+fn equations_can_name_drives_or_write_out_their_laws() {
+    let text = std::fs::read_to_string("../../patches/lessons/driven-oscillator.json").unwrap();
+    let mut patch: Value = serde_json::from_str(&text).unwrap();
+    for equation in
+        ["m x'' = F sin(2 pi f t) - k x - d x'", "push = F sin(2 pi f t)", "m x'' = push - k x - d x'"]
+    {
+        assert_eq!(agreement(&mut patch, equation), Agreement::Solved, "{equation}");
+    }
+    for equation in ["push = 2 F sin(2 pi f t)", "m x'' = F sin(pi f t) - k x - d x'"] {
+        assert!(matches!(agreement(&mut patch, equation), Agreement::Different { .. }), "{equation}");
+    }
+}
+
+#[test]
+fn a_division_by_zero_is_not_0() {
+    let text = std::fs::read_to_string("../../patches/lessons/mass-and-spring.json").unwrap();
+    let mut patch: Value = serde_json::from_str(&text).unwrap();
+    for equation in ["x' = v + v/0", "x' = v + v^2/(v - v)", "x' = v + v^2/(x' - v)"] {
+        assert_ne!(agreement(&mut patch, equation), Agreement::Solved, "{equation}");
+    }
+}
+
+#[test]
+fn initial_values_in_latex_keep_their_dots() {
+    let patch = Patch::read("../../patches/lessons/projectile.json").unwrap();
+    let circuit = Circuit::new(&patch).unwrap();
+    let program = Program::new(&circuit).unwrap();
+    let latex = EquationListing::new(&circuit, &program, Detail::Signals).latex();
+    assert!(latex.contains("\n  \\dot{x}(0) &= "), "{latex}");
+    assert!(latex.starts_with("\\begin{align}\n") && latex.ends_with("\n\\end{align}\n"), "{latex}");
+}
+
 /// Limited summers in series, each of which contains the one before twice.
 #[test]
 fn long_chains_of_limited_amplifiers_are_listed() {

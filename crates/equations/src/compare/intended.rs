@@ -1,5 +1,7 @@
 //! Reads the expressions of stated equations as exact expressions.
 
+use std::f64::consts::PI;
+
 use patchcord_expr::{Callee, EquationFunction, Expression, Node, Operator};
 
 use super::model::Obstacle;
@@ -11,6 +13,8 @@ pub(crate) fn fraction(
     resolve: &mut dyn FnMut(&str) -> Result<Fraction, Obstacle>,
 ) -> Result<Fraction, Obstacle> {
     Ok(match &node.expression {
+        // The wiring keeps the name of pi too.
+        Expression::Number(PI) => resolve("pi")?,
         Expression::Number(value) => Fraction::number(*value),
         Expression::Name(name) => resolve(name)?,
         Expression::Negate(inner) => fraction(inner, resolve)?.negated(),

@@ -138,8 +138,27 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    /// Whether the wiring solves an equation.
+    /// Whether the wiring solves an equation. It may name drives or write out their laws of time.
     fn agreement(&mut self, equation: &Equation) -> Result<Agreement, Obstacle> {
+        let found = self.agreement_with_drives(equation);
+        if matches!(found, Ok(Agreement::Solved | Agreement::SolvedAt(_)))
+            || self.circuit.patch().drives.is_empty()
+        {
+            return found;
+        }
+        self.model.expands_drives = true;
+        let expanded = self.agreement_with_drives(equation);
+        self.model.expands_drives = false;
+        // A drive that is 0 at present would hide a cord that is missing, so equality for the present parameters is not
+        // enough here.
+        match (&found, &expanded) {
+            (_, Ok(Agreement::Solved)) | (Ok(Agreement::Undecided(_)) | Err(_), Ok(_)) => expanded,
+            _ => found,
+        }
+    }
+
+    /// Whether the wiring solves an equation, with drives as the model takes them.
+    fn agreement_with_drives(&mut self, equation: &Equation) -> Result<Agreement, Obstacle> {
         if let Some(initial) = equation.initial_quantity() {
             return self.initial_agreement(equation, initial);
         }
@@ -273,6 +292,7 @@ impl Comparison<'_> {
         let base = split_primes(name).0;
         let patch = self.circuit.patch();
         patch.signals.contains_key(base)
+            || (self.model.expands_drives && patch.drives.contains_key(base))
             || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
     }
 

@@ -18,6 +18,8 @@ pub(crate) struct Model<'a> {
     auxiliaries: HashMap<&'a str, &'a Node>,
     /// The quantities that are being expanded, so that a circle ends.
     open: Vec<Symbol>,
+    /// Whether drives are expanded into their laws of time too.
+    pub expands_drives: bool,
 }
 
 /// The reason why a quantity has no expression.
@@ -54,7 +56,7 @@ impl<'a> Model<'a> {
             });
         let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
         let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
-        Model { system, auxiliaries, open: Vec::new() }
+        Model { system, auxiliaries, open: Vec::new(), expands_drives: false }
     }
 
     /// A quantity of an equation, with this number of derivatives, as a function of states, drives, time and
@@ -109,6 +111,7 @@ impl<'a> Model<'a> {
         }
         let value = match self.system.law(symbol) {
             Some(LawKind::Definition(value)) => value.clone(),
+            Some(LawKind::Drive(value)) if self.expands_drives => value.clone(),
             Some(LawKind::Delay { input, time, .. }) => {
                 let (input, time) = (input.clone(), time.clone());
                 self.open.push(symbol);

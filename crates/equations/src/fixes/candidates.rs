@@ -34,7 +34,10 @@ mod cost {
 
 /// All candidates, in the order of the patch.
 pub(super) fn candidates(circuit: &Circuit) -> Vec<Candidate> {
-    let mut found = Found { circuit, candidates: Vec::new() };
+    let patch = circuit.patch();
+    let cords: usize = patch.elements.values().map(|entry| entry.plugs.len()).sum();
+    let is_large = cords.saturating_mul(patch.elements.len()) > MAX_PAIRS;
+    let mut found = Found { circuit, candidates: Vec::new(), is_large };
     for (name, entry) in &circuit.patch().elements {
         if circuit.patch().value()["elements"].get(name).is_some() {
             found.element(name, entry);
@@ -50,6 +53,8 @@ pub(super) fn candidates(circuit: &Circuit) -> Vec<Candidate> {
 struct Found<'a> {
     circuit: &'a Circuit,
     candidates: Vec<Candidate>,
+    /// Whether the patch is too large to try every cord from every output.
+    is_large: bool,
 }
 
 impl Found<'_> {
@@ -101,7 +106,11 @@ impl Found<'_> {
             if is_plugged || source == name {
                 continue;
             }
-            let cost = if read.contains(&source) { cost::ADDED_CORD } else { cost::UNUSED_CORD };
+            let is_read = read.contains(&source);
+            if is_read && self.is_large {
+                continue;
+            }
+            let cost = if is_read { cost::ADDED_CORD } else { cost::UNUSED_CORD };
             for jack in GAINS {
                 let fits = fits_pot(self.circuit, &source, gain(jack));
                 let with = with_cord(self.cords(name), jack, &source);
@@ -123,6 +132,8 @@ impl Found<'_> {
                 }
                 let cost = if self.is_inverse(source, &other) {
                     cost::SIGN
+                } else if read.contains(&other) && self.is_large {
+                    continue;
                 } else if read.contains(&other) {
                     cost::MOVED_CORD
                 } else {
@@ -307,6 +318,8 @@ impl Found<'_> {
     }
 }
 
+/// Products of the numbers of cords and elements up to which every cord is tried from every output.
+const MAX_PAIRS: usize = 10_000;
 /// Powers of ten by which settings are often wrong.
 const POWERS: [f64; 6] = [10.0, 0.1, 100.0, 0.01, 1000.0, 0.001];
 /// Significant digits of a changed number. Fewer than those of f64, so that 0.1 x 3 is 0.3.

@@ -35,15 +35,16 @@ pub fn equation_latex(equation: &WrittenEquation) -> String {
 /// Returns equations in LaTeX, one on a line and aligned at the sign of equality. Without equations, the text is empty.
 #[must_use]
 pub fn document(equations: &[WrittenEquation]) -> String {
-    if equations.is_empty() {
+    aligned(equations.iter().map(|equation| (latex(&equation.left), latex(&equation.right))))
+}
+
+/// Returns left and right sides in LaTeX, one equation on a line and aligned at the sign of equality.
+pub(crate) fn aligned(sides: impl Iterator<Item = (String, String)>) -> String {
+    let lines: Vec<String> = sides.map(|(left, right)| format!("  {left} &= {right}")).collect();
+    if lines.is_empty() {
         return String::new();
     }
-    let lines = equations.iter().map(|equation| {
-        let (left, right) = (latex(&equation.left), latex(&equation.right));
-        format!("  {left} &= {right}")
-    });
-    let lines = lines.collect::<Vec<_>>().join(" \\\\\n");
-    format!("\\begin{{align}}\n{lines}\n\\end{{align}}\n")
+    format!("\\begin{{align}}\n{}\n\\end{{align}}\n", lines.join(" \\\\\n"))
 }
 
 /// Returns the precedence of an expression in LaTeX. A fraction needs no parentheses as a factor.

@@ -10,6 +10,7 @@ mod symbols;
 mod text;
 
 pub use json::EquationDocument;
+pub(crate) use latex::aligned;
 pub use latex::{document, equation_latex, latex};
 pub(crate) use text::comparison_text;
 pub use text::{LINE_WIDTH, equation_text, text};

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use num_traits::{One as _, Signed as _, ToPrimitive as _};
+use patchcord_expr::Function;
 
-use super::apply::{absolute, apply, powers_reduced, step};
-use super::monomial::{Atom, Monomial};
+use super::apply::{absolute, apply, opaque, powers_reduced, step};
+use super::monomial::{Atom, CallOrder, Monomial, Operation};
 use super::number::{Rational, exact, whole};
 use super::polynomial::Polynomial;
 use super::symbol::Symbol;
@@ -35,9 +36,9 @@ impl Fraction {
         Self::from(Polynomial::constant(number))
     }
 
-    /// The number that a decimal means. A number that is not finite has no expression: it counts as 0.
+    /// The number that a decimal means. A number that is not finite is 1/0.
     pub(crate) fn number(value: f64) -> Self {
-        if value.is_finite() { Self::rational(exact(value)) } else { Self::zero() }
+        if value.is_finite() { Self::rational(exact(value)) } else { Self::zero().reciprocal() }
     }
 
     /// A whole number.
@@ -119,7 +120,7 @@ impl Fraction {
         Fraction { numerator: self.numerator.times(&other.numerator), divisors }.reduced()
     }
 
-    /// The quotient. A quotient by 0 counts as 0, because it has no expression.
+    /// The quotient.
     pub(crate) fn over(&self, other: &Fraction) -> Fraction {
         self.times(&other.reciprocal())
     }
@@ -141,10 +142,11 @@ impl Fraction {
         (0..exponent.unsigned_abs() as usize).fold(1, |size, step| size * (terms + step) / (step + 1))
     }
 
-    /// 1 over the expression; 0 for 0.
+    /// 1 over the expression. For 0 it is a function without a value, which nothing cancels.
     fn reciprocal(&self) -> Fraction {
         if self.is_zero() {
-            return Fraction::zero();
+            let power = Operation::Call(CallOrder(Function::Power));
+            return opaque(power, vec![Fraction::zero(), Fraction::whole(-1)]);
         }
         let (number, content, rest) = self.numerator.clone().into_primitive();
         let divisor = if rest.is_one() { None } else { Some((rest, 1)) };

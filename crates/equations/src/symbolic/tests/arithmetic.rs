@@ -43,7 +43,8 @@ fn decimals_are_exact() {
     }
     assert_eq!(read("x").as_rational(), None);
     for number in [f64::INFINITY, f64::NAN] {
-        assert!(Fraction::number(number).is_zero());
+        // It is no number, and nothing cancels it.
+        assert!(Fraction::number(number).as_rational().is_none());
     }
 }
 
@@ -114,7 +115,6 @@ fn the_reciprocal_of_a_sum_is_a_divisor() {
         "1/(1/(x + y)) = x + y",
         "x/(y - x) = -x/(x - y)",
         "1/(p x + p y) = 1/p/(x + y)",
-        "1/(x - x) = 0",
     ]);
 }
 
