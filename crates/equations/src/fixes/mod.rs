@@ -38,7 +38,7 @@ pub(crate) const MOST_FIXES: usize = 3;
 /// If a change mends all equations, changes of a higher cost than this above its own are not tried.
 const COST_WINDOW: u32 = 8;
 /// Changes that are tried at most.
-const MOST_TRIALS: usize = 5000;
+const MOST_TRIALS: usize = 1500;
 
 /// Single changes after which the wiring solves equations that it did not solve, and all others as before. Those that
 /// mend the most equations come first, then the likeliest ones. There are at most three for each equation.
