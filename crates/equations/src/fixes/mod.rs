@@ -37,6 +37,8 @@ struct Candidate {
 pub(crate) const MOST_FIXES: usize = 3;
 /// If a change mends all equations, changes of a higher cost than this above its own are not tried.
 const COST_WINDOW: u32 = 8;
+/// Changes that are compared exactly at most, because a comparison takes some milliseconds.
+const MAX_COMPARISONS: usize = 600;
 /// Changes that are tried at most.
 const MOST_TRIALS: usize = 1500;
 
@@ -50,12 +52,12 @@ pub fn find_fixes(circuit: &Circuit, program: &Program, unsolved: &[usize], solv
     let mut candidates = candidates(circuit);
     candidates.sort_by_key(|candidate| candidate.cost);
     let mut fixes: Vec<Fix> = Vec::new();
-    let (mut complete, mut dearest) = (0, u32::MAX);
+    let (mut complete, mut dearest, mut comparisons) = (0, u32::MAX, 0);
     for candidate in candidates.into_iter().take(MOST_TRIALS) {
-        if complete >= MOST_FIXES || candidate.cost > dearest {
+        if complete >= MOST_FIXES || candidate.cost > dearest || comparisons >= MAX_COMPARISONS {
             break;
         }
-        let solves = solved_by(&target, &candidate);
+        let solves = solved_by(&target, &candidate, &mut comparisons);
         if !solves.is_empty() {
             let Candidate { description, edits, cost } = candidate;
             if solves.len() == unsolved.len() {
@@ -89,7 +91,9 @@ struct Target<'a> {
 
 /// The unsolved equations that the wiring solves after a change. Empty if it then does not solve another one, or if a
 /// signal does not vary any more: a signal that is 0 solves many equations, but no correction makes one.
-fn solved_by(target: &Target<'_>, candidate: &Candidate) -> Vec<usize> {
+///
+/// `comparisons` counts the changes that are compared exactly.
+fn solved_by(target: &Target<'_>, candidate: &Candidate, comparisons: &mut usize) -> Vec<usize> {
     let patch = target.circuit.patch();
     let Ok(changed) = patch.with_edits(patch.file(), &candidate.edits) else { return Vec::new() };
     let Some((circuit, program)) = compiled(target.circuit, &changed) else { return Vec::new() };
@@ -99,6 +103,7 @@ fn solved_by(target: &Target<'_>, candidate: &Candidate) -> Vec<usize> {
             return Vec::new();
         }
     }
+    *comparisons += 1;
     let compared = compare_equations(&circuit, &program);
     let is_solved = |index: &usize| {
         let agreement = &compared[*index].agreement;
