@@ -84,7 +84,7 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
     }
     let comparison = |stays_in_range| {
         let model = Model::new(circuit, program, stays_in_range);
-        Comparison { circuit, program, model }
+        Comparison { circuit, program, coefficients: program.coefficient_values(), model }
     };
     let (mut exact, mut in_range) = (comparison(false), None);
     let mut agreement = |equation: &Equation| {
@@ -125,7 +125,7 @@ pub(crate) fn varying_signals(circuit: &Circuit, program: &Program) -> Vec<bool>
     let none = HashSet::new();
     let varies = |name: &String| {
         let value = model.quantity(name, 0, &none);
-        value.is_ok_and(|value| value.contains(&mut |symbol| !symbol.is_constant))
+        value.is_ok_and(|value| !value.is_constant())
     };
     circuit.patch().signals.keys().map(varies).collect()
 }
@@ -134,6 +134,8 @@ pub(crate) fn varying_signals(circuit: &Circuit, program: &Program) -> Vec<bool>
 struct Comparison<'a> {
     circuit: &'a Circuit,
     program: &'a Program,
+    /// Values of the coefficients of the program.
+    coefficients: Vec<f64>,
     model: Model<'a>,
 }
 
@@ -210,7 +212,7 @@ impl Comparison<'_> {
         let none = HashSet::new();
         implicit.iter().any(|law| {
             let ratio = residual.over(&self.model.expanded_fraction(law, &none));
-            !ratio.contains(&mut |symbol| !symbol.is_constant)
+            ratio.is_constant()
         })
     }
 
@@ -321,13 +323,18 @@ impl Comparison<'_> {
         parameters: ParameterValues,
         [stated, wired]: [&Fraction; 2],
     ) -> Vec<TermDifference> {
-        let point = Point { system: &self.model.system, program: self.program, parameters, index: 0 };
-        differences(stated, wired, &point)
+        differences(stated, wired, &self.point(parameters))
     }
 
     /// Whether two expressions are equal at points; see [`equal_at_points`].
     fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
-        equal_at_points(&self.model.system, self.program, parameters, sides)
+        equal_at_points(self.point(parameters), sides)
+    }
+
+    /// A point with these values of the parameters.
+    fn point(&self, parameters: ParameterValues) -> Point<'_> {
+        let (system, program, coefficients) = (&self.model.system, self.program, &self.coefficients);
+        Point { system, program, coefficients, parameters, index: 0 }
     }
 
     /// The agreement of two sides that are equal for the present values of the parameters: also for others, or not.

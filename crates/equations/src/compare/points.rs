@@ -19,6 +19,8 @@ const GOLDEN: f64 = 1.618_033_988_749_895;
 pub(super) struct Point<'a> {
     pub system: &'a System,
     pub program: &'a Program,
+    /// Values of the coefficients of the program.
+    pub coefficients: &'a [f64],
     /// Values of the parameters.
     pub parameters: ParameterValues,
     /// Index of the point.
@@ -35,16 +37,11 @@ pub(super) enum ParameterValues {
 }
 
 /// Whether two expressions are equal at all points at which both have a value. `None` if they have one at few points, as
-/// the root of a quantity that is mostly negative.
-pub(super) fn equal_at_points(
-    system: &System,
-    program: &Program,
-    parameters: ParameterValues,
-    [first, second]: [&Fraction; 2],
-) -> Option<bool> {
+/// the root of a quantity that is mostly negative. `point` is any of the points.
+pub(super) fn equal_at_points(point: Point<'_>, [first, second]: [&Fraction; 2]) -> Option<bool> {
     let mut compared = 0;
     for index in 1..=POINTS {
-        let point = Point { system, program, parameters, index };
+        let point = Point { index, ..point };
         let [one, other] = [first, second].map(|fraction| value(fraction, &point));
         if !(one.is_finite() && other.is_finite()) {
             continue;
@@ -88,7 +85,7 @@ impl Point<'_> {
         let name = &self.system.symbols.entry(symbol).name;
         let signal = self.program.signals().iter().find(|signal| signal.name == *name);
         let per_volt = signal.and_then(|signal| signal.per_volt);
-        per_volt.map_or(volts, |index| volts * self.program.coefficient_values()[index as usize])
+        per_volt.map_or(volts, |index| volts * self.coefficients[index as usize])
     }
 }
 
@@ -103,9 +100,7 @@ impl Values for Point<'_> {
     }
 
     fn table(&self, table: u32, at: f64) -> f64 {
-        let table = &self.system.tables[table as usize];
-        let factor = table.unit.as_ref().map_or(1.0, |unit| unit.factor);
-        factor * table.value(at)
+        self.system.tables[table as usize].value_in_si(at)
     }
 
     fn slope(&self, _table: u32, _at: f64) -> f64 {

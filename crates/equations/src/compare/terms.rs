@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use num_traits::Signed as _;
 
-use crate::symbolic::{Atom, Fraction, Monomial, Polynomial, Rational, Values, nearest, value};
+use crate::symbolic::{Fraction, Monomial, Polynomial, Rational, Values, nearest, value};
 
 /// A term that differs between the stated equation and the wiring.
 #[derive(Debug, Clone)]
@@ -71,20 +71,10 @@ fn over_common_divisors(first: &Fraction, second: &Fraction) -> (Fraction, [Poly
 fn by_variables(sum: &Polynomial) -> BTreeMap<Monomial, Polynomial> {
     let mut terms: BTreeMap<Monomial, Polynomial> = BTreeMap::new();
     for (product, number) in sum.terms() {
-        let constant = product.only(|atom, _| is_constant(atom));
+        let constant = product.only(|atom, _| atom.is_constant());
         terms.entry(product.over(&constant)).or_default().add_term(constant, number);
     }
     terms
-}
-
-/// Whether a factor is constant in a run.
-fn is_constant(atom: &Atom) -> bool {
-    match atom {
-        Atom::Symbol(symbol) => symbol.is_constant,
-        Atom::Apply(applied) => {
-            applied.arguments.iter().all(|argument| !argument.contains(&mut |symbol| !symbol.is_constant))
-        }
-    }
 }
 
 /// How the wired factor of a product differs from the stated one. `None` if they are equal.

@@ -107,7 +107,7 @@ impl Simplification<'_> {
     /// The relation signal = factor x state + rest, with a constant factor and a rest of drives and time.
     fn relation(&self, signal: Symbol, value: &Fraction, state: Symbol) -> Option<Relation> {
         let factor = partial_derivative(value, state);
-        if factor.is_zero() || factor.contains(&mut |symbol| !symbol.is_constant) {
+        if factor.is_zero() || !factor.is_constant() {
             return None;
         }
         // Limits would be exchanged by a negative factor.

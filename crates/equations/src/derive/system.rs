@@ -130,8 +130,13 @@ pub(crate) struct TableLaw {
 }
 
 impl TableLaw {
+    /// The ordinate in SI at an abscissa; volts if the table has no unit.
+    pub(crate) fn value_in_si(&self, at: f64) -> f64 {
+        self.unit.as_ref().map_or(1.0, |unit| unit.factor) * self.value(at)
+    }
+
     /// The ordinate at an abscissa: straight lines between the points, constant outside.
-    pub(crate) fn value(&self, at: f64) -> f64 {
+    fn value(&self, at: f64) -> f64 {
         let after = self.points.partition_point(|point| point[0] < at);
         match (after.checked_sub(1).map(|before| self.points[before]), self.points.get(after)) {
             (Some([x, y]), Some([next, ordinate])) => y + (ordinate - y) * (at - x) / (next - x),

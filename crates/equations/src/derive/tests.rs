@@ -63,9 +63,7 @@ impl Values for Point<'_> {
     }
 
     fn table(&self, table: u32, at: f64) -> f64 {
-        let table = &self.system.tables[table as usize];
-        let factor = table.unit.as_ref().map_or(1.0, |unit| unit.factor);
-        factor * table.value(at)
+        self.system.tables[table as usize].value_in_si(at)
     }
 
     fn slope(&self, _table: u32, _at: f64) -> f64 {

@@ -4,7 +4,7 @@
 //! is a factor is in parentheses: `(k/m) x`. Only two kinds of expressions cannot be read again: numbers with a
 //! unit, and values by condition.
 
-use patchcord_expr::{Callee, format_significant};
+use patchcord_expr::{Callee, EquationFunction, format_significant};
 
 use super::{Comparison, Condition, Notation, Precedence, Relation, WrittenEquation, signed_terms};
 
@@ -17,9 +17,6 @@ pub(super) const EXACT_DIGITS: usize = 17;
 /// The least width of the column of values in an equation with cases. With it, the conditions of several
 /// equations are usually below each other.
 const MIN_VALUE_WIDTH: usize = 12;
-
-/// Functions that only equations have. A quantity can have the name of one.
-const EQUATION_FUNCTIONS: [&str; 5] = ["sign", "step", "dead_zone", "limit", "delay"];
 
 /// Returns the text of an expression, on one line.
 #[must_use]
@@ -118,7 +115,8 @@ fn product_text(factors: &[Notation]) -> String {
 fn needs_sign(left: &str, right: &str) -> bool {
     let is_name_letter = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     let last_word = left.rsplit(|letter| !is_name_letter(letter)).next().unwrap_or_default();
-    let is_function = Callee::from_name(last_word).is_some() || EQUATION_FUNCTIONS.contains(&last_word);
+    let is_function =
+        Callee::from_name(last_word).is_some() || EquationFunction::from_name(last_word).is_some();
     is_function || right.starts_with(|letter: char| letter.is_ascii_digit())
 }
 

@@ -81,6 +81,11 @@ impl Fraction {
         self.as_rational().filter(Rational::is_integer)?.to_integer().to_i32()
     }
 
+    /// Whether it is constant in a run.
+    pub(crate) fn is_constant(&self) -> bool {
+        !self.contains(&mut |symbol| !symbol.is_constant)
+    }
+
     /// Whether it cannot be negative.
     pub(crate) fn is_nonnegative(&self) -> bool {
         self.numerator.is_nonnegative() && self.divisors.keys().all(Polynomial::is_nonnegative)

@@ -68,6 +68,14 @@ impl PartialOrd for CallOrder {
 }
 
 impl Atom {
+    /// Whether the factor is constant in a run.
+    pub(crate) fn is_constant(&self) -> bool {
+        match self {
+            Atom::Symbol(symbol) => symbol.is_constant,
+            Atom::Apply(applied) => applied.arguments.iter().all(Fraction::is_constant),
+        }
+    }
+
     /// Whether the factor is never negative.
     pub(crate) fn is_nonnegative(&self) -> bool {
         match self {
@@ -118,6 +126,11 @@ impl Monomial {
     pub(crate) fn only(&self, mut is_wanted: impl FnMut(&Atom, i32) -> bool) -> Monomial {
         let factors = self.factors.iter().filter(|(atom, exponent)| is_wanted(atom, *exponent));
         Monomial { factors: factors.cloned().collect() }
+    }
+
+    /// Whether the product is constant in a run.
+    pub(crate) fn is_constant(&self) -> bool {
+        self.factors.iter().all(|(atom, _)| atom.is_constant())
     }
 
     /// Whether the product is never negative.

@@ -118,14 +118,13 @@ impl Writer<'_> {
             return Comparison::Compare { left: self.expression(left, dimension), relation, right };
         }
         let (number, content, rest) = with_maxima(condition.numerator()).into_primitive();
-        let is_number =
-            self.is_constant(&content) && rest.terms().all(|(product, _)| self.is_constant(product));
+        let is_number = content.is_constant() && rest.terms().all(|(product, _)| product.is_constant());
         let unknown = content.only(|atom, exponent| is_number || exponent % 2 != 0 && !atom.is_nonnegative());
         let relation = if number.is_negative() { reversed(relation) } else { relation };
         let (mut left, mut right) = (Polynomial::default(), Polynomial::default());
         for (product, number) in rest.terms() {
             let product = product.times(&unknown);
-            if self.is_constant(&product) {
+            if product.is_constant() {
                 right.add_term(product, &-number.clone());
             } else {
                 left.add_term(product, number);

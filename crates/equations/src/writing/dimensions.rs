@@ -28,7 +28,7 @@ impl Writer<'_> {
     /// The dimension of a sum; `None` for a number.
     pub(super) fn sum_dimension(&self, sum: &Polynomial) -> Option<Dimension> {
         let products = || sum.terms().map(|(product, _)| product).filter(|product| !product.is_one());
-        let with_variable = products().find(|product| !self.is_constant(product));
+        let with_variable = products().find(|product| !product.is_constant());
         with_variable.or_else(|| products().next()).map(|product| self.product_dimension(product))
     }
 

@@ -14,7 +14,7 @@ use patchcord_expr::{Dimension, Function};
 
 use crate::derive::System;
 use crate::notation::Notation;
-use crate::symbolic::{Application, Atom, CallOrder, Fraction, Monomial, Operation, Symbol};
+use crate::symbolic::{Application, Atom, CallOrder, Fraction, Operation, Symbol};
 
 /// Writes the expressions of a system.
 pub(crate) struct Writer<'a> {
@@ -126,21 +126,6 @@ impl<'a> Writer<'a> {
     /// Whether a table is looked up at time.
     fn is_time_table(&self, table: u32) -> bool {
         self.system.tables[table as usize].unit.is_some()
-    }
-
-    /// Whether a product is constant in a run.
-    fn is_constant(&self, product: &Monomial) -> bool {
-        product.factors().iter().all(|(atom, _)| self.is_constant_factor(atom))
-    }
-
-    /// Whether a factor is constant in a run.
-    fn is_constant_factor(&self, atom: &Atom) -> bool {
-        match atom {
-            Atom::Symbol(symbol) => symbol.is_constant,
-            Atom::Apply(applied) => {
-                applied.arguments.iter().all(|argument| !argument.contains(&mut |symbol| !symbol.is_constant))
-            }
-        }
     }
 }
 

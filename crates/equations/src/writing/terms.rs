@@ -75,15 +75,14 @@ impl Writer<'_> {
 
     /// A sum as (constants) x variables, if all terms have the same variables and none of them stands alone: (a - b) x.
     fn factored(&self, sum: &Polynomial, dimension: Option<Dimension>) -> Option<Notation> {
-        let mut products =
-            sum.terms().map(|(product, _)| product.only(|atom, _| !self.is_constant_factor(atom)));
+        let mut products = sum.terms().map(|(product, _)| product.only(|atom, _| !atom.is_constant()));
         let first = products.next()?;
         let variable = products.fold(first, |common, product| common.common(&product));
         if sum.terms().len() < 2 || variable.is_one() {
             return None;
         }
         let inside = sum.times_term(&variable.power(-1), &Rational::one());
-        let constants = inside.terms().filter(|(product, _)| self.is_constant(product));
+        let constants = inside.terms().filter(|(product, _)| product.is_constant());
         if constants.count() == 0 || self.parts(sum).len() == 1 {
             return None;
         }
@@ -101,7 +100,7 @@ impl Writer<'_> {
     fn parts(&self, sum: &Polynomial) -> Vec<Part> {
         let mut groups: Vec<Vec<Term>> = Vec::new();
         for (product, coefficient) in sum.terms() {
-            let constant = product.only(|atom, _| self.is_constant_factor(atom));
+            let constant = product.only(|atom, _| atom.is_constant());
             let term = Term { number: coefficient.clone(), variable: product.over(&constant), constant };
             let is_same =
                 |group: &&mut Vec<Term>| !term.constant.is_one() && group[0].constant == term.constant;
