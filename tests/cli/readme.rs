@@ -24,7 +24,7 @@ fn readme_block(after: &str) -> Vec<String> {
 fn the_command_of_the_readme_prints_the_quoted_lines() {
     let folder = tempfile::tempdir().unwrap();
     let command = readme_block("This runs the final circuit of the thesis:\n")[0].clone();
-    let arguments: Vec<_> = command.strip_prefix("cargo run --release -- ").unwrap().split(' ').collect();
+    let arguments: Vec<_> = command.strip_prefix("cargo run -- ").unwrap().split(' ').collect();
     let patch = fs::canonicalize(arguments[1]).unwrap();
     let arguments =
         arguments.iter().map(|word| if *word == FIG_8_16 { patch.to_str().unwrap() } else { word });
