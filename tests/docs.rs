@@ -17,7 +17,7 @@ use patchcord::elements::reference_page;
 use patchcord::equations::{Detail, EquationListing};
 use patchcord::ident::effects::{Attachment, InputRole, Library, OutputRole};
 use patchcord::ir::Program;
-use patchcord::patch::{Patch, json_schema};
+use patchcord::patch::{Patch, Problem, json_schema};
 use patchcord::solve::Backend;
 
 pub(crate) fn documents() -> Vec<PathBuf> {
@@ -143,7 +143,8 @@ fn blocks(text: &str) -> impl Iterator<Item = &str> {
 
 /// The patches among the JSON blocks. A block that names a patch is an experiment.
 fn patches_shown(text: &str) -> impl Iterator<Item = &str> {
-    blocks(text).filter(|block| !block.contains("\"patch\":") && !block.contains("\"effect\":"))
+    let is_other = |block: &str| block.contains("\"patch\":") || block.contains("\"effect\":");
+    blocks(text).filter(move |block| !is_other(block) && !Problem::is_problem(block))
 }
 
 #[test]
@@ -179,6 +180,49 @@ fn every_patch_in_a_document_is_valid() {
         }
     }
     assert!(shown >= 2);
+}
+
+#[test]
+fn every_problem_in_a_document_is_valid() {
+    let mut shown = 0;
+    for document in documents() {
+        let text = fs::read_to_string(&document).unwrap();
+        for block in blocks(&text).filter(|block| Problem::is_problem(block)) {
+            let name = document.display().to_string();
+            let problem = Problem::parse(&name, block).unwrap_or_else(|report| panic!("{report}"));
+            let circuit = Circuit::new(&problem.patch).unwrap_or_else(|report| panic!("{report}"));
+            assert_eq!(circuit.warnings().to_string(), "", "{name}");
+            shown += 1;
+        }
+    }
+    assert!(shown >= 1);
+}
+
+/// The keys that a section of a page lists in the first column of its table.
+fn keys_listed<'p>(page: &'p str, heading: &str) -> Vec<&'p str> {
+    let (_, section) = page.split_once(&format!("\n## {heading}\n")).expect("the page has the heading");
+    let section = section.split("\n## ").next().unwrap_or_default();
+    let cells = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" |"));
+    cells.flat_map(|(keys, _)| keys.split('`').step_by(2)).collect()
+}
+
+/// A problem with an unknown key in a quantity and in a table. The hints about them list the known keys.
+const UNKNOWN_KEYS: &str = r#"{"patchcord": 1,
+    "quantities": {"x": {"unit": "1", "colour": 0}},
+    "tables": {"f": {"in": "1", "out": "1", "points": [[0, 0], [1, 1]], "colour": 0}},
+    "equations": ["x' = f(x)"], "run": {"for": 1}}"#;
+
+#[test]
+fn the_page_of_problems_lists_the_keys_of_quantities_and_tables() {
+    let page = fs::read_to_string("docs/problem-format.md").unwrap();
+    let problem = Problem::parse("p.json", UNKNOWN_KEYS).unwrap_or_else(|report| panic!("{report}"));
+    let report = Circuit::new(&problem.patch).unwrap_err();
+    assert_eq!(report.findings.len(), 2, "{report}");
+    for (finding, heading) in report.findings.iter().zip(["Quantities", "Tables"]) {
+        let known = finding.advice().strip_prefix("known here: ").expect("the hint lists the keys");
+        let expected: Vec<&str> = known.split(", ").filter(|key| *key != "note").collect();
+        assert_eq!(keys_listed(&page, heading), expected);
+    }
 }
 
 #[test]

@@ -28,6 +28,7 @@ mod findings;
 mod fixes;
 mod listing;
 mod notation;
+mod plan;
 mod symbolic;
 #[cfg(test)]
 mod testing;

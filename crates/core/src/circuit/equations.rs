@@ -22,11 +22,10 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::Circuit;
 use crate::document::{Code, Diagnostic, Placed, formula_diagnostic};
-use crate::patch::Patch;
-use names::NameChecker;
+use crate::patch::{Patch, is_time_dimensionless};
+use names::{NameChecker, how_to_add};
 use patchcord_expr::{Dimension, Equation, Expression, FormulaError, Node, Scope, split_primes};
 pub use scope::EquationScope;
-use scope::is_time_dimensionless;
 
 /// The auxiliary quantities with their dimensions. `None` if the dimension is not known because of a fault.
 pub(super) type Auxiliaries = IndexMap<String, Option<Dimension>>;
@@ -174,7 +173,7 @@ impl EquationChecker<'_> {
             names => format!("the auxiliary quantities {} depend on each other", names.join(", ")),
         };
         let placed = &self.patch.equations[self.definitions[first]];
-        let hint = format!("add a signal {first} to the patch, or define {first} by other quantities");
+        let hint = format!("{}, or define {first} by other quantities", how_to_add(self.patch, first));
         let range = placed.value.left().range.clone();
         formula_diagnostic(Code::BAD_FORMULA, placed, FormulaError { range, message, hint: Some(hint) })
     }

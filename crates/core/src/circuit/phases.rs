@@ -4,8 +4,10 @@
 //! because formulas of a run can use signals.
 
 use super::names::found_or_report;
-use super::scope::{Quantities, check_cycles};
-use crate::document::{Code, Diagnostic, ParameterChange, Phase, Placed, SwitchCondition, suggestion};
+use super::scope::Quantities;
+use crate::document::{
+    Code, Diagnostic, ParameterChange, Phase, Placed, SwitchCondition, check_cycles, suggestion,
+};
 use crate::patch::{Parameter, Patch};
 use patchcord_expr::{Dimension, Formula, Scope};
 

@@ -11,9 +11,10 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use indexmap::IndexMap;
 
 use super::parameters::parameters;
-use crate::document::{Code, Diagnostic, Placed, Span, TIME_SCALE, formula_diagnostic, unit_mismatch};
+use crate::document::{
+    Code, Diagnostic, Placed, Span, TIME_SCALE, check_cycles, formula_diagnostic, unit_mismatch,
+};
 use crate::patch::{Patch, UnreadNames};
-pub(super) use cycles::check_cycles;
 use derived::{Derivation, derivations};
 use patchcord_expr::{Dimension, Formula, FormulaDimension, Scope, Unit};
 

@@ -3,6 +3,7 @@
 use super::Placed;
 use super::code::Code;
 use super::diagnostic::Diagnostic;
+use super::fields::Findings;
 use super::wording::suggestion;
 use patchcord_expr::{Expression, Formula, FormulaError, Node, Operator, Scope, Unit};
 
@@ -88,4 +89,22 @@ fn is_number(node: &Node) -> bool {
 pub fn formula_diagnostic<T>(code: Code, placed: &Placed<T>, error: FormulaError) -> Diagnostic {
     let inside = error.range.start + 1..error.range.end + 1;
     Diagnostic::at(code, placed.span.subspan(&inside), error.message).maybe_hint(error.hint)
+}
+
+/// Reports an angular frequency for a quantity whose unit counts cycles, such as Hz. `None` after a report.
+///
+/// Only frequencies of drives are converted. The names of the formula are in `scope`.
+pub(crate) fn check_cycles(
+    placed: &Placed<Formula>,
+    scope: &dyn Scope,
+    unit: &Unit,
+    findings: &mut Findings,
+) -> Option<()> {
+    if !unit.counts_cycles() || !placed.value.is_angular(scope).unwrap_or(false) {
+        return Some(());
+    }
+    let message = format!("{} is an angular frequency, but {unit} is expected here", placed.value.text());
+    let hint = "divide it by (2 * pi)";
+    findings.push(Diagnostic::at(Code::UNIT_MISMATCH, placed.span, message).hint(hint));
+    None
 }

@@ -1,6 +1,6 @@
 //! Keys of other programs and of textbooks, for hints about unknown keys.
 //!
-//! The tables are in `elements` and in `patch`.
+//! The tables are in `elements` and in `patch`, except for the key that identifies a problem.
 
 use super::fields::KeyAdvice;
 
@@ -20,6 +20,22 @@ impl KeySynonyms {
         KeySynonyms { key, meaning: "", words }
     }
 }
+
+/// Keys that people write for the quantities of a problem. They also identify a document as a problem.
+pub(crate) const QUANTITIES: KeySynonyms = KeySynonyms {
+    key: "quantities",
+    meaning: "the quantities of the equations with their units",
+    words: &[
+        "quantity",
+        "variables",
+        "variable",
+        "unknowns",
+        "unknown",
+        "states",
+        "state",
+        "state_variables",
+    ],
+};
 
 /// The hint about an unknown key, from the first row of a table that has it and whose key is permitted. `None` if there
 /// is no such row. Capitals, blanks and hyphens do not count.

@@ -5,6 +5,7 @@
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
+use super::key_synonyms::{QUANTITIES, synonym_advice};
 use super::tree::{Content, KeyValue, Node};
 use patchcord_expr::nearest;
 
@@ -19,6 +20,7 @@ use patchcord_expr::nearest;
 /// let finding = DocumentKind::Patch.wrong_kind(&root).expect("an experiment is not a patch");
 /// assert_eq!(finding.message, "this is an experiment, where a patch is needed");
 /// assert_eq!(DocumentKind::Experiment.wrong_kind(&root), None);
+/// assert_eq!(DocumentKind::of(&root), Some(DocumentKind::Experiment));
 ///
 /// let root = tree::parse(r#"{"type": "FeatureCollection"}"#)?;
 /// let finding = DocumentKind::Patch.wrong_kind(&root).expect("a map is not a patch");
@@ -28,6 +30,8 @@ use patchcord_expr::nearest;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DocumentKind {
+    /// A problem: equations and their quantities, from which `patchcord scale` makes a patch.
+    Problem,
     /// A patch.
     Patch,
     /// An experiment: the name of a patch, with measured data.
@@ -40,9 +44,10 @@ pub enum DocumentKind {
     CommandResult,
 }
 
-/// All kinds, in the order in which they are tried. Results of commands come before experiments, because some of them
-/// have the keys of an experiment as well.
-const ALL: [DocumentKind; 5] = [
+/// All kinds, in the order in which they are tried. A problem has the key of a patch as well, and some results of
+/// commands have the keys of an experiment.
+const ALL: [DocumentKind; 6] = [
+    DocumentKind::Problem,
     DocumentKind::Patch,
     DocumentKind::SearchReport,
     DocumentKind::CommandResult,
@@ -51,23 +56,37 @@ const ALL: [DocumentKind; 5] = [
 ];
 
 impl DocumentKind {
+    /// The kind of a document. `None` if it is of no known kind.
+    pub fn of(root: &Node) -> Option<DocumentKind> {
+        let Content::Object(entries) = &root.value else { return None };
+        identify(entries).map(|(kind, _)| kind)
+    }
+
     /// The diagnostic for a document of another kind in place of this one.
     ///
     /// A document of no known kind is reported if a patch is expected. A misspelled key "patchcord" is left to the
     /// decoder of patches. `None` if there is nothing to report.
     pub fn wrong_kind(self, root: &Node) -> Option<Diagnostic> {
         let Content::Object(entries) = &root.value else { return None };
-        let find = |key: &str| entries.iter().find(|entry| entry.key == key);
-        let has_all = |keys: &&[&str]| keys.iter().all(|key| find(key).is_some());
-        let given = match ALL.into_iter().find(|kind| kind.key_sets().iter().any(has_all)) {
-            Some(given) if given == self => return None,
-            Some(given) => given,
-            None if find(self.main_key()).is_some() => return None,
+        let (given, identifying) = match identify(entries) {
+            Some((given, _)) if given == self => return None,
+            Some(identified) => identified,
+            None if entries.iter().any(|entry| entry.key == self.main_key()) => return None,
             None => return self.unknown_kind(root, entries),
         };
         let message = format!("this is {}, where {} is needed", given.noun(), self.noun());
-        let hint = if self == DocumentKind::Effect { FOLDER_HINT } else { given.hint() };
-        Some(Diagnostic::at(Code::UNKNOWN_KEY, find(given.main_key())?.key_span, message).hint(hint))
+        let hint = given.hint_in_place_of(self);
+        Some(Diagnostic::at(Code::UNKNOWN_KEY, identifying.key_span, message).hint(hint))
+    }
+
+    /// The main key of a document of this kind. `None` if the document is of another kind.
+    fn identifying_key(self, entries: &[KeyValue]) -> Option<&KeyValue> {
+        if self == DocumentKind::Problem {
+            return quantities_key(entries);
+        }
+        let find = |key: &str| entries.iter().find(|entry| entry.key == key);
+        let has_all = |keys: &&&[&str]| keys.iter().all(|key| find(key).is_some());
+        self.key_sets().iter().find(has_all).and_then(|keys| find(keys[0]))
     }
 
     /// The diagnostic for a document of no known kind in place of a patch. `None` for other expected kinds, and if a
@@ -90,9 +109,10 @@ impl DocumentKind {
     }
 
     /// The sets of keys that identify the kind: a document with all keys of one set is of this kind. Every set begins
-    /// with the main key.
+    /// with the main key. A problem is also identified by other words, see [`quantities_key`].
     fn key_sets(self) -> &'static [&'static [&'static str]] {
         match self {
+            DocumentKind::Problem => &[&["quantities", "patchcord"]],
             DocumentKind::Patch => &[&["patchcord"]],
             DocumentKind::Experiment => &[&["patch", "outputs"], &["patch", "data"]],
             DocumentKind::Effect => &[&["effect", "forms"]],
@@ -104,6 +124,7 @@ impl DocumentKind {
     /// The kind's name with its article, for messages.
     fn noun(self) -> &'static str {
         match self {
+            DocumentKind::Problem => "a problem",
             DocumentKind::Patch => "a patch",
             DocumentKind::Experiment => "an experiment",
             DocumentKind::Effect => "an effect",
@@ -112,9 +133,16 @@ impl DocumentKind {
         }
     }
 
-    /// What to do with a document of this kind that was given in place of a patch or an experiment.
-    fn hint(self) -> &'static str {
+    /// What to do with a document of this kind that was given in place of one of another kind.
+    fn hint_in_place_of(self, needed: DocumentKind) -> &'static str {
+        if needed == DocumentKind::Effect {
+            return FOLDER_HINT;
+        }
         match self {
+            DocumentKind::Problem => "`patchcord scale` makes a patch from it: see docs/problem-format.md",
+            DocumentKind::Patch if needed == DocumentKind::Problem => {
+                "a problem has \"quantities\" and no \"elements\": see docs/problem-format.md"
+            }
             DocumentKind::Patch => {
                 "an experiment is another file, which names the patch and the measured data: see docs/gap.md"
             }
@@ -128,6 +156,27 @@ impl DocumentKind {
             DocumentKind::CommandResult => "give the command the file from which the result was made",
         }
     }
+}
+
+/// The kind of a document with these keys, and the key to which diagnostics refer. `None` if it is of no known kind.
+fn identify(entries: &[KeyValue]) -> Option<(DocumentKind, &KeyValue)> {
+    ALL.into_iter().find_map(|kind| Some((kind, kind.identifying_key(entries)?)))
+}
+
+/// The key of a problem that means its quantities: the right key, another word for it, or a misspelled one.
+///
+/// `None` if there is no such key, if the document is not one of patchcord, or if it has elements and so is a patch.
+fn quantities_key(entries: &[KeyValue]) -> Option<&KeyValue> {
+    let find = |is_meant: &dyn Fn(&str) -> bool| entries.iter().find(|entry| is_meant(&entry.key));
+    if find(&|key| key == "patchcord").is_none() || find(&|key| key == "elements").is_some() {
+        return None;
+    }
+    find(&|key| key == QUANTITIES.key).or_else(|| find(&means_quantities))
+}
+
+/// Whether a key is another word for "quantities", or a misspelling of it.
+fn means_quantities(key: &str) -> bool {
+    synonym_advice(&[QUANTITIES], key, |_| true).is_some() || nearest(QUANTITIES.key, [key]).is_some()
 }
 
 /// What to do with a document that is not an effect in a folder of effects.

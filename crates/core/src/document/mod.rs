@@ -42,7 +42,7 @@ pub use code::{Code, CodeEntry};
 pub use derivative::{derivative_name, derivative_of, derivative_unit};
 pub use diagnostic::{Diagnostic, Severity, Span, any_error};
 pub use file::{DocumentError, read_text};
-pub(crate) use formula_error::unit_advice;
+pub(crate) use formula_error::{check_cycles, unit_advice};
 pub use formula_error::{formula_diagnostic, unit_mismatch};
 pub use input_file::InputFile;
 pub use json_value::json_value;
@@ -54,8 +54,8 @@ pub use printable::{escape_controls, printable};
 pub(crate) use quantity::possible_product;
 pub use report::{DiagnosticDocument, Report};
 pub use typed_number::{TypedNumber, TypedNumberError};
-pub(crate) use values::formula_in;
 pub use values::{equation, formula, parse_unit, range};
+pub(crate) use values::{equation_with_tables, formula_in};
 pub(crate) use wording::MAX_SUGGESTIONS;
 pub use wording::{
     format_distinct, format_number, format_outside, plural, range_violation, suggestion, unit_suffix,

@@ -77,7 +77,7 @@ pub(super) fn fixed_unit(key: &str) -> Option<&'static str> {
 /// States what gives the unit of a number under this key.
 pub(super) fn unit_rule(key: &str) -> String {
     match key {
-        "value" | "range" | "per_volt" | "default" | "sigma" | "interval" => {
+        "value" | "range" | "per_volt" | "maximum" | "default" | "sigma" | "interval" => {
             format!("the key \"unit\" gives the unit of \"{key}\"")
         }
         _ => format!("the unit of \"{key}\" is fixed"),
@@ -160,6 +160,7 @@ mod tests {
     #[test]
     fn the_unit_of_a_value_is_under_another_key() {
         assert_eq!(unit_rule("value"), "the key \"unit\" gives the unit of \"value\"");
+        assert_eq!(unit_rule("maximum"), "the key \"unit\" gives the unit of \"maximum\"");
         assert_eq!(unit_rule("for"), "the unit of \"for\" is fixed");
     }
 }

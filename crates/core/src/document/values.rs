@@ -159,8 +159,18 @@ pub(crate) fn formula_in(
 /// # Ok::<(), patchcord_core::document::Diagnostic>(())
 /// ```
 pub fn equation(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<Equation>> {
+    equation_with_tables(node, key, &[], findings)
+}
+
+/// Like [`equation`]. The equation can also apply the tables with these names.
+pub(crate) fn equation_with_tables(
+    node: &Node,
+    key: &str,
+    tables: &[&str],
+    findings: &mut Findings,
+) -> Option<Placed<Equation>> {
     let Placed { value: text, span } = string(node, key, findings)?;
-    let value = Equation::parse(&text, &[])
+    let value = Equation::parse(&text, tables)
         .map_err(|error| {
             let span = inside_quotes(span, &error.range);
             findings.push(Diagnostic::at(Code::BAD_FORMULA, span, error.message).maybe_hint(error.hint));

@@ -18,8 +18,8 @@ use super::{macros, product_hints};
 use crate::document::fields::{Fields, Findings, flag, list, number, positive, string, strings};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{
-    Code, Diagnostic, DocumentKind, Placed, Span, any_error, equation, factor_violation, formula, parse_unit,
-    range,
+    Code, Diagnostic, DocumentKind, Placed, Span, any_error, equation_with_tables, factor_violation, formula,
+    parse_unit, range,
 };
 use crate::elements::Family;
 use patchcord_expr::{Equation, Unit, nearest};
@@ -60,7 +60,8 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
         store(&mut patch.signals, unread, entry, signal(entry, findings));
     });
     let equation_list = fields.take("equations");
-    patch.equations = equation_list.map(|node| equations(node, unread, &mut findings)).unwrap_or_default();
+    patch.equations =
+        equation_list.map(|node| equations(node, &[], unread, &mut findings)).unwrap_or_default();
     let positive_feedback = fields.take("positive_feedback");
     patch.positive_feedback =
         positive_feedback.and_then(|node| flag(node, "positive_feedback", &mut findings)).unwrap_or_default();
@@ -70,7 +71,7 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     patch.pictures = fields.take("pictures").map(|node| pictures(node, &mut findings)).unwrap_or_default();
     patch.note = fields.text("note", &mut findings);
     fields.text("$schema", &mut findings);
-    patch.unread.has_unread_section = has_unread_section(&fields);
+    patch.unread.has_unread_section = has_unread_section(&fields, &NAME_SECTIONS);
     fields.finish_with_advice(&patch_advice, &mut findings);
     product_hints::offer_products(root, &mut findings);
     macros::expand_macros(macros, &element_section, patch, &mut findings);
@@ -96,18 +97,16 @@ fn report_empty(patch: &Patch, root: &Node, findings: &mut Findings) {
 /// The sections whose names other parts of the document refer to.
 const NAME_SECTIONS: [&str; 5] = ["parameters", "scales", "drives", "elements", "signals"];
 
-/// Whether a section of names could not be read: it is not an object, or its key is misspelled.
-fn has_unread_section(fields: &Fields<'_>) -> bool {
+/// Whether one of these sections could not be read: it is not an object, or its key is misspelled.
+pub(super) fn has_unread_section(fields: &Fields<'_>, sections: &[&str]) -> bool {
     fields.entries.iter().any(|(entry, is_taken)| match is_taken {
-        true => {
-            NAME_SECTIONS.contains(&entry.key.as_str()) && !matches!(entry.value.value, Content::Object(_))
-        }
-        false => nearest(&entry.key, NAME_SECTIONS).is_some(),
+        true => sections.contains(&entry.key.as_str()) && !matches!(entry.value.value, Content::Object(_)),
+        false => nearest(&entry.key, sections.iter().copied()).is_some(),
     })
 }
 
 /// Stores a decoded value under the name of its entry. If there is no value, the name is added to the unread names.
-fn store<T>(
+pub(super) fn store<T>(
     section: &mut IndexMap<String, T>,
     unread: &mut HashSet<String>,
     entry: &tree::KeyValue,
@@ -122,7 +121,7 @@ fn store<T>(
 /// Checks the required key "patchcord" with the version of the format.
 ///
 /// Another version is reported, but decoding continues: most keys have the same meaning.
-fn version(fields: &mut Fields<'_>, findings: &mut Findings) {
+pub(super) fn version(fields: &mut Fields<'_>, findings: &mut Findings) {
     let Some(node) = fields.require("patchcord", "the version of the format: write \"patchcord\": 1") else {
         return;
     };
@@ -206,12 +205,13 @@ fn factor(node: &Node, findings: &mut Findings) -> Option<f64> {
     Some(factor)
 }
 
-/// Decodes the list "equations", or a single equation.
+/// Decodes the list "equations", or a single equation. `tables` has the names of the tables that they can apply.
 ///
 /// An equation that cannot be read may define an auxiliary quantity. The name on its left side is added to the unread
 /// names, so that the equations that use it are not reported as well.
 pub(super) fn equations(
     node: &Node,
+    tables: &[&str],
     unread: &mut HashSet<String>,
     findings: &mut Findings,
 ) -> Vec<Placed<Equation>> {
@@ -221,7 +221,7 @@ pub(super) fn equations(
     };
     let mut equations = Vec::new();
     for item in items {
-        match (equation(item, "equations", findings), &item.value) {
+        match (equation_with_tables(item, "equations", tables, findings), &item.value) {
             (Some(equation), _) => equations.push(equation),
             (None, Content::Text(text)) => {
                 let left = text.split('=').next().unwrap_or_default();

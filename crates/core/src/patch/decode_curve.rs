@@ -57,6 +57,16 @@ pub(super) fn curve(
     checked_list(node, key, findings, |points, findings| checked_curve(points, key, symmetry, findings))
 }
 
+/// Decodes points [input, output] of a table of a problem, in the units of the table; at least two.
+pub(super) fn table_points(node: &Node, key: &str, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+    if let Content::Text(_) = &node.value {
+        let hint = "write the points themselves: [[0, 0], [1, 2]]";
+        findings.push(wrong_type(node, key, "a list of points", &node.value).hint(hint));
+        return None;
+    }
+    checked_list(node, key, findings, |points, findings| checked_table(points, key, findings))
+}
+
 /// Decodes a list of points and passes it to `check`.
 fn checked_list(
     node: &Node,
@@ -83,6 +93,14 @@ pub(super) fn checked_time_points(points: PointList<'_>, findings: &mut Findings
     Some(points.points)
 }
 
+/// Checks the points of a table of a problem: number and order. `None` after a report. `key` is the key of the list.
+fn checked_table(points: PointList<'_>, key: &str, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+    let findings_before = findings.len();
+    findings.extend(points.count_fault("table", key));
+    findings.extend(points.order_fault(0.0, "the inputs of a table must rise from point to point"));
+    (findings.len() == findings_before).then_some(points.points)
+}
+
 /// Checks the points of a curve: number, range, order and symmetry. `None` after a report. `key` is the key of the
 /// list.
 pub(super) fn checked_curve(
@@ -93,11 +111,7 @@ pub(super) fn checked_curve(
 ) -> Option<Vec<[f64; 2]>> {
     let findings_before = findings.len();
     let count = points.points.len();
-    if count < 2 {
-        let message = format!("a curve needs at least two points, and \"{key}\" has {count}");
-        let hint = "its segments connect neighbouring points, and the outermost segments continue";
-        findings.push(Diagnostic::at(points.code, points.span, message).hint(hint));
-    }
+    findings.extend(points.count_fault("curve", key));
     findings.extend((0..count).filter_map(|index| points.range_fault(index)).take(MAX_RANGE_FAULTS));
     let message =
         format!("the inputs of a curve must rise from point to point, by more than {MIN_INPUT_DISTANCE} V");
@@ -144,6 +158,14 @@ impl PointList<'_> {
     fn diagnostic(&self, index: usize, message: &str) -> Diagnostic {
         let (span, addition) = (self.locate)(index);
         Diagnostic::at(self.code, span, format!("{message}{addition}"))
+    }
+
+    /// Reports fewer than two points. `noun` is what the points define, and `key` is the key of the list.
+    fn count_fault(&self, noun: &str, key: &str) -> Option<Diagnostic> {
+        let count = self.points.len();
+        let message = format!("a {noun} needs at least two points, and \"{key}\" has {count}");
+        let hint = "its segments connect neighbouring points, and the outermost segments continue";
+        (count < 2).then(|| Diagnostic::at(self.code, self.span, message).hint(hint))
     }
 
     /// Reports the first point whose first number does not exceed the one before by more than `distance`.

@@ -21,12 +21,33 @@ use crate::machines::Part;
 
 /// Decodes an element or a drive. `None` if its kind cannot be read.
 ///
-/// An element and a drive differ in two keys: only a drive has "scale", and only an element has "uses". A key that
-/// is left over may be a misspelled jack, so the entry then counts as incomplete.
+/// An element and a drive differ in two keys: only a drive has "scale", and only an element has "uses".
 pub(super) fn element_entry(
     source: &tree::KeyValue,
     family: Family,
     findings: &mut Findings,
+) -> Option<ElementEntry> {
+    entry_with(source, family, findings, |fields, entry, findings| match family {
+        Family::Drive => {
+            let scale = fields.require("scale", "the scale of the drive's output");
+            entry.scale = scale.and_then(|node| string(node, "scale", findings));
+        }
+        _ => {
+            entry.machine_parts =
+                fields.take("uses").map(|node| machine_parts(node, findings)).unwrap_or_default();
+        }
+    })
+}
+
+/// Decodes the keys that all elements and drives have, and then those that `decode_other_keys` takes. `None` if the kind
+/// cannot be read.
+///
+/// A key that is left over may be a misspelled jack, so the entry then counts as incomplete.
+pub(super) fn entry_with(
+    source: &tree::KeyValue,
+    family: Family,
+    findings: &mut Findings,
+    decode_other_keys: impl FnOnce(&mut Fields<'_>, &mut ElementEntry, &mut Findings),
 ) -> Option<ElementEntry> {
     let noun = format!("the {} {}", family_noun(family), source.key);
     let mut fields = Fields::of_with_hint(&source.value, noun, entry_hint(source, family), findings)?;
@@ -54,13 +75,7 @@ pub(super) fn element_entry(
             inner.finish_with_advice(&|key| elements::key_advice(kind, &group, key), findings);
         }
     }
-    if family == Family::Drive {
-        let scale = fields.require("scale", "the scale of the drive's output");
-        entry.scale = scale.and_then(|node| string(node, "scale", findings));
-    } else {
-        entry.machine_parts =
-            fields.take("uses").map(|node| machine_parts(node, findings)).unwrap_or_default();
-    }
+    decode_other_keys(&mut fields, &mut entry, findings);
     entry.is_incomplete |= fields.remaining().next().is_some();
     fields.finish_with_advice(&|key| elements::key_advice(kind, "", key), findings);
     Some(entry)

@@ -18,7 +18,7 @@ use crate::document::{
     Diagnostic, ParameterRangeError, Phase, Placed, Report, RunExtent, Span, parameter_in_si,
 };
 use crate::elements::Kind;
-use patchcord_expr::{Equation, Formula, Unit};
+use patchcord_expr::{Dimension, Equation, Formula, Unit};
 
 /// The version of the document format that this program reads and writes. It is the value of the key "patchcord".
 pub const FORMAT_VERSION: u64 = 1;
@@ -269,6 +269,9 @@ pub struct Patch {
     pub signals: IndexMap<String, Signal>,
     /// The equations that the wiring is meant to solve, in the units of the problem.
     pub equations: Vec<Placed<Equation>>,
+    /// The tables that the equations of a problem can apply, with the dimensions of their argument and of their value.
+    /// `None` if the document is not a problem.
+    pub(crate) problem_tables: Option<IndexMap<String, (Dimension, Dimension)>>,
     /// Whether loops of integrators with positive feedback are intended.
     pub positive_feedback: bool,
     /// Length, step and phases of the run.
@@ -305,6 +308,7 @@ impl Patch {
             macros_span: Span::default(),
             signals: IndexMap::new(),
             equations: Vec::new(),
+            problem_tables: None,
             positive_feedback: false,
             run: RunPlan::default(),
             record: Vec::new(),

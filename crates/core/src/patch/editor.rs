@@ -197,7 +197,7 @@ impl PatchEditor {
         let value: Value = texts.into_iter().map(|text| Value::from(text.as_ref())).collect();
         let node = Node::of(&value, &mut self.patch.edited_text.next_span);
         let mut findings = Findings::new();
-        self.patch.equations = decode::equations(&node, &mut self.patch.unread.names, &mut findings);
+        self.patch.equations = decode::equations(&node, &[], &mut self.patch.unread.names, &mut findings);
         self.reread_if_faulty(&findings);
         self.put_in_document(["equations"], value);
     }

@@ -6,6 +6,8 @@
 //!
 //! [`PatchBuilder`] makes a patch in Rust. [`PatchEditor`] changes the fields of a patch and its document together;
 //! `render` then writes the edits into the text, which otherwise stays as it is.
+//!
+//! A [`Problem`] is the document from which a patch can be made: equations with their quantities.
 
 mod builder;
 mod cord_faults;
@@ -22,11 +24,13 @@ mod key_synonyms;
 mod macros;
 mod names;
 mod picture_entry;
+mod problem;
 mod product_hints;
 mod render;
 mod schema;
 mod short_forms;
 mod table_file;
+mod time_units;
 
 pub use builder::{ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder};
 pub(crate) use cord_faults::{cord_hint, cord_notation, fixed_voltage_hint, no_cord, outputs_tied};
@@ -39,5 +43,7 @@ pub use editor::PatchEditor;
 pub use macros::{DrivenJack, Instance, InstanceInput, InstanceSetting, Macro, MacroOutput, MacroSetting};
 pub use names::{check_output_name, check_quantity_name, duplicate_name};
 pub use picture_entry::PictureEntry;
+pub use problem::{Problem, ProblemQuantity, ProblemTable};
 pub use schema::json_schema;
 pub use table_file::{time_order_hint, unreadable_unit};
+pub(crate) use time_units::is_time_dimensionless;

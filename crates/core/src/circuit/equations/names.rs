@@ -78,13 +78,13 @@ impl NameChecker<'_> {
         if self.scope.is_variable(base) {
             let is_signal = self.patch.signals.contains_key(base);
             return (is_initial && !is_signal)
-                .then(|| no_initial_value(base, variable_noun(self.patch, base)));
+                .then(|| self.no_initial_value(base, variable_noun(self.patch, base)));
         }
         if is_parameter || base == TIME {
             let noun = if is_parameter { "a parameter" } else { "the time" };
             return match is_initial {
-                true => Some(no_initial_value(base, noun)),
-                false => (order > 0).then(|| no_derivative(base, noun)),
+                true => Some(self.no_initial_value(base, noun)),
+                false => (order > 0).then(|| self.no_derivative(base, noun)),
             };
         }
         let message = format!("{base} is not a quantity of the equations");
@@ -154,27 +154,42 @@ impl NameChecker<'_> {
             let (base, order) = split_primes(name);
             order > 0 && split_initial(name).is_none() && self.scope.is_variable(base)
         })?;
-        Some(format!("add a signal {unknown} to the patch, or write {derivative}"))
+        Some(format!("{}, or write {derivative}", how_to_add(self.patch, unknown)))
+    }
+
+    /// The fault of a prime after a name without a derivative. `noun` is what the name is, with its article.
+    fn no_derivative(&self, name: &str, noun: &str) -> NameFault {
+        let message = format!("{name} is {noun} and has no derivative");
+        let signals = signals_noun(self.patch);
+        let hint = format!("primes follow the names of {signals}, drives and auxiliary quantities");
+        NameFault::new(Code::BAD_FORMULA, message, hint)
+    }
+
+    /// The fault of the initial value of a name that has none. `noun` is what the name is, with its article.
+    fn no_initial_value(&self, name: &str, noun: &str) -> NameFault {
+        let message = format!("{name} is {noun} and has no initial value");
+        let hint = format!("only {} have initial values, such as x(0)", signals_noun(self.patch));
+        NameFault::new(Code::BAD_FORMULA, message, hint)
     }
 }
 
-/// The fault of a prime after a name without a derivative. `noun` is what the name is, with its article.
-fn no_derivative(name: &str, noun: &str) -> NameFault {
-    let message = format!("{name} is {noun} and has no derivative");
-    let hint = "primes follow the names of signals, drives and auxiliary quantities";
-    NameFault::new(Code::BAD_FORMULA, message, hint)
+/// What messages call the signals. The signals of a problem are its quantities.
+fn signals_noun(patch: &Patch) -> &'static str {
+    if patch.is_problem() { "quantities" } else { "signals" }
 }
 
-/// The fault of the initial value of a name that has none. `noun` is what the name is, with its article.
-fn no_initial_value(name: &str, noun: &str) -> NameFault {
-    let message = format!("{name} is {noun} and has no initial value");
-    NameFault::new(Code::BAD_FORMULA, message, "only signals have initial values, such as x(0)")
+/// What to do so that the equations can use a name.
+pub(super) fn how_to_add(patch: &Patch, name: &str) -> String {
+    match patch.is_problem() {
+        true => format!("add {name} to the quantities"),
+        false => format!("add a signal {name} to the patch"),
+    }
 }
 
 /// What a signal, a drive or an auxiliary quantity is, with its article.
 pub(super) fn variable_noun(patch: &Patch, name: &str) -> &'static str {
     if patch.signals.contains_key(name) {
-        "a signal"
+        if patch.is_problem() { "a quantity" } else { "a signal" }
     } else if patch.drives.contains_key(name) {
         "a drive"
     } else {

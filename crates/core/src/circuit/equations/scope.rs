@@ -121,6 +121,11 @@ impl Scope for EquationScope<'_> {
         Some(unit.text())
     }
 
+    /// The dimensions of a table of a problem. A patch has no such tables.
+    fn table(&self, name: &str) -> Option<(Dimension, Dimension)> {
+        self.patch.problem_tables.as_ref()?.get(name).copied()
+    }
+
     fn time(&self) -> Dimension {
         if self.is_time_dimensionless { Dimension::NONE } else { Dimension::TIME }
     }
@@ -180,14 +185,4 @@ pub(super) fn is_element(patch: &Patch, name: &str) -> bool {
 /// Whether the name is that of a scale or of the time scale.
 pub(super) fn is_scale(patch: &Patch, name: &str) -> bool {
     name == TIME_SCALE || patch.scales.contains_key(name)
-}
-
-/// Whether times count as pure numbers in the equations of a patch: no unit of a parameter or a scale contains a time.
-///
-/// The volt does not count. It is the unit of the machine, and problems in pure numbers have scales in volts too.
-pub(super) fn is_time_dimensionless(patch: &Patch) -> bool {
-    let of_parameters = patch.parameters.values().map(|parameter| &parameter.unit);
-    let of_scales = patch.scales.values().map(|scale| &scale.unit);
-    let mut dimensions = of_parameters.chain(of_scales).map(|unit| unit.dimension());
-    !dimensions.any(|dimension| dimension.contains_time() && dimension != Dimension::VOLTAGE)
 }

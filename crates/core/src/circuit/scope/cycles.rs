@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::Quantities;
 use crate::document::{Code, Diagnostic, Placed, formula_diagnostic};
-use patchcord_expr::{Formula, Scope, Unit};
+use patchcord_expr::Formula;
 
 impl Quantities {
     /// Whether the value of a formula is an angular frequency. False if its terms do not agree in this.
@@ -30,22 +30,4 @@ impl Quantities {
         findings.extend(fault);
         is_right.then(|| self.in_hertz(&placed.value, value))
     }
-}
-
-/// Reports an angular frequency for a quantity whose unit counts cycles, such as Hz. `None` after a report.
-///
-/// Only frequencies of drives are converted. The names of the formula are in `scope`.
-pub(in crate::circuit) fn check_cycles(
-    placed: &Placed<Formula>,
-    scope: &dyn Scope,
-    unit: &Unit,
-    findings: &mut Vec<Diagnostic>,
-) -> Option<()> {
-    if !unit.counts_cycles() || !placed.value.is_angular(scope).unwrap_or(false) {
-        return Some(());
-    }
-    let message = format!("{} is an angular frequency, but {unit} is expected here", placed.value.text());
-    let hint = "divide it by (2 * pi)";
-    findings.push(Diagnostic::at(Code::UNIT_MISMATCH, placed.span, message).hint(hint));
-    None
 }
