@@ -244,7 +244,8 @@ impl Numbers<'_> {
     /// If a coefficient is not finite.
     fn sum(&self, node: usize, sum: &Sum) -> Result<Vec<Weighted>, Fault> {
         let weighted = |(id, coefficient): (&NodeId, &Fraction)| {
-            Ok(Weighted { factor: self.number(node, coefficient)?, node: index(*id) })
+            let factor = self.number(node, coefficient)?;
+            Ok::<_, Fault>(Weighted { factor, node: index(*id) })
         };
         sum.terms.iter().map(weighted).collect()
     }

@@ -2,15 +2,18 @@
 
 use super::extremes::Extremes;
 use super::fault::{Fault, FaultKind};
-use super::network::{Law, Network, size, total};
+use super::network::{Law, Network, Weighted, size, total};
 use super::order::Block;
 
 /// Growth of a state from its size at the start at which the solution counts as unbounded.
 const MAX_GROWTH: f64 = 1e12;
 /// Share of the run in which the size at the start is measured.
 const START_SHARE: f64 = 0.1;
-/// Magnitude of a negative argument of a root that counts as rounding, as a share of the square of its largest value.
-const ROOT_ROUNDING: f64 = 1e-6;
+/// Magnitude of a negative argument of a root that counts as an error of the solution, as a share of the square of the
+/// largest root so far.
+const ROOT_ERROR: f64 = 1e-6;
+/// Magnitude of a negative argument of a root that counts as rounding, as a share of the magnitudes of its terms.
+const ROOT_ROUNDING: f64 = 1e-12;
 
 /// Magnitude of a divisor that counts as nearly 0, as a share of its peak.
 const VANISHING_SHARE: f64 = 1e-6;
@@ -80,7 +83,7 @@ impl Watch {
         for node in &self.order {
             let (law, is_finite) = (&network.laws[*node], values[*node].is_finite());
             match law {
-                Law::Root(sum) if total(sum, values) < -ROOT_ROUNDING * extremes.peak(*node).powi(2) => {
+                Law::Root(sum) if is_negative(sum, values, extremes.peak(*node)) => {
                     return Err(Fault::node(FaultKind::NegativeRoot, *node, time));
                 }
                 Law::Given if !is_finite => return Err(self.unbounded(extremes, values, *node, time)),
@@ -105,4 +108,10 @@ impl Watch {
             None => Fault::node(FaultKind::Unbounded, node, time),
         }
     }
+}
+
+/// Whether the argument of a root is negative, and not only by the error of the solution or by rounding. `peak` is the
+/// largest root so far.
+fn is_negative(argument: &[Weighted], values: &[f64], peak: f64) -> bool {
+    total(argument, values) < -(ROOT_ERROR * peak.powi(2) + ROOT_ROUNDING * size(argument, values))
 }
