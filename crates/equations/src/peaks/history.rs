@@ -1,7 +1,7 @@
 //! The past of a delayed node.
 //!
-//! A piece of the past is a step with five equally spaced values. Between them, the value follows the polynomial through
-//! all five. Jumps and corners of the past are at the ends of pieces.
+//! A piece of the past is a step with five equally spaced values. Between them, the value follows the polynomial
+//! through all five. Jumps and corners of the past are at the ends of pieces.
 
 use std::collections::VecDeque;
 

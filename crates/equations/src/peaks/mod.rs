@@ -1,10 +1,10 @@
 //! The ranges of all nodes of a plan: a numerical solution in SI units, without voltages.
 //!
-//! `network` turns a plan into laws with numbers, and `order` puts them into the order of evaluation. `evaluator` computes
-//! all values at an instant, with the solutions of loops from `newton`, the drives from `drives` and the past of delayed
-//! nodes from `history`. `solution` takes the steps, whose length `step_control` chooses. `extremes` keeps the smallest
-//! and the largest values, and `quartic` finds peaks between samples. `watch` finds values that a machine could not have.
-//! `fault` turns what is wrong into a diagnostic.
+//! `network` turns a plan into laws with numbers, and `order` puts them into the order of evaluation. `evaluator`
+//! computes all values at an instant, with the solutions of loops from `newton`, the drives from `drives` and the past
+//! of delayed nodes from `history`. `solution` takes the steps, whose length `step_control` chooses. `extremes` keeps
+//! the smallest and the largest values, and `quartic` finds peaks between samples. `watch` finds values that a machine
+//! could not have. `fault` turns what is wrong into a diagnostic.
 
 mod drives;
 mod evaluator;

@@ -1,6 +1,6 @@
 //! The solution of a network over the run: steps of the pair of Dormand and Prince, with the range of every value.
 //!
-//! Steps end at the corners of drives and where a delay line begins to put out its input. Comparators and limits have no
+//! Steps end at the corners of drives and where the first input of a delay line arrives. Comparators and limits have no
 //! such stops: the control of the step length crosses them in short steps. Every step is sampled at five equally spaced
 //! times. If a value seems to have its peak between them, it is also evaluated at that time.
 
@@ -18,8 +18,8 @@ use super::watch::Watch;
 
 /// Largest error of a step in a state, as a share of the largest magnitude of the state so far.
 const TOLERANCE: f64 = 1e-8;
-/// Least size of a state as a share of the change that the terms of its rate would make over the run. Without it, no step
-/// of a state that leaves 0 would be short enough.
+/// Least size of a state as a share of the change that the terms of its rate would make over the run. Without it, no
+/// step of a state that leaves 0 would be short enough.
 const LEAST_SIZE: f64 = 1e-6;
 /// Difference of two times that counts as rounding, as a share of the run.
 const SAME_TIME: f64 = 1e-13;
