@@ -7,10 +7,10 @@ use patchcord_core::ir::Program;
 use crate::compare::{Agreement, ComparedEquation};
 use crate::fixes::{Fix, MOST_FIXES, find_fixes};
 
-/// The codes of equations.
+/// The codes of equations and of problems.
 pub mod codes {
     patchcord_core::diagnostic_codes! {
-        /// All codes of equations, in the order of the reference page.
+        /// All codes of equations and of problems, in the order of the reference page.
         self::ALL;
         NOT_SOLVED "equation-not-solved" Error "The wiring solves another equation than the patch states."
             "`patchcord equations PATCH` prints the equations that the wiring solves";
@@ -18,6 +18,14 @@ pub mod codes {
             "let the settings contain the parameters, so that --set and sweeps change the wiring too";
         NOT_COMPARED "equation-not-compared" Warning "An equation cannot be compared with the wiring."
             "write it for a signal or the derivative of a signal";
+        NO_SOLUTION "no-solution" Error "A quantity of a problem has no value at some time of the run."
+            "check the equations, the parameters and the initial values, or end the run earlier";
+        UNBOUNDED "unbounded" Error "A quantity of a problem grows without bound."
+            "look for a term with the wrong sign, or end the run earlier";
+        ZERO_DIVISOR "zero-divisor" Error "A divisor of a problem reaches 0 in the run."
+            "multiply the equation by the divisor, or end the run earlier";
+        LONG_SOLUTION "long-solution" Error "The numerical solution of a problem takes too many evaluations."
+            "end the run earlier, or state a \"maximum\" for each quantity";
     }
 }
 

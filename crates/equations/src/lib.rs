@@ -28,6 +28,7 @@ mod findings;
 mod fixes;
 mod listing;
 mod notation;
+mod peaks;
 mod plan;
 mod symbolic;
 #[cfg(test)]

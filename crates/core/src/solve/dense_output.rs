@@ -37,7 +37,8 @@ impl Solver<'_> {
 
 /// The curve of the states at one instant within a step, as the weights of the states and rates. It serves for all
 /// states and, because it is linear, also for their slopes.
-pub(super) struct Curve {
+#[derive(Debug)]
+pub struct Curve {
     /// Weights of the states at the beginning and at the end.
     states: [f64; 2],
     /// Weights of the rates at the beginning and at the end, in seconds.
@@ -50,7 +51,7 @@ pub(super) struct Curve {
 
 impl Curve {
     /// The curve of a method after a share (0 ... 1) of a step of this length.
-    pub(super) fn new(method: &Tableau, length: f64, share: f64) -> Self {
+    pub fn new(method: &Tableau, length: f64, share: f64) -> Self {
         let [states, rates] = hermite(length, share);
         let parabola = share * (1.0 - share);
         Curve { states, rates, correction: length * parabola * parabola, weights: method.dense_correction }
@@ -58,7 +59,7 @@ impl Curve {
 
     /// The value of a state, given by its index, from its values at both ends and the rates of the stages. The last of
     /// these rates is the rate at the end of the step.
-    pub(super) fn value(&self, [from, to]: [f64; 2], rates: &[Vec<f64>], state: usize) -> f64 {
+    pub fn value(&self, [from, to]: [f64; 2], rates: &[Vec<f64>], state: usize) -> f64 {
         self.states[0] * from
             + self.rates[0] * rates[0][state]
             + self.states[1] * to

@@ -122,7 +122,7 @@ fn next_level_or_corner(setup: &Setup<'_>, state: &SolverState, target: f64, cor
 }
 
 /// The first corner after a problem time; `None` after the last. `corners` ascend.
-fn next_corner(corners: &[f64], time: f64, step: f64) -> Option<f64> {
+pub(super) fn next_corner(corners: &[f64], time: f64, step: f64) -> Option<f64> {
     let next = corners.partition_point(|corner| *corner <= time + INSTANT_TOLERANCE * step);
     corners.get(next).copied()
 }

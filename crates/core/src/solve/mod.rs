@@ -8,7 +8,8 @@
 //! `recorder` records signals, `extrema` and `lamps` find their peaks and overloads, and `sensitivity` computes
 //! derivatives. `limit_drive` measures how integrators are driven against their limits, and `cord_chains` follows cords
 //! from element to element. `step_check`, `check_plan`, `step_comparison` and `thinned_trace` find steps that are too
-//! long. `controls` and `drive_table` change settings, and `readings` reads a machine.
+//! long. `controls` and `drive_table` change settings, and `readings` reads a machine. `drive_sections` evaluates drives
+//! for another solver.
 
 mod batch;
 mod buffers;
@@ -17,6 +18,7 @@ mod controls;
 mod cord_chains;
 mod dense_output;
 mod discontinuities;
+mod drive_sections;
 mod drive_table;
 mod error;
 mod evaluate;
@@ -58,11 +60,15 @@ pub use crate::document::{
 };
 pub use crate::kernel::{Backend, LANES};
 pub use crate::trace::{LimitDrive, Overload, WorkCounters};
+pub use dense_output::Curve as StateCurve;
+pub use drive_sections::DriveSections;
 pub use drive_table::{CurveError, DriveTableError, set_curve, set_drive_table};
 pub use error::RunError;
 pub use machine::{Machine, MachineMode};
 pub use run::{check, machine_after, run, run_batch, run_in_blocks, run_with_progress, sufficient_step};
+pub use runge_kutta::{advance_states, weighted_sum};
 pub use settings::RunSettings;
 pub use settings_blocks::BLOCK_SAMPLES;
 pub use stopped_run::StoppedRunError;
+pub use tableau::{DORMAND_PRINCE, Stage, StageWeight, Tableau};
 pub use time_setting::TimeSetting;

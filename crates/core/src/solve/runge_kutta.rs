@@ -65,7 +65,7 @@ pub(super) fn evaluations(method: &Tableau) -> u64 {
 /// Calculates the states at a stage: `into = from + length * (weighted sum of the rates)`. `rates` has a row per stage
 /// and a column per state. The sensitivities use the same formula for slopes.
 #[inline]
-pub(super) fn advance_states(
+pub fn advance_states(
     into: &mut [f64],
     from: &[f64],
     rates: &[Vec<f64>],
@@ -99,6 +99,6 @@ pub(super) fn flush_tiny_states(states: &mut [f64]) {
 }
 
 /// The sum of the rates of a state at the stages, each multiplied by its weight.
-pub(super) fn weighted_sum(rates: &[Vec<f64>], weights: &[StageWeight], state: usize) -> f64 {
+pub fn weighted_sum(rates: &[Vec<f64>], weights: &[StageWeight], state: usize) -> f64 {
     weights.iter().map(|(stage, weight)| weight * rates[*stage][state]).sum()
 }

@@ -7,7 +7,7 @@
 /// An explicit Runge-Kutta method. Its first stage is the beginning of a step and is not listed, so stage i of a
 /// [`StageWeight`] is `stages[i - 1]`.
 #[derive(Debug)]
-pub(super) struct Tableau {
+pub struct Tableau {
     /// The stages after the first.
     pub stages: &'static [Stage],
     /// Index in `stages` of the last stage near the middle of a step. Its voltages choose the side of each kink for the
@@ -32,7 +32,7 @@ pub(super) struct Tableau {
 
 /// A stage of a step.
 #[derive(Debug)]
-pub(super) struct Stage {
+pub struct Stage {
     /// The instant of the stage as a share (0 ... 1) of the step.
     pub node: f64,
     /// The weights of the rates of earlier stages. Their sum is the node.
@@ -40,7 +40,7 @@ pub(super) struct Stage {
 }
 
 /// The index of a stage (0 for the first) and the weight of its rate.
-pub(super) type StageWeight = (usize, f64);
+pub type StageWeight = (usize, f64);
 
 /// The classical method of order 4 (Kutta 1901), for equal steps.
 pub(super) static CLASSICAL: Tableau = Tableau {
@@ -60,7 +60,7 @@ pub(super) static CLASSICAL: Tableau = Tableau {
 
 /// The pair of orders 5 and 4 of Dormand and Prince (1980), with the dense output of order 4 of Shampine (1986), for
 /// steps that adapt to a tolerance. Node 0.3 is the stage near the middle.
-pub(super) static DORMAND_PRINCE: Tableau = Tableau {
+pub static DORMAND_PRINCE: Tableau = Tableau {
     stages: &[
         Stage { node: 0.2, weights: &[(0, 0.2)] },
         Stage { node: 0.3, weights: &[(0, 3.0 / 40.0), (1, 9.0 / 40.0)] },
@@ -116,7 +116,7 @@ pub(super) static DORMAND_PRINCE: Tableau = Tableau {
 
 impl Tableau {
     /// Number of rates that a step keeps for each state: one for every stage, the first included, and one at its end.
-    pub(super) fn rates(&self) -> usize {
+    pub fn rates(&self) -> usize {
         self.stages.len() + 2
     }
 }

@@ -132,18 +132,19 @@ pub(crate) struct TableLaw {
 impl TableLaw {
     /// The ordinate in SI at an abscissa; volts if the table has no unit.
     pub(crate) fn value_in_si(&self, at: f64) -> f64 {
-        self.unit.as_ref().map_or(1.0, |unit| unit.factor) * self.value(at)
+        self.unit.as_ref().map_or(1.0, |unit| unit.factor) * interpolated(&self.points, at)
     }
+}
 
-    /// The ordinate at an abscissa: straight lines between the points, constant outside.
-    fn value(&self, at: f64) -> f64 {
-        let after = self.points.partition_point(|point| point[0] < at);
-        match (after.checked_sub(1).map(|before| self.points[before]), self.points.get(after)) {
-            (Some([x, y]), Some([next, ordinate])) => y + (ordinate - y) * (at - x) / (next - x),
-            (Some([_, y]), None) => y,
-            (None, Some([_, y])) => *y,
-            (None, None) => f64::NAN,
-        }
+/// The ordinate of a table of points at an abscissa: straight lines between the points, constant outside. NaN if there
+/// is no point.
+pub(crate) fn interpolated(points: &[[f64; 2]], at: f64) -> f64 {
+    let after = points.partition_point(|point| point[0] < at);
+    match (after.checked_sub(1).map(|before| points[before]), points.get(after)) {
+        (Some([x, y]), Some([next, ordinate])) => y + (ordinate - y) * (at - x) / (next - x),
+        (Some([_, y]), None) => y,
+        (None, Some([_, y])) => *y,
+        (None, None) => f64::NAN,
     }
 }
 
