@@ -350,3 +350,6 @@ impl Values for Constants<'_> {
         f64::NAN
     }
 }
+
+#[cfg(test)]
+mod tests;
