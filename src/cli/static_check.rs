@@ -212,7 +212,7 @@ fn table<'a>(heading: &str, rows: impl Iterator<Item = &'a StaticRow>) -> String
     table.text()
 }
 
-/// What a reader must know of a row: a difference, an overload, and where the expected value comes from.
+/// The remark on a row: a difference, an overload, and where the expected value comes from.
 fn remark(row: &StaticRow) -> String {
     let difference = row.differs.then_some("DIFFERENT");
     let overload = row.is_overloaded.then_some("overload");
