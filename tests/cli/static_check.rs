@@ -93,7 +93,7 @@ fn shipped_patches_agree_with_their_equations() {
     for patch in patches {
         let file = format!("patches/{patch}.json");
         for test in [&["initial"][..], &["random"], &["random", "--seed", "2"], &["random", "--seed", "3"]] {
-            let checked = patchcord(&[&["check", &file, "--test"], test].concat());
+            let checked = patchcord(&[&["check", file.as_str(), "--test"], test].concat());
             if code(&checked) != 0 {
                 failures.push(format!("{patch} {test:?}:\n{}{}", out(&checked), errors(&checked)));
             }
