@@ -39,7 +39,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "run_settings",
         ],
     ),
-    ("equations", &["notation", "symbolic", "derive", "writing", "compare", "fixes", "findings", "listing"]),
+    ("equations", &["notation", "symbolic", "derive", "writing", "compare", "fixes", "findings", "static_check", "scaling_audit", "listing", "plan", "peaks"]),
     ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),
     (
         "draw",

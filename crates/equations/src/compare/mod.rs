@@ -20,7 +20,8 @@ use crate::notation::{Notation, text};
 use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, absolute, partial_derivative};
 use crate::writing::Writer;
 use intended::fraction;
-use model::{Model, Obstacle};
+use model::Model;
+pub(crate) use model::Obstacle;
 use points::{ParameterValues, Point, equal_at_points};
 use terms::{DifferenceKind, TermDifference, differences, is_negative};
 

@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::elements::Family;
-use patchcord_core::ir::{Level, Loop, Op, Program, PulseTrain, Register, SignalInfo};
+use patchcord_core::ir::{Level, Loop, Op, ParameterValue, Program, PulseTrain, Register, SignalInfo};
 use patchcord_expr::{Dimension, Function};
 
 use super::loops::{Unknown, solve};
@@ -103,12 +103,9 @@ impl<'a> Derivation<'a> {
             |name: &str, kind, dimension| SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
         let pi = symbols.add(entry("pi", SymbolKind::Pi, Dimension::NONE), true);
         let parameters = program.parameters().iter().enumerate().map(|(index, parameter)| {
-            let is_nonnegative = match parameter.declared.range {
-                Some((low, _)) => low >= 0.0,
-                None => parameter.value > 0.0,
-            };
             let kind = SymbolKind::Parameter(index);
-            symbols.add(entry(&parameter.declared.name, kind, parameter.declared.dimension), is_nonnegative)
+            let declared = &parameter.declared;
+            symbols.add(entry(&declared.name, kind, declared.dimension), is_nonnegative(parameter))
         });
         let parameters: Vec<Symbol> = parameters.collect();
         let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);
@@ -624,8 +621,16 @@ impl<'a> Derivation<'a> {
     }
 }
 
+/// Whether a parameter counts as never negative: so says its range, or its value if it has none.
+pub(crate) fn is_nonnegative(parameter: &ParameterValue) -> bool {
+    match parameter.declared.range {
+        Some((low, _)) => low >= 0.0,
+        None => parameter.value > 0.0,
+    }
+}
+
 /// The registers that limit the inputs of squaring networks and logarithms to their range.
-fn ranged(program: &Program) -> HashSet<Register> {
+pub(crate) fn ranged(program: &Program) -> HashSet<Register> {
     let inputs = program.body().iter().filter_map(|op| match op {
         Op::Multiply(a, b) if a == b => Some(*a),
         Op::Call(Function::Ln | Function::Log10, a, _) => match program.body()[a.index()] {

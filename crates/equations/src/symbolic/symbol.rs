@@ -80,6 +80,11 @@ impl Symbols {
         Some(self.symbols[index])
     }
 
+    /// All symbols, in the order in which they were added.
+    pub(crate) fn all(&self) -> impl Iterator<Item = Symbol> {
+        self.symbols.iter().copied()
+    }
+
     /// The entry of a symbol.
     pub(crate) fn entry(&self, symbol: Symbol) -> &SymbolEntry {
         &self.entries[symbol.index as usize]
