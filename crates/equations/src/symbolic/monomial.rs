@@ -89,6 +89,25 @@ impl Atom {
             },
         }
     }
+
+    /// Whether the factor is always above 0.
+    fn is_positive(&self) -> bool {
+        match self {
+            Atom::Symbol(symbol) => symbol.is_positive,
+            Atom::Apply(applied) => match applied.operation {
+                Operation::Call(CallOrder(Function::Exp | Function::Exp10)) => true,
+                Operation::Call(CallOrder(Function::Sqrt)) => {
+                    applied.arguments.iter().all(Fraction::is_positive)
+                }
+                _ => false,
+            },
+        }
+    }
+
+    /// Whether a power of the factor is above 0 wherever it has a value. A divisor is not 0.
+    pub(crate) fn has_positive_power(&self, exponent: i32) -> bool {
+        self.is_positive() || (exponent < 0 && (exponent % 2 == 0 || self.is_nonnegative()))
+    }
 }
 
 /// A product of powers with whole exponents, which may be negative. The empty product is 1.
@@ -136,6 +155,11 @@ impl Monomial {
     /// Whether the product is never negative.
     pub(crate) fn is_nonnegative(&self) -> bool {
         self.factors.iter().all(|(atom, exponent)| exponent % 2 == 0 || atom.is_nonnegative())
+    }
+
+    /// Whether the product is above 0 wherever it has a value.
+    pub(crate) fn is_positive(&self) -> bool {
+        self.factors.iter().all(|(atom, exponent)| atom.has_positive_power(*exponent))
     }
 
     /// The product as rest x |inside|, if it has an absolute value of a sum as a factor.

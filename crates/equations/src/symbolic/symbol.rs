@@ -9,6 +9,8 @@ pub(crate) struct Symbol {
     pub index: u32,
     /// Whether the quantity is never negative. So it can be taken out of an absolute value.
     pub is_nonnegative: bool,
+    /// Whether the quantity is always above 0. So it can be left out of a step.
+    pub is_positive: bool,
     /// Whether the quantity is constant in a run. So it can be taken out of a delay.
     pub is_constant: bool,
 }
@@ -53,9 +55,17 @@ impl Symbols {
     /// Adds a symbol.
     pub(crate) fn add(&mut self, entry: SymbolEntry, is_nonnegative: bool) -> Symbol {
         let is_constant = matches!(entry.kind, SymbolKind::Pi | SymbolKind::Parameter(_));
-        let symbol = Symbol { index: self.entries.len() as u32, is_nonnegative, is_constant };
+        let index = self.entries.len() as u32;
+        let symbol = Symbol { index, is_nonnegative, is_positive: false, is_constant };
         self.entries.push(entry);
         self.symbols.push(symbol);
+        symbol
+    }
+
+    /// Adds a symbol of a quantity that is always above 0.
+    pub(crate) fn add_positive(&mut self, entry: SymbolEntry) -> Symbol {
+        let symbol = Symbol { is_positive: true, ..self.add(entry, true) };
+        self.symbols[symbol.index as usize] = symbol;
         symbol
     }
 

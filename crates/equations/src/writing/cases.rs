@@ -119,7 +119,7 @@ impl Writer<'_> {
         }
         let (number, content, rest) = with_maxima(condition.numerator()).into_primitive();
         let is_number = content.is_constant() && rest.terms().all(|(product, _)| product.is_constant());
-        let unknown = content.only(|atom, exponent| is_number || exponent % 2 != 0 && !atom.is_nonnegative());
+        let unknown = content.only(|atom, exponent| is_number || !atom.has_positive_power(exponent));
         let relation = if number.is_negative() { reversed(relation) } else { relation };
         let (mut left, mut right) = (Polynomial::default(), Polynomial::default());
         for (product, number) in rest.terms() {
@@ -158,8 +158,7 @@ fn minimum_of(guard: &Fraction) -> Option<[Fraction; 2]> {
         if matches!(applied.operation, Operation::Minimum | Operation::Maximum))
     };
     let (atom, _) = product.factors().iter().find(|(atom, exponent)| is_minimum(atom) && *exponent == 1)?;
-    let is_known =
-        |(other, exponent): &(Atom, i32)| other == atom || exponent % 2 == 0 || other.is_nonnegative();
+    let is_known = |(other, exponent): &(Atom, i32)| other == atom || other.has_positive_power(*exponent);
     let Atom::Apply(applied) = atom else { return None };
     let [first, second] = applied.arguments.as_slice() else { return None };
     match applied.operation {

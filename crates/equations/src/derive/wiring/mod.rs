@@ -102,14 +102,16 @@ impl<'a> Derivation<'a> {
         let mut symbols = Symbols::default();
         let entry =
             |name: &str, kind, dimension| SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
-        let pi = symbols.add(entry("pi", SymbolKind::Pi, Dimension::NONE), true);
+        let pi = symbols.add_positive(entry("pi", SymbolKind::Pi, Dimension::NONE));
         let parameters = program.parameters().iter().enumerate().map(|(index, parameter)| {
-            let is_nonnegative = match parameter.declared.range {
-                Some((low, _)) => low >= 0.0,
-                None => parameter.value > 0.0,
-            };
+            let least = parameter.declared.range.map_or(parameter.value, |(low, _)| low);
             let kind = SymbolKind::Parameter(index);
-            symbols.add(entry(&parameter.declared.name, kind, parameter.declared.dimension), is_nonnegative)
+            let entry = entry(&parameter.declared.name, kind, parameter.declared.dimension);
+            if least > 0.0 {
+                return symbols.add_positive(entry);
+            }
+            // A value of 0 says nothing about the sign of other values, but a range does.
+            symbols.add(entry, parameter.declared.range.is_some() && least >= 0.0)
         });
         let parameters: Vec<Symbol> = parameters.collect();
         let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);
