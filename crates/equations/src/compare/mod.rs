@@ -4,6 +4,7 @@
 //! 0 in normal form, the wiring solves the equation. Otherwise the equation is solved for the highest derivative on its
 //! left, and compared with the wiring term by term for the present values of the parameters.
 
+mod expansions;
 pub(crate) mod intended;
 mod model;
 mod points;

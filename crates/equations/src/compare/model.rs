@@ -6,6 +6,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::{Expression, Node};
 
+use super::expansions::Expansions;
 use super::intended::fraction;
 use crate::derive::{LawKind, ModeLaw, Options, System, derive, simplified};
 use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
@@ -16,8 +17,8 @@ pub(crate) struct Model<'a> {
     pub system: System,
     /// The right sides of the auxiliary quantities, by name.
     auxiliaries: HashMap<&'a str, &'a Node>,
-    /// The quantities that are being expanded, so that a circle ends.
-    open: Vec<Symbol>,
+    /// The quantities that are being expanded, and those that were.
+    expansions: Expansions,
     /// Whether drives are expanded into their laws of time too.
     pub expands_drives: bool,
 }
@@ -56,7 +57,7 @@ impl<'a> Model<'a> {
             });
         let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
         let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
-        Model { system, auxiliaries, open: Vec::new(), expands_drives: false }
+        Model { system, auxiliaries, expansions: Expansions::default(), expands_drives: false }
     }
 
     /// A quantity of an equation, with this number of derivatives, as a function of states, drives, time and
@@ -105,25 +106,25 @@ impl<'a> Model<'a> {
 
     /// A symbol as a function of states, drives, time and parameters.
     fn expanded(&mut self, symbol: Symbol, kept: &HashSet<Symbol>) -> Fraction {
-        let own = Fraction::symbol(symbol);
-        if kept.contains(&symbol) || self.open.contains(&symbol) {
-            return own;
+        if self.expansions.stops_at(symbol, kept) {
+            return Fraction::symbol(symbol);
         }
-        let value = match self.system.law(symbol) {
-            Some(LawKind::Definition(value)) => value.clone(),
-            Some(LawKind::Drive(value)) if self.expands_drives => value.clone(),
-            Some(LawKind::Delay { input, time, .. }) => {
-                let (input, time) = (input.clone(), time.clone());
-                self.open.push(symbol);
-                let input = self.expanded_fraction(&input, kept);
-                self.open.pop();
-                return delay(&input, &time);
-            }
-            _ => return own,
+        if let Some(known) = self.expansions.known(symbol, kept, self.expands_drives) {
+            return known;
+        }
+        let (value, time) = match self.system.law(symbol) {
+            Some(LawKind::Definition(value)) => (value.clone(), None),
+            Some(LawKind::Drive(value)) if self.expands_drives => (value.clone(), None),
+            Some(LawKind::Delay { input, time, .. }) => (input.clone(), Some(time.clone())),
+            _ => return Fraction::symbol(symbol),
         };
-        self.open.push(symbol);
+        self.expansions.begin(symbol);
         let value = self.expanded_fraction(&value, kept);
-        self.open.pop();
+        let value = match time {
+            Some(time) => delay(&value, &time),
+            None => value,
+        };
+        self.expansions.end(&value, self.expands_drives);
         value
     }
 
