@@ -44,6 +44,45 @@ fn an_integrator_with_a_limit_shows_it() {
     assert_eq!(equations(&patch), [expected]);
 }
 
+/// A decay at the rate of a parameter m. The state is the output of the element `element`.
+fn decay(element: &str, signals: &Value) -> Value {
+    json!({
+        "patchcord": 1,
+        "parameters": {"m": {"value": 0.5, "unit": "1"}},
+        "elements": {
+            "P1": {"kind": "pot", "in": element, "setting": "m"},
+            element: {"kind": "integrator", "in": {"x1": ["P1"]}, "initial": 50},
+            "U1": {"kind": "absolute", "in": element},
+        },
+        "signals": signals,
+    })
+}
+
+#[test]
+fn a_quantity_with_the_name_of_a_parameter_gets_another_name() {
+    let volts = json!({"at": "A1"});
+    let cases = [
+        (
+            decay("A1", &json!({"m": volts})),
+            "m_out' = -m m_out\n\nat t = 0: m_out = 50\n\nm_out is the signal m, because m is a parameter\n",
+        ),
+        (
+            decay("A1", &json!({"m": volts, "m_out": volts})),
+            "m_out_' = -m m_out_\nm_out = m_out_\n\nat t = 0: m_out_ = 50\n\n\
+             m_out_ is the signal m, because m is a parameter\n",
+        ),
+        (
+            decay("m", &json!({"y": {"at": "U1"}})),
+            "y = abs(m_out)\nm_out' = -m m_out\n\nat t = 0: m_out = 50\n\n\
+             m_out is the output of the element m, because m is a parameter\n",
+        ),
+    ];
+    for (patch, expected) in cases {
+        let (circuit, program) = compiled(&patch);
+        assert_eq!(EquationListing::new(&circuit, &program, Detail::Signals).text(), expected);
+    }
+}
+
 #[test]
 fn delays_of_sums_and_constant_factors_agree() {
     let mut patch = json!({

@@ -303,9 +303,8 @@ impl Comparison<'_> {
     /// one for which the equation is solved.
     fn kept(&self, equation: &Equation, solved: &str) -> HashSet<Symbol> {
         let solved = split_primes(solved).0;
-        let symbols = &self.model.system.symbols;
         let names = equation.names().into_iter().filter(|name| *name != solved && split_primes(name).1 == 0);
-        let found = names.filter_map(|name| symbols.find(name, 0));
+        let found = names.filter_map(|name| self.model.symbol(name, 0));
         found.filter(|symbol| self.is_expression(*symbol)).collect()
     }
 
@@ -423,3 +422,6 @@ fn is_power_of(factor: f64, time_scale: f64) -> bool {
     let is_near = |power: i32| (factor / time_scale.powi(power) - 1.0).abs() < 1e-9;
     time_scale != 1.0 && [-2, -1, 1, 2].into_iter().any(is_near)
 }
+
+#[cfg(test)]
+mod tests;

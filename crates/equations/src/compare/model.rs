@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
 use patchcord_expr::{Expression, Node};
 
 use super::expansions::Expansions;
@@ -15,6 +16,8 @@ use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
 pub(crate) struct Model<'a> {
     /// The equations of the wiring.
     pub system: System,
+    /// The patch, for the names of its signals and drives.
+    patch: &'a Patch,
     /// The right sides of the auxiliary quantities, by name.
     auxiliaries: HashMap<&'a str, &'a Node>,
     /// The quantities that are being expanded, and those that were.
@@ -57,7 +60,7 @@ impl<'a> Model<'a> {
             });
         let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
         let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
-        Model { system, auxiliaries, expansions: Expansions::default(), expands_drives: false }
+        Model { system, patch, auxiliaries, expansions: Expansions::default(), expands_drives: false }
     }
 
     /// A quantity of an equation, with this number of derivatives, as a function of states, drives, time and
@@ -87,7 +90,7 @@ impl<'a> Model<'a> {
             return Ok((value, primes));
         }
         for order in (0..=primes).rev() {
-            let found = u8::try_from(order).ok().and_then(|order| self.system.symbols.find(name, order));
+            let found = u8::try_from(order).ok().and_then(|order| self.symbol(name, order));
             if let Some(symbol) = found {
                 let is_state = matches!(self.system.law(symbol), Some(LawKind::State { .. }));
                 if order == 0 || is_state {
@@ -98,8 +101,22 @@ impl<'a> Model<'a> {
         Err(Obstacle::Unknown(name.to_owned()))
     }
 
+    /// The symbol of a signal or a drive, or of a derivative of one; otherwise of a parameter or the time. A parameter may
+    /// have the same name as an output; then equations cannot name the output.
+    pub(crate) fn symbol(&self, name: &str, order: u8) -> Option<Symbol> {
+        let symbols = &self.system.symbols;
+        let is_output = self.patch.signals.contains_key(name) || self.patch.drives.contains_key(name);
+        if is_output { symbols.find_variable(name, order) } else { symbols.find(name, order) }
+    }
+
     /// A name of an equation, such as x'', k or t.
     pub(crate) fn named(&mut self, name: &str, kept: &HashSet<Symbol>) -> Result<Fraction, Obstacle> {
+        // In an equation pi is the number, even if a signal has this name.
+        if name == "pi"
+            && let Some(pi) = self.system.symbols.find(name, 0)
+        {
+            return Ok(Fraction::symbol(pi));
+        }
         let (base, primes) = patchcord_expr::split_primes(name);
         self.quantity(base, primes, kept)
     }

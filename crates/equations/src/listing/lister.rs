@@ -1,16 +1,19 @@
 //! Writes the laws of a system.
 
+use patchcord_core::patch::Patch;
 use patchcord_expr::Dimension;
 
 use super::modes::joined;
 use super::{EquationListing, InitialValue, ModeChange, ModeDescription, TableDescription};
 use crate::derive::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
 use crate::notation::{Comparison, Condition, Notation, Relation, WrittenEquation, text};
-use crate::symbolic::{Fraction, Symbol, whole};
+use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, whole};
 use crate::writing::Writer;
 
 /// Writes the laws of a system.
 pub(super) struct Lister<'a> {
+    /// The patch from which the system was derived.
+    pub patch: &'a Patch,
     /// The system.
     pub system: &'a System,
     /// Its writer.
@@ -31,6 +34,7 @@ impl Lister<'_> {
                 kind => equations.extend(self.equation(law.of, kind)),
             }
         }
+        remarks.extend(self.other_names());
         EquationListing {
             equations,
             initial: laws.iter().filter_map(|law| self.initial(law)).collect(),
@@ -61,7 +65,8 @@ impl Lister<'_> {
     /// The equation for the derivative of a state, with cases if it has limits.
     fn rate(&self, of: Symbol, rate: &Fraction, limits: &[Option<Fraction>; 2]) -> Option<WrittenEquation> {
         let entry = self.system.symbols.entry(of);
-        let left = Notation::Name { name: entry.name.clone(), primes: entry.primes + 1 };
+        let name = self.writer.written_name(of).to_owned();
+        let left = Notation::Name { name, primes: entry.primes + 1 };
         let right = self.writer.expression(rate, Some(entry.dimension.over(Dimension::TIME)));
         if right == left && limits.iter().all(Option::is_none) {
             return None;
@@ -127,9 +132,35 @@ impl Lister<'_> {
         Some(InitialValue { quantity: self.writer.name(law.of), value })
     }
 
+    /// Remarks on the quantities that are not written under their own names.
+    fn other_names(&self) -> Vec<String> {
+        let symbols = &self.system.symbols;
+        let is_listed = |entry: &SymbolEntry| {
+            let is_own = |law: &Law| symbols.entry(law.of).name == entry.name;
+            entry.kind == SymbolKind::Time || (entry.primes == 0 && self.system.laws.iter().any(is_own))
+        };
+        let remark = |(symbol, entry): (Symbol, &SymbolEntry)| {
+            let (written, name) = (self.writer.written_name(symbol), &entry.name);
+            let is_other = written != name && is_listed(entry);
+            let (noun, owner) = (self.noun(entry), if name == "pi" { "a number" } else { "a parameter" });
+            is_other.then(|| format!("{written} is {noun} {name}, because {name} is {owner}"))
+        };
+        symbols.entries().filter_map(remark).collect()
+    }
+
+    /// What a quantity is, with its article.
+    fn noun(&self, entry: &SymbolEntry) -> &'static str {
+        match entry.kind {
+            SymbolKind::Time => "the time",
+            _ if self.patch.signals.contains_key(&entry.name) => "the signal",
+            _ if self.patch.drives.contains_key(&entry.name) => "the drive",
+            _ => "the output of the element",
+        }
+    }
+
     /// A remark on a source.
     fn source(&self, of: Symbol, source: &Source) -> String {
-        let name = &self.system.symbols.entry(of).name;
+        let name = self.writer.written_name(of);
         match source {
             Source::Noise => {
                 format!("{name}: random numbers with mean 0 and variance 1, each constant for a time")
@@ -145,7 +176,7 @@ impl Lister<'_> {
 
     /// A remark on a value that is stored at the end of each step.
     fn stored(&self, of: Symbol, next: &Fraction) -> String {
-        let name = &self.system.symbols.entry(of).name;
+        let name = self.writer.written_name(of);
         let next = self.writer.expression(next, Some(Dimension::VOLTAGE));
         format!("{name}: the value of {} an instant before", text(&next))
     }

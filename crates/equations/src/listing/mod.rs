@@ -57,7 +57,7 @@ pub struct EquationListing {
     pub modes: Vec<ModeDescription>,
     /// The tables that the equations name.
     pub tables: Vec<TableDescription>,
-    /// What is not an equation: noise, and values that are stored from step to step.
+    /// What is not an equation: noise, values that are stored from step to step, and other names of quantities.
     pub remarks: Vec<String>,
 }
 
@@ -84,7 +84,7 @@ impl EquationListing {
             keeps_elements || patch.signals.contains_key(name) || patch.drives.contains_key(name)
         };
         let system = simplified(wiring, &is_known);
-        let lister = Lister { writer: Writer::new(circuit, &system), system: &system };
+        let lister = Lister { patch, writer: Writer::new(circuit, &system), system: &system };
         lister.listing()
     }
 

@@ -7,7 +7,10 @@
 mod cases;
 mod dimensions;
 mod maxima;
+mod names;
 mod terms;
+
+use std::collections::BTreeMap;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_expr::{Dimension, Function};
@@ -15,6 +18,7 @@ use patchcord_expr::{Dimension, Function};
 use crate::derive::System;
 use crate::notation::Notation;
 use crate::symbolic::{Application, Atom, CallOrder, Fraction, Operation, Symbol};
+use names::other_names;
 
 /// Writes the expressions of a system.
 pub(crate) struct Writer<'a> {
@@ -22,6 +26,8 @@ pub(crate) struct Writer<'a> {
     pub system: &'a System,
     /// The dimensions that count as pure numbers.
     purity: Purity,
+    /// The written names of the symbols that do not keep their own, by the index of the symbol.
+    other_names: BTreeMap<u32, String>,
 }
 
 /// The dimensions that count as pure numbers in a patch.
@@ -66,7 +72,12 @@ impl Purity {
 impl<'a> Writer<'a> {
     /// A writer for a system that was derived from this circuit.
     pub(crate) fn new(circuit: &Circuit, system: &'a System) -> Self {
-        Writer { system, purity: Purity::of(circuit) }
+        Self::with_purity(system, Purity::of(circuit))
+    }
+
+    /// A writer that takes these dimensions as pure numbers.
+    fn with_purity(system: &'a System, purity: Purity) -> Self {
+        Writer { system, purity, other_names: other_names(&system.symbols) }
     }
 
     /// An expression of this dimension. Numbers that have a dimension are written with their unit in SI. `None` if any
@@ -77,8 +88,8 @@ impl<'a> Writer<'a> {
 
     /// A quantity, or one of its derivatives.
     pub(crate) fn name(&self, symbol: Symbol) -> Notation {
-        let entry = self.system.symbols.entry(symbol);
-        Notation::Name { name: entry.name.clone(), primes: entry.primes }
+        let primes = self.system.symbols.entry(symbol).primes;
+        Notation::Name { name: self.written_name(symbol).to_owned(), primes }
     }
 
     /// A factor.

@@ -85,7 +85,7 @@ impl Fixture {
 
     /// A writer of the system.
     fn writer(&self, purity: Purity) -> Writer<'_> {
-        Writer { system: &self.system, purity }
+        Writer::with_purity(&self.system, purity)
     }
 
     /// An expression of this unit as text.

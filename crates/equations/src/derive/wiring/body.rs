@@ -95,11 +95,22 @@ impl Derivation<'_> {
         if value.nested_size(LONGEST) < LONGEST {
             return value;
         }
-        self.intermediates += 1;
-        let name = format!("sum.{}", self.intermediates);
+        let name = self.intermediate_name();
         let symbol = self.wiring.system.symbols.variable(&name, 0, Dimension::VOLTAGE);
         self.wiring.system.laws.push(Law { of: symbol, kind: LawKind::Definition(value) });
         Fraction::symbol(symbol)
+    }
+
+    /// A name for a long expression that no output has.
+    fn intermediate_name(&mut self) -> String {
+        let signals = self.program.signals();
+        loop {
+            self.intermediates += 1;
+            let name = format!("sum.{}", self.intermediates);
+            if signals.iter().all(|signal| signal.name != name) {
+                return name;
+            }
+        }
     }
 
     /// Solves a loop and computes its registers.

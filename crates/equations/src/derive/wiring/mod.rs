@@ -92,7 +92,7 @@ struct Derivation<'a> {
     ranged: HashSet<Register>,
     /// The value of each register that was computed.
     values: Vec<Option<Fraction>>,
-    /// Number of intermediate quantities that were named because they are long.
+    /// Number in the name of the last intermediate quantity that was named because it is long.
     intermediates: usize,
 }
 
