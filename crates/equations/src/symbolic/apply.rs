@@ -18,6 +18,7 @@ pub(crate) fn apply(operation: Operation, arguments: Vec<Fraction>) -> Fraction 
         (Operation::Delay, [delayed, time]) => delay(delayed, time),
         (Operation::Minimum, [first, second]) => first.minimum(second),
         (Operation::Maximum, [first, second]) => first.maximum(second),
+        (Operation::Limit, [value, low, high]) => value.maximum(low).minimum(high),
         (Operation::Call(CallOrder(function)), [argument]) => call(function, argument, argument),
         (Operation::Call(CallOrder(function)), [first, second]) => call(function, first, second),
         _ => opaque(operation, arguments),

@@ -49,6 +49,8 @@ pub(crate) enum Operation {
     Minimum,
     /// The larger argument, in the written form only.
     Maximum,
+    /// The first argument, but at least the second and at most the third one, in the written form only.
+    Limit,
 }
 
 /// A mathematical function with an order, which sorts products.

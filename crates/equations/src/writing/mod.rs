@@ -125,6 +125,7 @@ impl<'a> Writer<'a> {
             Operation::Delay => "delay".to_owned(),
             Operation::Minimum => "min".to_owned(),
             Operation::Maximum => "max".to_owned(),
+            Operation::Limit => "limit".to_owned(),
         }
     }
 

@@ -284,4 +284,8 @@ fn functions_have_values() {
     assert_eq!(value(&opaque(Operation::Table(0), vec![read("z")]), &point), 8.0);
     assert_eq!(value(&opaque(Operation::Minimum, vec![read("z"), read("p")]), &point), 1.3);
     assert_eq!(value(&opaque(Operation::Maximum, vec![read("z"), read("p")]), &point), 2.0);
+    for (text, expected) in [("z", 1.3), ("x", 0.7), ("y", 0.5)] {
+        let arguments = vec![read(text), read("0.5"), read("p")];
+        assert_eq!(value(&opaque(Operation::Limit, arguments), &point), expected, "{text}");
+    }
 }
