@@ -44,6 +44,29 @@ fn an_integrator_with_a_limit_shows_it() {
     assert_eq!(equations(&patch), [expected]);
 }
 
+#[test]
+fn a_brake_has_one_law_without_a_list_of_changes() {
+    let cases = [
+        (
+            "problems/dry-friction",
+            "v' = 0                  if v = 0 and abs(x) <= 5\n     -4 x - 20 sign(v)  otherwise",
+        ),
+        (
+            "lessons/stick-slip",
+            "sliding' = 0                                            \
+             if sliding = 0 and k abs(x) <= max(friction, 0)\n           \
+             -(k/m) x - max(friction, 0) sign(sliding)/m  otherwise",
+        ),
+    ];
+    for (file, law) in cases {
+        let patch = Patch::read(format!("../../patches/{file}.json")).unwrap();
+        let circuit = Circuit::new(&patch).unwrap();
+        let listing = EquationListing::new(&circuit, &Program::new(&circuit).unwrap(), Detail::Signals);
+        assert_eq!(listing.equations[1].text(), law);
+        assert!(!listing.text().contains("brake"), "{}", listing.text());
+    }
+}
+
 /// A decay at the rate of a parameter m. The state is the output of the element `element`.
 fn decay(element: &str, signals: &Value) -> Value {
     json!({

@@ -226,8 +226,8 @@ fn value_in_motion(mode: &ModeLaw) -> Option<Fraction> {
     match mode.noun {
         "contact" | "reset" => Some(Fraction::zero()),
         "brake" => {
-            let upwards = mode.transitions.iter().find(|transition| transition.to == 1.0)?;
-            Some(step(&upwards.guard).times(&Fraction::whole(2)).minus(&Fraction::whole(1)))
+            let output = mode.brake()?.output;
+            Some(step(&output).times(&Fraction::whole(2)).minus(&Fraction::whole(1)))
         }
         _ => None,
     }

@@ -35,11 +35,13 @@ impl Lister<'_> {
             }
         }
         remarks.extend(self.other_names());
+        // The law of a brake is complete without its mode.
+        let modes = self.system.modes.iter().filter(|mode| mode.brake().is_none());
         EquationListing {
             equations,
             initial: laws.iter().filter_map(|law| self.initial(law)).collect(),
             drives,
-            modes: self.system.modes.iter().map(|mode| self.mode(mode)).collect(),
+            modes: modes.map(|mode| self.mode(mode)).collect(),
             tables: self.tables(),
             remarks,
         }

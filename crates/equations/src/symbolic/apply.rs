@@ -19,6 +19,7 @@ pub(crate) fn apply(operation: Operation, arguments: Vec<Fraction>) -> Fraction 
         (Operation::Minimum, [first, second]) => first.minimum(second),
         (Operation::Maximum, [first, second]) => first.maximum(second),
         (Operation::Limit, [value, low, high]) => value.maximum(low).minimum(high),
+        (Operation::Sign, [argument]) => sign(argument),
         (Operation::Call(CallOrder(function)), [argument]) => call(function, argument, argument),
         (Operation::Call(CallOrder(function)), [first, second]) => call(function, first, second),
         _ => opaque(operation, arguments),
@@ -55,6 +56,16 @@ pub(crate) fn step(argument: &Fraction) -> Fraction {
     }
     let (_, inside) = without_factors(argument, Atom::has_positive_power);
     opaque(Operation::Step, vec![inside])
+}
+
+/// The sign in the written form: 1 above 0, -1 below 0, otherwise 0. Factors that are always above 0 are left out, and
+/// that of -x is the negative of that of x.
+pub(crate) fn sign(argument: &Fraction) -> Fraction {
+    let (_, inside) = without_factors(argument, Atom::has_positive_power);
+    let is_negative = !inside.is_zero() && leads_negative(&inside);
+    let inside = if is_negative { inside.negated() } else { inside };
+    let sign = opaque(Operation::Sign, vec![inside]);
+    if is_negative { sign.negated() } else { sign }
 }
 
 /// The expression as a product: a part that is not negative, and the rest. The part has the factors that are known not

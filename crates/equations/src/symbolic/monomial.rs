@@ -51,6 +51,8 @@ pub(crate) enum Operation {
     Maximum,
     /// The first argument, but at least the second and at most the third one, in the written form only.
     Limit,
+    /// 1 if the argument is above 0, -1 if it is below 0, otherwise 0, in the written form only.
+    Sign,
 }
 
 /// A mathematical function with an order, which sorts products.

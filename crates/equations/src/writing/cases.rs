@@ -13,7 +13,7 @@ use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, Symbol
 const MOST_CONDITIONS: usize = 3;
 
 /// A value with the conditions under which it applies.
-type Case = (Notation, Vec<Comparison>);
+pub(super) type Case = (Notation, Vec<Comparison>);
 
 impl Writer<'_> {
     /// An expression, with cases if it contains a mode or a condition.
@@ -37,10 +37,13 @@ impl Writer<'_> {
     }
 
     /// The cases of an expression, in the order in which they are examined. The last one may have no condition.
-    fn branches(&self, value: &Fraction, dimension: Option<Dimension>, left: usize) -> Vec<Case> {
+    pub(super) fn branches(&self, value: &Fraction, dimension: Option<Dimension>, left: usize) -> Vec<Case> {
         let mode = self.system.modes.iter().find(|mode| value.contains(&mut |symbol| symbol == mode.symbol));
         if let Some(mode) = mode {
-            return self.mode_branches(mode, value, dimension, left);
+            return match mode.brake() {
+                Some(brake) => self.brake_branches(&brake, value, dimension, left),
+                None => self.mode_branches(mode, value, dimension, left),
+            };
         }
         let condition = if left == 0 { None } else { first_condition(value) };
         let Some(condition) = condition else { return vec![(self.sum(value, dimension), Vec::new())] };
@@ -111,7 +114,7 @@ impl Writer<'_> {
 
     /// A comparison of an expression with 0, with variables on the left and constants on the right, and without
     /// positive factors.
-    fn compare(&self, condition: &Fraction, relation: Relation) -> Comparison {
+    pub(super) fn compare(&self, condition: &Fraction, relation: Relation) -> Comparison {
         if condition.divisors().len() > 0 || condition.is_zero() {
             let (left, dimension) = (condition, self.dimension(condition));
             let right = Notation::Number { value: 0.0, unit: None };

@@ -59,7 +59,9 @@ impl Writer<'_> {
                 let unit = self.system.tables[table as usize].unit.as_ref();
                 unit.map_or(Dimension::VOLTAGE, |unit| unit.dimension)
             }
-            Operation::Step | Operation::Call(_) | Operation::TableSlope(_) => Dimension::NONE,
+            Operation::Step | Operation::Sign | Operation::Call(_) | Operation::TableSlope(_) => {
+                Dimension::NONE
+            }
         }
     }
 
@@ -80,7 +82,9 @@ impl Writer<'_> {
             | Operation::Maximum
             | Operation::Limit => applied.arguments.iter().find_map(|argument| self.dimension(argument)),
             Operation::Call(_) => Some(Dimension::NONE),
-            Operation::Absolute | Operation::Step | Operation::Delay => self.dimension(&applied.arguments[0]),
+            Operation::Absolute | Operation::Step | Operation::Sign | Operation::Delay => {
+                self.dimension(&applied.arguments[0])
+            }
         }
     }
 }

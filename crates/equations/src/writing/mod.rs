@@ -4,6 +4,7 @@
 //! written in front: `(k/m) x`. Absolute values become minima and maxima where that is shorter, and choices by a
 //! condition become cases.
 
+mod brakes;
 mod cases;
 mod dimensions;
 mod maxima;
@@ -126,6 +127,7 @@ impl<'a> Writer<'a> {
             Operation::Minimum => "min".to_owned(),
             Operation::Maximum => "max".to_owned(),
             Operation::Limit => "limit".to_owned(),
+            Operation::Sign => "sign".to_owned(),
         }
     }
 

@@ -3,7 +3,7 @@
 use patchcord_expr::Function;
 
 use super::{assert_different, assert_equal};
-use crate::symbolic::{Fraction, Operation, Symbol, delay, opaque, step, value};
+use crate::symbolic::{Fraction, Operation, Symbol, delay, opaque, sign, step, value};
 use crate::testing::reading::read;
 use crate::testing::{Point, symbol};
 
@@ -284,6 +284,9 @@ fn functions_have_values() {
     assert_eq!(value(&opaque(Operation::Table(0), vec![read("z")]), &point), 8.0);
     assert_eq!(value(&opaque(Operation::Minimum, vec![read("z"), read("p")]), &point), 1.3);
     assert_eq!(value(&opaque(Operation::Maximum, vec![read("z"), read("p")]), &point), 2.0);
+    for (text, expected) in [("z", 1.0), ("y", -1.0), ("-2 p y", 1.0), ("x - x", 0.0)] {
+        assert_eq!(value(&sign(&read(text)), &point), expected, "{text}");
+    }
     for (text, expected) in [("z", 1.3), ("x", 0.7), ("y", 0.5)] {
         let arguments = vec![read(text), read("0.5"), read("p")];
         assert_eq!(value(&opaque(Operation::Limit, arguments), &point), expected, "{text}");
