@@ -38,7 +38,7 @@ pub use findings::{codes, equation_findings};
 pub use fixes::{Fix, find_fixes};
 pub use listing::{
     Detail, EquationListing, InitialDocument, InitialValue, ListingDocument, ModeChange, ModeDescription,
-    TableDescription,
+    Remark, TableDescription,
 };
 pub use notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,

@@ -167,7 +167,37 @@ fn initial_values_in_latex_keep_their_dots() {
     let program = Program::new(&circuit).unwrap();
     let latex = EquationListing::new(&circuit, &program, Detail::Signals).latex();
     assert!(latex.contains("\n  \\dot{x}(0) &= "), "{latex}");
-    assert!(latex.starts_with("\\begin{align}\n") && latex.ends_with("\n\\end{align}\n"), "{latex}");
+    assert!(latex.starts_with("\\begin{align}\n") && latex.contains("\n\\end{align}\n"), "{latex}");
+}
+
+/// The part of a listing in LaTeX after its equations.
+fn latex_after_equations(patch: &Patch) -> String {
+    let circuit = Circuit::new(patch).unwrap();
+    let program = Program::new(&circuit).unwrap();
+    let latex = EquationListing::new(&circuit, &program, Detail::Signals).latex();
+    latex.split_once("\\end{align}\n").unwrap().1.to_owned()
+}
+
+#[test]
+fn modes_tables_and_remarks_are_in_latex_too() {
+    let shipped = |file: &str| Patch::read(format!("../../patches/{file}.json")).unwrap();
+    let thermostat = r"
+\noindent position of K1, at first released:
+\begin{itemize}
+  \item released $\to$ pulled in if $T \le T_{\mathrm{set}} - 0.5\,\mathrm{width}$
+  \item pulled in $\to$ released if $T \ge T_{\mathrm{set}} + 0.5\,\mathrm{width}$
+\end{itemize}
+";
+    assert_eq!(latex_after_equations(&shipped("lessons/relay-thermostat")), thermostat);
+    let tanks = "\n\\noindent $\\operatorname{table\\_u}$ in (s, V): (0, 3) (600, 3) (800, 1.5) (1200, 1.5) \
+                 (1400, 3.5) (2000, 3.5) (2200, 2) (3000, 2)\n";
+    assert_eq!(latex_after_equations(&shipped("measured/cascaded-tanks")), tanks);
+    let ball = latex_after_equations(&shipped("lessons/bouncing-ball"));
+    let bounce = r"down if $y < 0 \text{ and } \mathrm{vy} > 0$, then $\mathrm{vy} = -e\,\mathrm{vy}$";
+    assert!(ball.contains(bounce), "{ball}");
+    let renamed = Patch::from_value("patch.json", &decay("A1", &json!({"m": {"at": "A1"}}))).unwrap();
+    let remark = "\n\\noindent $m_{\\mathrm{out}}$ is the signal m, because m is a parameter\n";
+    assert_eq!(latex_after_equations(&renamed), remark);
 }
 
 /// Limited summers in series, each of which contains the one before twice.

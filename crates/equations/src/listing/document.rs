@@ -49,7 +49,7 @@ impl EquationListing {
             drives: documents(&self.drives),
             modes: self.modes.clone(),
             tables: self.tables.clone(),
-            remarks: self.remarks.clone(),
+            remarks: self.remarks.iter().map(|remark| remark.text.clone()).collect(),
         }
     }
 }

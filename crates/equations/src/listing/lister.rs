@@ -5,9 +5,12 @@ use patchcord_expr::Dimension;
 
 use super::modes::joined;
 use super::{EquationListing, InitialValue, ModeChange, ModeDescription, TableDescription};
-use crate::derive::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
-use crate::notation::{Comparison, Condition, Notation, Relation, WrittenEquation, text};
-use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, whole};
+use crate::derive::{Law, LawKind, ModeLaw, System, TransitionLaw};
+use crate::notation::{
+    Comparison, Condition, Notation, Relation, WrittenEquation, conditions_latex, conditions_text,
+    equation_latex, text,
+};
+use crate::symbolic::{Fraction, Symbol, whole};
 use crate::writing::Writer;
 
 /// Writes the laws of a system.
@@ -134,70 +137,23 @@ impl Lister<'_> {
         Some(InitialValue { quantity: self.writer.name(law.of), value })
     }
 
-    /// Remarks on the quantities that are not written under their own names.
-    fn other_names(&self) -> Vec<String> {
-        let symbols = &self.system.symbols;
-        let is_listed = |entry: &SymbolEntry| {
-            let is_own = |law: &Law| symbols.entry(law.of).name == entry.name;
-            entry.kind == SymbolKind::Time || (entry.primes == 0 && self.system.laws.iter().any(is_own))
-        };
-        let remark = |(symbol, entry): (Symbol, &SymbolEntry)| {
-            let (written, name) = (self.writer.written_name(symbol), &entry.name);
-            let is_other = written != name && is_listed(entry);
-            let (noun, owner) = (self.noun(entry), if name == "pi" { "a number" } else { "a parameter" });
-            is_other.then(|| format!("{written} is {noun} {name}, because {name} is {owner}"))
-        };
-        symbols.entries().filter_map(remark).collect()
-    }
-
-    /// What a quantity is, with its article.
-    fn noun(&self, entry: &SymbolEntry) -> &'static str {
-        match entry.kind {
-            SymbolKind::Time => "the time",
-            _ if self.patch.signals.contains_key(&entry.name) => "the signal",
-            _ if self.patch.drives.contains_key(&entry.name) => "the drive",
-            _ => "the output of the element",
-        }
-    }
-
-    /// A remark on a source.
-    fn source(&self, of: Symbol, source: &Source) -> String {
-        let name = self.writer.written_name(of);
-        match source {
-            Source::Noise => {
-                format!("{name}: random numbers with mean 0 and variance 1, each constant for a time")
-            }
-            Source::Steps(table) => {
-                format!("{name}: the last value of {} at or before t", self.writer.table_name(*table as u32))
-            }
-            Source::Pulses(value) => {
-                format!("{name} = {}", text(&self.writer.expression(value, Some(Dimension::NONE))))
-            }
-        }
-    }
-
-    /// A remark on a value that is stored at the end of each step.
-    fn stored(&self, of: Symbol, next: &Fraction) -> String {
-        let name = self.writer.written_name(of);
-        let next = self.writer.expression(next, Some(Dimension::VOLTAGE));
-        format!("{name}: the value of {} an instant before", text(&next))
-    }
-
     /// A mode with its changes.
     fn mode(&self, mode: &ModeLaw) -> ModeDescription {
         let name = |value: f64| {
             let known = mode.values.iter().find(|(number, _)| *number == value);
             known.map_or_else(|| value.to_string(), |(_, name)| (*name).to_owned())
         };
-        let change = |transition: &TransitionLaw| ModeChange {
-            from: name(transition.from),
-            to: name(transition.to),
-            when: self.writer.condition_text(&transition.guard, transition.is_strict),
-            sets: transition.reset.as_ref().map_or_else(String::new, |(of, to)| {
-                let dimension = self.system.symbols.entry(*of).dimension;
-                let to = self.writer.expression(to, Some(dimension));
-                format!("{} = {}", text(&self.writer.name(*of)), text(&to))
-            }),
+        let change = |transition: &TransitionLaw| {
+            let condition = self.writer.condition(&transition.guard, transition.is_strict);
+            let reset = transition.reset.as_ref().map(|(of, to)| self.definition(*of, to));
+            ModeChange {
+                from: name(transition.from),
+                to: name(transition.to),
+                when: conditions_text(&condition),
+                when_latex: conditions_latex(&condition),
+                sets: reset.as_ref().map_or_else(String::new, on_one_line),
+                sets_latex: reset.as_ref().map_or_else(String::new, equation_latex),
+            }
         };
         ModeDescription {
             element: mode.element.clone(),
@@ -220,4 +176,9 @@ impl Lister<'_> {
             })
             .collect()
     }
+}
+
+/// An equation as text on one line.
+fn on_one_line(equation: &WrittenEquation) -> String {
+    format!("{} = {}", text(&equation.left), text(&equation.right))
 }

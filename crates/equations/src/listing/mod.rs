@@ -3,6 +3,7 @@
 mod document;
 mod lister;
 mod modes;
+mod remarks;
 mod tables;
 
 use patchcord_core::circuit::Circuit;
@@ -14,6 +15,7 @@ use crate::writing::Writer;
 pub use document::{InitialDocument, ListingDocument};
 use lister::Lister;
 pub use modes::{ModeChange, ModeDescription};
+pub use remarks::Remark;
 pub use tables::TableDescription;
 
 /// How much of a patch its equations show.
@@ -58,7 +60,7 @@ pub struct EquationListing {
     /// The tables that the equations name.
     pub tables: Vec<TableDescription>,
     /// What is not an equation: noise, values that are stored from step to step, and other names of quantities.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
 }
 
 /// The value of a quantity at t = 0.
@@ -101,18 +103,24 @@ impl EquationListing {
         sections.extend(self.modes.iter().map(ModeDescription::text));
         sections.extend(self.tables.iter().map(TableDescription::text));
         if !self.remarks.is_empty() {
-            sections.push(lines(self.remarks.iter().cloned()));
+            sections.push(lines(self.remarks.iter().map(|remark| remark.text.clone())));
         }
         sections.retain(|section| !section.is_empty());
         sections.join("\n")
     }
 
-    /// The equations, initial values and drives in LaTeX, as one `align` environment.
+    /// The equations, initial values and drives in LaTeX, as one `align` environment. Modes, tables and remarks follow it.
     pub fn latex(&self) -> String {
         let sides = |equation: &WrittenEquation| (latex(&equation.left), latex(&equation.right));
         let initial =
             self.initial.iter().map(|entry| (format!("{}(0)", latex(&entry.quantity)), latex(&entry.value)));
-        aligned(self.equations.iter().map(sides).chain(initial).chain(self.drives.iter().map(sides)))
+        let drives = self.drives.iter().map(sides);
+        let mut sections = vec![aligned(self.equations.iter().map(sides).chain(initial).chain(drives))];
+        sections.extend(self.modes.iter().map(ModeDescription::latex));
+        sections.extend(self.tables.iter().map(TableDescription::latex));
+        sections.extend(self.remarks.iter().map(|remark| format!("\\noindent {}\n", remark.latex)));
+        sections.retain(|section| !section.is_empty());
+        sections.join("\n")
     }
 }
 

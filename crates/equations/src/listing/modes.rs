@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::lines;
+use crate::notation::escaped;
 
 /// A mode: a discrete value of an element, such as the position of a relay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,8 +27,12 @@ pub struct ModeChange {
     pub to: String,
     /// The condition.
     pub when: String,
+    /// The condition in LaTeX, without the signs that begin a formula.
+    pub when_latex: String,
     /// What else the change sets, such as "v = -e v"; empty if nothing.
     pub sets: String,
+    /// The same in LaTeX.
+    pub sets_latex: String,
 }
 
 impl ModeDescription {
@@ -39,6 +44,22 @@ impl ModeDescription {
         };
         let head = format!("{} of {}, at first {}:\n", self.mode, self.element, self.initial);
         head + &lines(self.changes.iter().map(change))
+    }
+
+    /// The mode in LaTeX: a heading and a list of its changes.
+    pub(super) fn latex(&self) -> String {
+        let change = |change: &ModeChange| {
+            let sets = &change.sets_latex;
+            let sets = if sets.is_empty() { String::new() } else { format!(", then ${sets}$") };
+            format!("  \\item {} $\\to$ {} if ${}${sets}", change.from, change.to, change.when_latex)
+        };
+        let head =
+            format!("\\noindent {} of {}, at first {}:\n", self.mode, escaped(&self.element), self.initial);
+        let changes = lines(self.changes.iter().map(change));
+        if changes.is_empty() {
+            return head;
+        }
+        format!("{head}\\begin{{itemize}}\n{changes}\\end{{itemize}}\n")
     }
 }
 

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::notation::function_latex;
+
 /// A table of points: straight lines between them, constant outside.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableDescription {
@@ -16,11 +18,21 @@ pub struct TableDescription {
 impl TableDescription {
     /// The table as plain text.
     pub(super) fn text(&self) -> String {
+        self.with_name(&self.name)
+    }
+
+    /// The table in LaTeX.
+    pub(super) fn latex(&self) -> String {
+        format!("\\noindent {}", self.with_name(&format!("${}$", function_latex(&self.name))))
+    }
+
+    /// The table under a name: its units and its first points.
+    fn with_name(&self, name: &str) -> String {
         let shown = self.points.iter().take(MOST_POINTS).map(|[x, y]| format!("({x}, {y})"));
         let rest = self.points.len().saturating_sub(MOST_POINTS);
         let rest = if rest == 0 { String::new() } else { format!(" and {rest} more") };
         let unit = self.unit.as_deref().map_or_else(|| "V, V".to_owned(), |unit| format!("s, {unit}"));
-        format!("{} in ({unit}): {}{rest}\n", self.name, shown.collect::<Vec<_>>().join(" "))
+        format!("{name} in ({unit}): {}{rest}\n", shown.collect::<Vec<_>>().join(" "))
     }
 }
 

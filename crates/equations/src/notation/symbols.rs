@@ -65,7 +65,7 @@ pub(super) fn quantity_latex(name: &str, primes: u8) -> String {
 }
 
 /// Returns the name of a function.
-pub(super) fn function_latex(name: &str) -> String {
+pub(crate) fn function_latex(name: &str) -> String {
     match name {
         "min" | "max" | "sin" | "cos" | "tan" | "tanh" | "exp" | "ln" => format!(r"\{name}"),
         "atan" => r"\arctan".to_owned(),
@@ -161,7 +161,7 @@ fn is_word(name: &str) -> bool {
 }
 
 /// Escapes the characters that LaTeX treats specially.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.chars().map(escaped_letter).collect()
 }
 

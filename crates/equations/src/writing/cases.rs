@@ -6,7 +6,7 @@ use patchcord_expr::Dimension;
 use super::Writer;
 use super::maxima::with_maxima;
 use crate::derive::ModeLaw;
-use crate::notation::{Comparison, Condition, Notation, Relation, comparison_text};
+use crate::notation::{Comparison, Condition, Notation, Relation, conditions_text};
 use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, SymbolKind};
 
 /// Most conditions of one expression that become cases. Further ones are written as a function `step`.
@@ -101,15 +101,20 @@ impl Writer<'_> {
         !value.contains(&mut |symbol| !symbol.is_constant && symbols.entry(symbol).kind != SymbolKind::Time)
     }
 
-    /// The condition that an expression is 0 or above, or strictly above 0, as text. The smaller of two values is above
-    /// 0 if both are.
-    pub(crate) fn condition_text(&self, guard: &Fraction, is_strict: bool) -> String {
-        if let Some([first, second]) = minimum_of(guard) {
-            let [first, second] = [first, second].map(|guard| self.condition_text(&guard, is_strict));
-            return format!("{first} and {second}");
+    /// The condition that an expression is 0 or above, or strictly above 0. The smaller of two values is above 0 if both
+    /// are.
+    pub(crate) fn condition(&self, guard: &Fraction, is_strict: bool) -> Condition {
+        if let Some(parts) = minimum_of(guard) {
+            let parts = parts.iter().flat_map(|guard| self.condition(guard, is_strict).0);
+            return Condition(parts.collect());
         }
         let relation = if is_strict { Relation::Greater } else { Relation::AtLeast };
-        comparison_text(&self.compare(guard, relation))
+        Condition(vec![self.compare(guard, relation)])
+    }
+
+    /// The same condition as text.
+    pub(crate) fn condition_text(&self, guard: &Fraction, is_strict: bool) -> String {
+        conditions_text(&self.condition(guard, is_strict))
     }
 
     /// A comparison of an expression with 0, with variables on the left and constants on the right, and without
