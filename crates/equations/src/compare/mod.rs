@@ -4,11 +4,13 @@
 //! 0 in normal form, the wiring solves the equation. Otherwise the equation is solved for the highest derivative on its
 //! left, and compared with the wiring term by term for the present values of the parameters.
 
+mod conditions;
 mod expansions;
 pub(crate) mod intended;
 mod model;
 mod points;
 mod terms;
+mod wording;
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -18,12 +20,13 @@ use patchcord_expr::{Equation, split_primes};
 
 use crate::derive::LawKind;
 use crate::notation::{Notation, text};
-use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, absolute, partial_derivative};
+use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, partial_derivative};
 use crate::writing::Writer;
 use intended::fraction;
 use model::{Model, Obstacle};
 use points::{ParameterValues, Point, equal_at_points};
-use terms::{DifferenceKind, TermDifference, differences, is_negative};
+use terms::{TermDifference, differences};
+use wording::clause;
 
 /// A stated equation, compared with the wiring.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,21 +106,6 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
             .unwrap_or_else(|obstacle: Obstacle| Agreement::Undecided(obstacle.text())),
     });
     compared.collect()
-}
-
-impl Obstacle {
-    /// The obstacle as a clause.
-    fn text(&self) -> String {
-        match self {
-            Obstacle::Unknown(name) => format!("{name} is not known"),
-            Obstacle::Implicit(name) => {
-                format!("{name} is the solution of a loop without a formula")
-            }
-            Obstacle::Unsettled(name) => {
-                format!("the value at t = 0 depends on {name}, which is no parameter")
-            }
-        }
-    }
 }
 
 /// For each signal of a patch, whether it varies: whether it depends on a state, a drive or time.
@@ -229,25 +217,6 @@ impl Comparison<'_> {
             is_implicit
         });
         found
-    }
-
-    /// The conditions under which the inputs of the squaring networks and logarithms behind an equation are within their
-    /// range.
-    fn range_conditions(&mut self, equation: &Equation) -> Vec<String> {
-        let none = HashSet::new();
-        let names: Vec<String> = equation.names().into_iter().map(str::to_owned).collect();
-        let quantities: Vec<Fraction> =
-            names.iter().filter_map(|name| self.model.named(name, &none).ok()).collect();
-        let mut inputs = self.model.system.margins.clone();
-        inputs.iter_mut().for_each(|input| *input = self.model.expanded_fraction(input, &none));
-        // An input matters if the absolute value of it remains in a quantity.
-        inputs.retain(|input| !input.is_nonnegative());
-        inputs.retain(|input| quantities.iter().any(|quantity| has_absolute_value_of(quantity, input)));
-        let writer = Writer::new(self.circuit, &self.model.system);
-        let mut conditions: Vec<String> =
-            inputs.iter().map(|input| writer.condition_text(input, false)).collect();
-        conditions.dedup();
-        conditions
     }
 
     /// Whether a quantity has its stated initial value.
@@ -380,47 +349,6 @@ impl Comparison<'_> {
             wired: format!("{} = {}", text(&left), write(wired)),
         }
     }
-}
-
-/// Whether an expression contains the absolute value of another one, but for a positive factor.
-fn has_absolute_value_of(value: &Fraction, inside: &Fraction) -> bool {
-    let size = absolute(inside);
-    let Some((product, _)) = size.numerator().as_term() else { return false };
-    let mut is_found = false;
-    value.with_factors(&mut |atom| {
-        is_found |= matches!(atom, Atom::Apply(_)) && product.exponent(atom) != 0;
-        None
-    });
-    is_found
-}
-
-/// A difference as a clause.
-fn clause(difference: &TermDifference, time_scale: f64, write: &dyn Fn(&Fraction) -> String) -> String {
-    let size = |value: &Fraction| write(&if is_negative(value) { value.negated() } else { value.clone() });
-    match difference.kind {
-        DifferenceKind::Sign => format!("the sign of {} is wrong", size(&difference.stated)),
-        DifferenceKind::Missing => format!("the term {} is missing", write(&difference.stated)),
-        DifferenceKind::Extra => format!("the term {} is not in the equation", write(&difference.wired)),
-        DifferenceKind::Factor(factor) => {
-            let sign = if factor < 0.0 { "has the wrong sign and " } else { "" };
-            let (times, word) =
-                if factor.abs() < 1.0 { (1.0 / factor.abs(), "small") } else { (factor.abs(), "large") };
-            let times = patchcord_expr::format_significant(times, FACTOR_DIGITS);
-            let reason = if is_power_of(factor.abs(), time_scale) { ", by the time scale" } else { "" };
-            let is = if sign.is_empty() { "is" } else { "and is" };
-            let sign = sign.trim_end_matches("and ");
-            format!("the term {} {sign}{is} {times} times too {word}{reason}", write(&difference.stated))
-        }
-    }
-}
-
-/// Significant digits of a factor in a message.
-const FACTOR_DIGITS: usize = 4;
-
-/// Whether a factor is the time scale, its square, or the reciprocal of either.
-fn is_power_of(factor: f64, time_scale: f64) -> bool {
-    let is_near = |power: i32| (factor / time_scale.powi(power) - 1.0).abs() < 1e-9;
-    time_scale != 1.0 && [-2, -1, 1, 2].into_iter().any(is_near)
 }
 
 #[cfg(test)]

@@ -1,0 +1,42 @@
+//! The conditions under which an equation holds.
+
+use std::collections::HashSet;
+
+use patchcord_expr::Equation;
+
+use super::Comparison;
+use crate::symbolic::{Atom, Fraction, absolute};
+use crate::writing::Writer;
+
+impl Comparison<'_> {
+    /// The conditions under which the inputs of the squaring networks and logarithms behind an equation are within their
+    /// range.
+    pub(super) fn range_conditions(&mut self, equation: &Equation) -> Vec<String> {
+        let none = HashSet::new();
+        let names: Vec<String> = equation.names().into_iter().map(str::to_owned).collect();
+        let quantities: Vec<Fraction> =
+            names.iter().filter_map(|name| self.model.named(name, &none).ok()).collect();
+        let mut inputs = self.model.system.margins.clone();
+        inputs.iter_mut().for_each(|input| *input = self.model.expanded_fraction(input, &none));
+        // An input matters if the absolute value of it remains in a quantity.
+        inputs.retain(|input| !input.is_nonnegative());
+        inputs.retain(|input| quantities.iter().any(|quantity| has_absolute_value_of(quantity, input)));
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let mut conditions: Vec<String> =
+            inputs.iter().map(|input| writer.condition_text(input, false)).collect();
+        conditions.dedup();
+        conditions
+    }
+}
+
+/// Whether an expression contains the absolute value of another one, but for a positive factor.
+fn has_absolute_value_of(value: &Fraction, inside: &Fraction) -> bool {
+    let size = absolute(inside);
+    let Some((product, _)) = size.numerator().as_term() else { return false };
+    let mut is_found = false;
+    value.with_factors(&mut |atom| {
+        is_found |= matches!(atom, Atom::Apply(_)) && product.exponent(atom) != 0;
+        None
+    });
+    is_found
+}
