@@ -120,6 +120,30 @@ fn long_chains_of_signals_that_are_read_twice_are_compared() {
     assert_eq!(agreements(&patch), [Agreement::Solved, Agreement::Solved, Agreement::Solved]);
 }
 
+/// At a limit, the rate is not that of the equation.
+#[test]
+fn an_equation_of_a_limited_integrator_holds_within_its_limits() {
+    let limited = |conditions: &[&str]| {
+        Agreement::SolvedIf(conditions.iter().map(|condition| (*condition).to_owned()).collect())
+    };
+    let saturated = agreements(&patch("problems/saturated-integrator", &["x' = -u", "x(0) = 0", "2 x' = u"]));
+    assert_eq!(saturated[..2], [limited(&["x > -60", "x < 10"]), Agreement::Solved]);
+    assert!(matches!(saturated[2], Agreement::Different { .. }), "{:?}", saturated[2]);
+    let oscillator = json!({
+        "patchcord": 1,
+        "equations": ["y'' = -y", "y' = -w", "w' = y"],
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["B2"]}, "initial": 5, "limit": {"upper": 10}},
+            "A2": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+            "B2": {"kind": "inverter", "in": "A2"},
+        },
+        "signals": {"y": {"at": "A2", "scale": "x"}, "w": {"at": "A1", "scale": "x"}},
+    });
+    let within = limited(&["w < 10"]);
+    assert_eq!(agreements(&oscillator), [within.clone(), Agreement::Solved, within]);
+}
+
 #[test]
 fn a_wrong_sign_is_named() {
     let mut spring = patch("lessons/driven-oscillator", &["m v' = push - k x + d v"]);

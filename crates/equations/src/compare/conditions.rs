@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use patchcord_expr::Equation;
 
 use super::Comparison;
+use crate::derive::LawKind;
 use crate::symbolic::{Atom, Fraction, absolute};
 use crate::writing::Writer;
 
@@ -26,6 +27,24 @@ impl Comparison<'_> {
             inputs.iter().map(|input| writer.condition_text(input, false)).collect();
         conditions.dedup();
         conditions
+    }
+
+    /// The conditions under which the integrators, whose rates the last comparison has used, are within their limits. At a
+    /// limit the rate is 0 while it points outward.
+    pub(super) fn limit_conditions(&mut self) -> Vec<String> {
+        let mut margins = Vec::new();
+        for symbol in &self.model.limited {
+            let Some(LawKind::State { limits: [lower, upper], .. }) = self.model.system.law(*symbol) else {
+                continue;
+            };
+            let state = Fraction::symbol(*symbol);
+            margins.extend(lower.iter().map(|lower| state.minus(lower)));
+            margins.extend(upper.iter().map(|upper| upper.minus(&state)));
+        }
+        let none = HashSet::new();
+        margins.iter_mut().for_each(|margin| *margin = self.model.expanded_fraction(margin, &none));
+        let writer = Writer::new(self.circuit, &self.model.system);
+        margins.iter().map(|margin| writer.condition_text(margin, true)).collect()
     }
 }
 

@@ -43,8 +43,8 @@ pub struct ComparedEquation {
 pub enum Agreement {
     /// The wiring solves it.
     Solved,
-    /// The wiring solves it while the inputs of its squaring networks and logarithms are within their range. Each
-    /// condition is a text, such as "u >= 0".
+    /// The wiring solves it while the inputs of its squaring networks and logarithms are within their range, and its
+    /// integrators within their limits. Each condition is a text, such as "u >= 0".
     SolvedIf(Vec<String>),
     /// The wiring solves it for the present values of these parameters, but not for others: a setting is a number, or
     /// lacks a parameter.
@@ -93,12 +93,17 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
     let (mut exact, mut in_range) = (comparison(false), None);
     let mut agreement = |equation: &Equation| {
         let found = exact.agreement(equation)?;
-        if !matches!(found, Agreement::Different { .. }) || exact.model.system.margins.is_empty() {
-            return Ok(found);
+        let limits = exact.limit_conditions();
+        match found {
+            Agreement::Solved if !limits.is_empty() => Ok(Agreement::SolvedIf(limits)),
+            Agreement::Different { .. } if !exact.model.system.margins.is_empty() => {
+                let in_range = in_range.get_or_insert_with(|| comparison(true));
+                let is_solved = in_range.agreement(equation)? == Agreement::Solved;
+                let conditions = [exact.range_conditions(equation), limits].concat();
+                Ok(if is_solved { Agreement::SolvedIf(conditions) } else { found })
+            }
+            _ => Ok(found),
         }
-        let in_range = in_range.get_or_insert_with(|| comparison(true));
-        let is_solved = in_range.agreement(equation)? == Agreement::Solved;
-        Ok(if is_solved { Agreement::SolvedIf(exact.range_conditions(equation)) } else { found })
     };
     let compared = circuit.equations().iter().enumerate().map(|(index, placed)| ComparedEquation {
         index,
@@ -131,6 +136,7 @@ struct Comparison<'a> {
 impl Comparison<'_> {
     /// Whether the wiring solves an equation. It may name drives or write out their laws of time.
     fn agreement(&mut self, equation: &Equation) -> Result<Agreement, Obstacle> {
+        self.model.limited.clear();
         let found = self.agreement_with_drives(equation);
         if matches!(found, Ok(Agreement::Solved | Agreement::SolvedAt(_)))
             || self.circuit.patch().drives.is_empty()

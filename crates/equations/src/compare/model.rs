@@ -1,6 +1,6 @@
 //! The quantities of a wiring as functions of its states, drives and parameters.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -24,6 +24,8 @@ pub(crate) struct Model<'a> {
     expansions: Expansions,
     /// Whether drives are expanded into their laws of time too.
     pub expands_drives: bool,
+    /// The states with limits whose rates were used.
+    pub limited: BTreeSet<Symbol>,
 }
 
 /// The reason why a quantity has no expression.
@@ -38,7 +40,7 @@ pub(crate) enum Obstacle {
 }
 
 impl<'a> Model<'a> {
-    /// The model of a circuit. Stops and resets do not act in it, and brakes slip: it describes free motion.
+    /// The model of a circuit. Limits, stops and resets do not act in it, and brakes slip: it describes free motion.
     pub(crate) fn new(circuit: &'a Circuit, program: &Program, stays_in_range: bool) -> Self {
         let options = Options { keeps_elements: false, has_ideal_amplifiers: true, stays_in_range };
         let patch = circuit.patch();
@@ -60,7 +62,14 @@ impl<'a> Model<'a> {
             });
         let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
         let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
-        Model { system, patch, auxiliaries, expansions: Expansions::default(), expands_drives: false }
+        Model {
+            system,
+            patch,
+            auxiliaries,
+            expansions: Expansions::default(),
+            expands_drives: false,
+            limited: BTreeSet::new(),
+        }
     }
 
     /// A quantity of an equation, with this number of derivatives, as a function of states, drives, time and
@@ -173,8 +182,11 @@ impl<'a> Model<'a> {
         }
         let name = entry.name.clone();
         match self.system.law(symbol) {
-            Some(LawKind::State { rate, .. }) => {
-                let rate = rate.clone();
+            Some(LawKind::State { rate, limits, .. }) => {
+                let (rate, is_limited) = (rate.clone(), limits.iter().any(Option::is_some));
+                if is_limited {
+                    self.limited.insert(symbol);
+                }
                 Ok(self.expanded_fraction(&rate, kept))
             }
             // A signal that is kept.
