@@ -3,6 +3,8 @@
 //! A name of one letter is a symbol, such as $x$, and longer names are upright words. Names of elements can
 //! contain any characters, so those that LaTeX treats specially are escaped.
 
+use patchcord_expr::plain_superscript;
+
 /// The largest number of time derivatives that dots above the symbol represent.
 pub(super) const MAX_DOTS: u8 = 3;
 
@@ -29,21 +31,6 @@ const GREEK_LOOKALIKES: [(&str, &str); 14] = [
     ("Rho", r"\mathrm{P}"),
     ("Tau", r"\mathrm{T}"),
     ("Chi", r"\mathrm{X}"),
-];
-
-/// The raised signs of units and their plain forms.
-const SUPERSCRIPTS: [(char, char); 11] = [
-    ('⁻', '-'),
-    ('⁰', '0'),
-    ('¹', '1'),
-    ('²', '2'),
-    ('³', '3'),
-    ('⁴', '4'),
-    ('⁵', '5'),
-    ('⁶', '6'),
-    ('⁷', '7'),
-    ('⁸', '8'),
-    ('⁹', '9'),
 ];
 
 /// Returns a quantity with its time derivatives: `\dot{x}`, `v_{\mathrm{o}}`, `\mathrm{memory}`.
@@ -188,12 +175,6 @@ fn unit_power_length(text: &str) -> usize {
 fn plain_power(power: &str) -> String {
     let letters = power.chars().filter(|letter| *letter != '^');
     letters.map(|letter| plain_superscript(letter).unwrap_or(letter)).collect()
-}
-
-/// Returns the plain form of a raised sign.
-fn plain_superscript(letter: char) -> Option<char> {
-    let pair = SUPERSCRIPTS.iter().find(|(raised, _)| *raised == letter);
-    pair.map(|(_, plain)| *plain)
 }
 
 /// Returns a character of a unit that is not part of a power. Blanks and signs of products are thin spaces.
