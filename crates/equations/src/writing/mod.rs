@@ -32,11 +32,13 @@ pub(crate) struct Writer<'a> {
 }
 
 /// The dimensions that count as pure numbers in a patch.
+///
+/// Its stated equations follow the same rule for times, see [`Circuit::is_time_dimensionless`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Purity {
     /// None: the patch has physical units.
     Physical,
-    /// Times: no parameter and no scale has a dimension that contains time.
+    /// Times: no parameter and no scale has a dimension that contains time, other than volts.
     Times,
     /// All: the patch has no units other than volts.
     All,
@@ -48,12 +50,10 @@ impl Purity {
         let patch = circuit.patch();
         let parameters = patch.parameters.values().map(|parameter| parameter.unit.dimension());
         let scales = patch.scales.values().map(|scale| scale.unit.dimension());
-        let dimensions: Vec<Dimension> = parameters.chain(scales).collect();
-        let is_volts =
-            |dimension: &Dimension| dimension.is_dimensionless() || *dimension == Dimension::VOLTAGE;
-        if dimensions.iter().all(is_volts) {
+        let is_volts = |dimension: Dimension| dimension.is_dimensionless() || dimension == Dimension::VOLTAGE;
+        if parameters.chain(scales).all(is_volts) {
             Purity::All
-        } else if dimensions.iter().all(|dimension| *dimension == dimension.without_time()) {
+        } else if circuit.is_time_dimensionless() {
             Purity::Times
         } else {
             Purity::Physical
