@@ -35,5 +35,6 @@ pub use formula::{
 pub use function::Function;
 pub use number_text::{format_decimals, format_significant, leading_number, round_significant};
 pub use units::{
-    Conversion, ConversionError, Dimension, Unit, UnitError, UnitLabel, engineering, nearest, plain_superscript,
+    Conversion, ConversionError, Dimension, Unit, UnitError, UnitLabel, engineering, nearest,
+    plain_superscript,
 };
