@@ -11,12 +11,16 @@ use serde::Serialize;
 use super::failure::{Failure, eprint_report};
 use super::load::{LoadedPatch, ParameterDocument, PatchArguments, problem_check};
 use super::overloads::{OverloadDocument, overload_lines};
+use super::requested_checks::{RequestedChecks, RequestedDocument};
+use super::static_check::{StaticReport, TestArguments};
 use super::table::Table;
 use super::times::advice;
 use super::{output_in_colour, print, print_coloured, print_json};
-use patchcord::circuit::{Circuit, ScalingRow};
-use patchcord::document::{Diagnostic, DiagnosticDocument, Report, escape_controls, plural};
-use patchcord::equations::{Agreement, ComparedEquation, compare_equations, equation_findings};
+use patchcord::circuit::Circuit;
+use patchcord::document::{Diagnostic, DiagnosticDocument, Report, escape_controls};
+use patchcord::equations::{
+    Agreement, ComparedEquation, audit_scaling, compare_equations, equation_fixes, findings_with_fixes,
+};
 use patchcord::ir::Program;
 use patchcord::linear::{check_size, growth_warning};
 use patchcord::patch::Instance;
@@ -27,54 +31,85 @@ use patchcord::trace::Overload;
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Compare the gains of the wiring with the scales (computer gain = input scale x block gain / output scale)
+    /// Compare the gains of the wiring with the equations and scales (computer gain = input scale x block gain / output
+    /// scale)
     #[arg(long)]
     scaling: bool,
-    /// Print the voltages at initial condition (problem check)
+    /// Print the voltages at initial condition (problem check), and the derivatives of integrators and lags
     #[arg(long)]
     voltages: bool,
+    #[command(flatten)]
+    test: TestArguments,
 }
 
-/// Tables of voltages and scaling follow the summary on request. Overloads at initial condition do not fail the
-/// command.
+/// Tables of voltages and scaling, and the static check, follow the summary on request. Overloads at initial condition
+/// do not fail the command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let LoadedPatch { circuit, program, mut warnings } = arguments.patch.load()?;
+    let test = arguments.test.run(&circuit, &program)?;
     let compared = compare_equations(&circuit, &program);
-    let mut further = check_equations(&circuit, &program, &compared)?;
+    let fixes = equation_fixes(&circuit, &program, &compared);
+    let is_audited = arguments.scaling || arguments.patch.json;
+    let gains = if is_audited { audit_scaling(&circuit, &program) } else { Vec::new() };
+    let requested = RequestedChecks { gains, test: test.map(|test| StaticReport::new(test, &fixes)) };
+    let findings = findings_with_fixes(&circuit, &compared, &fixes);
+    let equations = Report::new(&warnings.file, circuit.patch().text(), findings);
+    if equations.has_errors() {
+        return Err(unsolved(arguments, &circuit, &requested, equations)?);
+    }
+    let mut further = equations.findings;
     let problem = check_problem(&circuit, &program)?;
     further.extend(problem.growth.clone());
     eprint_report(&Report::new(&warnings.file, circuit.patch().text(), further.clone()));
     warnings.findings.extend(further);
     if arguments.patch.json {
-        let equations = EquationDocument::all(&circuit, &compared);
-        return print_json(&Document::new(&circuit, &program, &warnings, &problem, equations));
+        let document = Document::new(&circuit, &program, &warnings, &problem, &compared, &requested);
+        return match requested.failure() {
+            Some(failure) => Err(failure.with_document(&document)?),
+            None => print_json(&document),
+        };
     }
-    print(&summary(&circuit, &program, &compared, &warnings))?;
+    let verdict = requested.verdict(warnings.warning_count());
+    print(&summary(&circuit, &program, &compared, &verdict))?;
+    print_problem(arguments, &circuit, &program, &problem)?;
+    print(&requested.text(arguments.scaling, &circuit))?;
+    requested.failure().map_or(Ok(()), Err)
+}
+
+/// The failure of a wiring that does not solve its equations. The requested tables are printed before it, or are keys
+/// of its document.
+///
+/// # Errors
+/// If standard output cannot be written.
+fn unsolved(
+    arguments: &Arguments,
+    circuit: &Circuit,
+    requested: &RequestedChecks,
+    report: Report,
+) -> Result<Failure, Failure> {
+    let failure = Failure::from(Box::new(report));
+    if arguments.patch.json {
+        return failure.with_document(&requested.document(circuit));
+    }
+    print(requested.text(arguments.scaling, circuit).trim_start_matches('\n'))?;
+    Ok(failure)
+}
+
+/// Prints the overloads at initial condition, why the patch cannot be run, and the voltages on request.
+fn print_problem(
+    arguments: &Arguments,
+    circuit: &Circuit,
+    program: &Program,
+    problem: &ProblemCheck,
+) -> Result<(), Failure> {
     print_coloured(&overload_lines("", &problem.overloads, output_in_colour()))?;
-    if let Some(error) = run_error(&circuit, &program) {
+    if let Some(error) = run_error(circuit, program) {
         print(&format!("cannot be run: {}\n", run_error_text(&error)))?;
     }
     if arguments.voltages {
         print(&format!("\n{}", voltage_table(&problem.voltages)))?;
     }
-    if arguments.scaling {
-        print(&format!("\n{}", scaling_table(&circuit.scaling())))?;
-    }
     Ok(())
-}
-
-/// Compares the wiring with the equations that the patch states. Returns the warnings about them.
-///
-/// # Errors
-/// If the wiring does not solve an equation. The report lists the changes that correct it.
-fn check_equations(
-    circuit: &Circuit,
-    program: &Program,
-    compared: &[ComparedEquation],
-) -> Result<Vec<Diagnostic>, Failure> {
-    let patch = circuit.patch();
-    let report = Report::new(patch.file(), patch.text(), equation_findings(circuit, program, compared));
-    if report.has_errors() { Err(Box::new(report).into()) } else { Ok(report.findings) }
 }
 
 /// A line about the equations of a patch, and one for each that holds under a condition.
@@ -121,6 +156,8 @@ struct ElementVoltage {
     volts: f64,
     /// The position of a relay or switch.
     position: Option<&'static str>,
+    /// The derivative of an integrator or a lag in volts per machine second. It is 0 at a limit.
+    rate: Option<f64>,
 }
 
 /// Computes all voltages at initial condition.
@@ -129,22 +166,25 @@ struct ElementVoltage {
 /// If the machine cannot be set to initial condition, for example because a loop has no solution.
 fn check_problem(circuit: &Circuit, program: &Program) -> Result<ProblemCheck, Failure> {
     let machine = problem_check(circuit, program)?;
+    let rates = program.states().into_iter().zip(machine.rates());
+    let rates: IndexMap<&str, f64> = rates.map(|(name, rate)| (name, rate / circuit.time_scale())).collect();
     let mut voltages = Vec::new();
     for element in circuit.elements() {
         let volts = machine.voltage(&element.name)?;
         let position = machine.position(&element.name);
+        let rate = rates.get(element.name.as_str()).copied();
         let (element, kind) = (element.name.clone(), element.kind.name);
-        voltages.push(ElementVoltage { element, kind, volts, position });
+        voltages.push(ElementVoltage { element, kind, volts, position, rate });
     }
     let growth =
         if check_size(program).is_ok() { growth_warning(circuit, &machine.state_space()) } else { None };
     Ok(ProblemCheck { voltages, overloads: machine.overloads(), growth })
 }
 
-/// The summary: warnings, machine parts, macros and loops. Lines that do not apply are left out.
-fn summary(circuit: &Circuit, program: &Program, compared: &[ComparedEquation], warnings: &Report) -> String {
+/// The summary: verdict, machine parts, macros and loops. Lines that do not apply are left out.
+fn summary(circuit: &Circuit, program: &Program, compared: &[ComparedEquation], verdict: &str) -> String {
     let patch = circuit.patch();
-    let mut text = format!("{}: {}\n", escape_controls(patch.file()), verdict(warnings.warning_count()));
+    let mut text = format!("{}: {verdict}\n", escape_controls(patch.file()));
     if !patch.title.is_empty() {
         text += &format!("{}\n", patch.title);
     }
@@ -195,62 +235,26 @@ fn instances(circuit: &Circuit) -> Vec<(&str, Vec<(&str, &Instance)>)> {
     of.into_iter().filter(|(_, instances)| !instances.is_empty()).collect()
 }
 
-/// The verdict of the check. A patch with errors is not loaded, so there are only warnings.
-fn verdict(warnings: usize) -> String {
-    match warnings {
-        0 => "nothing wrong".to_owned(),
-        some => format!("no errors, {}", plural(some as u64, "warning")),
-    }
-}
-
-/// The table of voltages, with positions if an element has one.
+/// The table of voltages, with positions and derivatives if an element has one.
 fn voltage_table(voltages: &[ElementVoltage]) -> String {
-    let heading = if voltages.iter().any(|entry| entry.position.is_some()) { "position" } else { "" };
-    let mut table = Table::new(["element", "kind", "volts", heading]);
+    let has_position = voltages.iter().any(|entry| entry.position.is_some());
+    let has_rate = voltages.iter().any(|entry| entry.rate.is_some());
+    let number = |number: f64| format!("{:.4}", number + 0.0);
+    let row = |first: [String; 3], position: String, rate: String| -> Vec<String> {
+        let others = [has_position.then_some(position), has_rate.then_some(rate)];
+        first.into_iter().chain(others.into_iter().flatten()).collect()
+    };
+    let headings = ["element", "kind", "volts"].map(str::to_owned);
+    let mut table = Table::with(row(headings, "position".to_owned(), "V/s".to_owned()));
     for entry in voltages {
         let position = entry.position.unwrap_or_default().to_owned();
-        let volts = format!("{:.4}", entry.volts + 0.0);
-        table.row([entry.element.clone(), entry.kind.to_owned(), volts, position]);
+        let rate = entry.rate.map(number).unwrap_or_default();
+        table.row(row([entry.element.clone(), entry.kind.to_owned(), number(entry.volts)], position, rate));
     }
     table.text()
 }
 
-/// The table of amplitude scaling.
-///
-/// The computer gain should be input scale x block gain / output scale. The last two columns are empty for elements
-/// whose block gain the patch does not specify.
-fn scaling_table(rows: &[ScalingRow]) -> String {
-    let headings = [
-        "element",
-        "from",
-        "to",
-        "computer gain",
-        "block gain",
-        "unit",
-        "block",
-        "required gain",
-        "difference",
-    ];
-    let mut table = Table::new(headings);
-    for row in rows {
-        table.row([
-            row.element.clone(),
-            row.input.clone(),
-            row.output.clone(),
-            format!("{:.6}", row.computer_gain),
-            format!("{:.6e}", row.block_gain),
-            row.unit.clone(),
-            row.block.clone().unwrap_or_default(),
-            row.expected_gain.map(|gain| format!("{gain:.6}")).unwrap_or_default(),
-            row.relative_error()
-                .map(|difference| format!("{:.2} %", 100.0 * difference + 0.0))
-                .unwrap_or_default(),
-        ]);
-    }
-    table.text()
-}
-
-/// The result as JSON. It has all tables, whatever the options.
+/// The result as JSON. It has all tables, whatever the options, and the static check if the options request it.
 #[derive(Serialize)]
 struct Document<'a> {
     ok: bool,
@@ -268,7 +272,8 @@ struct Document<'a> {
     equations: Vec<EquationDocument<'a>>,
     overloads: Vec<OverloadDocument<'a>>,
     voltages: &'a [ElementVoltage],
-    scaling: Vec<ScalingDocument>,
+    #[serde(flatten)]
+    requested: RequestedDocument<'a>,
 }
 
 /// A stated equation and whether the wiring solves it.
@@ -331,24 +336,6 @@ struct RunErrorDocument {
     error: String,
 }
 
-/// A row of the audit of amplitude scaling. Scales are physical units per volt. `difference` is relative; it is null
-/// without a required gain.
-#[derive(Serialize)]
-struct ScalingDocument {
-    element: String,
-    input: String,
-    output: String,
-    computer_gain: f64,
-    input_scale: f64,
-    output_scale: f64,
-    block_gain: f64,
-    unit: String,
-    block: Option<String>,
-    #[serde(rename = "wanted_computer_gain")]
-    expected_gain: Option<f64>,
-    difference: Option<f64>,
-}
-
 impl<'a> Document<'a> {
     /// The document of a patch, its warnings and its problem check.
     fn new(
@@ -356,7 +343,8 @@ impl<'a> Document<'a> {
         program: &'a Program,
         warnings: &Report,
         problem: &'a ProblemCheck,
-        equations: Vec<EquationDocument<'a>>,
+        compared: &[ComparedEquation],
+        requested: &'a RequestedChecks,
     ) -> Self {
         let (patch, machine) = (circuit.patch(), circuit.machine());
         let parts = circuit.parts().iter().map(|(part, used)| PartDocument {
@@ -377,10 +365,10 @@ impl<'a> Document<'a> {
             macros: instances(circuit).into_iter().map(MacroDocument::of).collect(),
             loops: program.loops().iter().map(|entry| entry.members.as_slice()).collect(),
             cannot_be_run,
-            equations,
+            equations: EquationDocument::all(circuit, compared),
             overloads: OverloadDocument::all(&problem.overloads),
             voltages: &problem.voltages,
-            scaling: circuit.scaling().into_iter().map(ScalingDocument::of).collect(),
+            requested: requested.document(circuit),
         }
     }
 }
@@ -400,25 +388,6 @@ impl<'a> InstanceDocument<'a> {
             inputs: inputs.map(|(port, input)| (port.as_str(), input.driver.as_deref())).collect(),
             outputs: outputs.map(|(port, element)| (port.as_str(), element.as_str())).collect(),
             elements: &instance.members,
-        }
-    }
-}
-
-impl ScalingDocument {
-    fn of(row: ScalingRow) -> Self {
-        let difference = row.relative_error();
-        ScalingDocument {
-            element: row.element,
-            input: row.input,
-            output: row.output,
-            computer_gain: row.computer_gain,
-            input_scale: row.input_scale,
-            output_scale: row.output_scale,
-            block_gain: row.block_gain,
-            unit: row.unit,
-            block: row.block,
-            expected_gain: row.expected_gain,
-            difference,
         }
     }
 }

@@ -28,6 +28,21 @@ pub fn equation_findings(
     program: &Program,
     compared: &[ComparedEquation],
 ) -> Vec<Diagnostic> {
+    findings_with_fixes(circuit, compared, &equation_fixes(circuit, program, compared))
+}
+
+/// The same for changes that were found before by [`equation_fixes`].
+pub fn findings_with_fixes(
+    circuit: &Circuit,
+    compared: &[ComparedEquation],
+    fixes: &[Fix],
+) -> Vec<Diagnostic> {
+    compared.iter().filter_map(|compared| finding(circuit, compared, fixes)).collect()
+}
+
+/// The single changes after which the wiring solves compared equations that it does not solve. The likeliest comes
+/// first. Empty if it solves them all.
+pub fn equation_fixes(circuit: &Circuit, program: &Program, compared: &[ComparedEquation]) -> Vec<Fix> {
     let [mut unsolved, mut solved] = [Vec::new(), Vec::new()];
     for compared in compared {
         match compared.agreement {
@@ -38,9 +53,7 @@ pub fn equation_findings(
             Agreement::Undecided(_) => {}
         }
     }
-    let fixes =
-        if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, program, &unsolved, &solved) };
-    compared.iter().filter_map(|compared| finding(circuit, compared, &fixes)).collect()
+    if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, program, &unsolved, &solved) }
 }
 
 /// The diagnostic of an equation; `None` if the wiring solves it.

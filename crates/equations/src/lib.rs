@@ -28,13 +28,15 @@ mod findings;
 mod fixes;
 mod listing;
 mod notation;
+mod scaling_audit;
+mod static_check;
 mod symbolic;
 #[cfg(test)]
 mod testing;
 mod writing;
 
 pub use compare::{Agreement, ComparedEquation, compare_equations};
-pub use findings::{codes, equation_findings};
+pub use findings::{codes, equation_findings, equation_fixes, findings_with_fixes};
 pub use fixes::{Fix, find_fixes};
 pub use listing::{
     Detail, EquationListing, InitialDocument, InitialValue, ListingDocument, ModeChange, ModeDescription,
@@ -43,4 +45,8 @@ pub use listing::{
 pub use notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
     equation_latex, equation_text, latex, text,
+};
+pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
+pub use static_check::{
+    RowQuantity, RowSource, StaticCheck, StaticRow, TestError, TestValue, TestValues, static_check, test_unit,
 };

@@ -382,7 +382,7 @@ impl Circuit {
         &self.patch.run
     }
 
-    /// Compares the gain of the wiring between scaled signals with the gain that the scales require (eq. 4-8).
+    /// The gains of the wiring between scaled signals, with the physical gains that they represent (eq. 4-8).
     ///
     /// # Examples
     ///
@@ -400,7 +400,7 @@ impl Circuit {
     ///     .build()?;
     /// let rows = Circuit::new(&patch)?.scaling();
     /// assert_eq!((rows[0].input.as_str(), rows[0].output.as_str()), ("in", "out"));
-    /// assert_eq!((rows[0].computer_gain, rows[0].relative_error()), (-1.0, Some(0.0)));
+    /// assert_eq!((rows[0].computer_gain, rows[0].block.as_deref()), (-1.0, Some("1")));
     /// # Ok(())
     /// # }
     /// ```

@@ -2,8 +2,9 @@
 //!
 //! The audit follows the linear wiring from every scaled signal back to the nearest scaled signals. It computes the
 //! gain of this wiring and the physical gain (block gain) that it represents with these scales. Then it looks for a
-//! parameter, a reciprocal, a product or a quotient of parameters with this value, so that the user can compare it with
-//! the equations.
+//! parameter, a reciprocal, a product or a quotient of parameters with this value. This is an identification, not a
+//! proof: only equations say which gain is right. The exception is a signal and its integral, whose units require a
+//! block gain of 1.
 
 mod block;
 mod integrals;
@@ -16,6 +17,7 @@ use super::{Circuit, Cord, Element, SignalPoint};
 use crate::elements::{SettingDefault, SettingQuantity, Transfer};
 use crate::patch::Amount;
 use block::Blocks;
+use integrals::{counts_turns, without_parameters};
 pub(super) use integrals::{integral_warnings, time_scale_warning};
 use patchcord_expr::Dimension;
 
@@ -30,6 +32,7 @@ use patchcord_expr::Dimension;
 ///     element: "A2".to_owned(),
 ///     input: "v".to_owned(),
 ///     output: "x".to_owned(),
+///     integrations: 1,
 ///     computer_gain: -10.0,
 ///     input_scale: 0.02,
 ///     output_scale: 0.001,
@@ -49,6 +52,8 @@ pub struct ScalingRow {
     pub input: String,
     /// Name of the signal at the end of the wiring.
     pub output: String,
+    /// Number of integrators in the wiring.
+    pub integrations: usize,
     /// Gain of the wiring in volts per volt. With n integrators, in volts per volt per machine second to the power of
     /// n.
     pub computer_gain: f64,
@@ -61,10 +66,11 @@ pub struct ScalingRow {
     pub block_gain: f64,
     /// Unit of the block gain; "1" if it is a pure number.
     pub unit: String,
-    /// The block gain as an expression of the parameters, such as "K", "1 / M" or "1". `None` if none has its unit, or
-    /// if it is not clear which of several is meant.
+    /// An expression of the parameters with the size and the unit of the block gain, such as "K", "1 / M" or "1". `None`
+    /// if there is none. It is "1" for a signal and its integral, also if the block gain has another size.
     pub block: Option<String>,
-    /// The computer gain that eq. 4-8 requires for this block.
+    /// The computer gain that eq. 4-8 requires if the output is the integral of the input, as their units say. Its sign
+    /// is that of the computer gain. `None` for all other wiring.
     pub expected_gain: Option<f64>,
 }
 
@@ -78,10 +84,12 @@ impl ScalingRow {
 /// All linear wiring between scaled signals, in the order of the output signals.
 pub(super) fn audit(circuit: &Circuit) -> Vec<ScalingRow> {
     let (wiring, blocks) = (Wiring::new(circuit), Blocks::new(circuit));
+    let fixed = without_parameters(Wiring::new(circuit), circuit);
     let mut rows = Vec::new();
     for output in circuit.signals().iter().filter(|point| point.scale.is_some()) {
-        let paths = wiring.paths_to(output.element);
-        rows.extend(paths.iter().filter_map(|path| row(circuit, &blocks, output, path)));
+        // Both have the same paths. The gain of a fixed one is not a number if it depends on a parameter.
+        let paths = wiring.paths_to(output.element).into_iter().zip(fixed.paths_to(output.element));
+        rows.extend(paths.filter_map(|(path, fixed)| row(circuit, &blocks, output, [&path, &fixed])));
     }
     rows
 }
@@ -283,29 +291,32 @@ fn physical_gain(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>)
     Some(PhysicalGain { input_scale, output_scale, time_factor, block_gain, dimension })
 }
 
-/// Compares a path with eq. 4-8. `None` if a scale is 0 or has no value.
+/// The row of a path. `fixed` is the same path, whose gain is not a number if it depends on a parameter. `None` if a
+/// scale is 0 or has no value.
 fn row(
     circuit: &Circuit,
     blocks: &Blocks,
     output: &SignalPoint,
-    path: &SignalPath<'_>,
+    [path, fixed]: [&SignalPath<'_>; 2],
 ) -> Option<ScalingRow> {
     let PhysicalGain { input_scale, output_scale, time_factor, block_gain, dimension } =
         physical_gain(circuit, output, path)?;
-    let block = blocks.find(dimension, block_gain);
-    let expected_gain = block
-        .as_ref()
-        .map(|block| input_scale * block.value * block_gain.signum() / output_scale / time_factor);
+    let found = blocks.find(dimension, block_gain);
+    let can_be_integral = path.integrations > 0 && dimension.is_dimensionless() && block_gain != 0.0;
+    let is_without_name = !fixed.gain.is_nan() && !counts_turns(block_gain.abs());
+    let is_integral = can_be_integral && found.as_ref().map_or(is_without_name, |name| name == "1");
+    let expected_gain = is_integral.then(|| input_scale * block_gain.signum() / output_scale / time_factor);
     Some(ScalingRow {
         element: circuit.element(output.element).name.clone(),
         input: path.input.name.clone(),
         output: output.name.clone(),
+        integrations: path.integrations,
         computer_gain: path.gain,
         input_scale,
         output_scale,
         block_gain,
         unit: if dimension.is_dimensionless() { "1".to_owned() } else { dimension.to_string() },
-        block: block.map(|block| block.name),
+        block: if is_integral { Some("1".to_owned()) } else { found },
         expected_gain,
     })
 }

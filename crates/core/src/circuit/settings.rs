@@ -22,7 +22,7 @@ use crate::document::{
 use crate::elements::{REFERENCES, Setting, SettingDefault, SettingQuantity, Transfer};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, ElementEntry, Patch};
-use patchcord_expr::{Dimension, Formula, Unit};
+use patchcord_expr::{Dimension, Formula, FormulaDimension, Unit};
 
 /// Whether all cords of the patch are in the graph.
 #[derive(Clone, Copy, PartialEq)]
@@ -143,8 +143,15 @@ impl SettingChecker<'_> {
             return None;
         }
         let expected = self.expected_unit(row.quantity);
+        let reported = findings.len();
         let value =
-            self.quantities.checked(placed, |found| self.fits(row.quantity, found), &expected, findings)?;
+            self.quantities.checked(placed, |found| self.fits(row.quantity, found), &expected, findings);
+        self.explain_rate(row, placed, &mut findings[reported..]);
+        let value = value?;
+        if row.quantity == SettingQuantity::Volts && self.quantities.is_angular(&placed.value) {
+            findings.push(self.angle_as_volts(placed));
+            return None;
+        }
         let value = match row.quantity {
             SettingQuantity::Hertz => self.quantities.checked_hertz(placed, value, findings)?,
             _ => value,
@@ -171,6 +178,31 @@ impl SettingChecker<'_> {
             self.check_over_ranges(row, placed, findings);
         }
         Some(value)
+    }
+
+    /// Replaces the hint about a pot that is set to a rate and does not drive an integrator.
+    fn explain_rate(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut [Diagnostic]) {
+        let is_pot = row.quantity == SettingQuantity::Fraction && self.entry.kind.transfer == Transfer::Share;
+        let found = placed.value.dimension(self.quantities);
+        let is_rate = found == Ok(FormulaDimension::Of(Dimension::FREQUENCY));
+        if is_pot && is_rate && !self.before_integrator {
+            let hint = "a pot that drives an integrator may be set to a rate: exchange it with the amplifier behind it";
+            findings.iter_mut().for_each(|finding| finding.hint = Some(hint.to_owned()));
+        }
+    }
+
+    /// The diagnostic for an angle in place of volts. Angles are pure numbers, so their dimension does not show it.
+    fn angle_as_volts(&self, placed: &Placed<Formula>) -> Diagnostic {
+        let is_angle =
+            |name: &&String| Formula::parse(name).is_ok_and(|formula| self.quantities.is_angular(&formula));
+        let scales: Vec<&str> = self.patch.scales.keys().filter(is_angle).map(String::as_str).collect();
+        let divisor = match scales.as_slice() {
+            [] => "a scale in rad or deg".to_owned(),
+            several => format!("the scale {}", several.join(" or ")),
+        };
+        let message = format!("{} is an angle, but a number of volts is expected here", placed.value.text());
+        let hint = format!("divide it by {divisor} to get volts");
+        Diagnostic::at(Code::UNIT_MISMATCH, placed.span, message).hint(hint)
     }
 
     /// Unit of the drive's scale.

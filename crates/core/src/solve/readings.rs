@@ -4,6 +4,8 @@
 
 use super::error::RunError;
 use super::machine::Machine;
+use super::state::SolverState;
+use crate::ir::{Op, ProgramPoint};
 use crate::trace::{Overload, WorkCounters};
 
 impl Machine<'_> {
@@ -126,5 +128,45 @@ impl Machine<'_> {
     /// ```
     pub fn states(&self) -> &[f64] {
         &self.solver.state.states
+    }
+
+    /// The present instant as a point at which a program is evaluated. Modes and loops have settled there.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// let relay = ElementBuilder::new("relay").cord("in", "A1").cord("on", "+100").cord("off", "-100");
+    /// let relay = relay.set("pull_in", 10).set("drop_out", 5);
+    /// let decay = ElementBuilder::new("integrator").cords("x1", ["K1"]).set("initial", 50);
+    /// let patch = PatchBuilder::new("comparator").element("K1", relay).element("A1", decay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let point = Machine::new(&program, 1e-3)?.point();
+    /// assert_eq!((point.states.as_slice(), point.time), (&[50.0][..], 0.0));
+    /// let voltages = program.voltages_at(&point).expect("there is no loop");
+    /// assert_eq!(voltages[program.state_laws()[0].rate.index()], -100.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn point(&self) -> ProgramPoint {
+        let program = self.solver.setup.program;
+        let SolverState { time, states, modes, voltages, sampled, levels, .. } = &self.solver.state;
+        let mut delayed = vec![0.0; program.lowered.delays.len()];
+        for (op, volts) in program.lowered.body.iter().zip(voltages) {
+            if let Op::Delayed(index) = op {
+                delayed[*index as usize] = *volts;
+            }
+        }
+        ProgramPoint {
+            states: states.clone(),
+            modes: modes.clone(),
+            time: *time,
+            delayed,
+            sampled: sampled.clone(),
+            levels: levels.clone(),
+        }
     }
 }

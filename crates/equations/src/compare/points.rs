@@ -4,7 +4,7 @@ use patchcord_core::ir::Program;
 use patchcord_core::low_discrepancy::golden_place;
 
 use crate::derive::System;
-use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, value};
+use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, term_size, value};
 
 /// Points at which two expressions are compared.
 const POINTS: u32 = 64;
@@ -45,23 +45,13 @@ pub(super) fn equal_at_points(point: Point<'_>, [first, second]: [&Fraction; 2])
         if !(one.is_finite() && other.is_finite()) {
             continue;
         }
-        let size = size(first, &point) + size(second, &point);
+        let size = term_size(first, &point) + term_size(second, &point);
         if (one - other).abs() > ROUNDING * size {
             return Some(false);
         }
         compared += 1;
     }
     (compared >= MIN_POINTS).then_some(true)
-}
-
-/// The sum of the sizes of the terms of an expression.
-fn size(fraction: &Fraction, point: &Point<'_>) -> f64 {
-    let mut sum = 0.0;
-    fraction.split(&mut |term| {
-        sum += value(term, point).abs();
-        true
-    });
-    sum
 }
 
 impl Point<'_> {

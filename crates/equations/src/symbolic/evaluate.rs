@@ -24,6 +24,16 @@ pub(crate) fn value(fraction: &Fraction, values: &dyn Values) -> f64 {
     fraction.divisors().fold(top, |top, (divisor, power)| top / sum(divisor, values).powi(power as i32))
 }
 
+/// The sum of the sizes of the terms of an expression.
+pub(crate) fn term_size(fraction: &Fraction, values: &dyn Values) -> f64 {
+    let mut sum = 0.0;
+    fraction.split(&mut |term| {
+        sum += value(term, values).abs();
+        true
+    });
+    sum
+}
+
 /// The value of a sum.
 fn sum(polynomial: &Polynomial, values: &dyn Values) -> f64 {
     let term = |(product, number): (&super::Monomial, &super::Rational)| {

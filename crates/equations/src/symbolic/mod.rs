@@ -14,7 +14,7 @@ mod symbol;
 
 pub(crate) use apply::{absolute, call, delay, opaque, root, sign, step, with_reduced_powers};
 pub(crate) use derivative::{derivative, partial_derivative};
-pub(crate) use evaluate::{Values, value};
+pub(crate) use evaluate::{Values, term_size, value};
 pub(crate) use fraction::Fraction;
 pub(crate) use monomial::{Application, Atom, CallOrder, Monomial, Operation};
 pub(crate) use number::{Rational, nearest, whole};

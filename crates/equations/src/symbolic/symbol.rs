@@ -101,6 +101,11 @@ impl Symbols {
         self.symbols.iter().copied().zip(&self.entries)
     }
 
+    /// All symbols, in the order in which they were added.
+    pub(crate) fn all(&self) -> impl Iterator<Item = Symbol> {
+        self.symbols.iter().copied()
+    }
+
     /// The entry of a symbol.
     pub(crate) fn entry(&self, symbol: Symbol) -> &SymbolEntry {
         &self.entries[symbol.index as usize]

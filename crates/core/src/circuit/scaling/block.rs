@@ -4,12 +4,11 @@ use super::Circuit;
 use patchcord_expr::{Dimension, Scope as _};
 
 /// A physical gain as an expression of parameters.
-#[derive(Clone)]
-pub(super) struct Block {
+struct Block {
     /// The expression, such as "1 / M".
-    pub name: String,
+    name: String,
     /// The value in SI units.
-    pub value: f64,
+    value: f64,
     dimension: Dimension,
 }
 
@@ -60,23 +59,22 @@ impl Blocks {
     }
 
     /// The expression with this dimension that agrees with the gain: 1, a parameter, the reciprocal of a parameter, or
-    /// a quotient or product of two. The sign of the gain does not count.
-    ///
-    /// If none agrees, the gain is wrong or is none of these expressions. Then the expression of the first three kinds
-    /// that differs by a power of ten, as with a wrong input, or the only one with this dimension. `None` if it is not
-    /// clear which of several is meant: the right unit alone is no reason.
-    pub(super) fn find(&self, dimension: Dimension, gain: f64) -> Option<Block> {
-        let fits = |block: &&Block| block.dimension == dimension && is_usable(block.value);
-        let fitting: Vec<&Block> = self.singles.iter().filter(fits).collect();
-        let agrees = |block: &&&Block| logarithmic_distance(gain, block.value) < GAIN_AGREEMENT;
-        match fitting.iter().find(agrees) {
-            Some(block) => Some((*block).clone()),
-            None => self.pair(dimension, gain).or_else(|| probable(&fitting, gain).cloned()),
+    /// a quotient or product of two. The sign of the gain does not count. `None` if none agrees: the right unit alone is
+    /// no reason.
+    pub(super) fn find(&self, dimension: Dimension, gain: f64) -> Option<String> {
+        let agrees = |block: &&Block| {
+            block.dimension == dimension
+                && is_usable(block.value)
+                && logarithmic_distance(gain, block.value) < GAIN_AGREEMENT
+        };
+        match self.singles.iter().find(agrees) {
+            Some(block) => Some(block.name.clone()),
+            None => self.pair(dimension, gain),
         }
     }
 
     /// The first pair in the order of preference that has this dimension and agrees with the gain.
-    fn pair(&self, dimension: Dimension, gain: f64) -> Option<Block> {
+    fn pair(&self, dimension: Dimension, gain: f64) -> Option<String> {
         // The window is wider than the agreement, so that rounding excludes no pair.
         let margin = 2.0 * GAIN_AGREEMENT;
         let [low, high] = [1.0 - margin, 1.0 + margin].map(|end| gain.abs() * end);
@@ -85,27 +83,14 @@ impl Blocks {
         let agrees = |pair: &&Pair| {
             pair.dimension == dimension && logarithmic_distance(gain, pair.value) < GAIN_AGREEMENT
         };
-        near.filter(agrees).min_by_key(|pair| pair.rank).map(|pair| self.block_of(pair))
+        near.filter(agrees).min_by_key(|pair| pair.rank).map(|pair| self.name_of(pair))
     }
 
-    /// A pair with its name, such as "k / m".
-    fn block_of(&self, pair: &Pair) -> Block {
+    /// The name of a pair, such as "k / m".
+    fn name_of(&self, pair: &Pair) -> String {
         let [first, second] = pair.factors.map(|index| &self.singles[index].name);
         let sign = if pair.is_product { "*" } else { "/" };
-        Block { name: format!("{first} {sign} {second}"), value: pair.value, dimension: pair.dimension }
-    }
-}
-
-/// The only expression that differs from the gain by a power of ten, or else the only expression.
-fn probable<'b>(fitting: &[&'b Block], gain: f64) -> Option<&'b Block> {
-    let is_decades_off = |block: &&Block| {
-        let decades = (gain.abs() / block.value).log10();
-        (decades - decades.round()).abs() < GAIN_AGREEMENT
-    };
-    let decades_off: Vec<&Block> = fitting.iter().copied().filter(is_decades_off).collect();
-    match (decades_off.as_slice(), fitting) {
-        ([only], _) | (_, [only]) => Some(*only),
-        _ => None,
+        format!("{first} {sign} {second}")
     }
 }
 

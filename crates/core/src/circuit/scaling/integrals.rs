@@ -36,7 +36,7 @@ pub(in crate::circuit) fn integral_warnings(circuit: &Circuit) -> Vec<Diagnostic
 
 /// The wiring with NaN as the gain of every pot whose setting depends on a parameter. So the gain of a path through
 /// such a pot is NaN, too.
-fn without_parameters<'c>(mut wiring: Wiring<'c>, circuit: &Circuit) -> Wiring<'c> {
+pub(super) fn without_parameters<'c>(mut wiring: Wiring<'c>, circuit: &Circuit) -> Wiring<'c> {
     for (element, drivers) in wiring.drivers.iter_mut().enumerate() {
         if depends_on_parameter(circuit, element) {
             drivers.iter_mut().for_each(|driver| driver.gain = f64::NAN);
@@ -134,11 +134,15 @@ fn setting_names(circuit: &Circuit, element: usize) -> Vec<&str> {
     formulas.flatten().collect()
 }
 
-/// Whether a block gain differs from 1, and also from 2 pi and its reciprocal: a phase in rad is 2 pi times the
-/// integral of a frequency in Hz. NaN is not wrong, and neither is 0: a pot at 0 disconnects its input on purpose.
+/// Whether a block gain differs from 1, and does not count turns. NaN is not wrong, and neither is 0: a pot at 0
+/// disconnects its input on purpose.
 fn is_wrong(factor: f64) -> bool {
-    let differs = |expected: f64| (factor / expected - 1.0).abs() > GAIN_TOLERANCE;
-    factor > 0.0 && [1.0, TAU, 1.0 / TAU].into_iter().all(differs)
+    factor > 0.0 && (factor - 1.0).abs() > GAIN_TOLERANCE && !counts_turns(factor)
+}
+
+/// Whether a block gain is 2 pi or its reciprocal: a phase in rad is 2 pi times the integral of a frequency in Hz.
+pub(super) fn counts_turns(factor: f64) -> bool {
+    [TAU, 1.0 / TAU].into_iter().any(|turn| (factor / turn - 1.0).abs() <= GAIN_TOLERANCE)
 }
 
 #[cfg(test)]

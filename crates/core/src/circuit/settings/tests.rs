@@ -51,6 +51,38 @@ fn only_a_pot_in_front_of_an_integrator_may_be_set_to_a_rate() {
     assert!(codes(integrator(), "free-pot", "w").contains(&Code::UNIT_MISMATCH));
 }
 
+#[test]
+fn a_rate_in_front_of_an_inverter_is_moved_behind_it() {
+    let patch = PatchBuilder::new("rate")
+        .parameter("w", 0.5, "1/s", [0.1, 1.0])
+        .element("P", ElementBuilder::new("pot").cord("in", "A").set("setting", "w"))
+        .element("B", ElementBuilder::new("inverter").cord("in", "P"))
+        .element("A", ElementBuilder::new("integrator").cords("x1", ["B"]));
+    let report = Circuit::new(&patch.record(["A"]).build().unwrap()).unwrap_err();
+    let finding = report.findings.iter().find(|finding| finding.code == Code::UNIT_MISMATCH).unwrap();
+    assert_eq!(finding.message, "w is in 1/s, but a pure number is expected here");
+    let hint = finding.hint.as_deref().unwrap();
+    assert!(hint.starts_with("a pot that drives an integrator may be set to a rate"), "{hint}");
+}
+
+#[test]
+fn an_angle_is_no_number_of_volts() {
+    let initial = |value: &str| {
+        let patch = PatchBuilder::new("pendulum")
+            .parameter("a0", 30.0, "deg", [0.0, 90.0])
+            .scale("angle", 1.0, "deg")
+            .element("A", ElementBuilder::new("integrator").cords("x1", ["A"]).set("initial", value));
+        Circuit::new(&patch.signal("a", "A", "angle", 1.0).build().unwrap())
+    };
+    let report = initial("-a0").unwrap_err();
+    assert_eq!(report.findings[0].code, Code::UNIT_MISMATCH);
+    assert_eq!(report.findings[0].message, "-a0 is an angle, but a number of volts is expected here");
+    assert_eq!(report.findings[0].hint.as_deref(), Some("divide it by the scale angle to get volts"));
+    for right in ["-a0 / angle", "50 * sin(a0)", "-30", "a0 / (pi / 180)"] {
+        assert!(initial(right).is_ok(), "{right}");
+    }
+}
+
 /// The circuit of a chain of pots, each set to a rate, that drives an amplifier of this kind.
 fn chain(length: usize, kind: &str) -> Result<Circuit, Box<Report>> {
     let pot = |at: usize| {

@@ -13,12 +13,12 @@ mod tables;
 use std::collections::{HashMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::{Program, Register, SignalInfo};
+use patchcord_core::ir::{ParameterValue, Program, Register, SignalInfo};
 use patchcord_expr::Dimension;
 
 use super::system::System;
 use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, Symbols};
-use operations::ranged;
+pub(crate) use operations::ranged;
 use tables::tables;
 
 /// What the derivation keeps and what it eliminates.
@@ -77,6 +77,18 @@ pub(crate) fn derive(circuit: &Circuit, program: &Program, options: Options) -> 
     derivation.finish()
 }
 
+/// Whether a parameter counts as never negative: so says its range, or its value if it has none. A value of 0 says
+/// nothing about the sign of other values, but a range does.
+pub(crate) fn is_nonnegative(parameter: &ParameterValue) -> bool {
+    let least = least_value(parameter);
+    least > 0.0 || (least == 0.0 && parameter.declared.range.is_some())
+}
+
+/// The least value of a parameter by its range, or its value if it has none.
+fn least_value(parameter: &ParameterValue) -> f64 {
+    parameter.declared.range.map_or(parameter.value, |(low, _)| low)
+}
+
 /// A derivation in progress.
 struct Derivation<'a> {
     program: &'a Program,
@@ -104,14 +116,12 @@ impl<'a> Derivation<'a> {
             |name: &str, kind, dimension| SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
         let pi = symbols.add_positive(entry("pi", SymbolKind::Pi, Dimension::NONE));
         let parameters = program.parameters().iter().enumerate().map(|(index, parameter)| {
-            let least = parameter.declared.range.map_or(parameter.value, |(low, _)| low);
-            let kind = SymbolKind::Parameter(index);
-            let entry = entry(&parameter.declared.name, kind, parameter.declared.dimension);
-            if least > 0.0 {
+            let declared = &parameter.declared;
+            let entry = entry(&declared.name, SymbolKind::Parameter(index), declared.dimension);
+            if least_value(parameter) > 0.0 {
                 return symbols.add_positive(entry);
             }
-            // A value of 0 says nothing about the sign of other values, but a range does.
-            symbols.add(entry, parameter.declared.range.is_some() && least >= 0.0)
+            symbols.add(entry, is_nonnegative(parameter))
         });
         let parameters: Vec<Symbol> = parameters.collect();
         let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);

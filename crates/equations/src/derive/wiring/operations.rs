@@ -74,7 +74,7 @@ impl Derivation<'_> {
 }
 
 /// The registers that limit the inputs of squaring networks and logarithms to their range.
-pub(super) fn ranged(program: &Program) -> HashSet<Register> {
+pub(crate) fn ranged(program: &Program) -> HashSet<Register> {
     let inputs = program.body().iter().filter_map(|op| match op {
         Op::Multiply(a, b) if a == b => Some(*a),
         Op::Call(Function::Ln | Function::Log10, a, _) => match program.body()[a.index()] {

@@ -1,0 +1,355 @@
+//! The audit of amplitude scaling by the stated equations: computer gain = input scale x block gain / output scale
+//! (eq. 4-8).
+//!
+//! The core lists the linear wiring between scaled signals. Here an equation decides about each: the block gain is the
+//! factor of the input signal in the equation that is solved for the output signal, or for its derivative if the wiring
+//! has integrators. Wiring about which no equation decides is listed without a required gain.
+
+use std::f64::consts::PI;
+
+use patchcord_core::circuit::{Circuit, ScalingRow, SignalPoint};
+use patchcord_core::ir::Program;
+use patchcord_expr::split_primes;
+
+use crate::derive::System;
+use crate::notation::text;
+use crate::static_check::stated::{Alias, Stated, aliases, primed};
+use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, partial_derivative, value};
+use crate::writing::Writer;
+
+/// A gain of the wiring between two scaled signals, and whether it is right.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AuditedGain {
+    /// The wiring.
+    pub row: ScalingRow,
+    /// What is known about its gain.
+    pub decision: GainDecision,
+}
+
+/// What is known about a gain.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum GainDecision {
+    /// A stated equation requires a gain.
+    Equation {
+        /// Index of the equation among those of the patch.
+        index: usize,
+        /// The block gain, such as "-k/m".
+        block: String,
+        /// The required computer gain, with its sign.
+        gain: f64,
+    },
+    /// The output is the integral of the input, as their units say.
+    Integral {
+        /// The required computer gain. Its sign is that of the computer gain, because the units say nothing about it.
+        gain: f64,
+    },
+    /// Nothing decides; the text says why.
+    Undecided(String),
+}
+
+/// Relative deviation of a gain from that of an equation up to which it is right. Settings are often rounded to three
+/// digits.
+const TOLERANCE: f64 = 1e-3;
+/// The same for a signal and its integral, as in the check of every patch.
+const INTEGRAL_TOLERANCE: f64 = 1e-2;
+
+impl AuditedGain {
+    /// The required computer gain. `None` if nothing decides.
+    pub fn required_gain(&self) -> Option<f64> {
+        match self.decision {
+            GainDecision::Equation { gain, .. } | GainDecision::Integral { gain } => Some(gain),
+            GainDecision::Undecided(_) => None,
+        }
+    }
+
+    /// The relative deviation of the computer gain from the required one. It is -2 if only the sign is wrong. `None` if
+    /// nothing decides, or if the required gain is 0.
+    pub fn relative_error(&self) -> Option<f64> {
+        let required = self.required_gain().filter(|gain| *gain != 0.0)?;
+        Some(self.row.computer_gain / required - 1.0)
+    }
+
+    /// Whether the gain is wrong.
+    pub fn is_wrong(&self) -> bool {
+        let tolerance = match self.decision {
+            GainDecision::Integral { .. } => INTEGRAL_TOLERANCE,
+            GainDecision::Equation { .. } | GainDecision::Undecided(_) => TOLERANCE,
+        };
+        match (self.required_gain(), self.relative_error()) {
+            (Some(_), Some(error)) => error.abs() > tolerance,
+            (Some(_), None) => self.row.computer_gain != 0.0,
+            _ => false,
+        }
+    }
+}
+
+/// All linear wiring between scaled signals with what the stated equations require of it, in the order of the output
+/// signals.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::Circuit;
+/// use patchcord_core::ir::Program;
+/// use patchcord_core::patch::Patch;
+/// use patchcord_equations::{GainDecision, audit_scaling};
+///
+/// let circuit = Circuit::new(&Patch::read("../../patches/lessons/mass-and-spring.json")?)?;
+/// let gains = audit_scaling(&circuit, &Program::new(&circuit)?);
+/// let spring = gains.iter().find(|gain| (&gain.row.input[..], &gain.row.output[..]) == ("x", "v"));
+/// let spring = spring.expect("the spring accelerates the mass");
+/// // -k/m = -40 1/s2, with 1 mm and 10 mm/s per volt.
+/// let GainDecision::Equation { block, gain, .. } = &spring.decision else { panic!("m x'' = -k x decides") };
+/// assert!(block.contains("k/m"), "{block}");
+/// assert!((gain + 4.0).abs() < 1e-12 && !spring.is_wrong());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn audit_scaling(circuit: &Circuit, program: &Program) -> Vec<AuditedGain> {
+    let audit = Audit::new(circuit, program);
+    circuit.scaling().into_iter().map(|row| audit.audited(row)).collect()
+}
+
+/// A quantity: its name and the number of its derivatives.
+type Quantity = (String, usize);
+
+/// An equation that is solved for a quantity.
+struct SolvedEquation {
+    /// The quantity.
+    of: Quantity,
+    /// Its value in the names of the equations.
+    value: Fraction,
+    /// Index of the equation among those of the patch.
+    index: usize,
+}
+
+/// The factor of a signal in a solved equation.
+enum Factor {
+    /// It is constant in a run.
+    Constant(Fraction, usize),
+    /// It varies.
+    Varying,
+    /// The equation does not contain the signal.
+    Absent,
+}
+
+/// The stated equations of a circuit, each solved for a quantity.
+struct Audit<'a> {
+    circuit: &'a Circuit,
+    program: &'a Program,
+    /// The names of the quantities.
+    system: System,
+    /// The names that equations give to derivatives.
+    aliases: Vec<Alias<'a>>,
+    solved: Vec<SolvedEquation>,
+}
+
+impl<'a> Audit<'a> {
+    /// Solves the equations of a circuit.
+    fn new(circuit: &'a Circuit, program: &'a Program) -> Self {
+        let aliases = aliases(circuit);
+        let mut stated = Stated::new(circuit, program);
+        let mut solved = Vec::new();
+        for (index, residual) in stated.residuals.clone() {
+            let renamed = renamed(&mut stated, &aliases, &residual);
+            solved.extend(solved_equation(circuit, &mut stated, &aliases, index, &renamed));
+        }
+        let Stated { symbols, .. } = stated;
+        let (laws, modes, tables, margins) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let system = System { symbols, laws, modes, tables, margins };
+        Audit { circuit, program, system, aliases, solved }
+    }
+
+    /// A row with its decision.
+    fn audited(&self, row: ScalingRow) -> AuditedGain {
+        let decision = self.by_equation(&row).unwrap_or_else(|reason| match row.expected_gain {
+            Some(gain) => GainDecision::Integral { gain },
+            None => GainDecision::Undecided(reason),
+        });
+        AuditedGain { row, decision }
+    }
+
+    /// What an equation says about a row.
+    ///
+    /// # Errors
+    /// The reason if no equation decides.
+    fn by_equation(&self, row: &ScalingRow) -> Result<GainDecision, String> {
+        if self.circuit.equations().is_empty() {
+            return Err("the patch states no equations".to_owned());
+        }
+        let output = primed(&row.output, row.integrations);
+        let mut reason = format!("no stated equation gives {output} as a function of {}", row.input);
+        for (output, input) in self.pairs(row) {
+            match self.factor(&output.name, row.integrations, &input.name) {
+                Factor::Constant(factor, index) => {
+                    let decision = self.required(&factor, index, [output, input], row.integrations);
+                    return decision.ok_or_else(|| "a scale has no value".to_owned());
+                }
+                Factor::Varying => {
+                    let derivative = primed(&output.name, row.integrations);
+                    reason = format!("the factor of {} in {derivative} is not constant", input.name);
+                }
+                Factor::Absent => {}
+            }
+        }
+        Err(reason)
+    }
+
+    /// The signals at both ends of a row: those that it names, and others at the same outputs.
+    fn pairs(&self, row: &ScalingRow) -> Vec<(&SignalPoint, &SignalPoint)> {
+        let [outputs, inputs] = [&row.output, &row.input].map(|name| self.points_at(name));
+        outputs.iter().flat_map(|output| inputs.iter().map(move |input| (*output, *input))).collect()
+    }
+
+    /// The scaled signals at the output that a signal reads, this signal first.
+    fn points_at(&self, name: &str) -> Vec<&SignalPoint> {
+        let points = self.circuit.signals();
+        let Some(own) = points.iter().find(|point| point.name == name) else { return Vec::new() };
+        let mut found: Vec<&SignalPoint> =
+            points.iter().filter(|point| point.element == own.element && point.scale.is_some()).collect();
+        found.sort_by_key(|point| point.name != name);
+        found
+    }
+
+    /// The factor of an input signal in the equation for a derivative of an output signal. If there is none, both may be
+    /// differentiated once more: an equation for x' can contain the derivative of a drive.
+    fn factor(&self, output: &str, order: usize, input: &str) -> Factor {
+        match self.factor_of(output, order, input, 0) {
+            Factor::Absent => self.factor_of(output, order + 1, input, 1),
+            found => found,
+        }
+    }
+
+    /// The factor of an input signal with this number of derivatives in the equation for a derivative of an output
+    /// signal.
+    fn factor_of(&self, output: &str, order: usize, input: &str, derivatives: u8) -> Factor {
+        let canonical = canonical(&self.aliases, output, order);
+        let same = self.solved.iter().filter(|equation| equation.of == canonical);
+        let same = same.map(|equation| (equation.value.clone(), equation.index));
+        let Some(input) = self.system.symbols.find(input, derivatives) else { return Factor::Absent };
+        let mut is_varying = false;
+        for (value, index) in same.chain(self.alias_value(output, order, &canonical)) {
+            let factor = partial_derivative(&value, input);
+            match (factor.is_zero(), factor.is_constant()) {
+                (true, _) => {}
+                (false, true) => return Factor::Constant(factor, index),
+                (false, false) => is_varying = true,
+            }
+        }
+        if is_varying { Factor::Varying } else { Factor::Absent }
+    }
+
+    /// The name of a derivative as its value, with the index of the equation that gives it: v for x'.
+    fn alias_value(&self, output: &str, order: usize, canonical: &Quantity) -> Option<(Fraction, usize)> {
+        if *canonical == (output.to_owned(), order) {
+            return None;
+        }
+        let (name, order) = canonical;
+        let symbol = self.system.symbols.find(name, u8::try_from(*order).ok()?)?;
+        let alias = self.aliases.iter().find(|alias| alias.name == name)?;
+        Some((Fraction::symbol(symbol), alias.index))
+    }
+
+    /// The decision of an equation with this factor between two signals. `None` if a scale has no value or is 0.
+    fn required(
+        &self,
+        factor: &Fraction,
+        index: usize,
+        [output, input]: [&SignalPoint; 2],
+        integrations: usize,
+    ) -> Option<GainDecision> {
+        let [output, input] = [self.per_volt(output)?, self.per_volt(input)?];
+        let constants = Constants { system: &self.system, program: self.program };
+        let time = self.circuit.time_scale().powi(i32::try_from(integrations).ok()?);
+        let gain = input * value(factor, &constants) / output / time;
+        let writer = Writer::new(self.circuit, &self.system);
+        let block = text(&writer.expression(factor, writer.dimension(factor)));
+        gain.is_finite().then_some(GainDecision::Equation { index, block, gain })
+    }
+
+    /// The value of one volt of a signal in SI, including its factor.
+    fn per_volt(&self, point: &SignalPoint) -> Option<f64> {
+        let scale = point.scale?;
+        let unit = self.circuit.derived_unit(scale);
+        Some(unit.to_si(self.circuit.per_volt(scale)?) * point.factor)
+    }
+}
+
+/// A quantity under the last name that equations give to it: v' for x'' if `v = x'`.
+fn canonical(aliases: &[Alias<'_>], name: &str, order: usize) -> Quantity {
+    let (mut name, mut order) = (name, order);
+    // Every alias applies at most once, so a circle ends.
+    for _ in aliases {
+        let Some(alias) = aliases.iter().find(|alias| alias.of == name && alias.order <= order) else {
+            break;
+        };
+        (name, order) = (alias.name, order - alias.order);
+    }
+    (name.to_owned(), order)
+}
+
+/// An expression with every quantity under its last name.
+fn renamed(stated: &mut Stated<'_>, aliases: &[Alias<'_>], value: &Fraction) -> Fraction {
+    value.mapped(&mut |symbol| {
+        if !stated.varies(symbol) {
+            return Fraction::symbol(symbol);
+        }
+        let entry = stated.symbols.entry(symbol);
+        let (name, order) = canonical(aliases, &entry.name, usize::from(entry.primes));
+        Fraction::symbol(stated.symbol(&name, order))
+    })
+}
+
+/// An equation solved for the quantity with the most primes on its left, or else on its right. `None` if it is not
+/// linear in it. `residual` is the equation as an expression that is 0, with every quantity under its last name.
+fn solved_equation(
+    circuit: &Circuit,
+    stated: &mut Stated<'_>,
+    aliases: &[Alias<'_>],
+    index: usize,
+    residual: &Fraction,
+) -> Option<SolvedEquation> {
+    let mut names = circuit.equations()[index].value.names();
+    names.retain(|name| stated.is_variable(split_primes(name).0));
+    names.sort_by_key(|name| std::cmp::Reverse(split_primes(name).1));
+    let (base, order) = split_primes(names.first()?);
+    let of = canonical(aliases, base, order);
+    let symbol = stated.symbol(&of.0, of.1);
+    let slope = partial_derivative(residual, symbol);
+    if slope.is_zero() || slope.contains(&mut |other| other == symbol) {
+        return None;
+    }
+    let value = Fraction::symbol(symbol).minus(&residual.over(&slope));
+    (!value.contains(&mut |other| other == symbol)).then_some(SolvedEquation { of, value, index })
+}
+
+/// The values of parameters. Nothing else has a value here.
+struct Constants<'a> {
+    system: &'a System,
+    program: &'a Program,
+}
+
+impl Values for Constants<'_> {
+    fn symbol(&self, symbol: Symbol) -> f64 {
+        match self.system.symbols.entry(symbol).kind {
+            SymbolKind::Pi => PI,
+            SymbolKind::Parameter(index) => self.program.parameters()[index].value,
+            SymbolKind::Time | SymbolKind::Variable | SymbolKind::Held => f64::NAN,
+        }
+    }
+
+    fn table(&self, _table: u32, _at: f64) -> f64 {
+        f64::NAN
+    }
+
+    fn slope(&self, _table: u32, _at: f64) -> f64 {
+        f64::NAN
+    }
+
+    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
+        f64::NAN
+    }
+}
+
+#[cfg(test)]
+mod tests;
