@@ -12,7 +12,7 @@ const MIN_POINTS: u32 = 8;
 /// Difference of two equal expressions by rounding, as a share of the sum of their terms.
 const ROUNDING: f64 = 1e-9;
 /// The golden ratio, whose multiples have irregular fractions.
-const GOLDEN: f64 = 1.618_033_988_749_895;
+pub(crate) const GOLDEN: f64 = 1.618_033_988_749_895;
 
 /// A value for every quantity, which depends on the index of the point for those that vary.
 #[derive(Clone, Copy)]
@@ -65,14 +65,19 @@ fn size(fraction: &Fraction, point: &Point<'_>) -> f64 {
     sum
 }
 
+/// Another value for the parameter with this index.
+pub(crate) fn other_value(present: f64, index: usize) -> f64 {
+    let share = (index as f64 * GOLDEN).fract();
+    if present == 0.0 { 1.0 + share } else { present * (1.1 + 0.3 * share) }
+}
+
 impl Point<'_> {
     /// The value of a parameter.
     fn parameter(&self, index: usize) -> f64 {
         let present = self.program.parameters()[index].value;
         match self.parameters {
             ParameterValues::Present => present,
-            ParameterValues::Other if present == 0.0 => 1.0 + (index as f64 * GOLDEN).fract(),
-            ParameterValues::Other => present * (1.1 + 0.3 * (index as f64 * GOLDEN).fract()),
+            ParameterValues::Other => other_value(present, index),
         }
     }
 

@@ -7,7 +7,7 @@ mod wiring;
 
 pub(crate) use simplify::simplified;
 pub(crate) use system::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
-pub(crate) use wiring::{Options, derive};
+pub(crate) use wiring::{Options, derive, ranged};
 
 #[cfg(test)]
 mod tests;

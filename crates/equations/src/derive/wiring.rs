@@ -135,7 +135,7 @@ impl<'a> Derivation<'a> {
             pi,
             coefficients,
             unlimited,
-            ranged: ranged(program),
+            ranged: ranged(program.body()),
             values,
             intermediates: 0,
         };
@@ -625,17 +625,17 @@ impl<'a> Derivation<'a> {
 }
 
 /// The registers that limit the inputs of squaring networks and logarithms to their range.
-fn ranged(program: &Program) -> HashSet<Register> {
-    let inputs = program.body().iter().filter_map(|op| match op {
+pub(crate) fn ranged(operations: &[Op]) -> HashSet<Register> {
+    let inputs = operations.iter().filter_map(|op| match op {
         Op::Multiply(a, b) if a == b => Some(*a),
-        Op::Call(Function::Ln | Function::Log10, a, _) => match program.body()[a.index()] {
+        Op::Call(Function::Ln | Function::Log10, a, _) => match operations[a.index()] {
             // The limited voltage is divided by that of the argument 1.
             Op::Divide(limited, _) => Some(limited),
             _ => Some(*a),
         },
         _ => None,
     });
-    inputs.filter(|register| matches!(program.body()[register.index()], Op::Maximum(..))).collect()
+    inputs.filter(|register| matches!(operations[register.index()], Op::Maximum(..))).collect()
 }
 
 /// The tables, in the order of the program.
