@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use patchcord_expr::Equation;
 
-use super::Comparison;
+use super::comparison::Comparison;
 use crate::derive::LawKind;
 use crate::symbolic::{Atom, Fraction, absolute};
 use crate::writing::Writer;

@@ -12,6 +12,8 @@ const POINTS: u32 = 64;
 const MIN_POINTS: u32 = 8;
 /// Difference of two equal expressions by rounding, as a share of the sum of their terms.
 const ROUNDING: f64 = 1e-9;
+/// The golden ratio, whose multiples have irregular fractions.
+pub(crate) const GOLDEN: f64 = 1.618_033_988_749_895;
 
 /// A value for every quantity, which depends on the index of the point for those that vary.
 #[derive(Clone, Copy)]
@@ -54,14 +56,19 @@ pub(super) fn equal_at_points(point: Point<'_>, [first, second]: [&Fraction; 2])
     (compared >= MIN_POINTS).then_some(true)
 }
 
+/// Another value for the parameter with this index.
+pub(crate) fn other_value(present: f64, index: usize) -> f64 {
+    let share = golden_place(index as u64);
+    if present == 0.0 { 1.0 + share } else { present * (1.1 + 0.3 * share) }
+}
+
 impl Point<'_> {
     /// The value of a parameter.
     fn parameter(&self, index: usize) -> f64 {
         let present = self.program.parameters()[index].value;
         match self.parameters {
             ParameterValues::Present => present,
-            ParameterValues::Other if present == 0.0 => 1.0 + golden_place(index as u64),
-            ParameterValues::Other => present * (1.1 + 0.3 * golden_place(index as u64)),
+            ParameterValues::Other => other_value(present, index),
         }
     }
 

@@ -5,7 +5,7 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use serde_json::json;
 
-use super::varying_signals;
+use super::EquationComparer;
 
 #[test]
 fn signals_with_the_name_of_a_parameter_or_of_pi_vary() {
@@ -22,5 +22,6 @@ fn signals_with_the_name_of_a_parameter_or_of_pi_vary() {
     let patch = Patch::from_value("patch.json", &patch).unwrap();
     let circuit = Circuit::new(&patch).unwrap();
     let program = Program::new(&circuit).unwrap();
-    assert_eq!(varying_signals(&circuit, &program), [true, true, false]);
+    let mut comparer = EquationComparer::new(&circuit, &program);
+    assert_eq!(comparer.varying_signals(), [true, true, false]);
 }

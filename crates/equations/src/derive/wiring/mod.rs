@@ -148,7 +148,7 @@ impl<'a> Derivation<'a> {
             pi,
             coefficients,
             unlimited,
-            ranged: ranged(program),
+            ranged: ranged(program.body()),
             values,
             intermediates: 0,
         };

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use patchcord_core::ir::{Level, Op, Program, Register};
+use patchcord_core::ir::{Level, Op, Register};
 use patchcord_expr::Function;
 
 use super::Derivation;
@@ -74,15 +74,15 @@ impl Derivation<'_> {
 }
 
 /// The registers that limit the inputs of squaring networks and logarithms to their range.
-pub(crate) fn ranged(program: &Program) -> HashSet<Register> {
-    let inputs = program.body().iter().filter_map(|op| match op {
+pub(crate) fn ranged(operations: &[Op]) -> HashSet<Register> {
+    let inputs = operations.iter().filter_map(|op| match op {
         Op::Multiply(a, b) if a == b => Some(*a),
-        Op::Call(Function::Ln | Function::Log10, a, _) => match program.body()[a.index()] {
+        Op::Call(Function::Ln | Function::Log10, a, _) => match operations[a.index()] {
             // The limited voltage is divided by that of the argument 1.
             Op::Divide(limited, _) => Some(limited),
             _ => Some(*a),
         },
         _ => None,
     });
-    inputs.filter(|register| matches!(program.body()[register.index()], Op::Maximum(..))).collect()
+    inputs.filter(|register| matches!(operations[register.index()], Op::Maximum(..))).collect()
 }
