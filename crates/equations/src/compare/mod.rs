@@ -98,9 +98,10 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
             Agreement::Solved if !limits.is_empty() => Ok(Agreement::SolvedIf(limits)),
             Agreement::Different { .. } if !exact.model.system.margins.is_empty() => {
                 let in_range = in_range.get_or_insert_with(|| comparison(true));
-                let is_solved = in_range.agreement(equation)? == Agreement::Solved;
-                let conditions = [exact.range_conditions(equation), limits].concat();
-                Ok(if is_solved { Agreement::SolvedIf(conditions) } else { found })
+                if in_range.agreement(equation)? != Agreement::Solved {
+                    return Ok(found);
+                }
+                Ok(Agreement::SolvedIf([exact.range_conditions(equation), limits].concat()))
             }
             _ => Ok(found),
         }
