@@ -41,6 +41,9 @@ impl Comparison<'_> {
             margins.extend(lower.iter().map(|lower| state.minus(lower)));
             margins.extend(upper.iter().map(|upper| upper.minus(&state)));
         }
+        if margins.is_empty() {
+            return Vec::new();
+        }
         let none = HashSet::new();
         margins.iter_mut().for_each(|margin| *margin = self.model.expanded_fraction(margin, &none));
         let writer = Writer::new(self.circuit, &self.model.system);
