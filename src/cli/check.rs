@@ -280,9 +280,9 @@ struct Document<'a> {
 #[derive(Serialize)]
 struct EquationDocument<'a> {
     text: &'a str,
-    /// "always", "within the range of a network", "for the present parameters" or "not compared".
+    /// "always", "within ranges and limits", "for the present parameters" or "not compared".
     solved: &'static str,
-    /// The conditions of the range, or the names of the parameters; the reason if it is not compared.
+    /// The conditions of ranges and limits, or the names of the parameters; the reason if it is not compared.
     details: Vec<String>,
 }
 
@@ -291,7 +291,7 @@ impl<'a> EquationDocument<'a> {
     fn all(circuit: &'a Circuit, compared: &[ComparedEquation]) -> Vec<Self> {
         let document = |compared: &ComparedEquation| {
             let (solved, details) = match &compared.agreement {
-                Agreement::SolvedIf(conditions) => ("within the range of a network", conditions.clone()),
+                Agreement::SolvedIf(conditions) => ("within ranges and limits", conditions.clone()),
                 Agreement::SolvedAt(parameters) => ("for the present parameters", parameters.clone()),
                 Agreement::Undecided(reason) => ("not compared", vec![reason.clone()]),
                 _ => ("always", Vec::new()),

@@ -14,7 +14,7 @@ pub(super) struct Arguments {
     /// Keep an equation for every element, in volts if it has no signal (default: signals, drives and states)
     #[arg(long)]
     all: bool,
-    /// Print LaTeX: one `align` environment of the package amsmath
+    /// Print LaTeX: an `align` environment of the package amsmath, then the modes and tables
     #[arg(long, conflicts_with = "json")]
     latex: bool,
 }

@@ -130,7 +130,7 @@ fn an_overload_at_test_values_is_marked() {
     let checked = patchcord(&["check", SPRING, "--test", "x=200"]);
     assert_eq!(code(&checked), 0, "{}", errors(&checked));
     let text = out(&checked);
-    assert!(line(&text, "B1").contains(&"overload"), "{text}");
+    assert!(line(&text, "B1").contains(&"overload,"), "{text}");
     assert!(text.contains("overload at these values: use smaller test values\nno difference\n"), "{text}");
 }
 

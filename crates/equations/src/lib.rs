@@ -42,7 +42,7 @@ pub use findings::{codes, equation_findings, equation_fixes, findings_with_fixes
 pub use fixes::{Fix, find_fixes};
 pub use listing::{
     Detail, EquationListing, InitialDocument, InitialValue, ListingDocument, ModeChange, ModeDescription,
-    TableDescription,
+    Remark, TableDescription,
 };
 pub use notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,

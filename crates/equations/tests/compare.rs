@@ -6,7 +6,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_equations::{Agreement, compare_equations};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// The agreement of every equation of a patch.
 fn agreements(patch: &Value) -> Vec<Agreement> {
@@ -92,6 +92,56 @@ fn the_wiring_of_every_shipped_patch_solves_its_equations() {
         }
     }
     assert!(count > 100, "{count}");
+}
+
+/// Summers in series, each of which adds the signal before it twice, through two pots: 2 to the power of 40 paths.
+#[test]
+fn long_chains_of_signals_that_are_read_twice_are_compared() {
+    let (mut elements, mut signals) = (Map::new(), Map::new());
+    elements.insert("S0".into(), json!({"kind": "integrator", "in": {"x1": ["S40"]}, "initial": 50}));
+    for index in 1..=40 {
+        let before = format!("S{}", index - 1);
+        let pots = ["P", "Q"].map(|letter| format!("{letter}{index}"));
+        elements.insert(format!("S{index}"), json!({"kind": "summer", "in": {"x1": pots}}));
+        for pot in pots {
+            signals.insert(format!("half_{pot}"), json!({"at": pot, "scale": "x"}));
+            elements.insert(pot, json!({"kind": "pot", "in": before, "setting": 0.5}));
+        }
+        signals.insert(format!("s{index}"), json!({"at": format!("S{index}"), "scale": "x"}));
+    }
+    signals.insert("x".into(), json!({"at": "S0", "scale": "x"}));
+    let patch = json!({
+        "patchcord": 1,
+        "equations": ["x' = -x", "s39 = -x", "s40 = -half_P40 - half_Q40"],
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": elements,
+        "signals": signals,
+    });
+    assert_eq!(agreements(&patch), [Agreement::Solved, Agreement::Solved, Agreement::Solved]);
+}
+
+/// At a limit, the rate is not that of the equation.
+#[test]
+fn an_equation_of_a_limited_integrator_holds_within_its_limits() {
+    let limited = |conditions: &[&str]| {
+        Agreement::SolvedIf(conditions.iter().map(|condition| (*condition).to_owned()).collect())
+    };
+    let saturated = agreements(&patch("problems/saturated-integrator", &["x' = -u", "x(0) = 0", "2 x' = u"]));
+    assert_eq!(saturated[..2], [limited(&["x > -60", "x < 10"]), Agreement::Solved]);
+    assert!(matches!(saturated[2], Agreement::Different { .. }), "{:?}", saturated[2]);
+    let oscillator = json!({
+        "patchcord": 1,
+        "equations": ["y'' = -y", "y' = -w", "w' = y"],
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["B2"]}, "initial": 5, "limit": {"upper": 10}},
+            "A2": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+            "B2": {"kind": "inverter", "in": "A2"},
+        },
+        "signals": {"y": {"at": "A2", "scale": "x"}, "w": {"at": "A1", "scale": "x"}},
+    });
+    let within = limited(&["w < 10"]);
+    assert_eq!(agreements(&oscillator), [within.clone(), Agreement::Solved, within]);
 }
 
 #[test]

@@ -45,6 +45,68 @@ fn an_integrator_with_a_limit_shows_it() {
 }
 
 #[test]
+fn a_brake_has_one_law_without_a_list_of_changes() {
+    let cases = [
+        (
+            "problems/dry-friction",
+            "v' = 0                  if v = 0 and abs(x) <= 5\n     -4 x - 20 sign(v)  otherwise",
+        ),
+        (
+            "lessons/stick-slip",
+            "sliding' = 0                                            \
+             if sliding = 0 and k abs(x) <= max(friction, 0)\n           \
+             -(k/m) x - max(friction, 0) sign(sliding)/m  otherwise",
+        ),
+    ];
+    for (file, law) in cases {
+        let patch = Patch::read(format!("../../patches/{file}.json")).unwrap();
+        let circuit = Circuit::new(&patch).unwrap();
+        let listing = EquationListing::new(&circuit, &Program::new(&circuit).unwrap(), Detail::Signals);
+        assert_eq!(listing.equations[1].text(), law);
+        assert!(!listing.text().contains("brake"), "{}", listing.text());
+    }
+}
+
+/// A decay at the rate of a parameter m. The state is the output of the element `element`.
+fn decay(element: &str, signals: &Value) -> Value {
+    json!({
+        "patchcord": 1,
+        "parameters": {"m": {"value": 0.5, "unit": "1"}},
+        "elements": {
+            "P1": {"kind": "pot", "in": element, "setting": "m"},
+            element: {"kind": "integrator", "in": {"x1": ["P1"]}, "initial": 50},
+            "U1": {"kind": "absolute", "in": element},
+        },
+        "signals": signals,
+    })
+}
+
+#[test]
+fn a_quantity_with_the_name_of_a_parameter_gets_another_name() {
+    let volts = json!({"at": "A1"});
+    let cases = [
+        (
+            decay("A1", &json!({"m": volts})),
+            "m_out' = -m m_out\n\nat t = 0: m_out = 50\n\nm_out is the signal m, because m is a parameter\n",
+        ),
+        (
+            decay("A1", &json!({"m": volts, "m_out": volts})),
+            "m_out_' = -m m_out_\nm_out = m_out_\n\nat t = 0: m_out_ = 50\n\n\
+             m_out_ is the signal m, because m is a parameter\n",
+        ),
+        (
+            decay("m", &json!({"y": {"at": "U1"}})),
+            "y = abs(m_out)\nm_out' = -m m_out\n\nat t = 0: m_out = 50\n\n\
+             m_out is the output of the element m, because m is a parameter\n",
+        ),
+    ];
+    for (patch, expected) in cases {
+        let (circuit, program) = compiled(&patch);
+        assert_eq!(EquationListing::new(&circuit, &program, Detail::Signals).text(), expected);
+    }
+}
+
+#[test]
 fn delays_of_sums_and_constant_factors_agree() {
     let mut patch = json!({
         "patchcord": 1,
@@ -105,7 +167,37 @@ fn initial_values_in_latex_keep_their_dots() {
     let program = Program::new(&circuit).unwrap();
     let latex = EquationListing::new(&circuit, &program, Detail::Signals).latex();
     assert!(latex.contains("\n  \\dot{x}(0) &= "), "{latex}");
-    assert!(latex.starts_with("\\begin{align}\n") && latex.ends_with("\n\\end{align}\n"), "{latex}");
+    assert!(latex.starts_with("\\begin{align}\n") && latex.contains("\n\\end{align}\n"), "{latex}");
+}
+
+/// The part of a listing in LaTeX after its equations.
+fn latex_after_equations(patch: &Patch) -> String {
+    let circuit = Circuit::new(patch).unwrap();
+    let program = Program::new(&circuit).unwrap();
+    let latex = EquationListing::new(&circuit, &program, Detail::Signals).latex();
+    latex.split_once("\\end{align}\n").unwrap().1.to_owned()
+}
+
+#[test]
+fn modes_tables_and_remarks_are_in_latex_too() {
+    let shipped = |file: &str| Patch::read(format!("../../patches/{file}.json")).unwrap();
+    let thermostat = r"
+\noindent position of K1, at first released:
+\begin{itemize}
+  \item released $\to$ pulled in if $T \le T_{\mathrm{set}} - 0.5\,\mathrm{width}$
+  \item pulled in $\to$ released if $T \ge T_{\mathrm{set}} + 0.5\,\mathrm{width}$
+\end{itemize}
+";
+    assert_eq!(latex_after_equations(&shipped("lessons/relay-thermostat")), thermostat);
+    let tanks = "\n\\noindent $\\operatorname{table\\_u}$ in (s, V): (0, 3) (600, 3) (800, 1.5) (1200, 1.5) \
+                 (1400, 3.5) (2000, 3.5) (2200, 2) (3000, 2)\n";
+    assert_eq!(latex_after_equations(&shipped("measured/cascaded-tanks")), tanks);
+    let ball = latex_after_equations(&shipped("lessons/bouncing-ball"));
+    let bounce = r"down if $y < 0 \text{ and } \mathrm{vy} > 0$, then $\mathrm{vy} = -e\,\mathrm{vy}$";
+    assert!(ball.contains(bounce), "{ball}");
+    let renamed = Patch::from_value("patch.json", &decay("A1", &json!({"m": {"at": "A1"}}))).unwrap();
+    let remark = "\n\\noindent $m_{\\mathrm{out}}$ is the signal m, because m is a parameter\n";
+    assert_eq!(latex_after_equations(&renamed), remark);
 }
 
 /// Limited summers in series, each of which contains the one before twice.

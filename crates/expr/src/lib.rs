@@ -34,4 +34,7 @@ pub use formula::{
 };
 pub use function::Function;
 pub use number_text::{format_decimals, format_significant, leading_number, round_significant};
-pub use units::{Conversion, ConversionError, Dimension, Unit, UnitError, UnitLabel, engineering, nearest};
+pub use units::{
+    Conversion, ConversionError, Dimension, Unit, UnitError, UnitLabel, engineering, nearest,
+    plain_superscript,
+};

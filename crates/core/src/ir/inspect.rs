@@ -87,7 +87,11 @@ impl Program {
 
     /// The point with every state, mode and stored value as in initial condition, before loops and modes settle.
     pub fn initial_point(&self) -> ProgramPoint {
-        let coefficients = self.coefficient_values();
+        self.initial_point_with(&self.coefficient_values())
+    }
+
+    /// The point of [`Program::initial_point`] for these coefficients.
+    pub(crate) fn initial_point_with(&self, coefficients: &[f64]) -> ProgramPoint {
         let value = |index: u32| coefficients[index as usize];
         ProgramPoint {
             states: self.lowered.states.iter().map(|state| value(state.initial)).collect(),
@@ -95,7 +99,7 @@ impl Program {
             time: 0.0,
             delayed: self.lowered.delays.iter().map(|delay| value(delay.initial)).collect(),
             sampled: self.lowered.sampled.iter().map(|sampled| value(sampled.initial)).collect(),
-            levels: self.initial_levels(&coefficients),
+            levels: self.initial_levels(coefficients),
         }
     }
 

@@ -11,6 +11,7 @@ mod angles;
 mod builder;
 mod cache;
 mod coefficient;
+mod element_laws;
 mod evaluate;
 mod inspect;
 mod kinks;
@@ -34,6 +35,7 @@ mod upstream;
 
 pub use builder::{Builder, Draft};
 pub use coefficient::{Coefficient, SettingFault};
+pub use element_laws::{ElementLaw, ElementLaws};
 pub use inspect::ProgramPoint;
 pub use level::Level;
 pub use linearise::Linearisation;

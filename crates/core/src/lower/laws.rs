@@ -22,9 +22,7 @@ impl Builder for Lowering<'_> {
     /// Gain and register of each cord into the input. The order of evaluation ensures that direct inputs already have a
     /// register; memory laws run after all outputs.
     fn driven(&self, name: &str) -> Vec<(f64, Register)> {
-        let inputs = self.circuit.element(self.draft.current).kind.inputs;
-        let input =
-            inputs.iter().position(|input| input.name == name).expect("laws read only inputs of their kind");
+        let input = self.input(name);
         let cords =
             self.circuit.cords(self.draft.current).into_iter().filter(|(_, cord)| cord.input == input);
         cords
@@ -98,6 +96,14 @@ impl<'c> Lowering<'c> {
     /// The default of a setting of the current element, from its kind.
     fn default(&self, name: &str) -> SettingDefault {
         self.circuit.element(self.draft.current).kind.settings[self.setting(name)].default
+    }
+
+    /// Index of an input of the current element, among the inputs of its kind.
+    ///
+    /// It panics if the kind has no input of this name: the law is wrong then.
+    pub(super) fn input(&self, name: &str) -> usize {
+        let inputs = self.circuit.element(self.draft.current).kind.inputs;
+        inputs.iter().position(|input| input.name == name).expect("laws read only inputs of their kind")
     }
 
     /// Index of a setting of the current element, among the settings of its kind.

@@ -6,6 +6,7 @@
 
 mod check;
 mod dry_run;
+mod element_laws;
 mod laws;
 mod prologue;
 

@@ -4,26 +4,23 @@
 //! 0 in normal form, the wiring solves the equation. Otherwise the equation is solved for the highest derivative on its
 //! left, and compared with the wiring term by term for the present values of the parameters.
 
+mod comparison;
+mod conditions;
+mod expansions;
 pub(crate) mod intended;
 mod model;
 mod points;
 mod terms;
+mod wording;
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
-use patchcord_expr::{Equation, split_primes};
 
-use crate::derive::LawKind;
-use crate::notation::{Notation, text};
-use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, absolute, partial_derivative};
-use crate::writing::Writer;
-use intended::fraction;
-use model::Model;
+use comparison::{Comparison, Outcome};
 pub(crate) use model::Obstacle;
-use points::{ParameterValues, Point, equal_at_points};
-use terms::{DifferenceKind, TermDifference, differences, is_negative};
+pub(crate) use points::{GOLDEN, other_value};
 
 /// A stated equation, compared with the wiring.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,8 +37,8 @@ pub struct ComparedEquation {
 pub enum Agreement {
     /// The wiring solves it.
     Solved,
-    /// The wiring solves it while the inputs of its squaring networks and logarithms are within their range. Each
-    /// condition is a text, such as "u >= 0".
+    /// The wiring solves it while the inputs of its squaring networks and logarithms are within their range, and its
+    /// integrators within their limits. Each condition is a text, such as "u >= 0".
     SolvedIf(Vec<String>),
     /// The wiring solves it for the present values of these parameters, but not for others: a setting is a number, or
     /// lacks a parameter.
@@ -83,343 +80,100 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
     if circuit.equations().is_empty() {
         return Vec::new();
     }
-    let comparison = |stays_in_range| {
-        let model = Model::new(circuit, program, stays_in_range);
-        Comparison { circuit, program, coefficients: program.coefficient_values(), model }
-    };
-    let (mut exact, mut in_range) = (comparison(false), None);
-    let mut agreement = |equation: &Equation| {
-        let found = exact.agreement(equation)?;
-        if !matches!(found, Agreement::Different { .. }) || exact.model.system.margins.is_empty() {
-            return Ok(found);
-        }
-        let in_range = in_range.get_or_insert_with(|| comparison(true));
-        let is_solved = in_range.agreement(equation)? == Agreement::Solved;
-        Ok(if is_solved { Agreement::SolvedIf(exact.range_conditions(equation)) } else { found })
-    };
-    let compared = circuit.equations().iter().enumerate().map(|(index, placed)| ComparedEquation {
-        index,
-        agreement: agreement(&placed.value)
-            .unwrap_or_else(|obstacle: Obstacle| Agreement::Undecided(obstacle.text())),
-    });
-    compared.collect()
+    let mut comparer = EquationComparer::new(circuit, program);
+    let compared = |index| ComparedEquation { index, agreement: comparer.agreement(index) };
+    (0..circuit.equations().len()).map(compared).collect()
 }
 
-impl Obstacle {
-    /// The obstacle as a clause.
-    fn text(&self) -> String {
-        match self {
-            Obstacle::Unknown(name) => format!("{name} is not known"),
-            Obstacle::Implicit(name) => {
-                format!("{name} is the solution of a loop without a formula")
-            }
-            Obstacle::Unsettled(name) => {
-                format!("the value at t = 0 depends on {name}, which is no parameter")
-            }
-        }
-    }
-}
-
-/// For each signal of a patch, whether it varies: whether it depends on a state, a drive or time.
-pub(crate) fn varying_signals(circuit: &Circuit, program: &Program) -> Vec<bool> {
-    let mut model = Model::new(circuit, program, false);
-    let none = HashSet::new();
-    let varies = |name: &String| {
-        let value = model.quantity(name, 0, &none);
-        value.is_ok_and(|value| !value.is_constant())
-    };
-    circuit.patch().signals.keys().map(varies).collect()
-}
-
-/// A comparison in progress.
-struct Comparison<'a> {
+/// Compares single equations of a circuit with its wiring. The equations of the wiring are derived once.
+pub(crate) struct EquationComparer<'a> {
     circuit: &'a Circuit,
     program: &'a Program,
-    /// Values of the coefficients of the program.
-    coefficients: Vec<f64>,
-    model: Model<'a>,
+    /// The comparison with the wiring as it is.
+    exact: Comparison<'a>,
+    /// The comparison with the wiring while its squaring networks and logarithms are within their range. It is made
+    /// when it is first needed.
+    in_range: Option<Comparison<'a>>,
 }
 
-impl Comparison<'_> {
-    /// Whether the wiring solves an equation. It may name drives or write out their laws of time.
-    fn agreement(&mut self, equation: &Equation) -> Result<Agreement, Obstacle> {
-        let found = self.agreement_with_drives(equation);
-        if matches!(found, Ok(Agreement::Solved | Agreement::SolvedAt(_)))
-            || self.circuit.patch().drives.is_empty()
-        {
-            return found;
+/// How the wiring and an equation compare, without a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Standing {
+    /// The wiring solves the equation, perhaps only within the range of a network or the limits of an integrator.
+    Solved,
+    /// The wiring solves the equation for the present values of some parameters only.
+    SolvedAt,
+    /// The wiring solves another equation.
+    Different,
+    /// The comparison is not possible.
+    Undecided,
+}
+
+impl<'a> EquationComparer<'a> {
+    /// A comparer for the equations of a circuit.
+    pub(crate) fn new(circuit: &'a Circuit, program: &'a Program) -> Self {
+        EquationComparer { circuit, program, exact: Comparison::new(circuit, program, false), in_range: None }
+    }
+
+    /// The outcome for the equation with this index, and whether the wiring solves it only within the range of its
+    /// networks.
+    fn outcome(&mut self, index: usize) -> Result<(Outcome, bool), Obstacle> {
+        let equation = &self.circuit.equations()[index].value;
+        let found = self.exact.outcome(equation)?;
+        if !found.is_different() || self.exact.model.system.margins.is_empty() {
+            return Ok((found, false));
         }
-        self.model.expands_drives = true;
-        let expanded = self.agreement_with_drives(equation);
-        self.model.expands_drives = false;
-        // A drive that is 0 at present would hide a cord that is missing, so equality for the present parameters is not
-        // enough here.
-        match (&found, &expanded) {
-            (_, Ok(Agreement::Solved)) | (Ok(Agreement::Undecided(_)) | Err(_), Ok(_)) => expanded,
-            _ => found,
+        let (circuit, program) = (self.circuit, self.program);
+        let in_range = self.in_range.get_or_insert_with(|| Comparison::new(circuit, program, true));
+        let is_solved = matches!(in_range.outcome(equation)?, Outcome::Solved);
+        Ok((found, is_solved))
+    }
+
+    /// How the equation with this index and the wiring compare. No text is written, which can take long.
+    pub(crate) fn standing(&mut self, index: usize) -> Standing {
+        match self.outcome(index) {
+            Ok((Outcome::Solved, _) | (_, true)) => Standing::Solved,
+            Ok((Outcome::SolvedAt(_), _)) => Standing::SolvedAt,
+            Ok((Outcome::NoValue, _)) | Err(_) => Standing::Undecided,
+            Ok(_) => Standing::Different,
         }
     }
 
-    /// Whether the wiring solves an equation, with drives as the model takes them.
-    fn agreement_with_drives(&mut self, equation: &Equation) -> Result<Agreement, Obstacle> {
-        if let Some(initial) = equation.initial_quantity() {
-            return self.initial_agreement(equation, initial);
-        }
-        let none = HashSet::new();
-        let [left, right] = [equation.left(), equation.right()]
-            .map(|side| fraction(side, &mut |name| self.model.named(name, &none)));
-        let (left, right) = (left?, right?);
-        let residual = left.minus(&right);
-        if residual.is_zero() || self.is_implicit_law(&residual) {
-            return Ok(Agreement::Solved);
-        }
-        let Some((name, stated)) = self.solved(equation)? else {
-            if let Some(name) = self.implicit_quantity(&residual) {
-                return Err(Obstacle::Implicit(name));
+    /// How the equation with this index and the wiring compare, with texts.
+    fn agreement(&mut self, index: usize) -> Agreement {
+        let outcome = self.outcome(index);
+        let limits = self.exact.limit_conditions();
+        match outcome {
+            Ok((_, true)) => {
+                let equation = &self.circuit.equations()[index].value;
+                Agreement::SolvedIf([self.exact.range_conditions(equation), limits].concat())
             }
-            return Ok(match self.are_equal(ParameterValues::Present, [&left, &right]) {
-                Some(true) => self.solved_generally([&left, &right]),
-                Some(false) => self.unequal(&left, &right),
-                None => Agreement::Undecided("it has no value at most voltages".to_owned()),
-            });
+            Ok((Outcome::Solved, false)) if !limits.is_empty() => Agreement::SolvedIf(limits),
+            Ok((outcome, false)) => self.exact.agreement(outcome),
+            Err(obstacle) => Agreement::Undecided(obstacle.text()),
+        }
+    }
+
+    /// The factors by which terms of the equation with this index are wrong, for the present values of the parameters:
+    /// wired / stated. Empty if no term has a wrong factor.
+    pub(crate) fn factors(&mut self, index: usize) -> Vec<f64> {
+        match self.outcome(index) {
+            Ok((outcome, false)) => self.exact.factors(&outcome),
+            _ => Vec::new(),
+        }
+    }
+
+    /// For each signal of the patch, whether it varies: whether it depends on a state, a drive or time.
+    pub(crate) fn varying_signals(&mut self) -> Vec<bool> {
+        let none = HashSet::new();
+        let model = &mut self.exact.model;
+        let varies = |name: &String| {
+            let value = model.quantity(name, 0, &none);
+            value.is_ok_and(|value| !value.is_constant())
         };
-        let kept = self.kept(equation, &name);
-        let (stated, wired) = (self.model.expanded_fraction(&stated, &kept), self.model.named(&name, &kept)?);
-        let found = self.differences(ParameterValues::Present, [&stated, &wired]);
-        if found.is_empty() {
-            return Ok(self.solved_generally([&stated, &wired]));
-        }
-        // Signals in the equation are wired correctly or not; a difference that remains without them is in this one.
-        let none = HashSet::new();
-        let full_stated = self.model.expanded_fraction(&stated, &none);
-        let full_wired = self.model.named(&name, &none)?;
-        let sides = [&full_stated, &full_wired];
-        if self.differences(ParameterValues::Present, sides).is_empty()
-            || self.are_equal(ParameterValues::Present, sides) == Some(true)
-        {
-            return Ok(self.solved_generally(sides));
-        }
-        Ok(self.different(&name, &found, &wired))
-    }
-
-    /// Whether an expression is 0 because a loop of the wiring makes it 0: it is a constant times the residual of the
-    /// loop.
-    fn is_implicit_law(&mut self, residual: &Fraction) -> bool {
-        let implicit = self.model.system.laws.iter().filter_map(|law| match &law.kind {
-            LawKind::Implicit(value) => Some(value.clone()),
-            _ => None,
-        });
-        let implicit: Vec<Fraction> = implicit.collect();
-        let none = HashSet::new();
-        implicit.iter().any(|law| {
-            let ratio = residual.over(&self.model.expanded_fraction(law, &none));
-            ratio.is_constant()
-        })
-    }
-
-    /// The name of a quantity in an expression that a loop without a formula determines.
-    fn implicit_quantity(&self, value: &Fraction) -> Option<String> {
-        let system = &self.model.system;
-        let mut found = None;
-        value.contains(&mut |symbol| {
-            let is_implicit = matches!(system.law(symbol), Some(LawKind::Implicit(_)));
-            if is_implicit {
-                found = Some(system.symbols.entry(symbol).name.clone());
-            }
-            is_implicit
-        });
-        found
-    }
-
-    /// The conditions under which the inputs of the squaring networks and logarithms behind an equation are within their
-    /// range.
-    fn range_conditions(&mut self, equation: &Equation) -> Vec<String> {
-        let none = HashSet::new();
-        let names: Vec<String> = equation.names().into_iter().map(str::to_owned).collect();
-        let quantities: Vec<Fraction> =
-            names.iter().filter_map(|name| self.model.named(name, &none).ok()).collect();
-        let mut inputs = self.model.system.margins.clone();
-        inputs.iter_mut().for_each(|input| *input = self.model.expanded_fraction(input, &none));
-        // An input matters if the absolute value of it remains in a quantity.
-        inputs.retain(|input| !input.is_nonnegative());
-        inputs.retain(|input| quantities.iter().any(|quantity| has_absolute_value_of(quantity, input)));
-        let writer = Writer::new(self.circuit, &self.model.system);
-        let mut conditions: Vec<String> =
-            inputs.iter().map(|input| writer.condition_text(input, false)).collect();
-        conditions.dedup();
-        conditions
-    }
-
-    /// Whether a quantity has its stated initial value.
-    fn initial_agreement(&mut self, equation: &Equation, name: &str) -> Result<Agreement, Obstacle> {
-        let (base, primes) = split_primes(name);
-        let none = HashSet::new();
-        let stated = fraction(equation.right(), &mut |name| self.model.named(name, &none))?;
-        let wired = self.model.initial(base, primes)?;
-        if self.differences(ParameterValues::Present, [&stated, &wired]).is_empty() {
-            return Ok(self.solved_generally([&stated, &wired]));
-        }
-        let dimension = self.circuit.equation_dimension(name);
-        let writer = Writer::new(self.circuit, &self.model.system);
-        let [stated, wired] = [stated, wired].map(|value| text(&writer.expression(&value, dimension)));
-        let differences = vec![format!("{name} is {wired} at t = 0, and should be {stated}")];
-        Ok(Agreement::Different { differences, wired: format!("{name}(0) = {wired}") })
-    }
-
-    /// The name for which an equation is solved, and its value in the names of the equation. It is the name with the
-    /// most primes on the left. `None` if the equation is not linear in it.
-    fn solved(&mut self, equation: &Equation) -> Result<Option<(String, Fraction)>, Obstacle> {
-        let mut names = equation.names();
-        names.retain(|name| self.is_variable(name));
-        names.sort_by_key(|name| std::cmp::Reverse(split_primes(name).1));
-        let Some(name) = names.first().map(|name| (*name).to_owned()) else { return Ok(None) };
-        let dimension = patchcord_expr::Dimension::NONE;
-        let unknown = self.model.system.symbols.variable(&name, 0, dimension);
-        let kept = self.kept(equation, &name);
-        let [left, right] = [equation.left(), equation.right()].map(|side| {
-            fraction(side, &mut |other| {
-                if other == name { Ok(Fraction::symbol(unknown)) } else { self.model.named(other, &kept) }
-            })
-        });
-        let difference = left?.minus(&right?);
-        let slope = partial_derivative(&difference, unknown);
-        if slope.is_zero() || slope.contains(&mut |symbol| symbol == unknown) {
-            return Ok(None);
-        }
-        let value = Fraction::symbol(unknown).minus(&difference.over(&slope));
-        Ok((!value.contains(&mut |symbol| symbol == unknown)).then_some((name, value)))
-    }
-
-    /// Whether a name of an equation is a quantity that varies.
-    fn is_variable(&self, name: &str) -> bool {
-        let base = split_primes(name).0;
-        let patch = self.circuit.patch();
-        patch.signals.contains_key(base)
-            || (self.model.expands_drives && patch.drives.contains_key(base))
-            || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
-    }
-
-    /// The signals of an equation that follow from others: they stay in the comparison under their names, except the
-    /// one for which the equation is solved.
-    fn kept(&self, equation: &Equation, solved: &str) -> HashSet<Symbol> {
-        let solved = split_primes(solved).0;
-        let symbols = &self.model.system.symbols;
-        let names = equation.names().into_iter().filter(|name| *name != solved && split_primes(name).1 == 0);
-        let found = names.filter_map(|name| symbols.find(name, 0));
-        found.filter(|symbol| self.is_expression(*symbol)).collect()
-    }
-
-    /// Whether a signal follows from others, and is not only another name for one of them.
-    fn is_expression(&self, signal: Symbol) -> bool {
-        let Some(LawKind::Definition(value)) = self.model.system.law(signal) else { return false };
-        let is_constant = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbol.is_constant);
-        let factors =
-            value.numerator().as_term().map(|(product, _)| product.only(|atom, _| !is_constant(atom)));
-        !factors.is_some_and(|product| matches!(product.factors(), [(Atom::Symbol(_), 1)]))
-    }
-
-    /// The terms in which a stated and a wired expression differ.
-    fn differences(
-        &self,
-        parameters: ParameterValues,
-        [stated, wired]: [&Fraction; 2],
-    ) -> Vec<TermDifference> {
-        differences(stated, wired, &self.point(parameters))
-    }
-
-    /// Whether two expressions are equal at points; see [`equal_at_points`].
-    fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
-        equal_at_points(self.point(parameters), sides)
-    }
-
-    /// A point with these values of the parameters.
-    fn point(&self, parameters: ParameterValues) -> Point<'_> {
-        let (system, program, coefficients) = (&self.model.system, self.program, &self.coefficients);
-        Point { system, program, coefficients, parameters, index: 0 }
-    }
-
-    /// The agreement of two sides that are equal for the present values of the parameters: also for others, or not.
-    fn solved_generally(&self, sides: [&Fraction; 2]) -> Agreement {
-        if self.differences(ParameterValues::Other, sides).is_empty()
-            || self.are_equal(ParameterValues::Other, sides) == Some(true)
-        {
-            return Agreement::Solved;
-        }
-        let mut names = BTreeSet::new();
-        for side in sides {
-            side.contains(&mut |symbol| {
-                let entry = self.model.system.symbols.entry(symbol);
-                if matches!(entry.kind, SymbolKind::Parameter(_)) {
-                    names.insert(entry.name.clone());
-                }
-                false
-            });
-        }
-        Agreement::SolvedAt(names.into_iter().collect())
-    }
-
-    /// The agreement of an equation that is not solved for a quantity and has unequal sides.
-    fn unequal(&self, left: &Fraction, right: &Fraction) -> Agreement {
-        let writer = Writer::new(self.circuit, &self.model.system);
-        let [left, right] = [left, right].map(|side| text(&writer.expression(side, writer.dimension(side))));
-        let differences =
-            vec![format!("in the wiring, the left side is {left} and the right side is {right}")];
-        Agreement::Different { differences, wired: format!("{left} = {right} at some instants only") }
-    }
-
-    /// The agreement for a quantity whose terms differ.
-    fn different(&self, name: &str, found: &[TermDifference], wired: &Fraction) -> Agreement {
-        let dimension = self.circuit.equation_dimension(name);
-        let writer = Writer::new(self.circuit, &self.model.system);
-        let write = |value: &Fraction| text(&writer.expression(value, dimension));
-        let time_scale = self.circuit.time_scale();
-        let clauses = found.iter().map(|difference| clause(difference, time_scale, &write));
-        let (base, primes) = split_primes(name);
-        let left = Notation::Name { name: base.to_owned(), primes: u8::try_from(primes).unwrap_or(u8::MAX) };
-        Agreement::Different {
-            differences: clauses.collect(),
-            wired: format!("{} = {}", text(&left), write(wired)),
-        }
+        self.circuit.patch().signals.keys().map(varies).collect()
     }
 }
 
-/// Whether an expression contains the absolute value of another one, but for a positive factor.
-fn has_absolute_value_of(value: &Fraction, inside: &Fraction) -> bool {
-    let size = absolute(inside);
-    let Some((product, _)) = size.numerator().as_term() else { return false };
-    let mut is_found = false;
-    value.with_factors(&mut |atom| {
-        is_found |= matches!(atom, Atom::Apply(_)) && product.exponent(atom) != 0;
-        None
-    });
-    is_found
-}
-
-/// A difference as a clause.
-fn clause(difference: &TermDifference, time_scale: f64, write: &dyn Fn(&Fraction) -> String) -> String {
-    let size = |value: &Fraction| write(&if is_negative(value) { value.negated() } else { value.clone() });
-    match difference.kind {
-        DifferenceKind::Sign => format!("the sign of {} is wrong", size(&difference.stated)),
-        DifferenceKind::Missing => format!("the term {} is missing", write(&difference.stated)),
-        DifferenceKind::Extra => format!("the term {} is not in the equation", write(&difference.wired)),
-        DifferenceKind::Factor(factor) => {
-            let sign = if factor < 0.0 { "has the wrong sign and " } else { "" };
-            let (times, word) =
-                if factor.abs() < 1.0 { (1.0 / factor.abs(), "small") } else { (factor.abs(), "large") };
-            let times = patchcord_expr::format_significant(times, FACTOR_DIGITS);
-            let reason = if is_power_of(factor.abs(), time_scale) { ", by the time scale" } else { "" };
-            let is = if sign.is_empty() { "is" } else { "and is" };
-            let sign = sign.trim_end_matches("and ");
-            format!("the term {} {sign}{is} {times} times too {word}{reason}", write(&difference.stated))
-        }
-    }
-}
-
-/// Significant digits of a factor in a message.
-const FACTOR_DIGITS: usize = 4;
-
-/// Whether a factor is the time scale, its square, or the reciprocal of either.
-fn is_power_of(factor: f64, time_scale: f64) -> bool {
-    let is_near = |power: i32| (factor / time_scale.powi(power) - 1.0).abs() < 1e-9;
-    time_scale != 1.0 && [-2, -1, 1, 2].into_iter().any(is_near)
-}
+#[cfg(test)]
+mod tests;

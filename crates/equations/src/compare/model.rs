@@ -1,11 +1,13 @@
 //! The quantities of a wiring as functions of its states, drives and parameters.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
 use patchcord_expr::{Expression, Node};
 
+use super::expansions::Expansions;
 use super::intended::fraction;
 use crate::derive::{LawKind, ModeLaw, Options, System, derive, simplified};
 use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
@@ -14,12 +16,16 @@ use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
 pub(crate) struct Model<'a> {
     /// The equations of the wiring.
     pub system: System,
+    /// The patch, for the names of its signals and drives.
+    patch: &'a Patch,
     /// The right sides of the auxiliary quantities, by name.
     auxiliaries: HashMap<&'a str, &'a Node>,
-    /// The quantities that are being expanded, so that a circle ends.
-    open: Vec<Symbol>,
+    /// The quantities that are being expanded, and those that were.
+    expansions: Expansions,
     /// Whether drives are expanded into their laws of time too.
     pub expands_drives: bool,
+    /// The states with limits whose rates were used.
+    pub limited: BTreeSet<Symbol>,
 }
 
 /// The reason why a quantity has no expression.
@@ -34,7 +40,7 @@ pub(crate) enum Obstacle {
 }
 
 impl<'a> Model<'a> {
-    /// The model of a circuit. Stops and resets do not act in it, and brakes slip: it describes free motion.
+    /// The model of a circuit. Limits, stops and resets do not act in it, and brakes slip: it describes free motion.
     pub(crate) fn new(circuit: &'a Circuit, program: &Program, stays_in_range: bool) -> Self {
         let options = Options { keeps_elements: false, has_ideal_amplifiers: true, stays_in_range };
         let patch = circuit.patch();
@@ -56,7 +62,14 @@ impl<'a> Model<'a> {
             });
         let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
         let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
-        Model { system, auxiliaries, open: Vec::new(), expands_drives: false }
+        Model {
+            system,
+            patch,
+            auxiliaries,
+            expansions: Expansions::default(),
+            expands_drives: false,
+            limited: BTreeSet::new(),
+        }
     }
 
     /// A quantity of an equation, with this number of derivatives, as a function of states, drives, time and
@@ -86,7 +99,7 @@ impl<'a> Model<'a> {
             return Ok((value, primes));
         }
         for order in (0..=primes).rev() {
-            let found = u8::try_from(order).ok().and_then(|order| self.system.symbols.find(name, order));
+            let found = u8::try_from(order).ok().and_then(|order| self.symbol(name, order));
             if let Some(symbol) = found {
                 let is_state = matches!(self.system.law(symbol), Some(LawKind::State { .. }));
                 if order == 0 || is_state {
@@ -97,33 +110,47 @@ impl<'a> Model<'a> {
         Err(Obstacle::Unknown(name.to_owned()))
     }
 
+    /// The symbol of a signal or a drive, or of a derivative of one; otherwise of a parameter or the time. A parameter may
+    /// have the same name as an output; then equations cannot name the output.
+    pub(crate) fn symbol(&self, name: &str, order: u8) -> Option<Symbol> {
+        let symbols = &self.system.symbols;
+        let is_output = self.patch.signals.contains_key(name) || self.patch.drives.contains_key(name);
+        if is_output { symbols.find_variable(name, order) } else { symbols.find(name, order) }
+    }
+
     /// A name of an equation, such as x'', k or t.
     pub(crate) fn named(&mut self, name: &str, kept: &HashSet<Symbol>) -> Result<Fraction, Obstacle> {
+        // In an equation pi is the number, even if a signal has this name.
+        if name == "pi"
+            && let Some(pi) = self.system.symbols.find(name, 0)
+        {
+            return Ok(Fraction::symbol(pi));
+        }
         let (base, primes) = patchcord_expr::split_primes(name);
         self.quantity(base, primes, kept)
     }
 
     /// A symbol as a function of states, drives, time and parameters.
     fn expanded(&mut self, symbol: Symbol, kept: &HashSet<Symbol>) -> Fraction {
-        let own = Fraction::symbol(symbol);
-        if kept.contains(&symbol) || self.open.contains(&symbol) {
-            return own;
+        if self.expansions.stops_at(symbol, kept) {
+            return Fraction::symbol(symbol);
         }
-        let value = match self.system.law(symbol) {
-            Some(LawKind::Definition(value)) => value.clone(),
-            Some(LawKind::Drive(value)) if self.expands_drives => value.clone(),
-            Some(LawKind::Delay { input, time, .. }) => {
-                let (input, time) = (input.clone(), time.clone());
-                self.open.push(symbol);
-                let input = self.expanded_fraction(&input, kept);
-                self.open.pop();
-                return delay(&input, &time);
-            }
-            _ => return own,
+        if let Some(known) = self.expansions.known(symbol, kept, self.expands_drives) {
+            return known;
+        }
+        let (value, time) = match self.system.law(symbol) {
+            Some(LawKind::Definition(value)) => (value.clone(), None),
+            Some(LawKind::Drive(value)) if self.expands_drives => (value.clone(), None),
+            Some(LawKind::Delay { input, time, .. }) => (input.clone(), Some(time.clone())),
+            _ => return Fraction::symbol(symbol),
         };
-        self.open.push(symbol);
+        self.expansions.begin(symbol);
         let value = self.expanded_fraction(&value, kept);
-        self.open.pop();
+        let value = match time {
+            Some(time) => delay(&value, &time),
+            None => value,
+        };
+        self.expansions.end(&value, self.expands_drives);
         value
     }
 
@@ -155,8 +182,11 @@ impl<'a> Model<'a> {
         }
         let name = entry.name.clone();
         match self.system.law(symbol) {
-            Some(LawKind::State { rate, .. }) => {
-                let rate = rate.clone();
+            Some(LawKind::State { rate, limits, .. }) => {
+                let (rate, is_limited) = (rate.clone(), limits.iter().any(Option::is_some));
+                if is_limited {
+                    self.limited.insert(symbol);
+                }
                 Ok(self.expanded_fraction(&rate, kept))
             }
             // A signal that is kept.
@@ -208,8 +238,8 @@ fn value_in_motion(mode: &ModeLaw) -> Option<Fraction> {
     match mode.noun {
         "contact" | "reset" => Some(Fraction::zero()),
         "brake" => {
-            let upwards = mode.transitions.iter().find(|transition| transition.to == 1.0)?;
-            Some(step(&upwards.guard).times(&Fraction::whole(2)).minus(&Fraction::whole(1)))
+            let output = mode.brake()?.output;
+            Some(step(&output).times(&Fraction::whole(2)).minus(&Fraction::whole(1)))
         }
         _ => None,
     }

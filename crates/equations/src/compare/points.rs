@@ -1,6 +1,7 @@
 //! Values of all quantities at points, for identities that the normal form does not show.
 
 use patchcord_core::ir::Program;
+use patchcord_core::low_discrepancy::golden_place;
 
 use crate::derive::System;
 use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, term_size, value};
@@ -12,7 +13,7 @@ const MIN_POINTS: u32 = 8;
 /// Difference of two equal expressions by rounding, as a share of the sum of their terms.
 const ROUNDING: f64 = 1e-9;
 /// The golden ratio, whose multiples have irregular fractions.
-const GOLDEN: f64 = 1.618_033_988_749_895;
+pub(crate) const GOLDEN: f64 = 1.618_033_988_749_895;
 
 /// A value for every quantity, which depends on the index of the point for those that vary.
 #[derive(Clone, Copy)]
@@ -55,22 +56,26 @@ pub(super) fn equal_at_points(point: Point<'_>, [first, second]: [&Fraction; 2])
     (compared >= MIN_POINTS).then_some(true)
 }
 
+/// Another value for the parameter with this index.
+pub(crate) fn other_value(present: f64, index: usize) -> f64 {
+    let share = golden_place(index as u64);
+    if present == 0.0 { 1.0 + share } else { present * (1.1 + 0.3 * share) }
+}
+
 impl Point<'_> {
     /// The value of a parameter.
     fn parameter(&self, index: usize) -> f64 {
         let present = self.program.parameters()[index].value;
         match self.parameters {
             ParameterValues::Present => present,
-            ParameterValues::Other if present == 0.0 => 1.0 + (index as f64 * GOLDEN).fract(),
-            ParameterValues::Other => present * (1.1 + 0.3 * (index as f64 * GOLDEN).fract()),
+            ParameterValues::Other => other_value(present, index),
         }
     }
 
     /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point, so that corners of
     /// characteristics lie between them.
     fn variable(&self, symbol: Symbol) -> f64 {
-        let turn = f64::from(self.index) * GOLDEN + f64::from(symbol.index) * GOLDEN * GOLDEN;
-        let share = 2.0 * turn.fract() - 1.0;
+        let share = 2.0 * golden_place(u64::from(self.index) + u64::from(symbol.index)) - 1.0;
         let volts = share * 10f64.powi(self.index as i32 % 3);
         let name = &self.system.symbols.entry(symbol).name;
         let signal = self.program.signals().iter().find(|signal| signal.name == *name);

@@ -232,7 +232,7 @@ fn scale_state(kind: &mut LawKind, factor: &Fraction, rest: &Fraction, change: &
 
 /// The value of a mode with two values 0 and 1 that follows from one comparison: 1 if it holds, otherwise 0. `None` if
 /// the mode remembers anything, such as the position between two thresholds.
-fn comparison(mode: &ModeLaw) -> Option<Fraction> {
+pub(super) fn comparison(mode: &ModeLaw) -> Option<Fraction> {
     let [first, second] = mode.transitions.as_slice() else { return None };
     let is_opposite = first.guard.plus(&second.guard).is_zero();
     let (rises, falls) = if first.to == 1.0 { (first, second) } else { (second, first) };

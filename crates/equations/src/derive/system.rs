@@ -94,6 +94,41 @@ pub(crate) struct ModeLaw {
     pub transitions: Vec<TransitionLaw>,
 }
 
+/// The law of a brake at an integrator, in volts: the output does not change while it is 0 and |net| <= level. Otherwise
+/// its rate is net - level x sign(output).
+#[derive(Debug, Clone)]
+pub(crate) struct BrakeLaw {
+    /// The mode: the sign of the output while it moves, 0 while it does not.
+    pub direction: Symbol,
+    /// The output.
+    pub output: Fraction,
+    /// Its rate without the brake.
+    pub net: Fraction,
+    /// The level, which is not negative.
+    pub level: Fraction,
+}
+
+impl ModeLaw {
+    /// The law of a brake. `None` for another mode.
+    ///
+    /// The first two changes begin a motion of an output that is not 0. The others begin and end one in either direction:
+    /// net - level and -net - level are their guards.
+    pub(crate) fn brake(&self) -> Option<BrakeLaw> {
+        let [motion, _, up, _, down, _] = self.transitions.as_slice() else { return None };
+        let begins = |change: &TransitionLaw, to: f64| change.from == 0.0 && change.to == to;
+        if self.noun != "brake" || !(begins(motion, 1.0) && begins(up, 1.0) && begins(down, -1.0)) {
+            return None;
+        }
+        let half = |sum: Fraction| sum.over(&Fraction::whole(2));
+        Some(BrakeLaw {
+            direction: self.symbol,
+            output: motion.guard.clone(),
+            net: half(up.guard.minus(&down.guard)),
+            level: half(up.guard.plus(&down.guard)).negated(),
+        })
+    }
+}
+
 /// A change of a mode.
 #[derive(Debug, Clone)]
 pub(crate) struct TransitionLaw {

@@ -1,125 +1,19 @@
 //! The derived equations equal the program at random points.
 
-use std::collections::HashMap;
+mod points;
+mod simplified;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::{Level, Program, ProgramPoint, Register};
+use patchcord_core::ir::{Program, Register};
 use patchcord_core::patch::Patch;
 
-use super::system::{LawKind, System};
-use super::wiring::{Options, Wiring, derive};
-use crate::symbolic::{Fraction, Symbol, Values, value};
-
-/// A sequence of numbers between -1 and 1 that are the same on every machine.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
-/// A random point. The voltages of the states are at most `size`.
-fn point(program: &Program, numbers: &mut Numbers, size: f64) -> ProgramPoint {
-    let mut point = program.initial_point();
-    point.states.iter_mut().for_each(|volts| *volts = size * numbers.next());
-    for (mode, value) in program.modes().iter().zip(&mut point.modes) {
-        let values = mode.names.values;
-        *value = values[((numbers.next() + 1.0) / 2.0 * values.len() as f64) as usize % values.len()].0;
-    }
-    point.time = 2.0 * (numbers.next() + 1.0);
-    point.delayed.iter_mut().chain(&mut point.sampled).for_each(|volts| *volts = size * numbers.next());
-    for (level, value) in program.levels().iter().zip(&mut point.levels) {
-        *value = if matches!(level, Level::Pulses(_)) { 1.0 } else { numbers.next() };
-    }
-    point
-}
-
-/// The voltages of a program at a point without an overload. `None` if there is none.
-fn voltages(program: &Program, numbers: &mut Numbers) -> Option<(ProgramPoint, Vec<f64>)> {
-    [80.0, 20.0, 5.0, 1.0, 0.1, 1e-3].iter().find_map(|size| {
-        let point = point(program, numbers, *size);
-        let voltages = program.voltages_at(&point)?;
-        let is_linear = program.lamps().iter().all(|lamp| voltages[lamp.demand.index()].abs() <= 100.0);
-        is_linear.then_some((point, voltages))
-    })
-}
-
-/// The values of all symbols at a point.
-struct Point<'a> {
-    system: &'a System,
-    values: HashMap<u32, f64>,
-}
-
-impl Values for Point<'_> {
-    fn symbol(&self, symbol: Symbol) -> f64 {
-        *self
-            .values
-            .get(&symbol.index)
-            .unwrap_or_else(|| panic!("{} has no value", self.system.symbols.entry(symbol).name))
-    }
-
-    fn table(&self, table: u32, at: f64) -> f64 {
-        self.system.tables[table as usize].value_in_si(at)
-    }
-
-    fn slope(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
-        f64::NAN
-    }
-}
-
-/// The values of all symbols of a wiring. Named outputs have the values that the program computes.
-fn symbol_values<'a>(
-    wiring: &'a Wiring,
-    program: &Program,
-    point: &ProgramPoint,
-    voltages: &[f64],
-) -> Point<'a> {
-    let mut values = Point { system: &wiring.system, values: HashMap::new() };
-    values.values.insert(0, std::f64::consts::PI);
-    for (symbol, parameter) in wiring.parameters.iter().zip(program.parameters()) {
-        values.values.insert(symbol.index, parameter.value);
-    }
-    values.values.insert(wiring.time.index, point.time);
-    for (register, output) in &wiring.names {
-        let per_volt = value(&output.per_volt, &values);
-        values.values.insert(output.symbol.index, per_volt * voltages[register.index()]);
-    }
-    let held = wiring.sampled.iter().zip(&point.sampled).chain(wiring.levels.iter().zip(&point.levels));
-    let modes = wiring.system.modes.iter().map(|mode| &mode.symbol).zip(&point.modes);
-    for (symbol, number) in held.chain(modes) {
-        values.values.insert(symbol.index, *number);
-    }
-    for (index, level) in program.levels().iter().enumerate() {
-        if let Level::Points { table } = level
-            && let Some(unit) = &wiring.system.tables[*table].unit
-        {
-            *values.values.get_mut(&wiring.levels[index].index).unwrap() *= unit.factor;
-        }
-    }
-    values
-}
-
-/// The sum of the sizes of the terms of an expression, with which rounding is compared.
-fn size(fraction: &Fraction, values: &Point<'_>) -> f64 {
-    let terms = fraction.numerator().terms().map(|(product, number)| {
-        let term = Fraction::from(crate::symbolic::Polynomial::term(number.clone(), product.clone()));
-        value(&term, values).abs()
-    });
-    let divisors = Fraction::whole(1).over(
-        &fraction.divisors().fold(Fraction::whole(1), |product, (divisor, power)| {
-            product.times(&Fraction::from(divisor.clone()).power(power as i32))
-        }),
-    );
-    terms.sum::<f64>() * value(&divisors, values).abs()
-}
+use super::system::LawKind;
+use super::wiring::{Options, derive};
+use crate::symbolic::{Fraction, value};
+use points::{Numbers, Point, size, symbol_values, voltages};
 
 /// Compares every law of a patch with its program at random points. Returns the number of comparisons.
 fn compare(file: &Path, options: Options) -> usize {

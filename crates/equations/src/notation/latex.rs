@@ -150,12 +150,17 @@ fn cases_latex(cases: &[(Notation, Option<Condition>)]) -> String {
 /// Returns a condition with the word in front.
 fn condition_latex(condition: Option<&Condition>) -> String {
     match condition {
-        Some(Condition(comparisons)) if !comparisons.is_empty() => {
-            let comparisons: Vec<String> = comparisons.iter().map(comparison_latex).collect();
-            format!(r"\text{{if }} {}", comparisons.join(r" \text{ and } "))
+        Some(condition) if !condition.0.is_empty() => {
+            format!(r"\text{{if }} {}", conditions_latex(condition))
         }
         _ => r"\text{otherwise}".to_owned(),
     }
+}
+
+/// Returns a condition without a word in front.
+pub(crate) fn conditions_latex(condition: &Condition) -> String {
+    let comparisons: Vec<String> = condition.0.iter().map(comparison_latex).collect();
+    comparisons.join(r" \text{ and } ")
 }
 
 /// Returns one part of a condition.

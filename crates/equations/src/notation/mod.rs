@@ -10,9 +10,10 @@ mod symbols;
 mod text;
 
 pub use json::EquationDocument;
-pub(crate) use latex::aligned;
+pub(crate) use latex::{aligned, conditions_latex};
 pub use latex::{document, equation_latex, latex};
-pub(crate) use text::comparison_text;
+pub(crate) use symbols::{escaped, function_latex};
+pub(crate) use text::conditions_text;
 pub use text::{LINE_WIDTH, equation_text, text};
 
 /// An expression in the order and grouping in which it is written.

@@ -3,6 +3,8 @@
 //! A name of one letter is a symbol, such as $x$, and longer names are upright words. Names of elements can
 //! contain any characters, so those that LaTeX treats specially are escaped.
 
+use patchcord_expr::plain_superscript;
+
 /// The largest number of time derivatives that dots above the symbol represent.
 pub(super) const MAX_DOTS: u8 = 3;
 
@@ -31,21 +33,6 @@ const GREEK_LOOKALIKES: [(&str, &str); 14] = [
     ("Chi", r"\mathrm{X}"),
 ];
 
-/// The raised signs of units and their plain forms.
-const SUPERSCRIPTS: [(char, char); 11] = [
-    ('⁻', '-'),
-    ('⁰', '0'),
-    ('¹', '1'),
-    ('²', '2'),
-    ('³', '3'),
-    ('⁴', '4'),
-    ('⁵', '5'),
-    ('⁶', '6'),
-    ('⁷', '7'),
-    ('⁸', '8'),
-    ('⁹', '9'),
-];
-
 /// Returns a quantity with its time derivatives: `\dot{x}`, `v_{\mathrm{o}}`, `\mathrm{memory}`.
 ///
 /// Up to [`MAX_DOTS`] derivatives are dots, and more are a number: `x^{(4)}`.
@@ -65,7 +52,7 @@ pub(super) fn quantity_latex(name: &str, primes: u8) -> String {
 }
 
 /// Returns the name of a function.
-pub(super) fn function_latex(name: &str) -> String {
+pub(crate) fn function_latex(name: &str) -> String {
     match name {
         "min" | "max" | "sin" | "cos" | "tan" | "tanh" | "exp" | "ln" => format!(r"\{name}"),
         "atan" => r"\arctan".to_owned(),
@@ -161,7 +148,7 @@ fn is_word(name: &str) -> bool {
 }
 
 /// Escapes the characters that LaTeX treats specially.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.chars().map(escaped_letter).collect()
 }
 
@@ -188,12 +175,6 @@ fn unit_power_length(text: &str) -> usize {
 fn plain_power(power: &str) -> String {
     let letters = power.chars().filter(|letter| *letter != '^');
     letters.map(|letter| plain_superscript(letter).unwrap_or(letter)).collect()
-}
-
-/// Returns the plain form of a raised sign.
-fn plain_superscript(letter: char) -> Option<char> {
-    let pair = SUPERSCRIPTS.iter().find(|(raised, _)| *raised == letter);
-    pair.map(|(_, plain)| *plain)
 }
 
 /// Returns a character of a unit that is not part of a power. Blanks and signs of products are thin spaces.

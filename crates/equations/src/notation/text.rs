@@ -132,16 +132,19 @@ fn cases_text(cases: &[(Notation, Option<Condition>)]) -> String {
 /// Returns the text of a condition with the word in front: `if x >= 100 and v > 0`, or `otherwise`.
 fn condition_text(condition: Option<&Condition>) -> String {
     match condition {
-        Some(Condition(comparisons)) if !comparisons.is_empty() => {
-            let comparisons: Vec<String> = comparisons.iter().map(comparison_text).collect();
-            format!("if {}", comparisons.join(" and "))
-        }
+        Some(condition) if !condition.0.is_empty() => format!("if {}", conditions_text(condition)),
         _ => "otherwise".to_owned(),
     }
 }
 
+/// Returns the text of a condition without a word in front.
+pub(crate) fn conditions_text(condition: &Condition) -> String {
+    let comparisons: Vec<String> = condition.0.iter().map(comparison_text).collect();
+    comparisons.join(" and ")
+}
+
 /// Returns the text of one part of a condition.
-pub(crate) fn comparison_text(comparison: &Comparison) -> String {
+fn comparison_text(comparison: &Comparison) -> String {
     match comparison {
         Comparison::Compare { left, relation, right } => {
             format!("{} {} {}", text(left), relation_text(*relation), text(right))

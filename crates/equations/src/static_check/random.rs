@@ -94,7 +94,7 @@ fn largest_voltage(wired: &Wired<'_>) -> f64 {
 
 /// Whether the inputs of all squaring networks and logarithms are within their range.
 fn is_in_range(wired: &Wired<'_>) -> bool {
-    ranged(wired.program).into_iter().all(|register| match wired.program.body()[register.index()] {
+    ranged(wired.program.body()).into_iter().all(|register| match wired.program.body()[register.index()] {
         Op::Maximum(input, least) => wired.volts(input) >= wired.volts(least) - 1e-9,
         _ => true,
     })

@@ -18,6 +18,8 @@ pub(crate) fn apply(operation: Operation, arguments: Vec<Fraction>) -> Fraction 
         (Operation::Delay, [delayed, time]) => delay(delayed, time),
         (Operation::Minimum, [first, second]) => first.minimum(second),
         (Operation::Maximum, [first, second]) => first.maximum(second),
+        (Operation::Limit, [value, low, high]) => value.maximum(low).minimum(high),
+        (Operation::Sign, [argument]) => sign(argument),
         (Operation::Call(CallOrder(function)), [argument]) => call(function, argument, argument),
         (Operation::Call(CallOrder(function)), [first, second]) => call(function, first, second),
         _ => opaque(operation, arguments),
@@ -34,7 +36,8 @@ pub(crate) fn absolute(argument: &Fraction) -> Fraction {
     if argument.is_nonnegative() {
         return argument.clone();
     }
-    let (outside, inside) = without_known_signs(argument);
+    let is_known = |atom: &Atom, exponent: i32| exponent % 2 == 0 || atom.is_nonnegative();
+    let (outside, inside) = without_factors(argument, is_known);
     let inside = if leads_negative(&inside) { inside.negated() } else { inside };
     if inside.is_nonnegative() {
         return outside.times(&inside);
@@ -42,7 +45,8 @@ pub(crate) fn absolute(argument: &Fraction) -> Fraction {
     outside.times(&opaque(Operation::Absolute, vec![inside]))
 }
 
-/// 1 if the argument is 0 or above, otherwise 0. Positive factors of the argument are left out.
+/// 1 if the argument is 0 or above, otherwise 0. Factors of the argument that are always above 0 are left out. One that
+/// can be 0 stays, because the step of 0 is 1.
 pub(crate) fn step(argument: &Fraction) -> Fraction {
     if let Some(number) = argument.as_rational() {
         return Fraction::whole(i64::from(!number.is_negative()));
@@ -50,18 +54,28 @@ pub(crate) fn step(argument: &Fraction) -> Fraction {
     if argument.is_nonnegative() {
         return Fraction::whole(1);
     }
-    let (_, inside) = without_known_signs(argument);
+    let (_, inside) = without_factors(argument, Atom::has_positive_power);
     opaque(Operation::Step, vec![inside])
 }
 
-/// The expression as a product: a part that is not negative, and the rest.
-fn without_known_signs(argument: &Fraction) -> (Fraction, Fraction) {
+/// The sign in the written form: 1 above 0, -1 below 0, otherwise 0. Factors that are always above 0 are left out, and
+/// that of -x is the negative of that of x.
+pub(crate) fn sign(argument: &Fraction) -> Fraction {
+    let (_, inside) = without_factors(argument, Atom::has_positive_power);
+    let is_negative = !inside.is_zero() && leads_negative(&inside);
+    let inside = if is_negative { inside.negated() } else { inside };
+    let sign = opaque(Operation::Sign, vec![inside]);
+    if is_negative { sign.negated() } else { sign }
+}
+
+/// The expression as a product: a part that is not negative, and the rest. The part has the factors that are known not
+/// to be negative by `is_known`, and such divisors.
+fn without_factors(argument: &Fraction, is_known: impl Fn(&Atom, i32) -> bool) -> (Fraction, Fraction) {
     if argument.is_zero() {
         return (Fraction::whole(1), Fraction::zero());
     }
     let (number, content, _) = argument.numerator().clone().into_primitive();
-    let known = content.only(|atom, exponent| exponent % 2 == 0 || atom.is_nonnegative());
-    let mut outside = Fraction::from(Polynomial::term(number.abs(), known));
+    let mut outside = Fraction::from(Polynomial::term(number.abs(), content.only(is_known)));
     for (divisor, power) in argument.divisors() {
         if power % 2 == 0 || divisor.is_nonnegative() {
             outside = outside.times(&Fraction::from(divisor.clone()).power(-(power as i32)));

@@ -82,8 +82,10 @@ fn outer_derivative(
             let inner = derivative(&first, rate);
             delay(&inner, &last).over(&inner)
         }
-        // The normal form has no minimum and no maximum.
-        Operation::Delay | Operation::Minimum | Operation::Maximum => Fraction::zero(),
+        // The normal form has no minimum, maximum, limit or sign.
+        Operation::Delay | Operation::Minimum | Operation::Maximum | Operation::Limit | Operation::Sign => {
+            Fraction::zero()
+        }
         Operation::Call(CallOrder(function)) => match function {
             Function::Sqrt => one.over(&own.times(&Fraction::whole(2))),
             Function::Sin => call(Function::Cos, &first, &first),

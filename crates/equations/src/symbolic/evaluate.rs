@@ -63,6 +63,8 @@ fn applied_value(applied: &Application, values: &dyn Values) -> f64 {
         Operation::TableSlope(table) => values.slope(table, argument(0)),
         Operation::Minimum => argument(0).min(argument(1)),
         Operation::Maximum => argument(0).max(argument(1)),
+        Operation::Limit => argument(0).max(argument(1)).min(argument(2)),
+        Operation::Sign => f64::from(i8::from(argument(0) > 0.0) - i8::from(argument(0) < 0.0)),
         Operation::Delay => values.delayed(&applied.arguments[0], argument(1)),
     }
 }

@@ -91,6 +91,11 @@ impl Fraction {
         self.numerator.is_nonnegative() && self.divisors.keys().all(Polynomial::is_nonnegative)
     }
 
+    /// Whether it is above 0 wherever it has a value.
+    pub(crate) fn is_positive(&self) -> bool {
+        self.numerator.is_positive() && self.divisors.keys().all(Polynomial::is_nonnegative)
+    }
+
     /// The sum.
     pub(crate) fn plus(&self, other: &Fraction) -> Fraction {
         if self.divisors == other.divisors {

@@ -12,7 +12,7 @@ mod number;
 mod polynomial;
 mod symbol;
 
-pub(crate) use apply::{absolute, call, delay, opaque, root, step, with_reduced_powers};
+pub(crate) use apply::{absolute, call, delay, opaque, root, sign, step, with_reduced_powers};
 pub(crate) use derivative::{derivative, partial_derivative};
 pub(crate) use evaluate::{Values, term_size, value};
 pub(crate) use fraction::Fraction;

@@ -49,6 +49,10 @@ pub(crate) enum Operation {
     Minimum,
     /// The larger argument, in the written form only.
     Maximum,
+    /// The first argument, but at least the second and at most the third one, in the written form only.
+    Limit,
+    /// 1 if the argument is above 0, -1 if it is below 0, otherwise 0, in the written form only.
+    Sign,
 }
 
 /// A mathematical function with an order, which sorts products.
@@ -88,6 +92,25 @@ impl Atom {
                 _ => false,
             },
         }
+    }
+
+    /// Whether the factor is always above 0.
+    fn is_positive(&self) -> bool {
+        match self {
+            Atom::Symbol(symbol) => symbol.is_positive,
+            Atom::Apply(applied) => match applied.operation {
+                Operation::Call(CallOrder(Function::Exp | Function::Exp10)) => true,
+                Operation::Call(CallOrder(Function::Sqrt)) => {
+                    applied.arguments.iter().all(Fraction::is_positive)
+                }
+                _ => false,
+            },
+        }
+    }
+
+    /// Whether a power of the factor is above 0 wherever it has a value. A divisor is not 0.
+    pub(crate) fn has_positive_power(&self, exponent: i32) -> bool {
+        self.is_positive() || (exponent < 0 && (exponent % 2 == 0 || self.is_nonnegative()))
     }
 }
 
@@ -136,6 +159,11 @@ impl Monomial {
     /// Whether the product is never negative.
     pub(crate) fn is_nonnegative(&self) -> bool {
         self.factors.iter().all(|(atom, exponent)| exponent % 2 == 0 || atom.is_nonnegative())
+    }
+
+    /// Whether the product is above 0 wherever it has a value.
+    pub(crate) fn is_positive(&self) -> bool {
+        self.factors.iter().all(|(atom, exponent)| atom.has_positive_power(*exponent))
     }
 
     /// The product as rest x |inside|, if it has an absolute value of a sum as a factor.

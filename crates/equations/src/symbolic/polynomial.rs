@@ -81,6 +81,13 @@ impl Polynomial {
         left.terms.iter().all(|term| is_safe(&term))
     }
 
+    /// Whether the sum is always above 0: no term can be negative, and one is above 0.
+    pub(crate) fn is_positive(&self) -> bool {
+        let is_safe =
+            |(product, number): (&Monomial, &Rational)| number.is_positive() && product.is_nonnegative();
+        self.terms.iter().all(is_safe) && self.terms.keys().any(Monomial::is_positive)
+    }
+
     /// Adds a term.
     pub(crate) fn add_term(&mut self, product: Monomial, number: &Rational) {
         let sum = self.terms.remove(&product).map_or_else(|| number.clone(), |own| own + number);

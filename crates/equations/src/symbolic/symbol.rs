@@ -9,6 +9,8 @@ pub(crate) struct Symbol {
     pub index: u32,
     /// Whether the quantity is never negative. So it can be taken out of an absolute value.
     pub is_nonnegative: bool,
+    /// Whether the quantity is always above 0. So it can be left out of a step.
+    pub is_positive: bool,
     /// Whether the quantity is constant in a run. So it can be taken out of a delay.
     pub is_constant: bool,
 }
@@ -53,9 +55,17 @@ impl Symbols {
     /// Adds a symbol.
     pub(crate) fn add(&mut self, entry: SymbolEntry, is_nonnegative: bool) -> Symbol {
         let is_constant = matches!(entry.kind, SymbolKind::Pi | SymbolKind::Parameter(_));
-        let symbol = Symbol { index: self.entries.len() as u32, is_nonnegative, is_constant };
+        let index = self.entries.len() as u32;
+        let symbol = Symbol { index, is_nonnegative, is_positive: false, is_constant };
         self.entries.push(entry);
         self.symbols.push(symbol);
+        symbol
+    }
+
+    /// Adds a symbol of a quantity that is always above 0.
+    pub(crate) fn add_positive(&mut self, entry: SymbolEntry) -> Symbol {
+        let symbol = Symbol { is_positive: true, ..self.add(entry, true) };
+        self.symbols[symbol.index as usize] = symbol;
         symbol
     }
 
@@ -68,16 +78,27 @@ impl Symbols {
     /// The derivative of a symbol with respect to time, which is added if it is new.
     pub(crate) fn derivative(&mut self, of: Symbol) -> Symbol {
         let SymbolEntry { name, primes, dimension, .. } = self.entry(of).clone();
-        match self.find(&name, primes + 1) {
+        match self.find_variable(&name, primes + 1) {
             Some(known) => known,
             None => self.variable(&name, primes + 1, dimension.over(Dimension::TIME)),
         }
     }
 
-    /// The first symbol with this name and number of primes.
+    /// The first symbol with this name and number of primes. Pi, parameters and the time come before variables.
     pub(crate) fn find(&self, name: &str, primes: u8) -> Option<Symbol> {
-        let index = self.entries.iter().position(|entry| entry.name == name && entry.primes == primes)?;
-        Some(self.symbols[index])
+        let mut entries = self.entries();
+        entries.find(|(_, entry)| entry.name == name && entry.primes == primes).map(|(symbol, _)| symbol)
+    }
+
+    /// The first variable with this name and number of primes. A parameter may have the same name.
+    pub(crate) fn find_variable(&self, name: &str, primes: u8) -> Option<Symbol> {
+        let mut variables = self.entries().filter(|(_, entry)| entry.kind == SymbolKind::Variable);
+        variables.find(|(_, entry)| entry.name == name && entry.primes == primes).map(|(symbol, _)| symbol)
+    }
+
+    /// All symbols with their entries.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (Symbol, &SymbolEntry)> {
+        self.symbols.iter().copied().zip(&self.entries)
     }
 
     /// All symbols, in the order in which they were added.
@@ -90,8 +111,9 @@ impl Symbols {
         &self.entries[symbol.index as usize]
     }
 
-    /// The index of the first symbol with this name.
+    /// The index of the first variable with this name.
     pub(crate) fn first_of_name(&self, name: &str) -> Option<u32> {
-        self.entries.iter().position(|entry| entry.name == name).map(|index| index as u32)
+        let mut variables = self.entries().filter(|(_, entry)| entry.kind == SymbolKind::Variable);
+        variables.find(|(_, entry)| entry.name == name).map(|(symbol, _)| symbol.index)
     }
 }

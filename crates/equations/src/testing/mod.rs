@@ -5,7 +5,7 @@ pub(crate) mod trees;
 
 use crate::symbolic::{Fraction, Symbol, Values, value};
 
-/// The quantities of the tests. The first [`VARIABLES`] can have any sign, and the others are never negative.
+/// The quantities of the tests. The first [`VARIABLES`] can have any sign, and the others are always above 0.
 pub(crate) const QUANTITIES: [&str; 8] = ["x", "y", "z", "p", "q", "F", "Fs", "T"];
 
 /// Number of quantities that can have any sign.
@@ -15,7 +15,13 @@ pub(crate) const VARIABLES: usize = 3;
 pub(crate) fn symbol(name: &str) -> Symbol {
     let index = QUANTITIES.iter().position(|known| *known == name);
     let index = index.unwrap_or_else(|| panic!("{name} is no quantity of the tests"));
-    Symbol { index: index as u32, is_nonnegative: index >= VARIABLES, is_constant: index >= VARIABLES }
+    let is_parameter = index >= VARIABLES;
+    Symbol {
+        index: index as u32,
+        is_nonnegative: is_parameter,
+        is_positive: is_parameter,
+        is_constant: is_parameter,
+    }
 }
 
 /// The values of the first quantities at one instant. Each of them rises at a rate of 1.

@@ -6,14 +6,14 @@ use patchcord_expr::Dimension;
 use super::Writer;
 use super::maxima::with_maxima;
 use crate::derive::ModeLaw;
-use crate::notation::{Comparison, Condition, Notation, Relation, comparison_text};
+use crate::notation::{Comparison, Condition, Notation, Relation, conditions_text};
 use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, SymbolKind};
 
 /// Most conditions of one expression that become cases. Further ones are written as a function `step`.
 const MOST_CONDITIONS: usize = 3;
 
 /// A value with the conditions under which it applies.
-type Case = (Notation, Vec<Comparison>);
+pub(super) type Case = (Notation, Vec<Comparison>);
 
 impl Writer<'_> {
     /// An expression, with cases if it contains a mode or a condition.
@@ -37,10 +37,13 @@ impl Writer<'_> {
     }
 
     /// The cases of an expression, in the order in which they are examined. The last one may have no condition.
-    fn branches(&self, value: &Fraction, dimension: Option<Dimension>, left: usize) -> Vec<Case> {
+    pub(super) fn branches(&self, value: &Fraction, dimension: Option<Dimension>, left: usize) -> Vec<Case> {
         let mode = self.system.modes.iter().find(|mode| value.contains(&mut |symbol| symbol == mode.symbol));
         if let Some(mode) = mode {
-            return self.mode_branches(mode, value, dimension, left);
+            return match mode.brake() {
+                Some(brake) => self.brake_branches(&brake, value, dimension, left),
+                None => self.mode_branches(mode, value, dimension, left),
+            };
         }
         let condition = if left == 0 { None } else { first_condition(value) };
         let Some(condition) = condition else { return vec![(self.sum(value, dimension), Vec::new())] };
@@ -98,20 +101,25 @@ impl Writer<'_> {
         !value.contains(&mut |symbol| !symbol.is_constant && symbols.entry(symbol).kind != SymbolKind::Time)
     }
 
-    /// The condition that an expression is 0 or above, or strictly above 0, as text. The smaller of two values is above
-    /// 0 if both are.
-    pub(crate) fn condition_text(&self, guard: &Fraction, is_strict: bool) -> String {
-        if let Some([first, second]) = minimum_of(guard) {
-            let [first, second] = [first, second].map(|guard| self.condition_text(&guard, is_strict));
-            return format!("{first} and {second}");
+    /// The condition that an expression is 0 or above, or strictly above 0. The smaller of two values is above 0 if both
+    /// are.
+    pub(crate) fn condition(&self, guard: &Fraction, is_strict: bool) -> Condition {
+        if let Some(parts) = minimum_of(guard) {
+            let parts = parts.iter().flat_map(|guard| self.condition(guard, is_strict).0);
+            return Condition(parts.collect());
         }
         let relation = if is_strict { Relation::Greater } else { Relation::AtLeast };
-        comparison_text(&self.compare(guard, relation))
+        Condition(vec![self.compare(guard, relation)])
+    }
+
+    /// The same condition as text.
+    pub(crate) fn condition_text(&self, guard: &Fraction, is_strict: bool) -> String {
+        conditions_text(&self.condition(guard, is_strict))
     }
 
     /// A comparison of an expression with 0, with variables on the left and constants on the right, and without
     /// positive factors.
-    fn compare(&self, condition: &Fraction, relation: Relation) -> Comparison {
+    pub(super) fn compare(&self, condition: &Fraction, relation: Relation) -> Comparison {
         if condition.divisors().len() > 0 || condition.is_zero() {
             let (left, dimension) = (condition, self.dimension(condition));
             let right = Notation::Number { value: 0.0, unit: None };
@@ -119,7 +127,7 @@ impl Writer<'_> {
         }
         let (number, content, rest) = with_maxima(condition.numerator()).into_primitive();
         let is_number = content.is_constant() && rest.terms().all(|(product, _)| product.is_constant());
-        let unknown = content.only(|atom, exponent| is_number || exponent % 2 != 0 && !atom.is_nonnegative());
+        let unknown = content.only(|atom, exponent| is_number || !atom.has_positive_power(exponent));
         let relation = if number.is_negative() { reversed(relation) } else { relation };
         let (mut left, mut right) = (Polynomial::default(), Polynomial::default());
         for (product, number) in rest.terms() {
@@ -158,8 +166,7 @@ fn minimum_of(guard: &Fraction) -> Option<[Fraction; 2]> {
         if matches!(applied.operation, Operation::Minimum | Operation::Maximum))
     };
     let (atom, _) = product.factors().iter().find(|(atom, exponent)| is_minimum(atom) && *exponent == 1)?;
-    let is_known =
-        |(other, exponent): &(Atom, i32)| other == atom || exponent % 2 == 0 || other.is_nonnegative();
+    let is_known = |(other, exponent): &(Atom, i32)| other == atom || other.has_positive_power(*exponent);
     let Atom::Apply(applied) = atom else { return None };
     let [first, second] = applied.arguments.as_slice() else { return None };
     match applied.operation {

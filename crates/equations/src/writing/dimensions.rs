@@ -45,7 +45,11 @@ impl Writer<'_> {
     fn applied_dimension(&self, applied: &Application) -> Dimension {
         let first = || self.dimension(&applied.arguments[0]).unwrap_or(Dimension::NONE);
         match applied.operation {
-            Operation::Absolute | Operation::Delay | Operation::Minimum | Operation::Maximum => first(),
+            Operation::Absolute
+            | Operation::Delay
+            | Operation::Minimum
+            | Operation::Maximum
+            | Operation::Limit => first(),
             Operation::Call(CallOrder(Function::Sqrt)) => first().power(0.5),
             Operation::Call(CallOrder(Function::Power)) => {
                 let exponent = applied.arguments[1].as_rational();
@@ -55,7 +59,9 @@ impl Writer<'_> {
                 let unit = self.system.tables[table as usize].unit.as_ref();
                 unit.map_or(Dimension::VOLTAGE, |unit| unit.dimension)
             }
-            Operation::Step | Operation::Call(_) | Operation::TableSlope(_) => Dimension::NONE,
+            Operation::Step | Operation::Sign | Operation::Call(_) | Operation::TableSlope(_) => {
+                Dimension::NONE
+            }
         }
     }
 
@@ -71,11 +77,14 @@ impl Writer<'_> {
             Operation::Call(CallOrder(Function::Power)) if index == 0 => {
                 self.dimension(&applied.arguments[0])
             }
-            Operation::Call(CallOrder(Function::Atan2)) | Operation::Minimum | Operation::Maximum => {
-                applied.arguments.iter().find_map(|argument| self.dimension(argument))
-            }
+            Operation::Call(CallOrder(Function::Atan2))
+            | Operation::Minimum
+            | Operation::Maximum
+            | Operation::Limit => applied.arguments.iter().find_map(|argument| self.dimension(argument)),
             Operation::Call(_) => Some(Dimension::NONE),
-            Operation::Absolute | Operation::Step | Operation::Delay => self.dimension(&applied.arguments[0]),
+            Operation::Absolute | Operation::Step | Operation::Sign | Operation::Delay => {
+                self.dimension(&applied.arguments[0])
+            }
         }
     }
 }

@@ -2,7 +2,9 @@
 //!
 //! The normal form has |x| only: max(a, b) is (a + b + |a - b|) / 2. A reader expects the maximum. Each term c |x| can
 //! also be written 2 c max(x, 0) - c x or 2 c max(-x, 0) + c x. The choice with the fewest terms is taken. Then terms
-//! outside of a maximum are moved into it: max(x, 0) - x is max(0, -x).
+//! outside of a maximum are moved into it: max(x, 0) - x is max(0, -x). An input between two constants is a limit.
+
+mod limits;
 
 use std::sync::Arc;
 
@@ -11,8 +13,9 @@ use num_traits::{One as _, Signed as _, Zero as _};
 use crate::symbolic::{
     Application, Atom, Fraction, Monomial, Operation, Polynomial, Rational, whole, with_reduced_powers,
 };
+use limits::{limited, unnested};
 
-/// A sum with its absolute values as minima and maxima where that is shorter.
+/// A sum with its absolute values as limits, minima and maxima where that is shorter.
 pub(super) fn with_maxima(sum: &Polynomial) -> Polynomial {
     let (mut rest, mut written) = (sum.clone(), Polynomial::default());
     loop {
@@ -20,6 +23,12 @@ pub(super) fn with_maxima(sum: &Polynomial) -> Polynomial {
         if items.is_empty() {
             return squares_joined(&rest.plus(&written));
         }
+        if let Some(sum) = unnested(&items, &rest).or_else(|| limited(&items, &rest)) {
+            rest = sum;
+            continue;
+        }
+        let mut items = last_of_each_term(items);
+        items.truncate(MOST_TOGETHER);
         for item in &items {
             rest.add_term(item.product(), &-item.number.clone());
         }
@@ -132,29 +141,40 @@ fn coefficient(sum: &Polynomial, product: &Monomial) -> Rational {
     sum.terms().find(|(own, _)| *own == product).map_or_else(Rational::zero, |(_, number)| number.clone())
 }
 
-/// The terms with the most deeply nested absolute values. Terms inside others come later.
+/// The most deeply nested absolute values of a sum, in the order of its terms. Those inside others come later.
 fn outermost(sum: &Polynomial) -> Vec<Item> {
     let mut items: Vec<(usize, Item)> =
-        sum.terms().filter_map(|(product, number)| item(product, number)).collect();
+        sum.terms().flat_map(|(product, number)| absolute_values(product, number)).collect();
     let deepest = items.iter().map(|(depth, _)| *depth).max().unwrap_or_default();
     items.retain(|(depth, _)| *depth == deepest);
-    items.truncate(MOST_TOGETHER);
     items.into_iter().map(|(_, item)| item).collect()
 }
 
-/// A term with one absolute value of a sum without divisor, and the depth of its nesting. The product may have other
-/// absolute values: the deepest one counts.
-fn item(product: &Monomial, number: &Rational) -> Option<(usize, Item)> {
-    let candidates = product.factors().iter().filter_map(|(atom, exponent)| match atom {
+/// The absolute values of sums without divisor in a term, each with the depth of its nesting.
+fn absolute_values(product: &Monomial, number: &Rational) -> Vec<(usize, Item)> {
+    let found = product.factors().iter().filter_map(|(atom, exponent)| match atom {
         Atom::Apply(applied) if applied.operation == Operation::Absolute && *exponent == 1 => {
             let inside = &applied.arguments[0];
-            (inside.divisors().len() == 0).then(|| (depth(inside), atom.clone(), inside.numerator().clone()))
+            let factor = product.over(&Monomial::power_of(atom.clone(), 1));
+            let (number, atom) = (number.clone(), atom.clone());
+            let item = Item { number, factor, atom, inside: inside.numerator().clone() };
+            (inside.divisors().len() == 0).then(|| (depth(inside), item))
         }
         _ => None,
     });
-    let (depth, atom, inside) = candidates.max_by_key(|(depth, ..)| *depth)?;
-    let factor = product.over(&Monomial::power_of(atom.clone(), 1));
-    Some((depth, Item { number: number.clone(), factor, atom, inside }))
+    found.collect()
+}
+
+/// The last absolute value of each term.
+fn last_of_each_term(items: Vec<Item>) -> Vec<Item> {
+    let mut last: Vec<Item> = Vec::new();
+    for item in items {
+        if last.last().is_some_and(|before| before.product() == item.product()) {
+            last.pop();
+        }
+        last.push(item);
+    }
+    last
 }
 
 /// Number of absolute values around the innermost one.

@@ -4,10 +4,14 @@
 //! written in front: `(k/m) x`. Absolute values become minima and maxima where that is shorter, and choices by a
 //! condition become cases.
 
+mod brakes;
 mod cases;
 mod dimensions;
 mod maxima;
+mod names;
 mod terms;
+
+use std::collections::BTreeMap;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_expr::{Dimension, Function};
@@ -15,6 +19,7 @@ use patchcord_expr::{Dimension, Function};
 use crate::derive::System;
 use crate::notation::Notation;
 use crate::symbolic::{Application, Atom, CallOrder, Fraction, Operation, Symbol};
+use names::other_names;
 
 /// Writes the expressions of a system.
 pub(crate) struct Writer<'a> {
@@ -22,14 +27,18 @@ pub(crate) struct Writer<'a> {
     pub system: &'a System,
     /// The dimensions that count as pure numbers.
     purity: Purity,
+    /// The written names of the symbols that do not keep their own, by the index of the symbol.
+    other_names: BTreeMap<u32, String>,
 }
 
 /// The dimensions that count as pure numbers in a patch.
+///
+/// Its stated equations follow the same rule for times, see [`Circuit::is_time_dimensionless`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Purity {
     /// None: the patch has physical units.
     Physical,
-    /// Times: no parameter and no scale has a dimension that contains time.
+    /// Times: no parameter and no scale has a dimension that contains time, other than volts.
     Times,
     /// All: the patch has no units other than volts.
     All,
@@ -41,12 +50,10 @@ impl Purity {
         let patch = circuit.patch();
         let parameters = patch.parameters.values().map(|parameter| parameter.unit.dimension());
         let scales = patch.scales.values().map(|scale| scale.unit.dimension());
-        let dimensions: Vec<Dimension> = parameters.chain(scales).collect();
-        let is_volts =
-            |dimension: &Dimension| dimension.is_dimensionless() || *dimension == Dimension::VOLTAGE;
-        if dimensions.iter().all(is_volts) {
+        let is_volts = |dimension: Dimension| dimension.is_dimensionless() || dimension == Dimension::VOLTAGE;
+        if parameters.chain(scales).all(is_volts) {
             Purity::All
-        } else if dimensions.iter().all(|dimension| *dimension == dimension.without_time()) {
+        } else if circuit.is_time_dimensionless() {
             Purity::Times
         } else {
             Purity::Physical
@@ -66,7 +73,12 @@ impl Purity {
 impl<'a> Writer<'a> {
     /// A writer for a system that was derived from this circuit.
     pub(crate) fn new(circuit: &Circuit, system: &'a System) -> Self {
-        Writer { system, purity: Purity::of(circuit) }
+        Self::with_purity(system, Purity::of(circuit))
+    }
+
+    /// A writer that takes these dimensions as pure numbers.
+    fn with_purity(system: &'a System, purity: Purity) -> Self {
+        Writer { system, purity, other_names: other_names(&system.symbols) }
     }
 
     /// An expression of this dimension. Numbers that have a dimension are written with their unit in SI. `None` if any
@@ -77,8 +89,8 @@ impl<'a> Writer<'a> {
 
     /// A quantity, or one of its derivatives.
     pub(crate) fn name(&self, symbol: Symbol) -> Notation {
-        let entry = self.system.symbols.entry(symbol);
-        Notation::Name { name: entry.name.clone(), primes: entry.primes }
+        let primes = self.system.symbols.entry(symbol).primes;
+        Notation::Name { name: self.written_name(symbol).to_owned(), primes }
     }
 
     /// A factor.
@@ -114,6 +126,8 @@ impl<'a> Writer<'a> {
             Operation::Delay => "delay".to_owned(),
             Operation::Minimum => "min".to_owned(),
             Operation::Maximum => "max".to_owned(),
+            Operation::Limit => "limit".to_owned(),
+            Operation::Sign => "sign".to_owned(),
         }
     }
 

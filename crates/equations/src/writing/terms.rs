@@ -6,7 +6,7 @@ use patchcord_expr::Dimension;
 use super::Writer;
 use super::maxima::with_maxima;
 use crate::notation::Notation;
-use crate::symbolic::{Atom, Fraction, Monomial, Polynomial, Rational, SymbolKind, nearest};
+use crate::symbolic::{Atom, Fraction, Monomial, Operation, Polynomial, Rational, SymbolKind, nearest};
 
 /// A term of a sum: a number, a constant product and a product of variables.
 #[derive(Clone)]
@@ -113,13 +113,18 @@ impl Writer<'_> {
     }
 
     /// The place of a part in a sum: terms of low degree first, then in the order of the variables. Constants are last,
-    /// but come before terms of time only.
+    /// but come before terms of time only, and before dry friction, which has the sign of a quantity.
     fn rank(&self, part: &Part) -> Rank {
         let inside = part.inside.terms().map(|(product, _)| product).max().cloned().unwrap_or_default();
         let variable = part.variable.times(&inside);
         let is_time = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if self.system.symbols.entry(*symbol).kind == SymbolKind::Time);
         let is_of_time = variable.factors().iter().all(|(atom, _)| is_time(atom));
-        let class = if variable.is_one() { 1 } else { 2 * u8::from(is_of_time) };
+        let is_sign = |(atom, _): &(Atom, i32)| matches!(atom, Atom::Apply(applied) if applied.operation == Operation::Sign);
+        let class = match variable.factors() {
+            [] => 1,
+            factors if factors.iter().any(is_sign) => 3,
+            _ => 2 * u8::from(is_of_time),
+        };
         let degree = variable.factors().iter().map(|(_, exponent)| exponent.max(&0)).sum();
         let order = |product: &Monomial| {
             product.factors().iter().map(|(atom, exponent)| (first_symbol(atom), *exponent)).collect()

@@ -13,7 +13,7 @@ use crate::notation::text;
 use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, Symbols};
 use crate::testing::reading::read_with;
 
-/// The parameters with their units, in the order in which they are written. None of them is ever negative.
+/// The parameters with their units, in the order in which they are written. All of them are always above 0.
 const PARAMETERS: [(&str, &str); 13] = [
     ("sigma", "1"),
     ("mu", "1"),
@@ -34,7 +34,8 @@ const PARAMETERS: [(&str, &str); 13] = [
 const VARIABLES: [(&str, &str); 8] =
     [("x", "m"), ("y", "m"), ("z", "m"), ("v", "m/s"), ("u", "1"), ("pump", "1"), ("h", "m"), ("x'", "m/s")];
 
-/// A system with the quantities of the tests. The position of the relay R is a mode.
+/// A system with the quantities of the tests. The position of the relay R is a mode. The parameter b can have any sign,
+/// and the parameter share can be 0.
 struct Fixture {
     system: System,
 }
@@ -47,6 +48,8 @@ impl Fixture {
             fixture.add(name, unit, SymbolKind::Parameter(index), true);
         }
         fixture.add("b", "1", SymbolKind::Parameter(PARAMETERS.len()), false);
+        let share = entry("share", "1", SymbolKind::Parameter(PARAMETERS.len() + 1));
+        fixture.system.symbols.add(share, true);
         fixture.add("t", "s", SymbolKind::Time, true);
         for (name, unit) in VARIABLES {
             fixture.add(name, unit, SymbolKind::Variable, false);
@@ -63,11 +66,11 @@ impl Fixture {
         fixture
     }
 
-    /// Adds a quantity. The primes after its name are derivatives.
-    fn add(&mut self, text: &str, unit: &str, kind: SymbolKind, is_nonnegative: bool) -> Symbol {
-        let (name, primes) = name_and_primes(text);
-        let entry = SymbolEntry { name: name.to_owned(), primes, kind, dimension: dimension(unit) };
-        self.system.symbols.add(entry, is_nonnegative)
+    /// Adds a quantity of any sign, or one that is always above 0.
+    fn add(&mut self, text: &str, unit: &str, kind: SymbolKind, is_positive: bool) -> Symbol {
+        let entry = entry(text, unit, kind);
+        let symbols = &mut self.system.symbols;
+        if is_positive { symbols.add_positive(entry) } else { symbols.add(entry, false) }
     }
 
     /// Reads an expression.
@@ -82,13 +85,19 @@ impl Fixture {
 
     /// A writer of the system.
     fn writer(&self, purity: Purity) -> Writer<'_> {
-        Writer { system: &self.system, purity }
+        Writer::with_purity(&self.system, purity)
     }
 
     /// An expression of this unit as text.
     fn written(&self, purity: Purity, expression: &str, unit: &str) -> String {
         text(&self.writer(purity).expression(&self.read(expression), Some(dimension(unit))))
     }
+}
+
+/// The entry of a quantity. The primes after its name are derivatives.
+fn entry(text: &str, unit: &str, kind: SymbolKind) -> SymbolEntry {
+    let (name, primes) = name_and_primes(text);
+    SymbolEntry { name: name.to_owned(), primes, kind, dimension: dimension(unit) }
 }
 
 /// A system without laws.

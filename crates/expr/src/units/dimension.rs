@@ -135,7 +135,8 @@ impl Dimension {
         !self.is_dimensionless() && self == Self::TIME.power(second)
     }
 
-    /// The same dimension without its power of time.
+    /// The same dimension without its power of time. Volts stay, because they are the unit of the machine; amperes count
+    /// as those of volts.
     ///
     /// # Examples
     ///
@@ -145,10 +146,14 @@ impl Dimension {
     /// let speed = Dimension::LENGTH.over(Dimension::TIME);
     /// assert_eq!(speed.without_time(), Dimension::LENGTH);
     /// assert_eq!(Dimension::FREQUENCY.without_time(), Dimension::NONE);
+    /// let slope = Dimension::VOLTAGE.over(Dimension::LENGTH);
+    /// assert_eq!(slope.over(Dimension::TIME).without_time(), slope);
     /// ```
     pub fn without_time(self) -> Self {
         let [kilogram, metre, _, ampere, kelvin] = self.exponents;
-        Self { exponents: [kilogram, metre, 0.0, ampere, kelvin] }
+        let [_, _, of_a_volt, _, _] = Self::VOLTAGE.exponents;
+        // A volt has one ampere in its divisor.
+        Self { exponents: [kilogram, metre, -ampere * of_a_volt, ampere, kelvin] }
     }
 
     /// The SI unit with volts in place of amperes, such as `V/m` in place of `kg m/(s3 A)`. For quantities of a machine

@@ -26,4 +26,5 @@ pub use engineering::engineering;
 pub use error::UnitError;
 pub use label::UnitLabel;
 pub use nearest::nearest;
+pub use parse::plain_superscript;
 pub use unit::Unit;

@@ -197,9 +197,9 @@ impl Parser<'_> {
     /// Parses an optional power; without one the power is 1.
     fn power(&mut self) -> Result<f64, UnitError> {
         let start = self.at;
-        let superscript = self.take_while(|letter| superscript_value(letter).is_some());
+        let superscript = self.take_while(|letter| plain_superscript(letter).is_some());
         if !superscript.is_empty() {
-            let plain: String = self.text[superscript].chars().filter_map(superscript_value).collect();
+            let plain: String = self.text[superscript].chars().filter_map(plain_superscript).collect();
             return self.power_value(&plain, start);
         }
         let has_caret = self.take(&['^']);
@@ -266,12 +266,12 @@ impl Parser<'_> {
 ///
 /// A superscript starts a power, so it ends the name.
 pub(super) fn is_name_letter(letter: char) -> bool {
-    letter.is_alphabetic() && superscript_value(letter).is_none()
+    letter.is_alphabetic() && plain_superscript(letter).is_none()
 }
 
 /// Whether a text after a name begins with a power without a minus, such as `2`, `^2` or `²`.
 pub(super) fn begins_with_power(text: &str) -> bool {
-    text.starts_with(|sign: char| sign.is_ascii_digit() || sign == '^' || superscript_value(sign).is_some())
+    text.starts_with(|sign: char| sign.is_ascii_digit() || sign == '^' || plain_superscript(sign).is_some())
 }
 
 /// Returns the error for a name that is not a unit, with the names that were probably meant.
@@ -286,8 +286,16 @@ fn unknown_unit(name: &str, range: Range<usize>) -> UnitError {
     }
 }
 
-/// Returns the plain sign of a superscript digit or minus.
-fn superscript_value(letter: char) -> Option<char> {
+/// Returns the plain sign of a superscript digit or minus. `None` for another character.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_expr::plain_superscript;
+///
+/// assert_eq!(['⁻', '²', '2'].map(plain_superscript), [Some('-'), Some('2'), None]);
+/// ```
+pub fn plain_superscript(letter: char) -> Option<char> {
     const PAIRS: [(char, char); 11] = [
         ('⁻', '-'),
         ('⁰', '0'),

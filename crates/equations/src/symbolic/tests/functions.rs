@@ -3,9 +3,9 @@
 use patchcord_expr::Function;
 
 use super::{assert_different, assert_equal};
-use crate::symbolic::{Fraction, Operation, delay, opaque, value};
-use crate::testing::Point;
+use crate::symbolic::{Fraction, Operation, Symbol, delay, opaque, sign, step, value};
 use crate::testing::reading::read;
+use crate::testing::{Point, symbol};
 
 #[test]
 fn absolute_values_are_even() {
@@ -89,7 +89,6 @@ fn steps_have_no_positive_factors() {
     assert_equal(&[
         "step(2 x) = step(x)",
         "step(p x) = step(x)",
-        "step(x y^2) = step(x)",
         "step(x/(p + q)) = step(x)",
         "step(x)^2 = step(x)",
         "step(x)^3 = step(x)",
@@ -106,8 +105,28 @@ fn steps_have_no_positive_factors() {
         "step(-x) = 1 - step(x)",
         "step(-x) = step(x)",
         "step(z x) = step(x)",
+        "step(x y^2) = step(x)",
+        "step(x abs(y)) = step(x)",
+        "step(x step(y)) = step(x)",
         "step(x + 1) = step(x)",
     ]);
+}
+
+/// For c = 0 the step of c x is 1 for every x.
+#[test]
+fn a_step_keeps_a_constant_that_can_be_0() {
+    let x = Fraction::symbol(symbol("x"));
+    let nonnegative = Symbol { is_positive: false, ..symbol("p") };
+    for constant in [nonnegative, Symbol { is_nonnegative: false, ..nonnegative }] {
+        let constant = Fraction::symbol(constant);
+        for power in [1, 2] {
+            let kept = step(&constant.power(power).times(&x));
+            assert_ne!(kept, step(&x), "{power}");
+            assert_eq!(value(&kept, &Point([-1.0, 0.0, 0.0, 0.0, 0.0])), 1.0, "{power}");
+        }
+        // A divisor is not 0.
+        assert_eq!(step(&x.over(&constant.power(2))), step(&x));
+    }
 }
 
 #[test]
@@ -265,4 +284,11 @@ fn functions_have_values() {
     assert_eq!(value(&opaque(Operation::Table(0), vec![read("z")]), &point), 8.0);
     assert_eq!(value(&opaque(Operation::Minimum, vec![read("z"), read("p")]), &point), 1.3);
     assert_eq!(value(&opaque(Operation::Maximum, vec![read("z"), read("p")]), &point), 2.0);
+    for (text, expected) in [("z", 1.0), ("y", -1.0), ("-2 p y", 1.0), ("x - x", 0.0)] {
+        assert_eq!(value(&sign(&read(text)), &point), expected, "{text}");
+    }
+    for (text, expected) in [("z", 1.3), ("x", 0.7), ("y", 0.5)] {
+        let arguments = vec![read(text), read("0.5"), read("p")];
+        assert_eq!(value(&opaque(Operation::Limit, arguments), &point), expected, "{text}");
+    }
 }

@@ -1,6 +1,8 @@
 //! Choices and conditions.
 
 use super::{Fixture, Purity, check};
+use crate::derive::{ModeLaw, TransitionLaw};
+use crate::symbolic::{Fraction, SymbolKind};
 
 #[test]
 fn a_choice_is_written_as_cases() {
@@ -45,6 +47,55 @@ fn a_mode_is_a_condition_in_words() {
     ]);
 }
 
+/// A brake at an output. Its net rate and its level are in the quantities of the tests.
+fn with_brake(output: &str, net: &str, level: &str) -> Fixture {
+    let mut fixture = Fixture::new();
+    let symbol = fixture.add("direction", "1", SymbolKind::Held, false);
+    let change = |[from, to]: [f64; 2], guard: String| TransitionLaw {
+        from,
+        to,
+        guard: fixture.read(&guard),
+        is_strict: from == 0.0,
+        reset: (to == 0.0).then(|| (symbol, Fraction::zero())),
+    };
+    let transitions = vec![
+        change([0.0, 1.0], output.to_owned()),
+        change([0.0, -1.0], format!("-({output})")),
+        change([0.0, 1.0], format!("{net} - ({level})")),
+        change([1.0, 0.0], format!("min(-({output}), {level} - ({net}))")),
+        change([0.0, -1.0], format!("-({net}) - ({level})")),
+        change([-1.0, 0.0], format!("min({output}, {level} + {net})")),
+    ];
+    let values = &[(0.0, "stuck"), (1.0, "slipping up"), (-1.0, "slipping down")];
+    let (element, noun) = ("A".to_owned(), "brake");
+    fixture.system.modes.push(ModeLaw { symbol, element, noun, values, initial: 0.0, transitions });
+    fixture
+}
+
+#[test]
+fn a_brake_holds_at_rest_and_opposes_motion() {
+    let cases = [
+        ("v", "-k x - c v", "F", "{0 if v = 0 and k abs(x) <= F; -k x - c v - F sign(v) otherwise}"),
+        ("-v/2", "k x", "F", "{0 if v = 0 and k abs(x) <= F; k x + F sign(v) otherwise}"),
+        (
+            "v/w",
+            "(y - k x)/(m w)",
+            "max(u, 0)/(m w)",
+            "{0 if v = 0 and abs(k x - y) <= max(u, 0); (y - max(u, 0) sign(v))/(m w) - (k/(m w)) x otherwise}",
+        ),
+        ("v", "-4 x", "20", "{0 if v = 0 and abs(x) <= 5; -4 x - 20 sign(v) otherwise}"),
+        ("v - y", "k x", "F", "{0 if y - v = 0 and k abs(x) <= F; k x + F sign(y - v) otherwise}"),
+        ("v", "-c v", "F", "{0 if v = 0; -c v - F sign(v) otherwise}"),
+    ];
+    for (output, net, level, expected) in cases {
+        let fixture = with_brake(output, net, level);
+        let slipping = format!("({net} - ({level}) direction) step(abs(direction) - 0.5)");
+        assert_eq!(fixture.written(Purity::All, &slipping, "1"), expected, "{output}, {net}, {level}");
+        let always = "x + direction (1 - abs(direction))";
+        assert_eq!(fixture.written(Purity::All, always, "1"), "x");
+    }
+}
+
 #[test]
 fn conditions_have_variables_on_the_left() {
     let fixture = Fixture::new();
@@ -61,6 +112,9 @@ fn conditions_have_variables_on_the_left() {
         ("x^2 - 4", "x^2 >= 4 m2", "x^2 > 4 m2"),
         ("w - 0.5", "w - 0.5 m >= 0", "w - 0.5 m > 0"),
         ("b", "b >= 0", "b > 0"),
+        ("share x", "share x >= 0", "share x > 0"),
+        ("x v^2", "x v^2 >= 0", "x v^2 > 0"),
+        ("x/share", "x >= 0", "x > 0"),
         ("x/(y + 1)", "x/(y + 1 m) >= 0", "x/(y + 1 m) > 0"),
         ("min(x - 0.1, v)", "x >= 0.1 m and v >= 0", "x > 0.1 m and v > 0"),
         ("-max(x, y)", "x <= 0 and y <= 0", "x < 0 and y < 0"),

@@ -28,7 +28,7 @@ proptest! {
     #[test]
     fn a_text_has_the_value_of_its_expression(tree in continuous(3), points in uniform3(point())) {
         let system = system(symbols());
-        let writer = Writer { system: &system, purity: Purity::All };
+        let writer = Writer::with_purity(&system, Purity::All);
         let written = text(&writer.expression(&tree.fraction(), Some(Dimension::NONE)));
         // An equation has at most 2000 bytes.
         prop_assume!(written.len() < 1990);

@@ -1,6 +1,6 @@
 //! Grouping, order and factors.
 
-use super::{check, check_unchanged};
+use super::{Fixture, Purity, check, check_unchanged};
 
 #[test]
 fn equations_read_as_in_a_textbook() {
@@ -128,7 +128,62 @@ fn a_dead_zone_and_a_clamp_have_minima_and_maxima() {
     check_unchanged(&[
         "max(x - w, 0) + min(x + w, 0)",
         "k (max(x - w, 0) + min(x + w, 0))",
-        "min(max(x, 0), w)",
-        "k min(max(x, 0), w)",
+        "limit(x, 0, w)",
+        "k limit(x, 0, w)",
+        "min(max(x, 0), y)",
     ]);
+}
+
+/// An amplifier between two diodes has one absolute value for each of them.
+#[test]
+fn two_absolute_values_that_differ_by_a_constant_are_a_limit() {
+    check(&[
+        ("(abs(x + 20) - abs(x - 10))/2 - 5", "limit(x, -20, 10)"),
+        ("max(x - 10, 0) - max(x, -20)", "-limit(x, -20, 10)"),
+        ("max(x - 1, 0) - max(x - 3, 0)", "limit(x, 1, 3) - 1"),
+        ("k (abs(x + w) - abs(x - w))/2", "k limit(x, -w, w)"),
+        ("(abs(w - 2 x) - abs(w + 2 x))/4", "-limit(x, -0.5 w, 0.5 w)"),
+        ("0.3 (abs(x + 2) - abs(x - 1))/2 - y - 0.15", "0.3 limit(x, -2, 1) - y"),
+        (
+            "max(x + 20, 0) - max(x - 10, 0) + max(y + 20, 0) - max(y - 10, 0) - 40",
+            "limit(x, -20, 10) + limit(y, -20, 10)",
+        ),
+        ("(abs(max(x, 0) + y + 1) - abs(max(x, 0) + y - 1))/2", "limit(max(x, 0) + y, -1, 1)"),
+    ]);
+    // The sign of b is not known, and y is no constant.
+    let fixture = Fixture::new();
+    for other in ["(abs(x + b) - abs(x - 1))/2", "(abs(x + y) - abs(x - y))/2"] {
+        let written = fixture.written(Purity::All, other, "1");
+        assert!(!written.contains("limit"), "{other}: {written}");
+    }
+}
+
+#[test]
+fn a_minimum_of_a_maximum_with_constants_is_a_limit() {
+    check(&[
+        ("min(max(x, 0), w)", "limit(x, 0, w)"),
+        ("max(min(k x, F), -F)", "limit(k x, -F, F)"),
+        ("F limit(x/w, -1, 1)", "(F/w) limit(x, -w, w)"),
+        ("limit(k x + c y, -F, F)/m", "limit(k x + c y, -F, F)/m"),
+        ("x - limit(x, -w, w)", "max(x - w, 0) + min(x + w, 0)"),
+        ("limit(x, -w, w) + 0.5 limit(x, -w, w)", "1.5 limit(x, -w, w)"),
+    ]);
+    check_unchanged(&[
+        "limit(x, -2, 3) + limit(y, -1, 1)",
+        "2 limit(x, -1, 1) - 3 limit(y, -2, 2)",
+        "limit(x + 2 y, -1, 1)",
+        "z limit(x - y, 0, 1)",
+        "limit(abs(x), 1, 3)",
+        "max(x, 0) limit(y, -1, 1)",
+        "limit(z, -2, 2) limit(x + y, -1, 1)",
+    ]);
+}
+
+/// As of amplifiers in series.
+#[test]
+fn a_limit_can_be_inside_another() {
+    check_unchanged(&["limit(limit(x, -5, 5) + y, -1, 1)"]);
+    let inner = "(abs(x + 20) - abs(x - 10))/2";
+    let outer = format!("(abs({inner} + y + 3) - abs({inner} + y - 4))/2");
+    check(&[(outer.as_str(), "limit(limit(x, -20, 10) + y, -8, -1) + 4.5")]);
 }

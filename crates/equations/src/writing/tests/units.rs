@@ -48,6 +48,8 @@ fn times_are_pure_numbers_if_no_quantity_of_the_patch_has_a_time() {
         ("exp(-t/2)", "1", "exp(-0.5 t)"),
         ("F step(t - 3)", "N", "{0 if t < 3; F otherwise}"),
         ("3", "s", "3"),
+        ("3", "V/s", "3 V"),
+        ("3", "m/(s V)", "3 m/V"),
     ];
     for (expression, unit, expected) in cases {
         assert_eq!(fixture.written(Purity::Times, expression, unit), expected, "{expression}");
@@ -70,6 +72,7 @@ fn the_units_of_a_patch_decide_which_dimensions_are_pure_numbers() {
         ("1", "1", Purity::All),
         ("1", "m", Purity::Times),
         ("K", "m2", Purity::Times),
+        ("V", "m", Purity::Times),
         ("s", "1", Purity::Physical),
         ("m", "m/s", Purity::Physical),
         ("N", "m", Purity::Physical),

@@ -1,0 +1,282 @@
+//! The comparison of a stated equation with one model of the wiring.
+
+use std::collections::{BTreeSet, HashSet};
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_expr::{Equation, split_primes};
+
+use super::intended::fraction;
+use super::model::{Model, Obstacle};
+use super::points::{ParameterValues, Point, equal_at_points};
+use super::terms::{DifferenceKind, TermDifference, differences};
+use crate::derive::LawKind;
+use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, partial_derivative, value};
+
+/// A comparison in progress.
+pub(super) struct Comparison<'a> {
+    pub circuit: &'a Circuit,
+    program: &'a Program,
+    /// Values of the coefficients of the program.
+    coefficients: Vec<f64>,
+    pub model: Model<'a>,
+}
+
+/// The outcome of a comparison.
+pub(super) enum Outcome {
+    /// The wiring solves the equation.
+    Solved,
+    /// The wiring solves the equation for the present values of these parameters only.
+    SolvedAt(Vec<String>),
+    /// Terms of a quantity differ.
+    Terms {
+        /// The quantity, with its primes.
+        name: String,
+        /// The terms that differ.
+        terms: Vec<TermDifference>,
+        /// The expression that the wiring has for the quantity.
+        wired: Fraction,
+    },
+    /// A quantity has another initial value.
+    InitialValue {
+        /// The quantity, with its primes.
+        name: String,
+        /// The stated value.
+        stated: Fraction,
+        /// The value that the wiring gives.
+        wired: Fraction,
+    },
+    /// The two sides of the equation differ, which is solved for no quantity.
+    Sides(Fraction, Fraction),
+    /// The sides have no value at most voltages.
+    NoValue,
+}
+
+impl Outcome {
+    /// Whether the wiring solves another equation.
+    pub(super) fn is_different(&self) -> bool {
+        matches!(self, Outcome::Terms { .. } | Outcome::InitialValue { .. } | Outcome::Sides(..))
+    }
+}
+
+impl<'a> Comparison<'a> {
+    /// A comparison with the wiring of a circuit. `stays_in_range` is whether squaring networks and logarithms count as
+    /// within their range.
+    pub(super) fn new(circuit: &'a Circuit, program: &'a Program, stays_in_range: bool) -> Self {
+        let model = Model::new(circuit, program, stays_in_range);
+        Comparison { circuit, program, coefficients: program.coefficient_values(), model }
+    }
+
+    /// Whether the wiring solves an equation. It may name drives or write out their laws of time.
+    pub(super) fn outcome(&mut self, equation: &Equation) -> Result<Outcome, Obstacle> {
+        self.model.limited.clear();
+        let found = self.outcome_with_drives(equation);
+        if matches!(found, Ok(Outcome::Solved | Outcome::SolvedAt(_)))
+            || self.circuit.patch().drives.is_empty()
+        {
+            return found;
+        }
+        self.model.expands_drives = true;
+        let expanded = self.outcome_with_drives(equation);
+        self.model.expands_drives = false;
+        // A drive that is 0 at present would hide a cord that is missing, so equality for the present parameters is not
+        // enough here.
+        match (&found, &expanded) {
+            (_, Ok(Outcome::Solved)) | (Ok(Outcome::NoValue) | Err(_), Ok(_)) => expanded,
+            _ => found,
+        }
+    }
+
+    /// Whether the wiring solves an equation, with drives as the model takes them.
+    fn outcome_with_drives(&mut self, equation: &Equation) -> Result<Outcome, Obstacle> {
+        if let Some(initial) = equation.initial_quantity() {
+            return self.initial_outcome(equation, initial);
+        }
+        let none = HashSet::new();
+        let [left, right] = [equation.left(), equation.right()]
+            .map(|side| fraction(side, &mut |name| self.model.named(name, &none)));
+        let (left, right) = (left?, right?);
+        let residual = left.minus(&right);
+        if residual.is_zero() || self.is_implicit_law(&residual) {
+            return Ok(Outcome::Solved);
+        }
+        let Some((name, stated)) = self.solved(equation)? else {
+            if let Some(name) = self.implicit_quantity(&residual) {
+                return Err(Obstacle::Implicit(name));
+            }
+            return Ok(match self.are_equal(ParameterValues::Present, [&left, &right]) {
+                Some(true) => self.solved_generally([&left, &right]),
+                Some(false) => Outcome::Sides(left, right),
+                None => Outcome::NoValue,
+            });
+        };
+        let kept = self.kept(equation, &name);
+        let (stated, wired) = (self.model.expanded_fraction(&stated, &kept), self.model.named(&name, &kept)?);
+        let terms = self.differences(ParameterValues::Present, [&stated, &wired]);
+        if terms.is_empty() {
+            return Ok(self.solved_generally([&stated, &wired]));
+        }
+        // Signals in the equation are wired correctly or not; a difference that remains without them is in this one.
+        let none = HashSet::new();
+        let full_stated = self.model.expanded_fraction(&stated, &none);
+        let full_wired = self.model.named(&name, &none)?;
+        let sides = [&full_stated, &full_wired];
+        if self.differences(ParameterValues::Present, sides).is_empty()
+            || self.are_equal(ParameterValues::Present, sides) == Some(true)
+        {
+            return Ok(self.solved_generally(sides));
+        }
+        Ok(Outcome::Terms { name, terms, wired })
+    }
+
+    /// Whether an expression is 0 because a loop of the wiring makes it 0: it is a constant times the residual of the
+    /// loop.
+    fn is_implicit_law(&mut self, residual: &Fraction) -> bool {
+        let implicit = self.model.system.laws.iter().filter_map(|law| match &law.kind {
+            LawKind::Implicit(value) => Some(value.clone()),
+            _ => None,
+        });
+        let implicit: Vec<Fraction> = implicit.collect();
+        let none = HashSet::new();
+        implicit.iter().any(|law| {
+            let ratio = residual.over(&self.model.expanded_fraction(law, &none));
+            ratio.is_constant()
+        })
+    }
+
+    /// The name of a quantity in an expression that a loop without a formula determines.
+    fn implicit_quantity(&self, value: &Fraction) -> Option<String> {
+        let system = &self.model.system;
+        let mut found = None;
+        value.contains(&mut |symbol| {
+            let is_implicit = matches!(system.law(symbol), Some(LawKind::Implicit(_)));
+            if is_implicit {
+                found = Some(system.symbols.entry(symbol).name.clone());
+            }
+            is_implicit
+        });
+        found
+    }
+
+    /// Whether a quantity has its stated initial value.
+    fn initial_outcome(&mut self, equation: &Equation, name: &str) -> Result<Outcome, Obstacle> {
+        let (base, primes) = split_primes(name);
+        let none = HashSet::new();
+        let stated = fraction(equation.right(), &mut |name| self.model.named(name, &none))?;
+        let wired = self.model.initial(base, primes)?;
+        if self.differences(ParameterValues::Present, [&stated, &wired]).is_empty() {
+            return Ok(self.solved_generally([&stated, &wired]));
+        }
+        Ok(Outcome::InitialValue { name: name.to_owned(), stated, wired })
+    }
+
+    /// The factors by which terms are wrong: wired / stated, for the present values of the parameters.
+    pub(super) fn factors(&self, outcome: &Outcome) -> Vec<f64> {
+        match outcome {
+            Outcome::Terms { terms, .. } => {
+                let factor = |term: &TermDifference| match term.kind {
+                    DifferenceKind::Factor(factor) => Some(factor),
+                    _ => None,
+                };
+                terms.iter().filter_map(factor).collect()
+            }
+            Outcome::InitialValue { stated, wired, .. } => {
+                let point = self.point(ParameterValues::Present);
+                let [stated, wired] = [stated, wired].map(|side| value(side, &point));
+                vec![wired / stated]
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The name for which an equation is solved, and its value in the names of the equation. It is the name with the
+    /// most primes on the left. `None` if the equation is not linear in it.
+    fn solved(&mut self, equation: &Equation) -> Result<Option<(String, Fraction)>, Obstacle> {
+        let mut names = equation.names();
+        names.retain(|name| self.is_variable(name));
+        names.sort_by_key(|name| std::cmp::Reverse(split_primes(name).1));
+        let Some(name) = names.first().map(|name| (*name).to_owned()) else { return Ok(None) };
+        let dimension = patchcord_expr::Dimension::NONE;
+        let unknown = self.model.system.symbols.variable(&name, 0, dimension);
+        let kept = self.kept(equation, &name);
+        let [left, right] = [equation.left(), equation.right()].map(|side| {
+            fraction(side, &mut |other| {
+                if other == name { Ok(Fraction::symbol(unknown)) } else { self.model.named(other, &kept) }
+            })
+        });
+        let difference = left?.minus(&right?);
+        let slope = partial_derivative(&difference, unknown);
+        if slope.is_zero() || slope.contains(&mut |symbol| symbol == unknown) {
+            return Ok(None);
+        }
+        let value = Fraction::symbol(unknown).minus(&difference.over(&slope));
+        Ok((!value.contains(&mut |symbol| symbol == unknown)).then_some((name, value)))
+    }
+
+    /// Whether a name of an equation is a quantity that varies.
+    fn is_variable(&self, name: &str) -> bool {
+        let base = split_primes(name).0;
+        let patch = self.circuit.patch();
+        patch.signals.contains_key(base)
+            || (self.model.expands_drives && patch.drives.contains_key(base))
+            || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
+    }
+
+    /// The signals of an equation that follow from others: they stay in the comparison under their names, except the
+    /// one for which the equation is solved.
+    fn kept(&self, equation: &Equation, solved: &str) -> HashSet<Symbol> {
+        let solved = split_primes(solved).0;
+        let names = equation.names().into_iter().filter(|name| *name != solved && split_primes(name).1 == 0);
+        let found = names.filter_map(|name| self.model.symbol(name, 0));
+        found.filter(|symbol| self.is_expression(*symbol)).collect()
+    }
+
+    /// Whether a signal follows from others, and is not only another name for one of them.
+    fn is_expression(&self, signal: Symbol) -> bool {
+        let Some(LawKind::Definition(value)) = self.model.system.law(signal) else { return false };
+        let is_constant = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbol.is_constant);
+        let factors =
+            value.numerator().as_term().map(|(product, _)| product.only(|atom, _| !is_constant(atom)));
+        !factors.is_some_and(|product| matches!(product.factors(), [(Atom::Symbol(_), 1)]))
+    }
+
+    /// The terms in which a stated and a wired expression differ.
+    fn differences(
+        &self,
+        parameters: ParameterValues,
+        [stated, wired]: [&Fraction; 2],
+    ) -> Vec<TermDifference> {
+        differences(stated, wired, &self.point(parameters))
+    }
+
+    /// Whether two expressions are equal at points; see [`equal_at_points`].
+    fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
+        equal_at_points(self.point(parameters), sides)
+    }
+
+    /// A point with these values of the parameters.
+    fn point(&self, parameters: ParameterValues) -> Point<'_> {
+        let (system, program, coefficients) = (&self.model.system, self.program, &self.coefficients);
+        Point { system, program, coefficients, parameters, index: 0 }
+    }
+
+    /// The outcome for two sides that are equal for the present values of the parameters: also for others, or not.
+    fn solved_generally(&self, sides: [&Fraction; 2]) -> Outcome {
+        if self.differences(ParameterValues::Other, sides).is_empty()
+            || self.are_equal(ParameterValues::Other, sides) == Some(true)
+        {
+            return Outcome::Solved;
+        }
+        let mut names = BTreeSet::new();
+        for side in sides {
+            side.contains(&mut |symbol| {
+                let entry = self.model.system.symbols.entry(symbol);
+                if matches!(entry.kind, SymbolKind::Parameter(_)) {
+                    names.insert(entry.name.clone());
+                }
+                false
+            });
+        }
+        Outcome::SolvedAt(names.into_iter().collect())
+    }
+}

@@ -1,0 +1,104 @@
+//! The outcomes of comparisons as texts.
+
+use patchcord_expr::split_primes;
+
+use super::Agreement;
+use super::comparison::{Comparison, Outcome};
+use super::model::Obstacle;
+use super::terms::{DifferenceKind, TermDifference, is_negative};
+use crate::notation::{Notation, text};
+use crate::symbolic::Fraction;
+use crate::writing::Writer;
+
+impl Obstacle {
+    /// The obstacle as a clause.
+    pub(super) fn text(&self) -> String {
+        match self {
+            Obstacle::Unknown(name) => format!("{name} is not known"),
+            Obstacle::Implicit(name) => {
+                format!("{name} is the solution of a loop without a formula")
+            }
+            Obstacle::Unsettled(name) => {
+                format!("the value at t = 0 depends on {name}, which is no parameter")
+            }
+        }
+    }
+}
+
+impl Comparison<'_> {
+    /// An outcome as texts.
+    pub(super) fn agreement(&self, outcome: Outcome) -> Agreement {
+        match outcome {
+            Outcome::Solved => Agreement::Solved,
+            Outcome::SolvedAt(names) => Agreement::SolvedAt(names),
+            Outcome::Terms { name, terms, wired } => self.different_terms(&name, &terms, &wired),
+            Outcome::InitialValue { name, stated, wired } => {
+                self.different_initial_value(&name, [&stated, &wired])
+            }
+            Outcome::Sides(left, right) => self.different_sides([&left, &right]),
+            Outcome::NoValue => Agreement::Undecided("it has no value at most voltages".to_owned()),
+        }
+    }
+
+    /// The agreement for a quantity whose terms differ.
+    fn different_terms(&self, name: &str, found: &[TermDifference], wired: &Fraction) -> Agreement {
+        let dimension = self.circuit.equation_dimension(name);
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let write = |value: &Fraction| text(&writer.expression(value, dimension));
+        let time_scale = self.circuit.time_scale();
+        let clauses = found.iter().map(|difference| clause(difference, time_scale, &write));
+        let (base, primes) = split_primes(name);
+        let left = Notation::Name { name: base.to_owned(), primes: u8::try_from(primes).unwrap_or(u8::MAX) };
+        Agreement::Different {
+            differences: clauses.collect(),
+            wired: format!("{} = {}", text(&left), write(wired)),
+        }
+    }
+
+    /// The agreement for a quantity with another initial value: the stated one and that of the wiring.
+    fn different_initial_value(&self, name: &str, values: [&Fraction; 2]) -> Agreement {
+        let dimension = self.circuit.equation_dimension(name);
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let [stated, wired] = values.map(|value| text(&writer.expression(value, dimension)));
+        let differences = vec![format!("{name} is {wired} at t = 0, and should be {stated}")];
+        Agreement::Different { differences, wired: format!("{name}(0) = {wired}") }
+    }
+
+    /// The agreement of an equation that is not solved for a quantity and has unequal sides.
+    fn different_sides(&self, sides: [&Fraction; 2]) -> Agreement {
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let [left, right] = sides.map(|side| text(&writer.expression(side, writer.dimension(side))));
+        let differences =
+            vec![format!("in the wiring, the left side is {left} and the right side is {right}")];
+        Agreement::Different { differences, wired: format!("{left} = {right} at some instants only") }
+    }
+}
+
+/// A difference as a clause.
+fn clause(difference: &TermDifference, time_scale: f64, write: &dyn Fn(&Fraction) -> String) -> String {
+    let size = |value: &Fraction| write(&if is_negative(value) { value.negated() } else { value.clone() });
+    match difference.kind {
+        DifferenceKind::Sign => format!("the sign of {} is wrong", size(&difference.stated)),
+        DifferenceKind::Missing => format!("the term {} is missing", write(&difference.stated)),
+        DifferenceKind::Extra => format!("the term {} is not in the equation", write(&difference.wired)),
+        DifferenceKind::Factor(factor) => {
+            let sign = if factor < 0.0 { "has the wrong sign and " } else { "" };
+            let (times, word) =
+                if factor.abs() < 1.0 { (1.0 / factor.abs(), "small") } else { (factor.abs(), "large") };
+            let times = patchcord_expr::format_significant(times, FACTOR_DIGITS);
+            let reason = if is_power_of(factor.abs(), time_scale) { ", by the time scale" } else { "" };
+            let is = if sign.is_empty() { "is" } else { "and is" };
+            let sign = sign.trim_end_matches("and ");
+            format!("the term {} {sign}{is} {times} times too {word}{reason}", write(&difference.stated))
+        }
+    }
+}
+
+/// Significant digits of a factor in a message.
+const FACTOR_DIGITS: usize = 4;
+
+/// Whether a factor is the time scale, its square, or the reciprocal of either.
+fn is_power_of(factor: f64, time_scale: f64) -> bool {
+    let is_near = |power: i32| (factor / time_scale.powi(power) - 1.0).abs() < 1e-9;
+    time_scale != 1.0 && [-2, -1, 1, 2].into_iter().any(is_near)
+}
