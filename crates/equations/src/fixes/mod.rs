@@ -10,7 +10,7 @@ use patchcord_core::circuit::{Circuit, EvaluationStep};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 
-use crate::compare::{Agreement, compare_equations, varying_signals};
+use crate::compare::{Agreement, EquationComparer, compare_equations};
 use candidates::candidates;
 use screen::Screen;
 
@@ -48,7 +48,7 @@ const MOST_TRIALS: usize = 1500;
 /// Each change was made, and all equations were compared again. `unsolved` are the indices of the equations that the
 /// wiring does not solve, and `solved` those of the equations that it solves.
 pub fn find_fixes(circuit: &Circuit, program: &Program, unsolved: &[usize], solved: &[usize]) -> Vec<Fix> {
-    let target = Target { circuit, unsolved, solved, is_varying: varying_signals(circuit, program) };
+    let target = Target { circuit, unsolved, solved, is_varying: EquationComparer::new(circuit, program).varying_signals() };
     let mut candidates = candidates(circuit);
     candidates.sort_by_key(|candidate| candidate.cost);
     let mut fixes: Vec<Fix> = Vec::new();
@@ -112,7 +112,7 @@ fn solved_by(target: &Target<'_>, candidate: &Candidate, comparisons: &mut usize
     if target.solved.iter().any(|index| !is_solved(index)) || !target.unsolved.iter().any(is_solved) {
         return Vec::new();
     }
-    let is_varying = varying_signals(&circuit, &program);
+    let is_varying = EquationComparer::new(&circuit, &program).varying_signals();
     if target.is_varying.iter().zip(is_varying).any(|(before, after)| *before && !after) {
         return Vec::new();
     }
