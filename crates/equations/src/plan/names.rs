@@ -1,5 +1,7 @@
 //! Names of nodes that are no quantities: the expressions that they compute.
 
+use patchcord_expr::Function;
+
 use super::builder::Builder;
 use super::forms::ONE;
 use super::{FunctionKind, NodeId, Operation, Sum, Term};
@@ -37,9 +39,10 @@ impl Builder<'_> {
             Operation::DeadZone { input, width } => {
                 call("dead_zone", vec![own(*input), self.term_notation(width.node, &width.coefficient)])
             }
-            Operation::Function { kind, argument } => {
-                call(function_name(*kind), vec![self.term_notation(argument.node, &argument.coefficient)])
-            }
+            Operation::Function { kind, argument } => call(
+                function_of(*kind).name(),
+                vec![self.term_notation(argument.node, &argument.coefficient)],
+            ),
             Operation::Curve { table, input } => {
                 call(table, vec![self.term_notation(input.node, &input.coefficient)])
             }
@@ -93,13 +96,13 @@ impl Builder<'_> {
     }
 }
 
-/// The name of a function in equations.
-fn function_name(kind: FunctionKind) -> &'static str {
+/// The function that a function generator computes.
+pub(super) fn function_of(kind: FunctionKind) -> Function {
     match kind {
-        FunctionKind::Sin => "sin",
-        FunctionKind::Cos => "cos",
-        FunctionKind::Exp => "exp",
-        FunctionKind::Ln => "ln",
+        FunctionKind::Sin => Function::Sin,
+        FunctionKind::Cos => Function::Cos,
+        FunctionKind::Exp => Function::Exp,
+        FunctionKind::Ln => Function::Ln,
     }
 }
 

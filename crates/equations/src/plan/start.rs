@@ -5,10 +5,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use patchcord_core::patch::Problem;
+use patchcord_expr::Function;
 
 use super::constants::Constants;
+use super::names::function_of;
 use super::newton::Loops;
-use super::{FunctionKind, Node, NodeId, Operation, Sum, Term};
+use super::{Node, NodeId, Operation, Sum, Term};
 
 /// Everything that determines the values at the start.
 pub(super) struct Start<'a> {
@@ -104,27 +106,35 @@ impl Start<'_> {
             Operation::Limited { sum, lower, upper } => {
                 let [lower, upper] =
                     [lower, upper].map(|bound| bound.as_ref().map(|bound| self.constants.value(bound)));
-                let raised = self.sum(sum, values).max(lower.unwrap_or(f64::NEG_INFINITY));
-                raised.min(upper.unwrap_or(f64::INFINITY))
+                let value = self.sum(sum, values);
+                let raised = lower.map_or(value, |lower| larger(value, lower));
+                upper.map_or(raised, |upper| -larger(-raised, -upper))
             }
             Operation::Product([left, right]) => of(left) * of(right),
             Operation::Quotient { dividend, divisor } => self.sum(dividend, values) / of(divisor),
             Operation::Root(sum) => self.sum(sum, values).sqrt(),
             Operation::Zero(_) => match self.angles.get(&node) {
-                Some([first, second]) => self.sum(first, values).atan2(self.sum(second, values)),
+                Some([first, second]) => {
+                    Function::Atan2.apply(self.sum(first, values), self.sum(second, values))
+                }
                 None => of(&node),
             },
             Operation::Absolute(input) => of(input).abs(),
-            Operation::Lower([first, second]) => self.term(first, values).min(self.term(second, values)),
-            Operation::Higher([first, second]) => self.term(first, values).max(self.term(second, values)),
+            Operation::Lower([first, second]) => {
+                -larger(-self.term(first, values), -self.term(second, values))
+            }
+            Operation::Higher([first, second]) => larger(self.term(first, values), self.term(second, values)),
+            Operation::Switch { input, .. } if of(input).is_nan() => f64::NAN,
             Operation::Switch { input, at_least_0, below_0 } => {
                 self.constants.value(if of(input) >= 0.0 { at_least_0 } else { below_0 })
             }
             Operation::DeadZone { input, width } => {
                 let (own, width) = (of(input), self.term(width, values));
-                (own - width).max(0.0) + (own + width).min(0.0)
+                larger(own - width, 0.0) - larger(-own - width, 0.0)
             }
-            Operation::Function { kind, argument } => function_value(*kind, self.term(argument, values)),
+            Operation::Function { kind, argument } => {
+                function_of(*kind).apply(self.term(argument, values), 0.0)
+            }
             Operation::Curve { table, input } => self.curve(table, self.term(input, values)),
             Operation::Delay { input, .. } => of(input),
         }
@@ -148,6 +158,7 @@ impl Start<'_> {
         let after = table.points.partition_point(|point| point[0] < at);
         let before = after.checked_sub(1).map(|before| table.points[before]);
         let value = match (before, table.points.get(after)) {
+            _ if at.is_nan() => f64::NAN,
             (Some([x, y]), Some([next, value])) => y + (value - y) * (at - x) / (next - x),
             (Some([_, y]), None) => y,
             (None, Some([_, y])) => *y,
@@ -207,12 +218,7 @@ impl Start<'_> {
     }
 }
 
-/// The value of a function.
-fn function_value(kind: FunctionKind, argument: f64) -> f64 {
-    match kind {
-        FunctionKind::Sin => argument.sin(),
-        FunctionKind::Cos => argument.cos(),
-        FunctionKind::Exp => argument.exp(),
-        FunctionKind::Ln => argument.ln(),
-    }
+/// The larger of two numbers. NaN if one of them is NaN, so that a value without meaning is not hidden.
+fn larger(first: f64, second: f64) -> f64 {
+    if first >= second || first.is_nan() { first } else { second }
 }
