@@ -3,9 +3,33 @@
 //! A plan is a graph of [`Node`]s. Each node is a physical quantity in SI units that some part of the machine computes
 //! from other nodes. `peaks` finds the range of every node, and `synthesis` turns a plan with scales into a patch.
 
+mod angles;
+mod builder;
+mod constants;
+mod expressions;
+mod finish;
+mod forms;
+mod functions;
+mod initial;
+mod matching;
+mod names;
+mod newton;
+mod operation;
+mod planner;
+mod powers;
+mod products;
+mod simplify;
+mod solution;
+mod start;
+mod trees;
+mod undetermined;
+mod unknowns;
+
 use std::collections::BTreeMap;
 
 use patchcord_expr::Dimension;
+
+pub(crate) use planner::plan;
 
 use crate::symbolic::{Fraction, Symbols};
 
@@ -18,9 +42,11 @@ pub(crate) struct NodeId(pub u32);
 pub(crate) struct Plan {
     /// The parameters of the coefficients. The values of all expressions are in SI units.
     pub symbols: Symbols,
-    /// The nodes. A node can use later nodes, because loops are possible.
+    /// The nodes. The first one is [`Operation::One`]. A node can use later nodes, because loops are possible.
     pub nodes: Vec<Node>,
-    /// The node of each quantity of the problem, in the order of the problem. Derivatives have primes in their names.
+    /// The node of each quantity: those of the problem in its order, then the derivatives and auxiliary quantities that
+    /// only the equations name. Derivatives have primes in their names. An auxiliary quantity that is constant has no
+    /// node: the coefficients contain its value.
     pub quantities: Vec<PlannedQuantity>,
 }
 
@@ -170,3 +196,6 @@ impl Plan {
         (0..self.nodes.len() as u32).map(NodeId)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -81,6 +81,11 @@ impl<'a> Writer<'a> {
         Writer { system, purity, other_names: other_names(&system.symbols) }
     }
 
+    /// A writer for a system in which every dimension is physical: none counts as a pure number.
+    pub(crate) fn physical(system: &'a System) -> Self {
+        Writer { system, purity: Purity::Physical }
+    }
+
     /// An expression of this dimension. Numbers that have a dimension are written with their unit in SI. `None` if any
     /// dimension is right.
     pub(crate) fn expression(&self, value: &Fraction, dimension: Option<Dimension>) -> Notation {

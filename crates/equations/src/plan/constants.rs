@@ -1,0 +1,122 @@
+//! The constants of a problem: its parameters, pi, and quantities that consist of these.
+
+use std::collections::{BTreeMap, HashSet};
+use std::f64::consts::PI;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_expr::{Dimension, Expression, Node};
+
+use super::unknowns::Unknowns;
+use crate::compare::intended::fraction;
+use crate::derive::System;
+use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, Symbols, Values, value};
+
+/// The constants with their names and present values.
+pub(super) struct Constants {
+    /// The symbols of the parameters and of pi. It has no laws.
+    pub system: System,
+    /// The expression of each name.
+    named: BTreeMap<String, Fraction>,
+    /// The present value of each symbol, in SI units.
+    values: Vec<f64>,
+}
+
+impl Constants {
+    /// The parameters of a circuit, and pi.
+    pub(super) fn new(circuit: &Circuit) -> Self {
+        let mut symbols = Symbols::default();
+        let (mut named, mut values) = (BTreeMap::new(), Vec::new());
+        let mut add = |name: &str, kind, dimension, value: f64, is_nonnegative| {
+            let entry = SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
+            let symbol = symbols.add(entry, is_nonnegative);
+            named.entry(name.to_owned()).or_insert_with(|| Fraction::symbol(symbol));
+            values.push(value);
+        };
+        add("pi", SymbolKind::Pi, Dimension::NONE, PI, true);
+        for (index, (name, parameter, value)) in circuit.parameters().enumerate() {
+            let is_nonnegative = match parameter.range {
+                Some((low, _)) => low >= 0.0,
+                None => value > 0.0,
+            };
+            let (kind, unit) = (SymbolKind::Parameter(index), &parameter.unit);
+            add(name, kind, unit.dimension(), unit.to_si(value), is_nonnegative);
+        }
+        let system =
+            System { symbols, laws: Vec::new(), modes: Vec::new(), tables: Vec::new(), margins: Vec::new() };
+        Constants { system, named, values }
+    }
+
+    /// Adds the algebraic quantities that equations such as `w = sqrt(k/m)` define by constants.
+    pub(super) fn add_quantities(&mut self, circuit: &Circuit, unknowns: &Unknowns) {
+        let algebraic: HashSet<&str> =
+            unknowns.all.iter().filter(|unknown| unknown.order == 0).map(|it| it.base.as_str()).collect();
+        let definitions =
+            circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
+                Expression::Name(name) if algebraic.contains(name.as_str()) => {
+                    Some((name, placed.value.right()))
+                }
+                _ => None,
+            });
+        let definitions: Vec<(&String, &Node)> = definitions.collect();
+        let mut count = 0;
+        while count < self.named.len() {
+            count = self.named.len();
+            for (name, right) in &definitions {
+                if !self.named.contains_key(*name)
+                    && let Some(value) = self.expression(right)
+                {
+                    self.named.insert((*name).clone(), value);
+                }
+            }
+        }
+    }
+
+    /// The constant with this name. `None` if the name is another one.
+    pub(super) fn named(&self, name: &str) -> Option<&Fraction> {
+        self.named.get(name)
+    }
+
+    /// Whether an expression contains no other names than those of constants.
+    pub(super) fn is_constant(&self, node: &Node) -> bool {
+        node.names().into_iter().all(|name| self.named.contains_key(name))
+    }
+
+    /// The exact value of an expression of constants. `None` if it contains another name or a table.
+    pub(super) fn expression(&self, node: &Node) -> Option<Fraction> {
+        if !self.is_constant(node) {
+            return None;
+        }
+        fraction(node, &mut |name| Ok(self.named.get(name).cloned().unwrap_or_default())).ok()
+    }
+
+    /// The present value of an expression in SI units. It is not finite if the expression has no value.
+    pub(super) fn value(&self, constant: &Fraction) -> f64 {
+        value(constant, self)
+    }
+
+    /// Whether a constant is positive: at present, and for all permitted values of the parameters as far as its form
+    /// shows.
+    pub(super) fn is_positive(&self, constant: &Fraction) -> bool {
+        constant.is_nonnegative() && self.value(constant) > 0.0
+    }
+}
+
+impl Values for Constants {
+    fn symbol(&self, symbol: Symbol) -> f64 {
+        self.values.get(symbol.index as usize).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Coefficients contain no tables.
+    fn table(&self, _table: u32, _at: f64) -> f64 {
+        f64::NAN
+    }
+
+    fn slope(&self, _table: u32, _at: f64) -> f64 {
+        f64::NAN
+    }
+
+    /// Coefficients contain no delays.
+    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
+        f64::NAN
+    }
+}

@@ -1,0 +1,237 @@
+//! The last steps: equal nodes are joined, implicit equations get their sign, and delays their initial values.
+
+use std::collections::BTreeMap;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::document::{Code, Diagnostic, formula_diagnostic};
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Problem;
+use patchcord_core::solve::Machine;
+use patchcord_expr::FormulaError;
+
+use super::builder::Entry;
+use super::constants::Constants;
+use super::initial::InitialValues;
+use super::simplify::{Simplified, simplified};
+use super::start::{Start, StartValues};
+use super::{Node, NodeId, Operation, PlannedQuantity, Sum};
+use crate::symbolic::Fraction;
+
+/// The nodes of a plan before equal ones are joined.
+pub(super) struct Draft<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// The circuit of the problem.
+    pub circuit: &'a Circuit,
+    /// The constants of the problem.
+    pub constants: &'a Constants,
+    /// The quantities of the plan with their nodes.
+    pub quantities: Vec<(String, NodeId)>,
+    /// The index of the equation that determines a node.
+    pub equations: BTreeMap<NodeId, usize>,
+    /// The nodes.
+    pub entries: Vec<Entry>,
+    /// The nodes of angles, each by the two sums of which it is `atan2`.
+    pub angles: BTreeMap<[Sum; 2], NodeId>,
+}
+
+/// The nodes and quantities of a plan.
+pub(super) struct Finished {
+    /// The nodes.
+    pub nodes: Vec<Node>,
+    /// The quantities.
+    pub quantities: Vec<PlannedQuantity>,
+}
+
+/// The step of the machine that computes the drives at the start. It takes no step.
+const STEP: f64 = 1e-3;
+
+/// Steps from a delayed node to a state at most, for an initial value that is an expression of parameters.
+const MOST_STEPS: usize = 3;
+
+impl Draft<'_> {
+    /// The finished nodes.
+    ///
+    /// # Errors
+    /// If quantities are only set equal to each other, or an implicit equation has no solution at the start.
+    pub(super) fn finished(mut self) -> Result<Finished, Vec<Diagnostic>> {
+        let roots: Vec<NodeId> = self.quantities.iter().map(|(_, node)| *node).collect();
+        let entries = std::mem::take(&mut self.entries);
+        let joined = simplified(entries, &roots).map_err(|node| vec![self.circular(node)])?;
+        let angles = self.placed_angles(&joined);
+        let guesses = self.guesses(&joined);
+        let equations = self.equations.iter();
+        let equations: BTreeMap<NodeId, usize> =
+            equations.filter_map(|(node, equation)| Some((joined.place(*node)?, *equation))).collect();
+        let quantities = self.quantities.iter().filter_map(|(name, node)| {
+            Some(PlannedQuantity { name: name.clone(), node: joined.place(*node)? })
+        });
+        let quantities = quantities.collect();
+        let mut nodes = joined.nodes;
+        if set_constant_delays(&mut nodes) || has_implicit(&nodes, &angles) {
+            let drives = drive_values(self.circuit)?;
+            let start = Start {
+                nodes: &nodes,
+                constants: self.constants,
+                problem: self.problem,
+                drives: &drives,
+                angles: &angles,
+                guesses: &guesses,
+            };
+            let values = start.values().map_err(|node| vec![self.unsolved(&nodes, &equations, node)])?;
+            orient(&mut nodes, &values).map_err(|node| vec![self.unsolved(&nodes, &equations, node)])?;
+            set_other_delays(&mut nodes, &values).map_err(|name| vec![infinite(&name)])?;
+        }
+        Ok(Finished { nodes, quantities })
+    }
+
+    /// The angles among the joined nodes.
+    fn placed_angles(&self, joined: &Simplified) -> BTreeMap<NodeId, [Sum; 2]> {
+        let place = |node: NodeId| joined.place(node).unwrap_or(node);
+        let angles = self.angles.iter().filter_map(|(sums, node)| {
+            Some((joined.place(*node)?, sums.each_ref().map(|sum| sum.with_nodes(&place))))
+        });
+        angles.collect()
+    }
+
+    /// For each quantity, a value near the start and the size of its unit.
+    fn guesses(&self, joined: &Simplified) -> BTreeMap<NodeId, [f64; 2]> {
+        let (problem, circuit, constants) = (self.problem, self.circuit, self.constants);
+        let initial = InitialValues { problem, circuit, constants };
+        let guesses = self.quantities.iter().filter_map(|(name, node)| {
+            let size = problem.quantities.get(name).map_or(1.0, |quantity| quantity.unit.factor());
+            Some((joined.place(*node)?, [initial.guess(name), size]))
+        });
+        guesses.collect()
+    }
+
+    /// The fault of a quantity that its equations only set equal to itself.
+    fn circular(&self, node: NodeId) -> Diagnostic {
+        let name = self.quantities.iter().find(|(_, own)| *own == node).map_or("", |(name, _)| name);
+        let message = format!("no equation determines {name}: they only set quantities equal to each other");
+        let hint = format!("write an equation of {name} and other quantities");
+        self.at_equation(self.equations.get(&node), name, message, hint)
+    }
+
+    /// The fault of a node without a solution at the start.
+    fn unsolved(&self, nodes: &[Node], equations: &BTreeMap<NodeId, usize>, node: NodeId) -> Diagnostic {
+        let name = &nodes[node.0 as usize].name;
+        let message = format!("no value of {name} at the start is found that satisfies this equation");
+        let hint = format!("give {name} an \"initial\" near its value at the start");
+        self.at_equation(equations.get(&node), name, message, hint)
+    }
+
+    /// A fault at a name in an equation.
+    fn at_equation(&self, equation: Option<&usize>, name: &str, message: String, hint: String) -> Diagnostic {
+        match equation.and_then(|index| self.circuit.equations().get(*index)) {
+            Some(placed) => {
+                let range = placed.value.range_of(name).unwrap_or(0..placed.value.text().len());
+                formula_diagnostic(
+                    Code::BAD_FORMULA,
+                    placed,
+                    FormulaError { range, message, hint: Some(hint) },
+                )
+            }
+            None => Diagnostic::without_span(Code::BAD_FORMULA, message).hint(hint),
+        }
+    }
+}
+
+/// Whether a node is implicit and no angle.
+fn has_implicit(nodes: &[Node], angles: &BTreeMap<NodeId, [Sum; 2]>) -> bool {
+    let mut all = (0..).map(NodeId).zip(nodes);
+    all.any(|(node, own)| matches!(own.operation, Operation::Zero(_)) && !angles.contains_key(&node))
+}
+
+/// Sets the initial values of delays of states, and of sums and products of states, as expressions of parameters.
+/// Returns whether other delays remain.
+fn set_constant_delays(nodes: &mut [Node]) -> bool {
+    let mut others_remain = false;
+    for index in 0..nodes.len() {
+        let Operation::Delay { input, .. } = &nodes[index].operation else { continue };
+        let value = at_start(nodes, *input, MOST_STEPS);
+        others_remain |= value.is_none();
+        if let (Operation::Delay { initial, .. }, Some(value)) = (&mut nodes[index].operation, value) {
+            *initial = value;
+        }
+    }
+    others_remain
+}
+
+/// The value of a node at the start as an expression of parameters. `None` if it is no sum or product of states.
+fn at_start(nodes: &[Node], node: NodeId, steps: usize) -> Option<Fraction> {
+    let steps = steps.checked_sub(1)?;
+    let of = |node: &NodeId| at_start(nodes, *node, steps);
+    match &nodes[node.0 as usize].operation {
+        Operation::One => Some(Fraction::whole(1)),
+        Operation::Integral { initial, .. } => Some(initial.clone()),
+        Operation::Product([left, right]) => Some(of(left)?.times(&of(right)?)),
+        Operation::Sum(sum) => {
+            let mut terms = sum.terms.iter();
+            terms.try_fold(Fraction::zero(), |value, (node, factor)| {
+                Some(value.plus(&factor.times(&of(node)?)))
+            })
+        }
+        _ => None,
+    }
+}
+
+/// Sets the sign of implicit equations, so that each sum rises with its own node.
+///
+/// # Errors
+/// A node whose sum does not change with it at the start.
+fn orient(nodes: &mut [Node], start: &StartValues) -> Result<(), NodeId> {
+    for (node, slope) in &start.slopes {
+        match &mut nodes[node.0 as usize].operation {
+            Operation::Zero(sum) if *slope < 0.0 => *sum = sum.negated(),
+            Operation::Zero(_) if *slope > 0.0 => {}
+            _ => return Err(*node),
+        }
+    }
+    Ok(())
+}
+
+/// Sets the initial values of delays that are no expressions of parameters.
+///
+/// # Errors
+/// The name of a delayed node whose value at the start is not finite.
+fn set_other_delays(nodes: &mut [Node], start: &StartValues) -> Result<(), String> {
+    for index in 0..nodes.len() {
+        let Operation::Delay { input, .. } = nodes[index].operation else { continue };
+        if at_start(nodes, input, MOST_STEPS).is_some() {
+            continue;
+        }
+        let value = start.values[input.0 as usize];
+        if !value.is_finite() {
+            return Err(nodes[input.0 as usize].name.clone());
+        }
+        if let Operation::Delay { initial, .. } = &mut nodes[index].operation {
+            *initial = Fraction::number(value);
+        }
+    }
+    Ok(())
+}
+
+/// The fault of a delayed node without a value at the start.
+fn infinite(name: &str) -> Diagnostic {
+    let message = format!("the value of {name} at the start is not finite, and a delay needs it");
+    let hint = format!("choose initial values for which {name} has a value");
+    Diagnostic::without_span(Code::NOT_FINITE, message).hint(hint)
+}
+
+/// The values of all drives at the start, in SI units.
+///
+/// # Errors
+/// If the program of the drives cannot be made or evaluated.
+pub(super) fn drive_values(circuit: &Circuit) -> Result<BTreeMap<String, f64>, Vec<Diagnostic>> {
+    let program = Program::new(circuit).map_err(|report| report.findings)?;
+    let machine = Machine::new(&program, STEP)
+        .map_err(|error| vec![Diagnostic::without_span(Code::NOT_FINITE, error.to_string())])?;
+    let patch = circuit.patch();
+    let values = patch.drives.iter().filter_map(|(name, drive)| {
+        // One volt of a drive is one unit.
+        let scale = patch.scales.get(&drive.scale.as_ref()?.value)?;
+        Some((name.clone(), scale.unit.to_si(machine.voltage(name).ok()?)))
+    });
+    Ok(values.collect())
+}

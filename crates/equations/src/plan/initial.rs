@@ -1,0 +1,140 @@
+//! The initial values of the states.
+
+use std::collections::BTreeMap;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::document::{Code, Diagnostic, Placed, formula_diagnostic};
+use patchcord_core::patch::{Problem, ProblemQuantity};
+use patchcord_expr::{Equation, FormulaError, Node, split_primes};
+
+use super::constants::Constants;
+use super::unknowns::{Unknown, Unknowns, laws, primed};
+use crate::symbolic::Fraction;
+
+/// The parts of a problem with initial values.
+pub(super) struct InitialValues<'a> {
+    /// The problem, for the keys "initial".
+    pub problem: &'a Problem,
+    /// The circuit of the problem, for equations such as `x(0) = x0`.
+    pub circuit: &'a Circuit,
+    /// The constants of the problem.
+    pub constants: &'a Constants,
+}
+
+impl InitialValues<'_> {
+    /// The initial value of every state, by its name. Also the faults: states without an initial value, and initial
+    /// values of other quantities. An algebraic quantity in `implicit` can have one: its solution is sought near it.
+    pub(super) fn of_states(
+        &self,
+        unknowns: &Unknowns,
+        implicit: &[&str],
+    ) -> (BTreeMap<String, Fraction>, Vec<Diagnostic>) {
+        let (mut values, mut faults) = (BTreeMap::new(), self.superfluous(unknowns, implicit));
+        for unknown in &unknowns.all {
+            for primes in 0..unknown.order {
+                let name = primed(&unknown.base, primes);
+                match self.of_state(unknown, &name) {
+                    Ok(value) => {
+                        values.insert(name, value);
+                    }
+                    Err(fault) => faults.push(fault),
+                }
+            }
+        }
+        (values, faults)
+    }
+
+    /// The value near which the solution of an implicit equation is sought: its initial value, otherwise 0.
+    pub(super) fn guess(&self, name: &str) -> f64 {
+        let quantity = self.problem.quantities.get(name);
+        let value = quantity.and_then(|quantity| self.declared(quantity)?.ok());
+        value.map_or(0.0, |value| self.constants.value(&value))
+    }
+
+    /// The initial value of a state.
+    fn of_state(&self, unknown: &Unknown, name: &str) -> Result<Fraction, Diagnostic> {
+        let quantity = self.problem.quantities.get(name);
+        let declared = quantity.and_then(|quantity| self.declared(quantity));
+        match (declared, self.equation(name)) {
+            (Some(value), _) => value,
+            (None, Some(placed)) => self.value(placed, placed.value.right()),
+            (None, None) => Err(self.missing(unknown, name, quantity)),
+        }
+    }
+
+    /// The value of the key "initial". `None` if the quantity does not have it.
+    fn declared(&self, quantity: &ProblemQuantity) -> Option<Result<Fraction, Diagnostic>> {
+        let (placed, factor) = quantity.initial_formula(self.circuit.quantities())?;
+        let value = self.value(placed, placed.value.root());
+        Some(value.map(|value| value.times(&Fraction::number(factor))))
+    }
+
+    /// The equation that states an initial value.
+    fn equation(&self, name: &str) -> Option<&Placed<Equation>> {
+        self.circuit.equations().iter().find(|placed| placed.value.initial_quantity() == Some(name))
+    }
+
+    /// The value of an expression of parameters.
+    fn value<T>(&self, placed: &Placed<T>, node: &Node) -> Result<Fraction, Diagnostic> {
+        let fault = |code, message: &str, hint: &str| {
+            let (range, message, hint) = (node.range.clone(), message.to_owned(), Some(hint.to_owned()));
+            formula_diagnostic(code, placed, FormulaError { range, message, hint })
+        };
+        let Some(value) = self.constants.expression(node) else {
+            let message = "an initial value is an expression of parameters";
+            return Err(fault(Code::BAD_FORMULA, message, "declare the value at the start as a parameter"));
+        };
+        if !self.constants.value(&value).is_finite() {
+            let message = "the initial value is not a finite number";
+            return Err(fault(Code::NOT_FINITE, message, "look for a division by 0 or a wrong power of ten"));
+        }
+        Ok(value)
+    }
+
+    /// The fault of a state without an initial value: at its declaration, or at its highest derivative.
+    fn missing(&self, unknown: &Unknown, name: &str, quantity: Option<&ProblemQuantity>) -> Diagnostic {
+        if let Some(quantity) = quantity {
+            let message = format!("{name} needs \"initial\"");
+            let hint = format!("add \"initial\": 0, or the value of {name} at the start");
+            return Diagnostic::at(Code::MISSING_KEY, quantity.span, message).hint(hint);
+        }
+        let message = format!("{name} needs an initial value");
+        let hint = format!("add \"{name}\" with its \"unit\" and \"initial\" to the quantities");
+        let derivative = unknown.name();
+        let first =
+            laws(self.circuit).find_map(|(_, placed)| Some((placed, placed.value.range_of(&derivative)?)));
+        match first {
+            Some((placed, range)) => {
+                let error = FormulaError { range, message, hint: Some(hint) };
+                formula_diagnostic(Code::MISSING_KEY, placed, error)
+            }
+            None => Diagnostic::without_span(Code::MISSING_KEY, message).hint(hint),
+        }
+    }
+
+    /// The faults of initial values of quantities that are no states.
+    fn superfluous(&self, unknowns: &Unknowns, implicit: &[&str]) -> Vec<Diagnostic> {
+        let is_state =
+            |name: &str| unknowns.of(name).is_some_and(|unknown| split_primes(name).1 < unknown.order);
+        let message = |name: &str| format!("{name} is no state, so it has no initial value");
+        let mut findings = Vec::new();
+        for (name, quantity) in &self.problem.quantities {
+            if let Some(initial) = &quantity.initial
+                && !is_state(name)
+                && !implicit.contains(&name.as_str())
+            {
+                let hint = format!("remove \"initial\": an equation determines {name}");
+                findings.push(Diagnostic::at(Code::BAD_FORMULA, initial.span, message(name)).hint(hint));
+            }
+        }
+        for placed in self.circuit.equations() {
+            if let Some(name) = placed.value.initial_quantity()
+                && !is_state(name)
+            {
+                let hint = format!("remove this equation: another one determines {name}");
+                findings.push(Diagnostic::at(Code::BAD_FORMULA, placed.span, message(name)).hint(hint));
+            }
+        }
+        findings
+    }
+}
