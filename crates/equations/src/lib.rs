@@ -30,6 +30,7 @@ mod listing;
 mod notation;
 mod plan;
 mod symbolic;
+mod synthesis;
 #[cfg(test)]
 mod testing;
 mod writing;
@@ -45,3 +46,4 @@ pub use notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
     equation_latex, equation_text, latex, text,
 };
+pub use synthesis::codes as synthesis_codes;

@@ -77,7 +77,7 @@ impl SignalBuilder {
     }
 
     /// Sets the factor by which the scaled voltage is multiplied. It must not be 0.
-    pub fn factor(mut self, factor: f64) -> Self {
+    pub fn factor(mut self, factor: impl Into<Value>) -> Self {
         self.entry.insert("factor".into(), factor.into());
         self
     }
