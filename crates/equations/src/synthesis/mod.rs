@@ -8,9 +8,10 @@
 //! 5. `document` and `layout` write the patch.
 //!
 //! The scales of multipliers, diode networks and delay lines follow from those of their inputs; see `rescaled` and
-//! `scale_table`. Settings are formulas of parameters and scales, which `formula` writes.
+//! `scale_table`. `centred` and `rescaled` add nodes to the plan where that is not possible otherwise. Settings are formulas of parameters and scales, which `formula` writes.
 
 mod assembly;
+mod centred;
 pub mod codes;
 mod design;
 mod document;

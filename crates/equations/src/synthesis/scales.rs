@@ -5,6 +5,7 @@ use std::f64::consts::LN_10;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::patch::Problem;
 
+use super::centred::least_volts;
 use super::gains::MOST_CORDS;
 use super::input::Input;
 use super::round::roundest;
@@ -137,8 +138,9 @@ impl Choice<'_, '_> {
     /// The round scale with which a peak is between 51 and 94 V.
     fn round(&self, id: NodeId, peak: f64) -> f64 {
         let unit = self.input.unit(id).factor();
-        let [most, least] = CHOSEN_VOLTS.map(|volts| peak / unit / volts);
-        roundest(least, most) * unit
+        let [lowest, highest] = CHOSEN_VOLTS;
+        let lowest = least_volts(&self.input.plan, id, peak).clamp(lowest, highest);
+        roundest(peak / unit / highest, peak / unit / lowest) * unit
     }
 
     /// A scale within the range that the settings of a function generator allow; see docs/elements.md.

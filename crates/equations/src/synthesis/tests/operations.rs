@@ -137,6 +137,27 @@ fn an_open_amplifier_solves_an_equation() {
 }
 
 #[test]
+fn an_angle_far_from_0_has_a_range_around_its_middle() {
+    // y = atan2(a, b) = atan2(3, -1) = 1.89 rad, between 1.5 and 2.3 rad: the opposite angle is -1.25 rad.
+    let mut sketch = problem("y = atan2(a, b)", "");
+    sketch.constant("a", 3.0);
+    sketch.constant("b", -1.0);
+    let function = |sketch: &mut Sketch, kind, name: &str| {
+        let argument = sketch.term("1", 6);
+        add(sketch, name, [-1.0, 1.0], Operation::Function { kind, argument })
+    };
+    let sine = function(&mut sketch, FunctionKind::Sin, "sin(y)");
+    let cosine = function(&mut sketch, FunctionKind::Cos, "cos(y)");
+    let [first, second] = [(1, sine, "b sin(y)"), (0, cosine, "a cos(y)")].map(|(node, wave, name)| {
+        add(&mut sketch, name, [-3.0, 3.0], Operation::Product([NodeId(node), NodeId(wave)]))
+    });
+    let solution = Operation::Zero(sketch.sum(&[("1", first), ("-1", second)]));
+    sketch.node("y", "1", [1.5, 2.3], 0.0, solution);
+    let made = sketch.with_quantities().synthesis();
+    assert_close(Reading::of(&made).value("y"), 3f64.atan2(-1.0));
+}
+
+#[test]
 fn diode_pairs_compute_absolute_values_and_the_lower_and_higher_of_two() {
     for [a, b] in PAIRS {
         let absolute = |_: &mut Sketch| Operation::Absolute(NodeId(0));
