@@ -33,6 +33,7 @@ mod plan;
 mod scaling_audit;
 mod static_check;
 mod symbolic;
+mod synthesis;
 #[cfg(test)]
 mod testing;
 mod writing;
@@ -52,3 +53,4 @@ pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
 pub use static_check::{
     RowQuantity, RowSource, StaticCheck, StaticRow, TestError, TestValue, TestValues, static_check, test_unit,
 };
+pub use synthesis::codes as synthesis_codes;

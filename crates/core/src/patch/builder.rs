@@ -2,11 +2,13 @@
 //!
 //! A builder collects JSON values under the keys of the document format. [`PatchBuilder::build`] prints the document
 //! and decodes it like a file. A built patch therefore passes the same checks, and its faults have positions in a text.
-//! `parts` has the builders of parameters, elements and macros.
+//! `parts` has the builders of parameters, elements and macros, and `scaled` those of scales and signals.
 
 mod parts;
+mod scaled;
 
 pub use parts::{ElementBuilder, MacroBuilder, ParameterBuilder};
+pub use scaled::{ScaleBuilder, SignalBuilder};
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -49,6 +51,28 @@ impl PatchBuilder {
         PatchBuilder { document }
     }
 
+    /// Sets the source, such as a book and a figure.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::PatchBuilder;
+    ///
+    /// let patch = PatchBuilder::new("spring").source("any first lesson").note("without losses").build()?;
+    /// assert_eq!((patch.source.as_str(), patch.note.as_str()), ("any first lesson", "without losses"));
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn source(mut self, text: &str) -> Self {
+        self.document.insert("source".into(), text.into());
+        self
+    }
+
+    /// Sets the note.
+    pub fn note(mut self, text: &str) -> Self {
+        self.document.insert("note".into(), text.into());
+        self
+    }
+
     /// Sets the machine for which the patch is made.
     pub fn machine(mut self, name: &str) -> Self {
         self.document.insert("machine".into(), name.into());
@@ -68,7 +92,23 @@ impl PatchBuilder {
 
     /// Adds a scale: the value of one volt, as a number in `unit` or as a formula.
     pub fn scale(self, name: &str, per_volt: impl Into<Value>, unit: &str) -> Self {
-        self.insert("scales", name, scale_entry(per_volt, unit))
+        self.put_scale(name, ScaleBuilder::new(per_volt, unit))
+    }
+
+    /// Adds a scale with a description.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{PatchBuilder, ScaleBuilder};
+    ///
+    /// let scale = ScaleBuilder::new("10 * k", "N").description("force of the spring");
+    /// let patch = PatchBuilder::new("spring").put_scale("force", scale).build()?;
+    /// assert_eq!(patch.scales["force"].unit.text(), "N");
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn put_scale(self, name: &str, scale: ScaleBuilder) -> Self {
+        self.insert("scales", name, scale.into_value())
     }
 
     /// Adds a drive. Its values are in the unit of the scale.
@@ -117,7 +157,26 @@ impl PatchBuilder {
     /// # Ok::<(), Box<patchcord_core::document::Report>>(())
     /// ```
     pub fn signal(self, name: &str, element: &str, scale: &str, factor: f64) -> Self {
-        self.insert("signals", name, json_value(&SignalEntry { at: element, scale, factor }))
+        self.put_signal(name, SignalBuilder::new(element).scale(scale).factor(factor))
+    }
+
+    /// Adds a signal with a description, or one in volts.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder, SignalBuilder};
+    ///
+    /// let signal = SignalBuilder::new("A1").description("output of the integrator");
+    /// let patch = PatchBuilder::new("ramp")
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["+100"]))
+    ///     .put_signal("ramp", signal)
+    ///     .build()?;
+    /// assert_eq!((patch.signals["ramp"].factor, patch.signals["ramp"].scale.is_none()), (1.0, true));
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn put_signal(self, name: &str, signal: SignalBuilder) -> Self {
+        self.insert("signals", name, signal.into_value())
     }
 
     /// Adds an equation that the wiring is meant to solve, in the units of the problem.
@@ -170,6 +229,25 @@ impl PatchBuilder {
         self.append("pictures", json_value(&PictureEntry::new(title, x, y)))
     }
 
+    /// Sets a section of the document to a JSON value, as a document writes it. An earlier section of the same key is
+    /// replaced.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::PatchBuilder;
+    /// use serde_json::json;
+    ///
+    /// let run = json!({"for": 2, "step": 1e-3, "every": 1e-2});
+    /// let patch = PatchBuilder::new("two seconds").section("run", run).build()?;
+    /// assert_eq!(patch.run.every.map(|every| every.value), Some(1e-2));
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn section(mut self, key: &str, value: impl Into<Value>) -> Self {
+        self.document.insert(key.to_owned(), value.into());
+        self
+    }
+
     /// Decodes the collected document.
     ///
     /// # Errors
@@ -206,21 +284,6 @@ impl PatchBuilder {
     }
 }
 
-/// An entry of "scales".
-#[derive(Serialize)]
-struct ScaleEntry<'a> {
-    per_volt: Value,
-    unit: &'a str,
-}
-
-/// An entry of "signals".
-#[derive(Serialize)]
-struct SignalEntry<'a> {
-    at: &'a str,
-    scale: &'a str,
-    factor: f64,
-}
-
 /// The section "run".
 #[derive(Serialize)]
 struct RunEntry {
@@ -231,7 +294,7 @@ struct RunEntry {
 
 /// The JSON object of a scale: the value of one volt, and its unit.
 pub(super) fn scale_entry(per_volt: impl Into<Value>, unit: &str) -> Value {
-    json_value(&ScaleEntry { per_volt: per_volt.into(), unit })
+    ScaleBuilder::new(per_volt, unit).into_value()
 }
 
 /// A list of names as JSON texts.

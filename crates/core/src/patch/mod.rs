@@ -32,7 +32,9 @@ mod short_forms;
 mod table_file;
 mod time_units;
 
-pub use builder::{ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder};
+pub use builder::{
+    ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder, ScaleBuilder, SignalBuilder,
+};
 pub(crate) use cord_faults::{cord_hint, cord_notation, fixed_voltage_hint, no_cord, outputs_tied};
 pub(crate) use document::UnreadNames;
 pub use document::{

@@ -5,7 +5,7 @@ mod functions;
 mod loops;
 mod motions;
 mod parts;
-
+mod systems;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::patch::Patch;

@@ -83,7 +83,7 @@ impl<'a> Writer<'a> {
 
     /// A writer for a system in which every dimension is physical: none counts as a pure number.
     pub(crate) fn physical(system: &'a System) -> Self {
-        Writer { system, purity: Purity::Physical }
+        Self::with_purity(system, Purity::Physical)
     }
 
     /// An expression of this dimension. Numbers that have a dimension are written with their unit in SI. `None` if any

@@ -187,7 +187,23 @@ impl ElementBuilder {
         self
     }
 
-    /// Sets a setting to a number, a formula or a word.
+    /// Sets the note.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// let inverter = ElementBuilder::new("inverter").cord("in", "+100").note("- 100 V");
+    /// let patch = PatchBuilder::new("inverter").element("B1", inverter).build()?;
+    /// assert_eq!(patch.elements["B1"].note, "- 100 V");
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn note(self, text: &str) -> Self {
+        self.set("note", text)
+    }
+
+    /// Sets a setting to a number, a formula or a word. A group of settings such as "limit" is an object.
     pub fn set(mut self, name: &str, value: impl Into<Value>) -> Self {
         self.entry.insert(name.to_owned(), value.into());
         self

@@ -112,12 +112,12 @@ fn complete_patch(problem: &mut Problem, drive_units: &IndexMap<String, Unit>) {
         let span = quantity.span;
         let (element, scale) = (placed(GROUND, span), Some(placed(name, span)));
         patch.signals.insert(name.clone(), Signal { element, scale, factor: 1.0, span });
-        patch.scales.insert(name.clone(), unit_scale(&quantity.unit, span));
+        patch.scales.insert(name.clone(), scale_of(&quantity.unit, 1.0, span));
         patch.record.push(placed(name, span));
     }
     for (name, drive) in &patch.drives {
         if let Some(unit) = drive_units.get(name) {
-            patch.scales.insert(name.clone(), unit_scale(unit, drive.span));
+            patch.scales.insert(name.clone(), scale_of(unit, UNITS_PER_VOLT_OF_DRIVE, drive.span));
             patch.record.push(placed(name, drive.span));
         }
     }
@@ -126,9 +126,13 @@ fn complete_patch(problem: &mut Problem, drive_units: &IndexMap<String, Unit>) {
     patch.problem_tables = Some(tables.collect());
 }
 
-/// A scale of one unit per volt.
-fn unit_scale(unit: &Unit, span: Span) -> Scale {
-    let per_volt = Some(Placed { value: Formula::constant(1.0), span });
+/// The number of units per volt in the scale of a drive. The voltage of a drive is limited to 100 V, and this number is so
+/// large that the limit is never reached.
+const UNITS_PER_VOLT_OF_DRIVE: f64 = 1e9;
+
+/// A scale with this number of units per volt.
+fn scale_of(unit: &Unit, per_volt: f64, span: Span) -> Scale {
+    let per_volt = Some(Placed { value: Formula::constant(per_volt), span });
     Scale { per_volt, unit: unit.clone(), span }
 }
 

@@ -4,7 +4,7 @@
 //! the run. `entries` decodes quantities and tables. `names` reports names that cannot be used. `check` compares the
 //! parts with each other, and `initial` checks and evaluates initial values.
 //!
-//! A problem contains a patch without elements. Each quantity is a scale of one unit per volt and a signal at ground
+//! A problem contains a patch without elements. Each quantity is a scale and a signal at ground
 //! there. So the checks of circuits apply to the names and dimensions of a problem.
 
 mod check;

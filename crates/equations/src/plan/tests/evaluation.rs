@@ -15,7 +15,7 @@ use crate::symbolic::Fraction;
 /// Evaluations of all nodes at most. Loops converge in fewer.
 const MOST_ROUNDS: usize = 2000;
 /// Largest change of a value by rounding, as a share of it.
-const ROUNDING: f64 = 4e-16;
+const ROUNDING: f64 = 1e-15;
 
 /// Evaluates the nodes of a plan.
 pub(super) struct Evaluator<'a> {
@@ -213,7 +213,8 @@ impl Names<'_> {
                     }
                     Operator::Power => {
                         let value = Function::Power.apply(a.value, b.value);
-                        (value, value.abs() * (1.0 + b.size * a.size / a.value.abs()))
+                        let relative = if a.value == 0.0 { 0.0 } else { a.size / a.value.abs() };
+                        (value, value.abs() * (1.0 + b.size * relative))
                     }
                 };
                 Some(Measured { value, size })

@@ -1,0 +1,237 @@
+//! Writes the document of the patch.
+
+use patchcord_core::document::{Diagnostic, Report};
+use patchcord_core::machines::DEFAULT_MACHINE;
+use patchcord_core::patch::{
+    Amount, ElementBuilder, Patch, PatchBuilder, Problem, ScaleBuilder, SignalBuilder,
+};
+use patchcord_expr::{Equation, Expression, Node, split_primes};
+use serde_json::{Map, Value, json};
+
+use super::assembly::Assembly;
+use super::design::Design;
+use super::formula::{Product, json_number};
+use super::layout::layout;
+use crate::plan::{NodeId, Operation, PlannedQuantity};
+
+/// The largest number of pictures.
+const MOST_PICTURES: usize = 3;
+/// The largest number of names in the title of a picture.
+const MOST_NAMES: usize = 4;
+
+/// A signal of the patch.
+struct SignalEntry {
+    /// Its name, which is that of its scale too.
+    name: String,
+    /// The output that it reads.
+    at: String,
+    /// Whether the output is inverted.
+    is_inverted: bool,
+    /// The text of its unit.
+    unit: String,
+}
+
+/// Makes the patch from its elements.
+///
+/// # Errors
+/// If the document cannot be decoded, for example because it is longer than 16 MB.
+pub(super) fn patch(assembly: Assembly<'_>) -> Result<Patch, Vec<Diagnostic>> {
+    let design = assembly.design;
+    let signals = signals(&assembly);
+    let mut builder = with_scales(head(design), design);
+    for name in design.input.problem.patch.drives.keys() {
+        builder = builder.drive(name, name, drive(design.input.problem, name));
+    }
+    builder = with_equations(builder, design.input.problem);
+    for (name, element) in assembly.into_elements() {
+        builder = builder.element(&name, element);
+    }
+    for signal in &signals {
+        let entry = SignalBuilder::new(&signal.at).scale(&signal.name);
+        let entry = if signal.is_inverted { entry.factor(-1) } else { entry };
+        builder = builder.put_signal(&signal.name, entry);
+    }
+    if let Some(run) = design.input.problem.patch.value().get("run") {
+        builder = builder.section("run", run.clone());
+    }
+    builder = builder.record(signals.iter().map(|signal| &signal.name));
+    let built = with_pictures(builder, &signals).build();
+    let written = built.and_then(|patch| Patch::parse(patch.file(), &layout(patch.value())));
+    written.map_err(|report| faults(&report))
+}
+
+/// The faults of a patch, without their positions in its text, which the user does not see.
+fn faults(report: &Report) -> Vec<Diagnostic> {
+    report.findings.iter().map(|finding| Diagnostic { span: None, ..finding.clone() }).collect()
+}
+
+/// The beginning of the document: texts, machine, time scale and parameters.
+fn head(design: &Design<'_>) -> PatchBuilder {
+    let problem = &design.input.problem.patch;
+    let mut builder = PatchBuilder::new(&problem.title);
+    if !problem.source.is_empty() {
+        builder = builder.source(&problem.source);
+    }
+    if !problem.note.is_empty() {
+        builder = builder.note(&problem.note);
+    }
+    let machine = design.input.options.machine.name;
+    if machine != DEFAULT_MACHINE.name {
+        builder = builder.machine(machine);
+    }
+    if design.time_scale != 1.0 {
+        builder = builder.section("time_scale", json_number(design.time_scale));
+    }
+    match problem.value().get("parameters") {
+        Some(parameters) => builder.section("parameters", parameters.clone()),
+        None => builder,
+    }
+}
+
+/// Adds the scales: of drives, of quantities, and of other nodes.
+fn with_scales(mut builder: PatchBuilder, design: &Design<'_>) -> PatchBuilder {
+    let input = design.input;
+    for (name, scale) in &input.problem.patch.scales {
+        if input.problem.patch.drives.contains_key(name) {
+            let node = input.plan.ids().find(|id| *input.operation(*id) == Operation::Drive(name.clone()));
+            let per_volt = node.map_or(1.0, |id| scale.unit.out_of_si(design.table.value(id)));
+            builder = builder.put_scale(name, ScaleBuilder::new(json_number(per_volt), scale.unit.text()));
+        }
+    }
+    for (index, quantity) in input.plan.quantities.iter().enumerate() {
+        if is_signal(design, quantity) {
+            let scale = scale_of_quantity(design, index, quantity);
+            builder = builder.put_scale(design.names.of_quantity(index), scale);
+        }
+    }
+    for id in input.plan.ids().filter(|id| is_unnamed(design, *id)) {
+        if let Some(name) = design.names.of_node(id) {
+            let unit = input.unit(id);
+            let per_volt = json_number(unit.out_of_si(design.table.value(id)));
+            let scale = ScaleBuilder::new(per_volt, unit.text()).description(&input.plan.node(id).name);
+            builder = builder.put_scale(&name, scale);
+        }
+    }
+    builder
+}
+
+/// Whether a node is neither a quantity nor a drive.
+fn is_unnamed(design: &Design<'_>, id: NodeId) -> bool {
+    design.input.labels(id).is_empty() && !matches!(design.input.operation(id), Operation::Drive(_))
+}
+
+/// Whether a quantity becomes a signal: a derivative does not if it has a name without primes too.
+fn is_signal(design: &Design<'_>, quantity: &PlannedQuantity) -> bool {
+    let is_derivative = |name: &str| split_primes(name).1 > 0;
+    let first = design.input.labels(quantity.node).first();
+    !is_derivative(&quantity.name) || first.is_none_or(|first| is_derivative(first))
+}
+
+/// The scale of a quantity: a number, or a formula of other scales.
+fn scale_of_quantity(design: &Design<'_>, index: usize, quantity: &PlannedQuantity) -> ScaleBuilder {
+    let unit = design.input.unit_of_quantity(&quantity.name, quantity.node);
+    let entry = design.table.entry(quantity.node);
+    let in_unit = unit.out_of_si(entry.value);
+    let per_volt = match (&entry.name, &entry.definition) {
+        (Some(name), _) if name != design.names.of_quantity(index) => Value::from(name.as_str()),
+        (_, Some(definition)) => Product::one().times(definition, &design.table.expressions).setting(in_unit),
+        _ => json_number(in_unit),
+    };
+    let scale = ScaleBuilder::new(per_volt, unit.text());
+    let described = design.input.problem.quantities.get(&quantity.name);
+    match described.map(|quantity| quantity.description.as_str()).filter(|text| !text.is_empty()) {
+        Some(description) => scale.description(description),
+        None => scale,
+    }
+}
+
+/// A drive as the problem states it, with its scale in place of its unit. Points of a file are written in full, because
+/// the path to the file depends on the folder of the patch.
+fn drive(problem: &Problem, name: &str) -> ElementBuilder {
+    let drives = problem.patch.value().get("drives");
+    let written = drives.and_then(|drives| drives.get(name)).and_then(Value::as_object);
+    let mut entry = Map::new();
+    for (key, value) in written.into_iter().flatten() {
+        match key.as_str() {
+            "unit" => entry.insert("scale".to_owned(), name.into()),
+            "points" if value.is_object() => entry.insert(key.clone(), json!(points(problem, name))),
+            _ => entry.insert(key.clone(), value.clone()),
+        };
+    }
+    ElementBuilder::from_entry(entry)
+}
+
+/// The points of a drive that were read from a file.
+fn points<'p>(problem: &'p Problem, name: &str) -> &'p [[f64; 2]] {
+    let drive = problem.patch.drives.get(name);
+    let mut settings = drive.into_iter().flat_map(|drive| drive.settings.iter().flatten());
+    let points = settings.find_map(|setting| match &setting.value {
+        Amount::Points(points) => Some(points.as_slice()),
+        _ => None,
+    });
+    points.unwrap_or_default()
+}
+
+/// Adds the equations of the problem. Without them, a check would warn of motions that grow, so the patch then says that
+/// these are intended.
+fn with_equations(builder: PatchBuilder, problem: &Problem) -> PatchBuilder {
+    let equations = problem.patch.equations.iter().map(|placed| &placed.value);
+    let stated: Vec<&Equation> = equations.filter(|equation| !applies_table(problem, equation)).collect();
+    if stated.is_empty() {
+        return builder.section("positive_feedback", true);
+    }
+    stated.into_iter().fold(builder, |builder, equation| builder.equation(equation.text()))
+}
+
+/// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.
+fn applies_table(problem: &Problem, equation: &Equation) -> bool {
+    [equation.left(), equation.right()].into_iter().any(|side| contains_table(problem, side))
+}
+
+/// Whether an expression applies a table of the problem.
+fn contains_table(problem: &Problem, node: &Node) -> bool {
+    let any = |nodes: &[Node]| nodes.iter().any(|node| contains_table(problem, node));
+    match &node.expression {
+        Expression::Number(_) | Expression::Name(_) => false,
+        Expression::Negate(inner) => contains_table(problem, inner),
+        Expression::Binary(_, left, right) => contains_table(problem, left) || contains_table(problem, right),
+        Expression::Call(_, arguments) => any(arguments),
+        Expression::Apply(name, arguments) => problem.tables.contains_key(name) || any(arguments),
+    }
+}
+
+/// The signals of the quantities.
+fn signals(assembly: &Assembly<'_>) -> Vec<SignalEntry> {
+    let design = assembly.design;
+    let mut signals = Vec::new();
+    for (index, quantity) in design.input.plan.quantities.iter().enumerate() {
+        if is_signal(design, quantity) {
+            let (at, factor) = assembly.reading(quantity.node);
+            let name = design.names.of_quantity(index).to_owned();
+            let unit = design.input.unit_of_quantity(&quantity.name, quantity.node).text().to_owned();
+            signals.push(SignalEntry { name, at: at.to_owned(), is_inverted: factor < 0.0, unit });
+        }
+    }
+    signals
+}
+
+/// Adds the pictures: one for each unit, with all quantities in this unit against time.
+fn with_pictures(builder: PatchBuilder, signals: &[SignalEntry]) -> PatchBuilder {
+    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
+    for signal in signals {
+        match groups.iter_mut().find(|(unit, _)| *unit == signal.unit) {
+            Some((_, names)) => names.push(&signal.name),
+            None => groups.push((&signal.unit, vec![signal.name.as_str()])),
+        }
+    }
+    let pictures = groups.into_iter().take(MOST_PICTURES);
+    pictures.fold(builder, |builder, (_, names)| builder.picture(&title(&names), "t", names))
+}
+
+/// The title of a picture: the names of its quantities.
+fn title(names: &[&str]) -> String {
+    match names.len().checked_sub(MOST_NAMES) {
+        Some(more @ 1..) => format!("{} and {more} more", names[..MOST_NAMES].join(", ")),
+        _ => names.join(", "),
+    }
+}

@@ -1,0 +1,116 @@
+//! The elements that compute each operation.
+
+mod feedback;
+pub(super) mod functions;
+mod linear;
+mod networks;
+
+use patchcord_core::document::{Diagnostic, format_number};
+use patchcord_core::machines::REFERENCE;
+use serde_json::Value;
+
+use super::assembly::Assembly;
+use super::design::{Block, Design};
+use super::formula::{Product, json_number};
+use crate::plan::{NodeId, Operation};
+use crate::symbolic::Fraction;
+
+/// Rounding of a voltage, as a share of it.
+const ROUNDING: f64 = 1e-12;
+
+/// Adds the elements of a node.
+///
+/// # Errors
+/// If a setting would be outside the range of its element.
+pub(super) fn add(assembly: &mut Assembly<'_>, id: NodeId) -> Result<(), Diagnostic> {
+    let blocks = assembly.blocks;
+    match &blocks[id.0 as usize] {
+        Block::Reference | Block::Ground | Block::Drive | Block::Alias { .. } => Ok(()),
+        Block::Share(branch) => {
+            linear::add_share(assembly, id, branch);
+            Ok(())
+        }
+        Block::Amplifier { branches, feedback } => {
+            let design = assembly.design;
+            match design.input.operation(id) {
+                Operation::Quotient { divisor, .. } => {
+                    feedback::add_quotient(assembly, id, *divisor, branches, *feedback)
+                }
+                Operation::Root(_) => {
+                    feedback::add_root(assembly, id, branches, *feedback);
+                    Ok(())
+                }
+                Operation::Zero(_) => {
+                    feedback::add_zero(assembly, id, branches);
+                    Ok(())
+                }
+                _ => linear::add_amplifier(assembly, id, branches),
+            }
+        }
+        Block::Element => add_element(assembly, id),
+    }
+}
+
+/// Adds an element without gains.
+fn add_element(assembly: &mut Assembly<'_>, id: NodeId) -> Result<(), Diagnostic> {
+    let design = assembly.design;
+    match design.input.operation(id) {
+        Operation::Product(factors) => networks::add_product(assembly, id, *factors),
+        Operation::Absolute(input) => networks::add_absolute(assembly, id, *input),
+        Operation::Lower(terms) => networks::add_selector(assembly, id, terms, -1),
+        Operation::Higher(terms) => networks::add_selector(assembly, id, terms, 1),
+        Operation::DeadZone { input, width } => networks::add_dead_zone(assembly, id, *input, width),
+        Operation::Switch { input, at_least_0, below_0 } => {
+            return networks::add_switch(assembly, id, *input, [at_least_0, below_0]);
+        }
+        Operation::Delay { input, time, initial } => {
+            return networks::add_delay(assembly, id, *input, time, initial);
+        }
+        Operation::Function { kind, argument } => {
+            return functions::add_function(assembly, id, *kind, argument);
+        }
+        Operation::Curve { table, input } => return functions::add_curve(assembly, id, table, input),
+        // These have other circuits; see `Design::block`.
+        Operation::One
+        | Operation::Drive(_)
+        | Operation::Integral { .. }
+        | Operation::Sum(_)
+        | Operation::Limited { .. }
+        | Operation::Quotient { .. }
+        | Operation::Root(_)
+        | Operation::Zero(_) => {}
+    }
+    Ok(())
+}
+
+/// A constant as a voltage at the output of a node with this polarity: its setting and its value.
+///
+/// A number with a unit cannot be in a formula, so it is converted to volts.
+///
+/// # Errors
+/// If the voltage is above 100 V. `noun` describes it.
+fn volts(
+    design: &Design<'_>,
+    id: NodeId,
+    constant: &Fraction,
+    polarity: i8,
+    noun: &str,
+) -> Result<(Value, f64), Diagnostic> {
+    let expressions = &design.table.expressions;
+    let volts = f64::from(polarity) * expressions.value(constant) / design.table.value(id);
+    // This is false for NaN too.
+    let is_possible = volts.abs() <= REFERENCE * (1.0 + ROUNDING);
+    if !is_possible {
+        let name = &design.input.plan.node(id).name;
+        let message = format!("{noun} of {name} is {} V with this scale", format_number(volts));
+        let hint = format!("amplifiers have ±100 V: give {name} a larger \"maximum\"");
+        return Err(design.input.fault(id, message, &hint));
+    }
+    let has_unit = constant.as_rational().is_some() && !design.input.dimension(id).is_dimensionless();
+    if has_unit || constant.is_zero() {
+        return Ok((json_number(volts), volts));
+    }
+    let product = Product::one().times_number(f64::from(polarity)).times(constant, expressions);
+    let product = product.over(design.table.expression(id), expressions);
+    Ok((product.setting(volts), volts))
+}

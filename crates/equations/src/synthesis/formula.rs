@@ -1,0 +1,274 @@
+//! The text of constant expressions as formulas of a patch: products such as `k / m * x / x_dot / 10`.
+//!
+//! Factors have the order of the gain rule (eq. 4-8): the coefficient, input scale / output scale, the gain, and the
+//! time scale.
+
+use num_traits::{One as _, Signed as _, Zero as _};
+use patchcord_expr::{format_significant, round_significant};
+use serde_json::Value;
+
+use super::expressions::Expressions;
+use crate::symbolic::{Atom, CallOrder, Fraction, Operation, Polynomial, Rational, nearest};
+
+/// The longest text of a formula in bytes. The parser accepts a few more.
+const LONGEST: usize = 1900;
+/// The digits from which every number is read again without a change.
+const EXACT_DIGITS: usize = 17;
+/// The digits of a number that was computed from other numbers. The rest is rounding.
+const COMPUTED_DIGITS: usize = 15;
+
+/// A product of a number and powers of texts, in the order in which they are multiplied.
+#[derive(Debug, Clone)]
+pub(super) struct Product {
+    /// The number.
+    number: Rational,
+    /// The factors, each once.
+    factors: Vec<Factor>,
+    /// The exponent of the time scale, which is the last factor.
+    time_scale: i32,
+    /// Whether all factors have a text. A step, a table and a delay have none.
+    is_writable: bool,
+}
+
+/// A power of a text.
+#[derive(Debug, Clone)]
+struct Factor {
+    /// The text of the base.
+    text: String,
+    /// Whether the base is a sum, which needs parentheses.
+    is_sum: bool,
+    /// The exponent, which is not 0.
+    exponent: i32,
+}
+
+impl Product {
+    /// The product without factors: 1.
+    pub(super) fn one() -> Self {
+        Product { number: Rational::one(), factors: Vec::new(), time_scale: 0, is_writable: true }
+    }
+
+    /// The product with an expression.
+    pub(super) fn times(self, factor: &Fraction, expressions: &Expressions<'_>) -> Self {
+        self.times_power(factor, 1, expressions)
+    }
+
+    /// The quotient by an expression, which is not 0.
+    pub(super) fn over(self, factor: &Fraction, expressions: &Expressions<'_>) -> Self {
+        self.times_power(factor, -1, expressions)
+    }
+
+    /// The product with a text that is no sum, such as a function of numbers.
+    pub(super) fn times_text(mut self, text: &str) -> Self {
+        self.multiply(Some(text.to_owned()), false, 1);
+        self
+    }
+
+    /// The product with a number.
+    pub(super) fn times_number(mut self, number: f64) -> Self {
+        match Fraction::number(number).as_rational() {
+            Some(number) => self.number *= number,
+            None => self.is_writable = false,
+        }
+        self
+    }
+
+    /// The quotient by a number, which is not 0.
+    pub(super) fn over_number(mut self, number: f64) -> Self {
+        match Fraction::number(number).as_rational() {
+            Some(number) if !number.is_zero() => self.number /= number,
+            _ => self.is_writable = false,
+        }
+        self
+    }
+
+    /// The product with a power of the time scale.
+    pub(super) fn times_time_scale(mut self, exponent: i32) -> Self {
+        self.time_scale += exponent;
+        self
+    }
+
+    /// The product with a power of an expression.
+    fn times_power(mut self, factor: &Fraction, exponent: i32, expressions: &Expressions<'_>) -> Self {
+        if factor.is_zero() {
+            self.number = Rational::zero();
+            self.is_writable &= exponent > 0;
+            return self;
+        }
+        let (mut number, content, mut rest) = factor.numerator().clone().into_primitive();
+        // A sum begins with a positive term: `q - r` and not `-(r - q)`.
+        if number.is_negative() && rest.terms().any(|(_, number)| number.is_negative()) {
+            (number, rest) = (-number, rest.negated());
+        }
+        self.number *= number.pow(exponent);
+        let mut powers: Vec<(Option<String>, bool, i32)> = Vec::new();
+        for (atom, power) in content.factors() {
+            powers.push((atom_text(atom, expressions), false, power * exponent));
+        }
+        if !rest.is_one() {
+            powers.push((sum_text(&rest, expressions), true, exponent));
+        }
+        for (divisor, power) in factor.divisors() {
+            powers.push((sum_text(divisor, expressions), true, -(power as i32) * exponent));
+        }
+        // Factors come before divisors: `k / m`, whatever the order of the symbols.
+        powers.sort_by_key(|(_, _, exponent)| *exponent < 0);
+        for (text, is_sum, exponent) in powers {
+            self.multiply(text, is_sum, exponent);
+        }
+        self
+    }
+
+    /// Multiplies by a power of a text. `None` is a base without a text.
+    fn multiply(&mut self, text: Option<String>, is_sum: bool, exponent: i32) {
+        let Some(text) = text else {
+            self.is_writable = false;
+            return;
+        };
+        match self.factors.iter().position(|factor| factor.text == text) {
+            Some(known) if self.factors[known].exponent + exponent == 0 => drop(self.factors.remove(known)),
+            Some(known) => self.factors[known].exponent += exponent,
+            None => self.factors.push(Factor { text, is_sum, exponent }),
+        }
+    }
+
+    /// The text of the product. `None` if a factor has no text.
+    pub(super) fn text(&self) -> Option<String> {
+        if !self.is_writable {
+            return None;
+        }
+        if self.number.is_zero() {
+            return Some("0".to_owned());
+        }
+        let (lead, divisor) = number_parts(&self.number.abs());
+        let is_alone = lead.is_none() && divisor.is_none() && self.time_scale == 0;
+        let is_alone = is_alone && self.factors.len() == 1 && !self.number.is_negative();
+        let mut text = lead.unwrap_or_default();
+        for factor in self.ordered() {
+            append(&mut text, &factor.text(is_alone), factor.exponent > 0);
+        }
+        if let Some(divisor) = divisor {
+            append(&mut text, &divisor, false);
+        }
+        if self.time_scale != 0 {
+            append(&mut text, &power_text("time_scale", self.time_scale.abs()), self.time_scale > 0);
+        }
+        let sign = if self.number.is_negative() { "-" } else { "" };
+        Some(if text.is_empty() { format!("{sign}1") } else { sign.to_owned() + &text })
+    }
+
+    /// The text of the product as a factor: a sum is in parentheses.
+    pub(super) fn factor_text(&self) -> Option<String> {
+        let text = self.text()?;
+        let is_sum = self.factors.iter().any(|factor| factor.is_sum) && !text.starts_with('(');
+        Some(if is_sum { format!("({text})") } else { text })
+    }
+
+    /// The factors, with divisors at the beginning moved to the end: `force / M` and not `1 / M * force`.
+    fn ordered(&self) -> impl Iterator<Item = &Factor> {
+        let first = self.factors.iter().position(|factor| factor.exponent > 0).unwrap_or(0);
+        let (divisors, rest) = self.factors.split_at(first);
+        rest.iter().chain(divisors)
+    }
+
+    /// The product as a setting of a document: a formula, or its value if it contains no name or has no text.
+    pub(super) fn setting(&self, value: f64) -> Value {
+        let has_names = !self.factors.is_empty() || self.time_scale != 0;
+        match self.text().filter(|text| has_names && !self.number.is_zero() && text.len() <= LONGEST) {
+            Some(text) => text.into(),
+            None => json_number(value),
+        }
+    }
+}
+
+impl Factor {
+    /// The text of the factor without the sign of its exponent. A sum that is alone needs no parentheses.
+    fn text(&self, is_alone: bool) -> String {
+        let exponent = self.exponent.abs();
+        if self.is_sum && !(is_alone && self.exponent == 1) {
+            return power_text(&format!("({})", self.text), exponent);
+        }
+        power_text(&self.text, exponent)
+    }
+}
+
+/// The text of a power with a positive exponent.
+fn power_text(base: &str, exponent: i32) -> String {
+    if exponent == 1 { base.to_owned() } else { format!("{base}^{exponent}") }
+}
+
+/// Adds a factor or a divisor to the text of a product.
+fn append(text: &mut String, factor: &str, is_multiplied: bool) {
+    if text.is_empty() && !is_multiplied {
+        text.push('1');
+    }
+    if !text.is_empty() {
+        text.push_str(if is_multiplied { " * " } else { " / " });
+    }
+    text.push_str(factor);
+}
+
+/// A positive number as a factor in front of a product and a divisor after it. `None` for 1.
+fn number_parts(number: &Rational) -> (Option<String>, Option<String>) {
+    let [top, bottom] = [number.numer(), number.denom()].map(|part| {
+        let text = part.to_string();
+        (text != "1").then_some(text)
+    });
+    let is_power_of_ten = |text: &String| text.trim_end_matches('0') == "1";
+    if top.is_none() && bottom.as_ref().is_none_or(is_power_of_ten) {
+        return (None, bottom);
+    }
+    let value = nearest(number);
+    if Fraction::number(value).as_rational().as_ref() == Some(number) {
+        return (Some(format_significant(value, EXACT_DIGITS)), None);
+    }
+    (top, bottom)
+}
+
+/// The text of a sum, with a positive term first. `None` if a factor has no text.
+fn sum_text(sum: &Polynomial, expressions: &Expressions<'_>) -> Option<String> {
+    let mut terms: Vec<(bool, String)> = Vec::new();
+    for (product, number) in sum.terms() {
+        let mut term = Product { number: number.abs(), ..Product::one() };
+        for (atom, power) in product.factors() {
+            term.multiply(atom_text(atom, expressions), false, *power);
+        }
+        terms.push((number.is_negative(), term.text()?));
+    }
+    terms.sort_by_key(|(is_negative, _)| *is_negative);
+    let mut text = String::new();
+    for (is_negative, term) in terms {
+        text += match (text.is_empty(), is_negative) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        };
+        text += &term;
+    }
+    Some(text)
+}
+
+/// The text of a factor. `None` for a function that formulas do not have.
+fn atom_text(atom: &Atom, expressions: &Expressions<'_>) -> Option<String> {
+    let applied = match atom {
+        Atom::Symbol(symbol) => return Some(expressions.name(*symbol).to_owned()),
+        Atom::Apply(applied) => applied,
+    };
+    let name = match applied.operation {
+        Operation::Absolute => "abs",
+        Operation::Minimum => "min",
+        Operation::Maximum => "max",
+        Operation::Call(CallOrder(function)) => function.name(),
+        Operation::Step | Operation::Table(_) | Operation::TableSlope(_) | Operation::Delay => return None,
+    };
+    let argument = |argument: &Fraction| Product::one().times(argument, expressions).text();
+    let arguments: Option<Vec<String>> = applied.arguments.iter().map(argument).collect();
+    Some(format!("{name}({})", arguments?.join(", ")))
+}
+
+/// A number of a document, without the rounding of its computation. A whole number has no decimal point.
+pub(super) fn json_number(value: f64) -> Value {
+    let rounded = round_significant(value, COMPUTED_DIGITS);
+    let is_whole = rounded.fract() == 0.0 && rounded.abs() < 1e15;
+    if is_whole { Value::from(rounded as i64) } else { Value::from(rounded) }
+}

@@ -1,0 +1,132 @@
+//! Synthesis: makes a patch from a plan, the ranges of its nodes, and options.
+//!
+//! 1. `scales` chooses the value of one volt of every node, with round numbers from `round`, estimates from `unknown`,
+//!    and the rule for the time scale from `time_scale`.
+//! 2. `design` determines the circuit of every node: pots, gains and cords by the gain rule (eq. 4-8), from `gains`.
+//! 3. `polarity` chooses the sign of every output, so that few inverters are necessary.
+//! 4. `elements` and `assembly` make the elements with their notes.
+//! 5. `document` and `layout` write the patch.
+//!
+//! The scales of multipliers, diode networks and delay lines follow from those of their inputs; see `rescaled` and
+//! `scale_table`. `centred` and `rescaled` add nodes to the plan where that is not possible otherwise. Settings are formulas of parameters and scales, which `formula` writes.
+
+mod assembly;
+mod centred;
+pub mod codes;
+mod design;
+mod document;
+mod elements;
+mod expressions;
+mod formula;
+mod gains;
+mod input;
+mod layout;
+mod names;
+mod needs;
+mod notes;
+mod polarity;
+mod rescaled;
+mod round;
+mod scale_table;
+mod scales;
+mod significant;
+#[cfg(test)]
+mod tests;
+mod time_scale;
+mod unknown;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::document::Diagnostic;
+use patchcord_core::machines::MachineModel;
+use patchcord_core::patch::{Patch, Problem};
+
+use crate::peaks::Ranges;
+use crate::plan::{NodeId, Plan};
+use assembly::Assembly;
+use design::{Block, Design};
+use input::Input;
+pub(crate) use notes::GainStep;
+pub(crate) use scales::{choose_scales, improved_scales};
+
+/// Options of the synthesis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Options {
+    /// The machine for which the patch is made.
+    pub machine: &'static MachineModel,
+    /// Machine seconds per problem second. `None` if the synthesis chooses it.
+    pub time_scale: Option<f64>,
+}
+
+/// The scales of a patch.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Scales {
+    /// The value of one volt of each node in SI units. Nodes that the synthesis adds to the plan are at the end.
+    pub per_volt: Vec<f64>,
+    /// Machine seconds per problem second.
+    pub time_scale: f64,
+}
+
+/// A patch that solves a problem.
+#[derive(Debug)]
+pub(crate) struct Synthesis {
+    /// The patch. The parts of the machine are not counted yet.
+    pub patch: Patch,
+    /// The elements and drives with the values of nodes, for reading peaks. Nodes that the synthesis adds to the plan are
+    /// at the end.
+    pub outputs: Vec<(NodeId, String)>,
+    /// The gain rule for each input of the integrators, summers and pots, in the order of the elements.
+    pub steps: Vec<GainStep>,
+}
+
+/// Makes the patch of a plan with these scales, which [`choose_scales`] or [`improved_scales`] gives.
+///
+/// # Errors
+/// For each node without a circuit: what prevents it, and what to do. Examples are a divisor that becomes 0, a gain that
+/// the machine does not have, and an initial value above 100 V.
+pub(crate) fn synthesise(
+    plan: &Plan,
+    problem: &Problem,
+    circuit: &Circuit,
+    ranges: &Ranges,
+    scales: &Scales,
+    options: &Options,
+) -> Result<Synthesis, Vec<Diagnostic>> {
+    let input = Input::new(plan, problem, circuit, ranges, options);
+    let design = Design::new(&input, scales);
+    let blocks = blocks(&design)?;
+    let assembly = Assembly::of(&design, &blocks)?;
+    let output = |id: NodeId| Some((id, assembly.output_of(id)?.to_owned()));
+    let outputs = input.plan.ids().filter_map(output).collect();
+    let steps = assembly.steps.clone();
+    Ok(Synthesis { patch: document::patch(assembly)?, outputs, steps })
+}
+
+/// The circuits of all nodes.
+///
+/// # Errors
+/// For each node that has none.
+fn blocks(design: &Design<'_>) -> Result<Vec<Block>, Vec<Diagnostic>> {
+    let (mut blocks, mut faults) = (Vec::new(), Vec::new());
+    for id in design.input.plan.ids() {
+        match checked_scale(design, id).and_then(|()| design.block(id)) {
+            Ok(block) => blocks.push(block),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    if faults.is_empty() { Ok(blocks) } else { Err(faults) }
+}
+
+/// Checks that the scale of a node is a positive number.
+///
+/// # Errors
+/// If it is not: it is too large or too small for a number.
+fn checked_scale(design: &Design<'_>, id: NodeId) -> Result<(), Diagnostic> {
+    let scale = design.table.value(id);
+    if scale.is_normal() && scale > 0.0 {
+        return Ok(());
+    }
+    let name = &design.input.plan.node(id).name;
+    let message = format!("the scale of {name} is {scale} per volt");
+    let hint = format!("give {name} and the quantities on which it depends a \"maximum\"");
+    Err(design.input.fault(id, message, &hint))
+}

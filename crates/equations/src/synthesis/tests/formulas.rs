@@ -1,0 +1,126 @@
+//! The text of constant expressions.
+
+use patchcord_expr::{Dimension, Formula};
+use serde_json::json;
+
+use super::super::expressions::Expressions;
+use super::super::formula::{Product, json_number};
+use super::Sketch;
+use crate::symbolic::{Fraction, absolute, opaque, root, step};
+
+/// A problem with some parameters.
+fn sketch() -> Sketch {
+    Sketch::new(
+        r#"{"patchcord": 1, "parameters": {"m": {"value": 2, "unit": "kg", "range": [1, 4]},
+            "k": {"value": 40, "unit": "N/m"}, "c": {"value": 0.8, "unit": "N s/m"},
+            "r": {"value": 0.3, "unit": "1", "range": [-1, 0.5]}, "q": {"value": 1.7, "unit": "1"}},
+        "quantities": {"x": {"unit": "m", "initial": 1}}, "equations": ["x' = 0"], "run": {"for": 1, "step": 1e-3}}"#,
+    )
+}
+
+/// The text of an expression, with its value by the parser of formulas compared with the exact one.
+fn text(expression: &str) -> String {
+    let sketch = sketch();
+    let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
+    let exact = sketch.read(expression);
+    let text = Product::one().times(&exact, &expressions).text().unwrap();
+    let parsed = Formula::parse(&text).unwrap_or_else(|error| panic!("{text}: {error:?}"));
+    let found = parsed.evaluate(sketch.circuit.quantities()).unwrap();
+    let expected = expressions.value(&exact);
+    assert!((found - expected).abs() <= 1e-14 * expected.abs(), "{text}: {found} instead of {expected}");
+    text
+}
+
+#[test]
+fn expressions_are_written_with_all_operators() {
+    let cases = [
+        ("k/m", "k / m"),
+        ("-k/m", "-k / m"),
+        ("1/m", "1 / m"),
+        ("k m^2", "m^2 * k"),
+        ("c/(k m)", "c / m / k"),
+        ("0.5 k/m", "0.5 * k / m"),
+        ("k/10", "k / 10"),
+        ("k/3", "k / 3"),
+        ("2 k/3", "2 * k / 3"),
+        ("0.015 r", "0.015 * r"),
+        ("0", "0"),
+        ("7", "7"),
+        ("-1", "-1"),
+        ("1/m^2", "1 / m^2"),
+        ("1e9 k", "1e9 * k"),
+    ];
+    for (expression, expected) in cases {
+        assert_eq!(text(expression), expected, "{expression}");
+    }
+}
+
+#[test]
+fn sums_are_in_parentheses_if_they_are_factors() {
+    let expressions = ["r - q", "(r - q)/(r + q)^2", "1 - r q - 3 q^2", "(k/m) (r - 1)", "0.3 - r/(1 + r)"];
+    for expression in expressions {
+        text(expression);
+    }
+    assert_eq!(text("1 + r"), "1 + r");
+    assert_eq!(text("q - r"), "q - r");
+    assert_eq!(text("k (1 + r)"), "k * (1 + r)");
+    assert_eq!(text("k/(r + 1)"), "k / (1 + r)");
+}
+
+#[test]
+fn functions_of_parameters_are_written() {
+    let sketch = sketch();
+    let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
+    let written = |expression: &Fraction| Product::one().times(expression, &expressions).text();
+    assert_eq!(written(&root(&sketch.read("k q"))).as_deref(), Some("sqrt(k * q)"));
+    let difference = sketch.read("r - q");
+    assert!(written(&absolute(&difference)).unwrap().starts_with("abs("));
+    // Formulas have no step and no table.
+    assert_eq!(written(&step(&difference)), None);
+    assert_eq!(written(&opaque(crate::symbolic::Operation::Table(0), vec![difference])), None);
+}
+
+#[test]
+fn a_setting_without_a_text_is_a_number() {
+    let sketch = sketch();
+    let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
+    let without_text = step(&sketch.read("r - q"));
+    assert_eq!(Product::one().times(&without_text, &expressions).setting(0.25), json!(0.25));
+    assert_eq!(Product::one().over_number(3.0).setting(1.0 / 3.0), json!(0.333333333333333));
+    assert_eq!(Product::one().times(&sketch.read("k"), &expressions).setting(40.0), json!("k"));
+}
+
+#[test]
+fn equal_factors_cancel_and_the_time_scale_is_last() {
+    let sketch = sketch();
+    let mut expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
+    let [x, y] = ["x", "y"].map(|name| expressions.add_scale(name, Dimension::LENGTH, 0.5));
+    let product = Product::one().times(&sketch.read("k/m"), &expressions);
+    let same = product.clone().times(&x, &expressions).over(&x, &expressions).over_number(10.0);
+    assert_eq!(same.text().unwrap(), "k / m / 10");
+    let other = product.times(&x, &expressions).over(&y, &expressions).over_number(10.0).times_time_scale(-1);
+    assert_eq!(other.text().unwrap(), "k / m * x / y / 10 / time_scale");
+    let reciprocal = Product::one().times(&sketch.read("1/m"), &expressions).times(&x, &expressions);
+    assert_eq!(reciprocal.text().unwrap(), "x / m");
+}
+
+#[test]
+fn the_largest_value_is_at_a_bound_of_the_ranges() {
+    let sketch = sketch();
+    let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
+    let largest = |text: &str| expressions.largest(&sketch.read(text));
+    assert_eq!(largest("k/m"), 40.0);
+    assert_eq!(largest("r"), 1.0);
+    assert_eq!(largest("k"), 40.0);
+    assert!(
+        expressions.has_parameters(&sketch.read("2 k")) && !expressions.has_parameters(&sketch.read("2"))
+    );
+}
+
+#[test]
+fn numbers_of_documents_have_no_rounding() {
+    assert_eq!(json_number(0.1 + 0.2).to_string(), "0.3");
+    assert_eq!(json_number(30.000000000000004).to_string(), "30");
+    assert_eq!(json_number(-0.0).to_string(), "0");
+    assert_eq!(json_number(2.5e-7).to_string(), "2.5e-7");
+}
