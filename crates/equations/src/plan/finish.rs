@@ -227,11 +227,11 @@ pub(super) fn drive_values(circuit: &Circuit) -> Result<BTreeMap<String, f64>, V
     let program = Program::new(circuit).map_err(|report| report.findings)?;
     let machine = Machine::new(&program, STEP)
         .map_err(|error| vec![Diagnostic::without_span(Code::NOT_FINITE, error.to_string())])?;
-    let patch = circuit.patch();
-    let values = patch.drives.iter().filter_map(|(name, drive)| {
-        // One volt of a drive is one unit.
-        let scale = patch.scales.get(&drive.scale.as_ref()?.value)?;
-        Some((name.clone(), scale.unit.to_si(machine.voltage(name).ok()?)))
+    let values = circuit.patch().drives.keys().filter_map(|name| {
+        let point = circuit.signals().iter().find(|point| point.name == *name)?;
+        let scale = point.scale?;
+        let per_volt = circuit.derived_unit(scale).to_si(circuit.per_volt(scale)?);
+        Some((name.clone(), per_volt * machine.voltage(name).ok()?))
     });
     Ok(values.collect())
 }

@@ -259,7 +259,12 @@ fn atom_text(atom: &Atom, expressions: &Expressions<'_>) -> Option<String> {
         Operation::Minimum => "min",
         Operation::Maximum => "max",
         Operation::Call(CallOrder(function)) => function.name(),
-        Operation::Step | Operation::Table(_) | Operation::TableSlope(_) | Operation::Delay => return None,
+        Operation::Step
+        | Operation::Table(_)
+        | Operation::TableSlope(_)
+        | Operation::Delay
+        | Operation::Limit
+        | Operation::Sign => return None,
     };
     let argument = |argument: &Fraction| Product::one().times(argument, expressions).text();
     let arguments: Option<Vec<String>> = applied.arguments.iter().map(argument).collect();

@@ -107,7 +107,7 @@ fn the_feedback_of_a_quotient_fits_small_and_large_coefficients() {
 
 #[test]
 fn roots_are_positive() {
-    for a in [3.0, 0.02] {
+    for a in [3.0_f64, 0.02] {
         let root = |sketch: &mut Sketch| Operation::Root(sketch.sum(&[("p", 0)]));
         let expected = (2.5 * a).sqrt();
         assert_close(value("y = sqrt(p a)", [a, 1.0], expected, &root), expected);
@@ -227,7 +227,7 @@ fn comparators_switch_between_two_values() {
 
 #[test]
 fn limiters_have_one_or_two_bounds() {
-    for a in [3.0, -3.0, 0.2] {
+    for a in [3.0_f64, -3.0, 0.2] {
         let both = |sketch: &mut Sketch| Operation::Limited {
             sum: sketch.sum(&[("2", 0)]),
             lower: Some(sketch.read("-p")),
