@@ -30,6 +30,7 @@ mod listing;
 mod notation;
 mod peaks;
 mod plan;
+mod scaled;
 mod scaling_audit;
 mod static_check;
 mod symbolic;
@@ -53,4 +54,4 @@ pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
 pub use static_check::{
     RowQuantity, RowSource, StaticCheck, StaticRow, TestError, TestValue, TestValues, static_check, test_unit,
 };
-pub use synthesis::codes as synthesis_codes;
+pub use scaled::{OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem};

@@ -13,7 +13,7 @@ const MOST_VARIED: usize = 6;
 
 /// The symbols of a plan with those of the scales.
 #[derive(Debug)]
-pub(super) struct Expressions<'a> {
+pub(crate) struct Expressions<'a> {
     /// The parameters of the plan, followed by the scales.
     symbols: Symbols,
     /// The circuit with the values of the parameters.
@@ -24,7 +24,7 @@ pub(super) struct Expressions<'a> {
 
 impl<'a> Expressions<'a> {
     /// The symbols of a plan, without scales.
-    pub(super) fn new(symbols: &Symbols, circuit: &'a Circuit) -> Self {
+    pub(crate) fn new(symbols: &Symbols, circuit: &'a Circuit) -> Self {
         Expressions { symbols: symbols.clone(), circuit, scales: BTreeMap::new() }
     }
 
@@ -39,7 +39,7 @@ impl<'a> Expressions<'a> {
     }
 
     /// The value of an expression in SI units. NaN if it contains a quantity that varies in a run.
-    pub(super) fn value(&self, expression: &Fraction) -> f64 {
+    pub(crate) fn value(&self, expression: &Fraction) -> f64 {
         value(expression, self)
     }
 

@@ -2,7 +2,7 @@
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
-use patchcord_core::patch::Problem;
+use patchcord_core::patch::{Problem, ProblemQuantity};
 use patchcord_expr::{Dimension, Unit, split_primes};
 
 use super::centred::centre_angles;
@@ -134,17 +134,23 @@ impl<'a> Input<'a> {
         if is_forced(self.operation(id)) {
             return None;
         }
-        let quantities = || self.labels(id).iter().filter_map(|label| self.problem.quantities.get(label));
-        let per_volt = quantities().find_map(|quantity| {
-            quantity.per_volt.as_ref().map(|per_volt| quantity.unit.to_si(per_volt.value))
-        });
-        let of_maximum = || {
-            quantities().find_map(|quantity| {
-                let maximum = quantity.maximum.as_ref()?.value;
-                Some(quantity.unit.to_si(maximum) / VOLTS_OF_MAXIMUM)
-            })
+        let of_maximum = |quantity: &ProblemQuantity| {
+            Some(quantity.unit.to_si(quantity.maximum.as_ref()?.value) / VOLTS_OF_MAXIMUM)
         };
-        per_volt.or_else(of_maximum)
+        self.prescribed_scale(id).or_else(|| self.quantities(id).find_map(of_maximum))
+    }
+
+    /// The value of one volt that the problem prescribes by `per_volt`, in SI units. `None` if it prescribes none, and if
+    /// the scale follows from others.
+    pub(super) fn prescribed_scale(&self, id: NodeId) -> Option<f64> {
+        let of_quantity =
+            |quantity: &ProblemQuantity| Some(quantity.unit.to_si(quantity.per_volt.as_ref()?.value));
+        if is_forced(self.operation(id)) { None } else { self.quantities(id).find_map(of_quantity) }
+    }
+
+    /// The declared quantities that a node is.
+    fn quantities(&self, id: NodeId) -> impl Iterator<Item = &ProblemQuantity> {
+        self.labels(id).iter().filter_map(|label| self.problem.quantities.get(label))
     }
 
     /// The gains of summers in ascending order.

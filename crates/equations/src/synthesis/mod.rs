@@ -8,11 +8,12 @@
 //! 5. `document` and `layout` write the patch.
 //!
 //! The scales of multipliers, diode networks and delay lines follow from those of their inputs; see `rescaled` and
-//! `scale_table`. `centred` and `rescaled` add nodes to the plan where that is not possible otherwise. Settings are formulas of parameters and scales, which `formula` writes.
+//! `scale_table`. `centred` and `rescaled` add nodes to the plan where that is not possible otherwise. Settings
+//! are formulas of parameters and scales, which `formula` writes.
 
 mod assembly;
 mod centred;
-pub mod codes;
+pub(crate) mod codes;
 mod design;
 mod document;
 mod elements;
@@ -39,12 +40,14 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
 use patchcord_core::machines::MachineModel;
 use patchcord_core::patch::{Patch, Problem};
+use patchcord_expr::Unit;
 
 use crate::peaks::Ranges;
 use crate::plan::{NodeId, Plan};
 use assembly::Assembly;
 use design::{Block, Design};
 use input::Input;
+pub(crate) use expressions::Expressions;
 pub(crate) use notes::GainStep;
 pub(crate) use scales::{choose_scales, improved_scales};
 
@@ -55,6 +58,8 @@ pub(crate) struct Options {
     pub machine: &'static MachineModel,
     /// Machine seconds per problem second. `None` if the synthesis chooses it.
     pub time_scale: Option<f64>,
+    /// Whether the scale of a quantity with a stated maximum stays, even if its peak is below 50 V or above 95 V.
+    pub keeps_maxima: bool,
 }
 
 /// The scales of a patch.
@@ -76,6 +81,8 @@ pub(crate) struct Synthesis {
     pub outputs: Vec<(NodeId, String)>,
     /// The gain rule for each input of the integrators, summers and pots, in the order of the elements.
     pub steps: Vec<GainStep>,
+    /// The unit of each node.
+    pub units: Vec<Unit>,
 }
 
 /// Makes the patch of a plan with these scales, which [`choose_scales`] or [`improved_scales`] gives.
@@ -98,7 +105,8 @@ pub(crate) fn synthesise(
     let output = |id: NodeId| Some((id, assembly.output_of(id)?.to_owned()));
     let outputs = input.plan.ids().filter_map(output).collect();
     let steps = assembly.steps.clone();
-    Ok(Synthesis { patch: document::patch(assembly)?, outputs, steps })
+    let units = input.plan.ids().map(|id| input.unit(id)).collect();
+    Ok(Synthesis { patch: document::patch(assembly)?, outputs, steps, units })
 }
 
 /// The circuits of all nodes.

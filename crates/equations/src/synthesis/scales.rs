@@ -54,7 +54,7 @@ pub(crate) fn choose_scales(
 /// Chooses new scales for the nodes whose measured peaks are below 50 V or above 95 V.
 ///
 /// `volts` has the largest magnitudes of outputs in a run of the synthesised patch, by node. A scale that the problem
-/// states is only changed after an overload. The result equals `scales` if nothing can be improved.
+/// prescribes is only changed after an overload, and with `keeps_maxima` also that of a stated maximum. The result equals `scales` if nothing can be improved.
 pub(crate) fn improved_scales(
     plan: &Plan,
     problem: &Problem,
@@ -73,7 +73,11 @@ pub(crate) fn improved_scales(
         let Some(scale) = kept.get(index).copied().flatten() else { continue };
         let is_over = *volts >= MOST_VOLTS;
         let is_good = (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(volts) || peaks[index] == 0.0;
-        if is_over || !(is_good || input.stated_scale(*id).is_some()) {
+        let is_kept = match options.keeps_maxima {
+            true => input.stated_scale(*id).is_some(),
+            false => input.prescribed_scale(*id).is_some(),
+        };
+        if is_over || !(is_good || is_kept) {
             peaks[index] = if is_over { peaks[index].max(OVERLOAD * volts * scale) } else { volts * scale };
             kept[index] = None;
         }

@@ -25,7 +25,7 @@ use crate::testing::reading::read_with;
 
 /// The machine without limits, and the time scale that the synthesis chooses.
 fn options() -> Options {
-    Options { machine: machines::DEFAULT_MACHINE, time_scale: None }
+    Options { machine: machines::DEFAULT_MACHINE, time_scale: None, keeps_maxima: true }
 }
 
 /// A problem with a hand-made plan and ranges.

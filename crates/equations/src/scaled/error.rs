@@ -1,0 +1,32 @@
+//! The reasons why a problem cannot be scaled.
+
+use patchcord_core::document::{Diagnostic, Report};
+use patchcord_core::patch::{Patch, Problem};
+use patchcord_core::solve::{RunError, StoppedRunError};
+
+/// The reason why a problem cannot be scaled.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ScaleError {
+    /// The problem has faults, or it cannot be solved on the machine. The positions are those of its text.
+    #[error(transparent)]
+    Problem(Box<Report>),
+    /// The circuit of the problem cannot be computed, for example because a loop has several solutions. The positions
+    /// are those of the built patch.
+    #[error("the circuit of the problem cannot be computed:\n{0}")]
+    Circuit(Box<Report>),
+    /// The settings of the run are invalid.
+    #[error("the circuit of the problem cannot be run: {0}")]
+    Settings(RunError),
+    /// A run of the circuit had to stop.
+    #[error("the run of the scaled patch stopped: {0}")]
+    Run(Box<StoppedRunError>),
+}
+
+impl ScaleError {
+    /// Faults of a problem, with the text of the problem.
+    pub(super) fn of_problem(problem: &Problem, findings: Vec<Diagnostic>) -> Self {
+        let patch: &Patch = &problem.patch;
+        ScaleError::Problem(Box::new(Report::new(patch.file(), patch.text(), findings)))
+    }
+}

@@ -1,0 +1,40 @@
+//! Runs a scaled patch and reads the largest voltage of every output.
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+use patchcord_core::solve::{RunSettings, run};
+use patchcord_core::trace::{Demand, Trace};
+
+use super::error::ScaleError;
+
+/// The voltage of an integrator that is driven into its limit. Its demand is not known.
+const DRIVEN_VOLTS: f64 = 200.0;
+
+/// Runs a patch and returns the largest magnitude of each of these outputs in volts. An amplifier that overloads has the
+/// voltage that it demanded, or 200 V if that is not known.
+///
+/// # Errors
+/// If the patch cannot be wired, compiled or run.
+pub(super) fn measured_peaks(patch: &Patch, outputs: &[&str]) -> Result<Vec<f64>, ScaleError> {
+    let circuit = Circuit::new(patch).map_err(ScaleError::Circuit)?;
+    let program = Program::new(&circuit).map_err(ScaleError::Circuit)?;
+    let settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
+    let settings = settings.with_signals(outputs.iter().copied());
+    let trace = run(&program, &settings).map_err(|stopped| ScaleError::Run(Box::new(stopped)))?;
+    Ok(outputs.iter().map(|name| peak(&trace, name)).collect())
+}
+
+/// The largest magnitude of an output in volts, or its demand if it overloads.
+fn peak(trace: &Trace, name: &str) -> f64 {
+    let extremes = trace.track(name).map_or(&[][..], |track| &track.extremes);
+    let largest = |peak: f64, volts: f64| peak.max(volts.abs());
+    let reached =
+        extremes.iter().flat_map(|run| [run.least.volts, run.most.volts]).fold(0.0, largest);
+    let demands = trace.overloads().filter(|overload| overload.element == name);
+    let demands = demands.map(|overload| match overload.demand {
+        Demand::Peak(volts) => volts,
+        Demand::Driven(_) => DRIVEN_VOLTS,
+    });
+    demands.fold(reached, largest)
+}

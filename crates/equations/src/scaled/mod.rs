@@ -1,0 +1,111 @@
+//! Scales a problem: from equations to a patch whose amplifiers use their range.
+//!
+//! [`scale_problem`] plans the circuit, finds the range of every quantity, chooses scales, builds the patch and runs it.
+//! If an amplifier then peaks below 50 V or above 95 V, the scales change and the patch is built again.
+
+mod error;
+mod measured;
+mod scaled_equation;
+mod table;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::machines::{DEFAULT_MACHINE, MachineModel};
+use patchcord_core::patch::{Patch, Problem};
+
+use crate::peaks::ranges;
+use crate::plan::plan;
+use crate::synthesis::{GainStep, Options, choose_scales, improved_scales, synthesise};
+pub use error::ScaleError;
+use measured::measured_peaks;
+use table::Tables;
+pub use table::{OutputPeak, ScaledQuantity};
+
+/// What a scaled patch should be like.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_equations::ScaleOptions;
+///
+/// let options = ScaleOptions { time_scale: Some(10.0), ..ScaleOptions::default() };
+/// assert_eq!(options.machine.name, "unlimited");
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct ScaleOptions {
+    /// The machine for which the patch is made.
+    pub machine: &'static MachineModel,
+    /// Machine seconds per problem second. `None` if it is chosen.
+    pub time_scale: Option<f64>,
+    /// Whether a stated maximum is always represented by 100 V. Otherwise its scale changes if the peak is below 50 V or
+    /// above 95 V.
+    pub keeps_maxima: bool,
+}
+
+impl Default for ScaleOptions {
+    fn default() -> Self {
+        ScaleOptions { machine: DEFAULT_MACHINE, time_scale: None, keeps_maxima: false }
+    }
+}
+
+/// The largest number of runs of the patch.
+const MAX_RUNS: usize = 8;
+
+/// A problem as a scaled patch, with the tables that explain it.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct ScaledProblem {
+    /// The patch.
+    pub patch: Patch,
+    /// The scaling table: a row for each quantity of the problem.
+    pub quantities: Vec<ScaledQuantity>,
+    /// The peaks of all outputs in a run of the patch.
+    pub peaks: Vec<OutputPeak>,
+    /// The gain rule in numbers for each input of an integrator, a summer and a pot.
+    pub steps: Vec<String>,
+    /// Machine seconds per problem second.
+    pub time_scale: f64,
+    /// The number of runs that the scaling took.
+    pub runs: usize,
+}
+
+/// Turns a problem into a patch with scales, gains and pots.
+///
+/// The patch is run, and its scales change until the peaks are between 50 and 95 V. Scales that the problem states are
+/// kept.
+///
+/// # Errors
+/// If the problem has a fault, if the machine has no circuit for one of its equations, or if the patch cannot be run.
+pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<ScaledProblem, ScaleError> {
+    let circuit = Circuit::new(&problem.patch).map_err(ScaleError::Problem)?;
+    let in_problem = |findings| ScaleError::of_problem(problem, findings);
+    let plan = plan(problem, &circuit).map_err(in_problem)?;
+    let ranges = ranges(&plan, problem, &circuit).map_err(|finding| in_problem(vec![finding]))?;
+    let ScaleOptions { machine, time_scale, keeps_maxima } = *options;
+    let options = Options { machine, time_scale, keeps_maxima };
+    let mut scales = choose_scales(&plan, problem, &circuit, &ranges, &options);
+    let mut runs = 0;
+    loop {
+        let synthesis =
+            synthesise(&plan, problem, &circuit, &ranges, &scales, &options).map_err(in_problem)?;
+        let names: Vec<&str> = synthesis.outputs.iter().map(|(_, name)| name.as_str()).collect();
+        let volts = measured_peaks(&synthesis.patch, &names)?;
+        runs += 1;
+        let by_node: Vec<_> = synthesis.outputs.iter().map(|(id, _)| *id).zip(volts.iter().copied()).collect();
+        let better = improved_scales(&plan, problem, &circuit, &ranges, &options, &scales, &by_node);
+        if better == scales || runs == MAX_RUNS {
+            let tables = Tables {
+                plan: &plan,
+                problem,
+                circuit: &circuit,
+                scales: &scales,
+                synthesis: &synthesis,
+                volts: &volts,
+            };
+            let (quantities, peaks) = (tables.quantities(), tables.peaks());
+            let steps = synthesis.steps.iter().map(GainStep::text).collect();
+            let (patch, time_scale) = (synthesis.patch, scales.time_scale);
+            return Ok(ScaledProblem { patch, quantities, peaks, steps, time_scale, runs });
+        }
+        scales = better;
+    }
+}

@@ -1,0 +1,123 @@
+//! The tables that explain the scales of a patch.
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::patch::Problem;
+use serde::Serialize;
+
+use super::scaled_equation::ScaledEquations;
+use crate::plan::{NodeId, Operation, Plan};
+use crate::synthesis::{Expressions, Scales, Synthesis};
+
+/// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ScaledQuantity {
+    /// The name, with primes for a derivative.
+    pub name: String,
+    /// The text of the unit.
+    pub unit: String,
+    /// The expected maximum that the problem states, in the unit.
+    pub expected_maximum: Option<f64>,
+    /// The largest magnitude in a run of the scaled patch, in the unit.
+    pub maximum: f64,
+    /// The value of one volt in the unit.
+    pub per_volt: f64,
+    /// The largest magnitude in volts.
+    pub peak: f64,
+    /// The equation between voltages: `[x]` is the voltage of x, and a prime is a derivative in machine time.
+    pub scaled_equation: String,
+}
+
+/// The peak of an output in a run of the scaled patch.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct OutputPeak {
+    /// The element or the drive.
+    pub output: String,
+    /// What it computes: a quantity of the problem or an expression.
+    pub quantity: String,
+    /// The largest magnitude of its voltage.
+    pub volts: f64,
+    /// The reason why the peak is not from 50 to 95 V, if there is one.
+    pub reason: Option<&'static str>,
+}
+
+/// Peaks within these voltages use the range of an amplifier.
+const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
+
+/// What the tables are made from.
+pub(super) struct Tables<'a> {
+    pub plan: &'a Plan,
+    pub problem: &'a Problem,
+    pub circuit: &'a Circuit,
+    pub scales: &'a Scales,
+    pub synthesis: &'a Synthesis,
+    /// The peak of each output of the synthesis in volts.
+    pub volts: &'a [f64],
+}
+
+impl Tables<'_> {
+    /// The scaling table.
+    pub(super) fn quantities(&self) -> Vec<ScaledQuantity> {
+        let expressions = Expressions::new(&self.plan.symbols, self.circuit);
+        let mut is_named = vec![false; self.plan.nodes.len()];
+        for quantity in &self.plan.quantities {
+            is_named[quantity.node.0 as usize] = true;
+        }
+        let equations = ScaledEquations {
+            plan: self.plan,
+            per_volt: &self.scales.per_volt,
+            time_scale: self.scales.time_scale,
+            value: &|constant| expressions.value(constant),
+            is_named: &is_named,
+        };
+        let row = |(name, node): (&str, NodeId)| {
+            let declared = self.problem.quantities.get(name);
+            let unit = self.synthesis.units[node.0 as usize].clone();
+            let per_volt = unit.out_of_si(self.scales.per_volt[node.0 as usize]);
+            let peak = self.peak(node);
+            ScaledQuantity {
+                name: name.to_owned(),
+                unit: unit.text().to_owned(),
+                expected_maximum: declared.and_then(|declared| Some(declared.maximum.as_ref()?.value)),
+                maximum: per_volt * peak,
+                per_volt,
+                peak,
+                scaled_equation: equations.equation(node),
+            }
+        };
+        self.plan.quantities.iter().map(|quantity| row((&quantity.name, quantity.node))).collect()
+    }
+
+    /// The peak of a node in volts; 0 if no output has it.
+    fn peak(&self, node: NodeId) -> f64 {
+        let outputs = self.synthesis.outputs.iter().zip(self.volts);
+        outputs.filter(|((id, _), _)| *id == node).map(|(_, volts)| *volts).fold(0.0, f64::max)
+    }
+
+    /// The peaks of all outputs.
+    pub(super) fn peaks(&self) -> Vec<OutputPeak> {
+        let row = |((id, output), volts): (&(NodeId, String), &f64)| {
+            let node = self.plan.nodes.get(id.0 as usize);
+            let quantity = node.map_or_else(String::new, |node| node.name.clone());
+            let reason = node.and_then(|node| reason(&node.operation, *volts));
+            OutputPeak { output: output.clone(), quantity, volts: *volts, reason }
+        };
+        self.synthesis.outputs.iter().zip(self.volts).map(row).collect()
+    }
+}
+
+/// The reason why an output cannot use the whole range. `None` if it does, or if no reason is known.
+fn reason(operation: &Operation, volts: f64) -> Option<&'static str> {
+    if (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts) {
+        return None;
+    }
+    match operation {
+        Operation::Product(_) => Some("its factors are not large at the same time"),
+        Operation::Absolute(_) | Operation::Delay { .. } => Some("it has the scale of its input"),
+        Operation::Lower(_) | Operation::Higher(_) => Some("a diode pair has the scale of its inputs"),
+        Operation::DeadZone { .. } => Some("its scale follows from the diode network"),
+        _ if volts == 0.0 => Some("it is 0 in the whole run"),
+        _ => None,
+    }
+}
