@@ -10,6 +10,7 @@
 //! from element to element. `step_check`, `check_plan`, `step_comparison` and `thinned_trace` find steps that are too
 //! long. `controls` and `drive_table` change settings, and `readings` reads a machine.
 
+mod amplifier_peaks;
 mod batch;
 mod buffers;
 mod check_plan;
