@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::failure::{Failure, eprint_report};
 use super::load::{LoadedPatch, ParameterDocument, PatchArguments, problem_check};
 use super::overloads::{OverloadDocument, overload_lines};
+use super::start_warnings::start_warnings;
 use super::table::Table;
 use super::times::advice;
 use super::{output_in_colour, print, print_coloured, print_json};
@@ -43,6 +44,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let mut further = check_equations(&circuit, &program, &compared)?;
     let problem = check_problem(&circuit, &program)?;
     further.extend(problem.growth.clone());
+    further.extend(start_warnings(&circuit, &program));
     eprint_report(&Report::new(&warnings.file, circuit.patch().text(), further.clone()));
     warnings.findings.extend(further);
     if arguments.patch.json {
