@@ -33,6 +33,14 @@ fn every_trap_has_its_reports() {
     }
 }
 
+#[test]
+fn every_code_of_the_linear_analysis_has_a_trap() {
+    for code in patchcord::linear::codes::ALL {
+        let report = fs::read_to_string(repository_path(&format!("{FOLDER}/{}.txt", code.as_str()))).unwrap();
+        assert!(report.contains(&format!("\nwarning[{}]: ", code.as_str())), "{report}");
+    }
+}
+
 /// A trap with these replacements, in a new file.
 fn changed(folder: &tempfile::TempDir, stem: &str, replacements: &[(&str, &str)]) -> String {
     let text = fs::read_to_string(repository_path(&format!("{FOLDER}/{stem}.json"))).unwrap();
