@@ -24,8 +24,45 @@ pub(super) struct ScaledEquations<'a> {
     pub time_scale: f64,
     /// The value of a constant expression, in SI units.
     pub value: &'a dyn Fn(&Fraction) -> f64,
-    /// For each node, whether the reader knows it by its name.
-    pub is_named: &'a [bool],
+    /// For each node, whether the equation of another one has its name in place of its expression.
+    pub is_named: Vec<bool>,
+}
+
+impl<'a> ScaledEquations<'a> {
+    /// The equations of a plan with the values of one volt of all nodes in SI units. `value` evaluates constants.
+    pub(super) fn new(
+        plan: &'a Plan,
+        per_volt: &'a [f64],
+        time_scale: f64,
+        value: &'a dyn Fn(&Fraction) -> f64,
+    ) -> Self {
+        let mut is_named = vec![false; plan.nodes.len()];
+        for quantity in &plan.quantities {
+            is_named[quantity.node.0 as usize] = true;
+        }
+        for id in plan.ids() {
+            let is_integral = matches!(plan.node(id).operation, Operation::Integral { .. });
+            is_named[id.0 as usize] |= is_integral || depends_on_itself(plan, id, &is_named);
+        }
+        ScaledEquations { plan, per_volt, time_scale, value, is_named }
+    }
+}
+
+/// Whether a node is in a loop without a named node.
+fn depends_on_itself(plan: &Plan, id: NodeId, is_named: &[bool]) -> bool {
+    let mut is_visited = vec![false; plan.nodes.len()];
+    let mut open = plan.node(id).operation.inputs();
+    while let Some(input) = open.pop() {
+        let index = input.0 as usize;
+        if input == id {
+            return true;
+        }
+        if !is_named[index] && !is_visited[index] {
+            is_visited[index] = true;
+            open.extend(plan.node(input).operation.inputs());
+        }
+    }
+    false
 }
 
 impl ScaledEquations<'_> {
@@ -47,7 +84,7 @@ impl ScaledEquations<'_> {
 
     /// The voltage of a node as an operand: its name in brackets, or the expression of an unnamed node.
     fn operand(&self, id: NodeId) -> String {
-        if self.is_named[id.0 as usize] || matches!(self.plan.node(id).operation, Operation::Integral { .. }) {
+        if self.is_named[id.0 as usize] {
             return format!("[{}]", self.plan.node(id).name);
         }
         match &self.plan.node(id).operation {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::scaled_equation::ScaledEquations;
 use crate::plan::{NodeId, Operation, Plan};
+use crate::symbolic::Fraction;
 use crate::synthesis::{Expressions, Scales, Synthesis};
 
 /// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
@@ -60,17 +61,9 @@ impl Tables<'_> {
     /// The scaling table.
     pub(super) fn quantities(&self) -> Vec<ScaledQuantity> {
         let expressions = Expressions::new(&self.plan.symbols, self.circuit);
-        let mut is_named = vec![false; self.plan.nodes.len()];
-        for quantity in &self.plan.quantities {
-            is_named[quantity.node.0 as usize] = true;
-        }
-        let equations = ScaledEquations {
-            plan: self.plan,
-            per_volt: &self.scales.per_volt,
-            time_scale: self.scales.time_scale,
-            value: &|constant| expressions.value(constant),
-            is_named: &is_named,
-        };
+        let value = |constant: &Fraction| expressions.value(constant);
+        let Scales { per_volt, time_scale } = self.scales;
+        let equations = ScaledEquations::new(self.plan, per_volt, *time_scale, &value);
         let row = |(name, node): (&str, NodeId)| {
             let declared = self.problem.quantities.get(name);
             let unit = self.synthesis.units[node.0 as usize].clone();
