@@ -90,8 +90,8 @@ impl<'a> Panel<'a> {
 
     /// The cords into an element of the circuit, with their indices in the panel.
     pub(super) fn cords_into(&self, element: usize) -> impl Iterator<Item = (usize, &Cord)> {
-        let leads_to = move |cord: &Cord| cord.wired.is_some_and(|wired| wired.element == element);
-        self.cords.iter().enumerate().filter(move |(_, cord)| leads_to(cord))
+        let cords = self.cords.iter().enumerate();
+        cords.filter(move |(_, cord)| cord.wired.is_some_and(|wired| wired.element == element))
     }
 
     /// Whether another jack of the same element has a cord from the same output, so that a text must name the jack.
@@ -133,10 +133,12 @@ impl<'a> Panel<'a> {
     pub(super) fn inverts(&self, element: usize, output: usize) -> bool {
         let kind = self.kind(element);
         let is_plain = self.circuit.element(element).settings.iter().all(Option::is_none);
-        kind.transfer == Transfer::Inverting
-            && kind.output == OutputStage::Amplifier
-            && is_plain
-            && matches!(self.circuit.cords(element).as_slice(), [(from, cord)] if *from == output && cord.gain == 1.0)
+        let is_inverter =
+            kind.transfer == Transfer::Inverting && kind.output == OutputStage::Amplifier && is_plain;
+        match self.circuit.cords(element).as_slice() {
+            [(from, cord)] => is_inverter && *from == output && cord.gain == 1.0,
+            _ => false,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The elements of a circuit with cords that can be changed, evaluated numerically.
 //!
 //! The laws of the elements are those of the engine, without the limits of amplifiers. A rewiring replaces the cords of
-//! some elements, so many wirings are evaluated without making a circuit for each.
+//! some elements, so that other wirings are evaluated without a circuit for each.
 
 mod evaluation;
 mod loops;

@@ -11,7 +11,7 @@ mod trial;
 use std::collections::{HashMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::{ElementLaws, Op};
+use patchcord_core::ir::{ElementLaws, Op, SignalInfo};
 use patchcord_core::patch::Amount;
 use patchcord_expr::{Equation, Expression, split_primes};
 
@@ -40,7 +40,7 @@ pub(super) struct Screen<'a> {
     cases: Vec<Case>,
     /// The points.
     centres: Vec<Centre>,
-    /// The signals, drives and elements, by name.
+    /// The signals and drives, by name.
     signals: HashMap<String, Output>,
     /// The equations that define auxiliary quantities.
     auxiliaries: HashMap<&'a str, &'a Equation>,
@@ -73,7 +73,7 @@ impl<'a> Screen<'a> {
     pub(super) fn new(circuit: &'a Circuit, validity: Validity) -> Self {
         let laws = ElementLaws::new(circuit);
         let netlist = Netlist::new(circuit, &laws);
-        let signals = signals(&laws);
+        let signals = signals(circuit, &laws);
         let cases = cases(&laws, validity);
         let rewiring = Rewiring::default();
         let order = Order::new(&netlist, &rewiring);
@@ -145,14 +145,16 @@ fn drive_names<'a>(circuit: &'a Circuit, cases: &[Case]) -> HashSet<&'a str> {
     names.chain(["t"]).collect()
 }
 
-/// The outputs that signals read, by the names of the signals, drives and elements.
-fn signals(laws: &ElementLaws) -> HashMap<String, Output> {
-    let output = |signal: &patchcord_core::ir::SignalInfo| {
+/// The outputs that signals read, by the names of the signals and drives. Equations do not name elements.
+fn signals(circuit: &Circuit, laws: &ElementLaws) -> HashMap<String, Output> {
+    let drives = &circuit.patch().drives;
+    let output = |signal: &SignalInfo| {
         let element = laws.elements().iter().position(|law| law.output == signal.register)?;
         let state = laws.states().iter().position(|state| state.element == element);
         Some((signal.name.clone(), Output { element, state, per_volt: signal.per_volt }))
     };
-    laws.signals().iter().filter_map(output).collect()
+    let named = laws.signals().iter().filter(|signal| signal.is_named || drives.contains_key(&signal.name));
+    named.filter_map(output).collect()
 }
 
 /// The equations that define auxiliary quantities, by their names.
