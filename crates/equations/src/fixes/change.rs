@@ -210,7 +210,7 @@ fn changed_keys(name: &str, before: &Value, after: &Value) -> Vec<Edit> {
 
 /// The cords of an element of the circuit.
 fn links(panel: &Panel<'_>, element: usize) -> Vec<Link> {
-    panel.cords_into(element).filter_map(|(_, cord)| Some(cord.wired?.link)).collect()
+    panel.cords_into(element).map(|wired| wired.link).collect()
 }
 
 /// Changes one cord of a rewiring. `None` if it leads to an instance of a macro.
@@ -225,4 +225,77 @@ fn change_link(
     change(links.get_mut(index)?);
     rewiring.set(element, links);
     Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use patchcord_core::circuit::Circuit;
+    use patchcord_core::patch::Patch;
+
+    use super::*;
+
+    /// A sum of a constant and of two cords from one output, and the product of an output with itself.
+    fn circuit() -> Circuit {
+        let text = r#"{"patchcord": 1, "elements": {
+            "A": {"kind": "integrator", "in": {"x1": ["+100", "B"], "x10": ["B"]}},
+            "B": {"kind": "inverter", "in": "A"},
+            "M": {"kind": "multiplier", "mode": "product", "a": "A", "b": "A"}}}"#;
+        Circuit::new(&Patch::parse("p.json", text).unwrap()).unwrap_or_else(|report| panic!("{report}"))
+    }
+
+    /// The edits of a change, each with the last key of its path.
+    fn edits(change: &Change, panel: &Panel<'_>) -> Vec<(String, Value)> {
+        let edits = change.edits(panel).unwrap().into_iter();
+        edits.map(|edit| (edit.path()[2..].join("/"), edit.value().clone())).collect()
+    }
+
+    #[test]
+    fn two_cords_of_one_element_exchange_their_outputs() {
+        let circuit = circuit();
+        let panel = Panel::new(&circuit);
+        let change = Change::Exchange { cords: [0, 2] };
+        let expected = json!({"x1": ["B", "B"], "x10": ["+100"]});
+        assert_eq!(edits(&change, &panel), [("in".to_owned(), expected)]);
+        assert_eq!(
+            change.description(&panel),
+            "exchange the outputs of the cords from +100 to A and from B to x10 of A"
+        );
+        let rewiring = change.rewiring(&panel).unwrap();
+        let links = rewiring.links(3).unwrap();
+        assert_eq!(
+            links.iter().map(|link| (link.from, link.factor)).collect::<Vec<_>>(),
+            [(4, 1.0), (4, 1.0), (0, 10.0)]
+        );
+    }
+
+    #[test]
+    fn a_cord_in_another_jack_stays_a_cord_of_its_output() {
+        let circuit = circuit();
+        let panel = Panel::new(&circuit);
+        let change = Change::Regain { cord: 1, jack: "x10".to_owned(), gain: 10.0 };
+        assert_eq!(edits(&change, &panel), [("in".to_owned(), json!({"x1": ["+100"], "x10": ["B", "B"]}))]);
+        assert_eq!(change.description(&panel), "plug B into x10 of A in place of x1");
+        assert_eq!(change.part(&panel), Part::Elements(vec![3]));
+    }
+
+    #[test]
+    fn the_inputs_of_a_square_are_distinguished() {
+        let circuit = circuit();
+        let panel = Panel::new(&circuit);
+        let b = panel.outputs.iter().position(|output| output.name == "B").unwrap();
+        let change = Change::Replug { cord: 5, output: b };
+        assert_eq!(edits(&change, &panel), [("b".to_owned(), json!("B"))]);
+        assert_eq!(change.description(&panel), "plug B into b of M in place of A");
+    }
+
+    #[test]
+    fn an_added_inverter_has_a_new_name() {
+        let circuit = circuit();
+        let panel = Panel::new(&circuit);
+        let change = Change::Invert { cord: 3 };
+        let inverter = json!({"kind": "inverter", "in": "A"});
+        let expected = [("in".to_owned(), json!("N1")), (String::new(), inverter)];
+        assert_eq!(edits(&change, &panel), expected);
+        assert_eq!(change.rewiring(&panel).unwrap().links(4).unwrap()[0].factor, -1.0);
+    }
 }

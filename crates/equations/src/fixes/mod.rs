@@ -264,3 +264,37 @@ fn distinct_factors(factors: Vec<f64>) -> Vec<f64> {
     }
     distinct
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_distinct_and_no_powers_of_ten() {
+        assert_eq!(distinct_factors(vec![2.0, 10.0, 0.5, 0.001, 2.0, 1.0, 3.0]), [2.0, 3.0]);
+        assert_eq!(distinct_factors(vec![-2.0, 0.0, f64::NAN, f64::INFINITY, 3e6]), Vec::<f64>::new());
+        assert_eq!(distinct_factors((2..10).map(f64::from).collect()).len(), MAX_FACTORS);
+    }
+
+    /// A change of this cost that solves some equations.
+    fn found(description: &str, solves: &[usize], is_general: bool, cost: u32) -> FoundFix {
+        let fix = Fix { description: description.to_owned(), edits: Vec::new(), solves: solves.to_vec() };
+        FoundFix { fix, is_general, cost }
+    }
+
+    #[test]
+    fn changes_that_correct_more_come_first_and_general_ones_before_others() {
+        let fixes = best(
+            vec![
+                found("one equation", &[0], true, 5),
+                found("both, at present only", &[0, 1], false, 10),
+                found("both", &[0, 1], true, 20),
+                found("both, usual", &[0, 1], true, 12),
+                found("the second", &[1], true, 1),
+            ],
+            2,
+        );
+        let descriptions: Vec<&str> = fixes.iter().map(|fix| fix.description.as_str()).collect();
+        assert_eq!(descriptions, ["both, usual", "both", "both, at present only"]);
+    }
+}

@@ -88,10 +88,9 @@ impl<'a> Panel<'a> {
             .map(|(index, element)| (element.name.as_str(), index))
     }
 
-    /// The cords into an element of the circuit, with their indices in the panel.
-    pub(super) fn cords_into(&self, element: usize) -> impl Iterator<Item = (usize, &Cord)> {
-        let cords = self.cords.iter().enumerate();
-        cords.filter(move |(_, cord)| cord.wired.is_some_and(|wired| wired.element == element))
+    /// The cords into an element of the circuit.
+    pub(super) fn cords_into(&self, element: usize) -> impl Iterator<Item = WiredCord> {
+        self.cords.iter().filter_map(|cord| cord.wired).filter(move |wired| wired.element == element)
     }
 
     /// Whether another jack of the same element has a cord from the same output, so that a text must name the jack.

@@ -62,9 +62,8 @@ impl Candidates<'_, '_> {
             let inputs = panel.kind(element).inputs.iter().enumerate();
             let summing = inputs.filter(|(_, input)| input.jacks == Jacks::Gains);
             for (input, _) in summing {
-                let wired = panel.cords_into(element).filter_map(|(_, cord)| cord.wired);
-                let present: Vec<usize> =
-                    wired.filter(|wired| wired.link.input == input).map(|wired| wired.link.from).collect();
+                let wired = panel.cords_into(element).filter(|wired| wired.link.input == input);
+                let present: Vec<usize> = wired.map(|wired| wired.link.from).collect();
                 // Laws have an input only if it has a cord.
                 if !present.is_empty() {
                     self.additions_to(element, input, &present, is_large);

@@ -31,7 +31,7 @@ impl<'a> Evaluation<'a> {
         point: ProgramPoint,
         drives: Option<&'a [f64]>,
     ) -> Self {
-        let (registers, outputs) = (conditions.laws.registers(), vec![f64::NAN; netlist.len()]);
+        let (registers, outputs) = (conditions.registers.clone(), vec![f64::NAN; netlist.len()]);
         Evaluation { netlist, conditions, rewiring, drives, point, registers, outputs }
     }
 

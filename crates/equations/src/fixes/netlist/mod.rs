@@ -73,13 +73,15 @@ pub(super) struct Conditions {
     pub parameters: Vec<f64>,
     /// The coefficients for these parameters.
     pub coefficients: Vec<f64>,
+    /// The registers before an evaluation.
+    registers: Vec<f64>,
 }
 
 impl Conditions {
     /// Conditions with these parameters in SI.
     pub(super) fn new(laws: ElementLaws, parameters: Vec<f64>) -> Self {
-        let coefficients = laws.coefficients(&parameters);
-        Conditions { laws, parameters, coefficients }
+        let (coefficients, registers) = (laws.coefficients(&parameters), laws.registers());
+        Conditions { laws, parameters, coefficients, registers }
     }
 }
 
