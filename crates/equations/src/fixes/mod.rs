@@ -50,6 +50,8 @@ pub(crate) const MAX_FIXES: usize = 3;
 const COST_WINDOW: u32 = 8;
 /// Changes that are compared exactly at most, because a comparison takes some milliseconds.
 const MAX_COMPARISONS: usize = 100;
+/// Largest product of the numbers of tested changes and of elements.
+const MAX_TESTED_ELEMENTS: usize = 400_000;
 /// Factors of terms from which changes are made at most.
 const MAX_FACTORS: usize = 4;
 /// Factors of terms between this and its reciprocal are tried.
@@ -126,6 +128,15 @@ impl Goal {
     }
 }
 
+/// The work of a search so far.
+#[derive(Default)]
+struct Work {
+    /// The number of changes that were tested numerically.
+    tests: usize,
+    /// The number of changes that were compared exactly.
+    comparisons: usize,
+}
+
 /// A search for changes.
 struct Search<'a> {
     panel: &'a Panel<'a>,
@@ -146,12 +157,14 @@ impl Search<'_> {
     /// The changes that were found, the best ones first.
     fn fixes(&self) -> Vec<Fix> {
         let mut found: Vec<FoundFix> = Vec::new();
-        let (mut complete, mut last_cost, mut comparisons) = (0, u32::MAX, 0);
+        let (mut complete, mut last_cost, mut work) = (0, u32::MAX, Work::default());
+        let max_tests = MAX_TESTED_ELEMENTS / self.panel.circuit.elements().len().max(1);
         for Candidate { change, cost } in candidates(self.panel, &self.factors) {
-            if complete >= MAX_FIXES || cost > last_cost || comparisons >= MAX_COMPARISONS {
+            let is_enough = complete >= MAX_FIXES || cost > last_cost;
+            if is_enough || work.tests >= max_tests || work.comparisons >= MAX_COMPARISONS {
                 break;
             }
-            let Some(fix) = self.fix(&change, cost, &mut comparisons) else { continue };
+            let Some(fix) = self.fix(&change, cost, &mut work) else { continue };
             if fix.fix.solves.len() == self.goal.unsolved.len() {
                 complete += usize::from(fix.is_general);
                 last_cost = last_cost.min(cost + COST_WINDOW);
@@ -162,8 +175,8 @@ impl Search<'_> {
     }
 
     /// A change as a fix. `None` if the wiring then does not solve an equation of those to be corrected, or makes
-    /// another one wrong. `comparisons` counts the changes that are compared exactly.
-    fn fix(&self, change: &Change, cost: u32, comparisons: &mut usize) -> Option<FoundFix> {
+    /// another one wrong.
+    fn fix(&self, change: &Change, cost: u32, work: &mut Work) -> Option<FoundFix> {
         let part = change.part(self.panel);
         let is_affected = |index: &usize| self.influence.affects(&part, *index);
         let unsolved: Vec<usize> = self.goal.unsolved.iter().copied().filter(is_affected).collect();
@@ -171,6 +184,7 @@ impl Search<'_> {
         if unsolved.is_empty() {
             return None;
         }
+        work.tests += 1;
         let (edits, circuit) = match change.rewiring(self.panel) {
             Some(rewiring) => {
                 self.test(&self.screen.trial(&rewiring), &unsolved, &solved)?;
@@ -184,7 +198,7 @@ impl Search<'_> {
                 (edits, circuit)
             }
         };
-        *comparisons += 1;
+        work.comparisons += 1;
         let program = Program::new(&circuit).ok()?;
         let (solves, is_general) = self.solves(&circuit, &program, &unsolved)?;
         let description = change.description(self.panel);
