@@ -192,9 +192,7 @@ impl Search<'_> {
             }
             None => {
                 let (edits, circuit) = self.changed(change)?;
-                let wiring = Rewiring::default();
-                let screen = Screen::new(&circuit, self.goal.validity);
-                self.test(&screen.trial(&wiring), &unsolved, &solved)?;
+                self.test_changed(&circuit, &unsolved, &solved)?;
                 (edits, circuit)
             }
         };
@@ -213,6 +211,14 @@ impl Search<'_> {
         let is_possible =
             trial.closed_loops() <= self.loops && unsolved.iter().any(passes) && solved.iter().all(passes);
         is_possible.then_some(())
+    }
+
+    /// Tests a changed circuit numerically, as [`Search::test`].
+    fn test_changed(&self, circuit: &Circuit, unsolved: &[usize], solved: &[usize]) -> Option<()> {
+        let wiring = Rewiring::default();
+        let screen = Screen::new(circuit, self.goal.validity);
+        let trial = screen.trial(&wiring);
+        self.test(&trial, unsolved, solved)
     }
 
     /// The edits of the document for a change, and the circuit after it. `None` if the changed patch has errors.
