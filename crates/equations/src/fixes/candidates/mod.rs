@@ -36,6 +36,7 @@ mod cost {
     pub(super) const SIGNAL_SIGN: u32 = 24;
     pub(super) const MOVED_CORD: u32 = 26;
     pub(super) const EXCHANGED_CORDS: u32 = 28;
+    pub(super) const SCALE_FACTOR: u32 = 29;
     pub(super) const ADDED_CORD: u32 = 30;
     /// A gain and a pot that do not fit each other make a change of one of them likelier.
     pub(super) const FITTING: u32 = 5;

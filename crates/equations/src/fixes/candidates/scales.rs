@@ -44,7 +44,7 @@ impl Candidates<'_, '_> {
         });
         let found =
             factors.iter().flat_map(|factor| [*factor, factor.recip(), factor.sqrt(), factor.sqrt().recip()]);
-        let found = found.map(|factor| (cost::FOUND_FACTOR, factor));
+        let found = found.map(|factor| (cost::SCALE_FACTOR, factor));
         for (cost, factor) in powers.chain(found.filter(|_| product.is_literal())) {
             let value = product.times(factor).value();
             let description = format!("let 1 V of the scale {name} be {value} {unit}");
