@@ -57,6 +57,7 @@ mod replay;
 mod requested_checks;
 mod run;
 mod run_report;
+mod scale;
 mod scaling_report;
 mod slideway;
 mod slideway_document;
@@ -102,6 +103,8 @@ struct Arguments {
 enum Command {
     /// Write an annotated first patch as a starting point
     New(new::Arguments),
+    /// Make a patch from equations: scales, gains, pots and wiring
+    Scale(scale::Arguments),
     /// Check a patch and report all errors at once
     Check(check::Arguments),
     /// Run a patch: print readings, write a CSV table, draw scope pictures
@@ -174,6 +177,7 @@ fn run_command(command: &Command) -> Result<(), Failure> {
     progress::check_interval()?;
     match command {
         Command::New(arguments) => new::new(arguments),
+        Command::Scale(arguments) => scale::scale(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Run(arguments) => run::run(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
