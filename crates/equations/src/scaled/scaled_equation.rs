@@ -66,6 +66,12 @@ fn depends_on_itself(plan: &Plan, id: NodeId, is_named: &[bool]) -> bool {
 }
 
 impl ScaledEquations<'_> {
+    /// The nodes that have a name in the equations and are no quantities of the problem: they are in loops.
+    pub(super) fn further(&self) -> impl Iterator<Item = NodeId> {
+        let is_quantity = |id: &NodeId| self.plan.quantities.iter().any(|quantity| quantity.node == *id);
+        self.plan.ids().filter(|id| self.is_named[id.0 as usize]).filter(move |id| !is_quantity(id))
+    }
+
     /// The scaled equation of a node, such as `[v]' = -2.5 [x] - 0.4 [v]`.
     pub(super) fn equation(&self, id: NodeId) -> String {
         let name = &self.plan.node(id).name;

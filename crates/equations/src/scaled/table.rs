@@ -5,7 +5,7 @@ use patchcord_core::patch::Problem;
 use serde::Serialize;
 
 use super::scaled_equation::ScaledEquations;
-use crate::plan::{NodeId, Operation, Plan};
+use crate::plan::{Node, NodeId, Operation, Plan};
 use crate::symbolic::Fraction;
 use crate::synthesis::{Expressions, Scales, Synthesis};
 
@@ -79,7 +79,9 @@ impl Tables<'_> {
                 scaled_equation: equations.equation(node),
             }
         };
-        self.plan.quantities.iter().map(|quantity| row((&quantity.name, quantity.node))).collect()
+        let planned = self.plan.quantities.iter().map(|quantity| (quantity.name.as_str(), quantity.node));
+        let further = equations.further().map(|node| (self.plan.node(node).name.as_str(), node));
+        planned.chain(further).map(row).collect()
     }
 
     /// The peak of a node in volts; 0 if no output has it.
@@ -93,24 +95,29 @@ impl Tables<'_> {
         let row = |((id, output), volts): (&(NodeId, String), &f64)| {
             let node = self.plan.nodes.get(id.0 as usize);
             let quantity = node.map_or_else(String::new, |node| node.name.clone());
-            let reason = node.and_then(|node| reason(&node.operation, *volts));
+            let reason = node.and_then(|node| self.reason(node, *volts));
             OutputPeak { output: output.clone(), quantity, volts: *volts, reason }
         };
         self.synthesis.outputs.iter().zip(self.volts).map(row).collect()
     }
-}
 
-/// The reason why an output cannot use the whole range. `None` if it does, or if no reason is known.
-fn reason(operation: &Operation, volts: f64) -> Option<&'static str> {
-    if (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts) {
-        return None;
-    }
-    match operation {
-        Operation::Product(_) => Some("its factors are not large at the same time"),
-        Operation::Absolute(_) | Operation::Delay { .. } => Some("it has the scale of its input"),
-        Operation::Lower(_) | Operation::Higher(_) => Some("a diode pair has the scale of its inputs"),
-        Operation::DeadZone { .. } => Some("its scale follows from the diode network"),
-        _ if volts == 0.0 => Some("it is 0 in the whole run"),
-        _ => None,
+    /// The reason why an output is not within 50 to 95 V. `None` if it is, or if no reason is known.
+    fn reason(&self, node: &Node, volts: f64) -> Option<&'static str> {
+        if (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts) {
+            return None;
+        }
+        if self.problem.quantities.get(&node.name).is_some_and(|quantity| quantity.per_volt.is_some()) {
+            return Some("the problem prescribes its scale");
+        }
+        Some(match node.operation {
+            _ if volts == 0.0 => "it is 0 in the whole run",
+            Operation::Product(_) => "its factors are not large at the same time",
+            Operation::Absolute(_) | Operation::Delay { .. } => "it has the scale of its input",
+            Operation::Lower(_) | Operation::Higher(_) => "a diode pair has the scale of its inputs",
+            Operation::DeadZone { .. } => "its scale follows from the diode network",
+            Operation::Sum(_) | Operation::Limited { .. } => "the largest gain of an amplifier limits it",
+            Operation::Function { .. } => "the settings of the function generator limit its scale",
+            _ => return None,
+        })
     }
 }
