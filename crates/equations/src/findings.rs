@@ -26,6 +26,8 @@ pub mod codes {
             "multiply the equation by the divisor, or end the run earlier";
         LONG_SOLUTION "long-solution" Error "The numerical solution of a problem takes too many evaluations."
             "end the run earlier, or state a \"maximum\" for each quantity";
+        NO_CIRCUIT "no-circuit" Error "A part of a problem has no circuit with these values and scales."
+            "give the quantity another \"maximum\", or write the equation in another form";
     }
 }
 

@@ -8,7 +8,8 @@ use patchcord_expr::{Dimension, Unit, split_primes};
 use super::centred::centre_angles;
 use super::expressions::Expressions;
 use super::rescaled::{Rescaled, is_forced, rescaled};
-use super::{Options, codes};
+use super::Options;
+use crate::findings::codes;
 use crate::peaks::Ranges;
 use crate::plan::{NodeId, Operation, Plan};
 

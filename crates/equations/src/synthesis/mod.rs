@@ -13,7 +13,6 @@
 
 mod assembly;
 mod centred;
-pub(crate) mod codes;
 mod design;
 mod document;
 mod elements;
