@@ -26,6 +26,7 @@ mod compare;
 mod derive;
 mod findings;
 mod fixes;
+mod graph;
 mod listing;
 mod notation;
 mod peaks;

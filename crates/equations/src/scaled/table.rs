@@ -5,8 +5,8 @@ use patchcord_core::patch::Problem;
 use serde::Serialize;
 
 use super::scaled_equation::ScaledEquations;
-use crate::plan::{NodeId, Operation, Plan};
-use crate::synthesis::{Expressions, Scales, Synthesis};
+use crate::graph::{ConstantValues, NodeId, Operation, Plan};
+use crate::synthesis::{Scales, Synthesis};
 
 /// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,7 +59,7 @@ pub(super) struct Tables<'a> {
 impl Tables<'_> {
     /// The scaling table.
     pub(super) fn quantities(&self) -> Vec<ScaledQuantity> {
-        let expressions = Expressions::new(&self.plan.symbols, self.circuit);
+        let constants = ConstantValues::new(&self.plan.symbols, self.circuit);
         let mut is_named = vec![false; self.plan.nodes.len()];
         for quantity in &self.plan.quantities {
             is_named[quantity.node.0 as usize] = true;
@@ -68,7 +68,7 @@ impl Tables<'_> {
             plan: self.plan,
             per_volt: &self.scales.per_volt,
             time_scale: self.scales.time_scale,
-            value: &|constant| expressions.value(constant),
+            constants: &constants,
             is_named: &is_named,
         };
         let row = |(name, node): (&str, NodeId)| {

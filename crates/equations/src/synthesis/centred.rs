@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use patchcord_expr::{Dimension, round_significant};
 
-use crate::plan::{FunctionKind, Node, NodeId, Operation, Plan, Sum};
+use crate::graph::{FunctionKind, Node, NodeId, Operation, Plan, Sum};
 use crate::symbolic::{Fraction, nearest};
 
 /// An angle up to this magnitude, in rad, needs no change: its opposite is outside ±100 V at every scale.

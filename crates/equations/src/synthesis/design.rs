@@ -11,7 +11,7 @@ use super::gains::{Coefficient, GAIN_OF_SUMMER, Route, route};
 use super::input::Input;
 use super::names::ScaleNames;
 use super::scale_table::ScaleTable;
-use crate::plan::{NodeId, Operation, Sum, Term};
+use crate::graph::{NodeId, Operation, Sum, Term};
 use crate::symbolic::Fraction;
 
 /// The largest voltage of an additional summer.

@@ -9,8 +9,8 @@ use super::centred::centre_angles;
 use super::expressions::Expressions;
 use super::rescaled::{Rescaled, is_forced, rescaled};
 use super::{Options, codes};
+use crate::graph::{NodeId, Operation, Plan};
 use crate::peaks::Ranges;
-use crate::plan::{NodeId, Operation, Plan};
 
 /// Gains of summers on a machine without a list of gains.
 const SUMMER_GAINS: [f64; 2] = [1.0, 10.0];

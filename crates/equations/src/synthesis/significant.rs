@@ -1,7 +1,7 @@
 //! Peaks without rounding: a difference of equal quantities is 0, and not 1e-16 of them.
 
 use super::input::Input;
-use crate::plan::{NodeId, Operation, Sum};
+use crate::graph::{NodeId, Operation, Sum};
 
 /// A sum that is smaller than this share of its terms consists of rounding.
 const ROUNDING: f64 = 1e-10;

@@ -7,7 +7,7 @@
 use super::input::Input;
 use super::rescaled::is_forced;
 use super::round::roundest;
-use crate::plan::{NodeId, Operation, Sum};
+use crate::graph::{NodeId, Operation, Sum};
 use crate::symbolic::Fraction;
 
 /// An estimated scale is rounded within this factor.

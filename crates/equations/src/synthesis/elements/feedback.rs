@@ -12,7 +12,7 @@ use super::super::design::Branch;
 use super::super::formula::json_number;
 use super::super::needs::divisor_sign;
 use super::linear::{amplifier, cords};
-use crate::plan::NodeId;
+use crate::graph::NodeId;
 
 /// The amplification of open amplifiers. With the default of 1e6, the error of a quotient would be above 1e-6.
 const AMPLIFICATION: i64 = 100_000_000;

@@ -1,7 +1,7 @@
 //! Every operation as a small circuit with the right voltages.
 
 use super::{Reading, Sketch, assert_close};
-use crate::plan::{FunctionKind, NodeId, Operation};
+use crate::graph::{FunctionKind, NodeId, Operation};
 use crate::symbolic::Fraction;
 
 /// A problem with constants a and b, a quantity y with this equation, and further sections.

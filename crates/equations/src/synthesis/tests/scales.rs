@@ -4,7 +4,7 @@ use patchcord_core::machines;
 
 use super::super::{Options, improved_scales};
 use super::{Sketch, options};
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 
 /// An oscillator x'' = -w^2 x with these peaks of x and x' in SI units.
 fn oscillator(quantities: &str, w: f64, [x, v]: [f64; 2]) -> Sketch {
