@@ -109,3 +109,6 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
         scales = better;
     }
 }
+
+#[cfg(test)]
+mod tests;

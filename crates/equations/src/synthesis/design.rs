@@ -261,7 +261,8 @@ impl<'a> Design<'a> {
         let is_parametric = entry.is_parametric || total.is_parametric || expressions.has_parameters(&ratio);
         let in_volts = Coefficient {
             value: expressions.value(&positive) * factor,
-            most: expressions.largest(&positive) * factor,
+            // Parameters that the coefficient and the scales have in common cancel.
+            most: expressions.largest(&ratio) / time_scale,
             is_fixed: !is_parametric,
         };
         let route = choose(&in_volts).ok_or(in_volts.value)?;
