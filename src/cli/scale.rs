@@ -18,7 +18,9 @@ use super::table::Table;
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::{DiagnosticDocument, Report, plural};
-use patchcord::equations::{OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem};
+use patchcord::equations::{
+    OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+};
 use patchcord::expr::format_significant;
 use patchcord::machines::{self, MachineModel};
 use patchcord::patch::Problem;
@@ -140,7 +142,9 @@ fn equation_lines(quantities: &[ScaledQuantity], time_scale: f64) -> String {
     // Writing to a string cannot fail.
     let _ = match time_scale == 1.0 {
         true => writeln!(text, ":"),
-        false => writeln!(text, ", derivatives in machine time ({factor} machine seconds per problem second):"),
+        false => {
+            writeln!(text, ", derivatives in machine time ({factor} machine seconds per problem second):")
+        }
     };
     for quantity in quantities {
         let _ = writeln!(text, "  {}", quantity.scaled_equation);
@@ -177,7 +181,12 @@ struct Document<'a> {
 
 impl<'a> Document<'a> {
     /// The document of a scaled problem. `warnings` are those of the patch.
-    fn new(problem: &'a Problem, scaled: &'a ScaledProblem, warnings: &Report, out: Option<&PathBuf>) -> Self {
+    fn new(
+        problem: &'a Problem,
+        scaled: &'a ScaledProblem,
+        warnings: &Report,
+        out: Option<&PathBuf>,
+    ) -> Self {
         Document {
             ok: true,
             problem: problem.patch.file(),

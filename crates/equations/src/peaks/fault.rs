@@ -7,7 +7,7 @@ use patchcord_expr::split_primes;
 
 use super::evaluator::MAX_EVALUATIONS;
 use crate::findings::codes;
-use crate::plan::Plan;
+use crate::graph::Plan;
 
 /// Why a plan has no ranges.
 #[derive(Debug, Clone, PartialEq)]

@@ -90,7 +90,8 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
         let names: Vec<&str> = synthesis.outputs.iter().map(|(_, name)| name.as_str()).collect();
         let volts = measured_peaks(&synthesis.patch, &names)?;
         runs += 1;
-        let by_node: Vec<_> = synthesis.outputs.iter().map(|(id, _)| *id).zip(volts.iter().copied()).collect();
+        let by_node: Vec<_> =
+            synthesis.outputs.iter().map(|(id, _)| *id).zip(volts.iter().copied()).collect();
         let better = improved_scales(&plan, problem, &circuit, &ranges, &options, &scales, &by_node);
         if better == scales || runs == MAX_RUNS {
             let tables = Tables {
@@ -109,3 +110,6 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
         scales = better;
     }
 }
+
+#[cfg(test)]
+mod tests;

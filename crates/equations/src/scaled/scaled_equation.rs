@@ -6,7 +6,7 @@
 
 use patchcord_expr::format_significant;
 
-use crate::plan::{FunctionKind, NodeId, Operation, Plan, Sum, Term};
+use crate::graph::{ConstantValues, NodeId, Operation, Plan, Sum, Term};
 use crate::symbolic::Fraction;
 
 /// Significant digits of the factors.
@@ -22,19 +22,19 @@ pub(super) struct ScaledEquations<'a> {
     pub per_volt: &'a [f64],
     /// Machine seconds per problem second.
     pub time_scale: f64,
-    /// The value of a constant expression, in SI units.
-    pub value: &'a dyn Fn(&Fraction) -> f64,
+    /// The values of the parameters.
+    pub constants: &'a ConstantValues,
     /// For each node, whether the equation of another one has its name in place of its expression.
     pub is_named: Vec<bool>,
 }
 
 impl<'a> ScaledEquations<'a> {
-    /// The equations of a plan with the values of one volt of all nodes in SI units. `value` evaluates constants.
+    /// The equations of a plan with the values of one volt of all nodes in SI units.
     pub(super) fn new(
         plan: &'a Plan,
         per_volt: &'a [f64],
         time_scale: f64,
-        value: &'a dyn Fn(&Fraction) -> f64,
+        constants: &'a ConstantValues,
     ) -> Self {
         let mut is_named = vec![false; plan.nodes.len()];
         for quantity in &plan.quantities {
@@ -44,7 +44,7 @@ impl<'a> ScaledEquations<'a> {
             let is_integral = matches!(plan.node(id).operation, Operation::Integral { .. });
             is_named[id.0 as usize] |= is_integral || depends_on_itself(plan, id, &is_named);
         }
-        ScaledEquations { plan, per_volt, time_scale, value, is_named }
+        ScaledEquations { plan, per_volt, time_scale, constants, is_named }
     }
 }
 
@@ -109,7 +109,9 @@ impl ScaledEquations<'_> {
             Operation::Drive(name) => format!("[{name}]"),
             Operation::Integral { .. } => format!("[{}]", self.plan.node(id).name),
             Operation::Sum(sum) => self.sum(sum, own),
-            Operation::Limited { sum, lower, upper } => self.limited(sum, lower.as_ref(), upper.as_ref(), own),
+            Operation::Limited { sum, lower, upper } => {
+                self.limited(sum, lower.as_ref(), upper.as_ref(), own)
+            }
             Operation::Product([a, b]) if a == b => format!("{}^2/100", self.operand(*a)),
             Operation::Product([a, b]) => format!("{} {}/100", self.operand(*a), self.operand(*b)),
             Operation::Quotient { dividend, divisor } => {
@@ -122,22 +124,28 @@ impl ScaledEquations<'_> {
             Operation::Lower(terms) => format!("min({})", self.arguments(terms, own)),
             Operation::Higher(terms) => format!("max({})", self.arguments(terms, own)),
             Operation::Switch { input, at_least_0, below_0 } => {
-                let volts = |value: &Fraction| format_significant((self.value)(value) / own, DIGITS);
-                format!("{} if {} >= 0, otherwise {}", volts(at_least_0), self.operand(*input), volts(below_0))
+                let volts = |value: &Fraction| format_significant(self.constants.value(value) / own, DIGITS);
+                format!(
+                    "{} if {} >= 0, otherwise {}",
+                    volts(at_least_0),
+                    self.operand(*input),
+                    volts(below_0)
+                )
             }
             Operation::DeadZone { input, width } => {
-                let zone = format!("dead_zone({}, {})", self.operand(*input), self.term(width, self.scale(*input)));
+                let zone =
+                    format!("dead_zone({}, {})", self.operand(*input), self.term(width, self.scale(*input)));
                 let factor = self.scale(*input) / own;
                 format!("{} {zone}", format_significant(factor, DIGITS))
             }
             Operation::Function { kind, argument } => {
-                let factor = (self.value)(&argument.coefficient) * self.scale(argument.node);
+                let factor = self.constants.value(&argument.coefficient) * self.scale(argument.node);
                 let inner = with_factor(factor, &self.operand(argument.node));
-                format!("{} {}({inner})", format_significant(1.0 / own, DIGITS), function_name(*kind))
+                format!("{} {}({inner})", format_significant(1.0 / own, DIGITS), kind.function().name())
             }
             Operation::Curve { table, input } => format!("{table}({})", self.operand(input.node)),
             Operation::Delay { input, time, .. } => {
-                let seconds = format_significant((self.value)(time) * self.time_scale, DIGITS);
+                let seconds = format_significant(self.constants.value(time) * self.time_scale, DIGITS);
                 format!("delay({}, {seconds} s)", self.operand(*input))
             }
         }
@@ -145,7 +153,7 @@ impl ScaledEquations<'_> {
 
     /// A limited sum, with its bounds in volts.
     fn limited(&self, sum: &Sum, lower: Option<&Fraction>, upper: Option<&Fraction>, own: f64) -> String {
-        let volts = |bound: &Fraction| format_significant((self.value)(bound) / own, DIGITS);
+        let volts = |bound: &Fraction| format_significant(self.constants.value(bound) / own, DIGITS);
         let inner = self.sum(sum, own);
         match (lower, upper) {
             (Some(lower), Some(upper)) => format!("limit({inner}, {}, {})", volts(lower), volts(upper)),
@@ -162,7 +170,7 @@ impl ScaledEquations<'_> {
 
     /// A weighted node, in volts of a scale.
     fn term(&self, term: &Term, scale: f64) -> String {
-        self.weighted((self.value)(&term.coefficient), term.node, scale)
+        self.weighted(self.constants.value(&term.coefficient), term.node, scale)
     }
 
     /// A coefficient times a node, in volts of a scale. The constant 1 becomes a number of volts.
@@ -178,7 +186,7 @@ impl ScaledEquations<'_> {
     fn sum(&self, sum: &Sum, scale: f64) -> String {
         let mut text = String::new();
         for (node, coefficient) in &sum.terms {
-            let coefficient = (self.value)(coefficient);
+            let coefficient = self.constants.value(coefficient);
             let term = self.weighted(coefficient.abs(), *node, scale);
             text += match (coefficient < 0.0, text.is_empty()) {
                 (true, true) => "-",
@@ -198,15 +206,5 @@ fn with_factor(factor: f64, operand: &str) -> String {
         "1" => operand.to_owned(),
         "-1" => format!("-{operand}"),
         factor => format!("{factor} {operand}"),
-    }
-}
-
-/// The name of a function in the language of equations.
-fn function_name(kind: FunctionKind) -> &'static str {
-    match kind {
-        FunctionKind::Sin => "sin",
-        FunctionKind::Cos => "cos",
-        FunctionKind::Exp => "exp",
-        FunctionKind::Ln => "ln",
     }
 }

@@ -5,9 +5,8 @@ use patchcord_core::patch::Problem;
 use serde::Serialize;
 
 use super::scaled_equation::ScaledEquations;
-use crate::plan::{Node, NodeId, Operation, Plan};
-use crate::symbolic::Fraction;
-use crate::synthesis::{Expressions, Scales, Synthesis};
+use crate::graph::{ConstantValues, Node, NodeId, Operation, Plan};
+use crate::synthesis::{Scales, Synthesis};
 
 /// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,10 +59,9 @@ pub(super) struct Tables<'a> {
 impl Tables<'_> {
     /// The scaling table.
     pub(super) fn quantities(&self) -> Vec<ScaledQuantity> {
-        let expressions = Expressions::new(&self.plan.symbols, self.circuit);
-        let value = |constant: &Fraction| expressions.value(constant);
+        let constants = ConstantValues::new(&self.plan.symbols, self.circuit);
         let Scales { per_volt, time_scale } = self.scales;
-        let equations = ScaledEquations::new(self.plan, per_volt, *time_scale, &value);
+        let equations = ScaledEquations::new(self.plan, per_volt, *time_scale, &constants);
         let row = |(name, node): (&str, NodeId)| {
             let declared = self.problem.quantities.get(name);
             let unit = self.synthesis.units[node.0 as usize].clone();

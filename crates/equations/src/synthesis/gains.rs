@@ -88,9 +88,12 @@ pub(super) fn route(coefficient: &Coefficient, gains: &[f64], may_add_summer: bo
 /// The route through one cord. The first gain is not below the coefficient.
 fn single_cord(coefficient: &Coefficient, gains: &[f64]) -> Route {
     let is_exact = coefficient.is(gains[0]);
+    if is_exact && coefficient.is_fixed {
+        return Route { has_pot: false, gain: gains[0], ..Route::POT };
+    }
     let can_rise = coefficient.most > coefficient.value * (1.0 + ROUNDING);
     let gain = if is_exact && can_rise { gains.get(1).copied().unwrap_or(gains[0]) } else { gains[0] };
-    Route { has_pot: !(is_exact && coefficient.is_fixed), gain, ..Route::POT }
+    Route { gain, ..Route::POT }
 }
 
 #[cfg(test)]
@@ -138,6 +141,14 @@ mod tests {
         assert_eq!(route(&variable(0.5, 1.5), &SUMMER, true), cord(true, 1.0));
         assert_eq!(route(&variable(0.0, 30.0), &INTEGRATOR, false), cord(true, 100.0));
         assert_eq!(route(&variable(0.0, 0.0), &INTEGRATOR, false), cord(true, 1.0));
+    }
+
+    #[test]
+    fn a_fixed_coefficient_needs_no_larger_gain() {
+        // Parameters cancel in k y / k. The largest value of the first factor does not matter.
+        let fixed = Coefficient { value: 1.0, most: 6.7, is_fixed: true };
+        assert_eq!(route(&fixed, &SUMMER, true), cord(false, 1.0));
+        assert_eq!(route(&fixed, &INTEGRATOR, false), cord(false, 1.0));
     }
 
     #[test]

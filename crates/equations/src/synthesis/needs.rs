@@ -3,7 +3,7 @@
 use super::design::{Block, Branch, Design};
 use super::elements::functions::argument_gain;
 use super::polarity::{Need, PolarityNode};
-use crate::plan::{FunctionKind, NodeId, Operation};
+use crate::graph::{FunctionKind, NodeId, Operation};
 
 /// The node whose output is that of another one, and the sign between them. It differs from `id` if this is an alias.
 pub(super) fn resolved(blocks: &[Block], id: NodeId) -> (NodeId, i8) {

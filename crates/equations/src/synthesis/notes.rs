@@ -5,7 +5,7 @@ use patchcord_expr::format_significant;
 use super::design::{Branch, Design};
 use super::formula::Product;
 use super::gains::LEAST_SETTING;
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 use crate::symbolic::Fraction;
 
 /// Digits of numbers in the text of a step.
