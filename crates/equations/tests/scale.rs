@@ -96,6 +96,40 @@ fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
+/// A rod of cells, heated at one end, in equal cells: T_i' = a (T_(i-1) - 2 T_i + T_(i+1)).
+fn rod(cells: usize) -> Problem {
+    let quantities: Vec<String> =
+        (1..=cells).map(|cell| format!(r#""T{cell}": {{"unit": "K", "initial": 0}}"#)).collect();
+    let left = |cell: usize| if cell == 1 { "T_hot".to_owned() } else { format!("T{}", cell - 1) };
+    let right = |cell: usize| if cell == cells { "0".to_owned() } else { format!("T{}", cell + 1) };
+    let equation = |cell: usize| format!("\"T{cell}' = a ({} - 2 T{cell} + {})\"", left(cell), right(cell));
+    let equations: Vec<String> = (1..=cells).map(equation).collect();
+    let text = format!(
+        r#"{{"patchcord": 1,
+  "parameters": {{"a": {{"value": 2, "unit": "1/s"}}, "T_hot": {{"value": 80, "unit": "K"}}}},
+  "quantities": {{{}}},
+  "equations": [{}],
+  "run": {{"for": 20000, "step": 0.2, "every": 10000}}
+}}"#,
+        quantities.join(", "),
+        equations.join(", ")
+    );
+    Problem::parse("rod.json", &text).unwrap_or_else(|report| panic!("{report}"))
+}
+
+#[test]
+fn a_rod_of_100_cells_reaches_its_straight_profile() {
+    let scaled = scale_problem(&rod(100), &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert!(scaled.peaks.iter().all(|peak| (50.0..=95.0).contains(&peak.volts)));
+    let trace = trace(&scaled);
+    for cell in 1..=100_u32 {
+        let last = trace.values(&format!("T{cell}")).unwrap().last().copied().unwrap();
+        // The slowest mode has the rate 4 a sin^2(pi / 202), so it has died out.
+        let expected = 80.0 * (1.0 - f64::from(cell) / 101.0);
+        assert!((last - expected).abs() < 1e-6, "T{cell} = {last}, expected {expected}");
+    }
+}
+
 #[test]
 fn the_patch_is_the_same_in_every_run() {
     let path = Path::new("tests/systems/slideway.json");

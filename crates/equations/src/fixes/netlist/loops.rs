@@ -1,5 +1,7 @@
 //! Solves loops without an integrator by Newton's method.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::Order;
 use super::evaluation::Evaluation;
 
@@ -52,7 +54,7 @@ impl Evaluation<'_> {
         for _ in 0..MAX_STEPS {
             let (residuals, slopes) = self.linearised(order, &tears);
             let is_stable = slopes.iter().enumerate().all(|(index, row)| row[index] < 0.0);
-            let step = linear_solution(slopes, residuals)?;
+            let step = linear_solution(&slopes, residuals)?;
             tears.iter_mut().zip(&step).for_each(|(tear, step)| *tear -= step);
             let is_small = |(tear, step): (&f64, &f64)| step.abs() <= TOLERANCE * (1.0 + tear.abs());
             if tears.iter().zip(&step).all(is_small) {
@@ -81,32 +83,12 @@ impl Evaluation<'_> {
     }
 }
 
-/// The solution of a system of linear equations by elimination. `None` if the system is singular.
-fn linear_solution(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Option<Vec<f64>> {
+/// The solution of a system of linear equations. `None` if the system is singular.
+fn linear_solution(matrix: &[Vec<f64>], right: Vec<f64>) -> Option<Vec<f64>> {
     let count = right.len();
-    for column in 0..count {
-        let largest =
-            |row: &usize, other: &usize| matrix[*row][column].abs().total_cmp(&matrix[*other][column].abs());
-        let pivot = (column..count).max_by(largest)?;
-        matrix.swap(column, pivot);
-        right.swap(column, pivot);
-        let divisor = matrix[column][column];
-        if divisor == 0.0 || !divisor.is_finite() {
-            return None;
-        }
-        for row in column + 1..count {
-            let factor = matrix[row][column] / divisor;
-            for index in column..count {
-                matrix[row][index] -= factor * matrix[column][index];
-            }
-            right[row] -= factor * right[column];
-        }
-    }
-    for row in (0..count).rev() {
-        let known: f64 = (row + 1..count).map(|index| matrix[row][index] * right[index]).sum();
-        right[row] = (right[row] - known) / matrix[row][row];
-    }
-    right.iter().all(|value| value.is_finite()).then_some(right)
+    let matrix = DMatrix::from_fn(count, count, |row, column| matrix[row][column]);
+    let solution = matrix.lu().solve(&DVector::from_vec(right))?;
+    solution.iter().all(|value| value.is_finite()).then(|| solution.as_slice().to_vec())
 }
 
 #[cfg(test)]
@@ -114,11 +96,11 @@ mod tests {
     use super::linear_solution;
 
     #[test]
-    fn linear_systems_are_solved_by_elimination() {
+    fn linear_systems_are_solved() {
         // 2 y = 4 and 3 x + y = 11, in an order that needs an exchange of rows.
-        let found = linear_solution(vec![vec![0.0, 2.0], vec![3.0, 1.0]], vec![4.0, 11.0]);
+        let found = linear_solution(&[vec![0.0, 2.0], vec![3.0, 1.0]], vec![4.0, 11.0]);
         assert_eq!(found, Some(vec![3.0, 2.0]));
-        assert_eq!(linear_solution(vec![vec![1.0, 2.0], vec![2.0, 4.0]], vec![1.0, 2.0]), None);
-        assert_eq!(linear_solution(vec![vec![f64::NAN]], vec![1.0]), None);
+        assert_eq!(linear_solution(&[vec![1.0, 2.0], vec![2.0, 4.0]], vec![1.0, 2.0]), None);
+        assert_eq!(linear_solution(&[vec![f64::NAN]], vec![1.0]), None);
     }
 }
