@@ -29,6 +29,7 @@ mod fixes;
 mod graph;
 mod listing;
 mod notation;
+mod operating_point;
 mod peaks;
 mod plan;
 mod scaled;

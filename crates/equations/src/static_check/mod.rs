@@ -5,7 +5,6 @@
 //! The expected value of any other output follows from the expected values at its inputs by its own law. So a wrong gain
 //! shows at the first named output, or at the first derivative, after it. That row is the place to look at.
 
-mod elimination;
 mod handles;
 mod random;
 mod rows;

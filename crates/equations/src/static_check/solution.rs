@@ -6,13 +6,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::elimination::solved;
 use super::handles::{Handle, is_stated};
 use super::stated::Stated;
 use super::wired::Wired;
-use crate::symbolic::{
-    Atom, Fraction, Operation, Symbol, SymbolKind, Values, partial_derivative, term_size, value,
-};
+use crate::symbolic::{Fraction, Roots, Symbol, SymbolKind, Values, is_at_switch, value};
 
 /// Where the value of a quantity comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,10 +24,6 @@ pub(super) enum Origin {
 
 /// Unknowns that several equations determine together, at most.
 const MAX_BLOCK: usize = 6;
-/// Steps of an iteration at most.
-const MAX_STEPS: usize = 50;
-/// Sum of the terms of an equation, as a share of their sizes, up to which it is 0.
-const ROUNDING: f64 = 1e-12;
 /// Times that the equations are differentiated at most.
 const MAX_DIFFERENTIATIONS: usize = 2;
 /// Longest equation that is differentiated, in terms.
@@ -95,7 +88,7 @@ impl<'a> Solution<'a> {
     /// Adds the stated initial values.
     fn supply_initial_values(&mut self) {
         let solution = &*self;
-        let at = At { solution, unknowns: &[], trial: &[] };
+        let at = At { solution };
         let values = solution.stated.initial.iter().map(|(symbol, initial)| (*symbol, value(initial, &at)));
         let values: Vec<(Symbol, f64)> = values.filter(|(_, value)| value.is_finite()).collect();
         self.values.extend(values.into_iter().map(|(symbol, value)| (symbol, (value, Origin::Equations))));
@@ -219,17 +212,18 @@ impl<'a> Solution<'a> {
             *other != index && !unknowns[*other].is_empty() && unknowns[*other].is_subset(own)
         };
         let others = (0..unknowns.len()).filter(is_inside);
-        let equations: Vec<&Fraction> = std::iter::once(index)
+        let equations: Vec<Fraction> = std::iter::once(index)
             .chain(others)
             .take(own.len())
-            .map(|index| &self.equations[index])
+            .map(|index| self.equations[index].clone())
             .collect();
         if equations.len() < own.len() {
             return None;
         }
         let symbols: Vec<Symbol> = own.iter().copied().collect();
-        let found =
-            self.starts(&symbols).into_iter().find_map(|start| self.root(&symbols, &equations, start))?;
+        let starts = self.starts(&symbols);
+        let roots = Roots::new(symbols.clone(), equations);
+        let found = starts.into_iter().find_map(|start| self.root(&roots, start))?;
         Some(symbols.into_iter().zip(found).collect())
     }
 
@@ -243,62 +237,24 @@ impl<'a> Solution<'a> {
         [wired, vec![1.0; symbols.len()], vec![-1.0; symbols.len()]]
     }
 
-    /// The values at which several equations are 0, by Newton's method. `None` if the iteration does not end, or if a
+    /// The values at which several equations are 0, by steps from a start. `None` if the steps do not end, or if a
     /// condition of the equations changes exactly there.
-    fn root(&self, unknowns: &[Symbol], equations: &[&Fraction], start: Vec<f64>) -> Option<Vec<f64>> {
-        let slopes: Vec<Vec<Fraction>> = equations
-            .iter()
-            .map(|equation| unknowns.iter().map(|symbol| partial_derivative(equation, *symbol)).collect())
-            .collect();
-        let mut trial = start;
-        for _ in 0..MAX_STEPS {
-            let at = At { solution: self, unknowns, trial: &trial };
-            let sums: Vec<f64> = equations.iter().map(|equation| value(equation, &at)).collect();
-            let is_zero =
-                |(equation, sum): (&&Fraction, &f64)| sum.abs() <= ROUNDING * term_size(equation, &at);
-            if equations.iter().zip(&sums).all(is_zero) {
-                let is_switching = equations.iter().any(|equation| is_at_switch(equation, &at));
-                return (!is_switching).then_some(trial);
-            }
-            let matrix: Vec<Vec<f64>> =
-                slopes.iter().map(|row| row.iter().map(|slope| value(slope, &at)).collect()).collect();
-            let step = solved(matrix, sums)?;
-            trial.iter_mut().zip(step).for_each(|(value, step)| *value -= step);
-            if trial.iter().any(|value| !value.is_finite()) {
-                return None;
-            }
-        }
-        None
+    fn root(&self, roots: &Roots, start: Vec<f64>) -> Option<Vec<f64>> {
+        let known = At { solution: self };
+        let found = roots.near(start, &known)?;
+        let at = roots.with(&found, &known);
+        let is_switching = roots.expressions().iter().any(|equation| is_at_switch(equation, &at));
+        (!is_switching).then_some(found)
     }
 }
 
-/// Whether a condition of an expression changes exactly at a point: the argument of a step is 0.
-fn is_at_switch(expression: &Fraction, at: &At<'_>) -> bool {
-    let mut is_found = false;
-    expression.with_factors(&mut |atom| {
-        if let Atom::Apply(applied) = atom
-            && applied.operation == Operation::Step
-        {
-            let argument = &applied.arguments[0];
-            is_found |= value(argument, at).abs() <= ROUNDING * term_size(argument, at);
-        }
-        None
-    });
-    is_found
-}
-
-/// The values of all quantities: those that are known, and trial values of the unknowns.
+/// The values of the quantities that are known.
 struct At<'a> {
     solution: &'a Solution<'a>,
-    unknowns: &'a [Symbol],
-    trial: &'a [f64],
 }
 
 impl Values for At<'_> {
     fn symbol(&self, symbol: Symbol) -> f64 {
-        if let Some(index) = self.unknowns.iter().position(|unknown| *unknown == symbol) {
-            return self.trial[index];
-        }
         match self.solution.stated.symbols.entry(symbol).kind {
             SymbolKind::Pi => std::f64::consts::PI,
             SymbolKind::Parameter(index) => self.solution.wired.program.parameters()[index].value,

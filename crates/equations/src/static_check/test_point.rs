@@ -5,13 +5,14 @@ use std::fmt;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::suggestion;
-use patchcord_core::ir::{Mode, Program, ProgramPoint, Register};
-use patchcord_core::solve::{Machine, RunError};
+use patchcord_core::ir::{Program, ProgramPoint, Register};
+use patchcord_core::solve::RunError;
 use patchcord_expr::{Unit, split_primes};
 
 use super::handles::Handle;
 use super::stated::aliases;
 use super::wired::Wired;
+use crate::operating_point::{has_switches, initial_point, settled_point};
 
 /// The values at which a static check is made.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,7 +129,7 @@ enum Target {
 /// # Errors
 /// If it cannot be set to the initial condition.
 pub(super) fn initial<'a>(circuit: &'a Circuit, program: &'a Program) -> Result<Wired<'a>, TestError> {
-    let point = machine(program)?.point();
+    let point = initial_point(program).map_err(no_voltages)?;
     wired_at(circuit, program, point, BTreeMap::new())
 }
 
@@ -157,7 +158,8 @@ pub(super) fn given<'a>(
         wired = with_value(wired, name, value, &target)?;
     }
     let Wired { point, given, .. } = wired;
-    wired_at(circuit, program, settled(program, &point.states)?, given)
+    let settled = settled_point(program, &point.states).map_err(no_voltages)?;
+    wired_at(circuit, program, settled, given)
 }
 
 /// Whether two targets are the same output.
@@ -214,8 +216,7 @@ pub(super) fn fixed_reason(wired: &Wired<'_>) -> Option<&'static str> {
     if equations.any(|placed| placed.value.names().contains(&"t")) {
         return Some("the equations contain the time t");
     }
-    let switches = |mode: &Mode| mode.names.mode != "limit" && !mode.is_drive && !mode.transitions.is_empty();
-    wired.program.modes().iter().any(switches).then_some("the patch has elements that switch")
+    has_switches(wired.program).then_some("the patch has elements that switch")
 }
 
 /// The names that test values can have: one for every state, and the drives.
@@ -265,46 +266,7 @@ pub(super) fn wired_at<'a>(
     Wired::new(circuit, program, point, given).ok_or_else(|| TestError::NoVoltages(reason.to_owned()))
 }
 
-/// Tolerance and first step of a machine that does not run.
-const TOLERANCE: f64 = 1e-6;
-const FIRST_STEP: f64 = 1e-3;
-
-/// A machine in initial condition. Its steps adapt, so no delay and no lag is too short for it.
-fn machine(program: &Program) -> Result<Machine<'_>, TestError> {
-    Machine::adaptive(program, TOLERANCE, FIRST_STEP).map_err(no_voltages)
-}
-
 /// The error of a machine.
 fn no_voltages(error: RunError) -> TestError {
     TestError::NoVoltages(error.to_string())
-}
-
-/// The point with these voltages of the states at which modes have settled. States beyond their limits settle the modes
-/// as at the limits.
-///
-/// # Errors
-/// If the machine cannot be set to these voltages.
-pub(super) fn settled(program: &Program, states: &[f64]) -> Result<ProgramPoint, TestError> {
-    let mut machine = machine(program)?;
-    let limits = limits(program, &machine.point());
-    for (index, name) in program.states().iter().enumerate() {
-        let [low, high] = limits[index];
-        let volts = states[index].max(low).min(high);
-        if volts != machine.states()[index] {
-            machine.set_state(name, volts).map_err(no_voltages)?;
-        }
-    }
-    let mut point = machine.point();
-    point.states.copy_from_slice(states);
-    Ok(point)
-}
-
-/// The lower and the upper limit of every state in volts.
-pub(super) fn limits(program: &Program, point: &ProgramPoint) -> Vec<[f64; 2]> {
-    let voltages = program.voltages_at(point);
-    let at = |register: Register, otherwise: f64| {
-        voltages.as_ref().map_or(otherwise, |voltages| voltages[register.index()])
-    };
-    let states = program.state_laws().iter();
-    states.map(|state| [at(state.limits[0], -100.0), at(state.limits[1], 100.0)]).collect()
 }

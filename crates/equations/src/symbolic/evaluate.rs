@@ -34,6 +34,24 @@ pub(crate) fn term_size(fraction: &Fraction, values: &dyn Values) -> f64 {
     sum
 }
 
+/// Sum of the terms of an expression, as a share of their sizes, up to which it is 0.
+pub(super) const ZERO_SHARE: f64 = 1e-12;
+
+/// Whether the value of an expression jumps exactly at a point: the argument of a step is 0 there.
+pub(crate) fn is_at_switch(expression: &Fraction, values: &dyn Values) -> bool {
+    let mut is_found = false;
+    expression.with_factors(&mut |atom| {
+        if let Atom::Apply(applied) = atom
+            && applied.operation == Operation::Step
+        {
+            let argument = &applied.arguments[0];
+            is_found |= value(argument, values).abs() <= ZERO_SHARE * term_size(argument, values);
+        }
+        None
+    });
+    is_found
+}
+
 /// The value of a sum.
 fn sum(polynomial: &Polynomial, values: &dyn Values) -> f64 {
     let term = |(product, number): (&super::Monomial, &super::Rational)| {
