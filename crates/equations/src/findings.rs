@@ -53,10 +53,11 @@ pub fn findings_with_fixes(
 /// The single changes after which the wiring solves compared equations that it does not solve. The likeliest comes
 /// first. Empty if it solves them all.
 pub fn equation_fixes(circuit: &Circuit, program: &Program, compared: &[ComparedEquation]) -> Vec<Fix> {
-    let is_solved = |compared: &ComparedEquation| {
-        matches!(compared.agreement, Agreement::Solved | Agreement::SolvedIf(_))
-    };
-    if compared.iter().all(is_solved) { Vec::new() } else { find_fixes(circuit, program, compared) }
+    if compared.iter().all(|compared| compared.agreement.is_solved()) {
+        Vec::new()
+    } else {
+        find_fixes(circuit, program, compared)
+    }
 }
 
 /// The diagnostic of an equation; `None` if the wiring solves it.
@@ -78,7 +79,7 @@ fn finding(circuit: &Circuit, compared: &ComparedEquation, fixes: &[Fix]) -> Opt
             let message = format!("the wiring solves this equation for the present values of {names} only");
             Some(with_remedy(Diagnostic::at(codes::SOLVED_AT, span, message), remedy))
         }
-        Agreement::Solved | Agreement::SolvedIf(_) => None,
+        Agreement::Solved | Agreement::SolvedIf(_) | Agreement::SolvedNumerically(_) => None,
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
-use patchcord_equations::{Agreement, Detail, EquationListing, InitialValue, compare_equations, text};
+use patchcord_equations::{Detail, EquationListing, InitialValue, compare_equations, text};
 use patchcord_expr::split_primes;
 use serde_json::json;
 
@@ -128,9 +128,8 @@ fn verdict(patch: &Patch) -> Verdict {
     if !circuit.warnings().findings.is_empty() {
         return Verdict::Invalid;
     }
-    let is_solved = compare_equations(&circuit, &program)
-        .iter()
-        .all(|compared| matches!(compared.agreement, Agreement::Solved | Agreement::SolvedIf(_)));
+    let is_solved =
+        compare_equations(&circuit, &program).iter().all(|compared| compared.agreement.is_solved());
     if is_solved { Verdict::Correct } else { Verdict::Unsolved }
 }
 

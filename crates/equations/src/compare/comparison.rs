@@ -6,8 +6,10 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::{Equation, split_primes};
 
+use super::delays::with_delay_times;
 use super::intended::fraction;
 use super::model::{Model, Obstacle};
+use super::numerical::Difference;
 use super::points::{ParameterValues, Point, equal_at_points};
 use super::terms::{DifferenceKind, TermDifference, differences};
 use crate::derive::LawKind;
@@ -28,6 +30,8 @@ pub(super) enum Outcome {
     Solved,
     /// The wiring solves the equation for the present values of these parameters only.
     SolvedAt(Vec<String>),
+    /// The wiring solves the equation at this number of states.
+    SolvedNumerically(usize),
     /// Terms of a quantity differ.
     Terms {
         /// The quantity, with its primes.
@@ -48,6 +52,13 @@ pub(super) enum Outcome {
     },
     /// The two sides of the equation differ, which is solved for no quantity.
     Sides(Fraction, Fraction),
+    /// The two sides have different values at a state.
+    Values {
+        /// The state.
+        difference: Difference,
+        /// A quantity behind the equation that has no formula. `None` if it is not known.
+        implicit: Option<Symbol>,
+    },
     /// The sides have no value at most voltages.
     NoValue,
 }
@@ -55,7 +66,12 @@ pub(super) enum Outcome {
 impl Outcome {
     /// Whether the wiring solves another equation.
     pub(super) fn is_different(&self) -> bool {
-        matches!(self, Outcome::Terms { .. } | Outcome::InitialValue { .. } | Outcome::Sides(..))
+        !self.is_solved() && !matches!(self, Outcome::NoValue)
+    }
+
+    /// Whether the wiring solves the equation, at least for the present values of the parameters.
+    pub(super) fn is_solved(&self) -> bool {
+        matches!(self, Outcome::Solved | Outcome::SolvedAt(_) | Outcome::SolvedNumerically(_))
     }
 }
 
@@ -101,8 +117,8 @@ impl<'a> Comparison<'a> {
             return Ok(Outcome::Solved);
         }
         let Some((name, stated)) = self.solved(equation)? else {
-            if let Some(name) = self.implicit_quantity(&residual) {
-                return Err(Obstacle::Implicit(name));
+            if let Some(symbol) = self.implicit_symbol(&residual) {
+                return Err(Obstacle::Implicit(self.model.system.symbols.entry(symbol).name.clone()));
             }
             return Ok(match self.are_equal(ParameterValues::Present, [&left, &right]) {
                 Some(true) => self.solved_generally([&left, &right]),
@@ -144,18 +160,53 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// The name of a quantity in an expression that a loop without a formula determines.
-    fn implicit_quantity(&self, value: &Fraction) -> Option<String> {
-        let system = &self.model.system;
+    /// The first quantity in an expression that a loop without a formula determines.
+    fn implicit_symbol(&self, value: &Fraction) -> Option<Symbol> {
         let mut found = None;
         value.contains(&mut |symbol| {
-            let is_implicit = matches!(system.law(symbol), Some(LawKind::Implicit(_)));
+            let is_implicit = matches!(self.model.system.law(symbol), Some(LawKind::Implicit(_)));
             if is_implicit {
-                found = Some(system.symbols.entry(symbol).name.clone());
+                found = Some(symbol);
             }
             is_implicit
         });
         found
+    }
+
+    /// The first quantity behind an equation that a loop without a formula determines. `None` if all have formulas.
+    pub(super) fn implicit_in(&mut self, equation: &Equation) -> Option<Symbol> {
+        let none = HashSet::new();
+        for side in [equation.left(), equation.right()] {
+            let value = fraction(side, &mut |name| self.model.named(name, &none));
+            let found = match value {
+                Ok(value) => self.implicit_symbol(&value),
+                Err(Obstacle::Implicit(name)) => self.model.system.symbols.find_variable(&name, 0),
+                Err(_) => None,
+            };
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
+    }
+
+    /// The obstacle to the comparison of an equation with a quantity that has neither a formula nor values.
+    pub(super) fn implicit_obstacle(&mut self, equation: &Equation) -> Obstacle {
+        let symbol = self.implicit_in(equation);
+        let name = symbol.map(|symbol| self.model.system.symbols.entry(symbol).name.clone());
+        Obstacle::Implicit(name.unwrap_or_default())
+    }
+
+    /// Whether different terms have a meaning for the reader of an equation: it names every quantity in them that has no
+    /// formula.
+    pub(super) fn has_readable_terms(&self, equation: &Equation, outcome: &Outcome) -> bool {
+        let Outcome::Terms { name: solved, wired, .. } = outcome else { return false };
+        let (names, solved) = (equation.names(), split_primes(solved).0);
+        !wired.contains(&mut |symbol| {
+            let name = self.model.system.symbols.entry(symbol).name.as_str();
+            let is_implicit = matches!(self.model.system.law(symbol), Some(LawKind::Implicit(_)));
+            is_implicit && (name == solved || !names.contains(&name))
+        })
     }
 
     /// Whether a quantity has its stated initial value.
@@ -246,7 +297,15 @@ impl<'a> Comparison<'a> {
         parameters: ParameterValues,
         [stated, wired]: [&Fraction; 2],
     ) -> Vec<TermDifference> {
-        differences(stated, wired, &self.point(parameters))
+        let point = self.point(parameters);
+        let found = differences(stated, wired, &point);
+        if !found.is_empty()
+            && let Some([stated, wired]) = with_delay_times([stated, wired], &point)
+            && differences(&stated, &wired, &point).is_empty()
+        {
+            return Vec::new();
+        }
+        found
     }
 
     /// Whether two expressions are equal at points; see [`equal_at_points`].

@@ -2,13 +2,16 @@
 //!
 //! Both sides of a stated equation are expressed by the states, drives and parameters of the wiring. If the difference is
 //! 0 in normal form, the wiring solves the equation. Otherwise the equation is solved for the highest derivative on its
-//! left, and compared with the wiring term by term for the present values of the parameters.
+//! left, and compared with the wiring term by term for the present values of the parameters. If a quantity has no formula,
+//! as the output of an open amplifier with a sine in its feedback, the sides are compared at states of the machine.
 
 mod comparison;
 mod conditions;
+mod delays;
 mod expansions;
 pub(crate) mod intended;
 mod model;
+mod numerical;
 mod points;
 mod terms;
 mod wording;
@@ -17,9 +20,11 @@ use std::collections::HashSet;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
+use patchcord_expr::{Equation, format_significant};
 
 use comparison::{Comparison, Outcome};
 pub(crate) use model::Obstacle;
+use numerical::{Numerical, Verdict};
 pub(crate) use points::{GOLDEN, other_value};
 
 /// A stated equation, compared with the wiring.
@@ -40,6 +45,9 @@ pub enum Agreement {
     /// The wiring solves it while the inputs of its squaring networks and logarithms are within their range, and its
     /// integrators within their limits. Each condition is a text, such as "u >= 0".
     SolvedIf(Vec<String>),
+    /// The wiring solves it at this number of states of the machine. A quantity in it has no formula, as the output of an
+    /// open amplifier with a sine in its feedback, so its sides were compared numerically.
+    SolvedNumerically(usize),
     /// The wiring solves it for the present values of these parameters, but not for others: a setting is a number, or
     /// lacks a parameter.
     SolvedAt(Vec<String>),
@@ -52,6 +60,22 @@ pub enum Agreement {
     },
     /// The comparison is not possible; the text says why.
     Undecided(String),
+}
+
+impl Agreement {
+    /// Whether the wiring solves the equation for all values of the parameters.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_equations::Agreement;
+    ///
+    /// assert!(Agreement::SolvedIf(vec!["u >= 0".to_owned()]).is_solved());
+    /// assert!(!Agreement::SolvedAt(vec!["k".to_owned()]).is_solved());
+    /// ```
+    pub fn is_solved(&self) -> bool {
+        matches!(self, Agreement::Solved | Agreement::SolvedIf(_) | Agreement::SolvedNumerically(_))
+    }
 }
 
 /// Compares every stated equation of a patch with its wiring, in the order of the patch.
@@ -94,12 +118,15 @@ pub(crate) struct EquationComparer<'a> {
     /// The comparison with the wiring while its squaring networks and logarithms are within their range. It is made
     /// when it is first needed.
     in_range: Option<Comparison<'a>>,
+    /// The wiring at states of the machine. It is made when it is first needed.
+    numerical: Option<Numerical<'a>>,
 }
 
 /// How the wiring and an equation compare, without a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Standing {
-    /// The wiring solves the equation, perhaps only within the range of a network or the limits of an integrator.
+    /// The wiring solves the equation, perhaps only within the range of a network or the limits of an integrator, or as
+    /// far as states of the machine were compared.
     Solved,
     /// The wiring solves the equation for the present values of some parameters only.
     SolvedAt,
@@ -112,13 +139,26 @@ pub(crate) enum Standing {
 impl<'a> EquationComparer<'a> {
     /// A comparer for the equations of a circuit.
     pub(crate) fn new(circuit: &'a Circuit, program: &'a Program) -> Self {
-        EquationComparer { circuit, program, exact: Comparison::new(circuit, program, false), in_range: None }
+        let exact = Comparison::new(circuit, program, false);
+        EquationComparer { circuit, program, exact, in_range: None, numerical: None }
     }
 
     /// The outcome for the equation with this index, and whether the wiring solves it only within the range of its
     /// networks.
     fn outcome(&mut self, index: usize) -> Result<(Outcome, bool), Obstacle> {
         let equation = &self.circuit.equations()[index].value;
+        let found = self.symbolic_outcome(equation);
+        let is_final = match &found {
+            Err(Obstacle::Implicit(_)) => false,
+            Err(_) | Ok((_, true)) => true,
+            Ok((outcome, false)) => outcome.is_solved() || self.exact.implicit_in(equation).is_none(),
+        };
+        if is_final { found } else { self.numerical_outcome(equation, found) }
+    }
+
+    /// The outcome for an equation by symbolic expressions, and whether the wiring solves it only within the range of its
+    /// networks.
+    fn symbolic_outcome(&mut self, equation: &Equation) -> Result<(Outcome, bool), Obstacle> {
         let found = self.exact.outcome(equation)?;
         if !found.is_different() || self.exact.model.system.margins.is_empty() {
             return Ok((found, false));
@@ -129,10 +169,39 @@ impl<'a> EquationComparer<'a> {
         Ok((found, is_solved))
     }
 
+    /// The outcome for an equation in which a quantity has no formula, by values at states. `found` is the outcome by
+    /// symbolic expressions, for which this quantity is unknown.
+    fn numerical_outcome(
+        &mut self,
+        equation: &Equation,
+        found: Result<(Outcome, bool), Obstacle>,
+    ) -> Result<(Outcome, bool), Obstacle> {
+        let (circuit, program) = (self.circuit, self.program);
+        let numerical = self.numerical.get_or_insert_with(|| Numerical::new(circuit, program));
+        let is_readable =
+            found.as_ref().is_ok_and(|(outcome, _)| self.exact.has_readable_terms(equation, outcome));
+        let outcome = match numerical.verdict(equation) {
+            Verdict::Equal(states) => Outcome::SolvedNumerically(states),
+            Verdict::EqualAt(names) => Outcome::SolvedAt(names),
+            Verdict::Near(share) => {
+                let percents = format_significant(100.0 * share, DEVIATION_DIGITS);
+                return Err(Obstacle::Deviation(format!("{percents} %")));
+            }
+            Verdict::Different(_) | Verdict::NoValues if is_readable => return found,
+            Verdict::Different(difference) => {
+                Outcome::Values { difference, implicit: self.exact.implicit_in(equation) }
+            }
+            Verdict::NoValues => {
+                return Err(found.err().unwrap_or_else(|| self.exact.implicit_obstacle(equation)));
+            }
+        };
+        Ok((outcome, false))
+    }
+
     /// How the equation with this index and the wiring compare. No text is written, which can take long.
     pub(crate) fn standing(&mut self, index: usize) -> Standing {
         match self.outcome(index) {
-            Ok((Outcome::Solved, _) | (_, true)) => Standing::Solved,
+            Ok((Outcome::Solved | Outcome::SolvedNumerically(_), _) | (_, true)) => Standing::Solved,
             Ok((Outcome::SolvedAt(_), _)) => Standing::SolvedAt,
             Ok((Outcome::NoValue, _)) | Err(_) => Standing::Undecided,
             Ok(_) => Standing::Different,
@@ -174,6 +243,9 @@ impl<'a> EquationComparer<'a> {
         self.circuit.patch().signals.keys().map(varies).collect()
     }
 }
+
+/// Significant digits of a deviation in percents.
+const DEVIATION_DIGITS: usize = 2;
 
 #[cfg(test)]
 mod tests;

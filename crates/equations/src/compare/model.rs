@@ -9,7 +9,7 @@ use patchcord_expr::{Expression, Node};
 
 use super::expansions::Expansions;
 use super::intended::fraction;
-use crate::derive::{LawKind, ModeLaw, Options, System, derive, simplified};
+use crate::derive::{Law, LawKind, ModeLaw, Options, System, Wiring, derive, simplified};
 use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
 
 /// A wiring with the quantities that its equations can name.
@@ -26,6 +26,9 @@ pub(crate) struct Model<'a> {
     pub expands_drives: bool,
     /// The states with limits whose rates were used.
     pub limited: BTreeSet<Symbol>,
+    /// Whether all quantities are expressed by outputs of the program, for their values at a point. Then the outputs of
+    /// delay lines stay as they are, and quantities of loops without a formula have derivatives.
+    is_evaluated: bool,
 }
 
 /// The reason why a quantity has no expression.
@@ -33,8 +36,10 @@ pub(crate) struct Model<'a> {
 pub(crate) enum Obstacle {
     /// The patch has no such quantity. Its check has reported it.
     Unknown(String),
-    /// The quantity is the solution of a loop without a formula, so its derivative is not known.
+    /// The quantity is the solution of a loop without a formula, and has no values at which it can be compared.
     Implicit(String),
+    /// The sides of the equation differ by a small part of their terms at most. The text is this part.
+    Deviation(String),
     /// A value at the start depends on this quantity, which the problem check settles.
     Unsettled(String),
 }
@@ -42,10 +47,27 @@ pub(crate) enum Obstacle {
 impl<'a> Model<'a> {
     /// The model of a circuit. Limits, stops and resets do not act in it, and brakes slip: it describes free motion.
     pub(crate) fn new(circuit: &'a Circuit, program: &Program, stays_in_range: bool) -> Self {
-        let options = Options { keeps_elements: false, has_ideal_amplifiers: true, stays_in_range };
         let patch = circuit.patch();
         let is_known = |name: &str| patch.signals.contains_key(name) || patch.drives.contains_key(name);
-        let mut system = simplified(derive(circuit, program, options), &is_known);
+        let wiring = wiring(circuit, program, stays_in_range);
+        Self::of_system(circuit, simplified(wiring, &is_known))
+    }
+
+    /// The same for values at a point: all symbols are outputs of the program. `read` gets the symbols of the outputs.
+    pub(super) fn evaluated<T>(
+        circuit: &'a Circuit,
+        program: &Program,
+        read: impl FnOnce(&Wiring) -> T,
+    ) -> (Self, T) {
+        let wiring = wiring(circuit, program, false);
+        let outputs = read(&wiring);
+        // Every name counts as known, so no symbol gets another name.
+        let model = Self::of_system(circuit, simplified(wiring, &|_| true));
+        (Model { is_evaluated: true, ..model }, outputs)
+    }
+
+    /// The model of a system that was derived from a circuit.
+    fn of_system(circuit: &'a Circuit, mut system: System) -> Self {
         let free: HashMap<Symbol, Fraction> =
             system.modes.iter().filter_map(|mode| Some((mode.symbol, value_in_motion(mode)?))).collect();
         for law in &mut system.laws {
@@ -55,20 +77,14 @@ impl<'a> Model<'a> {
                 });
             });
         }
-        let definitions =
-            circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
-                Expression::Name(name) => Some((name.as_str(), placed.value.right())),
-                _ => None,
-            });
-        let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
-        let auxiliaries = definitions.filter(|(name, _)| is_auxiliary(name)).collect();
         Model {
             system,
-            patch,
-            auxiliaries,
+            patch: circuit.patch(),
+            auxiliaries: auxiliaries(circuit),
             expansions: Expansions::default(),
             expands_drives: false,
             limited: BTreeSet::new(),
+            is_evaluated: false,
         }
     }
 
@@ -141,7 +157,9 @@ impl<'a> Model<'a> {
         let (value, time) = match self.system.law(symbol) {
             Some(LawKind::Definition(value)) => (value.clone(), None),
             Some(LawKind::Drive(value)) if self.expands_drives => (value.clone(), None),
-            Some(LawKind::Delay { input, time, .. }) => (input.clone(), Some(time.clone())),
+            Some(LawKind::Delay { input, time, .. }) if !self.is_evaluated => {
+                (input.clone(), Some(time.clone()))
+            }
             _ => return Fraction::symbol(symbol),
         };
         self.expansions.begin(symbol);
@@ -195,8 +213,37 @@ impl<'a> Model<'a> {
                 self.time_derivative(&value, &HashSet::new())
             }
             Some(LawKind::Drive(_)) | None => Ok(Fraction::symbol(self.system.symbols.derivative(symbol))),
+            Some(LawKind::Implicit(residual)) if self.is_evaluated => {
+                let residual = residual.clone();
+                self.implicit_rate(symbol, &residual, kept)
+            }
             Some(_) => Err(Obstacle::Implicit(name)),
         }
+    }
+
+    /// The derivative of a quantity that is determined by a residual of 0. It becomes a quantity of its own: the
+    /// derivative of the residual, in which it is linear, is 0.
+    fn implicit_rate(
+        &mut self,
+        of: Symbol,
+        residual: &Fraction,
+        kept: &HashSet<Symbol>,
+    ) -> Result<Fraction, Obstacle> {
+        let rate = self.system.symbols.derivative(of);
+        if self.system.law(rate).is_none() {
+            // Residuals contain each other's quantities. So the law has a place before its residual is known.
+            let place = self.system.laws.len();
+            self.system.laws.push(Law { of: rate, kind: LawKind::Implicit(Fraction::zero()) });
+            let residual = self.expanded_fraction(residual, kept);
+            match self.time_derivative(&residual, kept) {
+                Ok(derivative) => self.system.laws[place].kind = LawKind::Implicit(derivative),
+                Err(obstacle) => {
+                    self.system.laws.remove(place);
+                    return Err(obstacle);
+                }
+            }
+        }
+        Ok(Fraction::symbol(rate))
     }
 
     /// The value of a quantity at t = 0 as a function of parameters.
@@ -230,6 +277,21 @@ impl Model<'_> {
         });
         found
     }
+}
+
+/// The equations of a wiring with ideal amplifiers, without other names for its outputs.
+fn wiring(circuit: &Circuit, program: &Program, stays_in_range: bool) -> Wiring {
+    derive(circuit, program, Options { keeps_elements: false, has_ideal_amplifiers: true, stays_in_range })
+}
+
+/// The right sides of the equations that define auxiliary quantities, by the names of these.
+fn auxiliaries(circuit: &Circuit) -> HashMap<&str, &Node> {
+    let definitions = circuit.equations().iter().filter_map(|placed| match &placed.value.left().expression {
+        Expression::Name(name) => Some((name.as_str(), placed.value.right())),
+        _ => None,
+    });
+    let is_auxiliary = |name: &str| circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name);
+    definitions.filter(|(name, _)| is_auxiliary(name)).collect()
 }
 
 /// The value of a mode in free motion: no contact, no reset, and a brake that slips in the direction of motion. `None`

@@ -1,6 +1,6 @@
 //! Values of all quantities at points, for identities that the normal form does not show.
 
-use patchcord_core::ir::Program;
+use patchcord_core::ir::{ParameterValue, Program};
 use patchcord_core::low_discrepancy::golden_place;
 
 use crate::derive::System;
@@ -33,8 +33,33 @@ pub(super) struct Point<'a> {
 pub(super) enum ParameterValues {
     /// Those of the circuit.
     Present,
-    /// Others near them, all by different factors, so that no relation between them holds by chance.
+    /// Others, up to 4 % larger, so that a solution of a loop is near the present one.
+    Near,
+    /// Others, all larger by different factors, so that no relation between them holds by chance.
     Other,
+}
+
+impl ParameterValues {
+    /// The value of the parameter with this index.
+    pub(super) fn value(self, program: &Program, index: usize) -> f64 {
+        let parameter = &program.parameters()[index];
+        match self {
+            ParameterValues::Present => parameter.value,
+            ParameterValues::Near => near_value(parameter, index),
+            ParameterValues::Other => other_value(parameter.value, index),
+        }
+    }
+}
+
+/// A value near the present one for the parameter with this index. The distance from 0 is a share of the range.
+fn near_value(parameter: &ParameterValue, index: usize) -> f64 {
+    let declared = &parameter.declared;
+    let size = match declared.range {
+        Some((low, high)) if parameter.value == 0.0 => low.abs().max(high.abs()) * declared.per_unit,
+        None if parameter.value == 0.0 => 1.0,
+        _ => parameter.value,
+    };
+    parameter.value + size * (0.01 + 0.03 * golden_place(index as u64))
 }
 
 /// Whether two expressions are equal at all points at which both have a value. `None` if they have one at few points, as
@@ -63,15 +88,6 @@ pub(crate) fn other_value(present: f64, index: usize) -> f64 {
 }
 
 impl Point<'_> {
-    /// The value of a parameter.
-    fn parameter(&self, index: usize) -> f64 {
-        let present = self.program.parameters()[index].value;
-        match self.parameters {
-            ParameterValues::Present => present,
-            ParameterValues::Other => other_value(present, index),
-        }
-    }
-
     /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point, so that corners of
     /// characteristics lie between them.
     fn variable(&self, symbol: Symbol) -> f64 {
@@ -88,7 +104,7 @@ impl Values for Point<'_> {
     fn symbol(&self, symbol: Symbol) -> f64 {
         match self.system.symbols.entry(symbol).kind {
             SymbolKind::Pi => std::f64::consts::PI,
-            SymbolKind::Parameter(index) => self.parameter(index),
+            SymbolKind::Parameter(index) => self.parameters.value(self.program, index),
             SymbolKind::Time => f64::from(self.index) / 7.0,
             SymbolKind::Variable | SymbolKind::Held => self.variable(symbol),
         }

@@ -32,7 +32,7 @@ pub(crate) enum DifferenceKind {
 
 /// Relative deviation of a factor up to which a term is right. Settings are often rounded to three digits, like the
 /// readings of the voltmeter that they come from.
-const TOLERANCE: f64 = 1e-3;
+pub(super) const TOLERANCE: f64 = 1e-3;
 
 /// The terms in which two expressions of a quantity differ, for the present values of the parameters.
 pub(crate) fn differences(stated: &Fraction, wired: &Fraction, values: &dyn Values) -> Vec<TermDifference> {

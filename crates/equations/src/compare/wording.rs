@@ -1,13 +1,15 @@
 //! The outcomes of comparisons as texts.
 
-use patchcord_expr::split_primes;
+use patchcord_expr::{Dimension, round_significant, split_primes};
 
 use super::Agreement;
 use super::comparison::{Comparison, Outcome};
 use super::model::Obstacle;
+use super::numerical::Difference;
 use super::terms::{DifferenceKind, TermDifference, is_negative};
+use crate::derive::LawKind;
 use crate::notation::{Notation, text};
-use crate::symbolic::Fraction;
+use crate::symbolic::{Fraction, Symbol};
 use crate::writing::Writer;
 
 impl Obstacle {
@@ -16,7 +18,12 @@ impl Obstacle {
         match self {
             Obstacle::Unknown(name) => format!("{name} is not known"),
             Obstacle::Implicit(name) => {
-                format!("{name} is the solution of a loop without a formula")
+                format!(
+                    "{name} is the solution of a loop without a formula, and its value is known at few states"
+                )
+            }
+            Obstacle::Deviation(share) => {
+                format!("its sides differ by at most {share} of their terms, as by the rounding of a setting")
             }
             Obstacle::Unsettled(name) => {
                 format!("the value at t = 0 depends on {name}, which is no parameter")
@@ -31,11 +38,13 @@ impl Comparison<'_> {
         match outcome {
             Outcome::Solved => Agreement::Solved,
             Outcome::SolvedAt(names) => Agreement::SolvedAt(names),
+            Outcome::SolvedNumerically(states) => Agreement::SolvedNumerically(states),
             Outcome::Terms { name, terms, wired } => self.different_terms(&name, &terms, &wired),
             Outcome::InitialValue { name, stated, wired } => {
                 self.different_initial_value(&name, [&stated, &wired])
             }
             Outcome::Sides(left, right) => self.different_sides([&left, &right]),
+            Outcome::Values { difference, implicit } => self.different_values(&difference, implicit),
             Outcome::NoValue => Agreement::Undecided("it has no value at most voltages".to_owned()),
         }
     }
@@ -72,7 +81,36 @@ impl Comparison<'_> {
             vec![format!("in the wiring, the left side is {left} and the right side is {right}")];
         Agreement::Different { differences, wired: format!("{left} = {right} at some instants only") }
     }
+
+    /// The agreement of an equation whose sides have different values at a state. `implicit` is a quantity behind it
+    /// that has no formula: the wiring solves its loop.
+    fn different_values(&self, difference: &Difference, implicit: Option<Symbol>) -> Agreement {
+        let writer = Writer::new(self.circuit, &self.model.system);
+        let write = |value: f64, dimension: Option<Dimension>| {
+            let rounded = Fraction::number(round_significant(value, VALUE_DIGITS));
+            text(&writer.expression(&rounded, dimension))
+        };
+        let quantity = |(name, value): &(String, f64)| {
+            format!("{name} = {}", write(*value, self.circuit.equation_dimension(name)))
+        };
+        let quantities: Vec<String> = difference.quantities.iter().map(quantity).collect();
+        let [left, right] = difference.sides.map(|(value, dimension)| write(value, dimension));
+        let state = if quantities.is_empty() { "a state".to_owned() } else { quantities.join(", ") };
+        let clause = format!("at {state}, the left side is {left} and the right side is {right}");
+        let law = implicit.and_then(|symbol| match self.model.system.law(symbol)? {
+            LawKind::Implicit(residual) => Some(writer.implicit(symbol, residual)),
+            _ => None,
+        });
+        let wired = match law {
+            Some(law) => format!("{} = {}", text(&law.left), text(&law.right)),
+            None => "another equation".to_owned(),
+        };
+        Agreement::Different { differences: vec![clause], wired }
+    }
 }
+
+/// Significant digits of a value in a message.
+const VALUE_DIGITS: usize = 4;
 
 /// A difference as a clause.
 fn clause(difference: &TermDifference, time_scale: f64, write: &dyn Fn(&Fraction) -> String) -> String {

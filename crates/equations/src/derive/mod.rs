@@ -7,7 +7,7 @@ mod wiring;
 
 pub(crate) use simplify::simplified;
 pub(crate) use system::{BrakeLaw, Law, LawKind, ModeLaw, Source, System, TransitionLaw};
-pub(crate) use wiring::{Options, derive, is_nonnegative, ranged};
+pub(crate) use wiring::{Options, Wiring, derive, is_nonnegative, ranged};
 
 #[cfg(test)]
 mod tests;

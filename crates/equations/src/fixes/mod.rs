@@ -114,7 +114,7 @@ impl Goal {
         let different = with(|agreement| matches!(agreement, Agreement::Different { .. }));
         let undecided = with(|agreement| matches!(agreement, Agreement::Undecided(_)));
         let solved_at = with(|agreement| matches!(agreement, Agreement::SolvedAt(_)));
-        let mut solved = with(|agreement| matches!(agreement, Agreement::Solved | Agreement::SolvedIf(_)));
+        let mut solved = with(Agreement::is_solved);
         let (unsolved, validity) = if !different.is_empty() {
             solved.extend(solved_at);
             (different, Validity::Present)

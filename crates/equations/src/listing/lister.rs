@@ -10,7 +10,7 @@ use crate::notation::{
     Comparison, Condition, Notation, Relation, WrittenEquation, conditions_latex, conditions_text,
     equation_latex, text,
 };
-use crate::symbolic::{Fraction, Symbol, whole};
+use crate::symbolic::{Fraction, Symbol};
 use crate::writing::Writer;
 
 /// Writes the laws of a system.
@@ -61,7 +61,7 @@ impl Lister<'_> {
         match kind {
             LawKind::State { rate, limits, .. } => self.rate(of, rate, limits),
             LawKind::Definition(value) => Some(self.definition(of, value)),
-            LawKind::Implicit(residual) => Some(self.implicit(of, residual)),
+            LawKind::Implicit(residual) => Some(self.writer.implicit(of, residual)),
             LawKind::Delay { input, time, .. } => Some(self.delay(of, input, time)),
             LawKind::Stored { .. } | LawKind::Drive(_) | LawKind::Source(_) => None,
         }
@@ -101,20 +101,6 @@ impl Lister<'_> {
     fn definition(&self, of: Symbol, value: &Fraction) -> WrittenEquation {
         let dimension = self.system.symbols.entry(of).dimension;
         WrittenEquation { left: self.writer.name(of), right: self.writer.expression(value, Some(dimension)) }
-    }
-
-    /// An equation that cannot be solved for its quantity: the terms with the quantity are on the left.
-    fn implicit(&self, of: Symbol, residual: &Fraction) -> WrittenEquation {
-        let (_, content, rest) = residual.numerator().clone().into_primitive();
-        let unknown = content.only(|atom, _| !atom.is_nonnegative());
-        let numerator = Fraction::from(rest.times_term(&unknown, &whole(1)));
-        let [left, right] = numerator.split(&mut |product| product.contains(&mut |symbol| symbol == of));
-        let dimension = self.writer.dimension(&left);
-        let right = right.negated();
-        WrittenEquation {
-            left: self.writer.expression(&left, dimension),
-            right: self.writer.expression(&right, dimension),
-        }
     }
 
     /// The equation of a delay line.

@@ -17,8 +17,8 @@ use patchcord_core::circuit::Circuit;
 use patchcord_expr::{Dimension, Function};
 
 use crate::derive::System;
-use crate::notation::Notation;
-use crate::symbolic::{Application, Atom, CallOrder, Fraction, Operation, Symbol};
+use crate::notation::{Notation, WrittenEquation};
+use crate::symbolic::{Application, Atom, CallOrder, Fraction, Operation, Symbol, whole};
 use names::other_names;
 
 /// Writes the expressions of a system.
@@ -90,6 +90,18 @@ impl<'a> Writer<'a> {
     /// dimension is right.
     pub(crate) fn expression(&self, value: &Fraction, dimension: Option<Dimension>) -> Notation {
         self.cases(value, dimension.map(|dimension| self.purity.reduced(dimension)))
+    }
+
+    /// The equation of a quantity that a residual of 0 determines. It cannot be solved for the quantity: the terms with it
+    /// are on the left.
+    pub(crate) fn implicit(&self, of: Symbol, residual: &Fraction) -> WrittenEquation {
+        let (_, content, rest) = residual.numerator().clone().into_primitive();
+        let unknown = content.only(|atom, _| !atom.is_nonnegative());
+        let numerator = Fraction::from(rest.times_term(&unknown, &whole(1)));
+        let [left, right] = numerator.split(&mut |product| product.contains(&mut |symbol| symbol == of));
+        let dimension = self.dimension(&left);
+        let right = right.negated();
+        WrittenEquation { left: self.expression(&left, dimension), right: self.expression(&right, dimension) }
     }
 
     /// A quantity, or one of its derivatives.
