@@ -8,6 +8,7 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::compared_equations::{EquationDocument, equation_lines};
 use super::failure::{Failure, eprint_report};
 use super::load::{LoadedPatch, ParameterDocument, PatchArguments, problem_check};
 use super::overloads::{OverloadDocument, overload_lines};
@@ -20,7 +21,7 @@ use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
 use patchcord::document::{Diagnostic, DiagnosticDocument, Report, escape_controls};
 use patchcord::equations::{
-    Agreement, ComparedEquation, audit_scaling, compare_equations, equation_fixes, findings_with_fixes,
+    ComparedEquation, audit_scaling, compare_equations, equation_fixes, findings_with_fixes,
 };
 use patchcord::ir::Program;
 use patchcord::linear::{check_size, growth_warning};
@@ -112,27 +113,6 @@ fn print_problem(
         print(&format!("\n{}", voltage_table(&problem.voltages)))?;
     }
     Ok(())
-}
-
-/// A line about the equations of a patch, and one for each that holds under a condition.
-fn equation_lines(circuit: &Circuit, compared: &[ComparedEquation]) -> String {
-    let solved =
-        compared.iter().filter(|compared| !matches!(compared.agreement, Agreement::Undecided(_))).count();
-    let mut text = match (solved, compared.len()) {
-        (_, 0) => return String::new(),
-        (1, 1) => "the wiring solves its equation\n".to_owned(),
-        (solved, all) if solved == all => format!("the wiring solves its {all} equations\n"),
-        (solved, all) => {
-            format!("the wiring solves {solved} of its {all} equations; the others are not compared\n")
-        }
-    };
-    for compared in compared {
-        if let Agreement::SolvedIf(conditions) = &compared.agreement {
-            let equation = circuit.equations()[compared.index].value.text();
-            text += &format!("  {equation}  if {}\n", conditions.join(" and "));
-        }
-    }
-    text
 }
 
 /// The result of the problem check: the machine at initial condition.
@@ -276,32 +256,6 @@ struct Document<'a> {
     voltages: &'a [ElementVoltage],
     #[serde(flatten)]
     requested: RequestedDocument<'a>,
-}
-
-/// A stated equation and whether the wiring solves it.
-#[derive(Serialize)]
-struct EquationDocument<'a> {
-    text: &'a str,
-    /// "always", "within ranges and limits", "for the present parameters" or "not compared".
-    solved: &'static str,
-    /// The conditions of ranges and limits, or the names of the parameters; the reason if it is not compared.
-    details: Vec<String>,
-}
-
-impl<'a> EquationDocument<'a> {
-    /// All stated equations of a circuit.
-    fn all(circuit: &'a Circuit, compared: &[ComparedEquation]) -> Vec<Self> {
-        let document = |compared: &ComparedEquation| {
-            let (solved, details) = match &compared.agreement {
-                Agreement::SolvedIf(conditions) => ("within ranges and limits", conditions.clone()),
-                Agreement::SolvedAt(parameters) => ("for the present parameters", parameters.clone()),
-                Agreement::Undecided(reason) => ("not compared", vec![reason.clone()]),
-                _ => ("always", Vec::new()),
-            };
-            EquationDocument { text: circuit.equations()[compared.index].value.text(), solved, details }
-        };
-        compared.iter().map(document).collect()
-    }
 }
 
 /// A kind of part of the machine: how many the patch uses, and how many the machine has. `owned` is null without a

@@ -18,6 +18,7 @@
 
 mod check;
 mod command_synonyms;
+mod compared_equations;
 mod completions;
 mod criteria;
 mod doubts;
