@@ -9,7 +9,7 @@ use patchcord_equations::{Agreement, compare_equations};
 use serde_json::{Map, Value, json};
 
 /// The agreement of every equation of a patch.
-fn agreements(patch: &Value) -> Vec<Agreement> {
+pub(crate) fn agreements(patch: &Value) -> Vec<Agreement> {
     let patch = Patch::from_value("patch.json", patch).unwrap_or_else(|report| panic!("{report}"));
     let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
@@ -25,7 +25,7 @@ fn patch(file: &str, equations: &[&str]) -> Value {
 }
 
 /// The clauses of a difference and the equation of the wiring.
-fn difference(agreement: &Agreement) -> (Vec<&str>, &str) {
+pub(crate) fn difference(agreement: &Agreement) -> (Vec<&str>, &str) {
     let Agreement::Different { differences, wired } = agreement else { panic!("{agreement:?}") };
     (differences.iter().map(String::as_str).collect(), wired)
 }
@@ -77,7 +77,7 @@ fn the_wiring_of_every_shipped_patch_solves_its_equations() {
             for compared in compare_equations(&circuit, &program) {
                 let text = circuit.equations()[compared.index].value.text();
                 let is_solved = match &compared.agreement {
-                    Agreement::Solved => true,
+                    Agreement::Solved | Agreement::SolvedNumerically(_) => true,
                     Agreement::SolvedIf(conditions) => match circuit.patch().title.split(':').next() {
                         Some("Two tanks, one above the other, filled by a pump") => {
                             conditions.iter().all(|condition| condition.ends_with(">= 0.0001 V"))
@@ -168,4 +168,66 @@ fn factors_of_terms_are_named() {
     assert_eq!(difference(&found[2]).0, ["the term x is missing"]);
     let extra = agreements(&patch("lessons/lorenz", &["x' = sigma y"]));
     assert_eq!(difference(&extra[0]).0, ["the term -sigma x is not in the equation"]);
+}
+
+/// u is the output of a comparator: F if x < 0, otherwise -F.
+#[test]
+fn signs_and_steps_agree_with_comparators() {
+    let mut switch = json!({
+        "patchcord": 1,
+        "parameters": {"F": {"value": 3, "unit": "1"}},
+        "scales": {"x": {"per_volt": 0.1, "unit": "1"}, "force": {"per_volt": 0.1, "unit": "1"}},
+        "elements": {
+            "P1": {"kind": "pot", "in": "C1", "setting": "F / force / 100"},
+            "C1": {"kind": "comparator", "in": "S1"},
+            "S1": {"kind": "summer", "in": {"x1": ["A1"]}},
+            "A1": {"kind": "integrator", "in": {"x1": ["P1"]}, "initial": 50},
+        },
+        "signals": {"x": {"at": "A1", "scale": "x"}, "u": {"at": "P1", "scale": "force"}},
+    });
+    let mut agreement = |equation: &str| {
+        switch["equations"] = json!([equation]);
+        agreements(&switch).remove(0)
+    };
+    let right = [
+        "u = -F sign(x)",
+        "u = F (step(-x) - step(x))",
+        "u = F (1 - 2 step(x))",
+        "u = F (2 step(-x) - 1)",
+        "x' = F sign(x)",
+        "x' = F (2 step(x) - 1)",
+    ];
+    for equation in right {
+        assert_eq!(agreement(equation), Agreement::Solved, "{equation}");
+    }
+    let wrong =
+        ["u = F sign(x)", "u = F step(-x)", "u = F sign(x + 1)", "x' = F (step(x) - 1)", "u = -2 F sign(x)"];
+    for equation in wrong {
+        assert!(matches!(agreement(equation), Agreement::Different { .. }), "{equation}");
+    }
+}
+
+#[test]
+fn a_delay_by_a_number_agrees_for_the_present_time() {
+    let mut line = json!({
+        "patchcord": 1,
+        "parameters": {"tau": {"value": 2, "unit": "1"}},
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["D1"]}, "initial": 50},
+            "D1": {"kind": "delay", "in": "A1", "delay": 2},
+        },
+        "signals": {"x": {"at": "A1", "scale": "x"}, "past": {"at": "D1", "scale": "x"}},
+    });
+    let mut agreement = |equation: &str| {
+        line["equations"] = json!([equation]);
+        agreements(&line).remove(0)
+    };
+    for equation in ["past = delay(x, tau)", "x' = -delay(x, tau)", "0 = past - delay(x, 1 + tau/2)"] {
+        assert_eq!(agreement(equation), Agreement::SolvedAt(vec!["tau".to_owned()]), "{equation}");
+    }
+    assert_eq!(agreement("past = delay(x, 2)"), Agreement::Solved);
+    for equation in ["past = delay(x, 2 tau)", "past = 2 delay(x, tau)", "x' = delay(x, tau)"] {
+        assert!(matches!(agreement(equation), Agreement::Different { .. }), "{equation}");
+    }
 }

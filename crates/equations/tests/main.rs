@@ -8,6 +8,8 @@ mod compare;
 #[path = "../../core/tests/common/files.rs"]
 #[allow(dead_code, reason = "the tests of several crates share the file")]
 mod files;
+mod implicit;
 mod listing;
 mod mistakes;
+mod round_trip;
 mod scale;

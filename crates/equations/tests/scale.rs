@@ -16,7 +16,7 @@ use serde_json::Value;
 const TOLERANCE: f64 = 1e-6;
 
 /// The problems, in the order of their names.
-fn problems() -> Vec<PathBuf> {
+pub(crate) fn problems() -> Vec<PathBuf> {
     let paths = fs::read_dir("tests/systems").unwrap().map(|entry| entry.unwrap().path());
     let is_problem = |path: &PathBuf| {
         let name = path.to_string_lossy();
@@ -28,7 +28,7 @@ fn problems() -> Vec<PathBuf> {
 }
 
 /// The scaled patch of a problem.
-fn scaled(path: &Path) -> ScaledProblem {
+pub(crate) fn scaled(path: &Path) -> ScaledProblem {
     let problem = Problem::read(path).unwrap_or_else(|error| panic!("{error}"));
     scale_problem(&problem, &ScaleOptions::default())
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))

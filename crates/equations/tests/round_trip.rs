@@ -1,0 +1,89 @@
+//! Problems are scaled to patches whose wiring solves the equations of the problem.
+
+use std::path::Path;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+use patchcord_equations::{Agreement, compare_equations};
+use serde_json::Value;
+
+use crate::scale::{problems, scaled};
+
+/// The equations of a patch with their agreement. `None` if its wiring has no circuit or no program.
+fn agreements(patch: &Patch) -> Option<Vec<(String, Agreement)>> {
+    let circuit = Circuit::new(patch).ok()?;
+    let program = Program::new(&circuit).ok()?;
+    let compared = compare_equations(&circuit, &program).into_iter().map(|compared| {
+        let equation = circuit.equations()[compared.index].value.text().to_owned();
+        (equation, compared.agreement)
+    });
+    Some(compared.collect())
+}
+
+#[test]
+fn the_patch_of_every_problem_solves_its_equations() {
+    let (mut problem_count, mut equation_count, mut numerical_count) = (0, 0, 0);
+    for path in problems() {
+        let problem = path.file_stem().unwrap().to_string_lossy();
+        for (equation, agreement) in agreements(&scaled(&path).patch).unwrap() {
+            // A delay is a number if times are pure numbers.
+            let is_right = match &agreement {
+                Agreement::SolvedAt(names) => problem == "mackey-glass" && names == &["tau"],
+                agreement => agreement.is_solved(),
+            };
+            assert!(is_right, "{problem}: {equation}: {agreement:?}");
+            equation_count += 1;
+            numerical_count += usize::from(matches!(agreement, Agreement::SolvedNumerically(_)));
+        }
+        problem_count += 1;
+    }
+    assert!(problem_count >= 58 && equation_count > 150, "{problem_count} {equation_count}");
+    assert!(numerical_count >= 3, "{numerical_count}");
+}
+
+/// The inputs of the open amplifiers of a patch, each with the name of the amplifier.
+fn open_inputs(patch: &Value) -> Vec<(String, String)> {
+    let elements = patch["elements"].as_object().unwrap().iter();
+    let open = elements.filter(|(_, element)| element["kind"] == "open-amplifier");
+    let inputs = open.flat_map(|(name, element)| {
+        let inputs = element["in"].as_object().unwrap().keys();
+        inputs.map(|input| (name.clone(), input.clone()))
+    });
+    inputs.collect()
+}
+
+/// Moves the first cord of an input to another gain: from x10 to x1, and from others to x10.
+fn move_cord(patch: &mut Value, amplifier: &str, input: &str) {
+    let cords = &mut patch["elements"][amplifier]["in"];
+    let moved = cords[input].as_array_mut().unwrap().remove(0);
+    if cords[input].as_array().unwrap().is_empty() {
+        cords.as_object_mut().unwrap().shift_remove(input);
+    }
+    let other = if input == "x10" { "x1" } else { "x10" };
+    match cords[other].as_array_mut() {
+        Some(others) => others.push(moved),
+        None => cords[other] = Value::from(vec![moved]),
+    }
+}
+
+/// The angle of the dog's course is the solution of an open amplifier.
+#[test]
+fn a_wrong_gain_of_an_open_amplifier_is_never_accepted() {
+    let patch = scaled(Path::new("tests/systems/pursuit.json")).patch.value().clone();
+    let inputs = open_inputs(&patch);
+    assert!(inputs.len() >= 2, "{inputs:?}");
+    let mut different = 0;
+    for (amplifier, input) in inputs {
+        let mut wrong = patch.clone();
+        move_cord(&mut wrong, &amplifier, &input);
+        let wrong = Patch::from_value("wrong.json", &wrong).unwrap_or_else(|report| panic!("{report}"));
+        // A loop without a solution is an error of its own.
+        let Some(agreements) = agreements(&wrong) else { continue };
+        assert!(!agreements.iter().all(|(_, agreement)| agreement.is_solved()), "{amplifier} {input}");
+        let is_different =
+            |(_, agreement): &(String, Agreement)| matches!(agreement, Agreement::Different { .. });
+        different += usize::from(agreements.iter().any(is_different));
+    }
+    assert!(different > 0);
+}
