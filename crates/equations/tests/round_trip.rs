@@ -48,7 +48,7 @@ fn open_inputs(patch: &Value) -> Vec<(String, String)> {
     let open = elements.filter(|(_, element)| element["kind"] == "open-amplifier");
     let inputs = open.flat_map(|(name, element)| {
         let inputs = element["in"].as_object().unwrap().keys();
-        inputs.map(|input| (name.clone(), input.clone()))
+        inputs.map(move |input| (name.clone(), input.clone()))
     });
     inputs.collect()
 }

@@ -8,8 +8,9 @@ use patchcord_core::solve::{Machine, RunError};
 use crate::derive::ranged;
 pub(crate) use numbers::Numbers;
 
-/// Tolerance and first step of a machine that does not run.
+/// Tolerance of a machine that does not run.
 const TOLERANCE: f64 = 1e-6;
+/// First step of a machine that does not run, in seconds.
 const FIRST_STEP: f64 = 1e-3;
 /// Voltage by which the input of a network may be outside its range, by rounding.
 const RANGE_ROUNDING: f64 = 1e-9;

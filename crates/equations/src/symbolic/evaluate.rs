@@ -86,3 +86,17 @@ fn applied_value(applied: &Application, values: &dyn Values) -> f64 {
         Operation::Delay => values.delayed(&applied.arguments[0], argument(1)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Point;
+    use crate::testing::reading::read;
+
+    #[test]
+    fn a_step_jumps_where_its_argument_is_0() {
+        let jumps_at = |x: f64| is_at_switch(&read("y + 2 sign(x - 1)"), &Point([x, 5.0, 0.0, 0.0, 0.0]));
+        assert!(jumps_at(1.0));
+        assert!(!jumps_at(0.9) && !jumps_at(1.1));
+    }
+}

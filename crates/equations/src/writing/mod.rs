@@ -95,6 +95,10 @@ impl<'a> Writer<'a> {
     /// The equation of a quantity that a residual of 0 determines. It cannot be solved for the quantity: the terms with it
     /// are on the left.
     pub(crate) fn implicit(&self, of: Symbol, residual: &Fraction) -> WrittenEquation {
+        if residual.is_zero() {
+            let zero = self.expression(residual, None);
+            return WrittenEquation { left: zero.clone(), right: zero };
+        }
         let (_, content, rest) = residual.numerator().clone().into_primitive();
         let unknown = content.only(|atom, _| !atom.is_nonnegative());
         let numerator = Fraction::from(rest.times_term(&unknown, &whole(1)));
