@@ -65,7 +65,7 @@ fn the_first_state_at_which_the_sides_differ_has_their_values() {
     else {
         panic!("the gain is wrong")
     };
-    let (quarter, half) = (-0.25_f64.asin(), -0.5_f64.asin());
+    let (quarter, half) = ((-0.25_f64).asin(), (-0.5_f64).asin());
     let is_near = |one: f64, other: f64| (one - other).abs() < 1e-9;
     assert!(is_near(difference.sides[0].0, quarter) && is_near(difference.sides[1].0, half));
     let [(first, arm), (second, x)] = &difference.quantities[..] else {
