@@ -54,4 +54,6 @@ pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
 pub use static_check::{
     RowQuantity, RowSource, StaticCheck, StaticRow, TestError, TestValue, TestValues, static_check, test_unit,
 };
-pub use scaled::{OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem};
+pub use scaled::{
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+};

@@ -29,8 +29,7 @@ pub(super) fn measured_peaks(patch: &Patch, outputs: &[&str]) -> Result<Vec<f64>
 fn peak(trace: &Trace, name: &str) -> f64 {
     let extremes = trace.track(name).map_or(&[][..], |track| &track.extremes);
     let largest = |peak: f64, volts: f64| peak.max(volts.abs());
-    let reached =
-        extremes.iter().flat_map(|run| [run.least.volts, run.most.volts]).fold(0.0, largest);
+    let reached = extremes.iter().flat_map(|run| [run.least.volts, run.most.volts]).fold(0.0, largest);
     let demands = trace.overloads().filter(|overload| overload.element == name);
     let demands = demands.map(|overload| match overload.demand {
         Demand::Peak(volts) => volts,

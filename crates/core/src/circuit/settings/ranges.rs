@@ -299,8 +299,9 @@ impl RangeCheck<'_> {
     }
 
     /// By how much the rule is broken at these values of parameters, each with its index: the distance of a setting from
-    /// its range, of the lower setting from the upper one, or of a drive from its limit. 0 if it holds, and infinity if
-    /// a formula has no value.
+    /// its range, of the upper setting from the lower one, or of a drive from its limit.
+    ///
+    /// It is negative if a value is too small, 0 if the rule holds, and infinity if a formula has no value.
     pub fn excess(&self, values: &[(usize, f64)]) -> f64 {
         match self.value(values) {
             Some(value) if value.is_finite() => self.rule.excess(value),
@@ -312,7 +313,7 @@ impl RangeCheck<'_> {
     /// declared units. `None` if the rule holds for all combinations.
     pub fn fault(&self, ranges: &[Option<(f64, f64)>]) -> Option<RangeFault> {
         let mut combinations = self.combinations(ranges).into_iter();
-        let combination = combinations.find(|combination| self.excess(combination) > 0.0)?;
+        let combination = combinations.find(|combination| self.excess(combination) != 0.0)?;
         let named = |(index, value): &(usize, f64)| {
             let (name, _) = self.patch.parameters.get_index(*index)?;
             Some((name.clone(), *value))
@@ -352,13 +353,14 @@ impl<'c> Rule<'c> {
         }
     }
 
-    /// By how much a finite value breaks the rule. 0 if it does not.
+    /// By how much a finite value breaks the rule: negative if it is too small. 0 if it does not.
     fn excess(&self, value: f64) -> f64 {
         match self {
             Rule::Permitted { row, .. } if row.is_allowed(value) => 0.0,
-            Rule::Permitted { row, .. } => (row.range.0 - value).max(value - row.range.1),
+            Rule::Permitted { row, .. } if value < row.range.0 => value - row.range.0,
+            Rule::Permitted { row, .. } => value - row.range.1,
             Rule::Order { may_be_equal, .. } if value > 0.0 || (*may_be_equal && value == 0.0) => 0.0,
-            Rule::Order { .. } => (-value).max(f64::MIN_POSITIVE),
+            Rule::Order { .. } => value.min(-f64::MIN_POSITIVE),
             Rule::Level { limit, .. } if value <= limit * (1.0 + ROUNDING) => 0.0,
             Rule::Level { limit, .. } => value - limit,
         }

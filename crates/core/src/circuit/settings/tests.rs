@@ -181,7 +181,7 @@ fn a_check_measures_by_how_much_a_rule_is_broken() {
     assert_eq!(checks.len(), 1);
     assert_eq!(checks[0].parameters(), [0, 2]);
     assert_eq!(checks[0].excess(&[(0, 3.0)]), 0.5);
-    assert_eq!(checks[0].excess(&[(0, -3.0), (2, 2.0)]), 1.5);
+    assert_eq!(checks[0].excess(&[(0, -3.0), (2, 2.0)]), -1.5);
     assert_eq!(checks[0].excess(&[(0, 3.0), (2, 3.0)]), 0.0);
     assert_eq!(checks[0].excess(&[(2, 0.0)]), f64::INFINITY);
     let ranges = |low: f64| [Some((0.0, 3.0)), None, Some((low, 4.0))];
