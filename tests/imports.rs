@@ -39,7 +39,26 @@ const MODULES: [(&str, &[&str]); 7] = [
             "run_settings",
         ],
     ),
-    ("equations", &["notation", "symbolic", "derive", "writing", "compare", "fixes", "findings", "static_check", "scaling_audit", "listing", "plan", "peaks"]),
+    (
+        "equations",
+        &[
+            "notation",
+            "symbolic",
+            "derive",
+            "writing",
+            "compare",
+            "fixes",
+            "findings",
+            "static_check",
+            "scaling_audit",
+            "listing",
+            "graph",
+            "peaks",
+            "plan",
+            "synthesis",
+            "scaled",
+        ],
+    ),
     ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),
     (
         "draw",
@@ -230,7 +249,8 @@ fn after_generics(text: &str) -> &str {
 }
 
 /// Types of core that a later module constructs, because it needs a circuit: module and type.
-const CONSTRUCTED_ABOVE: [(&str, &str); 2] = [("lower", "Program"), ("run_settings", "RunSettings")];
+const CONSTRUCTED_ABOVE: [(&str, &str); 3] =
+    [("lower", "ElementLaws"), ("lower", "Program"), ("run_settings", "RunSettings")];
 
 /// If a module adds methods to a type of another, the other can call upwards without an import.
 #[test]

@@ -12,6 +12,7 @@ use super::failure::{Failure, eprint_report};
 use super::load::{LoadedPatch, ParameterDocument, PatchArguments, problem_check};
 use super::overloads::{OverloadDocument, overload_lines};
 use super::requested_checks::{RequestedChecks, RequestedDocument};
+use super::start_warnings::start_warnings;
 use super::static_check::{StaticReport, TestArguments};
 use super::table::Table;
 use super::times::advice;
@@ -60,6 +61,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let mut further = equations.findings;
     let problem = check_problem(&circuit, &program)?;
     further.extend(problem.growth.clone());
+    further.extend(start_warnings(&circuit, &program));
     eprint_report(&Report::new(&warnings.file, circuit.patch().text(), further.clone()));
     warnings.findings.extend(further);
     if arguments.patch.json {

@@ -36,6 +36,7 @@ mod linear_document;
 mod linear_report;
 mod linearise;
 mod load;
+mod low_peaks;
 mod machines;
 mod man;
 mod new;
@@ -56,11 +57,13 @@ mod replay;
 mod requested_checks;
 mod run;
 mod run_report;
+mod scale;
 mod scaling_report;
 mod slideway;
 mod slideway_document;
 mod slideway_report;
 mod standard_streams;
+mod start_warnings;
 mod static_check;
 mod step_warning;
 mod streamed_tables;
@@ -100,6 +103,8 @@ struct Arguments {
 enum Command {
     /// Write an annotated first patch as a starting point
     New(new::Arguments),
+    /// Make a patch from equations: scales, gains, pots and wiring
+    Scale(scale::Arguments),
     /// Check a patch and report all errors at once
     Check(check::Arguments),
     /// Run a patch: print readings, write a CSV table, draw scope pictures
@@ -172,6 +177,7 @@ fn run_command(command: &Command) -> Result<(), Failure> {
     progress::check_interval()?;
     match command {
         Command::New(arguments) => new::new(arguments),
+        Command::Scale(arguments) => scale::scale(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Run(arguments) => run::run(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),

@@ -6,10 +6,13 @@ use serde::Serialize;
 
 use super::failure::Failure;
 use super::files::quoted;
+use super::load::problem_check;
 use super::standard_streams::is_dash;
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
-use patchcord::instruments::overload_demand;
+use patchcord::instruments::{overload_demand, overload_remedy};
+use patchcord::ir::Program;
+use patchcord::linear::{GrowingLoop, check_size, unintended_growth};
 use patchcord::trace::{LimitDrive, Overload, StepCause, StepWarning, Trace};
 
 /// The codes that begin and end the colour of overloads on a terminal: bold red, as for errors.
@@ -36,36 +39,45 @@ fn overload_text(order: usize, overload: &Overload) -> String {
 
 /// What to do about the first overload of a run, in one line. Empty if there is none. `patch` is the path of the patch.
 ///
-/// The line names the scale of the overloaded amplifier, if a signal there has one. It names the command that compares
-/// scales only if the patch is a file: standard input cannot be read again. If the solver is unstable, the overload may
-/// be false. Then the text is empty, because the advice about the step comes first.
-pub(super) fn overload_advice(trace: &Trace, circuit: &Circuit, patch: &Path) -> String {
+/// If a loop that amplifies deviations can be the cause, the line names the loop: a larger scale would only delay the
+/// overload. Otherwise it has a scale or gains with their new values. It names a command only if the patch is a file:
+/// standard input cannot be read again. If the solver is unstable, the overload may be false. Then the text is empty,
+/// because the advice about the step comes first.
+pub(super) fn overload_advice(
+    trace: &Trace,
+    (circuit, program): (&Circuit, &Program),
+    patch: &Path,
+) -> String {
     let is_unstable = |warning: &StepWarning| matches!(warning.cause, StepCause::Unstable(_));
     if trace.step_warning.as_ref().is_some_and(is_unstable) {
         return String::new();
     }
-    let Some(Overload { element, .. }) = trace.overloads().next() else { return String::new() };
-    let mut signals = circuit.signals().iter();
-    let scaled = signals.find_map(|point| {
-        let scale = point.scale.filter(|_| circuit.element(point.element).name == *element)?;
-        Some((&point.name, circuit.derived(scale).0))
-    });
-    let remedy = match scaled {
-        Some((signal, scale)) => {
-            let place = if signal == element { String::new() } else { format!(" at {element}") };
-            format!("enlarge \"per_volt\" of \"{scale}\", the scale of {signal}{place}, and adapt the gains")
+    let Some(first) = trace.overloads().next() else { return String::new() };
+    let command = |options: &str, purpose: &str| {
+        let patch = escape_controls(&quoted(patch));
+        format!("; `patchcord check {patch}{options}` {purpose}")
+    };
+    let (remedy, command) = match growing_loop_behind(circuit, program, first) {
+        Some(growing) => {
+            let remedy = format!("{}, and a larger scale only delays this", growing.description());
+            (remedy, command("", "says how to correct it"))
         }
         None => {
-            format!("reduce the gains into {element}, or enlarge the scale of the quantity that it computes")
+            let remedy = overload_remedy(circuit, trace).unwrap_or_default();
+            (remedy, command(" --scaling", "compares scales and gains"))
         }
     };
-    let command = if is_dash(patch) {
-        String::new()
-    } else {
-        let patch = escape_controls(&quoted(patch));
-        format!("; `patchcord check {patch} --scaling` compares scales and gains")
-    };
+    let command: &str = if is_dash(patch) { "" } else { &command };
     format!("  = help: {remedy}{command}\n")
+}
+
+/// The loop of integrators that amplifies deviations and can have caused an overload. `None` if there is none, or if
+/// it is intended.
+fn growing_loop_behind(circuit: &Circuit, program: &Program, overload: &Overload) -> Option<GrowingLoop> {
+    check_size(program).ok()?;
+    let machine = problem_check(circuit, program).ok()?;
+    let growing = unintended_growth(circuit, &machine.state_space())?;
+    growing.explains(circuit, &overload.element, overload.time).then_some(growing)
 }
 
 /// The failure of a run with overloads, with an exit code of its own. None if there is no overload.

@@ -1,11 +1,11 @@
 //! `patchcord run`
 //!
-//! The text output has the title, the parameters, the table of readings, the phases, the overloads and the files. The
-//! last line is a summary. With `--verbose` the work of the solver is added. An overload fails the command only with
-//! `--fail-on-overload`, after everything is written and printed. If a run stops with an error, the samples before the
-//! error are still written to the files, and the overloads before it are printed. Without pictures, and if a long run
-//! has pictures against time only, the table is written during the run, so that the memory of the run does not grow
-//! with its rows.
+//! The text output has the title, the parameters, the table of readings, the phases, the overloads, the amplifiers with
+//! low peaks, and the files. The last line is a summary. With `--verbose` the work of the solver is added. An overload
+//! fails the command only with `--fail-on-overload`, after everything is written and printed. If a run stops with an
+//! error, the samples before the error are still written to the files, and the overloads before it are printed. Without
+//! pictures, and if a long run has pictures against time only, the table is written during the run, so that the memory
+//! of the run does not grow with its rows.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -17,6 +17,7 @@ use super::doubts::eprint_doubts;
 use super::failure::Failure;
 use super::files::{FileArguments, Files, path_texts, written_paragraph};
 use super::load::{LoadedPatch, PatchArguments, PatchDocument, heading};
+use super::low_peaks::{LowPeakDocument, low_peaks_text};
 use super::numbers::repetitions;
 use super::overloads::{OverloadDocument, overload_advice, overload_failure};
 use super::phases::{PhaseDocument, phase_prefix, phases_text};
@@ -24,6 +25,7 @@ use super::pictures::advice_on_samples;
 use super::readings::{ReadingDocument, SensitivityDocument, readings_text};
 use super::recording::record;
 use super::run_report::{overloads_text, summary_text, work_text};
+use super::start_warnings::report_start_warnings;
 use super::step_warning::{StepWarningDocument, step_warning_text};
 use super::streamed_tables::StreamedTables;
 use super::times::{
@@ -76,7 +78,8 @@ fn name(text: &str) -> Result<String, String> {
 /// Files are checked before the run, and appear under their names after it. The JSON document is printed last.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let loaded = arguments.patch.load_for(|plan| arguments.times.plan(plan))?;
-    let LoadedPatch { circuit, program, warnings } = loaded;
+    let LoadedPatch { circuit, program, mut warnings } = loaded;
+    report_start_warnings(&circuit, &program, &mut warnings);
     let mut files = arguments.files.files(&arguments.patch, &circuit)?;
     let mut settings = arguments.settings(&circuit, &program)?;
     files.plan_pictures(&arguments.patch.patch, &circuit, &settings)?;
@@ -95,14 +98,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let written = files.write(&trace, &circuit, streamed)?;
     let failure = overload_failure(&trace).filter(|_| arguments.fail_on_overload);
     if arguments.patch.json {
-        let document = Document::new(&settings, &trace, samples, &written);
+        let document = Document::new(&circuit, &settings, &trace, (samples, &written));
         let document = PatchDocument::new(&circuit, &warnings, document);
         return match failure {
             None => print_json(&document),
             Some(failure) => Err(failure.with_document(&document)?),
         };
     }
-    arguments.print_results(&circuit, &settings, &trace, (&written, elapsed))?;
+    arguments.print_results((&circuit, &program), &settings, &trace, (&written, elapsed))?;
     failure.map_or(Ok(()), Err)
 }
 
@@ -112,12 +115,12 @@ impl Arguments {
     /// printed.
     fn print_results(
         &self,
-        circuit: &Circuit,
+        (circuit, program): (&Circuit, &Program),
         settings: &RunSettings,
         trace: &Trace,
         (written, elapsed): (&[PathBuf], Duration),
     ) -> Result<(), Failure> {
-        let advice = overload_advice(trace, circuit, &self.patch.patch);
+        let advice = overload_advice(trace, (circuit, program), &self.patch.patch);
         if self.files.prints_table() {
             eprint_doubts(trace, &(overloads_text(trace, errors_in_colour()) + &advice));
             return Ok(());
@@ -127,11 +130,12 @@ impl Arguments {
         let work = self.times.step_text(settings) + &work;
         let overloads = overloads_text(trace, output_in_colour());
         let warning = trace.step_warning.as_ref().map(step_warning_text).unwrap_or_default();
+        let low_peaks = low_peaks_text(circuit, trace);
         let hint = if self.files.draw() { "" } else { NO_PICTURE };
-        if [&*work, &*overloads, &*warning, hint].iter().any(|text| !text.is_empty()) {
+        if [&*work, &*overloads, &*warning, &*low_peaks, hint].iter().any(|text| !text.is_empty()) {
             print(&format!("\n{work}"))?;
             print_coloured(&overloads)?;
-            print(&format!("{advice}{warning}{hint}"))?;
+            print(&format!("{advice}{warning}{low_peaks}{hint}"))?;
         }
         print(&(written_paragraph(written.iter()) + &summary_text(trace, elapsed)))
     }
@@ -149,6 +153,7 @@ impl Arguments {
         }
         settings.sensitivities = self.parameters(circuit)?;
         settings.checks_steps = true;
+        settings.finds_amplifier_peaks = true;
         settings.block_samples = Some(BLOCK_SAMPLES);
         settings.check().map_err(|error| self.failure(&error, circuit))?;
         Ok(settings)
@@ -293,6 +298,7 @@ struct Document<'a> {
     repetitions: Vec<RepetitionDocument<'a>>,
     phases: Vec<PhaseDocument<'a>>,
     step_warning: Option<StepWarningDocument<'a>>,
+    low_peaks: Vec<LowPeakDocument<'a>>,
     files: Vec<String>,
 }
 
@@ -322,7 +328,12 @@ struct RepetitionDocument<'a> {
 
 impl<'a> Document<'a> {
     /// The document of a run with this number of samples. `written` are the files.
-    fn new(settings: &RunSettings, trace: &'a Trace, samples: usize, written: &[PathBuf]) -> Self {
+    fn new(
+        circuit: &Circuit,
+        settings: &RunSettings,
+        trace: &'a Trace,
+        (samples, written): (usize, &[PathBuf]),
+    ) -> Self {
         Document {
             run: SettingsDocument {
                 times: TimesDocument::of(settings),
@@ -335,6 +346,7 @@ impl<'a> Document<'a> {
             repetitions: RepetitionDocument::all(trace),
             phases: PhaseDocument::all(trace),
             step_warning: trace.step_warning.as_ref().map(StepWarningDocument::of),
+            low_peaks: LowPeakDocument::all(circuit, trace),
             files: path_texts(written),
         }
     }

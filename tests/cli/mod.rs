@@ -28,6 +28,7 @@ mod sweep;
 mod sweep_killed;
 mod sweep_page;
 mod tips;
+mod traps;
 
 use std::fs;
 use std::process::Output;

@@ -60,6 +60,10 @@ fn an_overload_with_an_unknown_demand_does_not_depend_on_the_length_of_the_run()
     assert_eq!((&overload["driven"]["limit"], &overload["driven"]["to_end"]), (&100.0.into(), &true.into()));
 }
 
+/// The advice for an overload of A in this patch.
+pub(super) const HALVED_GAINS: &str = "make A 2 times smaller: put a pot of 0.5 between -100 and A, put a pot of 0.5 \
+                                       between N and A; then multiply by 2 where other amplifiers use it";
+
 #[test]
 fn a_run_with_overloads_says_once_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
@@ -69,11 +73,13 @@ fn a_run_with_overloads_says_once_what_to_do() {
     fs::write(&scaled, FEEDBACK_WITH_MEMORY.replace("\"record\": [\"A\"]", signal)).unwrap();
     fs::write(&bare, FEEDBACK_WITH_MEMORY).unwrap();
     let advice = |file: &str, remedy: &str| {
-        format!("  = help: {remedy}; `patchcord check {file} --scaling` compares scales and gains\n")
+        let guess =
+            "the voltage that A needs is not known, so repeat the run and the change until no lamp lights";
+        format!("  = help: {remedy}; {guess}; `patchcord check {file} --scaling` compares scales and gains\n")
     };
-    let of_scale = "enlarge \"per_volt\" of \"position\", the scale of x at A, and adapt the gains";
-    let of_gains = "reduce the gains into A, or enlarge the scale of the quantity that it computes";
-    for (file, remedy) in [(&scaled, of_scale), (&bare, of_gains)] {
+    let of_scale = "let 1 V of x at A represent 2 times as much (\"per_volt\": 2 in place of 1 in the scale \"position\"), \
+                    and adapt the gains";
+    for (file, remedy) in [(&scaled, of_scale), (&bare, HALVED_GAINS)] {
         let text = out(&patchcord(&["run", file, "--repeat", "2"]));
         assert!(text.contains("run 2: overload: A"), "{text}");
         assert_eq!(text.matches(&advice(file, remedy)).count(), 1, "{text}");

@@ -6,7 +6,7 @@ use std::process::Output;
 
 use assert_cmd::Command;
 
-use super::run::FEEDBACK_WITH_MEMORY;
+use super::run::{FEEDBACK_WITH_MEMORY, HALVED_GAINS};
 use super::sweep::driven;
 use super::{FIG_8_16, SPRING, code, errors, json, out, patchcord, path, spring};
 
@@ -57,8 +57,10 @@ fn a_table_on_standard_output_has_its_overloads_on_standard_error() {
 #[test]
 fn the_advice_about_overloads_of_standard_input_names_no_command() {
     let shown = out(&patchcord_reading(FEEDBACK_WITH_MEMORY, &["run", "-"]));
-    let advice = "  = help: reduce the gains into A, or enlarge the scale of the quantity that it computes\n";
-    assert!(shown.contains(advice), "{shown}");
+    let advice = format!(
+        "  = help: {HALVED_GAINS}; the voltage that A needs is not known, so repeat the run and the "
+    );
+    assert!(shown.contains(&advice), "{shown}");
     assert!(!shown.contains("--scaling"), "{shown}");
 }
 

@@ -38,6 +38,7 @@ impl RunSettings {
             hold_on_overload: plan.hold_on_overload,
             has_lamps: true,
             checks_steps: false,
+            finds_amplifier_peaks: false,
             block_samples: None,
             record: circuit.recorded_signals(),
             sensitivities: circuit.sensitivity_parameters(),

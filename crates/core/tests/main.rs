@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod allocation;
+mod amplifier_peaks;
 mod backends;
 mod bad_patches;
 mod blocks;

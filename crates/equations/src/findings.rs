@@ -5,7 +5,7 @@ use patchcord_core::document::Diagnostic;
 use patchcord_core::ir::Program;
 
 use crate::compare::{Agreement, ComparedEquation};
-use crate::fixes::{Fix, MOST_FIXES, find_fixes};
+use crate::fixes::{Fix, MAX_FIXES, find_fixes};
 
 /// The codes of equations and of problems.
 pub mod codes {
@@ -26,11 +26,13 @@ pub mod codes {
             "multiply the equation by the divisor, or end the run earlier";
         LONG_SOLUTION "long-solution" Error "The numerical solution of a problem takes too many evaluations."
             "end the run earlier, or state a \"maximum\" for each quantity";
+        NO_CIRCUIT "no-circuit" Error "A part of a problem has no circuit with these values and scales."
+            "give the quantity another \"maximum\", or write the equation in another form";
     }
 }
 
-/// The diagnostics of compared equations, in their order. Each lists at
-/// most three single changes after which the wiring solves its equation.
+/// The diagnostics of compared equations, in their order. Each lists at most three single changes after which the wiring
+/// solves its equation.
 pub fn equation_findings(
     circuit: &Circuit,
     program: &Program,
@@ -51,44 +53,48 @@ pub fn findings_with_fixes(
 /// The single changes after which the wiring solves compared equations that it does not solve. The likeliest comes
 /// first. Empty if it solves them all.
 pub fn equation_fixes(circuit: &Circuit, program: &Program, compared: &[ComparedEquation]) -> Vec<Fix> {
-    let [mut unsolved, mut solved] = [Vec::new(), Vec::new()];
-    for compared in compared {
-        match compared.agreement {
-            Agreement::Different { .. } => unsolved.push(compared.index),
-            Agreement::Solved | Agreement::SolvedIf(_) | Agreement::SolvedAt(_) => {
-                solved.push(compared.index)
-            }
-            Agreement::Undecided(_) => {}
-        }
-    }
-    if unsolved.is_empty() { Vec::new() } else { find_fixes(circuit, program, &unsolved, &solved) }
+    let is_solved = |compared: &ComparedEquation| {
+        matches!(compared.agreement, Agreement::Solved | Agreement::SolvedIf(_))
+    };
+    if compared.iter().all(is_solved) { Vec::new() } else { find_fixes(circuit, program, compared) }
 }
 
 /// The diagnostic of an equation; `None` if the wiring solves it.
 fn finding(circuit: &Circuit, compared: &ComparedEquation, fixes: &[Fix]) -> Option<Diagnostic> {
     let span = circuit.equations()[compared.index].span;
+    let remedy = remedy(compared, fixes);
     match &compared.agreement {
         Agreement::Different { differences, wired } => {
             let message = format!("the wiring does not solve this equation: {}", differences.join("; "));
-            let own = fixes.iter().filter(|fix| fix.solves.contains(&compared.index));
-            let descriptions: Vec<&str> = own.take(MOST_FIXES).map(|fix| fix.description.as_str()).collect();
-            let remedy = match descriptions.as_slice() {
-                [] => String::new(),
-                [only] => format!(". This change corrects it: {only}"),
-                several => format!(". Any of these changes corrects it: {}", several.join("; or ")),
-            };
-            let hint = format!("the wiring solves {wired}{remedy}");
+            let hint = format!("the wiring solves {wired}{}", remedy.unwrap_or_default());
             Some(Diagnostic::at(codes::NOT_SOLVED, span, message).hint(hint))
         }
         Agreement::Undecided(reason) => {
             let message = format!("this equation is not compared with the wiring: {reason}");
-            Some(Diagnostic::at(codes::NOT_COMPARED, span, message))
+            Some(with_remedy(Diagnostic::at(codes::NOT_COMPARED, span, message), remedy))
         }
         Agreement::SolvedAt(names) => {
             let names = names.join(", ");
             let message = format!("the wiring solves this equation for the present values of {names} only");
-            Some(Diagnostic::at(codes::SOLVED_AT, span, message))
+            Some(with_remedy(Diagnostic::at(codes::SOLVED_AT, span, message), remedy))
         }
         Agreement::Solved | Agreement::SolvedIf(_) => None,
     }
+}
+
+/// The changes after which the wiring solves an equation, as a sentence that follows a hint. `None` if there are none.
+fn remedy(compared: &ComparedEquation, fixes: &[Fix]) -> Option<String> {
+    let own = fixes.iter().filter(|fix| fix.solves.contains(&compared.index));
+    let descriptions: Vec<&str> = own.take(MAX_FIXES).map(|fix| fix.description.as_str()).collect();
+    match descriptions.as_slice() {
+        [] => None,
+        [only] => Some(format!(". This change corrects it: {only}")),
+        several => Some(format!(". Any of these changes corrects it: {}", several.join("; or "))),
+    }
+}
+
+/// A diagnostic with the advice of its code, followed by changes that correct the equation.
+fn with_remedy(diagnostic: Diagnostic, remedy: Option<String>) -> Diagnostic {
+    let hint = remedy.map(|remedy| format!("{}{remedy}", diagnostic.advice()));
+    diagnostic.maybe_hint(hint)
 }

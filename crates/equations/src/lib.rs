@@ -26,6 +26,7 @@ mod compare;
 mod derive;
 mod findings;
 mod fixes;
+mod graph;
 mod listing;
 mod notation;
 mod peaks;
@@ -50,10 +51,10 @@ pub use notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
     equation_latex, equation_text, latex, text,
 };
+pub use scaled::{
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+};
 pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
 pub use static_check::{
     RowQuantity, RowSource, StaticCheck, StaticRow, TestError, TestValue, TestValues, static_check, test_unit,
-};
-pub use scaled::{
-    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
 };

@@ -1,4 +1,5 @@
-//! Patches whose wiring does not solve their equations, and typical mistakes of beginners.
+//! Patches whose wiring does not solve their equations, typical mistakes of beginners, and problems that cannot be
+//! scaled.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -7,8 +8,10 @@ use crate::files::{assert_up_to_date, json_files_in, repository_path};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Report};
 use patchcord_core::ir::Program;
-use patchcord_core::patch::Patch;
-use patchcord_equations::{codes, compare_equations, equation_findings};
+use patchcord_core::patch::{Patch, Problem};
+use patchcord_equations::{
+    ScaleError, ScaleOptions, codes, compare_equations, equation_findings, scale_problem,
+};
 
 /// The patches of a folder of this crate's tests.
 fn patches(folder: &str) -> Vec<PathBuf> {
@@ -31,6 +34,33 @@ fn report(path: &Path) -> Report {
     checked().unwrap_or_else(|report| *report)
 }
 
+/// The bad problems.
+fn problems() -> Vec<PathBuf> {
+    json_files_in(&repository_path("crates/equations/tests/problems"))
+}
+
+/// The faults of a problem that cannot be scaled.
+fn problem_report(path: &Path) -> Report {
+    let text = std::fs::read_to_string(path).unwrap();
+    let file = path.file_name().unwrap().to_str().unwrap();
+    let problem = Problem::parse(file, &text).unwrap_or_else(|report| panic!("{report}"));
+    match scale_problem(&problem, &ScaleOptions::default()) {
+        Err(ScaleError::Problem(report)) => *report,
+        Err(error) => panic!("{file}: {error}"),
+        Ok(_) => panic!("{file} has a patch"),
+    }
+}
+
+#[test]
+fn every_bad_problem_has_its_report() {
+    for path in problems() {
+        let stem = path.file_stem().unwrap().to_str().unwrap();
+        let expected = format!("crates/equations/tests/problems/{stem}.txt");
+        let report = format!("{}\n", problem_report(&path));
+        assert_up_to_date(&expected, report.as_bytes(), "patchcord-equations");
+    }
+}
+
 #[test]
 fn every_bad_patch_has_its_report() {
     for folder in ["bad", "traps"] {
@@ -43,9 +73,10 @@ fn every_bad_patch_has_its_report() {
 }
 
 #[test]
-fn every_code_has_a_bad_patch() {
-    let found: HashSet<Code> =
-        patches("bad").iter().flat_map(|path| report(path).findings).map(|finding| finding.code).collect();
+fn every_code_has_a_bad_patch_or_problem() {
+    let of_patches = patches("bad").into_iter().flat_map(|path| report(&path).findings);
+    let of_problems = problems().into_iter().flat_map(|path| problem_report(&path).findings);
+    let found: HashSet<Code> = of_patches.chain(of_problems).map(|finding| finding.code).collect();
     for code in codes::ALL {
         assert!(found.contains(code), "{}", code.as_str());
     }

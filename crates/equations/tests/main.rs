@@ -10,3 +10,4 @@ mod compare;
 mod files;
 mod listing;
 mod mistakes;
+mod scale;

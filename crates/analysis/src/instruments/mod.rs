@@ -2,7 +2,8 @@
 //!
 //! An instrument is a function of plain slices (time, values, settings) in a file of the same name. It returns a struct
 //! of numbers or an error that says why the samples do not show the quantity. `measure` gives the instruments short
-//! names for sweeps ("peak:v_o"). `log` describes phases for people.
+//! names for sweeps ("peak:v_o"). `log` describes phases for people. `low_peaks` and `overload_remedy` find amplifiers that
+//! use too little or too much of their range, and `rescaling` has the changes that correct this.
 
 mod critical_range;
 mod critical_velocity;
@@ -12,11 +13,14 @@ mod first_oscillation;
 mod friction_loop;
 mod harmonic;
 mod log;
+mod low_peaks;
 mod measure;
 mod oscillation;
 mod overload_demand;
+mod overload_remedy;
 mod parameters;
 mod profile;
+mod rescaling;
 mod ringing;
 mod sensitivity;
 mod signal_fault;
@@ -34,14 +38,19 @@ pub use first_oscillation::{FirstOscillation, FirstOscillationError, first_oscil
 pub use friction_loop::{FrictionLoop, FrictionLoopError, LoopSense, friction_loop};
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
 pub use log::{phase_description, phase_end_description, unmet_condition};
+pub use low_peaks::{LOW_PEAK, low_peak_remedy, low_peaks};
 pub(crate) use measure::ColumnContent;
 pub use measure::{Measure, MeasureColumn, MeasureError, MeasureValue, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use overload_demand::overload_demand;
+pub use overload_remedy::overload_remedy;
 pub use parameters::parameter_line;
 pub use profile::{
     MissingPointError, ProfileCriterion, ProfileError, ProfilePoint, ProfileSection, RampDirection,
     VelocityProfile, velocity_profile,
+};
+pub(crate) use rescaling::{
+    Rescaling, element_index, inverted_by, scale_change, scaled_signal, smaller_output,
 };
 pub use ringing::{Ringing, RingingError, ringing};
 pub use sensitivity::{Sensitivity, sensitivities};

@@ -4,9 +4,9 @@
 //! it. Some circuits are meant to grow, such as an oscillator with an energy supply, so only a motion that does grow at
 //! the operating point is reported, with a loop of positive feedback that can be its cause.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 
-use super::{LinearError, roots};
+use super::{LinearError, codes, roots};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
 use patchcord_core::ir::StateSpace;
@@ -21,37 +21,54 @@ pub struct GrowingLoop {
     pub rate: f64,
 }
 
-/// The codes of the linear analysis.
-pub mod codes {
-    patchcord_core::diagnostic_codes! {
-        /// All codes of the linear analysis.
-        self::ALL;
-        GROWING_LOOP "growing-loop" Warning "A loop of integrators amplifies deviations, and a motion grows."
-            "take one cord from an inverted output; if the growth is intended, state the equations of the patch, or \
-             write \"positive_feedback\": true";
+impl GrowingLoop {
+    /// The loop and its growth in words: "the loop A1 -> B1 ... grows, by a factor of e in 0.2 s".
+    pub fn description(&self) -> String {
+        format!(
+            "the loop {} inverts an even number of times, so a deviation grows, by a factor of e in {} s",
+            self.elements.join(" -> "),
+            format_significant(1.0 / self.rate, 3)
+        )
+    }
+
+    /// Whether the loop can have caused what an element does at a time in seconds: the element is in the loop or a chain
+    /// of cords leads from the loop to it, and the motion has grown by half until then.
+    pub fn explains(&self, circuit: &Circuit, element: &str, time: f64) -> bool {
+        let all = circuit.elements();
+        let Some(element) = all.iter().position(|entry| entry.name == element) else { return false };
+        let is_in_loop = |index: usize| self.elements.contains(&all[index].name);
+        let (mut open, mut seen) = (vec![element], HashSet::from([element]));
+        while let Some(index) = open.pop() {
+            if is_in_loop(index) {
+                return self.rate * time >= LEAST_GROWTH_EXPONENT;
+            }
+            open.extend(circuit.cords(index).iter().map(|(from, _)| *from).filter(|from| seen.insert(*from)));
+        }
+        false
     }
 }
 
-/// The warning about a loop that amplifies deviations. `None` if there is none, if it is intended, or if the patch states
-/// its equations: these are compared with the wiring.
-pub fn growth_warning(circuit: &Circuit, model: &StateSpace) -> Option<Diagnostic> {
+/// The loop that amplifies deviations. `None` if there is none, if it is intended, or if the patch states its equations:
+/// these are compared with the wiring.
+pub fn unintended_growth(circuit: &Circuit, model: &StateSpace) -> Option<GrowingLoop> {
     let patch = circuit.patch();
     if patch.positive_feedback || !patch.equations.is_empty() {
         return None;
     }
-    let GrowingLoop { elements, rate } = growing_loop(circuit, model).ok()??;
-    let first = elements.first()?;
-    let message = format!(
-        "the loop {} inverts an even number of times, so a deviation grows, by a factor of e in {} s",
-        elements.join(" -> "),
-        format_significant(1.0 / rate, 3)
-    );
-    let entry = patch.elements.get(first)?;
-    Some(Diagnostic::at(codes::GROWING_LOOP, entry.span, message))
+    growing_loop(circuit, model).ok()?
+}
+
+/// The warning about a loop that amplifies deviations. `None` if there is no [unintended loop](unintended_growth).
+pub fn growth_warning(circuit: &Circuit, model: &StateSpace) -> Option<Diagnostic> {
+    let growing = unintended_growth(circuit, model)?;
+    let entry = circuit.patch().elements.get(growing.elements.first()?)?;
+    Some(Diagnostic::at(codes::GROWING_LOOP, entry.span, growing.description()))
 }
 
 /// Growth below this share of the natural frequency counts as rounding.
 const LEAST_GROWTH: f64 = 1e-6;
+/// Growth rate times time from which a growing loop can be the cause of an overload: the motion has grown by half.
+const LEAST_GROWTH_EXPONENT: f64 = 0.4;
 /// Most integrators of a loop that is looked for. Sign errors make short loops.
 const LONGEST_LOOP: usize = 4;
 /// Most integrators of a circuit that is searched.
@@ -140,14 +157,19 @@ fn elements_of(circuit: &Circuit, states: &[&str]) -> Vec<String> {
     for (position, state) in states.iter().enumerate() {
         let next = states[(position + 1) % states.len()];
         names.push((*state).to_owned());
-        let between = shortest_path(circuit, indices[state], indices[next]);
+        let between = shortest_path(circuit, [indices[state], indices[next]], |_| true);
         names.extend(between.into_iter().map(|element| elements[element].name.clone()));
     }
     names
 }
 
-/// The elements between two integrators, in the direction of the signal, by the fewest cords.
-fn shortest_path(circuit: &Circuit, from: usize, to: usize) -> Vec<usize> {
+/// The permitted elements between two elements, in the direction of the signal, by the fewest cords. Empty if there is no
+/// path.
+pub(super) fn shortest_path(
+    circuit: &Circuit,
+    [from, to]: [usize; 2],
+    is_permitted: impl Fn(usize) -> bool,
+) -> Vec<usize> {
     // For each element that was reached against the direction of the signal, the element that it drives.
     let mut driven: HashMap<usize, usize> = HashMap::new();
     let mut open = VecDeque::from([to]);
@@ -157,7 +179,7 @@ fn shortest_path(circuit: &Circuit, from: usize, to: usize) -> Vec<usize> {
                 let path = std::iter::successors(Some(element), |element| driven.get(element).copied());
                 return path.take_while(|element| *element != to).collect();
             }
-            if source != to && !driven.contains_key(&source) {
+            if source != to && is_permitted(source) && !driven.contains_key(&source) {
                 driven.insert(source, element);
                 open.push_back(source);
             }
@@ -204,6 +226,16 @@ mod tests {
         let supply = found(&spring("B2", "B1")).unwrap();
         assert_eq!(supply.elements, ["A1", "B1", "PC"]);
         assert!((supply.rate - 0.25).abs() < 1e-9, "{}", supply.rate);
+    }
+
+    #[test]
+    fn a_growing_loop_explains_what_it_drives_after_some_time() {
+        let patch = spring("A2", "A1");
+        let circuit = Circuit::new(&patch).unwrap();
+        let growing = found(&patch).unwrap();
+        // The rate is 1.8/s. B1 is not in the loop, but A1 drives it.
+        assert!(growing.explains(&circuit, "A2", 0.5) && growing.explains(&circuit, "B1", 0.5));
+        assert!(!growing.explains(&circuit, "A2", 0.1) && !growing.explains(&circuit, "+100", 0.5));
     }
 
     #[test]

@@ -2,22 +2,26 @@
 //!
 //! All functions are pure functions of a [`StateSpace`](patchcord_core::ir::StateSpace), which
 //! [`Machine::state_space`](patchcord_core::solve::Machine::state_space) computes. `roots` gives the natural modes,
-//! `eigenvalues` does the numerical work for them. `growth` finds the loop behind a motion that grows. `response` gives gain and phase over the frequencies of a `band`,
-//! and `phase` makes the phase continuous.
+//! `eigenvalues` does the numerical work for them. `growth` finds the loop behind a motion that grows, and `start` the traps
+//! at the start of a run. `response` gives gain and phase over the frequencies of a `band`, and `phase` makes the phase
+//! continuous.
 
 mod band;
+pub mod codes;
 mod eigenvalues;
 mod error;
 mod growth;
 mod phase;
 mod response;
 mod roots;
+mod start;
 
 pub use band::FrequencyBand;
 pub use error::LinearError;
-pub use growth::{GrowingLoop, codes, growing_loop, growth_warning};
+pub use growth::{GrowingLoop, growing_loop, growth_warning, unintended_growth};
 pub use response::{FrequencyResponse, ResponsePoint, TransferFunction};
 pub use roots::{Root, Stability, fastest_state, roots};
+pub use start::start_warnings;
 
 use patchcord_core::ir::Program;
 

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::op::Sources;
-use super::{Delay, Mode, Op, ParameterValue, Program, ProgramPoint, Register, SignalInfo, State};
+use super::{Mode, Op, ParameterValue, Program, ProgramPoint, Register, SignalInfo, State};
 
 /// The laws of all elements of a circuit, each as operations on the voltages at its own inputs.
 ///
@@ -85,11 +85,6 @@ impl ElementLaws {
     /// The modes; the index is the one in [`Op::Mode`].
     pub fn modes(&self) -> &[Mode] {
         &self.parts.lowered.modes
-    }
-
-    /// The delay lines; the index is the one in [`Op::Delayed`].
-    pub fn delays(&self) -> &[Delay] {
-        &self.parts.lowered.delays
     }
 
     /// The signals. Their registers are outputs of elements.

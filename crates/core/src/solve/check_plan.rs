@@ -33,7 +33,11 @@ impl CheckPlan {
     /// The plan of a run that takes this number of steps if no phase ends early.
     pub(super) fn new(run_steps: u64) -> Self {
         let (least, most, total) = CHECKED_STEPS;
-        let checks = (total / run_steps.max(1)).clamp(least, most);
+        CheckPlan::with_checks(run_steps, (total / run_steps.max(1)).clamp(least, most))
+    }
+
+    /// The same with another number of checks.
+    pub(super) fn with_checks(run_steps: u64, checks: u64) -> Self {
         CheckPlan {
             run_steps,
             checks,

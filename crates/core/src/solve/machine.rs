@@ -5,6 +5,7 @@
 //! ([`FastPath`]). This module contains construction, initial condition and the acceptance of a step. The loops that
 //! advance time are in `operation` and `events`, and the measurements in `readings`.
 
+use super::amplifier_peaks::AmplifierPeaks;
 use super::buffers::StepBuffers;
 use super::controls::check_times;
 use super::error::RunError;
@@ -79,6 +80,8 @@ pub struct Machine<'p> {
     pub(super) work: WorkCounters,
     /// Checks of the equal steps; `None` if there are none.
     pub(super) step_check: Option<StepCheck>,
+    /// The largest outputs of all amplifiers; `None` if they are not needed.
+    pub(super) amplifier_peaks: Option<AmplifierPeaks>,
 }
 
 impl<'p> Machine<'p> {
@@ -200,6 +203,7 @@ impl<'p> Machine<'p> {
             mode: MachineMode::InitialCondition,
             work: WorkCounters::default(),
             step_check: None,
+            amplifier_peaks: None,
         })
     }
 
@@ -332,6 +336,9 @@ impl<'p> Machine<'p> {
         let Solver { setup, state, buffers, .. } = &mut self.solver;
         buffers.last.time = state.time;
         check_voltages(setup.program, state, &buffers.evaluation.faults)?;
+        if let Some(peaks) = &mut self.amplifier_peaks {
+            peaks.observe(&state.voltages);
+        }
         if self.lamps.is_on {
             self.lamps.check_amplifiers(&mut self.solver);
         }
@@ -355,6 +362,9 @@ impl<'p> Machine<'p> {
         let Solver { setup, state, buffers, .. } = &self.solver;
         check_voltages(setup.program, state, &buffers.evaluation.faults)?;
         self.solver.check_derivatives()?;
+        if let Some(peaks) = &mut self.amplifier_peaks {
+            peaks.observe(&self.solver.state.voltages);
+        }
         if self.lamps.is_on {
             let Solver { setup, state, buffers, .. } = &self.solver;
             self.lamps.check_integrators(setup.program, state, &buffers.last);

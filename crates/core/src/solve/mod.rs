@@ -11,6 +11,7 @@
 //! long. `controls` and `drive_table` change settings, and `readings` reads a machine. `drive_sections` evaluates drives
 //! for another solver.
 
+mod amplifier_peaks;
 mod batch;
 mod buffers;
 mod check_plan;

@@ -119,6 +119,9 @@ impl Machine<'_> {
         if let Some(check) = &mut self.step_check {
             check.begin_phase(count);
         }
+        if let Some(peaks) = &mut self.amplifier_peaks {
+            peaks.begin_phase(count);
+        }
         let steps = Steps { begin: time, grid: setup.grid, first: 1, count };
         Ok(Operation { steps, active: None, end: time + length })
     }
@@ -178,13 +181,16 @@ impl Machine<'_> {
         }
     }
 
-    /// Number of steps before the next one that is checked; the largest number if none is.
+    /// Number of steps before the next one that is checked, or before which the outputs of amplifiers are read; the
+    /// largest number if there is none.
     fn steps_before_check(&self, steps: Steps) -> u64 {
-        self.step_check.as_ref().map_or(u64::MAX, |check| check.steps_before(steps.first))
+        let check = self.step_check.as_ref().map(|check| check.steps_before(steps.first));
+        let reading = self.amplifier_peaks.as_ref().map(|peaks| peaks.steps_before(steps.first));
+        check.unwrap_or(u64::MAX).min(reading.unwrap_or(u64::MAX))
     }
 
-    /// Checks the next step. The machine leaves the fast path for this, because the kernel has only a part of the
-    /// state.
+    /// Checks the next step if a check is due. The machine leaves the fast path for this, because the kernel has only a
+    /// part of the state. There it reads the outputs of all amplifiers.
     ///
     /// # Errors
     /// If the machine cannot leave the fast path.
@@ -196,8 +202,12 @@ impl Machine<'_> {
         if let Some(active) = operation.active.take() {
             self.leave_fast_path(active, Halt::Unsupported, observer)?;
         }
-        if let Some(check) = &mut self.step_check {
-            check.check(&mut self.solver, operation.steps.first);
+        let next_step = operation.steps.first;
+        if let Some(peaks) = &mut self.amplifier_peaks {
+            peaks.advance(next_step);
+        }
+        if let Some(check) = self.step_check.as_mut().filter(|check| check.steps_before(next_step) == 0) {
+            check.check(&mut self.solver, next_step);
         }
         Ok(())
     }

@@ -68,7 +68,12 @@ impl<'p, 'w> Player<'p, 'w> {
     pub(super) fn finish(mut self) -> (Trace, Option<StepDoubt>) {
         self.recorder.end_repetition(&self.machine, self.is_held);
         self.recorder.flush();
-        let trace = self.recorder.trace;
+        let registers = self.recorder.registers();
+        let mut trace = self.recorder.trace;
+        if let Some(peaks) = &self.machine.amplifier_peaks {
+            let recorded = registers.into_iter().zip(&trace.tracks);
+            trace.amplifier_peaks = peaks.with_recorded(self.machine.solver.setup.program, recorded);
+        }
         let works = trace.repetitions.iter().map(|repetition| repetition.work);
         let crossed_events = works.map(|work| work.changes + work.crossings).sum();
         let Machine { solver, step_check, .. } = &self.machine;

@@ -11,6 +11,7 @@ use in_blocks::{next_step, run_checked};
 
 use std::ops::ControlFlow;
 
+use super::amplifier_peaks::AmplifierPeaks;
 use super::batch::Batch;
 use super::error::RunError;
 use super::levels::check_step_count;
@@ -311,6 +312,9 @@ pub(super) fn prepare<'p, 'w>(
     machine.fast_path.restart(settings.backend, recorder.registers());
     if settings.checks_steps && settings.tolerance.is_none() {
         machine.step_check = Some(StepCheck::new(program.lowered.states.len(), equal_steps.round() as u64));
+    }
+    if settings.finds_amplifier_peaks {
+        machine.amplifier_peaks = Some(AmplifierPeaks::new(program, equal_steps.round() as u64));
     }
     machine.lamps.is_on = settings.has_lamps || settings.hold_on_overload;
     Ok(Player::new(machine, recorder, operated))

@@ -38,6 +38,22 @@ pub struct Trace {
     pub phase_records: Vec<PhaseRecord>,
     /// Set if the run checked its equal steps and they were too long.
     pub step_warning: Option<StepWarning>,
+    /// The largest output of every amplifier and drive, in the order of the circuit. Empty unless
+    /// [`RunSettings::finds_amplifier_peaks`](crate::solve::RunSettings::finds_amplifier_peaks) is set.
+    pub amplifier_peaks: Vec<AmplifierPeak>,
+}
+
+/// The largest output of an amplifier in a run.
+///
+/// It is the largest one at all steps if the output is recorded, or if the run uses no kernel. Otherwise it is the
+/// largest one of about a hundred instants or more, spread evenly over the run, and of all instants of events. Then an
+/// output that is large for a short time only may have a larger peak.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AmplifierPeak {
+    /// Name of the amplifier, integrator, lag or drive.
+    pub element: String,
+    /// Its largest output in all repetitions, in volts without sign.
+    pub volts: f64,
 }
 
 /// One run that starts at initial condition. In repetitive operation a trace has several.
@@ -213,7 +229,7 @@ impl Trace {
     pub fn without_tracks(&self) -> Trace {
         let (time, repetitions, phase_records) =
             (self.time.clone(), self.repetitions.clone(), self.phase_records.clone());
-        Trace { time, tracks: Vec::new(), repetitions, phase_records, step_warning: None }
+        Trace { time, repetitions, phase_records, ..Trace::default() }
     }
 
     /// Number of samples.

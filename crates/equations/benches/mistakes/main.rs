@@ -16,6 +16,7 @@ mod document;
 #[allow(dead_code, reason = "the tests of several crates share the file")]
 mod files;
 mod formula;
+mod inverters;
 mod mistake;
 mod patches;
 #[path = "../../../core/tests/common/random.rs"]

@@ -5,13 +5,14 @@ use std::fmt;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::elements::SettingQuantity;
 use patchcord_core::ir::Program;
-use patchcord_core::patch::{Edit, ElementEntry, Patch};
+use patchcord_core::patch::{Edit, Patch};
 use patchcord_equations::{Detail, EquationListing, InitialValue, WrittenEquation};
 use patchcord_expr::Unit;
 use serde_json::{Value, json};
 
 use crate::document::{WrittenCord, cords, edits, plug, replug, unplug, written_elements};
 use crate::formula::{wrong_initial_values, wrong_settings};
+use crate::inverters::inverses;
 use crate::patches::compiled;
 use crate::random::SplitMix64;
 
@@ -195,28 +196,6 @@ fn laws(circuit: &Circuit, program: &Program) -> Vec<String> {
     let listing = EquationListing::new(circuit, program, Detail::Signals);
     let equations = listing.equations.iter().map(WrittenEquation::text);
     equations.chain(listing.initial.iter().map(InitialValue::text)).collect()
-}
-
-/// The output that an element inverts with gain 1. `None` if it does anything else.
-fn inverted(entry: &ElementEntry) -> Option<&str> {
-    let is_amplifier = ["inverter", "summer"].contains(&entry.kind.name);
-    match entry.plugs.as_slice() {
-        [plug]
-            if is_amplifier
-                && entry.settings.iter().all(Option::is_none)
-                && ["in", "x1"].contains(&plug.jack.value.as_str()) =>
-        {
-            Some(plug.from.value.as_str())
-        }
-        _ => None,
-    }
-}
-
-/// The outputs that invert an output, and the one that it inverts.
-fn inverses<'p>(patch: &'p Patch, output: &str) -> Vec<&'p str> {
-    let inverters = patch.elements.iter().filter(|(_, entry)| inverted(entry) == Some(output));
-    let before = patch.elements.get(output).and_then(inverted);
-    inverters.map(|(name, _)| name.as_str()).chain(before).collect()
 }
 
 /// The outputs that a cord can come from: drives, elements, and all others that the patch uses.

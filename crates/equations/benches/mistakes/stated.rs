@@ -84,7 +84,7 @@ fn case_result(correct: &CorrectPatch, seed: u64, number: usize) -> Option<CaseR
     let mistake = Mistake::random(&correct.patch, &mut random)?;
     let start = Instant::now();
     let compared = compare_equations(&mistake.circuit, &mistake.program);
-    let fixes = fixes(&mistake, &compared);
+    let fixes = find_fixes(&mistake.circuit, &mistake.program, &compared);
     let seconds = start.elapsed().as_secs_f64();
     let findings: Vec<String> = compared.iter().filter_map(finding).collect();
     let changes: Vec<String> = fixes.iter().map(|fix| fix.description.clone()).collect();
@@ -102,22 +102,6 @@ fn case_result(correct: &CorrectPatch, seed: u64, number: usize) -> Option<CaseR
         seconds,
         text,
     })
-}
-
-/// The changes after which the wiring solves equations that it does not solve now.
-fn fixes(mistake: &Mistake, compared: &[ComparedEquation]) -> Vec<Fix> {
-    let [mut unsolved, mut solved] = [Vec::new(), Vec::new()];
-    for compared in compared {
-        match compared.agreement {
-            Agreement::Different { .. } => unsolved.push(compared.index),
-            Agreement::Undecided(_) => {}
-            _ => solved.push(compared.index),
-        }
-    }
-    if unsolved.is_empty() {
-        return Vec::new();
-    }
-    find_fixes(&mistake.circuit, &mistake.program, &unsolved, &solved)
 }
 
 /// The finding about an equation. `None` if the wiring solves it.

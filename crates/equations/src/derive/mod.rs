@@ -6,7 +6,7 @@ mod system;
 mod wiring;
 
 pub(crate) use simplify::simplified;
-pub(crate) use system::{BrakeLaw, Law, LawKind, ModeLaw, Source, System, TransitionLaw, interpolated};
+pub(crate) use system::{BrakeLaw, Law, LawKind, ModeLaw, Source, System, TransitionLaw};
 pub(crate) use wiring::{Options, derive, is_nonnegative, ranged};
 
 #[cfg(test)]

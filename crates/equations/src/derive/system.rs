@@ -173,7 +173,7 @@ impl TableLaw {
 
 /// The ordinate of a table of points at an abscissa: straight lines between the points, constant outside. NaN if there
 /// is no point.
-pub(crate) fn interpolated(points: &[[f64; 2]], at: f64) -> f64 {
+fn interpolated(points: &[[f64; 2]], at: f64) -> f64 {
     let after = points.partition_point(|point| point[0] < at);
     match (after.checked_sub(1).map(|before| points[before]), points.get(after)) {
         (Some([x, y]), Some([next, ordinate])) => y + (ordinate - y) * (at - x) / (next - x),

@@ -3,10 +3,12 @@
 use super::drives::Drives;
 use super::fault::Fault;
 use super::history::History;
-use super::network::{Network, total};
+use super::law::{Law, total};
+use super::network::Network;
 use super::newton::OpenLoop;
-use super::order::Block;
+use super::order::{Block, Loop};
 use super::quartic::{INTERVALS, Values};
+use super::stated::Stated;
 
 /// Largest number of evaluations of a solution. With some hundred nodes they take a few seconds.
 pub(super) const MAX_EVALUATIONS: u64 = 2_000_000;
@@ -24,6 +26,8 @@ pub(super) struct Evaluator<'a> {
     pub values: Vec<f64>,
     /// The largest magnitude of each node as the unknown of a loop.
     sizes: Vec<f64>,
+    /// The value of each node near which the first solution is sought.
+    starts: Vec<Option<f64>>,
     /// Number of evaluations so far.
     pub evaluations: u64,
 }
@@ -33,14 +37,15 @@ pub(super) struct Evaluator<'a> {
 pub(super) struct Unsolved(pub usize);
 
 impl<'a> Evaluator<'a> {
-    /// An evaluator before the first evaluation. `maxima` has the magnitude that is expected of each node, or 0.
-    pub(super) fn new(network: &'a Network, drives: Drives<'a>, maxima: &[f64]) -> Self {
+    /// An evaluator before the first evaluation, with what is stated about the nodes.
+    pub(super) fn new(network: &'a Network, drives: Drives<'a>, stated: &Stated) -> Self {
         Evaluator {
             network,
             drives,
             histories: network.lines.iter().map(|line| History::new(line.time, line.initial)).collect(),
             values: vec![f64::NAN; network.node_count() + network.integrals.len()],
-            sizes: maxima.to_vec(),
+            sizes: stated.sizes.clone(),
+            starts: stated.starts.clone(),
             evaluations: 0,
         }
     }
@@ -59,12 +64,45 @@ impl<'a> Evaluator<'a> {
         self.evaluate_with(time, states, |open| open.follow())
     }
 
-    /// The same for an instant that no other one precedes: loops are solved from several starts.
+    /// The same for an instant that no other one precedes: loops are solved from the stated values, and otherwise from
+    /// several starts.
     ///
     /// # Errors
     /// If a loop has no solution.
     pub(super) fn begin(&mut self, time: f64, states: &[f64]) -> Result<(), Unsolved> {
         self.evaluate_with(time, states, |open| open.search())
+    }
+
+    /// The same, but loops are only solved from the stated values, and from 0 if a value is not stated. The sum of an
+    /// equation can fall with its unknown.
+    ///
+    /// # Errors
+    /// If a loop has no solution near the stated values.
+    pub(super) fn approach(&mut self, time: f64, states: &[f64]) -> Result<(), Unsolved> {
+        self.evaluate_with(time, states, |open| open.approach())
+    }
+
+    /// The derivative of the sum of each equation with respect to its own unknown, at the last evaluation.
+    pub(super) fn slopes(&mut self) -> Vec<(usize, f64)> {
+        let network = self.network;
+        let mut slopes = Vec::new();
+        for block in &network.blocks {
+            let Block::Loop(entry) = block else { continue };
+            let mut open = self.open(entry);
+            for (index, tear) in entry.tears.iter().enumerate() {
+                if matches!(network.laws[*tear], Law::Zero(_)) {
+                    slopes.push((*tear, open.own_slope(index)));
+                }
+            }
+        }
+        slopes
+    }
+
+    /// A loop with the present values.
+    fn open<'s>(&'s mut self, entry: &'s Loop) -> OpenLoop<'s> {
+        let laws = &self.network.laws;
+        let (values, sizes, starts) = (&mut self.values, &mut self.sizes, &self.starts);
+        OpenLoop { laws, entry, values, sizes, starts }
     }
 
     /// Evaluates all values, with a function that solves a loop.
@@ -79,20 +117,23 @@ impl<'a> Evaluator<'a> {
     ) -> Result<(), Unsolved> {
         self.evaluations += 1;
         self.give(time, states);
-        let (network, values) = (self.network, &mut self.values);
+        let network = self.network;
         for block in &network.blocks {
             match block {
-                Block::Node(node) => values[*node] = network.laws[*node].value(*node, values),
+                Block::Node(node) => {
+                    let value = network.laws[*node].value(*node, &self.values);
+                    self.values[*node] = value;
+                }
                 Block::Loop(entry) => {
-                    let (laws, values) = (network.laws.as_slice(), values.as_mut_slice());
-                    if !solve(&mut OpenLoop { laws, entry, values, sizes: &mut self.sizes }) {
+                    if !solve(&mut self.open(entry)) {
                         return Err(Unsolved(entry.tears[0]));
                     }
                 }
             }
         }
         for (index, integral) in network.integrals.iter().enumerate() {
-            values[network.node_count() + index] = total(&integral.rate, values);
+            let rate = total(&integral.rate, &self.values);
+            self.values[network.node_count() + index] = rate;
         }
         Ok(())
     }

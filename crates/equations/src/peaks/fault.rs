@@ -7,7 +7,7 @@ use patchcord_expr::split_primes;
 
 use super::evaluator::MAX_EVALUATIONS;
 use crate::findings::codes;
-use crate::plan::Plan;
+use crate::graph::Plan;
 
 /// Why a plan has no ranges.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,7 +124,8 @@ impl FaultKind {
 
 impl From<RunError> for Fault {
     fn from(error: RunError) -> Self {
-        Fault::Other(Box::new(Diagnostic::without_span(codes::NO_SOLUTION, error.to_string())))
+        let finding = Diagnostic::without_span(codes::NO_SOLUTION, error.to_string());
+        Fault::Other(Box::new(finding.hint("change the drives, or the times of \"run\"")))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-use super::network::Law;
+use super::law::Law;
 use super::order::Loop;
 
 /// Largest number of steps of a solution.
@@ -31,6 +31,8 @@ pub(super) struct OpenLoop<'a> {
     pub values: &'a mut [f64],
     /// The largest magnitude that each node has had as a tear, or may have; 0 if it is not known.
     pub sizes: &'a mut [f64],
+    /// The value of each node near which the first solution is sought. `None` if it is not known.
+    pub starts: &'a [Option<f64>],
 }
 
 impl OpenLoop<'_> {
@@ -45,8 +47,22 @@ impl OpenLoop<'_> {
         is_solved
     }
 
-    /// Solves the loop from several starts, and takes the solution nearest to 0. Returns false if none is found.
+    /// Solves the loop from the known starts, with 0 for the other tears. Returns false if there is no solution near
+    /// them.
+    pub(super) fn approach(&mut self) -> bool {
+        self.set_starts();
+        self.follow()
+    }
+
+    /// Solves the loop from the known starts. If there are none, or the solution near them is not stable, several starts
+    /// are tried, and the solution nearest to 0 is taken. Returns false if none is found.
     pub(super) fn search(&mut self) -> bool {
+        if self.entry.tears.iter().any(|tear| self.starts[*tear].is_some()) {
+            self.set_starts();
+            if self.solve() && self.is_stable() {
+                return self.follow();
+            }
+        }
         for size in SIZES {
             let found = STARTS.iter().filter_map(|start| self.solution_from(start * size));
             let Some(nearest) = found.min_by(|one, other| one.amax().total_cmp(&other.amax())) else {
@@ -72,8 +88,21 @@ impl OpenLoop<'_> {
         if !matches!(self.laws[tear], Law::Zero(_)) {
             return true;
         }
-        let residual = self.residual();
-        self.derivatives(&residual)[(0, 0)] > 0.0
+        self.own_slope(0) > 0.0
+    }
+
+    /// The derivative of what must be 0 at a tear with respect to the tear itself, from differences to both sides. All
+    /// values stay.
+    pub(super) fn own_slope(&mut self, index: usize) -> f64 {
+        let tear = self.entry.tears[index];
+        let (begin, change) = (self.values[tear], self.difference(tear));
+        let [[below, low], [above, high]] = [begin - change, begin + change].map(|value| {
+            self.values[tear] = value;
+            [value, self.residual()[index]]
+        });
+        self.values[tear] = begin;
+        self.residual();
+        (high - low) / (above - below)
     }
 
     /// Solves the loop from the present values of the tears. Returns false if the method finds no solution.
@@ -128,6 +157,19 @@ impl OpenLoop<'_> {
         DVector::from_vec(weights.collect())
     }
 
+    /// Sets the tears to the known starts, and the others to 0.
+    fn set_starts(&mut self) {
+        for tear in &self.entry.tears {
+            self.values[*tear] = self.starts[*tear].unwrap_or(0.0);
+        }
+    }
+
+    /// The change of a tear for a difference.
+    fn difference(&self, tear: usize) -> f64 {
+        let size = self.sizes[tear].max(self.values[tear].abs());
+        DIFFERENCE * if size > 0.0 { size } else { 1.0 }
+    }
+
     /// The values of the tears.
     fn tears(&self) -> DVector<f64> {
         DVector::from_vec(self.entry.tears.iter().map(|tear| self.values[*tear]).collect())
@@ -160,9 +202,7 @@ impl OpenLoop<'_> {
         let mut derivatives = DMatrix::zeros(entry.tears.len(), entry.tears.len());
         for (column, tear) in entry.tears.iter().enumerate() {
             let begin = self.values[*tear];
-            let size = self.sizes[*tear].max(begin.abs());
-            let change = DIFFERENCE * if size > 0.0 { size } else { 1.0 };
-            self.values[*tear] = begin + change;
+            self.values[*tear] = begin + self.difference(*tear);
             let change = self.values[*tear] - begin;
             let slopes = (self.residual() - residual) / change;
             derivatives.set_column(column, &slopes);

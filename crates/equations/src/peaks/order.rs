@@ -8,7 +8,7 @@ use petgraph::algo::{kosaraju_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::NodeFiltered;
 
-use super::network::Law;
+use super::law::Law;
 
 /// A node or a loop. It follows from earlier ones.
 #[derive(Debug)]

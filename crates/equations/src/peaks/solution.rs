@@ -10,7 +10,7 @@ use super::Ranges;
 use super::evaluator::{Evaluator, MAX_EVALUATIONS, Unsolved};
 use super::extremes::Extremes;
 use super::fault::{Fault, FaultKind};
-use super::network::size;
+use super::law::size;
 use super::quartic::INTERVALS;
 use super::step_control::StepControl;
 use super::times::RunTimes;
@@ -270,6 +270,6 @@ impl<'a> Solution<'a> {
 }
 
 /// The fault of a loop without a solution at a time.
-fn no_solution(Unsolved(node): Unsolved, time: f64) -> Fault {
+pub(super) fn no_solution(Unsolved(node): Unsolved, time: f64) -> Fault {
     Fault::node(FaultKind::Unsolved, node, time)
 }

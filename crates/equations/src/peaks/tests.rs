@@ -5,6 +5,7 @@ mod functions;
 mod loops;
 mod motions;
 mod parts;
+mod starts;
 mod systems;
 
 use patchcord_core::circuit::Circuit;
@@ -13,8 +14,9 @@ use patchcord_expr::Dimension;
 
 use super::fault::Fault;
 use super::network::Tables;
+use super::stated::Stated;
 use super::{Ranges, solve};
-use crate::plan::{Node, NodeId, Operation, Plan, Sum, Term};
+use crate::graph::{Node, NodeId, Operation, Plan, Sum, Term};
 use crate::symbolic::{Fraction, Symbols};
 
 /// A drive that is 0.
@@ -63,10 +65,15 @@ fn product(one: u32, other: u32) -> Operation {
     Operation::Product([NodeId(one), NodeId(other)])
 }
 
+/// That nothing is stated about the nodes of a plan.
+fn nothing_stated(plan: &Plan) -> Stated {
+    Stated { sizes: vec![0.0; plan.nodes.len()], starts: vec![None; plan.nodes.len()] }
+}
+
 /// The ranges of nodes over a run with a drive, or the fault.
 fn outcome(duration: f64, drive: &str, nodes: Vec<(&str, Operation)>) -> Result<Ranges, Fault> {
     let plan = planned(nodes);
-    solve(&plan, &circuit(duration, drive), &Tables::new(), &vec![0.0; plan.nodes.len()])
+    solve(&plan, &circuit(duration, drive), &Tables::new(), &nothing_stated(&plan))
 }
 
 /// The ranges of nodes over a run with a drive.

@@ -2,7 +2,8 @@
 
 use super::extremes::Extremes;
 use super::fault::{Fault, FaultKind};
-use super::network::{Law, Network, Weighted, size, total};
+use super::law::{Law, Weighted, size, total};
+use super::network::Network;
 use super::order::Block;
 
 /// Growth of a state from its size at the start at which the solution counts as unbounded.

@@ -1,7 +1,7 @@
 //! Functions of angles, and functions that are made of others.
 
 use super::builder::Builder;
-use super::{FunctionKind, Operation, Sum, Term};
+use crate::graph::{FunctionKind, Operation, Sum, Term};
 use crate::notation::Notation;
 use crate::symbolic::Fraction;
 

@@ -7,9 +7,8 @@ use patchcord_core::patch::Problem;
 use patchcord_expr::{Dimension, Scope as _, split_primes};
 
 use super::constants::Constants;
-use super::forms::ONE;
 use super::names::ONE_NOTATION;
-use super::{NodeId, Operation, Sum, Term};
+use crate::graph::{NodeId, ONE, Operation, Sum, Term};
 use crate::notation::Notation;
 use crate::symbolic::{Fraction, Rational};
 use crate::writing::Writer;

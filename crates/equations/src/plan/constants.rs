@@ -1,7 +1,6 @@
 //! The constants of a problem: its parameters, pi, and quantities that consist of these.
 
 use std::collections::{BTreeMap, HashSet};
-use std::f64::consts::PI;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_expr::{Dimension, Expression, Node};
@@ -9,7 +8,8 @@ use patchcord_expr::{Dimension, Expression, Node};
 use super::unknowns::Unknowns;
 use crate::compare::intended::fraction;
 use crate::derive::System;
-use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, Symbols, Values, value};
+use crate::graph::ConstantValues;
+use crate::symbolic::{Fraction, SymbolEntry, SymbolKind, Symbols};
 
 /// The constants with their names and present values.
 pub(super) struct Constants {
@@ -17,30 +17,29 @@ pub(super) struct Constants {
     pub system: System,
     /// The expression of each name.
     named: BTreeMap<String, Fraction>,
-    /// The present value of each symbol, in SI units.
-    values: Vec<f64>,
+    /// The present values of the symbols.
+    values: ConstantValues,
 }
 
 impl Constants {
     /// The parameters of a circuit, and pi.
     pub(super) fn new(circuit: &Circuit) -> Self {
         let mut symbols = Symbols::default();
-        let (mut named, mut values) = (BTreeMap::new(), Vec::new());
-        let mut add = |name: &str, kind, dimension, value: f64, is_nonnegative| {
+        let mut named = BTreeMap::new();
+        let mut add = |name: &str, kind, dimension, is_nonnegative| {
             let entry = SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
             let symbol = symbols.add(entry, is_nonnegative);
             named.entry(name.to_owned()).or_insert_with(|| Fraction::symbol(symbol));
-            values.push(value);
         };
-        add("pi", SymbolKind::Pi, Dimension::NONE, PI, true);
+        add("pi", SymbolKind::Pi, Dimension::NONE, true);
         for (index, (name, parameter, value)) in circuit.parameters().enumerate() {
             let is_nonnegative = match parameter.range {
                 Some((low, _)) => low >= 0.0,
                 None => value > 0.0,
             };
-            let (kind, unit) = (SymbolKind::Parameter(index), &parameter.unit);
-            add(name, kind, unit.dimension(), unit.to_si(value), is_nonnegative);
+            add(name, SymbolKind::Parameter(index), parameter.unit.dimension(), is_nonnegative);
         }
+        let values = ConstantValues::new(&symbols, circuit);
         let system =
             System { symbols, laws: Vec::new(), modes: Vec::new(), tables: Vec::new(), margins: Vec::new() };
         Constants { system, named, values }
@@ -91,32 +90,12 @@ impl Constants {
 
     /// The present value of an expression in SI units. It is not finite if the expression has no value.
     pub(super) fn value(&self, constant: &Fraction) -> f64 {
-        value(constant, self)
+        self.values.value(constant)
     }
 
     /// Whether a constant is positive: at present, and for all permitted values of the parameters as far as its form
     /// shows.
     pub(super) fn is_positive(&self, constant: &Fraction) -> bool {
         constant.is_nonnegative() && self.value(constant) > 0.0
-    }
-}
-
-impl Values for Constants {
-    fn symbol(&self, symbol: Symbol) -> f64 {
-        self.values.get(symbol.index as usize).copied().unwrap_or(f64::NAN)
-    }
-
-    /// Coefficients contain no tables.
-    fn table(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn slope(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    /// Coefficients contain no delays.
-    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
-        f64::NAN
     }
 }

@@ -7,7 +7,7 @@ use patchcord_expr::{Expression, FormulaError, Node, Operator};
 
 use super::builder::Builder;
 use super::trees::{factors, terms};
-use super::{NodeId, Sum};
+use crate::graph::{NodeId, Sum};
 use crate::symbolic::Fraction;
 
 /// Reads the expressions of one equation.

@@ -4,17 +4,14 @@ use std::collections::BTreeMap;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Diagnostic, formula_diagnostic};
-use patchcord_core::ir::Program;
 use patchcord_core::patch::Problem;
-use patchcord_core::solve::Machine;
 use patchcord_expr::FormulaError;
 
 use super::builder::Entry;
 use super::constants::Constants;
-use super::initial::InitialValues;
 use super::simplify::{Simplified, simplified};
-use super::start::{Start, StartValues};
-use super::{Node, NodeId, Operation, PlannedQuantity, Sum};
+use crate::graph::{Node, NodeId, Operation, Plan, PlannedQuantity, Sum};
+use crate::peaks::{StartError, StartValues, start_values};
 use crate::symbolic::Fraction;
 
 /// The nodes of a plan before equal ones are joined.
@@ -35,54 +32,35 @@ pub(super) struct Draft<'a> {
     pub angles: BTreeMap<[Sum; 2], NodeId>,
 }
 
-/// The nodes and quantities of a plan.
-pub(super) struct Finished {
-    /// The nodes.
-    pub nodes: Vec<Node>,
-    /// The quantities.
-    pub quantities: Vec<PlannedQuantity>,
-}
-
-/// The step of the machine that computes the drives at the start. It takes no step.
-const STEP: f64 = 1e-3;
-
 /// Steps from a delayed node to a state at most, for an initial value that is an expression of parameters.
 const MOST_STEPS: usize = 3;
 
 impl Draft<'_> {
-    /// The finished nodes.
+    /// The finished plan.
     ///
     /// # Errors
     /// If quantities are only set equal to each other, or an implicit equation has no solution at the start.
-    pub(super) fn finished(mut self) -> Result<Finished, Vec<Diagnostic>> {
+    pub(super) fn finished(mut self) -> Result<Plan, Vec<Diagnostic>> {
         let roots: Vec<NodeId> = self.quantities.iter().map(|(_, node)| *node).collect();
         let entries = std::mem::take(&mut self.entries);
         let joined = simplified(entries, &roots).map_err(|node| vec![self.circular(node)])?;
         let angles = self.placed_angles(&joined);
-        let guesses = self.guesses(&joined);
         let equations = self.equations.iter();
         let equations: BTreeMap<NodeId, usize> =
             equations.filter_map(|(node, equation)| Some((joined.place(*node)?, *equation))).collect();
         let quantities = self.quantities.iter().filter_map(|(name, node)| {
             Some(PlannedQuantity { name: name.clone(), node: joined.place(*node)? })
         });
-        let quantities = quantities.collect();
-        let mut nodes = joined.nodes;
-        if set_constant_delays(&mut nodes) || has_implicit(&nodes, &angles) {
-            let drives = drive_values(self.circuit)?;
-            let start = Start {
-                nodes: &nodes,
-                constants: self.constants,
-                problem: self.problem,
-                drives: &drives,
-                angles: &angles,
-                guesses: &guesses,
-            };
-            let values = start.values().map_err(|node| vec![self.unsolved(&nodes, &equations, node)])?;
-            orient(&mut nodes, &values).map_err(|node| vec![self.unsolved(&nodes, &equations, node)])?;
-            set_other_delays(&mut nodes, &values).map_err(|name| vec![infinite(&name)])?;
+        let (symbols, quantities) = (self.constants.system.symbols.clone(), quantities.collect());
+        let mut plan = Plan { symbols, nodes: joined.nodes, quantities };
+        if set_constant_delays(&mut plan.nodes) || has_implicit(&plan.nodes, &angles) {
+            let start = start_values(&plan, self.problem, self.circuit, &angles);
+            let start = start.map_err(|error| vec![self.without_start(&plan.nodes, &equations, error)])?;
+            orient(&mut plan.nodes, &start)
+                .map_err(|node| vec![self.unsolved(&plan.nodes, &equations, node)])?;
+            set_other_delays(&mut plan.nodes, &start).map_err(|name| vec![infinite(&name)])?;
         }
-        Ok(Finished { nodes, quantities })
+        Ok(plan)
     }
 
     /// The angles among the joined nodes.
@@ -94,23 +72,25 @@ impl Draft<'_> {
         angles.collect()
     }
 
-    /// For each quantity, a value near the start and the size of its unit.
-    fn guesses(&self, joined: &Simplified) -> BTreeMap<NodeId, [f64; 2]> {
-        let (problem, circuit, constants) = (self.problem, self.circuit, self.constants);
-        let initial = InitialValues { problem, circuit, constants };
-        let guesses = self.quantities.iter().filter_map(|(name, node)| {
-            let size = problem.quantities.get(name).map_or(1.0, |quantity| quantity.unit.factor());
-            Some((joined.place(*node)?, [initial.guess(name), size]))
-        });
-        guesses.collect()
-    }
-
     /// The fault of a quantity that its equations only set equal to itself.
     fn circular(&self, node: NodeId) -> Diagnostic {
         let name = self.quantities.iter().find(|(_, own)| *own == node).map_or("", |(name, _)| name);
         let message = format!("no equation determines {name}: they only set quantities equal to each other");
         let hint = format!("write an equation of {name} and other quantities");
         self.at_equation(self.equations.get(&node), name, message, hint)
+    }
+
+    /// The fault of a plan without values at the start.
+    fn without_start(
+        &self,
+        nodes: &[Node],
+        equations: &BTreeMap<NodeId, usize>,
+        error: StartError,
+    ) -> Diagnostic {
+        match error {
+            StartError::Unsolved(node) => self.unsolved(nodes, equations, node),
+            StartError::Other(diagnostic) => *diagnostic,
+        }
     }
 
     /// The fault of a node without a solution at the start.
@@ -217,21 +197,4 @@ fn infinite(name: &str) -> Diagnostic {
     let message = format!("the value of {name} at the start is not finite, and a delay needs it");
     let hint = format!("choose initial values for which {name} has a value");
     Diagnostic::without_span(Code::NOT_FINITE, message).hint(hint)
-}
-
-/// The values of all drives at the start, in SI units.
-///
-/// # Errors
-/// If the program of the drives cannot be made or evaluated.
-pub(super) fn drive_values(circuit: &Circuit) -> Result<BTreeMap<String, f64>, Vec<Diagnostic>> {
-    let program = Program::new(circuit).map_err(|report| report.findings)?;
-    let machine = Machine::new(&program, STEP)
-        .map_err(|error| vec![Diagnostic::without_span(Code::NOT_FINITE, error.to_string())])?;
-    let values = circuit.patch().drives.keys().filter_map(|name| {
-        let point = circuit.signals().iter().find(|point| point.name == *name)?;
-        let scale = point.scale?;
-        let per_volt = circuit.derived_unit(scale).to_si(circuit.per_volt(scale)?);
-        Some((name.clone(), per_volt * machine.voltage(name).ok()?))
-    });
-    Ok(values.collect())
 }

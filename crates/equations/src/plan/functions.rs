@@ -6,8 +6,7 @@ use patchcord_expr::{Callee, EquationFunction, FormulaError, Function, Node};
 
 use super::builder::Builder;
 use super::expressions::{Reader, fault};
-use super::forms::ONE;
-use super::{FunctionKind, NodeId, Operation, Sum, Term};
+use crate::graph::{FunctionKind, NodeId, ONE, Operation, Sum, Term};
 use crate::symbolic::{Fraction, absolute};
 
 impl Reader<'_, '_> {

@@ -44,13 +44,6 @@ impl InitialValues<'_> {
         (values, faults)
     }
 
-    /// The value near which the solution of an implicit equation is sought: its initial value, otherwise 0.
-    pub(super) fn guess(&self, name: &str) -> f64 {
-        let quantity = self.problem.quantities.get(name);
-        let value = quantity.and_then(|quantity| self.declared(quantity)?.ok());
-        value.map_or(0.0, |value| self.constants.value(&value))
-    }
-
     /// The initial value of a state.
     fn of_state(&self, unknown: &Unknown, name: &str) -> Result<Fraction, Diagnostic> {
         let quantity = self.problem.quantities.get(name);

@@ -1,10 +1,7 @@
 //! Names of nodes that are no quantities: the expressions that they compute.
 
-use patchcord_expr::Function;
-
 use super::builder::Builder;
-use super::forms::ONE;
-use super::{FunctionKind, NodeId, Operation, Sum, Term};
+use crate::graph::{NodeId, ONE, Operation, Sum, Term};
 use crate::notation::Notation;
 use crate::symbolic::Fraction;
 
@@ -39,10 +36,9 @@ impl Builder<'_> {
             Operation::DeadZone { input, width } => {
                 call("dead_zone", vec![own(*input), self.term_notation(width.node, &width.coefficient)])
             }
-            Operation::Function { kind, argument } => call(
-                function_of(*kind).name(),
-                vec![self.term_notation(argument.node, &argument.coefficient)],
-            ),
+            Operation::Function { kind, argument } => {
+                call(kind.function().name(), vec![self.term_notation(argument.node, &argument.coefficient)])
+            }
             Operation::Curve { table, input } => {
                 call(table, vec![self.term_notation(input.node, &input.coefficient)])
             }
@@ -93,16 +89,6 @@ impl Builder<'_> {
     /// A constant.
     fn constant(&self, value: &Fraction) -> Notation {
         self.writer.expression(value, None)
-    }
-}
-
-/// The function that a function generator computes.
-pub(super) fn function_of(kind: FunctionKind) -> Function {
-    match kind {
-        FunctionKind::Sin => Function::Sin,
-        FunctionKind::Cos => Function::Cos,
-        FunctionKind::Exp => Function::Exp,
-        FunctionKind::Ln => Function::Ln,
     }
 }
 

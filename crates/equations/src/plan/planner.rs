@@ -10,13 +10,13 @@ use patchcord_expr::Equation;
 use super::builder::{Builder, NameKind};
 use super::constants::Constants;
 use super::expressions::Reader;
-use super::finish::{Draft, Finished};
+use super::finish::Draft;
 use super::initial::InitialValues;
 use super::matching::{Matching, matched};
 use super::trees::{Occurrence, occurrences};
 use super::undetermined::faults;
 use super::unknowns::{Unknown, Unknowns, laws, primed};
-use super::{NodeId, Operation, Plan, Sum};
+use crate::graph::{NodeId, Operation, Plan, Sum};
 use crate::symbolic::Fraction;
 
 /// The plan of a problem. `circuit` is the circuit of its patch.
@@ -42,8 +42,7 @@ pub(crate) fn plan(problem: &Problem, circuit: &Circuit) -> Result<Plan, Vec<Dia
     planner.reserve_all(&unknowns, &laws);
     let rates = planner.read(&laws)?;
     planner.integrate(&unknowns, &initials, &rates);
-    let Finished { nodes, quantities } = planner.draft(&unknowns, &laws).finished()?;
-    Ok(Plan { symbols: constants.system.symbols, nodes, quantities })
+    planner.draft(&unknowns, &laws).finished()
 }
 
 /// Fails if there are faults.

@@ -4,7 +4,7 @@ use patchcord_expr::{Expression, FormulaError, Function, Node, Operator};
 
 use super::builder::Builder;
 use super::expressions::{Reader, fault};
-use super::{FunctionKind, NodeId, Operation, Sum, Term};
+use crate::graph::{FunctionKind, NodeId, Operation, Sum, Term};
 use crate::symbolic::{Fraction, call, nearest};
 
 /// The largest exponent that becomes a product.

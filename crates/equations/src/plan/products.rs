@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::names::times;
-use super::{NodeId, Operation, Sum, Term};
+use crate::graph::{NodeId, Operation, Sum, Term};
 use crate::symbolic::Fraction;
 
 /// In a product of more factors, no pair is preferred that has a node already. The search would take too long.

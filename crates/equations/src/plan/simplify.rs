@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::builder::{Entry, NameKind};
-use super::forms::ONE;
-use super::{Node, NodeId, Operation};
+use crate::graph::{Node, NodeId, ONE, Operation};
 use crate::notation::text;
 
 /// The nodes of a plan, and where the nodes of its builder are in it.

@@ -2,9 +2,9 @@
 
 use patchcord_expr::{Equation, FormulaError, Node};
 
-use super::Sum;
 use super::expressions::{Reader, fault};
 use super::trees::{contains, factors, only_name, terms};
+use crate::graph::Sum;
 use crate::symbolic::Fraction;
 
 /// An expression that is linear in an unknown: factor x unknown + rest.

@@ -15,9 +15,9 @@ use patchcord_core::document::Diagnostic;
 use patchcord_core::patch::Problem;
 use patchcord_expr::Dimension;
 
-use super::forms::ONE;
-use super::{FunctionKind, Node, NodeId, Operation, Plan, Sum, plan};
+use super::plan;
 use crate::derive::System;
+use crate::graph::{FunctionKind, Node, NodeId, ONE, Operation, Plan, Sum};
 use crate::notation::text;
 use crate::symbolic::Fraction;
 use crate::writing::Writer;

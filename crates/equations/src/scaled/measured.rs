@@ -1,6 +1,7 @@
 //! Runs a scaled patch and reads the largest voltage of every output.
 
 use patchcord_core::circuit::Circuit;
+use patchcord_core::elements::OutputStage;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{RunSettings, run};
@@ -8,11 +9,12 @@ use patchcord_core::trace::{Demand, Trace};
 
 use super::error::ScaleError;
 
-/// The voltage of an integrator that is driven into its limit. Its demand is not known.
+/// The voltage of an amplifier that is driven into its limit, if the voltage that it would have without the limit is not
+/// known.
 const DRIVEN_VOLTS: f64 = 200.0;
 
 /// Runs a patch and returns the largest magnitude of each of these outputs in volts. An amplifier that overloads has the
-/// voltage that it demanded, or 200 V if that is not known.
+/// voltage that it would have without its limit, or 200 V if that is not known, as of integrators and open amplifiers.
 ///
 /// # Errors
 /// If the patch cannot be wired, compiled or run.
@@ -22,18 +24,27 @@ pub(super) fn measured_peaks(patch: &Patch, outputs: &[&str]) -> Result<Vec<f64>
     let settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
     let settings = settings.with_signals(outputs.iter().copied());
     let trace = run(&program, &settings).map_err(|stopped| ScaleError::Run(Box::new(stopped)))?;
-    Ok(outputs.iter().map(|name| peak(&trace, name)).collect())
+    // The demand of an open amplifier is its amplification times the sum of its inputs: far more than the voltage that it
+    // would have without its limit.
+    let is_open = |name: &str| {
+        let element = patch.elements.get(name);
+        element.is_some_and(|element| element.kind.output == OutputStage::OpenAmplifier)
+    };
+    Ok(outputs.iter().map(|name| peak(&trace, name, is_open(name))).collect())
 }
 
-/// The largest magnitude of an output in volts, or its demand if it overloads.
-fn peak(trace: &Trace, name: &str) -> f64 {
+/// The largest magnitude of an output in volts, or its demand if it overloads and is no open amplifier.
+fn peak(trace: &Trace, name: &str, is_open: bool) -> f64 {
     let extremes = trace.track(name).map_or(&[][..], |track| &track.extremes);
     let largest = |peak: f64, volts: f64| peak.max(volts.abs());
     let reached = extremes.iter().flat_map(|run| [run.least.volts, run.most.volts]).fold(0.0, largest);
     let demands = trace.overloads().filter(|overload| overload.element == name);
     let demands = demands.map(|overload| match overload.demand {
-        Demand::Peak(volts) => volts,
-        Demand::Driven(_) => DRIVEN_VOLTS,
+        Demand::Peak(volts) if !is_open => volts,
+        Demand::Peak(_) | Demand::Driven(_) => DRIVEN_VOLTS,
     });
     demands.fold(reached, largest)
 }
+
+#[cfg(test)]
+mod tests;

@@ -126,3 +126,6 @@ fn scaled_problem(tables: &Tables<'_>, runs: usize) -> Result<ScaledProblem, Sca
     let (quantities, peaks, time_scale) = (tables.quantities(), tables.peaks(), tables.scales.time_scale);
     Ok(ScaledProblem { patch, quantities, peaks, steps, time_scale, runs, narrowed_ranges })
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,8 +5,8 @@ use patchcord_core::patch::Problem;
 use serde::Serialize;
 
 use super::scaled_equation::ScaledEquations;
-use crate::plan::{NodeId, Operation, Plan};
-use crate::synthesis::{Expressions, Scales, Synthesis};
+use crate::graph::{ConstantValues, Node, NodeId, Operation, Plan};
+use crate::synthesis::{Scales, Synthesis};
 
 /// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,18 +59,9 @@ pub(super) struct Tables<'a> {
 impl Tables<'_> {
     /// The scaling table.
     pub(super) fn quantities(&self) -> Vec<ScaledQuantity> {
-        let expressions = Expressions::new(&self.plan.symbols, self.circuit);
-        let mut is_named = vec![false; self.plan.nodes.len()];
-        for quantity in &self.plan.quantities {
-            is_named[quantity.node.0 as usize] = true;
-        }
-        let equations = ScaledEquations {
-            plan: self.plan,
-            per_volt: &self.scales.per_volt,
-            time_scale: self.scales.time_scale,
-            value: &|constant| expressions.value(constant),
-            is_named: &is_named,
-        };
+        let constants = ConstantValues::new(&self.plan.symbols, self.circuit);
+        let Scales { per_volt, time_scale } = self.scales;
+        let equations = ScaledEquations::new(self.plan, per_volt, *time_scale, &constants);
         let row = |(name, node): (&str, NodeId)| {
             let declared = self.problem.quantities.get(name);
             let unit = self.synthesis.units[node.0 as usize].clone();
@@ -86,7 +77,9 @@ impl Tables<'_> {
                 scaled_equation: equations.equation(node),
             }
         };
-        self.plan.quantities.iter().map(|quantity| row((&quantity.name, quantity.node))).collect()
+        let planned = self.plan.quantities.iter().map(|quantity| (quantity.name.as_str(), quantity.node));
+        let further = equations.further().map(|node| (self.plan.node(node).name.as_str(), node));
+        planned.chain(further).map(row).collect()
     }
 
     /// The peak of a node in volts; 0 if no output has it.
@@ -100,24 +93,29 @@ impl Tables<'_> {
         let row = |((id, output), volts): (&(NodeId, String), &f64)| {
             let node = self.plan.nodes.get(id.0 as usize);
             let quantity = node.map_or_else(String::new, |node| node.name.clone());
-            let reason = node.and_then(|node| reason(&node.operation, *volts));
+            let reason = node.and_then(|node| self.reason(node, *volts));
             OutputPeak { output: output.clone(), quantity, volts: *volts, reason }
         };
         self.synthesis.outputs.iter().zip(self.volts).map(row).collect()
     }
-}
 
-/// The reason why an output cannot use the whole range. `None` if it does, or if no reason is known.
-fn reason(operation: &Operation, volts: f64) -> Option<&'static str> {
-    if (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts) {
-        return None;
-    }
-    match operation {
-        Operation::Product(_) => Some("its factors are not large at the same time"),
-        Operation::Absolute(_) | Operation::Delay { .. } => Some("it has the scale of its input"),
-        Operation::Lower(_) | Operation::Higher(_) => Some("a diode pair has the scale of its inputs"),
-        Operation::DeadZone { .. } => Some("its scale follows from the diode network"),
-        _ if volts == 0.0 => Some("it is 0 in the whole run"),
-        _ => None,
+    /// The reason why an output is not within 50 to 95 V. `None` if it is, or if no reason is known.
+    fn reason(&self, node: &Node, volts: f64) -> Option<&'static str> {
+        if (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts) {
+            return None;
+        }
+        if self.problem.quantities.get(&node.name).is_some_and(|quantity| quantity.per_volt.is_some()) {
+            return Some("the problem prescribes its scale");
+        }
+        Some(match node.operation {
+            _ if volts == 0.0 => "it is 0 in the whole run",
+            Operation::Product(_) => "its factors are not large at the same time",
+            Operation::Absolute(_) | Operation::Delay { .. } => "it has the scale of its input",
+            Operation::Lower(_) | Operation::Higher(_) => "a diode pair has the scale of its inputs",
+            Operation::DeadZone { .. } => "its scale follows from the diode network",
+            Operation::Sum(_) | Operation::Limited { .. } => "the largest gain of an amplifier limits it",
+            Operation::Function { .. } => "the settings of the function generator limit its scale",
+            _ => return None,
+        })
     }
 }

@@ -13,7 +13,7 @@ use super::names::ElementNames;
 use super::needs::{polarity_nodes, resolved};
 use super::notes::{GainStep, signed};
 use super::polarity::{Polarities, choose_polarities};
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 
 /// The elements of a patch.
 pub(super) struct Assembly<'a> {

@@ -7,9 +7,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use patchcord_core::machines::REFERENCE;
 use patchcord_expr::{Dimension, round_significant};
 
-use crate::plan::{FunctionKind, Node, NodeId, Operation, Plan, Sum};
+use crate::graph::{FunctionKind, Node, NodeId, Operation, Plan, Sum};
 use crate::symbolic::{Fraction, nearest};
 
 /// An angle up to this magnitude, in rad, needs no change: its opposite is outside ±100 V at every scale.
@@ -51,10 +52,16 @@ fn angle_factor(plan: &Plan, id: NodeId) -> Option<f64> {
     plan.nodes.iter().filter_map(factor).reduce(f64::max)
 }
 
+/// The scale of an angle with which its largest usual magnitude is 100 V, in SI units per volt. `None` if the node is no
+/// angle.
+pub(super) fn angle_scale(plan: &Plan, id: NodeId) -> Option<f64> {
+    Some(LARGEST_ANGLE / REFERENCE / angle_factor(plan, id)?)
+}
+
 /// The smallest voltage of the peak of a node at which the opposite angle is outside ±100 V. 0 if the node is no angle.
 pub(super) fn least_volts(plan: &Plan, id: NodeId, peak: f64) -> f64 {
     let distance = |factor: f64| PI / factor - peak;
-    angle_factor(plan, id).map_or(0.0, |factor| MARGIN * 100.0 * peak / distance(factor).max(peak))
+    angle_factor(plan, id).map_or(0.0, |factor| MARGIN * REFERENCE * peak / distance(factor).max(peak))
 }
 
 /// Moves the operation of a node to a new node, which is smaller by `middle`. The node becomes a sum of both.

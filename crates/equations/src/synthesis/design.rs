@@ -12,15 +12,13 @@ use super::input::Input;
 use super::names::ScaleNames;
 use super::scale_table::ScaleTable;
 use crate::derive::System;
-use crate::plan::{NodeId, Operation, Sum, Term};
+use crate::graph::{NodeId, Operation, Sum, Term};
 use crate::symbolic::Fraction;
 
 /// The largest voltage of an additional summer.
 const MOST_VOLTS: f64 = 95.0;
 /// The largest gain of an open amplifier for which its feedback is not reduced.
 const LARGEST_OPEN_GAIN: f64 = 10.0;
-/// The smallest gain of an open amplifier for which its feedback is not increased.
-const LEAST_OPEN_GAIN: f64 = 0.1;
 
 /// A node in the sum of another one, as an input of an amplifier.
 #[derive(Debug, Clone)]
@@ -166,8 +164,8 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// The total of an open amplifier whose inputs cancel: one at which the largest coefficient is 1, or 10 if the
-    /// smallest one is below 0.1 then.
+    /// The total of an open amplifier whose inputs cancel: one at which the largest coefficient is the largest gain. So the
+    /// inputs that remain, which are those of a finite amplification, are small.
     fn balance(&self, id: NodeId, sum: &Sum) -> Total {
         let weight = |(node, c): (&NodeId, &Fraction)| {
             let term = Term { coefficient: c.clone(), node: *node };
@@ -175,18 +173,18 @@ impl<'a> Design<'a> {
         };
         let weights: Vec<(f64, Term)> = sum.terms.iter().map(weight).collect();
         let largest = weights.iter().max_by(|(one, _), (other, _)| one.total_cmp(other));
-        let least = weights.iter().map(|(weight, _)| *weight).filter(|weight| *weight > 0.0).reduce(f64::min);
         let (value, expression) = match largest {
             Some((weight, term)) => (*weight, self.table.weighted(&self.positive(term))),
             None => (1.0, Fraction::whole(1)),
         };
-        let factor = if least.is_some_and(|least| least < LEAST_OPEN_GAIN * value) { 10.0 } else { 1.0 };
+        let total = self.total(id);
+        let gain = largest_gain(&total);
         Total {
-            expression: expression.over(&Fraction::number(factor)),
-            value: value / factor,
+            expression: expression.over(&Fraction::number(gain)),
+            value: value / gain,
             is_parametric: false,
             may_add_summer: false,
-            ..self.total(id)
+            ..total
         }
     }
 
@@ -209,8 +207,11 @@ impl<'a> Design<'a> {
         coefficient.fits_pot().then_some(Block::Share(branch))
     }
 
-    /// An open amplifier with a multiplier in its feedback. If the coefficients are large or small, the feedback and all
-    /// coefficients are multiplied by a power of ten.
+    /// An open amplifier with a multiplier in its feedback.
+    ///
+    /// The feedback and all coefficients can be multiplied by the same factor. If the coefficients are at most 1, it is
+    /// the largest gain, because the error of a finite amplification is inversely proportional to the gain of the
+    /// feedback. If they are large, it is a negative power of ten.
     fn with_feedback(&self, id: NodeId, sum: &Sum, total: Total) -> Result<Block, Diagnostic> {
         let weight = |(node, c): (&NodeId, &Fraction)| {
             self.table.weight(&Term { coefficient: c.clone(), node: *node }) / total.value
@@ -218,8 +219,8 @@ impl<'a> Design<'a> {
         let largest = sum.terms.iter().map(weight).fold(0.0, f64::max);
         let feedback = if largest > LARGEST_OPEN_GAIN {
             10f64.powi(-((largest / LARGEST_OPEN_GAIN).log10().ceil() as i32))
-        } else if largest < LEAST_OPEN_GAIN {
-            10.0
+        } else if largest <= 1.0 {
+            largest_gain(&total)
         } else {
             1.0
         };
@@ -267,7 +268,8 @@ impl<'a> Design<'a> {
         let is_parametric = entry.is_parametric || total.is_parametric || expressions.has_parameters(&ratio);
         let in_volts = Coefficient {
             value: expressions.value(&positive) * factor,
-            most: expressions.largest(&positive) * factor,
+            // Parameters that the coefficient and the scales have in common cancel.
+            most: expressions.largest(&ratio) / time_scale,
             is_fixed: !is_parametric,
         };
         let route = choose(&in_volts).ok_or(in_volts.value)?;
@@ -288,7 +290,7 @@ impl<'a> Design<'a> {
         let plan = &self.input.plan;
         let [output, source] = [id, node].map(|id| plan.node(id).name.as_str());
         let number = format_significant(gain, 3);
-        let most = total.gains.last().copied().unwrap_or(1.0);
+        let most = largest_gain(total);
         let noun = if total.is_rate { "an integrator" } else { "an amplifier" };
         let message =
             format!("{source} has a gain of {number} in {output}, and the largest gain of {noun} is {most}");
@@ -301,4 +303,9 @@ impl<'a> Design<'a> {
         };
         self.input.fault(id, message, &hint)
     }
+}
+
+/// The largest gain of an input that adds to a total.
+fn largest_gain(total: &Total) -> f64 {
+    total.gains.last().copied().unwrap_or(1.0)
 }

@@ -12,7 +12,7 @@ use super::assembly::Assembly;
 use super::design::Design;
 use super::formula::{Product, exact_number, json_number};
 use super::layout::layout;
-use crate::plan::{NodeId, Operation, PlannedQuantity};
+use crate::graph::{NodeId, Operation, PlannedQuantity};
 
 /// The largest number of pictures.
 const MOST_PICTURES: usize = 4;

@@ -1,31 +1,29 @@
 //! The names and values of the parameters and scales in exact expressions.
 
-use std::collections::BTreeMap;
-use std::f64::consts::PI;
-
 use patchcord_core::circuit::Circuit;
-use patchcord_expr::{Dimension, Scope as _};
+use patchcord_expr::Dimension;
 
-use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, Symbols, Values, value};
+use crate::graph::ConstantValues;
+use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, Symbols};
 
 /// At most this number of parameters are varied over their ranges. Every pair of bounds doubles the work.
 const MOST_VARIED: usize = 6;
 
 /// The symbols of a plan with those of the scales.
 #[derive(Debug)]
-pub(crate) struct Expressions<'a> {
+pub(super) struct Expressions<'a> {
     /// The parameters of the plan, followed by the scales.
     symbols: Symbols,
     /// The circuit with the values of the parameters.
     circuit: &'a Circuit,
-    /// The value of one volt of each scale in SI units, by the index of its symbol.
-    scales: BTreeMap<u32, f64>,
+    /// The values of the parameters and of one volt of each scale.
+    values: ConstantValues,
 }
 
 impl<'a> Expressions<'a> {
     /// The symbols of a plan, without scales.
-    pub(crate) fn new(symbols: &Symbols, circuit: &'a Circuit) -> Self {
-        Expressions { symbols: symbols.clone(), circuit, scales: BTreeMap::new() }
+    pub(super) fn new(symbols: &Symbols, circuit: &'a Circuit) -> Self {
+        Expressions { symbols: symbols.clone(), circuit, values: ConstantValues::new(symbols, circuit) }
     }
 
     /// Adds a scale with its value of one volt in SI units, and returns its symbol. A scale counts as a variable, so that
@@ -34,13 +32,13 @@ impl<'a> Expressions<'a> {
         let kind = SymbolKind::Variable;
         let symbol =
             self.symbols.add(SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension }, true);
-        self.scales.insert(symbol.index, per_volt);
+        self.values.set(symbol, per_volt);
         Fraction::symbol(symbol)
     }
 
     /// The value of an expression in SI units. NaN if it contains a quantity that varies in a run.
-    pub(crate) fn value(&self, expression: &Fraction) -> f64 {
-        value(expression, self)
+    pub(super) fn value(&self, expression: &Fraction) -> f64 {
+        self.values.value(expression)
     }
 
     /// The name of a symbol in formulas.
@@ -56,12 +54,12 @@ impl<'a> Expressions<'a> {
     /// The largest magnitude of an expression at the present values of its parameters and at the bounds of their ranges.
     pub(super) fn largest(&self, expression: &Fraction) -> f64 {
         let ranges = self.ranges(expression);
+        let mut varied = self.values.clone();
         let magnitude = |corner: u32| {
-            let end = |(index, (symbol, ends)): (usize, &(Symbol, [f64; 2]))| {
-                (*symbol, ends[((corner >> index) & 1) as usize])
-            };
-            let changed = ranges.iter().enumerate().map(end).collect();
-            value(expression, &Varied { expressions: self, changed }).abs()
+            for (index, (symbol, ends)) in ranges.iter().enumerate() {
+                varied.set(*symbol, ends[((corner >> index) & 1) as usize]);
+            }
+            varied.value(expression).abs()
         };
         let corners = 1u32 << ranges.len();
         (0..corners).map(magnitude).fold(self.value(expression).abs(), f64::max)
@@ -89,58 +87,5 @@ impl<'a> Expressions<'a> {
         let parameter = self.circuit.patch().parameters.get(&entry.name)?;
         let (low, high) = parameter.range?;
         Some([low, high].map(|end| parameter.unit.to_si(end)))
-    }
-}
-
-impl Values for Expressions<'_> {
-    fn symbol(&self, symbol: Symbol) -> f64 {
-        if let Some(per_volt) = self.scales.get(&symbol.index) {
-            return *per_volt;
-        }
-        let entry = self.symbols.entry(symbol);
-        match entry.kind {
-            SymbolKind::Pi => PI,
-            SymbolKind::Parameter(_) => self.circuit.quantities().value(&entry.name).unwrap_or(f64::NAN),
-            SymbolKind::Time | SymbolKind::Variable | SymbolKind::Held => f64::NAN,
-        }
-    }
-
-    fn table(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn slope(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
-        f64::NAN
-    }
-}
-
-/// Expressions of which some parameters have other values.
-struct Varied<'a> {
-    /// The present values.
-    expressions: &'a Expressions<'a>,
-    /// The other values in SI units.
-    changed: Vec<(Symbol, f64)>,
-}
-
-impl Values for Varied<'_> {
-    fn symbol(&self, symbol: Symbol) -> f64 {
-        let changed = self.changed.iter().find(|(known, _)| *known == symbol);
-        changed.map_or_else(|| self.expressions.symbol(symbol), |(_, value)| *value)
-    }
-
-    fn table(&self, table: u32, at: f64) -> f64 {
-        self.expressions.table(table, at)
-    }
-
-    fn slope(&self, table: u32, at: f64) -> f64 {
-        self.expressions.slope(table, at)
-    }
-
-    fn delayed(&self, expression: &Fraction, time: f64) -> f64 {
-        self.expressions.delayed(expression, time)
     }
 }

@@ -1,6 +1,6 @@
 //! The order of the elements of a patch: along the flow of the signals.
 
-use crate::plan::{NodeId, Operation, Plan};
+use crate::graph::{NodeId, Operation, Plan};
 
 /// The nodes in the order of their elements: the quantities in the order of the problem, each after the nodes that it
 /// reads. An integrator does not wait for the integrators that it reads, because these form loops.
@@ -35,7 +35,7 @@ mod tests {
     use patchcord_expr::Dimension;
 
     use super::*;
-    use crate::plan::{Node, PlannedQuantity, Sum};
+    use crate::graph::{Node, PlannedQuantity, Sum};
     use crate::symbolic::{Fraction, Symbols};
 
     /// A sum of these nodes.

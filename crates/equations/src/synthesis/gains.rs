@@ -46,15 +46,20 @@ impl Coefficient {
         self.value <= 1.0 + ROUNDING && !(self.is(1.0) && self.can_rise())
     }
 
+    /// The largest value that it can have.
+    fn largest(&self) -> f64 {
+        if self.is_fixed { self.value } else { self.most }
+    }
+
     /// Whether the coefficient is larger for other values of the parameters.
     fn can_rise(&self) -> bool {
-        self.most > self.value * (1.0 + ROUNDING)
+        self.largest() > self.value * (1.0 + ROUNDING)
     }
 
     /// Whether a pot in front of this factor is at least 0.1, and valid in the ranges of the parameters.
     fn has_space(&self, factor: f64) -> bool {
         let is_accurate = self.value == 0.0 || self.value >= LEAST_SETTING * factor * (1.0 - ROUNDING);
-        is_accurate && self.most <= factor * (1.0 + ROUNDING)
+        is_accurate && self.largest() <= factor * (1.0 + ROUNDING)
     }
 }
 
@@ -77,7 +82,8 @@ impl Route {
 ///
 /// The gain is the smallest one that is not below the coefficient, so the pot is from 0.1 to 1 if that is possible. A
 /// coefficient that equals a gain needs no pot, unless it depends on parameters. If it exceeds the gain for some values
-/// of the parameters, a larger gain is chosen, if the pot is then valid for all values and still at least 0.1.
+/// of the parameters, a larger gain or a second cord of the largest gain is chosen, if the pot is then valid for all
+/// values and still at least 0.1.
 ///
 /// Above the largest gain there are several equal cords, and then an additional summer if it is permitted. `None` if the
 /// coefficient is larger still.
@@ -90,7 +96,7 @@ pub(super) fn route(coefficient: &Coefficient, gains: &[f64], may_add_summer: bo
     };
     if let Some(first) = gains.iter().position(|gain| wanted <= gain * (1.0 + ROUNDING)) {
         let single = gains[first..].iter().map(|gain| Route { gain: *gain, ..Route::POT });
-        return chosen(coefficient, &single.chain(cords(2, 0)).collect::<Vec<_>>());
+        return chosen(coefficient, &single.chain(cords(2, 0).take(1)).collect::<Vec<_>>());
     }
     let count = |summers: u32| {
         let count = wanted / largest / GAIN_OF_SUMMER.powi(summers as i32) * (1.0 - ROUNDING);
@@ -170,6 +176,17 @@ mod tests {
     }
 
     #[test]
+    fn a_fixed_coefficient_needs_no_larger_gain() {
+        // Parameters cancel in k y / k. The largest value of the first factor does not matter.
+        let fixed = Coefficient { value: 1.0, most: 6.7, is_fixed: true };
+        assert_eq!(route(&fixed, &SUMMER, true), cord(false, 1.0));
+        assert_eq!(route(&fixed, &INTEGRATOR, false), cord(false, 1.0));
+        assert!(fixed.fits_pot());
+        let fixed = Coefficient { value: 8.0, most: 16.0, is_fixed: true };
+        assert_eq!(route(&fixed, &SUMMER, true), cord(true, 10.0));
+    }
+
+    #[test]
     fn a_coefficient_above_the_largest_gain_has_several_cords() {
         let route_of = |value, gains: &[f64]| route(&fixed(value), gains, false);
         let several = |has_pot, gain, cords| Some(Route { has_pot, summers: 0, gain, cords });
@@ -184,6 +201,7 @@ mod tests {
     fn more_cords_give_space_to_a_parameter_above_the_largest_gain() {
         let cords_of = |value, most| route(&variable(value, most), &SUMMER, true).map(|route| route.cords);
         assert_eq!(cords_of(8.0, 15.0), Some(2));
+        assert_eq!(cords_of(8.0, 25.0), Some(1));
         assert_eq!(cords_of(25.0, 29.0), Some(3));
         assert_eq!(cords_of(25.0, 45.0), Some(5));
         assert_eq!(cords_of(25.0, 60.0), Some(3));

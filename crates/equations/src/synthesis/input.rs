@@ -5,12 +5,13 @@ use patchcord_core::document::Diagnostic;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 use patchcord_expr::{Dimension, Unit, split_primes};
 
+use super::Options;
 use super::centred::centre_angles;
 use super::expressions::Expressions;
 use super::rescaled::{Rescaled, is_forced, rescaled};
-use super::{Options, codes};
+use crate::findings::codes;
+use crate::graph::{NodeId, Operation, Plan};
 use crate::peaks::Ranges;
-use crate::plan::{NodeId, Operation, Plan};
 
 /// Gains of summers on a machine without a list of gains.
 const SUMMER_GAINS: [f64; 2] = [1.0, 10.0];

@@ -13,7 +13,6 @@
 
 mod assembly;
 mod centred;
-pub(crate) mod codes;
 mod design;
 mod document;
 mod elements;
@@ -44,13 +43,12 @@ use patchcord_core::machines::MachineModel;
 use patchcord_core::patch::{Patch, Problem};
 use patchcord_expr::Unit;
 
+use crate::graph::{NodeId, Plan};
 use crate::peaks::Ranges;
-use crate::plan::{NodeId, Plan};
 use assembly::Assembly;
 use design::{Block, Design};
 pub(crate) use document::with_ranges;
 use input::Input;
-pub(crate) use expressions::Expressions;
 pub(crate) use notes::GainStep;
 pub(crate) use scales::{choose_scales, improved_scales};
 

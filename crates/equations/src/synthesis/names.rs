@@ -13,7 +13,7 @@ use patchcord_expr::split_primes;
 use super::input::Input;
 use super::short_names::short_name;
 use super::unknown::is_chosen;
-use crate::plan::{FunctionKind, NodeId, Operation};
+use crate::graph::{FunctionKind, NodeId, Operation};
 
 /// Derivatives up to this order have a name with one d for each dot.
 const MOST_DOTS: usize = 3;

@@ -3,7 +3,7 @@
 use super::design::{Block, Branch, Design};
 use super::elements::functions::argument_gain;
 use super::polarity::{Need, PolarityNode};
-use crate::plan::{FunctionKind, NodeId, Operation};
+use crate::graph::{FunctionKind, NodeId, Operation};
 
 /// The node whose output is that of another one, and the sign between them. It differs from `id` if this is an alias.
 pub(super) fn resolved(blocks: &[Block], id: NodeId) -> (NodeId, i8) {
@@ -24,7 +24,7 @@ pub(super) fn divisor_sign(design: &Design<'_>, divisor: NodeId) -> i8 {
 
 /// The sign by which an additional summer changes the voltage of an input.
 pub(super) fn summer_sign(branch: &Branch) -> i8 {
-    if branch.route.summers % 2 == 0 { 1 } else { -1 }
+    if branch.route.summers.is_multiple_of(2) { 1 } else { -1 }
 }
 
 /// The polarities that a coefficient of this value needs: 1 if it is 0 or above.

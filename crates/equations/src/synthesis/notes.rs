@@ -4,8 +4,8 @@ use patchcord_expr::{format_significant, round_significant};
 
 use super::design::{Branch, Design};
 use super::gains::LEAST_SETTING;
+use crate::graph::{NodeId, Operation};
 use crate::notation::{Notation, text};
-use crate::plan::{NodeId, Operation};
 use crate::symbolic::Fraction;
 use crate::writing::Writer;
 

@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::plan::{Node, NodeId, Operation, Plan, Sum};
+use crate::graph::{Node, NodeId, Operation, Plan, Sum};
 use crate::symbolic::Fraction;
 
 /// A plan in which all scales can be computed.

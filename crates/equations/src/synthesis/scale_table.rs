@@ -5,7 +5,7 @@ use patchcord_core::machines::REFERENCE;
 use super::expressions::Expressions;
 use super::input::Input;
 use super::rescaled::is_forced;
-use crate::plan::{NodeId, Operation, Term};
+use crate::graph::{NodeId, Operation, Term};
 use crate::symbolic::Fraction;
 
 /// The scale of a node.

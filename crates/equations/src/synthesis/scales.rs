@@ -14,8 +14,8 @@ use super::significant::significant_peaks;
 use super::time_scale::time_scale;
 use super::unknown::{fill_unknown, is_chosen};
 use super::{Options, Scales};
+use crate::graph::{FunctionKind, NodeId, Operation, Plan, Sum};
 use crate::peaks::Ranges;
-use crate::plan::{FunctionKind, NodeId, Operation, Plan, Sum};
 use crate::symbolic::Fraction;
 
 /// Voltages of a peak after a choice. They are within those that need a new choice, because measured peaks differ a

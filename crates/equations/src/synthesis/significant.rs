@@ -1,9 +1,13 @@
-//! Peaks without rounding: a difference of equal quantities is 0, and not 1e-16 of them.
+//! Peaks without rounding: a difference of equal quantities is 0, and not 1e-16 of them. What follows from it is 0, too.
 
+use patchcord_core::machines::REFERENCE;
+
+use super::centred::angle_scale;
 use super::input::Input;
-use crate::plan::{NodeId, Operation, Sum};
+use crate::graph::{FunctionKind, NodeId, Operation, Sum};
 
-/// A sum that is smaller than this share of its terms consists of rounding.
+/// A sum that is smaller than this share of its terms consists of rounding. So does an angle that is smaller than this
+/// share of 1 rad.
 const ROUNDING: f64 = 1e-10;
 
 /// The peak of each node in SI units. It is 0 if the node consists of rounding, or has no finite range.
@@ -24,14 +28,26 @@ pub(super) fn significant_peaks(input: &Input<'_>) -> Vec<f64> {
     peaks
 }
 
-/// Whether a node is a sum of quantities that cancel, or the integral of one that starts at 0.
+/// Whether a node is a sum of quantities that cancel or consist of rounding, the integral of one that starts at 0, a
+/// function of rounding that is 0 at 0, or an angle near 0.
 fn is_rounding(input: &Input<'_>, id: NodeId, peaks: &[f64]) -> bool {
-    let peak = peaks[id.0 as usize];
+    let (peak, is_zero) = (peaks[id.0 as usize], |node: &NodeId| peaks[node.0 as usize] == 0.0);
+    let cancels = |peak: f64, sum: &Sum| {
+        let size = size(input, sum, peaks);
+        size == 0.0 || peak <= ROUNDING * size
+    };
     match input.operation(id) {
-        Operation::Sum(sum) | Operation::Limited { sum, .. } => peak <= ROUNDING * size(input, sum, peaks),
+        Operation::Sum(sum) => cancels(peak, sum),
+        Operation::Limited { sum, .. } => peak <= ROUNDING * size(input, sum, peaks),
         Operation::Integral { initial, rate } => {
-            let starts_at_0 = input.expressions.value(initial) == 0.0;
-            starts_at_0 && input.rates[id.0 as usize] <= ROUNDING * size(input, rate, peaks)
+            input.expressions.value(initial) == 0.0 && cancels(input.rates[id.0 as usize], rate)
+        }
+        Operation::Product(factors) => factors.iter().any(is_zero),
+        Operation::Quotient { dividend, .. } => size(input, dividend, peaks) == 0.0,
+        Operation::Absolute(node) => is_zero(node),
+        Operation::Function { kind: FunctionKind::Sin, argument } => is_zero(&argument.node),
+        Operation::Zero(_) => {
+            angle_scale(&input.plan, id).is_some_and(|scale| peak <= ROUNDING * REFERENCE * scale)
         }
         _ => false,
     }

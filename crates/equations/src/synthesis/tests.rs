@@ -18,8 +18,8 @@ use patchcord_core::solve::Machine;
 use patchcord_expr::Unit;
 
 use super::{Options, Scales, Synthesis, choose_scales, synthesise};
+use crate::graph::{Node, NodeId, Operation, Plan, PlannedQuantity, Sum, Term};
 use crate::peaks::Ranges;
-use crate::plan::{Node, NodeId, Operation, Plan, PlannedQuantity, Sum, Term};
 use crate::symbolic::{Fraction, SymbolEntry, SymbolKind, Symbols};
 use crate::testing::reading::read_with;
 

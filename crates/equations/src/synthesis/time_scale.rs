@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::input::Input;
 use super::round::{nearest_step, step_above};
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 
 /// The frequency at which the machine computes the fastest oscillation of a system whose time scale is changed, in Hz.
 const PLOTTER_FREQUENCY: f64 = 1.0;

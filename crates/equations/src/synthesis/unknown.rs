@@ -1,13 +1,17 @@
 //! Scales of nodes that are 0 during the whole run, so that their peaks are not known.
 //!
 //! For a chain of integrators the equal coefficient rule estimates them: in x'' = -a0 x, the peak of x' is the natural
-//! frequency sqrt(a0) times that of x (A. S. Jackson, Analog Computation, McGraw-Hill 1960; thesis 8.2). Other nodes get
-//! a scale with which their largest input or their first user has a gain near 1.
+//! frequency sqrt(a0) times that of x (A. S. Jackson, Analog Computation, McGraw-Hill 1960; thesis 8.2). A sine and an
+//! angle have a natural range. Other nodes get a scale with which their largest input or their first user has a gain near
+//! 1.
 
+use patchcord_core::machines::REFERENCE;
+
+use super::centred::angle_scale;
 use super::input::Input;
 use super::rescaled::is_forced;
 use super::round::roundest;
-use crate::plan::{NodeId, Operation, Sum};
+use crate::graph::{FunctionKind, NodeId, Operation, Sum};
 use crate::symbolic::Fraction;
 
 /// An estimated scale is rounded within this factor.
@@ -15,6 +19,10 @@ const MARGIN: f64 = 1.4;
 
 /// Fills in the scales that are missing, in SI units by node. Those of nodes that follow from others stay missing.
 pub(super) fn fill_unknown(input: &Input<'_>, per_volt: &mut [Option<f64>]) {
+    for id in input.plan.ids().filter(|id| is_chosen(input, *id)) {
+        let scale = &mut per_volt[id.0 as usize];
+        *scale = scale.or_else(|| natural_scale(input, id));
+    }
     for chain in chains(input) {
         fill_chain(input, &chain, per_volt);
     }
@@ -40,6 +48,15 @@ pub(super) fn fill_unknown(input: &Input<'_>, per_volt: &mut [Option<f64>]) {
 pub(super) fn is_chosen(input: &Input<'_>, id: NodeId) -> bool {
     let operation = input.operation(id);
     *operation != Operation::One && !is_forced(operation)
+}
+
+/// The scale of a node with a natural range in SI units per volt: 100 V is 1 for a sine or a cosine, and about 1 rad for
+/// an angle that an open amplifier finds. `None` for other nodes.
+fn natural_scale(input: &Input<'_>, id: NodeId) -> Option<f64> {
+    match input.operation(id) {
+        Operation::Function { kind: FunctionKind::Sin | FunctionKind::Cos, .. } => Some(1.0 / REFERENCE),
+        _ => angle_scale(&input.plan, id).map(|scale| rounded(input, id, scale)),
+    }
 }
 
 /// A scale in SI units, rounded in the unit of the node.

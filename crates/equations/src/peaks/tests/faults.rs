@@ -1,8 +1,8 @@
 //! Plans without ranges: the fault names the node and the time.
 
 use super::{NO_DRIVE, integral, outcome, product, sum, term};
+use crate::graph::{FunctionKind, NodeId, Operation};
 use crate::peaks::fault::{Fault, FaultKind};
-use crate::plan::{FunctionKind, NodeId, Operation};
 use crate::symbolic::Fraction;
 
 /// Asserts that nodes have this fault, at the node with this name and within 2 % of the run of this time.

@@ -1,9 +1,9 @@
 //! The laws of the nodes, with values from their definitions.
 
-use super::{NO_DRIVE, assert_range, circuit, integral, planned, product, solved, sum, term};
+use super::{NO_DRIVE, assert_range, circuit, integral, nothing_stated, planned, product, solved, sum, term};
+use crate::graph::{FunctionKind, Node, NodeId, Operation, Plan};
 use crate::peaks::network::Tables;
 use crate::peaks::solve;
-use crate::plan::{FunctionKind, Node, NodeId, Operation, Plan};
 use crate::symbolic::{Fraction, SymbolEntry, SymbolKind, Symbols};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::patch::Patch;
@@ -77,15 +77,17 @@ fn a_root_follows_a_tank_that_empties() {
 }
 
 #[test]
-fn a_curve_is_straight_between_its_points_and_constant_outside() {
+fn a_curve_is_straight_between_its_points_and_continues_outside() {
     let curve = Operation::Curve { table: "spring".to_owned(), input: term(1.0, 1) };
     let plan = planned(ramp(vec![("curve", curve), ("area", integral(0.0, &[(1.0, 2)]))]));
     let tables = Tables::from([("spring".to_owned(), vec![[-1.0, 3.0], [0.5, 4.0], [1.0, 7.0]])]);
-    let ranges = solve(&plan, &circuit(4.0, NO_DRIVE), &tables, &[0.0; 4]);
+    let ranges = solve(&plan, &circuit(4.0, NO_DRIVE), &tables, &nothing_stated(&plan));
     let ranges = ranges.unwrap_or_else(|fault| panic!("{fault:?}"));
-    assert_range(&ranges, 2, [3.0, 7.0]);
+    // The first line has the slope 2/3, and the last one 6.
+    let first = 3.0 - 2.0 / 3.0;
+    assert_range(&ranges, 2, [first, 13.0]);
     // The areas of the four straight pieces.
-    assert_range(&ranges, 3, [0.0, 1.0 * 3.0 + 1.5 * 3.5 + 0.5 * 5.5 + 1.0 * 7.0]);
+    assert_range(&ranges, 3, [0.0, 0.5 * (first + 3.0) + 1.5 * 3.5 + 0.5 * 5.5 + 1.0 * 10.0]);
 }
 
 #[test]
@@ -103,6 +105,6 @@ fn coefficients_have_the_values_of_the_parameters_in_si() {
     let operation = Operation::Integral { initial, rate: sum(&[]) };
     let nodes = vec![Node { name: "x".to_owned(), dimension: Dimension::LENGTH, operation }];
     let plan = Plan { symbols, nodes, quantities: Vec::new() };
-    let ranges = solve(&plan, &circuit, &Tables::new(), &[0.0]);
+    let ranges = solve(&plan, &circuit, &Tables::new(), &nothing_stated(&plan));
     assert_range(&ranges.unwrap_or_else(|fault| panic!("{fault:?}")), 0, [3e-3, 3e-3]);
 }

@@ -1,7 +1,11 @@
 //! Loops without integrators, with closed solutions.
 
-use super::{assert_range, integral, product, range_of, solved, sum, term};
-use crate::plan::{FunctionKind, Operation};
+use super::{
+    NO_DRIVE, assert_range, circuit, integral, nothing_stated, planned, product, range_of, solved, sum, term,
+};
+use crate::graph::{FunctionKind, Operation};
+use crate::peaks::network::Tables;
+use crate::peaks::solve;
 
 /// The sine and the cosine of a time plus an angle in radians, as nodes 0 and 1.
 fn circle(angle: f64) -> Vec<(&'static str, Operation)> {
@@ -62,15 +66,32 @@ fn a_curved_loop_is_solved_at_every_instant() {
     assert_range(&solved(7.0, nodes), 3, [lower, upper]);
 }
 
-#[test]
-fn the_solution_nearest_to_0_at_which_the_sum_rises_is_taken() {
-    // y^3 - 4 y + 1 = 0 has the solutions -2.1149, 0.2541 and 1.8608, and rises at the first and the last of them.
-    let nodes = vec![
+/// The solutions of y^3 - 4 y + 1 = 0, where y is node 1. The left side rises at the first and the last of them.
+const CUBIC_ROOTS: [f64; 3] = [-2.114_907_541_476_756, 0.254_101_688_365_052_4, 1.860_805_853_111_703];
+
+/// The nodes of y^3 - 4 y + 1 = 0.
+fn cubic() -> Vec<(&'static str, Operation)> {
+    vec![
         ("1", Operation::One),
         ("y", Operation::Zero(sum(&[(1.0, 3), (-4.0, 1), (1.0, 0)]))),
         ("y^2", product(1, 1)),
         ("y^3", product(1, 2)),
-    ];
-    let root = 1.860_805_853_111_703;
-    assert_range(&solved(1.0, nodes), 1, [root, root]);
+    ]
+}
+
+#[test]
+fn the_solution_nearest_to_0_at_which_the_sum_rises_is_taken() {
+    assert_range(&solved(1.0, cubic()), 1, [CUBIC_ROOTS[2]; 2]);
+}
+
+#[test]
+fn a_solution_is_sought_near_its_stated_value() {
+    // Near 0.3 the sum falls with y, so an open amplifier leaves this solution.
+    for (start, root) in [(-2.0, CUBIC_ROOTS[0]), (1.5, CUBIC_ROOTS[2]), (0.3, CUBIC_ROOTS[2])] {
+        let plan = planned(cubic());
+        let mut stated = nothing_stated(&plan);
+        stated.starts[1] = Some(start);
+        let ranges = solve(&plan, &circuit(1.0, NO_DRIVE), &Tables::new(), &stated);
+        assert_range(&ranges.unwrap_or_else(|fault| panic!("{fault:?}")), 1, [root; 2]);
+    }
 }

@@ -1,7 +1,7 @@
 //! Motions with closed solutions.
 
 use super::{assert_range, driven, integral, product, range_of, solved, sum};
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 use crate::symbolic::Fraction;
 
 /// The angular frequency of the oscillator in rad/s.

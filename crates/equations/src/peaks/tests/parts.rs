@@ -1,13 +1,14 @@
 //! The parts of a solution alone.
 
 use super::{integral, planned, product, sum, term};
+use crate::graph::{FunctionKind, Operation};
 use crate::peaks::history::History;
+use crate::peaks::law::{Law, Weighted};
 use crate::peaks::network::{Network, Tables};
 use crate::peaks::order::Block;
 use crate::peaks::quartic::{largest_within, quartic};
 use crate::peaks::step_control::StepControl;
 use crate::peaks::times::RunTimes;
-use crate::plan::{FunctionKind, Operation};
 
 #[test]
 fn a_polynomial_of_degree_4_is_reproduced() {
@@ -79,6 +80,19 @@ fn blocks(nodes: Vec<(&str, Operation)>) -> Vec<String> {
         }
     };
     network.blocks.iter().map(text).collect()
+}
+
+#[test]
+fn a_value_that_is_not_a_number_is_not_hidden() {
+    let terms = [0, 1].map(|node| Weighted { factor: 1.0, node });
+    for values in [[f64::NAN, 1.0], [1.0, f64::NAN]] {
+        assert!(Law::Higher(terms).value(2, &values).is_nan(), "{values:?}");
+        assert!(Law::Lower(terms).value(2, &values).is_nan(), "{values:?}");
+    }
+    let switch = Law::Switch { input: 0, at_least_0: 1.0, below_0: -1.0 };
+    assert!(switch.value(1, &[f64::NAN]).is_nan());
+    let curve = Law::Curve { points: vec![[0.0, 1.0], [1.0, 2.0]], input: terms[0] };
+    assert!(curve.value(1, &[f64::NAN]).is_nan());
 }
 
 #[test]

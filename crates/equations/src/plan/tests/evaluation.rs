@@ -8,8 +8,8 @@ use patchcord_expr::{
     Callee, Dimension, Equation, EquationFunction, Expression, Function, Node, Operator, Scope,
 };
 
+use crate::graph::{FunctionKind, NodeId, Operation, Plan, Sum, Term};
 use crate::plan::constants::Constants;
-use crate::plan::{FunctionKind, NodeId, Operation, Plan, Sum, Term};
 use crate::symbolic::Fraction;
 
 /// Evaluations of all nodes at most. Loops converge in fewer.

@@ -1,7 +1,7 @@
 //! Systems with several highest derivatives in one equation, and implicit equations.
 
 use super::{count, lines, node_of, operation, planned, planned_system};
-use crate::plan::{Operation, Sum};
+use crate::graph::{Operation, Sum};
 
 #[test]
 fn coupled_pendulums_share_the_difference_of_the_sines() {

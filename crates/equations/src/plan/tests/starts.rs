@@ -1,7 +1,7 @@
 //! Values at the start: delays, drives and coupled implicit equations.
 
 use super::{count, operation, planned};
-use crate::plan::Operation;
+use crate::graph::Operation;
 use crate::symbolic::nearest;
 
 /// The initial value of the only delay of a problem, which must be a number.

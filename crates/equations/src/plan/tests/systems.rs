@@ -5,14 +5,16 @@ use std::fs;
 use std::path::Path;
 
 use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
 use patchcord_core::patch::Problem;
+use patchcord_core::solve::Machine;
 use serde_json::Value;
 
 use super::evaluation::{Evaluator, Names, difference};
 use super::{circuit, count, systems};
+use crate::graph::{NodeId, Operation, Plan};
 use crate::plan::constants::Constants;
-use crate::plan::finish::drive_values;
-use crate::plan::{NodeId, Operation, Plan, plan};
+use crate::plan::plan;
 
 /// Largest difference of the sides of an equation, as a share of their size.
 const TOLERANCE: f64 = 1e-12;
@@ -53,7 +55,7 @@ impl System {
         let rows: Vec<_> = (0..reference["times"].as_array().unwrap().len()).map(row).collect();
         let peaks = quantities.iter().map(|(name, entry)| (name.clone(), in_si(name, &entry["peak"])));
         let peaks = peaks.collect();
-        let drives = drive_values(&circuit).unwrap();
+        let drives = drive_values(&circuit);
         System { name, problem, circuit, plan, rows, peaks, drives }
     }
 
@@ -102,6 +104,19 @@ impl System {
         }
         Names { circuit: &self.circuit, problem: &self.problem, values }
     }
+}
+
+/// The values of all drives of a circuit in initial condition, in SI units.
+fn drive_values(circuit: &Circuit) -> BTreeMap<String, f64> {
+    let program = Program::new(circuit).unwrap();
+    let machine = Machine::new(&program, 1e-3).unwrap();
+    let value = |name: &String| {
+        let point = circuit.signals().iter().find(|point| point.name == *name)?;
+        let scale = point.scale?;
+        let per_volt = circuit.derived_unit(scale).to_si(circuit.per_volt(scale)?);
+        Some((name.clone(), per_volt * machine.voltage(name).ok()?))
+    };
+    circuit.patch().drives.keys().filter_map(value).collect()
 }
 
 #[test]

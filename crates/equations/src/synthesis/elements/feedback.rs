@@ -13,10 +13,12 @@ use super::super::formula::json_number;
 use super::super::needs::divisor_sign;
 use super::super::notes::product_text;
 use super::linear::{amplifier, cords};
-use crate::plan::NodeId;
+use crate::graph::NodeId;
 
-/// The amplification of open amplifiers. With the default of 1e6, the error of a quotient would be above 1e-6.
-const AMPLIFICATION: i64 = 100_000_000;
+/// The amplification of open amplifiers: the largest one that they can have. A quotient with the divisor d has the
+/// relative error 100 V / (d x gain of the feedback x amplification). With the default of 1e6 it would be above 1e-6, and
+/// a motion can amplify it a thousandfold.
+const AMPLIFICATION: i64 = 1_000_000_000;
 
 /// Adds a quotient.
 ///

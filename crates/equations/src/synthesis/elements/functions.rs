@@ -13,7 +13,8 @@ use super::super::design::Design;
 use super::super::formula::{Product, json_number};
 use super::super::needs::sign_of;
 use super::super::notes::{signed, term_text};
-use crate::plan::{FunctionKind, NodeId, Operation, Term};
+use crate::graph::{FunctionKind, NodeId, Operation, Term};
+use crate::peaks::points_in_si;
 use crate::symbolic::Fraction;
 
 /// The output of `exp` and `log` per decade, in volts.
@@ -229,7 +230,7 @@ pub(super) fn add_curve(
     let out_per_volt = f64::from(assembly.polarity(id)) * design.table.value(id);
     let range = design.input.ranges[argument.node.0 as usize];
     let middle = f64::midpoint(range[0], range[1]) * coefficient / in_per_volt;
-    let points = points_in_si(design, table).into_iter();
+    let points = design.input.problem.tables.get(table).map(points_in_si).unwrap_or_default().into_iter();
     let mut points: Vec<[f64; 2]> = points.map(|[x, y]| [x / in_per_volt, y / out_per_volt]).collect();
     points.sort_by(|one, other| one[0].total_cmp(&other[0]));
     let points = within_reference(&points, middle);
@@ -256,13 +257,6 @@ fn argument_name<'d>(design: &'d Design<'_>, argument: &Term) -> &'d str {
 /// A voltage without the rounding of its computation.
 fn rounded(volts: f64) -> f64 {
     round_significant(volts, DIGITS)
-}
-
-/// The points of a table in SI units. There are none if the problem does not have it.
-fn points_in_si(design: &Design<'_>, table: &str) -> Vec<[f64; 2]> {
-    let Some(table) = design.input.problem.tables.get(table) else { return Vec::new() };
-    let in_si = |[x, y]: &[f64; 2]| [table.input_unit.to_si(*x), table.output_unit.to_si(*y)];
-    table.points.iter().map(in_si).collect()
 }
 
 /// The part of a curve around an input that is within ±100 V, with a new end where it leaves this range. A function

@@ -9,7 +9,7 @@ use super::super::design::Branch;
 use super::super::needs::summer_sign;
 use super::super::notes::{GainStep, pot_note, signed, term_text};
 use super::volts;
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 use crate::symbolic::Fraction;
 
 /// Adds the pot of a sum with one term.

@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::assembly::Assembly;
 use super::design::{Block, Design};
 use super::formula::{EXACT_DIGITS, Product, json_number};
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 use crate::symbolic::{Fraction, nearest};
 
 /// Rounding of a voltage, as a share of it.

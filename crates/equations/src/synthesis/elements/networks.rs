@@ -11,7 +11,7 @@ use super::super::formula::{Product, json_number};
 use super::super::gains::Route;
 use super::super::notes::{signed, term_text};
 use super::volts;
-use crate::plan::{NodeId, Operation, Term};
+use crate::graph::{NodeId, Operation, Term};
 use crate::symbolic::Fraction;
 
 /// The delays that a delay line can have, in machine seconds.

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{Sketch, options};
-use crate::plan::{FunctionKind, NodeId, Operation, Sum};
+use crate::graph::{FunctionKind, NodeId, Operation, Sum};
 use crate::symbolic::Fraction;
 
 /// A mass with a spring and a damper, released at x0.

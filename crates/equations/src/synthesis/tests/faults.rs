@@ -2,7 +2,7 @@
 
 use super::super::Options;
 use super::{Sketch, options};
-use crate::plan::{FunctionKind, NodeId, Operation};
+use crate::graph::{FunctionKind, NodeId, Operation};
 
 /// A problem in pure numbers with a constant a and a quantity y.
 fn sketch(a: f64, quantities: &str) -> Sketch {

@@ -1,7 +1,7 @@
 //! Every operation as a small circuit with the right voltages.
 
 use super::{Reading, Sketch, assert_close};
-use crate::plan::{FunctionKind, NodeId, Operation};
+use crate::graph::{FunctionKind, NodeId, Operation};
 use crate::symbolic::Fraction;
 
 /// A problem with constants a and b, a quantity y with this equation, and further sections.
@@ -117,23 +117,57 @@ fn roots_are_positive() {
 }
 
 #[test]
+fn the_error_of_a_quotient_by_its_finite_amplification_is_small() {
+    // The divisor has 80 V, so the error is 1.25 / (10 x 1e9) with a gain of 10 in the feedback.
+    let quotient = |sketch: &mut Sketch| Operation::Quotient {
+        dividend: sketch.sum(&[("p", 0), ("1", 2)]),
+        divisor: NodeId(1),
+    };
+    let expected = (2.5 * 2.2 + 1.0) / 2.0;
+    let found = value("y = (p a + 1) / b", [2.2, 2.0], expected, &quotient);
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} instead of {expected}");
+}
+
+/// The node y = atan(coefficient a): sin(y) - coefficient a cos(y) = 0.
+fn arctangent(sketch: &mut Sketch, coefficient: &str) -> Operation {
+    let y = sketch.plan.nodes.len() as u32 + 3;
+    let function = |sketch: &mut Sketch, kind, name: &str| {
+        let argument = sketch.term("1", y);
+        add(sketch, name, [-1.0, 1.0], Operation::Function { kind, argument })
+    };
+    let sine = function(sketch, FunctionKind::Sin, "sin(y)");
+    let cosine = function(sketch, FunctionKind::Cos, "cos(y)");
+    let product = Operation::Product([NodeId(0), NodeId(cosine)]);
+    let product = add(sketch, "a cos(y)", [-1.0, 1.0], product);
+    Operation::Zero(sketch.sum(&[("1", sine), (coefficient, product)]))
+}
+
+#[test]
 fn an_open_amplifier_solves_an_equation() {
-    // y = atan(a): sin(y) - a cos(y) = 0. It is the only solution within ±100 V.
+    // It is the only solution within ±100 V.
     for a in [0.5, -1.0] {
-        let solution = |sketch: &mut Sketch| {
-            let y = sketch.plan.nodes.len() as u32 + 3;
-            let function = |sketch: &mut Sketch, kind, name: &str| {
-                let argument = sketch.term("1", y);
-                add(sketch, name, [-1.0, 1.0], Operation::Function { kind, argument })
-            };
-            let sine = function(sketch, FunctionKind::Sin, "sin(y)");
-            let cosine = function(sketch, FunctionKind::Cos, "cos(y)");
-            let product = Operation::Product([NodeId(0), NodeId(cosine)]);
-            let product = add(sketch, "a cos(y)", [-1.0, 1.0], product);
-            Operation::Zero(sketch.sum(&[("1", sine), ("-1", product)]))
-        };
+        let solution = |sketch: &mut Sketch| arctangent(sketch, "-1");
         assert_close(value("y = atan(a)", [a, 1.0], a.atan(), &solution), a.atan());
+        // The largest coefficient is that of the parameter, which can rise.
+        let solution = |sketch: &mut Sketch| arctangent(sketch, "-p");
+        let expected = (2.5 * a / 2.0).atan();
+        assert_close(value("y = atan(p a)", [a / 2.0, 1.0], expected, &solution), expected);
     }
+}
+
+#[test]
+fn the_inputs_of_an_open_amplifier_have_the_largest_gain() {
+    // The scales are 5 mV of a and 15 mV of sine and cosine. So the weights are 15e-3 and 2.5 x 100 x 5e-3 x 15e-3.
+    let mut sketch = problem("y = atan(p a)", "");
+    sketch.constant("a", 0.4);
+    sketch.constant("b", 1.0);
+    sketch.node("1", "1", [1.0, 1.0], 0.0, Operation::One);
+    let solution = arctangent(&mut sketch, "-p");
+    sketch.node("y", "1", [0.7, 0.8], 0.0, solution);
+    let made = sketch.with_quantities().synthesis();
+    let open = made.patch.elements.values().find(|element| element.kind.name == "open-amplifier").unwrap();
+    let jacks: Vec<&str> = open.plugs.iter().map(|plug| plug.jack.value.as_str()).collect();
+    assert_eq!(jacks, ["x10", "x10"]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use patchcord_core::machines;
 
 use super::super::{Options, improved_scales};
 use super::{Sketch, options};
-use crate::plan::{NodeId, Operation};
+use crate::graph::{FunctionKind, NodeId, Operation};
 
 /// An oscillator x'' = -w^2 x with these peaks of x and x' in SI units.
 fn oscillator(quantities: &str, w: f64, [x, v]: [f64; 2]) -> Sketch {
@@ -72,8 +72,41 @@ fn differences_of_equal_quantities_are_0() {
     sketch.constant("b", 1.0);
     let difference = Operation::Sum(sketch.sum(&[("1", 0), ("-1", 1)]));
     sketch.node("d", "1", [-1e-16, 1e-16], 0.0, difference);
+    // What follows from the difference is 0, too.
+    let multiple = Operation::Sum(sketch.sum(&[("3", 2)]));
+    sketch.node("3 d", "1", [-3e-16, 3e-16], 0.0, multiple);
+    sketch.node("a d", "1", [-1e-16, 1e-16], 0.0, Operation::Product([NodeId(0), NodeId(2)]));
+    let of_product = Operation::Sum(sketch.sum(&[("1", 4), ("0.5", 3)]));
+    sketch.node("a d + 1.5 d", "1", [-3e-16, 3e-16], 0.0, of_product);
     let scales = sketch.with_quantities().scales().per_volt;
-    assert!(scales[2] > 1e-3, "{scales:?}");
+    assert!([2, 3, 5].into_iter().all(|node| scales[node] > 1e-3), "{scales:?}");
+}
+
+#[test]
+fn sines_and_angles_without_a_peak_have_their_natural_range() {
+    let mut sketch = Sketch::new(
+        r#"{"patchcord": 1, "quantities": {"a": {"unit": "1", "initial": 0}, "y": {"unit": "1"},
+        "s": {"unit": "1"}}, "equations": ["a' = 0", "y = atan(a)", "s = 20 sin(a)"],
+        "run": {"for": 1, "step": 1e-3}}"#,
+    );
+    sketch.constant("a", 0.0);
+    let function = |sketch: &mut Sketch, kind, name: &str, (node, peak): (u32, f64)| {
+        let operation = Operation::Function { kind, argument: sketch.term("1", node) };
+        sketch.node(name, "1", [0.0, peak], 0.0, operation);
+    };
+    function(&mut sketch, FunctionKind::Sin, "sin(y)", (4, 0.0));
+    function(&mut sketch, FunctionKind::Cos, "cos(y)", (4, 1.0));
+    sketch.node("a cos(y)", "1", [0.0, 0.0], 0.0, Operation::Product([NodeId(0), NodeId(2)]));
+    let zero = Operation::Zero(sketch.sum(&[("1", 1), ("-1", 3)]));
+    // The peak consists of rounding.
+    sketch.node("y", "1", [-1e-17, 1e-17], 0.0, zero);
+    function(&mut sketch, FunctionKind::Sin, "sin(a)", (0, 0.0));
+    let multiple = Operation::Sum(sketch.sum(&[("20", 5)]));
+    sketch.node("s", "1", [0.0, 0.0], 0.0, multiple);
+    let scales = sketch.with_quantities().scales().per_volt;
+    for node in [1, 4, 5] {
+        assert!((scales[node] - 0.01).abs() < 1e-15, "{node}: {scales:?}");
+    }
 }
 
 #[test]

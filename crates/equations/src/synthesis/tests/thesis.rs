@@ -3,7 +3,7 @@
 use patchcord_expr::Unit;
 
 use super::Sketch;
-use crate::plan::{NodeId, Operation};
+use crate::graph::{NodeId, Operation};
 
 /// The slideway of Fig 8.4 with maxima of position, force, acceleration and velocity, in mm, kN, m/s2 and mm/s.
 fn slideway(parameters: &str, [position, force, acceleration, velocity]: [f64; 4]) -> Sketch {

@@ -102,7 +102,7 @@ fn the_patch_of_a_problem_has_its_scales_and_signals() {
     assert_eq!(patch.signals.keys().collect::<Vec<_>>(), ["x", "f"]);
     let circuit = Circuit::new(patch).unwrap_or_else(|report| panic!("{report}"));
     let scale = circuit.derived_index("push").unwrap();
-    assert_eq!((circuit.per_volt(scale), circuit.derived_unit(scale).text()), (Some(1.0), "N"));
+    assert_eq!((circuit.per_volt(scale), circuit.derived_unit(scale).text()), (Some(1e9), "N"));
     assert_eq!(circuit.equation_dimension("x'"), Some(Dimension::LENGTH.over(Dimension::TIME)));
     assert_eq!(circuit.equation_dimension("push"), Some(Dimension::FORCE));
 }

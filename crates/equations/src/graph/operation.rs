@@ -30,7 +30,7 @@ impl Operation {
     }
 
     /// The same operation with each node replaced by `node(..)`. Like terms of a sum are added.
-    pub(super) fn with_nodes(self, node: &dyn Fn(NodeId) -> NodeId) -> Operation {
+    pub(crate) fn with_nodes(self, node: &dyn Fn(NodeId) -> NodeId) -> Operation {
         let term = |term: Term| Term { node: node(term.node), ..term };
         match self {
             Operation::One | Operation::Drive(_) => self,
@@ -65,18 +65,18 @@ impl Operation {
     }
 
     /// The product of two nodes. The order of the nodes does not matter.
-    pub(super) fn product(left: NodeId, right: NodeId) -> Operation {
+    pub(crate) fn product(left: NodeId, right: NodeId) -> Operation {
         Operation::Product([left.min(right), left.max(right)])
     }
 
     /// Whether two nodes with this operation are the same quantity, and can be one node. Integrals remain separate: the
     /// reader expects one integrator for each state. The value of a [`Operation::Zero`] depends on its own node.
-    pub(super) fn is_shareable(&self) -> bool {
+    pub(crate) fn is_shareable(&self) -> bool {
         !matches!(self, Operation::Integral { .. } | Operation::Zero(_))
     }
 
     /// The node of which this operation is just another name: the only node of a sum, with the factor 1.
-    pub(super) fn alias(&self) -> Option<NodeId> {
+    pub(crate) fn alias(&self) -> Option<NodeId> {
         match self {
             Operation::Sum(sum) => sum.as_node(),
             _ => None,

@@ -1,0 +1,137 @@
+//! All problems of `tests/systems` become patches without overloads whose runs agree with SciPy.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Problem;
+use patchcord_core::solve::{RunSettings, run};
+use patchcord_core::trace::Trace;
+use patchcord_equations::{ScaleOptions, ScaledProblem, scale_problem};
+use patchcord_expr::Unit;
+use serde_json::Value;
+
+/// Largest difference from SciPy, as a share of the peak.
+const TOLERANCE: f64 = 1e-6;
+
+/// The problems, in the order of their names.
+fn problems() -> Vec<PathBuf> {
+    let paths = fs::read_dir("tests/systems").unwrap().map(|entry| entry.unwrap().path());
+    let is_problem = |path: &PathBuf| {
+        let name = path.to_string_lossy();
+        name.ends_with(".json") && !name.ends_with(".reference.json")
+    };
+    let mut problems: Vec<PathBuf> = paths.filter(is_problem).collect();
+    problems.sort();
+    problems
+}
+
+/// The scaled patch of a problem.
+fn scaled(path: &Path) -> ScaledProblem {
+    let problem = Problem::read(path).unwrap_or_else(|error| panic!("{error}"));
+    scale_problem(&problem, &ScaleOptions::default())
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The record of a run of the patch.
+fn trace(scaled: &ScaledProblem) -> Trace {
+    let circuit = Circuit::new(&scaled.patch).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap();
+    run(&program, &RunSettings::of(&circuit).unwrap()).unwrap()
+}
+
+/// The name of the signal of a quantity: x_dot for x'.
+fn signal_name(quantity: &str) -> String {
+    let base = quantity.trim_end_matches('\'');
+    let ending = ["", "_dot", "_ddot", "_dddot"][quantity.len() - base.len()];
+    format!("{base}{ending}")
+}
+
+/// The largest difference of a quantity from its reference, as a share of its peak.
+fn difference(trace: &Trace, times: &[f64], quantity: &str, reference: &Value) -> f64 {
+    let track = trace.track(&signal_name(quantity)).unwrap_or_else(|| panic!("{quantity} is recorded"));
+    let [own, wanted] = [track.unit.as_str(), reference["unit"].as_str().unwrap()].map(Unit::parse);
+    let (own, wanted) = (own.unwrap(), wanted.unwrap());
+    let values: Vec<f64> = track.values().collect();
+    let end = times.last().unwrap();
+    let at = |time: &f64| {
+        let is_near = |sample: &f64| (sample - time).abs() <= 1e-9 * end;
+        trace.time.iter().position(is_near).unwrap_or_else(|| panic!("a sample at {time}"))
+    };
+    let pairs = times.iter().zip(reference["values"].as_array().unwrap());
+    let differences = pairs.map(|(time, expected)| {
+        let found = wanted.out_of_si(own.to_si(values[at(time)]));
+        (found - expected.as_f64().unwrap()).abs()
+    });
+    differences.fold(0.0, f64::max) / reference["peak"].as_f64().unwrap()
+}
+
+#[test]
+fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
+    let mut faults = Vec::new();
+    for path in problems() {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let scaled = scaled(&path);
+        let trace = trace(&scaled);
+        let overloads: Vec<&str> = trace.overloads().map(|overload| overload.element.as_str()).collect();
+        if !overloads.is_empty() {
+            faults.push(format!("{name}: {overloads:?} overload"));
+        }
+        let low = scaled.peaks.iter().filter(|peak| {
+            !(50.0..=95.0).contains(&peak.volts) && (peak.reason.is_none() || peak.volts > 95.0)
+        });
+        faults.extend(low.map(|peak| format!("{name}: {} peaks at {:.1} V", peak.output, peak.volts)));
+        let reference = fs::read_to_string(path.with_extension("reference.json")).unwrap();
+        let reference: Value = serde_json::from_str(&reference).unwrap();
+        let times: Vec<f64> =
+            reference["times"].as_array().unwrap().iter().map(|time| time.as_f64().unwrap()).collect();
+        for (quantity, entry) in reference["quantities"].as_object().unwrap() {
+            let difference = difference(&trace, &times, quantity, entry);
+            if difference > TOLERANCE {
+                faults.push(format!("{name}: {quantity} differs by {difference:.1e} of its peak"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// A rod of cells, heated at one end, in equal cells: T_i' = a (T_(i-1) - 2 T_i + T_(i+1)).
+fn rod(cells: usize) -> Problem {
+    let quantities: Vec<String> =
+        (1..=cells).map(|cell| format!(r#""T{cell}": {{"unit": "K", "initial": 0}}"#)).collect();
+    let left = |cell: usize| if cell == 1 { "T_hot".to_owned() } else { format!("T{}", cell - 1) };
+    let right = |cell: usize| if cell == cells { "0".to_owned() } else { format!("T{}", cell + 1) };
+    let equation = |cell: usize| format!("\"T{cell}' = a ({} - 2 T{cell} + {})\"", left(cell), right(cell));
+    let equations: Vec<String> = (1..=cells).map(equation).collect();
+    let text = format!(
+        r#"{{"patchcord": 1,
+  "parameters": {{"a": {{"value": 2, "unit": "1/s"}}, "T_hot": {{"value": 80, "unit": "K"}}}},
+  "quantities": {{{}}},
+  "equations": [{}],
+  "run": {{"for": 20000, "step": 0.2, "every": 10000}}
+}}"#,
+        quantities.join(", "),
+        equations.join(", ")
+    );
+    Problem::parse("rod.json", &text).unwrap_or_else(|report| panic!("{report}"))
+}
+
+#[test]
+fn a_rod_of_100_cells_reaches_its_straight_profile() {
+    let scaled = scale_problem(&rod(100), &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert!(scaled.peaks.iter().all(|peak| (50.0..=95.0).contains(&peak.volts)));
+    let trace = trace(&scaled);
+    for cell in 1..=100_u32 {
+        let last = trace.values(&format!("T{cell}")).unwrap().last().copied().unwrap();
+        // The slowest mode has the rate 4 a sin^2(pi / 202), so it has died out.
+        let expected = 80.0 * (1.0 - f64::from(cell) / 101.0);
+        assert!((last - expected).abs() < 1e-6, "T{cell} = {last}, expected {expected}");
+    }
+}
+
+#[test]
+fn the_patch_is_the_same_in_every_run() {
+    let path = Path::new("tests/systems/slideway.json");
+    assert_eq!(scaled(path).patch.text(), scaled(path).patch.text());
+}

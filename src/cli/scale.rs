@@ -1,0 +1,203 @@
+//! `patchcord scale`
+//!
+//! The scaling table comes first, then the peaks of the outputs, the files and the warnings of the machine's inventory.
+//! Without `--out` nothing is written, so that a student can compare scales before there is a patch.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::failure::{Failure, eprint_report};
+use super::files::{path_text, path_texts, quoted};
+use super::numbers::positive_in;
+use super::outputs::Outputs;
+use super::standard_streams::check_input;
+use super::table::Table;
+use super::{print, print_json};
+use patchcord::circuit::Circuit;
+use patchcord::document::{DiagnosticDocument, Report, plural};
+use patchcord::equations::{
+    OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+};
+use patchcord::expr::format_significant;
+use patchcord::machines::{self, MachineModel};
+use patchcord::patch::Problem;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// Problem (JSON): parameters, quantities and equations; see docs/problem-format.md
+    problem: PathBuf,
+    /// Write the patch to this file
+    #[arg(long, value_name = "PATCH.json")]
+    out: Option<PathBuf>,
+    /// Make the patch for this machine, with its gains
+    #[arg(long, value_name = "NAME", value_parser = machine)]
+    machine: Option<&'static MachineModel>,
+    /// Machine seconds per problem second (default: 1, or such that the fastest oscillation has 1 Hz)
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = positive_in("1"))]
+    time: Option<f64>,
+    /// Represent each stated maximum by 100 V, also if its peak is below 50 V
+    #[arg(long)]
+    keep_maxima: bool,
+    /// Also print the gain rule in numbers for every input
+    #[arg(long)]
+    steps: bool,
+    /// Print one JSON document on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+/// Parses the name of a machine.
+fn machine(name: &str) -> Result<&'static MachineModel, String> {
+    machines::find(name).ok_or_else(|| {
+        let names: Vec<&str> = machines::ALL.iter().map(|machine| machine.name).collect();
+        format!("no such machine; the machines are {}", names.join(" and "))
+    })
+}
+
+/// The scales are chosen before anything is written, so a problem without a circuit leaves no file.
+pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
+    check_input(&arguments.problem)?;
+    let problem = Problem::read(&arguments.problem)?;
+    let outputs = Outputs::default().reading("the problem", [&arguments.problem]);
+    outputs.prepare(None, &arguments.out)?;
+    let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
+    eprint_report(&Circuit::new(&problem.patch)?.warnings());
+    let warnings = Circuit::new(&scaled.patch)?.warnings();
+    if let Some(file) = &arguments.out {
+        outputs.write(file, scaled.patch.text().as_bytes())?;
+    }
+    if arguments.json {
+        return print_json(&Document::new(&problem, &scaled, &warnings, arguments.out.as_ref()));
+    }
+    print(&arguments.text(&problem, &scaled))?;
+    eprint_report(&warnings);
+    Ok(())
+}
+
+impl Arguments {
+    /// The options of the scaling.
+    fn options(&self) -> ScaleOptions {
+        let machine = self.machine.unwrap_or(ScaleOptions::default().machine);
+        ScaleOptions { machine, time_scale: self.time, keeps_maxima: self.keep_maxima }
+    }
+
+    /// The printed result.
+    fn text(&self, problem: &Problem, scaled: &ScaledProblem) -> String {
+        let mut text = format!("{}\n\n", problem.patch.title);
+        text += &scaling_table(&scaled.quantities);
+        text += &format!("\n{}", equation_lines(&scaled.quantities, scaled.time_scale));
+        text += &format!("\n{}", peak_lines(&scaled.peaks));
+        if self.steps {
+            let lines: String = scaled.steps.iter().map(|step| format!("  {step}\n")).collect();
+            text += &format!("\ngain rule: coefficient x input scale / output scale = gain x pot\n{lines}");
+        }
+        text += &match &self.out {
+            Some(file) => format!(
+                "\nwrote {}\n\nThen:\n  patchcord check {}\n  patchcord run {}\n",
+                path_text(file),
+                quoted(file),
+                quoted(file)
+            ),
+            None => "\n--out PATCH.json writes the patch\n".to_owned(),
+        };
+        text
+    }
+}
+
+/// The failure for a problem that cannot be scaled.
+fn failure(error: ScaleError) -> Failure {
+    match error {
+        ScaleError::Problem(report) => report.into(),
+        other => Failure::data(other.to_string()),
+    }
+}
+
+/// Significant digits of values in the tables.
+const DIGITS: usize = 4;
+
+/// The scaling table: a row for each quantity.
+fn scaling_table(quantities: &[ScaledQuantity]) -> String {
+    let number = |value: f64| format_significant(value, DIGITS);
+    let mut table = Table::new(["quantity", "expected", "maximum", "unit", "1 V is", "peak in V"]);
+    for quantity in quantities {
+        table.row([
+            quantity.name.clone(),
+            quantity.expected_maximum.map_or(String::new(), number),
+            number(quantity.maximum),
+            quantity.unit.clone(),
+            number(quantity.per_volt),
+            format!("{:.1}", quantity.peak),
+        ]);
+    }
+    table.text()
+}
+
+/// The scaled equations.
+fn equation_lines(quantities: &[ScaledQuantity], time_scale: f64) -> String {
+    let mut text = "scaled equations, [x] in volts".to_owned();
+    let factor = format_significant(time_scale, DIGITS);
+    // Writing to a string cannot fail.
+    let _ = match time_scale == 1.0 {
+        true => writeln!(text, ":"),
+        false => {
+            writeln!(text, ", derivatives in machine time ({factor} machine seconds per problem second):")
+        }
+    };
+    for quantity in quantities {
+        let _ = writeln!(text, "  {}", quantity.scaled_equation);
+    }
+    text
+}
+
+/// Which outputs use the range of their amplifiers, and why the others do not.
+fn peak_lines(peaks: &[OutputPeak]) -> String {
+    let is_good = |peak: &&OutputPeak| (50.0..=95.0).contains(&peak.volts);
+    let good = peaks.iter().filter(is_good).count();
+    let mut text = format!("{} of {} peak between 50 and 95 V\n", good, plural(peaks.len(), "output"));
+    for peak in peaks.iter().filter(|peak| !is_good(peak)) {
+        let reason = peak.reason.map_or(String::new(), |reason| format!(": {reason}"));
+        text += &format!("  {} ({}) peaks at {:.1} V{reason}\n", peak.output, peak.quantity, peak.volts);
+    }
+    text
+}
+
+/// The result as JSON.
+#[derive(Serialize)]
+struct Document<'a> {
+    ok: bool,
+    problem: &'a str,
+    title: &'a str,
+    diagnostics: Vec<DiagnosticDocument>,
+    time_scale: f64,
+    quantities: &'a [ScaledQuantity],
+    peaks: &'a [OutputPeak],
+    steps: &'a [String],
+    patch: &'a serde_json::Value,
+    files: Vec<String>,
+}
+
+impl<'a> Document<'a> {
+    /// The document of a scaled problem. `warnings` are those of the patch.
+    fn new(
+        problem: &'a Problem,
+        scaled: &'a ScaledProblem,
+        warnings: &Report,
+        out: Option<&PathBuf>,
+    ) -> Self {
+        Document {
+            ok: true,
+            problem: problem.patch.file(),
+            title: &problem.patch.title,
+            diagnostics: warnings.documents(),
+            time_scale: scaled.time_scale,
+            quantities: &scaled.quantities,
+            peaks: &scaled.peaks,
+            steps: &scaled.steps,
+            patch: scaled.patch.value(),
+            files: path_texts(out),
+        }
+    }
+}
