@@ -5,9 +5,6 @@
 //! becomes wrong. If several parameters cause a fault together, all of them move towards their present values by the
 //! same share of their ranges.
 
-#[cfg(test)]
-mod tests;
-
 use std::collections::BTreeSet;
 
 use patchcord_core::circuit::{Circuit, RangeCheck};
@@ -311,3 +308,6 @@ fn towards(number: f64, goal: f64, digits: usize) -> f64 {
     let step = 10f64.powi(number.abs().log10().floor() as i32 + 1 - digits as i32);
     round_significant(nearest + step.copysign(goal - number), digits)
 }
+
+#[cfg(test)]
+mod tests;
