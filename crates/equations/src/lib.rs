@@ -52,7 +52,9 @@ pub use notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
     equation_latex, equation_text, latex, text,
 };
-pub use scaled::{OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem};
+pub use scaled::{
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+};
 pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
 pub use static_check::{
     RowQuantity, RowSource, StaticCheck, StaticRow, TestError, TestValue, TestValues, static_check, test_unit,

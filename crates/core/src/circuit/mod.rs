@@ -38,6 +38,7 @@ pub use element::{Cord, Element, EvaluationStep, SignalPoint};
 pub use equations::EquationScope;
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
+pub use settings::{RangeCheck, RangeFault};
 
 /// A patch that passed all checks: every input is driven, the units agree and the machine has enough parts.
 ///

@@ -24,6 +24,8 @@ use crate::machines::REFERENCE;
 use crate::patch::{Amount, ElementEntry, Patch};
 use patchcord_expr::{Dimension, Formula, FormulaDimension, Unit};
 
+pub use ranges::{RangeCheck, RangeFault};
+
 /// Whether all cords of the patch are in the graph.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Cords {

@@ -1,10 +1,12 @@
 //! Scales a problem: from equations to a patch whose amplifiers use their range.
 //!
 //! [`scale_problem`] plans the circuit, finds the range of every quantity, chooses scales, builds the patch and runs it.
-//! If an amplifier then peaks below 50 V or above 95 V, the scales change and the patch is built again.
+//! If an amplifier then peaks below 50 V or above 95 V, the scales change and the patch is built again. At the end, the
+//! ranges of the parameters are narrowed to those in which all settings are valid.
 
 mod error;
 mod measured;
+mod narrowing;
 mod scaled_equation;
 mod table;
 
@@ -17,6 +19,8 @@ use crate::plan::plan;
 use crate::synthesis::{GainStep, Options, choose_scales, improved_scales, synthesise};
 pub use error::ScaleError;
 use measured::measured_peaks;
+pub use narrowing::NarrowedRange;
+use narrowing::with_narrowed_ranges;
 use table::Tables;
 pub use table::{OutputPeak, ScaledQuantity};
 
@@ -66,12 +70,16 @@ pub struct ScaledProblem {
     pub time_scale: f64,
     /// The number of runs that the scaling took.
     pub runs: usize,
+    /// The parameters whose ranges are narrower in the patch than in the problem, in the order of the patch. Outside of
+    /// them a pot would be above 1 or negative, for example.
+    pub narrowed_ranges: Vec<NarrowedRange>,
 }
 
 /// Turns a problem into a patch with scales, gains and pots.
 ///
 /// The patch is run, and its scales change until the peaks are between 50 and 95 V. Scales that the problem states are
-/// kept.
+/// kept. The scales hold for the present values of the parameters, so the ranges in the patch can be narrower than in
+/// the problem.
 ///
 /// # Errors
 /// If the problem has a fault, if the machine has no circuit for one of its equations, or if the patch cannot be run.
@@ -102,13 +110,21 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
                 synthesis: &synthesis,
                 volts: &volts,
             };
-            let (quantities, peaks) = (tables.quantities(), tables.peaks());
-            let steps = synthesis.steps.iter().map(GainStep::text).collect();
-            let (patch, time_scale) = (synthesis.patch, scales.time_scale);
-            return Ok(ScaledProblem { patch, quantities, peaks, steps, time_scale, runs });
+            return scaled_problem(&tables, runs);
         }
         scales = better;
     }
+}
+
+/// The result of the last run.
+///
+/// # Errors
+/// If the patch cannot be wired.
+fn scaled_problem(tables: &Tables<'_>, runs: usize) -> Result<ScaledProblem, ScaleError> {
+    let (patch, narrowed_ranges) = with_narrowed_ranges(&tables.synthesis.patch)?;
+    let steps = tables.synthesis.steps.iter().map(GainStep::text).collect();
+    let (quantities, peaks, time_scale) = (tables.quantities(), tables.peaks(), tables.scales.time_scale);
+    Ok(ScaledProblem { patch, quantities, peaks, steps, time_scale, runs, narrowed_ranges })
 }
 
 #[cfg(test)]

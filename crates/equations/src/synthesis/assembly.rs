@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::design::{Block, Design};
 use super::elements;
+use super::flow::signal_flow;
 use super::names::ElementNames;
 use super::needs::{polarity_nodes, resolved};
 use super::notes::{GainStep, signed};
@@ -37,13 +38,28 @@ pub(super) struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    /// Assembles the circuits of all nodes.
+    /// Assembles the circuits of all nodes, with names that are numbered in the order of the elements.
     ///
     /// # Errors
     /// The nodes that have no circuit.
     pub(super) fn of(design: &'a Design<'a>, blocks: &'a [Block]) -> Result<Self, Vec<Diagnostic>> {
         let polarities = choose_polarities(&polarity_nodes(design, blocks));
-        let mut names = design.names.elements();
+        let draft = Assembly::with_names(design, blocks, polarities.clone(), design.names.elements())?;
+        let drafted = draft.into_elements();
+        let names = design.names.numbered(drafted.iter().map(|(name, _)| name));
+        Assembly::with_names(design, blocks, polarities, names)
+    }
+
+    /// Assembles the circuits of all nodes with these names.
+    ///
+    /// # Errors
+    /// The nodes that have no circuit.
+    fn with_names(
+        design: &'a Design<'a>,
+        blocks: &'a [Block],
+        polarities: Polarities,
+        mut names: ElementNames,
+    ) -> Result<Self, Vec<Diagnostic>> {
         let output = |id: NodeId| match (design.input.operation(id), letter(design, blocks, id)) {
             (Operation::Drive(name), _) => name.clone(),
             (_, Some(letter)) => names.next(letter),
@@ -61,7 +77,7 @@ impl<'a> Assembly<'a> {
             inverters: BTreeMap::new(),
             pots: BTreeMap::new(),
         };
-        let nodes = design.input.plan.ids();
+        let nodes = signal_flow(&design.input.plan).into_iter();
         let faults: Vec<Diagnostic> = nodes.filter_map(|id| elements::add(&mut assembly, id).err()).collect();
         if faults.is_empty() { Ok(assembly) } else { Err(faults) }
     }
@@ -161,7 +177,7 @@ impl<'a> Assembly<'a> {
         Some(self.output(resolved(self.blocks, id).0)).filter(|output| !output.is_empty())
     }
 
-    /// All elements, each followed by its inverter. The inverters of drives come first.
+    /// All elements in the order of the signal flow, each followed by its inverter. The inverters of drives come first.
     pub(super) fn into_elements(mut self) -> Vec<(String, ElementBuilder)> {
         let names: BTreeSet<&String> = self.elements.iter().map(|(name, _)| name).collect();
         let of_drives: Vec<String> =

@@ -11,6 +11,7 @@ use super::gains::{Coefficient, GAIN_OF_SUMMER, Route, route};
 use super::input::Input;
 use super::names::ScaleNames;
 use super::scale_table::ScaleTable;
+use crate::derive::System;
 use crate::graph::{NodeId, Operation, Sum, Term};
 use crate::symbolic::Fraction;
 
@@ -92,6 +93,8 @@ pub(super) struct Design<'a> {
     pub table: ScaleTable<'a>,
     /// The names of scales and signals.
     pub names: ScaleNames,
+    /// The parameters, for writing coefficients.
+    pub system: System,
     /// Machine seconds per problem second.
     pub time_scale: f64,
 }
@@ -101,7 +104,10 @@ impl<'a> Design<'a> {
     pub(super) fn new(input: &'a Input<'a>, scales: &Scales) -> Self {
         let names = ScaleNames::new(input);
         let table = ScaleTable::new(input, &scales.per_volt, &|id| names.of_node(id));
-        Design { input, table, names, time_scale: scales.time_scale }
+        let symbols = input.plan.symbols.clone();
+        let system =
+            System { symbols, laws: Vec::new(), modes: Vec::new(), tables: Vec::new(), margins: Vec::new() };
+        Design { input, table, names, system, time_scale: scales.time_scale }
     }
 
     /// The circuit of a node.

@@ -10,23 +10,31 @@ use serde_json::{Map, Value, json};
 
 use super::assembly::Assembly;
 use super::design::Design;
-use super::formula::{Product, json_number};
+use super::formula::{Product, exact_number, json_number};
 use super::layout::layout;
 use crate::graph::{NodeId, Operation, PlannedQuantity};
 
 /// The largest number of pictures.
-const MOST_PICTURES: usize = 3;
+const MOST_PICTURES: usize = 4;
 /// The largest number of names in the title of a picture.
 const MOST_NAMES: usize = 4;
 
 /// A signal of the patch.
 struct SignalEntry {
-    /// Its name, which is that of its scale too.
-    name: String,
     /// The output that it reads.
     at: String,
     /// Whether the output is inverted.
     is_inverted: bool,
+    /// Its name and unit.
+    curve: Curve,
+}
+
+/// A recorded signal or drive.
+struct Curve {
+    /// Its name, which is that of its scale too.
+    name: String,
+    /// The name for the reader, with primes for a derivative.
+    label: String,
     /// The text of its unit.
     unit: String,
 }
@@ -47,17 +55,38 @@ pub(super) fn patch(assembly: Assembly<'_>) -> Result<Patch, Vec<Diagnostic>> {
         builder = builder.element(&name, element);
     }
     for signal in &signals {
-        let entry = SignalBuilder::new(&signal.at).scale(&signal.name);
+        let name = &signal.curve.name;
+        let entry = SignalBuilder::new(&signal.at).scale(name);
         let entry = if signal.is_inverted { entry.factor(-1) } else { entry };
-        builder = builder.put_signal(&signal.name, entry);
+        builder = builder.put_signal(name, entry);
     }
     if let Some(run) = design.input.problem.patch.value().get("run") {
         builder = builder.section("run", run.clone());
     }
-    builder = builder.record(signals.iter().map(|signal| &signal.name));
-    let built = with_pictures(builder, &signals).build();
+    let curves: Vec<Curve> =
+        signals.into_iter().map(|signal| signal.curve).chain(drive_curves(design)).collect();
+    builder = builder.record(curves.iter().map(|curve| &curve.name));
+    let built = with_pictures(builder, &curves).build();
     let written = built.and_then(|patch| Patch::parse(patch.file(), &layout(patch.value())));
     written.map_err(|report| faults(&report))
+}
+
+/// A patch with other ranges of some parameters. An end that does not change keeps its text.
+///
+/// # Errors
+/// If the document cannot be decoded.
+pub(crate) fn with_ranges(patch: &Patch, ranges: &[(&str, [f64; 2])]) -> Result<Patch, Box<Report>> {
+    let mut document = patch.value().clone();
+    for (name, ends) in ranges {
+        for (index, end) in ends.iter().enumerate() {
+            if let Some(written) = document.pointer_mut(&format!("/parameters/{name}/range/{index}"))
+                && written.as_f64() != Some(*end)
+            {
+                *written = exact_number(*end);
+            }
+        }
+    }
+    Patch::parse(patch.file(), &layout(&document))
 }
 
 /// The faults of a patch, without their positions in its text, which the user does not see.
@@ -139,7 +168,10 @@ fn scale_of_quantity(design: &Design<'_>, index: usize, quantity: &PlannedQuanti
     };
     let scale = ScaleBuilder::new(per_volt, unit.text());
     let described = design.input.problem.quantities.get(&quantity.name);
-    match described.map(|quantity| quantity.description.as_str()).filter(|text| !text.is_empty()) {
+    let description = described.map(|quantity| quantity.description.as_str()).filter(|text| !text.is_empty());
+    // The name of the scale of a derivative has no primes.
+    let derivative = Some(quantity.name.as_str()).filter(|name| split_primes(name).1 > 0);
+    match description.or(derivative) {
         Some(description) => scale.description(description),
         None => scale,
     }
@@ -209,26 +241,40 @@ fn signals(assembly: &Assembly<'_>) -> Vec<SignalEntry> {
             let (at, factor) = assembly.reading(quantity.node);
             let name = design.names.of_quantity(index).to_owned();
             let unit = design.input.unit_of_quantity(&quantity.name, quantity.node).text().to_owned();
-            signals.push(SignalEntry { name, at: at.to_owned(), is_inverted: factor < 0.0, unit });
+            let curve = Curve { name, label: quantity.name.clone(), unit };
+            signals.push(SignalEntry { at: at.to_owned(), is_inverted: factor < 0.0, curve });
         }
     }
     signals
 }
 
-/// Adds the pictures: one for each unit, with all quantities in this unit against time.
-fn with_pictures(builder: PatchBuilder, signals: &[SignalEntry]) -> PatchBuilder {
-    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
-    for signal in signals {
-        match groups.iter_mut().find(|(unit, _)| *unit == signal.unit) {
-            Some((_, names)) => names.push(&signal.name),
-            None => groups.push((&signal.unit, vec![signal.name.as_str()])),
+/// The drives as curves.
+fn drive_curves(design: &Design<'_>) -> impl Iterator<Item = Curve> {
+    let patch = &design.input.problem.patch;
+    let drives = patch.scales.iter().filter(|(name, _)| patch.drives.contains_key(*name));
+    drives.map(|(name, scale)| {
+        let unit = scale.unit.text().to_owned();
+        Curve { name: name.clone(), label: name.clone(), unit }
+    })
+}
+
+/// Adds the pictures: one for each unit, with all quantities and drives in this unit against time.
+fn with_pictures(builder: PatchBuilder, curves: &[Curve]) -> PatchBuilder {
+    let mut groups: Vec<Vec<&Curve>> = Vec::new();
+    for curve in curves {
+        match groups.iter_mut().find(|group| group[0].unit == curve.unit) {
+            Some(group) => group.push(curve),
+            None => groups.push(vec![curve]),
         }
     }
     let pictures = groups.into_iter().take(MOST_PICTURES);
-    pictures.fold(builder, |builder, (_, names)| builder.picture(&title(&names), "t", names))
+    pictures.fold(builder, |builder, group| {
+        let labels: Vec<&str> = group.iter().map(|curve| curve.label.as_str()).collect();
+        builder.picture(&title(&labels), "t", group.iter().map(|curve| &curve.name))
+    })
 }
 
-/// The title of a picture: the names of its quantities.
+/// The title of a picture: the names of its quantities and drives.
 fn title(names: &[&str]) -> String {
     match names.len().checked_sub(MOST_NAMES) {
         Some(more @ 1..) => format!("{} and {more} more", names[..MOST_NAMES].join(", ")),

@@ -13,7 +13,10 @@ use crate::symbolic::{Atom, CallOrder, Fraction, Operation, Polynomial, Rational
 /// The longest text of a formula in bytes. The parser accepts a few more.
 const LONGEST: usize = 1900;
 /// The digits from which every number is read again without a change.
-const EXACT_DIGITS: usize = 17;
+pub(super) const EXACT_DIGITS: usize = 17;
+/// The digits of the largest numerator and denominator that are written. Longer ones come from functions of numbers, such
+/// as ln(10), which are not exact.
+const LONGEST_PART: usize = 6;
 /// The digits of a number that was computed from other numbers. The rest is rounding.
 const COMPUTED_DIGITS: usize = 15;
 
@@ -215,10 +218,13 @@ fn number_parts(number: &Rational) -> (Option<String>, Option<String>) {
     });
     let is_power_of_ten = |text: &String| text.trim_end_matches('0') == "1";
     if top.is_none() && bottom.as_ref().is_none_or(is_power_of_ten) {
-        return (None, bottom);
+        let short =
+            |text: String| if text.len() > LONGEST_PART { format!("1e{}", text.len() - 1) } else { text };
+        return (None, bottom.map(short));
     }
     let value = nearest(number);
-    if Fraction::number(value).as_rational().as_ref() == Some(number) {
+    let is_long = [&top, &bottom].into_iter().flatten().any(|part| part.len() > LONGEST_PART);
+    if is_long || Fraction::number(value).as_rational().as_ref() == Some(number) {
         return (Some(format_significant(value, EXACT_DIGITS)), None);
     }
     (top, bottom)
@@ -273,7 +279,11 @@ fn atom_text(atom: &Atom, expressions: &Expressions<'_>) -> Option<String> {
 
 /// A number of a document, without the rounding of its computation. A whole number has no decimal point.
 pub(super) fn json_number(value: f64) -> Value {
-    let rounded = round_significant(value, COMPUTED_DIGITS);
-    let is_whole = rounded.fract() == 0.0 && rounded.abs() < 1e15;
-    if is_whole { Value::from(rounded as i64) } else { Value::from(rounded) }
+    exact_number(round_significant(value, COMPUTED_DIGITS))
+}
+
+/// A number of a document with all its digits. A whole number has no decimal point.
+pub(super) fn exact_number(value: f64) -> Value {
+    let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
+    if is_whole { Value::from(value as i64) } else { Value::from(value) }
 }

@@ -41,9 +41,25 @@ impl Coefficient {
         (self.value / number - 1.0).abs() <= ROUNDING
     }
 
-    /// Whether a pot can multiply by the coefficient.
+    /// Whether a pot can multiply by the coefficient. A pot that is fully open could not follow a parameter.
     pub(super) fn fits_pot(&self) -> bool {
-        self.value <= 1.0 + ROUNDING
+        self.value <= 1.0 + ROUNDING && !(self.is(1.0) && self.can_rise())
+    }
+
+    /// The largest value that it can have.
+    fn largest(&self) -> f64 {
+        if self.is_fixed { self.value } else { self.most }
+    }
+
+    /// Whether the coefficient is larger for other values of the parameters.
+    fn can_rise(&self) -> bool {
+        self.largest() > self.value * (1.0 + ROUNDING)
+    }
+
+    /// Whether a pot in front of this factor is at least 0.1, and valid in the ranges of the parameters.
+    fn has_space(&self, factor: f64) -> bool {
+        let is_accurate = self.value == 0.0 || self.value >= LEAST_SETTING * factor * (1.0 - ROUNDING);
+        is_accurate && self.largest() <= factor * (1.0 + ROUNDING)
     }
 }
 
@@ -65,35 +81,44 @@ impl Route {
 /// The route for a coefficient into an amplifier with these gains, which ascend.
 ///
 /// The gain is the smallest one that is not below the coefficient, so the pot is from 0.1 to 1 if that is possible. A
-/// coefficient that equals a gain needs no pot, unless it depends on parameters; then the gain leaves space for larger
-/// values. Above the largest gain there are several equal cords, and then an additional summer if it is permitted. `None`
-/// if the coefficient is larger still.
+/// coefficient that equals a gain needs no pot, unless it depends on parameters. If it exceeds the gain for some values
+/// of the parameters, a larger gain or a second cord of the largest gain is chosen, if the pot is then valid for all
+/// values and still at least 0.1.
+///
+/// Above the largest gain there are several equal cords, and then an additional summer if it is permitted. `None` if the
+/// coefficient is larger still.
 pub(super) fn route(coefficient: &Coefficient, gains: &[f64], may_add_summer: bool) -> Option<Route> {
     let largest = gains.last().copied()?;
     // The gain for a coefficient of 0 follows from the values that it can have.
     let wanted = if coefficient.value == 0.0 { coefficient.most.min(largest) } else { coefficient.value };
+    let cords = |from: u32, summers: u32| {
+        (from..=MOST_CORDS).map(move |cords| Route { has_pot: true, summers, gain: largest, cords })
+    };
     if let Some(first) = gains.iter().position(|gain| wanted <= gain * (1.0 + ROUNDING)) {
-        return Some(single_cord(coefficient, &gains[first..]));
+        let single = gains[first..].iter().map(|gain| Route { gain: *gain, ..Route::POT });
+        return chosen(coefficient, &single.chain(cords(2, 0).take(1)).collect::<Vec<_>>());
     }
-    let cords = |value: f64| (value / largest * (1.0 - ROUNDING)).ceil();
-    let most_cords = f64::from(MOST_CORDS);
-    let summers = [0, u32::from(may_add_summer)].into_iter();
-    let count = |summers: u32| (summers, cords(wanted / GAIN_OF_SUMMER.powi(summers as i32)));
-    let (summers, cords) = summers.map(count).find(|(_, cords)| *cords <= most_cords)?;
-    let route = Route { has_pot: true, summers, gain: largest, cords: cords as u32 };
-    let is_exact = coefficient.is_fixed && coefficient.is(route.factor());
-    Some(Route { has_pot: !is_exact, ..route })
+    let count = |summers: u32| {
+        let count = wanted / largest / GAIN_OF_SUMMER.powi(summers as i32) * (1.0 - ROUNDING);
+        (summers, count.ceil())
+    };
+    let mut counts = [0, u32::from(may_add_summer)].into_iter().map(count);
+    let (summers, least) = counts.find(|(_, count)| *count <= f64::from(MOST_CORDS))?;
+    chosen(coefficient, &cords(least as u32, summers).collect::<Vec<_>>())
 }
 
-/// The route through one cord. The first gain is not below the coefficient.
-fn single_cord(coefficient: &Coefficient, gains: &[f64]) -> Route {
-    let is_exact = coefficient.is(gains[0]);
+/// The first of several routes with a pot that has space for all values of the coefficient. The routes have rising
+/// factors, and the first one is not below the coefficient. If no route has enough space, it is the first one, or the
+/// second one if the pot of the first one would be fully open. `None` without routes.
+fn chosen(coefficient: &Coefficient, routes: &[Route]) -> Option<Route> {
+    let least = *routes.first()?;
+    let is_exact = coefficient.is(least.factor());
     if is_exact && coefficient.is_fixed {
-        return Route { has_pot: false, gain: gains[0], ..Route::POT };
+        return Some(Route { has_pot: false, ..least });
     }
-    let can_rise = coefficient.most > coefficient.value * (1.0 + ROUNDING);
-    let gain = if is_exact && can_rise { gains.get(1).copied().unwrap_or(gains[0]) } else { gains[0] };
-    Route { gain, ..Route::POT }
+    let next = routes.get(1).filter(|_| is_exact && coefficient.can_rise());
+    let with_space = routes.iter().find(|route| coefficient.has_space(route.factor()));
+    Some(with_space.or(next).copied().unwrap_or(least))
 }
 
 #[cfg(test)]
@@ -139,6 +164,13 @@ mod tests {
         assert_eq!(route(&variable(1.0, 1.0), &SUMMER, true), cord(true, 1.0));
         // A larger gain would need a pot below 0.1.
         assert_eq!(route(&variable(0.5, 1.5), &SUMMER, true), cord(true, 1.0));
+        assert_eq!(route(&variable(0.05, 0.5), &SUMMER, true), cord(true, 1.0));
+        // A gain of 4 has space for 3.5, and one of 10 would need a pot of 0.09.
+        let gains = [1.0, 4.0, 10.0];
+        assert_eq!(route(&variable(0.9, 3.5), &gains, true), cord(true, 4.0));
+        assert_eq!(route(&variable(0.9, 4.5), &gains, true), cord(true, 1.0));
+        // No gain has space for 60, but the pot must not be fully open.
+        assert_eq!(route(&variable(1.0, 60.0), &SUMMER, true), cord(true, 10.0));
         assert_eq!(route(&variable(0.0, 30.0), &INTEGRATOR, false), cord(true, 100.0));
         assert_eq!(route(&variable(0.0, 0.0), &INTEGRATOR, false), cord(true, 1.0));
     }
@@ -149,6 +181,9 @@ mod tests {
         let fixed = Coefficient { value: 1.0, most: 6.7, is_fixed: true };
         assert_eq!(route(&fixed, &SUMMER, true), cord(false, 1.0));
         assert_eq!(route(&fixed, &INTEGRATOR, false), cord(false, 1.0));
+        assert!(fixed.fits_pot());
+        let fixed = Coefficient { value: 8.0, most: 16.0, is_fixed: true };
+        assert_eq!(route(&fixed, &SUMMER, true), cord(true, 10.0));
     }
 
     #[test]
@@ -160,6 +195,25 @@ mod tests {
         assert_eq!(route_of(4200.0, &INTEGRATOR), several(true, 1000.0, 5));
         assert_eq!(route_of(5100.0, &INTEGRATOR), None);
         assert_eq!(route_of(51.0, &SUMMER), None);
+    }
+
+    #[test]
+    fn more_cords_give_space_to_a_parameter_above_the_largest_gain() {
+        let cords_of = |value, most| route(&variable(value, most), &SUMMER, true).map(|route| route.cords);
+        assert_eq!(cords_of(8.0, 15.0), Some(2));
+        assert_eq!(cords_of(8.0, 25.0), Some(1));
+        assert_eq!(cords_of(25.0, 29.0), Some(3));
+        assert_eq!(cords_of(25.0, 45.0), Some(5));
+        assert_eq!(cords_of(25.0, 60.0), Some(3));
+        // 3 cords would need a fully open pot.
+        assert_eq!(cords_of(30.0, 60.0), Some(4));
+        assert_eq!(cords_of(0.0, 15.0), Some(2));
+    }
+
+    #[test]
+    fn a_fully_open_pot_cannot_follow_a_parameter() {
+        assert!(fixed(1.0).fits_pot() && variable(1.0, 1.0).fits_pot() && variable(0.9, 2.0).fits_pot());
+        assert!(!variable(1.0, 1.1).fits_pot() && !fixed(1.1).fits_pot());
     }
 
     #[test]

@@ -4,12 +4,12 @@
 //!    and the rule for the time scale from `time_scale`.
 //! 2. `design` determines the circuit of every node: pots, gains and cords by the gain rule (eq. 4-8), from `gains`.
 //! 3. `polarity` chooses the sign of every output, so that few inverters are necessary.
-//! 4. `elements` and `assembly` make the elements with their notes.
+//! 4. `elements` and `assembly` make the elements with their notes, in the order of `flow`.
 //! 5. `document` and `layout` write the patch.
 //!
 //! The scales of multipliers, diode networks and delay lines follow from those of their inputs; see `rescaled` and
 //! `scale_table`. `centred` and `rescaled` add nodes to the plan where that is not possible otherwise. Settings
-//! are formulas of parameters and scales, which `formula` writes.
+//! are formulas of parameters and scales, which `formula` writes. `names` and `short_names` name scales and elements.
 
 mod assembly;
 mod centred;
@@ -17,6 +17,7 @@ mod design;
 mod document;
 mod elements;
 mod expressions;
+mod flow;
 mod formula;
 mod gains;
 mod input;
@@ -29,6 +30,7 @@ mod rescaled;
 mod round;
 mod scale_table;
 mod scales;
+mod short_names;
 mod significant;
 #[cfg(test)]
 mod tests;
@@ -45,6 +47,7 @@ use crate::graph::{NodeId, Plan};
 use crate::peaks::Ranges;
 use assembly::Assembly;
 use design::{Block, Design};
+pub(crate) use document::with_ranges;
 use input::Input;
 pub(crate) use notes::GainStep;
 pub(crate) use scales::{choose_scales, improved_scales};
@@ -74,8 +77,8 @@ pub(crate) struct Scales {
 pub(crate) struct Synthesis {
     /// The patch. The parts of the machine are not counted yet.
     pub patch: Patch,
-    /// The elements and drives with the values of nodes, for reading peaks. Nodes that the synthesis adds to the plan are
-    /// at the end.
+    /// The elements and drives with the values of nodes, for reading peaks, in the order of the signal flow. Nodes that
+    /// the synthesis adds to the plan have the largest indices.
     pub outputs: Vec<(NodeId, String)>,
     /// The gain rule for each input of the integrators, summers and pots, in the order of the elements.
     pub steps: Vec<GainStep>,
@@ -101,7 +104,7 @@ pub(crate) fn synthesise(
     let blocks = blocks(&design)?;
     let assembly = Assembly::of(&design, &blocks)?;
     let output = |id: NodeId| Some((id, assembly.output_of(id)?.to_owned()));
-    let outputs = input.plan.ids().filter_map(output).collect();
+    let outputs = flow::signal_flow(&input.plan).into_iter().filter_map(output).collect();
     let steps = assembly.steps.clone();
     let units = input.plan.ids().map(|id| input.unit(id)).collect();
     Ok(Synthesis { patch: document::patch(assembly)?, outputs, steps, units })

@@ -1,7 +1,8 @@
 //! Names of scales, signals and elements.
 //!
 //! The scale and the signal of a quantity have the same name: that of the quantity, with `_dot` and so on in place of
-//! primes. Elements are numbered by their type, as on the machines: A1 for an integrator, B1 for a summer, P1 for a pot.
+//! primes. Other scales have a name from their expression if it is short. Elements are numbered by their type, as on the
+//! machines: A1 for an integrator, B1 for a summer, P1 for a pot.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,6 +11,7 @@ use patchcord_core::patch::{check_output_name, check_quantity_name};
 use patchcord_expr::split_primes;
 
 use super::input::Input;
+use super::short_names::short_name;
 use super::unknown::is_chosen;
 use crate::graph::{FunctionKind, NodeId, Operation};
 
@@ -60,11 +62,15 @@ impl ScaleNames {
         if !is_chosen(input, id) {
             return None;
         }
+        let expression = input.plan.node(id).name.as_str();
+        let short = if expression == "t" { Some("time".to_owned()) } else { short_name(expression) };
+        if let Some(name) = short {
+            return Some(unique(&name, &mut self.taken));
+        }
         let stem = stem(input.operation(id));
         let free = (1..).map(|number| format!("{stem}_{number}")).find(|name| is_free(name, &self.taken));
-        let name = if input.plan.node(id).name == "t" { Some(unique("time", &mut self.taken)) } else { free };
-        self.taken.extend(name.clone());
-        name
+        self.taken.extend(free.clone());
+        free
     }
 
     /// The name of the scale of a node. `None` if formulas contain an expression instead.
@@ -79,12 +85,20 @@ impl ScaleNames {
 
     /// The names for the elements.
     pub(super) fn elements(&self) -> ElementNames {
-        ElementNames { taken: self.taken.clone(), last: BTreeMap::new() }
+        ElementNames { taken: self.taken.clone(), last: BTreeMap::new(), renamed: BTreeMap::new() }
+    }
+
+    /// The names for the elements of a draft again, with numbers in this order of the elements.
+    pub(super) fn numbered<'d>(&self, drafted: impl Iterator<Item = &'d String>) -> ElementNames {
+        let mut names = self.elements();
+        let letter = |name: &String| name.chars().next().unwrap_or_default();
+        let renamed = drafted.map(|name| (name.clone(), names.next(letter(name)))).collect();
+        ElementNames { renamed, ..self.elements() }
     }
 }
 
 /// The name of a derivative without primes: `x_dot`, `x_ddot`, `x_d4`.
-fn derivative_name(name: &str, order: usize) -> String {
+pub(super) fn derivative_name(name: &str, order: usize) -> String {
     match order {
         1..=MOST_DOTS => format!("{name}_{}ot", "d".repeat(order)),
         _ => format!("{name}_d{order}"),
@@ -135,6 +149,8 @@ pub(super) struct ElementNames {
     taken: BTreeSet<String>,
     /// The last number of each letter.
     last: BTreeMap<char, u32>,
+    /// The final names of elements, by the names that they would have in the order in which they are made.
+    renamed: BTreeMap<String, String>,
 }
 
 impl ElementNames {
@@ -145,7 +161,7 @@ impl ElementNames {
             *last += 1;
             let name = format!("{letter}{last}");
             if self.taken.insert(name.clone()) {
-                return name;
+                return self.renamed.get(&name).cloned().unwrap_or(name);
             }
         }
     }

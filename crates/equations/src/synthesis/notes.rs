@@ -1,15 +1,18 @@
 //! Notes of elements, and the steps of the gain rule for a student.
 
-use patchcord_expr::format_significant;
+use patchcord_expr::{format_significant, round_significant};
 
 use super::design::{Branch, Design};
-use super::formula::Product;
 use super::gains::LEAST_SETTING;
 use crate::graph::{NodeId, Operation};
+use crate::notation::{Notation, text};
 use crate::symbolic::Fraction;
+use crate::writing::Writer;
 
 /// Digits of numbers in the text of a step.
 const DIGITS: usize = 4;
+/// Digits of numbers in notes.
+const NOTE_DIGITS: usize = 6;
 
 /// The gain rule (eq. 4-8) for one input of an integrator, a summer or a pot:
 /// computer gain = coefficient x input scale / output scale, and for an integrator / time scale.
@@ -21,8 +24,8 @@ pub(crate) struct GainStep {
     pub output: String,
     /// The quantity at the input.
     pub input: String,
-    /// The coefficient of the equation with its sign, as a formula.
-    pub coefficient: String,
+    /// The term of the equation with its sign: the coefficient times the quantity at the input.
+    pub term: String,
     /// The value of the coefficient without its sign, in SI units.
     pub coefficient_value: f64,
     /// The value of one volt of the input in SI units.
@@ -52,14 +55,13 @@ impl GainStep {
         branch: &Branch,
         time_scale: Option<f64>,
     ) -> Self {
-        let sign = if branch.sign < 0 { "-" } else { "" };
         let name = |id: NodeId| design.input.plan.node(id).name.clone();
         let route = branch.route;
         GainStep {
             element: element.to_owned(),
             output: name(id),
             input: name(branch.node),
-            coefficient: format!("{sign}{}", coefficient_text(design, &branch.coefficient)),
+            term: signed(&term_text(design, &branch.coefficient, branch.node), branch.sign),
             coefficient_value: design.table.expressions.value(&branch.coefficient),
             input_scale: design.table.value(branch.node),
             output_scale: design.table.value(id),
@@ -72,7 +74,7 @@ impl GainStep {
         }
     }
 
-    /// The step as an equation in numbers: `(k / m) x: 40 x 0.001 / 0.01 = 4 = 10 x 0.4`.
+    /// The step as an equation in numbers: `A2, - (k/m) x: 40 x 0.001 / 0.01 = 4 = 10 x 0.4`.
     pub(crate) fn text(&self) -> String {
         let number = |value: f64| format_significant(value, DIGITS);
         let [input, output] = [self.input_scale, self.output_scale].map(number);
@@ -83,37 +85,57 @@ impl GainStep {
         factors.extend((self.cords > 1).then(|| format!("{} cords", self.cords)));
         factors.extend((self.summers > 0).then(|| "10".to_owned()));
         factors.extend(self.setting.map(number));
-        let term = if self.input == "1" { self.coefficient.clone() } else { self.term() };
-        let gain = number(self.computer_gain);
-        let factors = factors.join(" x ");
-        format!("{term}: {coefficient} x {input} / {output}{time_scale} = {gain} = {factors}")
-    }
-
-    /// The coefficient with the quantity at the input.
-    fn term(&self) -> String {
-        match self.coefficient.as_str() {
-            "1" => self.input.clone(),
-            "-1" => negated(&self.input),
-            coefficient => format!("{} {}", grouped(coefficient, ' '), grouped_sum(&self.input)),
-        }
+        let (gain, factors) = (number(self.computer_gain), factors.join(" x "));
+        let GainStep { element, term, .. } = self;
+        format!("{element}, {term}: {coefficient} x {input} / {output}{time_scale} = {gain} = {factors}")
     }
 }
 
-/// The text of a coefficient; its value if it has no text.
-fn coefficient_text(design: &Design<'_>, coefficient: &Fraction) -> String {
-    let expressions = &design.table.expressions;
-    let text = Product::one().times(coefficient, expressions).text();
-    text.unwrap_or_else(|| format_significant(expressions.value(coefficient), DIGITS))
-}
-
-/// The text of a coefficient times a node, such as `(k / m) x`.
+/// The text of a coefficient times a node in the language of equations, such as `(k/m) x`.
 pub(super) fn term_text(design: &Design<'_>, coefficient: &Fraction, node: NodeId) -> String {
-    let text = coefficient_text(design, coefficient);
+    let constant = rounded(Writer::physical(&design.system).expression(coefficient, None));
     let name = &design.input.plan.node(node).name;
-    if *design.input.operation(node) == Operation::One {
-        return text;
+    match *design.input.operation(node) {
+        Operation::One => text(&constant),
+        _ if is_one(&constant) => name.clone(),
+        _ => text(&multiplied(constant, as_factor(name))),
     }
-    if text == "1" { name.clone() } else { format!("{} {}", grouped(&text, ' '), grouped_sum(name)) }
+}
+
+/// A notation whose numbers have few digits.
+fn rounded(notation: Notation) -> Notation {
+    let inside = |notation: Box<Notation>| Box::new(rounded(*notation));
+    match notation {
+        Notation::Number { value, unit } => {
+            Notation::Number { value: round_significant(value, NOTE_DIGITS), unit }
+        }
+        Notation::Negative(operand) => Notation::Negative(inside(operand)),
+        Notation::Product(factors) => Notation::Product(factors.into_iter().map(rounded).collect()),
+        Notation::Quotient(top, bottom) => Notation::Quotient(inside(top), inside(bottom)),
+        other => other,
+    }
+}
+
+/// A constant times a text. The inverse of a constant is a divisor: `x/T` and not `(1/T) x`.
+fn multiplied(constant: Notation, factor: String) -> Notation {
+    let own = |name: String| Notation::Name { name, primes: 0 };
+    match constant {
+        Notation::Negative(size) => Notation::Negative(Box::new(multiplied(*size, factor))),
+        Notation::Quotient(top, bottom) if is_one(&top) => Notation::Quotient(Box::new(own(factor)), bottom),
+        Notation::Product(factors) => Notation::Product(factors.into_iter().chain([own(factor)]).collect()),
+        constant => Notation::Product(vec![constant, own(factor)]),
+    }
+}
+
+/// Whether an expression is the number 1.
+fn is_one(notation: &Notation) -> bool {
+    matches!(notation, Notation::Number { value, unit: None } if *value == 1.0)
+}
+
+/// The text of the product of two nodes.
+pub(super) fn product_text(design: &Design<'_>, first: NodeId, second: NodeId) -> String {
+    let [first, second] = [first, second].map(|id| as_factor(&design.input.plan.node(id).name));
+    format!("{first} {second}")
 }
 
 /// The note of the pot of an input: the term, and a remark if the setting is small.
@@ -130,27 +152,57 @@ pub(super) fn signed(text: &str, polarity: i8) -> String {
 
 /// A text with a minus sign in front. Of a text that has one, it is removed.
 fn negated(text: &str) -> String {
-    match text.strip_prefix("- ") {
-        Some(positive) if !is_sum(positive) => positive.to_owned(),
-        _ => format!("- {}", grouped_sum(text)),
+    match text.strip_prefix('-').map(str::trim_start) {
+        Some(positive) if !contains_outside(positive, &SUMS) => positive.to_owned(),
+        _ if contains_outside(text, &SUMS) => format!("- ({text})"),
+        _ => format!("- {text}"),
     }
 }
 
-/// A text in parentheses if it contains a character.
-fn grouped(text: &str, character: char) -> String {
-    if text.contains(character) { format!("({text})") } else { text.to_owned() }
+/// A text as a factor: in parentheses if it is a sum or a quotient, or negative.
+fn as_factor(text: &str) -> String {
+    let is_grouped = text.starts_with('-') || contains_outside(text, &SUMS) || contains_outside(text, &["/"]);
+    if is_grouped { format!("({text})") } else { text.to_owned() }
 }
 
-/// A text in parentheses if it is a sum.
-fn grouped_sum(text: &str) -> String {
-    if is_sum(text) { format!("({text})") } else { text.to_owned() }
-}
+/// The signs of sums.
+const SUMS: [&str; 2] = [" + ", " - "];
 
-/// Whether a text is a sum outside of parentheses.
-fn is_sum(text: &str) -> bool {
+/// Whether a text contains one of these signs outside of parentheses.
+fn contains_outside(text: &str, signs: &[&str]) -> bool {
     let mut depth = 0_i32;
     text.char_indices().any(|(index, letter)| {
         depth += i32::from(letter == '(') - i32::from(letter == ')');
-        depth == 0 && (text[index..].starts_with(" + ") || text[index..].starts_with(" - "))
+        depth == 0 && signs.iter().any(|sign| text[index..].starts_with(sign))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_text_loses_its_sign() {
+        let cases = [("x", "- x"), ("-E_k", "E_k"), ("- (k/m) x", "(k/m) x"), ("1 - x", "- (1 - x)")];
+        for (text, expected) in
+            cases.into_iter().chain([("-a + b", "- (-a + b)"), ("abs(a - b)", "- abs(a - b)")])
+        {
+            assert_eq!(negated(text), expected);
+        }
+    }
+
+    #[test]
+    fn a_constant_is_in_front_of_a_factor() {
+        let name = |name: &str| Notation::Name { name: name.to_owned(), primes: 0 };
+        let number = |value| Notation::Number { value, unit: None };
+        let quotient = |top, bottom| Notation::Quotient(Box::new(top), Box::new(bottom));
+        let term = |constant, node: &str| text(&multiplied(rounded(constant), as_factor(node)));
+        assert_eq!(term(quotient(name("k"), name("m")), "x"), "(k/m) x");
+        assert_eq!(term(quotient(number(1.0), name("T")), "x y"), "x y/T");
+        assert_eq!(term(quotient(number(1.0), name("T")), "a - b"), "(a - b)/T");
+        assert_eq!(term(Notation::Product(vec![number(0.5), name("k")]), "x^2"), "0.5 k x^2");
+        assert_eq!(term(Notation::Negative(Box::new(name("k"))), "-x"), "-k (-x)");
+        assert_eq!(term(number(8.685_889_638), "ln(u)"), "8.68589 ln(u)");
+        assert_eq!(term(name("k"), "a/b"), "k (a/b)");
+    }
 }

@@ -180,23 +180,27 @@ impl Choice<'_, '_> {
     /// The scale of a sum with one term for which no amplifier is necessary. `None` if its peak would be too low.
     ///
     /// With the coefficient 1 or -1 it is the scale of the input, and no part is necessary. Otherwise a pot is enough if
-    /// the scale is not smaller than that of the input times the coefficient.
+    /// the scale is not smaller than that of the input times the coefficient. If the peak permits it, this is so for all
+    /// values of the parameters in their ranges.
     fn share_scale(&self, id: NodeId, sum: &Sum, per_volt: &[f64]) -> Option<f64> {
         let (node, coefficient) = sum.terms.first_key_value()?;
-        let factor = self.input.expressions.value(coefficient).abs();
+        let expressions = &self.input.expressions;
+        let factor = expressions.value(coefficient).abs();
         let (direct, peak) = (factor * per_volt[node.0 as usize], self.peak(id));
-        let is_enough = peak >= CHOSEN_VOLTS[0] * direct && peak <= MOST_VOLTS * direct && direct > 0.0;
-        if !is_enough {
+        let is_large = |scale: f64| peak >= CHOSEN_VOLTS[0] * scale && scale > 0.0;
+        if !is_large(direct) || peak > MOST_VOLTS * direct {
             return None;
         }
-        if factor == 1.0 && !self.input.expressions.has_parameters(coefficient) {
+        if factor == 1.0 && !expressions.has_parameters(coefficient) {
             return Some(direct);
         }
-        if per_volt[id.0 as usize] >= direct {
+        let most = expressions.largest(coefficient) * per_volt[node.0 as usize];
+        let least = if is_large(most) { most } else { direct };
+        if per_volt[id.0 as usize] >= least {
             return None;
         }
         let unit = self.input.unit(id).factor();
-        Some(roundest(direct / unit * (1.0 - ROUNDING), peak / unit / CHOSEN_VOLTS[0]) * unit)
+        Some(roundest(least / unit * (1.0 - ROUNDING), peak / unit / CHOSEN_VOLTS[0]) * unit)
     }
 
     /// The scale of a sum, increased if the gain for one of its terms would be too large.

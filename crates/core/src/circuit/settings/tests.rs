@@ -101,3 +101,91 @@ fn every_pot_of_a_chain_that_drives_an_integrator_may_be_set_to_a_rate() {
     chain(3000, "integrator").unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(chain(3, "summer").unwrap_err().findings.len(), 3);
 }
+
+/// The faults of a patch over the ranges of its parameters: element, setting, value, and the values of the parameters.
+fn faults(builder: PatchBuilder) -> Vec<(String, &'static str, Option<f64>, Vec<f64>)> {
+    let circuit = Circuit::new(&builder.build().unwrap()).unwrap_or_else(|report| panic!("{report}"));
+    let fault = |fault: crate::circuit::RangeFault| {
+        let values = fault.parameters.into_iter().map(|(_, value)| value).collect();
+        (fault.element, fault.setting, fault.value, values)
+    };
+    circuit.range_faults().into_iter().map(fault).collect()
+}
+
+#[test]
+fn voltages_leave_their_ranges_without_a_warning() {
+    let integrator = ElementBuilder::new("integrator").cords("x1", ["A"]).set("initial", "x0 / x");
+    let patch = PatchBuilder::new("decay")
+        .parameter("x0", 80.0, "mm", [-150.0, 90.0])
+        .scale("x", 1.0, "mm")
+        .element("A", integrator)
+        .signal("x", "A", "x", 1.0);
+    assert_eq!(faults(patch.clone()), [("A".to_owned(), "initial", Some(-150.0), vec![-150.0])]);
+    let warnings = Circuit::new(&patch.build().unwrap()).unwrap().warnings();
+    assert!(warnings.findings.iter().all(|finding| finding.code != Code::SETTING_RANGE), "{warnings}");
+}
+
+#[test]
+fn limits_stay_in_order_over_the_ranges() {
+    let limited = |low: f64| {
+        let limit = serde_json::json!({"lower": "a", "upper": "b"});
+        let summer = ElementBuilder::new("summer").cords("x1", ["S"]).set("limit", limit);
+        PatchBuilder::new("limits")
+            .parameter("a", -10.0, "1", [-20.0, 5.0])
+            .parameter("b", 10.0, "1", [low, 20.0])
+            .element("S", summer)
+            .record(["S"])
+    };
+    assert_eq!(faults(limited(6.0)), []);
+    // The upper limit must be above the lower one.
+    let expected = ("S".to_owned(), "limit.lower", Some(0.0), vec![5.0, 5.0]);
+    assert_eq!(faults(limited(5.0)), [expected]);
+}
+
+#[test]
+fn the_levels_of_a_drive_add_up_to_at_most_100_volts() {
+    let driven = |drive: ElementBuilder| {
+        PatchBuilder::new("drive")
+            .parameter("F", 20.0, "N", [10.0, 40.0])
+            .parameter("r", 5.0, "N/s", [-10.0, 10.0])
+            .scale("force", 0.5, "N")
+            .drive("D", "force", drive)
+            .signal("d", "D", "force", 1.0)
+            .run(4.0, 1e-3)
+    };
+    let sine = |offset: f64| {
+        ElementBuilder::new("sine").set("amplitude", "F").set("frequency", 1).set("offset", offset)
+    };
+    // 40 N and 10 N are 80 V and 20 V.
+    assert_eq!(faults(driven(sine(10.0))), []);
+    assert_eq!(faults(driven(sine(-15.0))), [("D".to_owned(), "amplitude", Some(110.0), vec![40.0])]);
+    // 10 N/s for 4 s from 20 N are 60 N.
+    let ramp = ElementBuilder::new("ramp").set("start", 20).set("rate", "r");
+    assert_eq!(faults(driven(ramp)), [("D".to_owned(), "start", Some(120.0), vec![-10.0])]);
+    // At present 5 N/s for 4 s from -40 N count as 120 V, which is the limit then.
+    let ramp = ElementBuilder::new("ramp").set("start", -40).set("rate", "r");
+    assert_eq!(faults(driven(ramp)), [("D".to_owned(), "start", Some(160.0), vec![-10.0])]);
+}
+
+#[test]
+fn a_check_measures_by_how_much_a_rule_is_broken() {
+    let pot = ElementBuilder::new("pot").cord("in", "+100").set("setting", "a / b");
+    let patch = PatchBuilder::new("pot")
+        .parameter("a", 1.0, "1", [0.0, 3.0])
+        .parameter("c", 1.0, "1", [0.0, 3.0])
+        .parameter("b", 2.0, "1", [0.0, 4.0])
+        .element("P", pot)
+        .record(["P"]);
+    let circuit = Circuit::new(&patch.build().unwrap()).unwrap();
+    let checks = circuit.range_checks();
+    assert_eq!(checks.len(), 1);
+    assert_eq!(checks[0].parameters(), [0, 2]);
+    assert_eq!(checks[0].excess(&[(0, 3.0)]), 0.5);
+    assert_eq!(checks[0].excess(&[(0, -3.0), (2, 2.0)]), -1.5);
+    assert_eq!(checks[0].excess(&[(0, 3.0), (2, 3.0)]), 0.0);
+    assert_eq!(checks[0].excess(&[(2, 0.0)]), f64::INFINITY);
+    let ranges = |low: f64| [Some((0.0, 3.0)), None, Some((low, 4.0))];
+    assert_eq!(checks[0].fault(&ranges(3.0)), None);
+    let fault = checks[0].fault(&ranges(0.0)).unwrap();
+    assert_eq!((fault.value, fault.parameters.len()), (None, 2));
+}

@@ -11,6 +11,7 @@ use super::super::assembly::Assembly;
 use super::super::design::Branch;
 use super::super::formula::json_number;
 use super::super::needs::divisor_sign;
+use super::super::notes::product_text;
 use super::linear::{amplifier, cords};
 use crate::graph::NodeId;
 
@@ -45,46 +46,52 @@ pub(super) fn add_quotient(
     let polarity = assembly.polarity(id);
     let divisor_voltage = assembly.voltage(divisor, sign);
     let inputs = cords(assembly, branches, &|branch| -branch.sign * polarity * sign);
-    let note = format!("{} x {}, back to {}", name(id), name(divisor), assembly.output(id));
-    let multiplier = multiplier(&note).set("mode", "product").cord("b", &divisor_voltage);
-    add_with_multiplier(assembly, id, inputs, multiplier, feedback);
+    let product = product_text(design, id, divisor);
+    let multiplier = Feedback { mode: "product", other: divisor_voltage, product, factor: feedback };
+    add_with_multiplier(assembly, id, inputs, multiplier);
     Ok(())
 }
 
 /// Adds a square root. The squaring network gives 0 for a negative output, so the root is positive.
 pub(super) fn add_root(assembly: &mut Assembly<'_>, id: NodeId, branches: &[Branch], feedback: f64) {
-    let design = assembly.design;
     let inputs = cords(assembly, branches, &|branch| -branch.sign);
-    let name = &design.input.plan.node(id).name;
-    let note = format!("square of {name}, back to {}", assembly.output(id));
-    let multiplier = multiplier(&note).set("mode", "sum-of-squares").cord("b", "ground");
-    add_with_multiplier(assembly, id, inputs, multiplier, feedback);
+    let product = format!("square of {}", assembly.design.input.plan.node(id).name);
+    let multiplier =
+        Feedback { mode: "sum-of-squares", other: "ground".to_owned(), product, factor: feedback };
+    add_with_multiplier(assembly, id, inputs, multiplier);
 }
 
-/// A multiplier with a note. Its mode and its cords follow.
-fn multiplier(note: &str) -> ElementBuilder {
-    ElementBuilder::new("multiplier").note(note)
+/// The multiplier in the feedback of an open amplifier. Its first factor is the output of the amplifier.
+struct Feedback {
+    /// Its mode.
+    mode: &'static str,
+    /// The output that is its second factor.
+    other: String,
+    /// What it computes.
+    product: String,
+    /// The gain of the feedback.
+    factor: f64,
 }
 
-/// Adds an open amplifier with a multiplier in its feedback, whose first factor is the output. `feedback` is the gain of
-/// the feedback.
+/// Adds an open amplifier with a multiplier in its feedback.
 fn add_with_multiplier(
     assembly: &mut Assembly<'_>,
     id: NodeId,
     mut inputs: Vec<(f64, String)>,
-    multiplier: ElementBuilder,
-    feedback: f64,
+    feedback: Feedback,
 ) {
+    let Feedback { mode, other, product, factor } = feedback;
     let output = assembly.output(id).to_owned();
     let name = assembly.next_name('M');
-    let from = if feedback < 1.0 {
-        assembly.pot(&name, &json_number(feedback), &format!("share of {name}, back to {output}"))
+    let from = if factor < 1.0 {
+        assembly.pot(&name, &json_number(factor), &format!("share of {name}, back to {output}"))
     } else {
         name.clone()
     };
-    inputs.push((feedback.max(1.0), from));
+    inputs.push((factor.max(1.0), from));
     assembly.add_output(id, open_amplifier(inputs));
-    assembly.add(name, multiplier.cord("a", &output));
+    let multiplier = ElementBuilder::new("multiplier").set("mode", mode).cord("a", &output).cord("b", &other);
+    assembly.add(name, multiplier.note(&format!("{product}, back to {output}")));
 }
 
 /// Adds the solution of an equation: the value at which the inputs cancel.

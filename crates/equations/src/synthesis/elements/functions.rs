@@ -29,6 +29,8 @@ const GAINS: [f64; 3] = [2.0, 5.0, 10.0];
 const GAIN_OF_SUMMER: f64 = 10.0;
 /// The limit of the summer in front of `exp`. At a limit of -95 V the exponential is below 1e-38 of its reference.
 const LIMIT: f64 = 95.0;
+/// Digits of a factor in a note.
+const FACTOR_DIGITS: usize = 4;
 /// Digits of the points of a curve in volts. The rest is rounding.
 const DIGITS: usize = 12;
 /// The smallest distance between the inputs of two points of a curve, in volts.
@@ -120,18 +122,22 @@ fn conditioned(assembly: &mut Assembly<'_>, argument: &Term, gain: f64) -> Strin
     let design = assembly.design;
     let sign = sign_of(design.table.expressions.value(&argument.coefficient));
     let text = term_text(design, &Fraction::whole(1), argument.node);
+    let pot_note = |factor: f64, sign: i8| {
+        let factor = format_significant(factor, FACTOR_DIGITS);
+        format!("{factor} times {}, in front of a function", signed(&text, sign))
+    };
     if gain <= 1.0 {
         let source = assembly.voltage(argument.node, sign);
-        let note = format!("{} in front of a function", signed(&text, sign));
+        let note = pot_note(gain, sign);
         return if gain < 1.0 { assembly.pot(&source, &json_number(gain), &note) } else { source };
     }
     let source = assembly.voltage(argument.node, -sign);
     let share = gain / GAIN_OF_SUMMER;
-    let note = format!("{} in front of a function", signed(&text, -sign));
+    let note = pot_note(share, -sign);
     let from = if share < 1.0 { assembly.pot(&source, &json_number(share), &note) } else { source };
     let name = assembly.next_name('B');
     let limit = json!({"lower": json_number(-LIMIT), "upper": json_number(LIMIT)});
-    let note = format!("{} times {gain}, within ±{LIMIT} V", signed(&text, sign));
+    let note = format!("{gain} times {}, within ±{LIMIT} V", signed(&text, sign));
     let summer = ElementBuilder::new("summer").cords("x10", [from]).set("limit", limit).note(&note);
     assembly.add(name.clone(), summer);
     name

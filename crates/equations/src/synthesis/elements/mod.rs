@@ -7,13 +7,14 @@ mod networks;
 
 use patchcord_core::document::{Diagnostic, format_number};
 use patchcord_core::machines::REFERENCE;
+use patchcord_expr::format_significant;
 use serde_json::Value;
 
 use super::assembly::Assembly;
 use super::design::{Block, Design};
-use super::formula::{Product, json_number};
+use super::formula::{EXACT_DIGITS, Product, json_number};
 use crate::graph::{NodeId, Operation};
-use crate::symbolic::Fraction;
+use crate::symbolic::{Fraction, nearest};
 
 /// Rounding of a voltage, as a share of it.
 const ROUNDING: f64 = 1e-12;
@@ -85,7 +86,7 @@ fn add_element(assembly: &mut Assembly<'_>, id: NodeId) -> Result<(), Diagnostic
 
 /// A constant as a voltage at the output of a node with this polarity: its setting and its value.
 ///
-/// A number with a unit cannot be in a formula, so it is converted to volts.
+/// A number in a unit other than 1 cannot be in a formula, so it is converted to volts.
 ///
 /// # Errors
 /// If the voltage is above 100 V. `noun` describes it.
@@ -96,8 +97,7 @@ fn volts(
     polarity: i8,
     noun: &str,
 ) -> Result<(Value, f64), Diagnostic> {
-    let expressions = &design.table.expressions;
-    let volts = f64::from(polarity) * expressions.value(constant) / design.table.value(id);
+    let volts = f64::from(polarity) * design.table.expressions.value(constant) / design.table.value(id);
     // This is false for NaN too.
     let is_possible = volts.abs() <= REFERENCE * (1.0 + ROUNDING);
     if !is_possible {
@@ -106,11 +106,23 @@ fn volts(
         let hint = format!("amplifiers have ±100 V: give {name} a larger \"maximum\"");
         return Err(design.input.fault(id, message, &hint));
     }
-    let has_unit = constant.as_rational().is_some() && !design.input.dimension(id).is_dimensionless();
-    if has_unit || constant.is_zero() {
+    let is_number = constant.as_rational().is_some();
+    let has_unit = !design.input.dimension(id).is_dimensionless() || design.input.unit(id).factor() != 1.0;
+    if constant.is_zero() || (is_number && has_unit) {
         return Ok((json_number(volts), volts));
     }
-    let product = Product::one().times_number(f64::from(polarity)).times(constant, expressions);
-    let product = product.over(design.table.expression(id), expressions);
+    let product = signed_constant(design, constant, polarity);
+    let product = product.over(design.table.expression(id), &design.table.expressions);
     Ok((product.setting(volts), volts))
+}
+
+/// A constant times a polarity. A number is a decimal: `0.1 / x` and not `1 / x / 10`.
+fn signed_constant(design: &Design<'_>, constant: &Fraction, polarity: i8) -> Product {
+    let product = Product::one().times_number(f64::from(polarity));
+    let Some(number) = constant.as_rational() else {
+        return product.times(constant, &design.table.expressions);
+    };
+    let number = nearest(&number);
+    let product = product.times_number(1f64.copysign(number));
+    product.times_text(&format_significant(number.abs(), EXACT_DIGITS))
 }

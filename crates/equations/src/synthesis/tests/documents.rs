@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{Sketch, options};
-use crate::graph::{Operation, Sum};
+use crate::graph::{FunctionKind, NodeId, Operation, Sum};
 use crate::symbolic::Fraction;
 
 /// A mass with a spring and a damper, released at x0.
@@ -29,8 +29,8 @@ fn a_mass_on_a_spring_is_patched_as_by_hand() {
     let document = patch.value();
     let elements = json!({
         "A1": {"kind": "integrator", "in": {"x10": ["B1"]}, "initial": "x0 / x", "note": "position"},
-        "P1": {"kind": "pot", "in": "A1", "setting": "k / m * x / x_dot / 10", "note": "(k / m) x"},
-        "P2": {"kind": "pot", "in": "A2", "setting": "c / m", "note": "(c / m) x'"},
+        "P1": {"kind": "pot", "in": "A1", "setting": "k / m * x / x_dot / 10", "note": "(k/m) x"},
+        "P2": {"kind": "pot", "in": "A2", "setting": "c / m", "note": "(c/m) x'"},
         "A2": {"kind": "integrator", "in": {"x1": ["P2"], "x10": ["P1"]}, "note": "x'"},
         "B1": {"kind": "inverter", "in": "A2", "note": "- x'"}
     });
@@ -40,15 +40,14 @@ fn a_mass_on_a_spring_is_patched_as_by_hand() {
     assert_eq!(
         document["scales"],
         json!({"x": {"per_volt": 1, "unit": "mm", "description": "position"},
-               "x_dot": {"per_volt": 10, "unit": "mm/s"}})
+               "x_dot": {"per_volt": 10, "unit": "mm/s", "description": "x'"}})
     );
     assert_eq!(
         document["signals"],
         json!({"x": {"at": "A1", "scale": "x"}, "x_dot": {"at": "A2", "scale": "x_dot"}})
     );
     assert_eq!(document["record"], json!(["x", "x_dot"]));
-    let pictures =
-        json!([{"title": "x", "x": "t", "y": ["x"]}, {"title": "x_dot", "x": "t", "y": ["x_dot"]}]);
+    let pictures = json!([{"title": "x", "x": "t", "y": ["x"]}, {"title": "x'", "x": "t", "y": ["x_dot"]}]);
     assert_eq!(document["pictures"], pictures);
 }
 
@@ -100,9 +99,9 @@ fn the_machine_and_the_time_scale_are_written_if_they_differ_from_the_usual_ones
 fn the_steps_state_the_gain_rule_in_numbers() {
     let steps: Vec<String> = mass_and_spring().synthesis().steps.iter().map(|step| step.text()).collect();
     let expected = [
-        "x': 1 x 0.01 / 0.001 = 10 = 10",
-        "(-k / m) x: 40 x 0.001 / 0.01 = 4 = 10 x 0.4",
-        "(-c / m) x': 0.8 x 0.01 / 0.01 = 0.8 = 1 x 0.8",
+        "A1, x': 1 x 0.01 / 0.001 = 10 = 10",
+        "A2, - (k/m) x: 40 x 0.001 / 0.01 = 4 = 10 x 0.4",
+        "A2, - (c/m) x': 0.8 x 0.01 / 0.01 = 0.8 = 1 x 0.8",
     ];
     assert_eq!(steps, expected);
 }
@@ -167,6 +166,48 @@ fn a_drive_keeps_its_settings_and_gets_a_scale_for_its_peak() {
     assert_eq!(patch.value()["drives"]["push"], expected);
     // 40 N are 80 V.
     assert_eq!(patch.value()["scales"]["push"], json!({"per_volt": 0.0005, "unit": "kN"}));
+    assert_eq!(patch.value()["record"], json!(["p", "push"]));
+    let pictures = json!([{"title": "p", "x": "t", "y": ["p"]}, {"title": "push", "x": "t", "y": ["push"]}]);
+    assert_eq!(patch.value()["pictures"], pictures);
+}
+
+#[test]
+fn elements_follow_the_signals_and_are_numbered_in_this_order() {
+    let mut sketch = Sketch::new(
+        r#"{"patchcord": 1, "parameters": {"k": {"value": 0.5, "unit": "1/s"}, "q": {"value": 0.4, "unit": "1"}},
+        "quantities": {"x": {"unit": "1", "initial": 0.1}, "share": {"unit": "1"}},
+        "equations": ["x' = -k sin(x) x", "share = q x"], "run": {"for": 1, "step": 1e-3}}"#,
+    );
+    sketch.integral("x", "1", [0.1, 0.01], "0.1", &[("-k", 2)]);
+    let share = Operation::Sum(sketch.sum(&[("q", 0)]));
+    sketch.node("share", "1", [0.0, 0.04], 0.0, share);
+    sketch.node("sin(x) x", "1", [0.0, 0.01], 0.0, Operation::Product([NodeId(0), NodeId(3)]));
+    let sine = Operation::Function { kind: FunctionKind::Sin, argument: sketch.term("1", 0) };
+    sketch.node("sin(x)", "1", [0.0, 0.1], 0.0, sine);
+    let patch = sketch.with_quantities().synthesis().patch;
+    let names: Vec<&str> =
+        patch.elements.keys().map(String::as_str).filter(|name| !name.starts_with('B')).collect();
+    assert_eq!(names, ["F1", "M1", "P1", "A1", "P2"]);
+    assert_eq!(
+        patch.value()["elements"]["A1"]["initial"].as_str().map(|text| text.trim_start_matches('-')),
+        Some("0.1 / x")
+    );
+    assert_eq!(patch.value()["scales"]["sin_x"]["description"], "sin(x)");
+    assert_eq!(patch.signals["share"].element.value, "P2");
+}
+
+#[test]
+fn a_number_in_degrees_becomes_volts() {
+    let mut sketch = Sketch::new(
+        r#"{"patchcord": 1, "quantities": {"angle": {"unit": "deg", "initial": 40, "per_volt": 0.5}},
+        "equations": ["angle' = 0"], "run": {"for": 1, "step": 1e-3}}"#,
+    );
+    let initial = Fraction::number(40_f64.to_radians());
+    let operation = Operation::Integral { initial, rate: Sum::default() };
+    sketch.node("angle", "1", [0.7, 0.7], 0.0, operation);
+    let patch = sketch.with_quantities().synthesis().patch;
+    let initial = patch.value()["elements"]["A1"]["initial"].as_f64().unwrap();
+    assert!((initial.abs() - 80.0).abs() < 1e-12, "{initial}");
 }
 
 #[test]

@@ -49,10 +49,21 @@ fn expressions_are_written_with_all_operators() {
         ("-1", "-1"),
         ("1/m^2", "1 / m^2"),
         ("1e9 k", "1e9 * k"),
+        ("k/1e5", "k / 100000"),
+        ("k/1e9", "k / 1e9"),
+        ("1234 k/5677", "1234 * k / 5677"),
     ];
     for (expression, expected) in cases {
         assert_eq!(text(expression), expected, "{expression}");
     }
+}
+
+#[test]
+fn a_number_that_is_not_exact_is_a_decimal() {
+    // 20 / ln(10), with ln(10) as a decimal.
+    let written = text("1e16 k/1151292546497023");
+    assert!(written.starts_with("8.685889638065") && written.ends_with(" * k"), "{written}");
+    assert!(text("k/12345678").starts_with("8.1000006642"), "{}", text("k/12345678"));
 }
 
 #[test]
