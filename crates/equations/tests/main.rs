@@ -10,4 +10,5 @@ mod compare;
 mod files;
 mod listing;
 mod mistakes;
+mod problem_files;
 mod scale;
