@@ -1,7 +1,7 @@
 //! A virtual analogue computer: patch it, run it, read it, and find what it lacks.
 //!
-//! This page is a tutorial. It takes ten minutes and goes from a patch to a run, from a run to readings and pictures,
-//! from one run to many, and from measured data to the effect that a model lacks.
+//! This page is a tutorial. It takes ten minutes and goes from a patch to a run, from equations to a patch, from a run
+//! to readings and pictures, from one run to many, and from measured data to the effect that a model lacks.
 //!
 //! # Run a patch
 //!
@@ -56,6 +56,29 @@
 //! let trace = run(&Program::new(&circuit)?, &RunSettings::of(&circuit)?)?;
 //! let last = trace.track("A1").and_then(|track| track.values().last());
 //! assert!(last.is_some_and(|volts| (volts - 50.0 * (-1.0f64).exp()).abs() < 1e-9));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Make a patch from equations
+//!
+//! A problem states equations with numbers and units. [`equations::scale_problem`] makes a patch from it, with scales,
+//! gains and pots. [`equations::EquationListing`] reads the equations back from the wiring:
+//!
+//! ```
+//! use patchcord::equations::{Detail, EquationListing, ScaleOptions, scale_problem};
+//! use patchcord::patch::Problem;
+//! use patchcord::{Circuit, Program};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let problem = Problem::read("problems/van-der-pol.json")?;
+//! let scaled = scale_problem(&problem, &ScaleOptions::default())?;
+//! assert!(scaled.quantities.iter().all(|quantity| (50.0..=95.0).contains(&quantity.peak)));
+//!
+//! let circuit = Circuit::new(&scaled.patch)?;
+//! let listing = EquationListing::new(&circuit, &Program::new(&circuit)?, Detail::Signals);
+//! let equations: Vec<String> = listing.equations.iter().map(|equation| equation.text()).collect();
+//! assert_eq!(equations, ["x' = x_dot", "x_dot' = mu (1 - x^2) x_dot - x"]);
 //! # Ok(())
 //! # }
 //! ```
@@ -134,7 +157,7 @@
 //!
 //! # Where to look next
 //!
-//! * The formats of patches and experiments: `docs/patch-format.md` and `docs/gap.md`.
+//! * The formats of patches, problems and experiments: `docs/patch-format.md`, `docs/problem-format.md` and `docs/gap.md`.
 //! * Programs to copy from: `examples`.
 //! * How it works: `docs/architecture.md`.
 //!

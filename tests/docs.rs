@@ -35,7 +35,8 @@ fn paths_named(text: &str) -> Vec<String> {
     let quoted = text.split('`').skip(1).step_by(2);
     let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     let is_path = |word: &&str| {
-        let folders = ["src/", "crates/", "docs/", "tests/", "patches/", "examples/", "benches/", ".ci/"];
+        let folders =
+            ["src/", "crates/", "docs/", "tests/", "patches/", "problems/", "examples/", "benches/", ".ci/"];
         folders.iter().any(|folder| word.starts_with(folder))
             || (word.ends_with(".md") && !word.contains(' '))
     };

@@ -360,8 +360,8 @@ fn faults_in_names(file: &Path) -> Vec<String> {
     identifiers.chain(path).map(|name| format!("{}: {name}", file.display())).collect()
 }
 
-/// The folders with sources, patches and data.
-const FOLDERS: [&str; 6] = ["benches", "crates", "examples", "patches", "src", "tests"];
+/// The folders with sources, patches, problems and data.
+const FOLDERS: [&str; 7] = ["benches", "crates", "examples", "patches", "problems", "src", "tests"];
 
 /// Files other than Rust sources that have notes or comments. Their whole lines are read.
 const ANNOTATED: [&str; 7] = ["c", "cir", "csv", "h", "json", "py", "toml"];

@@ -4,6 +4,7 @@ mod check;
 mod completions;
 mod draw;
 mod effects;
+mod equation_page;
 mod equations;
 mod files;
 mod gap;
@@ -28,6 +29,7 @@ mod sweep;
 mod sweep_killed;
 mod sweep_page;
 mod tips;
+mod transcripts;
 mod traps;
 
 use std::fs;

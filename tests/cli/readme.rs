@@ -6,6 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
+use super::transcripts::{folder_with_problems, printed, refreshed};
 use super::{FIG_8_16, code, errors, out, patchcord, path, without_elapsed_time};
 use crate::common::files::assert_up_to_date;
 
@@ -39,6 +40,24 @@ fn the_command_of_the_readme_prints_the_quoted_lines() {
         out(&ran).lines().filter(|line| !line.is_empty()).map(without_elapsed_time).collect();
     assert_eq!(printed[printed.len() - quoted.len()..], quoted);
     assert!(folder.path().join("fig-8-16.csv").is_file() && folder.path().join("fig-8-16.svg").is_file());
+}
+
+/// The heading of the section with a problem and its patch.
+const SCALING: &str = "## From an equation to a patch\n";
+
+#[test]
+fn the_section_about_scaling_has_the_outputs_of_its_commands() {
+    let page = fs::read_to_string("README.md").unwrap();
+    let (before, rest) = page.split_once(SCALING).unwrap();
+    let (section, after) = rest.split_once("\n## ").unwrap();
+    let folder = folder_with_problems();
+    let fresh = refreshed(section, folder.path());
+    let equations = printed("equations mass.json", folder.path());
+    let text = section.replace('\n', " ");
+    for equation in equations.lines().filter(|line| line.contains("' = ")) {
+        assert!(text.contains(&format!("`{equation}`")), "{equation} is not quoted");
+    }
+    assert_up_to_date("README.md", format!("{before}{SCALING}{fresh}\n## {after}").as_bytes(), "patchcord");
 }
 
 /// The time between the first two falls of the position through 0, with this mass in kg.

@@ -11,5 +11,6 @@ mod files;
 mod implicit;
 mod listing;
 mod mistakes;
+mod problem_files;
 mod round_trip;
 mod scale;

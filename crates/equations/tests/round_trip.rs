@@ -1,14 +1,13 @@
 //! Problems are scaled to patches whose wiring solves the equations of the problem.
 
-use std::path::Path;
-
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_equations::{Agreement, compare_equations};
 use serde_json::Value;
 
-use crate::scale::{problems, scaled};
+use crate::problem_files::{problem_file, problem_files};
+use crate::scale::scaled;
 
 /// The equations of a patch with their agreement. `None` if its wiring has no circuit or no program.
 fn agreements(patch: &Patch) -> Option<Vec<(String, Agreement)>> {
@@ -24,7 +23,7 @@ fn agreements(patch: &Patch) -> Option<Vec<(String, Agreement)>> {
 #[test]
 fn the_patch_of_every_problem_solves_its_equations() {
     let (mut problem_count, mut equation_count, mut numerical_count) = (0, 0, 0);
-    for path in problems() {
+    for path in problem_files() {
         let problem = path.file_stem().unwrap().to_string_lossy();
         for (equation, agreement) in agreements(&scaled(&path).patch).unwrap() {
             // A delay is a number if times are pure numbers.
@@ -70,7 +69,7 @@ fn move_cord(patch: &mut Value, amplifier: &str, input: &str) {
 /// The angle of the dog's course is the solution of an open amplifier.
 #[test]
 fn a_wrong_gain_of_an_open_amplifier_is_never_accepted() {
-    let patch = scaled(Path::new("tests/systems/pursuit.json")).patch.value().clone();
+    let patch = scaled(&problem_file("pursuit")).patch.value().clone();
     let inputs = open_inputs(&patch);
     assert!(inputs.len() >= 2, "{inputs:?}");
     let mut different = 0;

@@ -1,7 +1,6 @@
-//! All problems of `tests/systems` become patches without overloads whose runs agree with SciPy.
+//! All problems of `tests/systems` and `problems` become patches without overloads whose runs agree with SciPy.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -12,20 +11,10 @@ use patchcord_equations::{ScaleOptions, ScaledProblem, scale_problem};
 use patchcord_expr::Unit;
 use serde_json::Value;
 
+use crate::problem_files::{problem_file, problem_files, reference};
+
 /// Largest difference from SciPy, as a share of the peak.
 const TOLERANCE: f64 = 1e-6;
-
-/// The problems, in the order of their names.
-pub(crate) fn problems() -> Vec<PathBuf> {
-    let paths = fs::read_dir("tests/systems").unwrap().map(|entry| entry.unwrap().path());
-    let is_problem = |path: &PathBuf| {
-        let name = path.to_string_lossy();
-        name.ends_with(".json") && !name.ends_with(".reference.json")
-    };
-    let mut problems: Vec<PathBuf> = paths.filter(is_problem).collect();
-    problems.sort();
-    problems
-}
 
 /// The scaled patch of a problem.
 pub(crate) fn scaled(path: &Path) -> ScaledProblem {
@@ -70,7 +59,7 @@ fn difference(trace: &Trace, times: &[f64], quantity: &str, reference: &Value) -
 #[test]
 fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
     let mut faults = Vec::new();
-    for path in problems() {
+    for path in problem_files() {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         let scaled = scaled(&path);
         let trace = trace(&scaled);
@@ -82,8 +71,7 @@ fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
             !(50.0..=95.0).contains(&peak.volts) && (peak.reason.is_none() || peak.volts > 95.0)
         });
         faults.extend(low.map(|peak| format!("{name}: {} peaks at {:.1} V", peak.output, peak.volts)));
-        let reference = fs::read_to_string(path.with_extension("reference.json")).unwrap();
-        let reference: Value = serde_json::from_str(&reference).unwrap();
+        let reference = reference(&path);
         let times: Vec<f64> =
             reference["times"].as_array().unwrap().iter().map(|time| time.as_f64().unwrap()).collect();
         for (quantity, entry) in reference["quantities"].as_object().unwrap() {
@@ -132,6 +120,6 @@ fn a_rod_of_100_cells_reaches_its_straight_profile() {
 
 #[test]
 fn the_patch_is_the_same_in_every_run() {
-    let path = Path::new("tests/systems/slideway.json");
-    assert_eq!(scaled(path).patch.text(), scaled(path).patch.text());
+    let path = problem_file("slideway");
+    assert_eq!(scaled(&path).patch.text(), scaled(&path).patch.text());
 }

@@ -1,4 +1,4 @@
-//! Unit tests of the plan: small problems with plans that were made by hand, and all problems in `tests/systems`.
+//! Unit tests of the plan: small problems with plans that were made by hand, and all problems.
 
 mod diagnostics;
 mod evaluation;
@@ -6,9 +6,6 @@ mod functions;
 mod loops;
 mod starts;
 mod systems;
-
-use std::fs;
-use std::path::PathBuf;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
@@ -20,6 +17,7 @@ use crate::derive::System;
 use crate::graph::{FunctionKind, Node, NodeId, ONE, Operation, Plan, Sum};
 use crate::notation::text;
 use crate::symbolic::Fraction;
+use crate::testing::problem_files::problem_file;
 use crate::writing::Writer;
 
 /// A problem with these sections.
@@ -39,22 +37,10 @@ fn planned(sections: &str) -> Plan {
     plan(&problem, &circuit(&problem)).unwrap_or_else(|findings| panic!("{findings:#?}"))
 }
 
-/// The plan of a problem in `tests/systems`.
+/// The plan of the problem with this name.
 fn planned_system(name: &str) -> Plan {
-    let problem = Problem::read(format!("tests/systems/{name}.json")).unwrap();
+    let problem = Problem::read(problem_file(name)).unwrap();
     plan(&problem, &circuit(&problem)).unwrap_or_else(|findings| panic!("{name}: {findings:#?}"))
-}
-
-/// The problems in `tests/systems`, in the order of their names.
-fn systems() -> Vec<PathBuf> {
-    let paths = fs::read_dir("tests/systems").unwrap().map(|entry| entry.unwrap().path());
-    let is_problem = |path: &PathBuf| {
-        let name = path.to_string_lossy();
-        name.ends_with(".json") && !name.ends_with(".reference.json")
-    };
-    let mut problems: Vec<PathBuf> = paths.filter(is_problem).collect();
-    problems.sort();
-    problems
 }
 
 /// The faults of a problem with these sections: each with its place in the text, its message and its hint.

@@ -1,5 +1,7 @@
-//! Helpers of the unit tests: the quantities of expressions, expressions from text, and random trees.
+//! Helpers of the unit tests: the quantities of expressions, expressions from text, random trees, and files of problems.
 
+#[path = "../../tests/problem_files.rs"]
+pub(crate) mod problem_files;
 pub(crate) mod reading;
 pub(crate) mod trees;
 

@@ -1,4 +1,6 @@
-"""Writes NAME.reference.json for each NAME.json of this folder: its solution by SciPy, for the tests of the scaling.
+"""Writes NAME.reference.json for each problem NAME.json: its solution by SciPy, for the tests of the scaling.
+
+The problems are those of this folder and of the folder problems of the repository. All references are in this folder.
 
 Run it in an environment with numpy and scipy:
 
@@ -30,6 +32,8 @@ from reference_solver.integration import solve
 from reference_solver.problem import Problem
 
 FOLDER = Path(__file__).resolve().parent
+# The folders of the problems.
+FOLDERS = [FOLDER, FOLDER.parents[3] / "problems"]
 ENDING = ".reference.json"
 # The largest difference between the two solutions, as a share of the peak.
 TOLERANCE = 1e-8
@@ -37,7 +41,8 @@ TOLERANCE = 1e-8
 
 def main(selected):
     """Writes and verifies the references of the selected problems, or of all."""
-    paths = [path for path in sorted(FOLDER.glob("*.json")) if not path.name.endswith(ENDING)]
+    files = [path for folder in FOLDERS for path in folder.glob("*.json")]
+    paths = sorted((path for path in files if not path.name.endswith(ENDING)), key=lambda path: path.stem)
     unknown = set(selected) - {path.stem for path in paths}
     if unknown:
         sys.exit(f"no problem of this name: {', '.join(sorted(unknown))}")
@@ -58,7 +63,7 @@ def write_reference(path):
     values, peaks = np.abs(solution.values - second.values), np.abs(solution.peaks - second.peaks)
     difference = float(max(np.max(values / solution.peaks), np.max(peaks / solution.peaks)))
     if difference <= TOLERANCE:
-        path.with_name(path.stem + ENDING).write_text(text_of(problem, solution))
+        (FOLDER / (path.stem + ENDING)).write_text(text_of(problem, solution))
     print(f"{path.stem:28} {difference:8.1e}  {time.perf_counter() - begin:6.1f} s", flush=True)
     return difference
 

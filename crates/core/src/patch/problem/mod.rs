@@ -103,7 +103,7 @@ impl Problem {
     /// ```
     /// use patchcord_core::patch::Problem;
     ///
-    /// let problem = Problem::read("../equations/tests/systems/lorenz.json")?;
+    /// let problem = Problem::read("../../problems/lorenz.json")?;
     /// assert_eq!(problem.quantities.keys().collect::<Vec<_>>(), ["x", "y", "z"]);
     /// # Ok::<(), patchcord_core::document::DocumentError>(())
     /// ```

@@ -1,7 +1,7 @@
 //! The ranges of the quantities of all problems agree with the solutions of SciPy.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::patch::Problem;
@@ -10,21 +10,10 @@ use serde_json::Value;
 
 use crate::peaks::ranges;
 use crate::plan::plan;
+use crate::testing::problem_files::{problem_files, reference};
 
 /// Largest difference of a peak, as a share of it.
 const TOLERANCE: f64 = 1e-3;
-
-/// The problems in `tests/systems`, in the order of their names.
-fn problems() -> Vec<PathBuf> {
-    let paths = fs::read_dir("tests/systems").unwrap().map(|entry| entry.unwrap().path());
-    let is_problem = |path: &PathBuf| {
-        let name = path.to_string_lossy();
-        name.ends_with(".json") && !name.ends_with(".reference.json")
-    };
-    let mut problems: Vec<PathBuf> = paths.filter(is_problem).collect();
-    problems.sort();
-    problems
-}
 
 /// The differences of the peaks of a problem from those of its reference, as lines of text. Also the number of compared
 /// quantities.
@@ -35,8 +24,7 @@ fn differences(path: &Path) -> (usize, Vec<String>) {
     let circuit = Circuit::new(&problem.patch).unwrap_or_else(|report| panic!("{report}"));
     let plan = plan(&problem, &circuit).unwrap_or_else(|findings| panic!("{name}: {findings:?}"));
     let ranges = ranges(&plan, &problem, &circuit).unwrap_or_else(|finding| panic!("{name}: {finding:?}"));
-    let reference = fs::read_to_string(path.with_extension("reference.json")).unwrap();
-    let reference: Value = serde_json::from_str(&reference).unwrap();
+    let reference = reference(path);
     let quantities = reference["quantities"].as_object().unwrap();
     let difference = |(quantity, entry): (&String, &Value)| {
         let unit = Unit::parse(entry["unit"].as_str().unwrap()).unwrap();
@@ -52,7 +40,7 @@ fn differences(path: &Path) -> (usize, Vec<String>) {
 
 #[test]
 fn all_problems_have_the_peaks_of_scipy() {
-    let found: Vec<(usize, Vec<String>)> = problems().iter().map(|path| differences(path)).collect();
+    let found: Vec<(usize, Vec<String>)> = problem_files().iter().map(|path| differences(path)).collect();
     let all: Vec<&String> = found.iter().flat_map(|(_, differences)| differences).collect();
     assert!(all.is_empty(), "{all:#?}");
     assert!(found.len() >= 40 && found.iter().map(|(count, _)| count).sum::<usize>() >= 150);

@@ -1,7 +1,6 @@
-//! The plans of all problems in `tests/systems` satisfy the equations.
+//! The plans of all problems satisfy the equations.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use patchcord_core::circuit::Circuit;
@@ -11,10 +10,11 @@ use patchcord_core::solve::Machine;
 use serde_json::Value;
 
 use super::evaluation::{Evaluator, Names, difference};
-use super::{circuit, count, systems};
+use super::{circuit, count};
 use crate::graph::{NodeId, Operation, Plan};
 use crate::plan::constants::Constants;
 use crate::plan::plan;
+use crate::testing::problem_files::{problem_files, reference};
 
 /// Largest difference of the sides of an equation, as a share of their size.
 const TOLERANCE: f64 = 1e-12;
@@ -42,8 +42,7 @@ impl System {
         let problem = Problem::read(path).unwrap_or_else(|error| panic!("{error}"));
         let circuit = circuit(&problem);
         let plan = plan(&problem, &circuit).unwrap_or_else(|findings| panic!("{name}: {findings:#?}"));
-        let reference = fs::read_to_string(path.with_extension("reference.json")).unwrap();
-        let reference: Value = serde_json::from_str(&reference).unwrap();
+        let reference = reference(path);
         let in_si =
             |quantity: &str, value: &Value| problem.quantities[quantity].unit.to_si(value.as_f64().unwrap());
         let quantities = reference["quantities"].as_object().unwrap();
@@ -122,7 +121,7 @@ fn drive_values(circuit: &Circuit) -> BTreeMap<String, f64> {
 #[test]
 fn the_nodes_satisfy_the_equations_at_many_states() {
     let mut compared = 0;
-    for path in systems() {
+    for path in problem_files() {
         let system = System::read(&path);
         for index in 0..system.rows.len() {
             let share = (index as f64 * 0.618).fract();
@@ -146,7 +145,7 @@ fn the_nodes_satisfy_the_equations_at_many_states() {
 #[test]
 fn algebraic_quantities_have_the_values_of_scipy() {
     let mut compared = 0;
-    for path in systems() {
+    for path in problem_files() {
         let system = System::read(&path);
         let has_input =
             |operation: &Operation| matches!(operation, Operation::Drive(_) | Operation::Delay { .. });

@@ -65,10 +65,11 @@ fn assert_no_finding(text: &str) {
     assert!(found.is_empty(), "{found:?}");
 }
 
-/// The problems for the tests of the scaling.
+/// The problems for users and those for the tests of the scaling.
 fn systems() -> Vec<PathBuf> {
-    let folder = std::fs::read_dir("../equations/tests/systems").unwrap();
-    let paths = folder.map(|entry| entry.unwrap().path());
+    let folders = ["../../problems", "../equations/tests/systems"].into_iter();
+    let entries = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    let paths = entries.map(|entry| entry.unwrap().path());
     let is_problem = |path: &PathBuf| {
         let name = path.file_name().unwrap().to_str().unwrap();
         name.ends_with(".json") && !name.ends_with(".reference.json")
