@@ -45,6 +45,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "notation",
             "symbolic",
             "derive",
+            "operating_point",
             "writing",
             "compare",
             "fixes",
