@@ -17,9 +17,9 @@ use super::standard_streams::check_input;
 use super::table::Table;
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{DiagnosticDocument, Report, plural};
+use patchcord::document::{DiagnosticDocument, Report, escape_controls, plural};
 use patchcord::equations::{
-    OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
 };
 use patchcord::expr::format_significant;
 use patchcord::machines::{self, MachineModel};
@@ -86,10 +86,15 @@ impl Arguments {
 
     /// The printed result.
     fn text(&self, problem: &Problem, scaled: &ScaledProblem) -> String {
-        let mut text = format!("{}\n\n", problem.patch.title);
+        let title = problem.patch.title.trim();
+        let title = if title.is_empty() { escape_controls(problem.patch.file()) } else { title.to_owned() };
+        let mut text = format!("{title}\n\n");
         text += &scaling_table(&scaled.quantities);
         text += &format!("\n{}", equation_lines(&scaled.quantities, scaled.time_scale));
         text += &format!("\n{}", peak_lines(&scaled.peaks));
+        for range in &scaled.narrowed_ranges {
+            text += &format!("{}\n", range.text());
+        }
         if self.steps {
             let lines: String = scaled.steps.iter().map(|step| format!("  {step}\n")).collect();
             text += &format!("\ngain rule: coefficient x input scale / output scale = gain x pot\n{lines}");
@@ -174,6 +179,7 @@ struct Document<'a> {
     time_scale: f64,
     quantities: &'a [ScaledQuantity],
     peaks: &'a [OutputPeak],
+    narrowed_ranges: &'a [NarrowedRange],
     steps: &'a [String],
     patch: &'a serde_json::Value,
     files: Vec<String>,
@@ -195,6 +201,7 @@ impl<'a> Document<'a> {
             time_scale: scaled.time_scale,
             quantities: &scaled.quantities,
             peaks: &scaled.peaks,
+            narrowed_ranges: &scaled.narrowed_ranges,
             steps: &scaled.steps,
             patch: scaled.patch.value(),
             files: path_texts(out),

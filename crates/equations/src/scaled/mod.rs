@@ -11,9 +11,11 @@ mod scaled_equation;
 mod table;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::machines::{DEFAULT_MACHINE, MachineModel};
+use patchcord_core::document::Diagnostic;
+use patchcord_core::machines::{DEFAULT_MACHINE, MachineModel, REFERENCE};
 use patchcord_core::patch::{Patch, Problem};
 
+use crate::findings::codes;
 use crate::peaks::ranges;
 use crate::plan::plan;
 use crate::synthesis::{GainStep, Options, choose_scales, improved_scales, synthesise};
@@ -82,7 +84,8 @@ pub struct ScaledProblem {
 /// the problem.
 ///
 /// # Errors
-/// If the problem has a fault, if the machine has no circuit for one of its equations, or if the patch cannot be run.
+/// If the problem has a fault, if the machine has no circuit for one of its equations, if an amplifier overloads whatever
+/// its scale, or if the patch cannot be run.
 pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<ScaledProblem, ScaleError> {
     let circuit = Circuit::new(&problem.patch).map_err(ScaleError::Problem)?;
     let in_problem = |findings| ScaleError::of_problem(problem, findings);
@@ -110,10 +113,30 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
                 synthesis: &synthesis,
                 volts: &volts,
             };
-            return scaled_problem(&tables, runs);
+            let overloads = overloads(&tables);
+            return if overloads.is_empty() {
+                scaled_problem(&tables, runs)
+            } else {
+                Err(in_problem(overloads))
+            };
         }
         scales = better;
     }
+}
+
+/// A fault for each output that exceeds the reference voltage, whatever its scale.
+fn overloads(tables: &Tables<'_>) -> Vec<Diagnostic> {
+    let over = tables.peaks().into_iter().filter(|peak| peak.volts > REFERENCE);
+    let fault = |OutputPeak { output, quantity, volts, .. }: OutputPeak| {
+        let message = format!("{quantity} has no scale: {output} would need {volts:.0} V");
+        let hint =
+            format!("write the equation of {quantity} in another form, or give {quantity} a \"maximum\"");
+        match tables.problem.quantities.get(&quantity) {
+            Some(declared) => Diagnostic::at(codes::NO_CIRCUIT, declared.span, message).hint(hint),
+            None => Diagnostic::without_span(codes::NO_CIRCUIT, message).hint(hint),
+        }
+    };
+    over.map(fault).collect()
 }
 
 /// The result of the last run.

@@ -2,6 +2,7 @@
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::patch::Problem;
+use patchcord_expr::round_significant;
 use serde::Serialize;
 
 use super::scaled_equation::ScaledEquations;
@@ -42,6 +43,8 @@ pub struct OutputPeak {
     pub reason: Option<&'static str>,
 }
 
+/// Digits of a scale without the rounding of a conversion of units.
+const EXACT_DIGITS: usize = 15;
 /// Peaks within these voltages use the range of an amplifier.
 const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
 
@@ -66,6 +69,7 @@ impl Tables<'_> {
             let declared = self.problem.quantities.get(name);
             let unit = self.synthesis.units[node.0 as usize].clone();
             let per_volt = unit.out_of_si(self.scales.per_volt[node.0 as usize]);
+            let per_volt = round_significant(per_volt, EXACT_DIGITS);
             let peak = self.peak(node);
             ScaledQuantity {
                 name: name.to_owned(),
