@@ -74,14 +74,13 @@ fn shifted(
     let entry = circuit.element(element);
     let is_plain = entry.kind.transfer == Transfer::Inverting && entry.settings.iter().all(Option::is_none);
     let cords = circuit.cords(element);
-    let (inside, outside): (Vec<&(usize, Cord)>, Vec<&(usize, Cord)>) =
-        cords.iter().partition(|(from, _)| members.contains(from));
+    let (inside, outside) = cords.iter().partition::<Vec<_>, _>(|(from, _)| members.contains(from));
     if !is_plain || !outside.iter().any(|(from, _)| repeats_integrator(circuit, *from)) {
         return None;
     }
     let feedback = inside.first()?.0;
     let volts = |element: usize| machine.voltage(&circuit.element(element).name).ok();
-    let share = |(from, cord): &&(usize, Cord)| Some(cord.gain * volts(*from)?);
+    let share = |(from, cord): &(usize, Cord)| Some(cord.gain * volts(*from)?);
     let sum: f64 = outside.iter().map(share).sum::<Option<f64>>()?;
     let (volts, volts_alone) = (volts(element)?, -sum);
     let is_shifted = volts_alone.abs() >= LEAST_SHIFT && (volts - volts_alone).abs() >= LEAST_SHIFT;
