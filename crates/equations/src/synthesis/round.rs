@@ -21,8 +21,9 @@ pub(super) fn roundest(least: f64, most: f64) -> f64 {
 /// The smallest mantissa x 10^n from `least` to `most`. `None` if there is none.
 fn multiple(mantissa: f64, least: f64, most: f64) -> Option<f64> {
     let exponent = (least / mantissa).log10().floor() as i32;
-    let candidates = (exponent - 1..=exponent + 2).map(|exponent| decimal(mantissa, exponent));
-    candidates.into_iter().find(|number| (least..=most).contains(number))
+    // The exponent of 0 is the least integer.
+    let exponents = exponent.saturating_sub(1)..=exponent.saturating_add(2);
+    exponents.map(|exponent| decimal(mantissa, exponent)).find(|number| (least..=most).contains(number))
 }
 
 /// The f64 nearest to mantissa x 10^exponent.
@@ -33,7 +34,8 @@ fn decimal(mantissa: f64, exponent: i32) -> f64 {
 /// The numbers 1, 2 and 5 x 10^n in the decade of a positive number, and 10 x 10^n.
 fn steps(number: f64) -> [f64; 4] {
     let exponent = number.log10().floor() as i32;
-    [decimal(1.0, exponent), decimal(2.0, exponent), decimal(5.0, exponent), decimal(1.0, exponent + 1)]
+    let next = decimal(1.0, exponent.saturating_add(1));
+    [decimal(1.0, exponent), decimal(2.0, exponent), decimal(5.0, exponent), next]
 }
 
 /// The number 1, 2 or 5 x 10^n with the smallest ratio to a positive number.
@@ -79,6 +81,13 @@ mod tests {
             let mantissa = round_significant(number / 10f64.powf(number.log10().floor()), 3);
             assert!(MANTISSAS[..9].contains(&mantissa) || mantissa == 10.0, "{least}: {number}");
         }
+    }
+
+    #[test]
+    fn ranges_without_a_normal_number_do_not_panic() {
+        assert_eq!(roundest(0.0, 0.0), 0.0);
+        assert!(roundest(0.0, 5e-324) <= 5e-324);
+        assert!(roundest(f64::MAX, f64::INFINITY) >= f64::MAX);
     }
 
     #[test]
