@@ -159,10 +159,9 @@ fn equation_lines(quantities: &[ScaledQuantity], time_scale: f64) -> String {
 
 /// Which outputs use the range of their amplifiers, and why the others do not.
 fn peak_lines(peaks: &[OutputPeak]) -> String {
-    let is_good = |peak: &&OutputPeak| (50.0..=95.0).contains(&peak.volts);
-    let good = peaks.iter().filter(is_good).count();
+    let good = peaks.iter().filter(|peak| peak.is_good()).count();
     let mut text = format!("{} of {} peak between 50 and 95 V\n", good, plural(peaks.len(), "output"));
-    for peak in peaks.iter().filter(|peak| !is_good(peak)) {
+    for peak in peaks.iter().filter(|peak| !peak.is_good()) {
         let reason = peak.reason.map_or(String::new(), |reason| format!(": {reason}"));
         text += &format!("  {} ({}) peaks at {:.1} V{reason}\n", peak.output, peak.quantity, peak.volts);
     }

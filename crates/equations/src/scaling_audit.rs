@@ -12,8 +12,9 @@ use patchcord_core::ir::Program;
 use patchcord_expr::split_primes;
 
 use crate::derive::System;
+use crate::notation::primed;
 use crate::notation::text;
-use crate::static_check::stated::{Alias, Stated, aliases, primed};
+use crate::static_check::stated::{Alias, Stated, aliases};
 use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, partial_derivative, value};
 use crate::writing::Writer;
 

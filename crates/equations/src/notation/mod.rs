@@ -13,8 +13,8 @@ pub use json::EquationDocument;
 pub(crate) use latex::{aligned, conditions_latex};
 pub use latex::{document, equation_latex, latex};
 pub(crate) use symbols::{escaped, function_latex};
-pub(crate) use text::conditions_text;
 pub use text::{LINE_WIDTH, equation_text, text};
+pub(crate) use text::{conditions_text, primed};
 
 /// An expression in the order and grouping in which it is written.
 ///

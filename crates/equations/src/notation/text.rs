@@ -23,7 +23,7 @@ const MIN_VALUE_WIDTH: usize = 12;
 pub fn text(notation: &Notation) -> String {
     match notation.unwrapped() {
         Notation::Number { value, unit } => number_text(*value, unit.as_deref()),
-        Notation::Name { name, primes } => format!("{name}{}", "'".repeat(usize::from(*primes))),
+        Notation::Name { name, primes } => primed(name, usize::from(*primes)),
         Notation::Negative(operand) => format!("-{}", grouped(operand, Precedence::Quotient)),
         Notation::Sum(terms) if terms.is_empty() => "0".to_owned(),
         Notation::Sum(terms) => term_texts(terms).join(" "),
@@ -41,6 +41,11 @@ pub fn text(notation: &Notation) -> String {
         }
         Notation::Cases(cases) => cases_text(cases),
     }
+}
+
+/// A name with this number of primes.
+pub(crate) fn primed(name: &str, primes: usize) -> String {
+    name.to_owned() + &"'".repeat(primes)
 }
 
 /// Returns the text of an equation.

@@ -8,7 +8,8 @@ use patchcord_core::patch::{Problem, ProblemQuantity};
 use patchcord_expr::{Equation, FormulaError, Node, split_primes};
 
 use super::constants::Constants;
-use super::unknowns::{Unknown, Unknowns, laws, primed};
+use super::unknowns::{Unknown, Unknowns, laws};
+use crate::notation::primed;
 use crate::symbolic::Fraction;
 
 /// The parts of a problem with initial values.

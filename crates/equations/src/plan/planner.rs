@@ -15,8 +15,9 @@ use super::initial::InitialValues;
 use super::matching::{Matching, matched};
 use super::trees::{Occurrence, occurrences};
 use super::undetermined::faults;
-use super::unknowns::{Unknown, Unknowns, laws, primed};
+use super::unknowns::{Unknown, Unknowns, laws};
 use crate::graph::{NodeId, Operation, Plan, Sum};
+use crate::notation::primed;
 use crate::symbolic::Fraction;
 
 /// The plan of a problem. `circuit` is the circuit of its patch.

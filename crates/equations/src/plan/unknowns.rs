@@ -7,6 +7,8 @@ use patchcord_core::document::{Code, Diagnostic, Placed, formula_diagnostic};
 use patchcord_core::patch::Problem;
 use patchcord_expr::{Equation, FormulaError, split_primes};
 
+use crate::notation::primed;
+
 /// A quantity that an equation determines.
 pub(super) struct Unknown {
     /// Its name without primes.
@@ -30,11 +32,6 @@ pub(super) struct Unknowns {
     pub all: Vec<Unknown>,
     /// The index of each unknown, by its name without primes.
     indices: HashMap<String, usize>,
-}
-
-/// A name with this number of primes.
-pub(super) fn primed(base: &str, primes: usize) -> String {
-    base.to_owned() + &"'".repeat(primes)
 }
 
 /// The equations that are no initial values, with their indices.

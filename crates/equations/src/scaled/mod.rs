@@ -12,46 +12,20 @@ mod table;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
-use patchcord_core::machines::{DEFAULT_MACHINE, MachineModel, REFERENCE};
+use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{Patch, Problem};
 
 use crate::findings::codes;
 use crate::peaks::ranges;
 use crate::plan::plan;
-use crate::synthesis::{GainStep, Options, choose_scales, improved_scales, synthesise};
+pub use crate::synthesis::ScaleOptions;
+use crate::synthesis::{GainStep, choose_scales, improved_scales, synthesise};
 pub use error::ScaleError;
 use measured::measured_peaks;
 pub use narrowing::NarrowedRange;
 use narrowing::with_narrowed_ranges;
 use table::Tables;
 pub use table::{OutputPeak, ScaledQuantity};
-
-/// What a scaled patch should be like.
-///
-/// # Examples
-///
-/// ```
-/// use patchcord_equations::ScaleOptions;
-///
-/// let options = ScaleOptions { time_scale: Some(10.0), ..ScaleOptions::default() };
-/// assert_eq!(options.machine.name, "unlimited");
-/// ```
-#[derive(Debug, Clone, Copy)]
-pub struct ScaleOptions {
-    /// The machine for which the patch is made.
-    pub machine: &'static MachineModel,
-    /// Machine seconds per problem second. `None` if it is chosen.
-    pub time_scale: Option<f64>,
-    /// Whether a stated maximum is always represented by 100 V. Otherwise its scale changes if the peak is below 50 V or
-    /// above 95 V.
-    pub keeps_maxima: bool,
-}
-
-impl Default for ScaleOptions {
-    fn default() -> Self {
-        ScaleOptions { machine: DEFAULT_MACHINE, time_scale: None, keeps_maxima: false }
-    }
-}
 
 /// The largest number of runs of the patch.
 const MAX_RUNS: usize = 8;
@@ -91,19 +65,17 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
     let in_problem = |findings| ScaleError::of_problem(problem, findings);
     let plan = plan(problem, &circuit).map_err(in_problem)?;
     let ranges = ranges(&plan, problem, &circuit).map_err(|finding| in_problem(vec![finding]))?;
-    let ScaleOptions { machine, time_scale, keeps_maxima } = *options;
-    let options = Options { machine, time_scale, keeps_maxima };
-    let mut scales = choose_scales(&plan, problem, &circuit, &ranges, &options);
+    let mut scales = choose_scales(&plan, problem, &circuit, &ranges, options);
     let mut runs = 0;
     loop {
         let synthesis =
-            synthesise(&plan, problem, &circuit, &ranges, &scales, &options).map_err(in_problem)?;
+            synthesise(&plan, problem, &circuit, &ranges, &scales, options).map_err(in_problem)?;
         let names: Vec<&str> = synthesis.outputs.iter().map(|(_, name)| name.as_str()).collect();
         let volts = measured_peaks(&synthesis.patch, &names)?;
         runs += 1;
         let by_node: Vec<_> =
             synthesis.outputs.iter().map(|(id, _)| *id).zip(volts.iter().copied()).collect();
-        let better = improved_scales(&plan, problem, &circuit, &ranges, &options, &scales, &by_node);
+        let better = improved_scales(&plan, problem, &circuit, &ranges, options, &scales, &by_node);
         if better == scales || runs == MAX_RUNS {
             let tables = Tables {
                 plan: &plan,

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::scaled_equation::ScaledEquations;
 use crate::graph::{ConstantValues, Node, NodeId, Operation, Plan};
-use crate::synthesis::{Scales, Synthesis};
+use crate::synthesis::{GOOD_VOLTS, Scales, Synthesis};
 
 /// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,8 +45,18 @@ pub struct OutputPeak {
 
 /// Digits of a scale without the rounding of a conversion of units.
 const EXACT_DIGITS: usize = 15;
-/// Peaks within these voltages use the range of an amplifier.
-const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
+
+impl OutputPeak {
+    /// Whether the output uses the range of its amplifier: it peaks from 50 to 95 V.
+    pub fn is_good(&self) -> bool {
+        is_good(self.volts)
+    }
+}
+
+/// Whether a peak in volts uses the range of an amplifier.
+fn is_good(volts: f64) -> bool {
+    (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts)
+}
 
 /// What the tables are made from.
 pub(super) struct Tables<'a> {
@@ -105,7 +115,7 @@ impl Tables<'_> {
 
     /// The reason why an output is not within 50 to 95 V. `None` if it is, or if no reason is known.
     fn reason(&self, node: &Node, volts: f64) -> Option<&'static str> {
-        if (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts) {
+        if is_good(volts) {
             return None;
         }
         if self.problem.quantities.get(&node.name).is_some_and(|quantity| quantity.per_volt.is_some()) {

@@ -5,8 +5,8 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::split_primes;
 
-use super::stated::primed;
 use crate::derive::{Law, LawKind, Options, System, derive, simplified};
+use crate::notation::primed;
 use crate::symbolic::{Fraction, Symbol, partial_derivative};
 
 /// A quantity that determines a state.

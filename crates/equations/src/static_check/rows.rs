@@ -4,9 +4,9 @@ use patchcord_core::elements::{Family, OutputStage};
 use patchcord_core::ir::{Register, SignalInfo};
 
 use super::solution::{Origin, Solution};
-use super::stated::primed;
 use super::test_point::test_unit;
 use super::wired::Wired;
+use crate::notation::primed;
 
 /// Deviation of a wired voltage from the expected one, as a share of the larger one or of the sum of the inputs, up to
 /// which they agree. Settings are often rounded to three digits.

@@ -6,6 +6,7 @@ use patchcord_expr::{Dimension, Equation, Expression, Node, split_primes};
 
 use crate::compare::{Obstacle, intended::fraction};
 use crate::derive::is_nonnegative;
+use crate::notation::primed;
 use crate::symbolic::{Fraction, Symbol, SymbolEntry, SymbolKind, Symbols, derivative};
 
 /// The stated equations of a circuit.
@@ -120,11 +121,6 @@ impl<'a> Stated<'a> {
     pub(crate) fn varies(&self, symbol: Symbol) -> bool {
         self.symbols.entry(symbol).kind == SymbolKind::Variable
     }
-}
-
-/// A name with primes.
-pub(crate) fn primed(base: &str, order: usize) -> String {
-    base.to_owned() + &"'".repeat(order)
 }
 
 /// A name that an equation gives to a derivative, as `v = x'` does.

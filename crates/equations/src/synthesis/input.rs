@@ -5,7 +5,7 @@ use patchcord_core::document::Diagnostic;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 use patchcord_expr::{Dimension, Unit, split_primes};
 
-use super::Options;
+use super::ScaleOptions;
 use super::centred::centre_angles;
 use super::expressions::Expressions;
 use super::rescaled::{Rescaled, is_forced, rescaled};
@@ -36,7 +36,7 @@ pub(super) struct Input<'a> {
     /// The largest rate of each integral in SI units.
     pub rates: Vec<f64>,
     /// The options.
-    pub options: &'a Options,
+    pub options: &'a ScaleOptions,
     /// The parameters, for the values of coefficients.
     pub expressions: Expressions<'a>,
     /// The names of the quantities of each node. Names without primes come first.
@@ -50,7 +50,7 @@ impl<'a> Input<'a> {
         problem: &'a Problem,
         circuit: &'a Circuit,
         ranges: &Ranges,
-        options: &'a Options,
+        options: &'a ScaleOptions,
     ) -> Self {
         let (mut centred, mut nodes) = (plan.clone(), ranges.nodes.clone());
         centre_angles(&mut centred, &mut nodes);

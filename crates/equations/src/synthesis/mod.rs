@@ -39,7 +39,7 @@ mod unknown;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
-use patchcord_core::machines::MachineModel;
+use patchcord_core::machines::{DEFAULT_MACHINE, MachineModel};
 use patchcord_core::patch::{Patch, Problem};
 use patchcord_expr::Unit;
 
@@ -50,17 +50,33 @@ use design::{Block, Design};
 pub(crate) use document::with_ranges;
 use input::Input;
 pub(crate) use notes::GainStep;
-pub(crate) use scales::{choose_scales, improved_scales};
+pub(crate) use scales::{GOOD_VOLTS, choose_scales, improved_scales};
 
-/// Options of the synthesis.
+/// What a scaled patch should be like.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_equations::ScaleOptions;
+///
+/// let options = ScaleOptions { time_scale: Some(10.0), ..ScaleOptions::default() };
+/// assert_eq!(options.machine.name, "unlimited");
+/// ```
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Options {
+pub struct ScaleOptions {
     /// The machine for which the patch is made.
     pub machine: &'static MachineModel,
-    /// Machine seconds per problem second. `None` if the synthesis chooses it.
+    /// Machine seconds per problem second. `None` if it is chosen.
     pub time_scale: Option<f64>,
-    /// Whether the scale of a quantity with a stated maximum stays, even if its peak is below 50 V or above 95 V.
+    /// Whether a stated maximum is always represented by 100 V. Otherwise its scale changes if the peak is below 50 V or
+    /// above 95 V.
     pub keeps_maxima: bool,
+}
+
+impl Default for ScaleOptions {
+    fn default() -> Self {
+        ScaleOptions { machine: DEFAULT_MACHINE, time_scale: None, keeps_maxima: false }
+    }
 }
 
 /// The scales of a patch.
@@ -97,7 +113,7 @@ pub(crate) fn synthesise(
     circuit: &Circuit,
     ranges: &Ranges,
     scales: &Scales,
-    options: &Options,
+    options: &ScaleOptions,
 ) -> Result<Synthesis, Vec<Diagnostic>> {
     let input = Input::new(plan, problem, circuit, ranges, options);
     let design = Design::new(&input, scales);

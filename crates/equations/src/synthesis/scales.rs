@@ -13,7 +13,7 @@ use super::scale_table::ScaleTable;
 use super::significant::significant_peaks;
 use super::time_scale::time_scale;
 use super::unknown::{fill_unknown, is_chosen};
-use super::{Options, Scales};
+use super::{ScaleOptions, Scales};
 use crate::graph::{FunctionKind, NodeId, Operation, Plan, Sum};
 use crate::peaks::Ranges;
 use crate::symbolic::Fraction;
@@ -21,8 +21,8 @@ use crate::symbolic::Fraction;
 /// Voltages of a peak after a choice. They are within those that need a new choice, because measured peaks differ a
 /// little from computed ones.
 const CHOSEN_VOLTS: [f64; 2] = [51.0, 94.0];
-/// A measured peak outside these voltages needs a new scale.
-const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
+/// A measured peak within these voltages uses the range of its amplifier. Another one needs a new scale.
+pub(crate) const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
 /// The largest voltage of an amplifier. Of a larger peak nothing is known.
 const MOST_VOLTS: f64 = 100.0;
 /// The peak behind an overload is taken to be larger by this factor.
@@ -44,7 +44,7 @@ pub(crate) fn choose_scales(
     problem: &Problem,
     circuit: &Circuit,
     ranges: &Ranges,
-    options: &Options,
+    options: &ScaleOptions,
 ) -> Scales {
     let input = Input::new(plan, problem, circuit, ranges, options);
     let kept: Vec<Option<f64>> = input.plan.ids().map(|id| input.stated_scale(id)).collect();
@@ -60,7 +60,7 @@ pub(crate) fn improved_scales(
     problem: &Problem,
     circuit: &Circuit,
     ranges: &Ranges,
-    options: &Options,
+    options: &ScaleOptions,
     scales: &Scales,
     volts: &[(NodeId, f64)],
 ) -> Scales {

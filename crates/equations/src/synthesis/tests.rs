@@ -17,15 +17,15 @@ use patchcord_core::patch::Problem;
 use patchcord_core::solve::Machine;
 use patchcord_expr::Unit;
 
-use super::{Options, Scales, Synthesis, choose_scales, synthesise};
+use super::{ScaleOptions, Scales, Synthesis, choose_scales, synthesise};
 use crate::graph::{Node, NodeId, Operation, Plan, PlannedQuantity, Sum, Term};
 use crate::peaks::Ranges;
 use crate::symbolic::{Fraction, SymbolEntry, SymbolKind, Symbols};
 use crate::testing::reading::read_with;
 
 /// The machine without limits, and the time scale that the synthesis chooses.
-fn options() -> Options {
-    Options { machine: machines::DEFAULT_MACHINE, time_scale: None, keeps_maxima: true }
+fn options() -> ScaleOptions {
+    ScaleOptions { machine: machines::DEFAULT_MACHINE, time_scale: None, keeps_maxima: true }
 }
 
 /// A problem with a hand-made plan and ranges.
@@ -106,7 +106,7 @@ impl Sketch {
     }
 
     /// The patch with these scales.
-    fn synthesis_with(&self, scales: &Scales, options: &Options) -> Synthesis {
+    fn synthesis_with(&self, scales: &Scales, options: &ScaleOptions) -> Synthesis {
         let made = synthesise(&self.plan, &self.problem, &self.circuit, &self.ranges, scales, options);
         made.unwrap_or_else(|faults| panic!("{faults:?}"))
     }
@@ -117,7 +117,7 @@ impl Sketch {
     }
 
     /// The messages of the faults of the synthesis.
-    fn faults(&self, options: &Options) -> Vec<String> {
+    fn faults(&self, options: &ScaleOptions) -> Vec<String> {
         let scales = choose_scales(&self.plan, &self.problem, &self.circuit, &self.ranges, options);
         let made = synthesise(&self.plan, &self.problem, &self.circuit, &self.ranges, &scales, options);
         made.unwrap_err().into_iter().map(|fault| fault.message).collect()

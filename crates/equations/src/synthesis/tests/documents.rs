@@ -86,7 +86,7 @@ fn the_machine_and_the_time_scale_are_written_if_they_differ_from_the_usual_ones
     let mut scales = sketch.scales();
     scales.time_scale = 10.0;
     let machine = patchcord_core::machines::find("solartron-1451").unwrap();
-    let patch = sketch.synthesis_with(&scales, &super::Options { machine, ..options() }).patch;
+    let patch = sketch.synthesis_with(&scales, &super::ScaleOptions { machine, ..options() }).patch;
     let document = patch.value();
     assert_eq!((&document["machine"], &document["time_scale"]), (&json!("solartron-1451"), &json!(10)));
     assert_eq!(document["elements"]["A1"]["in"], json!({"x1": ["B1"]}));

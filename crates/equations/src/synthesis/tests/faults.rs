@@ -1,6 +1,6 @@
 //! Problems without a circuit: diagnostics, and never a wrong patch.
 
-use super::super::Options;
+use super::super::ScaleOptions;
 use super::{Sketch, options};
 use crate::graph::{FunctionKind, NodeId, Operation};
 
@@ -41,7 +41,8 @@ fn an_integrator_has_a_largest_gain() {
     sketch.integral("y", "1", [1.0, 3e6], "0", &[("1000000", 0)]);
     let sketch = sketch.with_quantities();
     assert!(
-        sketch.faults(&Options { time_scale: Some(1.0), ..options() })[0].starts_with("a has a gain of ")
+        sketch.faults(&ScaleOptions { time_scale: Some(1.0), ..options() })[0]
+            .starts_with("a has a gain of ")
     );
     // The chosen time scale makes the problem slower.
     assert!(sketch.scales().time_scale > 1000.0);

@@ -2,7 +2,7 @@
 
 use patchcord_core::machines;
 
-use super::super::{Options, improved_scales};
+use super::super::{ScaleOptions, improved_scales};
 use super::{Sketch, options};
 use crate::graph::{FunctionKind, NodeId, Operation};
 
@@ -156,7 +156,7 @@ fn the_time_scale_is_1_if_all_coefficients_are_usable() {
     assert_eq!(oscillator(MILLIMETRES, 6.0, [0.08, 0.48]).scales().time_scale, 1.0);
     let machine = machines::DEFAULT_MACHINE;
     let sketch = oscillator(MILLIMETRES, 6.0, [0.08, 0.48]);
-    let fixed = Options { machine, time_scale: Some(4.0), ..options() };
+    let fixed = ScaleOptions { machine, time_scale: Some(4.0), ..options() };
     let chosen = super::choose_scales(&sketch.plan, &sketch.problem, &sketch.circuit, &sketch.ranges, &fixed);
     assert_eq!(chosen.time_scale, 4.0);
 }
