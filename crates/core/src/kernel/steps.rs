@@ -39,7 +39,8 @@ impl Steps {
         if time == f64::INFINITY {
             return self.count;
         }
-        let whole = self.grid.steps_in((time - self.begin).max(0.0)) + 1;
+        // A time that is far away has the largest index, so it has no successor.
+        let whole = self.grid.steps_in((time - self.begin).max(0.0)).saturating_add(1);
         let some = whole.saturating_sub(self.first).min(self.count);
         // The grid tolerates more rounding than the comparison of instants.
         if some > 0 && self.end_of(some - 1) * (1.0 - SAME_INSTANT) > time { some - 1 } else { some }
@@ -49,5 +50,20 @@ impl Steps {
     pub(crate) fn before(&self, time: f64, tolerance: f64) -> u64 {
         let some = self.until(time);
         if some > 0 && self.end_of(some - 1) >= time - tolerance { some - 1 } else { some }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_steps_end_before_a_time_that_is_far_away() {
+        let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 1000 };
+        for time in [1.0, 1e6, 1.9e16, 1e19, f64::MAX, f64::INFINITY] {
+            assert_eq!(steps.until(time), 1000, "{time}");
+            assert_eq!(steps.after(400).until(time), 600, "{time}");
+        }
+        assert_eq!([-1e19, 0.0, 0.5e-3, 1e-3, 0.25].map(|time| steps.until(time)), [0, 0, 0, 1, 250]);
     }
 }

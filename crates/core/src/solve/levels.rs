@@ -72,7 +72,7 @@ impl NoiseSource {
 
     /// The problem time of the next number.
     fn next(&self) -> f64 {
-        self.grid.time(self.index + 1)
+        self.grid.time(self.index.saturating_add(1))
     }
 }
 
@@ -106,11 +106,11 @@ impl LevelSource {
         let is_due = self.next(tables) <= time;
         match self {
             LevelSource::Noise(source) if is_due => {
-                source.index = source.grid.steps_in(time).max(source.index + 1);
+                source.index = source.grid.steps_in(time).max(source.index.saturating_add(1));
             }
             LevelSource::Points { table, passed } if is_due => *passed = points_passed(&tables[*table], time),
             LevelSource::Pulses(source) if is_due => {
-                source.edges = source.train.edges_until(time).max(source.edges + 1);
+                source.edges = source.train.edges_until(time).max(source.edges.saturating_add(1));
             }
             _ => {}
         }

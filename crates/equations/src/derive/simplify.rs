@@ -4,9 +4,14 @@
 //! written where they are used. A state without a signal gets the name of a signal that differs from it by a constant
 //! factor and by drives, or of the derivative of such a signal.
 
+use std::collections::HashSet;
+
 use super::system::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
 use super::wiring::Wiring;
 use crate::symbolic::{Fraction, Symbol, delay, derivative, partial_derivative, step};
+
+/// The largest number of primes of a state. Its rate has one more, which is the largest number in an equation.
+const MOST_PRIMES: u8 = 8;
 
 /// The readable equations of a wiring. `is_known` is whether the patch names a quantity of this name.
 pub(crate) fn simplified(wiring: Wiring, is_known: &dyn Fn(&str) -> bool) -> System {
@@ -170,16 +175,18 @@ impl Simplification<'_> {
         })
     }
 
-    /// Gives a state without a name that of a derivative: x' if the rate of x is a constant factor times the state.
-    /// Returns whether it found one.
+    /// Gives a state without a name that of a derivative: x' if the rate of x is a constant factor times the state. A
+    /// state deep in a long chain of integrators keeps the name of its element. Returns whether it found one.
     fn name_a_derivative(&mut self) -> bool {
-        let unnamed = self.unnamed_states();
+        let unnamed: HashSet<Symbol> = self.unnamed_states().into_iter().collect();
         let found = self.system.laws.iter().find_map(|law| {
             let LawKind::State { rate, .. } = &law.kind else { return None };
-            if unnamed.contains(&law.of) {
+            let primes = self.system.symbols.entry(law.of).primes;
+            if unnamed.contains(&law.of) || primes >= MOST_PRIMES {
                 return None;
             }
-            let state = *unnamed.iter().find(|state| rate.contains(&mut |symbol| symbol == **state))?;
+            // A rate that is proportional to a state contains no other state.
+            let state = found_symbol(rate, |symbol| unnamed.contains(&symbol))?;
             let relation = self.relation(law.of, rate, state)?;
             relation.rest.is_zero().then_some(relation)
         });
@@ -205,6 +212,16 @@ impl Simplification<'_> {
             transition.reset.iter_mut().for_each(|(_, to)| replaced(to));
         }
     }
+}
+
+/// A symbol in an expression for which a condition holds.
+fn found_symbol(value: &Fraction, is_wanted: impl Fn(Symbol) -> bool) -> Option<Symbol> {
+    let mut found = None;
+    value.contains(&mut |symbol| {
+        found = is_wanted(symbol).then_some(symbol);
+        found.is_some()
+    });
+    found
 }
 
 /// A signal as a function of a state: signal = factor x state + rest.

@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use patchcord_core::document::Span;
+use patchcord_core::document::{MAX_NAME_CHARACTERS, Span};
 use patchcord_core::patch::{check_output_name, check_quantity_name};
 use patchcord_expr::split_primes;
 
@@ -14,6 +14,9 @@ use super::input::Input;
 use super::short_names::short_name;
 use super::unknown::is_chosen;
 use crate::graph::{FunctionKind, NodeId, Operation};
+
+/// Letters at the end of a long name that are kept: they contain the order of a derivative.
+const LAST_PART: usize = 10;
 
 /// Derivatives up to this order have a name with one d for each dot.
 const MOST_DOTS: usize = 3;
@@ -105,13 +108,22 @@ pub(super) fn derivative_name(name: &str, order: usize) -> String {
     }
 }
 
-/// A name, or the name with the first number with which it is not taken. It is taken from now on.
+/// A name, or the name with the first number with which it is not taken. It is taken from now on. The middle of a name
+/// that is too long is left out.
 fn unique(name: &str, taken: &mut BTreeSet<String>) -> String {
-    let numbered = (2..).map(|number| format!("{name}_{number}"));
-    let found = std::iter::once(name.to_owned()).chain(numbered).find(|name| is_free(name, taken));
+    let numbered = (2..).map(|number| shortened(name, &format!("_{number}")));
+    let found = std::iter::once(shortened(name, "")).chain(numbered).find(|name| is_free(name, taken));
     let found = found.unwrap_or_else(|| name.to_owned());
     taken.insert(found.clone());
     found
+}
+
+/// A name with an ending that is at most as long as a patch permits. Names that formulas use are ASCII.
+fn shortened(name: &str, ending: &str) -> String {
+    let excess = (name.len() + ending.len()).saturating_sub(MAX_NAME_CHARACTERS);
+    let last_part = name.len() - name.len().min(LAST_PART);
+    let before = last_part.saturating_sub(excess);
+    format!("{}{}{ending}", &name[..before], &name[last_part..])
 }
 
 /// Whether a name is valid for scales, signals and elements, and not taken.
@@ -164,5 +176,30 @@ impl ElementNames {
                 return self.renamed.get(&name).cloned().unwrap_or(name);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_are_too_long_are_shortened() {
+        let longest = "x".repeat(MAX_NAME_CHARACTERS);
+        let mut taken = BTreeSet::from([longest.clone()]);
+        let names = [1, 1, 2, 4].map(|order| unique(&derivative_name(&longest, order), &mut taken));
+        let endings = ["xxxxxx_dot", "xxx_dot_2", "xxxxx_ddot", "xxxxxxx_d4"];
+        for (name, ending) in names.iter().zip(endings) {
+            assert!(name.len() == MAX_NAME_CHARACTERS && name.ends_with(ending), "{name}");
+        }
+        assert_eq!(taken.len(), 5);
+        assert!(unique(&longest, &mut taken).ends_with("xx_2"));
+    }
+
+    #[test]
+    fn a_taken_name_gets_the_first_number() {
+        let mut taken = BTreeSet::from(["x_dot".to_owned(), "x_dot_2".to_owned()]);
+        assert_eq!(unique("x_dot", &mut taken), "x_dot_3");
+        assert_eq!(unique("x_ddot", &mut taken), "x_ddot");
     }
 }
