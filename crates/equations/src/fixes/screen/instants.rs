@@ -1,6 +1,7 @@
 //! The points of a screen, and the instants near them.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
 
 use patchcord_core::ir::ProgramPoint;
 
@@ -117,6 +118,10 @@ pub(super) struct Instant<'s> {
     states: Vec<f64>,
     /// All voltages and rates.
     pub voltages: Voltages,
+    /// The number of differences in time between the point and this instant.
+    pub differences: usize,
+    /// The values of the auxiliary quantities that were computed so far.
+    auxiliaries: RefCell<HashMap<&'s str, f64>>,
     /// The instants a short time after and before this one, computed when they are first needed.
     neighbours: OnceCell<Option<Box<[Instant<'s>; 2]>>>,
 }
@@ -124,16 +129,40 @@ pub(super) struct Instant<'s> {
 impl<'s> Instant<'s> {
     /// The instant of a point. `None` if a loop without an integrator cannot be solved.
     pub(super) fn new(centre: &'s Centre, setup: Setup<'_>) -> Option<Self> {
-        Self::moved(centre, setup, 0.0, centre.point.states.clone())
+        Self::moved(centre, setup, (0.0, 0), centre.point.states.clone())
     }
 
-    /// The instant some time after a point, with these states.
-    fn moved(centre: &'s Centre, setup: Setup<'_>, offset: f64, states: Vec<f64>) -> Option<Self> {
+    /// The instant some time after a point, at the end of this number of differences, with these states.
+    fn moved(
+        centre: &'s Centre,
+        setup: Setup<'_>,
+        (offset, differences): (f64, usize),
+        states: Vec<f64>,
+    ) -> Option<Self> {
         let (point, drives) = centre.moved(offset, states.clone());
         let drives = setup.has_free_drives.then_some(drives.as_slice());
         let wiring = (setup.rewiring, setup.order);
         let voltages = setup.netlist.voltages(setup.conditions, wiring, &point, drives)?;
-        Some(Instant { centre, offset, time: point.time, states, voltages, neighbours: OnceCell::new() })
+        Some(Instant {
+            centre,
+            offset,
+            time: point.time,
+            states,
+            voltages,
+            differences,
+            auxiliaries: RefCell::default(),
+            neighbours: OnceCell::new(),
+        })
+    }
+
+    /// The value of an auxiliary quantity. It is computed once, because many others may contain it.
+    pub(super) fn auxiliary(&self, name: &'s str, compute: impl FnOnce() -> f64) -> f64 {
+        let known = self.auxiliaries.borrow().get(name).copied();
+        known.unwrap_or_else(|| {
+            let value = compute();
+            self.auxiliaries.borrow_mut().insert(name, value);
+            value
+        })
     }
 
     /// The largest rate of a state, at least the size of the point per second.
@@ -148,7 +177,7 @@ impl<'s> Instant<'s> {
             let neighbour = |length: f64| {
                 let pairs = self.states.iter().zip(&self.voltages.rates);
                 let states = pairs.map(|(state, rate)| state + length * rate).collect();
-                Self::moved(self.centre, setup, self.offset + length, states)
+                Self::moved(self.centre, setup, (self.offset + length, self.differences + 1), states)
             };
             Some(Box::new([neighbour(length)?, neighbour(-length)?]))
         });

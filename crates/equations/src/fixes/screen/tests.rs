@@ -84,3 +84,34 @@ fn equations_may_hold_within_the_range_of_a_squaring_network_only() {
     let circuit = circuit(square, &["x' = -x^2 / 10", "-x' = max(x, 0)^2 / 10", "x' + x^2 = 0"]);
     assert_eq!(passes(&circuit, &Rewiring::default(), Validity::Present), [true, true, false]);
 }
+
+#[test]
+fn auxiliary_quantities_are_computed_once_at_each_instant() {
+    let decay = r#"
+      "scales": {"one": {"per_volt": 1, "unit": "1"}},
+      "elements": {"A": {"kind": "integrator", "in": {"x1": ["A"]}, "initial": 50}},
+      "signals": {"x": {"at": "A", "scale": "one"}}"#;
+    // Each quantity reads the one before it twice: a40 is 2^40 x. The last one is also differentiated twice.
+    let doubled = (1..=40).map(|index| format!("a{index} = a{} + a{}", index - 1, index - 1));
+    let mut equations: Vec<String> = std::iter::once("a0 = x".to_owned()).chain(doubled).collect();
+    let factor = 2_u64.pow(40);
+    equations.extend([format!("{factor} x' = -a40"), format!("{factor} x' = a40"), "a40'' = a40".to_owned()]);
+    let equations: Vec<&str> = equations.iter().map(String::as_str).collect();
+    let passed = passes(&circuit(decay, &equations), &Rewiring::default(), Validity::Present);
+    assert_eq!(passed[41..], [true, false, true]);
+}
+
+#[test]
+fn a_derivative_of_a_second_difference_is_not_computed() {
+    let decay = r#"
+      "scales": {"one": {"per_volt": 1, "unit": "1"}},
+      "elements": {"A": {"kind": "integrator", "in": {"x1": ["A"]}, "initial": 50},
+                   "B": {"kind": "inverter", "in": "A"}},
+      "signals": {"x": {"at": "A", "scale": "one"}, "y": {"at": "B", "scale": "one"}}"#;
+    // A sign is wrong: y' = -y, y'' = y and y''' = -y. The third derivative has no digits.
+    let chain = ["a = y'", "b = a'", "c = b'", "a = y", "b = -y", "c = y"];
+    let circuit = circuit(decay, &["a = y'", "b = a'", "c = b'", "x' = a", "x' = b", "x' = c"]);
+    let _ = chain;
+    let passed = passes(&circuit, &Rewiring::default(), Validity::Present);
+    assert_eq!(passed[3..], [false, true, true]);
+}

@@ -12,7 +12,7 @@ use crate::fixes::netlist::{Order, Rewiring};
 /// Deviation of the two sides of an equation, as a share of the size of their terms, up to which they are equal.
 /// Settings are often rounded to three digits.
 const TOLERANCE: f64 = 1.5e-3;
-/// Derivatives of a higher order have no digits as differences.
+/// Derivatives of a higher order have no digits as differences. Those inside of auxiliary quantities count, too.
 const MAX_ORDER: usize = 2;
 /// Size of initial values in volts up to which they count as 0.
 const ZERO: f64 = 1e-7;
@@ -160,8 +160,9 @@ impl<'s, 'a> Trial<'s, 'a> {
             return self.derivative(name, order, at);
         }
         let screen = self.screen;
-        if let Some(equation) = screen.auxiliaries.get(name) {
-            return measured(equation.right(), &|name: &str| self.named(name, at)).value;
+        if let Some((name, equation)) = screen.auxiliaries.get_key_value(name) {
+            let compute = || measured(equation.right(), &|name: &str| self.named(name, at)).value;
+            return at.instant.auxiliary(name, compute);
         }
         if let Some(output) = screen.signals.get(name) {
             return self.per_volt(output, at.case) * at.instant.voltages.outputs[output.element];
@@ -182,7 +183,7 @@ impl<'s, 'a> Trial<'s, 'a> {
         {
             return self.per_volt(output, at.case) * at.instant.voltages.rates[state];
         }
-        if order > MAX_ORDER || at.is_start {
+        if at.instant.differences + order > MAX_ORDER || at.is_start {
             return f64::NAN;
         }
         let case = &screen.cases[at.case];
