@@ -1,12 +1,10 @@
 //! Functions of expressions, with the rules that give equal characteristics equal normal forms.
 
-use std::sync::Arc;
-
 use num_traits::{One as _, Signed as _};
 use patchcord_expr::Function;
 
 use super::fraction::{Fraction, leads_negative};
-use super::monomial::{Application, Atom, CallOrder, Monomial, Operation};
+use super::monomial::{Atom, CallOrder, Monomial, Operation};
 use super::number::{Rational, exact, nearest, square_root};
 use super::polynomial::Polynomial;
 
@@ -20,6 +18,7 @@ pub(crate) fn apply(operation: Operation, arguments: Vec<Fraction>) -> Fraction 
         (Operation::Maximum, [first, second]) => first.maximum(second),
         (Operation::Limit, [value, low, high]) => value.maximum(low).minimum(high),
         (Operation::Sign, [argument]) => sign(argument),
+        (Operation::Group, [argument]) => argument.clone(),
         (Operation::Call(CallOrder(function)), [argument]) => call(function, argument, argument),
         (Operation::Call(CallOrder(function)), [first, second]) => call(function, first, second),
         _ => opaque(operation, arguments),
@@ -28,7 +27,7 @@ pub(crate) fn apply(operation: Operation, arguments: Vec<Fraction>) -> Fraction 
 
 /// A function without a rule.
 pub(crate) fn opaque(operation: Operation, arguments: Vec<Fraction>) -> Fraction {
-    Fraction::atom(Atom::Apply(Arc::new(Application { operation, arguments })))
+    Fraction::atom(Atom::function(operation, arguments))
 }
 
 /// The absolute value. Factors of known sign are taken out, and |-x| is |x|.

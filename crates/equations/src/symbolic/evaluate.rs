@@ -1,8 +1,12 @@
 //! The value of an expression.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::application::Application;
 use super::fraction::Fraction;
-use super::monomial::{Application, Atom, CallOrder, Operation};
-use super::number::nearest;
+use super::monomial::{Atom, CallOrder, Monomial, Operation};
+use super::number::{Rational, nearest};
 use super::polynomial::Polynomial;
 use super::symbol::Symbol;
 
@@ -20,18 +24,14 @@ pub(crate) trait Values {
 
 /// The value of an expression.
 pub(crate) fn value(fraction: &Fraction, values: &dyn Values) -> f64 {
-    let top = sum(fraction.numerator(), values);
-    fraction.divisors().fold(top, |top, (divisor, power)| top / sum(divisor, values).powi(power as i32))
+    Evaluation::new(values).fraction(fraction)
 }
 
 /// The sum of the sizes of the terms of an expression.
 pub(crate) fn term_size(fraction: &Fraction, values: &dyn Values) -> f64 {
-    let mut sum = 0.0;
-    fraction.split(&mut |term| {
-        sum += value(term, values).abs();
-        true
-    });
-    sum
+    let mut evaluation = Evaluation::new(values);
+    let top: f64 = fraction.numerator().terms().map(|term| evaluation.term(term).abs()).sum();
+    evaluation.over_divisors(top, fraction).abs()
 }
 
 /// Sum of the terms of an expression, as a share of their sizes, up to which it is 0.
@@ -39,51 +39,87 @@ pub(super) const ZERO_SHARE: f64 = 1e-12;
 
 /// Whether the value of an expression jumps exactly at a point: the argument of a step is 0 there.
 pub(crate) fn is_at_switch(expression: &Fraction, values: &dyn Values) -> bool {
-    let mut is_found = false;
-    expression.with_factors(&mut |atom| {
-        if let Atom::Apply(applied) = atom
-            && applied.operation == Operation::Step
-        {
-            let argument = &applied.arguments[0];
-            is_found |= value(argument, values).abs() <= ZERO_SHARE * term_size(argument, values);
-        }
-        None
-    });
-    is_found
+    expression.has_step()
+        && expression.has_factor(&mut |atom| {
+            let step = atom.as_function().filter(|applied| applied.operation == Operation::Step);
+            step.is_some_and(|applied| {
+                let argument = &applied.arguments[0];
+                value(argument, values).abs() <= ZERO_SHARE * term_size(argument, values)
+            })
+        })
 }
 
-/// The value of a sum.
-fn sum(polynomial: &Polynomial, values: &dyn Values) -> f64 {
-    let term = |(product, number): (&super::Monomial, &super::Rational)| {
-        let factors = product.factors().iter().map(|(atom, exponent)| factor(atom, values).powi(*exponent));
-        factors.fold(nearest(number), |product, factor| product * factor)
-    };
-    polynomial.terms().map(term).sum()
+/// An evaluation at a point, with the values of functions that were found so far.
+struct Evaluation<'v> {
+    values: &'v dyn Values,
+    /// The values of functions.
+    known: HashMap<*const Application, f64>,
 }
 
-/// The value of a factor.
-fn factor(atom: &Atom, values: &dyn Values) -> f64 {
-    match atom {
-        Atom::Symbol(symbol) => values.symbol(*symbol),
-        Atom::Apply(applied) => applied_value(applied, values),
+impl<'v> Evaluation<'v> {
+    /// An evaluation with these values.
+    fn new(values: &'v dyn Values) -> Self {
+        Evaluation { values, known: HashMap::new() }
     }
-}
 
-/// The value of a function.
-fn applied_value(applied: &Application, values: &dyn Values) -> f64 {
-    let argument =
-        |index: usize| applied.arguments.get(index).map_or(0.0, |argument| value(argument, values));
-    match applied.operation {
-        Operation::Absolute => argument(0).abs(),
-        Operation::Step => f64::from(u8::from(argument(0) >= 0.0)),
-        Operation::Call(CallOrder(function)) => function.apply(argument(0), argument(1)),
-        Operation::Table(table) => values.table(table, argument(0)),
-        Operation::TableSlope(table) => values.slope(table, argument(0)),
-        Operation::Minimum => argument(0).min(argument(1)),
-        Operation::Maximum => argument(0).max(argument(1)),
-        Operation::Limit => argument(0).max(argument(1)).min(argument(2)),
-        Operation::Sign => f64::from(i8::from(argument(0) > 0.0) - i8::from(argument(0) < 0.0)),
-        Operation::Delay => values.delayed(&applied.arguments[0], argument(1)),
+    /// The value of an expression.
+    fn fraction(&mut self, fraction: &Fraction) -> f64 {
+        let top = self.sum(fraction.numerator());
+        self.over_divisors(top, fraction)
+    }
+
+    /// A number over the divisors of an expression.
+    fn over_divisors(&mut self, top: f64, fraction: &Fraction) -> f64 {
+        fraction.divisors().fold(top, |top, (divisor, power)| top / self.sum(divisor).powi(power as i32))
+    }
+
+    /// The value of a sum.
+    fn sum(&mut self, polynomial: &Polynomial) -> f64 {
+        polynomial.terms().map(|term| self.term(term)).sum()
+    }
+
+    /// The value of a term.
+    fn term(&mut self, (product, number): (&Monomial, &Rational)) -> f64 {
+        let factors = product.factors().iter().map(|(atom, exponent)| self.factor(atom).powi(*exponent));
+        factors.fold(nearest(number), |product, factor| product * factor)
+    }
+
+    /// The value of a factor.
+    fn factor(&mut self, atom: &Atom) -> f64 {
+        let applied = match atom {
+            Atom::Symbol(symbol) => return self.values.symbol(*symbol),
+            Atom::Apply(applied) => applied,
+        };
+        let key = Arc::as_ptr(applied);
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let value = self.function(applied);
+        self.known.insert(key, value);
+        value
+    }
+
+    /// The value of a function.
+    fn function(&mut self, applied: &Application) -> f64 {
+        let values = self.values;
+        let mut argument =
+            |index: usize| applied.arguments.get(index).map_or(0.0, |argument| self.fraction(argument));
+        match applied.operation {
+            Operation::Absolute => argument(0).abs(),
+            Operation::Step => f64::from(u8::from(argument(0) >= 0.0)),
+            Operation::Call(CallOrder(function)) => function.apply(argument(0), argument(1)),
+            Operation::Table(table) => values.table(table, argument(0)),
+            Operation::TableSlope(table) => values.slope(table, argument(0)),
+            Operation::Minimum => argument(0).min(argument(1)),
+            Operation::Maximum => argument(0).max(argument(1)),
+            Operation::Limit => argument(0).max(argument(1)).min(argument(2)),
+            Operation::Sign => {
+                let value = argument(0);
+                f64::from(i8::from(value > 0.0) - i8::from(value < 0.0))
+            }
+            Operation::Group => argument(0),
+            Operation::Delay => values.delayed(&applied.arguments[0], argument(1)),
+        }
     }
 }
 

@@ -1,14 +1,17 @@
 //! The normal form of an expression: a sum of products over a product of sums.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
 
 use num_traits::{One as _, Signed as _, ToPrimitive as _};
 use patchcord_expr::Function;
 
-use super::apply::{absolute, apply, opaque, powers_reduced, step};
+use super::application::Application;
+use super::apply::{absolute, opaque, powers_reduced, step};
 use super::monomial::{Atom, CallOrder, Monomial, Operation};
 use super::number::{Rational, exact, whole};
 use super::polynomial::Polynomial;
+use super::replacement::Replacement;
 use super::symbol::Symbol;
 
 /// An expression in normal form.
@@ -83,7 +86,7 @@ impl Fraction {
 
     /// Whether it is constant in a run.
     pub(crate) fn is_constant(&self) -> bool {
-        !self.contains(&mut |symbol| !symbol.is_constant)
+        self.atoms().all(Atom::is_constant)
     }
 
     /// Whether it cannot be negative.
@@ -204,23 +207,63 @@ impl Fraction {
         })
     }
 
-    /// The expression with some factors replaced, also inside functions. A factor stays if `replace` gives `None`.
+    /// The expression with some factors replaced, also inside functions. A factor stays if `replace` gives `None`. It is
+    /// asked once for each function, and has one result for equal factors.
     pub(crate) fn with_factors(&self, replace: &mut dyn FnMut(&Atom) -> Option<Fraction>) -> Fraction {
-        let top = with_factors(&self.numerator, replace);
-        self.divisors.iter().fold(top, |top, (divisor, power)| {
-            let divisor = with_factors(divisor, replace);
-            top.times(&divisor.power(-(*power as i32)))
-        })
+        Replacement::new(replace).rewritten(self)
     }
 
     /// Whether a symbol with this property occurs anywhere in it.
     pub(crate) fn contains(&self, is_wanted: &mut dyn FnMut(Symbol) -> bool) -> bool {
-        let polynomials = [&self.numerator].into_iter().chain(self.divisors.keys());
-        let mut atoms = polynomials.flat_map(Polynomial::atoms);
-        atoms.any(|atom| match atom {
-            Atom::Symbol(symbol) => is_wanted(*symbol),
-            Atom::Apply(applied) => applied.arguments.iter().any(|argument| argument.contains(is_wanted)),
+        self.has_factor(&mut |atom| matches!(atom, Atom::Symbol(symbol) if is_wanted(*symbol)))
+    }
+
+    /// Whether a factor with this property occurs anywhere in it. Each function is visited once, before its arguments.
+    pub(super) fn has_factor(&self, is_wanted: &mut dyn FnMut(&Atom) -> bool) -> bool {
+        self.has_new_factor(is_wanted, &mut HashSet::new())
+    }
+
+    /// The same, without the functions that were visited before.
+    fn has_new_factor(
+        &self,
+        is_wanted: &mut dyn FnMut(&Atom) -> bool,
+        visited: &mut HashSet<*const Application>,
+    ) -> bool {
+        self.atoms().any(|atom| match atom {
+            Atom::Symbol(_) => is_wanted(atom),
+            Atom::Apply(applied) => {
+                let is_new = visited.insert(Arc::as_ptr(applied));
+                let mut arguments = applied.arguments.iter();
+                is_new
+                    && (is_wanted(atom)
+                        || arguments.any(|argument| argument.has_new_factor(is_wanted, visited)))
+            }
         })
+    }
+
+    /// The factors of the numerator and the divisors, without those inside functions.
+    fn atoms(&self) -> impl Iterator<Item = &Atom> {
+        [&self.numerator].into_iter().chain(self.divisors.keys()).flat_map(Polynomial::atoms)
+    }
+
+    /// The functions of the numerator and the divisors, without those inside functions.
+    fn functions(&self) -> impl Iterator<Item = &Application> {
+        self.atoms().filter_map(Atom::as_function)
+    }
+
+    /// The largest number of functions inside each other.
+    pub(crate) fn depth(&self) -> usize {
+        self.functions().map(|function| function.properties.depth).max().unwrap_or_default()
+    }
+
+    /// The largest number of absolute values inside each other.
+    pub(crate) fn absolute_depth(&self) -> usize {
+        self.functions().map(|function| function.properties.absolute_depth).max().unwrap_or_default()
+    }
+
+    /// Whether a step occurs anywhere in it.
+    pub(crate) fn has_step(&self) -> bool {
+        self.functions().any(|function| function.properties.has_step)
     }
 
     /// The expression as a sum of two: the terms for which a condition holds, and the others.
@@ -238,10 +281,8 @@ impl Fraction {
     /// Number of terms, also inside functions, counted up to a limit.
     pub(crate) fn nested_size(&self, limit: usize) -> usize {
         let mut size = self.size();
-        let polynomials = [&self.numerator].into_iter().chain(self.divisors.keys());
-        for atom in polynomials.flat_map(Polynomial::atoms) {
-            let Atom::Apply(applied) = atom else { continue };
-            for argument in &applied.arguments {
+        for function in self.functions() {
+            for argument in &function.arguments {
                 if size >= limit {
                     return size;
                 }
@@ -308,26 +349,6 @@ impl From<Polynomial> for Fraction {
     fn from(numerator: Polynomial) -> Self {
         Fraction { numerator, divisors: BTreeMap::new() }
     }
-}
-
-/// A sum with some factors replaced.
-fn with_factors(polynomial: &Polynomial, replace: &mut dyn FnMut(&Atom) -> Option<Fraction>) -> Fraction {
-    let mut sum = Fraction::zero();
-    for (product, number) in polynomial.terms() {
-        let mut term = Fraction::rational(number.clone());
-        for (atom, exponent) in product.factors() {
-            let factor = replace(atom).unwrap_or_else(|| match atom {
-                Atom::Symbol(symbol) => Fraction::symbol(*symbol),
-                Atom::Apply(applied) => {
-                    let arguments = applied.arguments.iter().map(|argument| argument.with_factors(replace));
-                    apply(applied.operation, arguments.collect())
-                }
-            });
-            term = term.times(&factor.power(*exponent));
-        }
-        sum = sum.plus(&term);
-    }
-    sum
 }
 
 /// Whether the number in front of the greatest product is negative.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use patchcord_expr::Function;
 
+use super::application::Application;
 use super::fraction::Fraction;
 use super::polynomial::Polynomial;
 use super::symbol::Symbol;
@@ -16,15 +17,6 @@ pub(crate) enum Atom {
     Symbol(Symbol),
     /// A function with its arguments.
     Apply(Arc<Application>),
-}
-
-/// A function with its arguments.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct Application {
-    /// The function.
-    pub operation: Operation,
-    /// Its arguments, each in normal form.
-    pub arguments: Vec<Fraction>,
 }
 
 /// A function that is not written as sums, products and quotients.
@@ -53,6 +45,8 @@ pub(crate) enum Operation {
     Limit,
     /// 1 if the argument is above 0, -1 if it is below 0, otherwise 0, in the written form only.
     Sign,
+    /// The argument itself: a long sum that is not multiplied out.
+    Group,
 }
 
 /// A mathematical function with an order, which sorts products.
@@ -72,11 +66,24 @@ impl PartialOrd for CallOrder {
 }
 
 impl Atom {
+    /// A function of expressions as a factor.
+    pub(crate) fn function(operation: Operation, arguments: Vec<Fraction>) -> Self {
+        Atom::Apply(Application::shared(operation, arguments))
+    }
+
     /// Whether the factor is constant in a run.
     pub(crate) fn is_constant(&self) -> bool {
         match self {
             Atom::Symbol(symbol) => symbol.is_constant,
-            Atom::Apply(applied) => applied.arguments.iter().all(Fraction::is_constant),
+            Atom::Apply(applied) => applied.properties.is_constant,
+        }
+    }
+
+    /// The function with its arguments, if the factor is one.
+    pub(super) fn as_function(&self) -> Option<&Application> {
+        match self {
+            Atom::Symbol(_) => None,
+            Atom::Apply(applied) => Some(applied),
         }
     }
 
@@ -86,6 +93,7 @@ impl Atom {
             Atom::Symbol(symbol) => symbol.is_nonnegative,
             Atom::Apply(applied) => match applied.operation {
                 Operation::Absolute | Operation::Step => true,
+                Operation::Group => applied.arguments.iter().all(Fraction::is_nonnegative),
                 Operation::Call(CallOrder(function)) => {
                     matches!(function, Function::Sqrt | Function::Exp | Function::Exp10)
                 }
@@ -100,7 +108,7 @@ impl Atom {
             Atom::Symbol(symbol) => symbol.is_positive,
             Atom::Apply(applied) => match applied.operation {
                 Operation::Call(CallOrder(Function::Exp | Function::Exp10)) => true,
-                Operation::Call(CallOrder(Function::Sqrt)) => {
+                Operation::Call(CallOrder(Function::Sqrt)) | Operation::Group => {
                     applied.arguments.iter().all(Fraction::is_positive)
                 }
                 _ => false,

@@ -1,14 +1,16 @@
 //! Sums of products.
 
 use std::collections::BTreeMap;
+use std::hash::{Hash, Hasher};
 
 use num_traits::{One as _, Signed as _, Zero as _};
 
-use super::monomial::{Atom, Monomial};
+use super::fraction::Fraction;
+use super::monomial::{Atom, Monomial, Operation};
 use super::number::Rational;
 
 /// A sum of products with numbers in front of them. No number is 0.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) struct Polynomial {
     /// The numbers, by product.
     terms: BTreeMap<Monomial, Rational>,
@@ -109,8 +111,13 @@ impl Polynomial {
         Polynomial { terms: terms.filter(|(_, number)| !number.is_zero()).collect() }
     }
 
-    /// The product of two sums, multiplied out.
+    /// The product of two sums, multiplied out. If that would take more than [`MOST_PRODUCTS`] products, each sum becomes
+    /// one factor.
     pub(crate) fn times(&self, other: &Polynomial) -> Polynomial {
+        let lengths = [self.terms.len(), other.terms.len()];
+        if lengths.iter().all(|length| *length > 1) && lengths[0] * lengths[1] > MOST_PRODUCTS {
+            return self.grouped().times(&other.grouped());
+        }
         let mut result = Polynomial::default();
         for (product, number) in &self.terms {
             for (other, coefficient) in &other.terms {
@@ -118,6 +125,13 @@ impl Polynomial {
             }
         }
         result
+    }
+
+    /// The sum as one term: its numbers and factors in common times a group. It must not be empty.
+    fn grouped(&self) -> Polynomial {
+        let (number, content, rest) = self.clone().into_primitive();
+        let group = Atom::function(Operation::Group, vec![Fraction::from(rest)]);
+        Polynomial::term(number, content.times(&Monomial::power_of(group, 1)))
     }
 
     /// The sum with every number negated.
@@ -167,7 +181,9 @@ impl Polynomial {
             if !is_possible(&product) {
                 return None;
             }
-            rest = rest.plus(&divisor.times_term(&product, &-factor.clone()));
+            for (own, number) in &divisor.terms {
+                rest.add_term(own.times(&product), &-(number * &factor));
+            }
             quotient.add_term(product, &factor);
         }
         None
@@ -204,6 +220,21 @@ impl Polynomial {
         self.terms.keys().flat_map(|product| product.factors().iter().map(|(atom, _)| atom))
     }
 }
+
+/// Adds the terms to a hash. Equal numbers have equal numerators and denominators.
+impl Hash for Polynomial {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.terms.len().hash(state);
+        for (product, number) in &self.terms {
+            product.hash(state);
+            number.numer().hash(state);
+            number.denom().hash(state);
+        }
+    }
+}
+
+/// Products of two terms at most when sums are multiplied out. Longer expressions would take seconds.
+pub(crate) const MOST_PRODUCTS: usize = 1000;
 
 /// Terms of a quotient at most. A division with more is given up: the quotient would be no simplification.
 const MOST_TERMS: usize = 400;

@@ -264,6 +264,8 @@ fn atom_text(atom: &Atom, expressions: &Expressions<'_>) -> Option<String> {
         Operation::Absolute => "abs",
         Operation::Minimum => "min",
         Operation::Maximum => "max",
+        // The argument in parentheses.
+        Operation::Group => "",
         Operation::Call(CallOrder(function)) => function.name(),
         Operation::Step
         | Operation::Table(_)

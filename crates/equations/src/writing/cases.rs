@@ -190,6 +190,9 @@ fn reversed(relation: Relation) -> Relation {
 
 /// The argument of a step in an expression that contains no other step.
 fn first_condition(value: &Fraction) -> Option<Fraction> {
+    if !value.has_step() {
+        return None;
+    }
     let divisors = value.divisors().map(|(divisor, _)| divisor);
     let mut atoms = [value.numerator()].into_iter().chain(divisors).flat_map(Polynomial::atoms);
     atoms.find_map(|atom| match atom {

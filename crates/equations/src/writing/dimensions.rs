@@ -49,7 +49,8 @@ impl Writer<'_> {
             | Operation::Delay
             | Operation::Minimum
             | Operation::Maximum
-            | Operation::Limit => first(),
+            | Operation::Limit
+            | Operation::Group => first(),
             Operation::Call(CallOrder(Function::Sqrt)) => first().power(0.5),
             Operation::Call(CallOrder(Function::Power)) => {
                 let exponent = applied.arguments[1].as_rational();
@@ -82,9 +83,11 @@ impl Writer<'_> {
             | Operation::Maximum
             | Operation::Limit => applied.arguments.iter().find_map(|argument| self.dimension(argument)),
             Operation::Call(_) => Some(Dimension::NONE),
-            Operation::Absolute | Operation::Step | Operation::Sign | Operation::Delay => {
-                self.dimension(&applied.arguments[0])
-            }
+            Operation::Absolute
+            | Operation::Step
+            | Operation::Sign
+            | Operation::Group
+            | Operation::Delay => self.dimension(&applied.arguments[0]),
         }
     }
 }

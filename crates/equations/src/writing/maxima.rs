@@ -6,17 +6,19 @@
 
 mod limits;
 
-use std::sync::Arc;
-
 use num_traits::{One as _, Signed as _, Zero as _};
 
 use crate::symbolic::{
-    Application, Atom, Fraction, Monomial, Operation, Polynomial, Rational, whole, with_reduced_powers,
+    Atom, Fraction, Monomial, Operation, Polynomial, Rational, whole, with_reduced_powers,
 };
 use limits::{limited, unnested};
 
-/// A sum with its absolute values as limits, minima and maxima where that is shorter.
+/// A sum with its absolute values as limits, minima and maxima where that is shorter. A long sum keeps them, because the
+/// search for the shortest form would take long.
 pub(super) fn with_maxima(sum: &Polynomial) -> Polynomial {
+    if sum.terms().len() > LONGEST_SUM {
+        return sum.clone();
+    }
     let (mut rest, mut written) = (sum.clone(), Polynomial::default());
     loop {
         let items = outermost(&rest);
@@ -41,6 +43,9 @@ pub(super) fn with_maxima(sum: &Polynomial) -> Polynomial {
         }
     }
 }
+
+/// Terms of a sum with minima and maxima at most.
+const LONGEST_SUM: usize = 200;
 
 /// Most absolute values that are compared together: the number of choices is 3 to this power.
 const MOST_TOGETHER: usize = 6;
@@ -91,7 +96,7 @@ impl Item {
             (Operation::Maximum, [first, second], number)
         };
         let arguments = arguments.into_iter().map(Fraction::from).collect();
-        let atom = Atom::Apply(Arc::new(Application { operation, arguments }));
+        let atom = Atom::function(operation, arguments);
         (outer.times(&Monomial::power_of(atom, 1)), number)
     }
 
@@ -158,7 +163,7 @@ fn absolute_values(product: &Monomial, number: &Rational) -> Vec<(usize, Item)> 
             let factor = product.over(&Monomial::power_of(atom.clone(), 1));
             let (number, atom) = (number.clone(), atom.clone());
             let item = Item { number, factor, atom, inside: inside.numerator().clone() };
-            (inside.divisors().len() == 0).then(|| (depth(inside), item))
+            (inside.divisors().len() == 0).then(|| (inside.absolute_depth(), item))
         }
         _ => None,
     });
@@ -175,20 +180,6 @@ fn last_of_each_term(items: Vec<Item>) -> Vec<Item> {
         last.push(item);
     }
     last
-}
-
-/// Number of absolute values around the innermost one.
-fn depth(fraction: &Fraction) -> usize {
-    let divisors = fraction.divisors().map(|(divisor, _)| divisor);
-    let atoms = [fraction.numerator()].into_iter().chain(divisors).flat_map(Polynomial::atoms);
-    let inner = |atom: &Atom| match atom {
-        Atom::Symbol(_) => 0,
-        Atom::Apply(applied) => {
-            let own = usize::from(applied.operation == Operation::Absolute);
-            own + applied.arguments.iter().map(depth).max().unwrap_or_default()
-        }
-    };
-    atoms.map(inner).max().unwrap_or_default()
 }
 
 /// For each item, how it is written: 1 as max(x, 0), -1 as max(-x, 0), 0 as |x|. The choice leaves the fewest terms.

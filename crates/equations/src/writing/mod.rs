@@ -128,6 +128,9 @@ impl<'a> Writer<'a> {
             self.expression(argument, self.argument_dimension(applied, index))
         };
         let mut arguments: Vec<Notation> = applied.arguments.iter().enumerate().map(argument).collect();
+        if applied.operation == Operation::Group && arguments.len() == 1 {
+            return arguments.remove(0);
+        }
         if applied.operation == Operation::Call(CallOrder(Function::Power))
             && let (Some(exponent), Some(base)) = (arguments.pop(), arguments.pop())
         {
@@ -149,6 +152,8 @@ impl<'a> Writer<'a> {
             Operation::Maximum => "max".to_owned(),
             Operation::Limit => "limit".to_owned(),
             Operation::Sign => "sign".to_owned(),
+            // A group is written without a function.
+            Operation::Group => String::new(),
         }
     }
 

@@ -4,14 +4,11 @@
 //! and that of the minimum of a maximum has one absolute value inside another. The second one is first rewritten as the
 //! first one.
 
-use std::sync::Arc;
-
 use num_traits::{One as _, Signed as _};
 
 use super::{Item, coefficient, with_maxima};
 use crate::symbolic::{
-    Application, Atom, Fraction, Monomial, Operation, Polynomial, Rational, absolute, whole,
-    with_reduced_powers,
+    Atom, Fraction, Monomial, Operation, Polynomial, Rational, absolute, whole, with_reduced_powers,
 };
 
 /// The sum with one nested absolute value rewritten. `None` if there is none.
@@ -168,7 +165,7 @@ impl Knees {
         let (size, content) = (common_size(&written), common_constants(&arguments));
         let share = |sum: Polynomial| Fraction::from(sum.times_term(&content.power(-1), &size.recip()));
         let arguments = Vec::from(arguments.map(share));
-        let atom = Atom::Apply(Arc::new(Application { operation: Operation::Limit, arguments }));
+        let atom = Atom::function(Operation::Limit, arguments);
         let mut sum = constants;
         sum.add_term(content.times(&Monomial::power_of(atom, 1)), &(number * size));
         sum.times_term(&self.factor, &Rational::one())
