@@ -36,7 +36,7 @@ pub(super) const TOLERANCE: f64 = 1e-3;
 
 /// The terms in which two expressions of a quantity differ, for the present values of the parameters.
 pub(crate) fn differences(stated: &Fraction, wired: &Fraction, values: &dyn Values) -> Vec<TermDifference> {
-    let (divisors, [stated, wired]) = over_common_divisors(stated, wired);
+    let (divisors, [stated, wired]) = Fraction::over_common_divisors([stated, wired]);
     let [stated, wired] = [stated, wired].map(|sum| by_variables(&sum));
     let mut products: Vec<&Monomial> = stated.keys().chain(wired.keys()).collect();
     products.sort_unstable();
@@ -51,20 +51,6 @@ pub(crate) fn differences(stated: &Fraction, wired: &Fraction, values: &dyn Valu
         Some(TermDifference { stated: term(own, product), wired: term(other, product), kind })
     };
     products.into_iter().filter_map(difference).collect()
-}
-
-/// The numerators of two expressions over all their divisors, and these divisors.
-fn over_common_divisors(first: &Fraction, second: &Fraction) -> (Fraction, [Polynomial; 2]) {
-    let mut powers: BTreeMap<&Polynomial, u32> = BTreeMap::new();
-    for (divisor, power) in first.divisors().chain(second.divisors()) {
-        let own = powers.entry(divisor).or_default();
-        *own = power.max(*own);
-    }
-    let divisors = powers.iter().fold(Fraction::whole(1), |product, (divisor, power)| {
-        product.times(&Fraction::from((*divisor).clone()).power(*power as i32))
-    });
-    let numerators = [first, second].map(|fraction| fraction.times(&divisors).numerator().clone());
-    (divisors, numerators)
 }
 
 /// The factors of a sum by their product of variables. A factor is constant in a run.

@@ -105,13 +105,19 @@ impl Fraction {
             let numerator = self.numerator.plus(&other.numerator);
             return Fraction { numerator, divisors: self.divisors.clone() }.cancelled();
         }
-        let mut divisors = self.divisors.clone();
-        for (divisor, power) in &other.divisors {
-            let own = divisors.entry(divisor.clone()).or_default();
-            *own = (*own).max(*power);
-        }
+        let divisors = common_divisors(self, other);
         let numerator = self.numerator_over(&divisors).plus(&other.numerator_over(&divisors));
         Fraction { numerator, divisors }.reduced()
+    }
+
+    /// The product of all divisors of two expressions, and the numerators of both over it.
+    pub(crate) fn over_common_divisors(both: [&Fraction; 2]) -> (Fraction, [Polynomial; 2]) {
+        let divisors = common_divisors(both[0], both[1]);
+        let numerators = both.map(|fraction| fraction.numerator_over(&divisors));
+        let product = divisors.iter().fold(Fraction::whole(1), |product, (divisor, power)| {
+            product.times(&Fraction::from(divisor.clone()).power(*power as i32))
+        });
+        (product, numerators)
     }
 
     /// The difference.
@@ -349,6 +355,16 @@ impl From<Polynomial> for Fraction {
     fn from(numerator: Polynomial) -> Self {
         Fraction { numerator, divisors: BTreeMap::new() }
     }
+}
+
+/// The divisors of two expressions, each with its larger power.
+fn common_divisors(first: &Fraction, second: &Fraction) -> BTreeMap<Polynomial, u32> {
+    let mut divisors = first.divisors.clone();
+    for (divisor, power) in &second.divisors {
+        let own = divisors.entry(divisor.clone()).or_default();
+        *own = (*own).max(*power);
+    }
+    divisors
 }
 
 /// Whether the number in front of the greatest product is negative.

@@ -8,9 +8,7 @@ mod limits;
 
 use num_traits::{One as _, Signed as _, Zero as _};
 
-use crate::symbolic::{
-    Atom, Fraction, Monomial, Operation, Polynomial, Rational, whole, with_reduced_powers,
-};
+use crate::symbolic::{Atom, Fraction, Monomial, Operation, Polynomial, Rational, whole, with_reduced_powers};
 use limits::{limited, unnested};
 
 /// A sum with its absolute values as limits, minima and maxima where that is shorter. A long sum keeps them, because the
@@ -45,7 +43,7 @@ pub(super) fn with_maxima(sum: &Polynomial) -> Polynomial {
 }
 
 /// Terms of a sum with minima and maxima at most.
-const LONGEST_SUM: usize = 200;
+const LONGEST_SUM: usize = 100;
 
 /// Most absolute values that are compared together: the number of choices is 3 to this power.
 const MOST_TOGETHER: usize = 6;
