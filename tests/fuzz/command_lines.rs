@@ -134,9 +134,9 @@ impl CommandLine<'_> {
 
     /// Adds the test values of a static check.
     fn test(&mut self, random: &mut SplitMix64) {
-        match random.below(4) {
-            0 => self.add(&["--test", "initial"]),
-            1 => self.add(&["--test", "random", "--seed", "3"]),
+        match random.below(6) {
+            0 | 1 => self.add(&["--test", "initial"]),
+            2..5 => self.add(&["--test", "random", "--seed", "3"]),
             _ => {
                 let value = format!("{}={}", self.signal(random), edge_number(random));
                 self.add(&["--test", &value]);
